@@ -1,0 +1,1 @@
+//! Discrete elements of Tremie: spheres, walls, contacts with friction

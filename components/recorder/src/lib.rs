@@ -1,0 +1,1 @@
+//! Writes a Tremie run to MCAP

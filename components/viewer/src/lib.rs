@@ -1,0 +1,1 @@
+//! Streams a Tremie run into Rerun

@@ -1,0 +1,2 @@
+//! Minimal fluid.
+fn main() {}

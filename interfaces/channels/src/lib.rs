@@ -1,0 +1,1 @@
+//! Shared-memory channels of Tremie: the only code that touches iceoryx2

@@ -1,0 +1,41 @@
+//! What Tremie's components say to each other.
+//!
+//! Two kinds of things live here. *Messages* cross shared memory in every coupling window: plain
+//! `repr(C)` values in SI units, world frame, `f64`, without pointers ([`body`], [`stamp`],
+//! [`control`], [`frame`]). *Documents* cross once, as JSON, when a component starts: the scene
+//! and the start contract ([`scene`], [`start`], [`schedule`]). Nothing here knows how they travel.
+
+pub mod body;
+pub mod problem;
+pub mod role;
+pub mod scene;
+pub mod stamp;
+
+pub use body::{BodyEvent, BodyState, Load};
+pub use problem::Problem;
+pub use role::Role;
+pub use stamp::Stamp;
+
+/// Version of everything in this crate that crosses a process boundary. A component of another
+/// version is refused at the handshake, before anything is computed.
+pub const INTERFACE_VERSION: u32 = 1;
+
+/// A value that may cross shared memory.
+///
+/// # Safety
+/// The type is `repr(C)`, has no padding that is read, holds no pointer, reference or handle, and
+/// every bit pattern that a sender of the same interface version can write is a valid value. Its
+/// [`Message::TYPE_NAME`] changes whenever its layout does.
+pub unsafe trait Message: Copy + Send + Sync + std::fmt::Debug + 'static {
+    /// Name of the type and its layout across processes and languages.
+    const TYPE_NAME: &'static str;
+}
+
+// SAFETY: plain numbers.
+unsafe impl Message for f64 {
+    const TYPE_NAME: &'static str = "f64";
+}
+// SAFETY: plain numbers.
+unsafe impl Message for u8 {
+    const TYPE_NAME: &'static str = "u8";
+}

@@ -1,0 +1,33 @@
+//! What a component stands for in a run.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What a component stands for. Components with a role take part in the physics; observers watch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// Takes poses of bodies, gives loads on them.
+    Fluid,
+    /// Takes loads on bodies, gives their poses and the events of their lives.
+    Grains,
+    /// Watches; physics never waits for it longer than its bounded buffer allows.
+    Observer,
+}
+
+impl Role {
+    /// Name as manifests and messages write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Role::Fluid => "fluid",
+            Role::Grains => "grains",
+            Role::Observer => "observer",
+        }
+    }
+}
+
+impl std::fmt::Display for Role {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}

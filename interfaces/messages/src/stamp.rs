@@ -1,0 +1,43 @@
+//! The stamp on every message: which exchange of which run it belongs to.
+
+use crate::Message;
+use serde::{Deserialize, Serialize};
+
+/// Says of a message to which exchange it belongs. A receiver knows from its script which stamp
+/// must come next; any other is a fault.
+///
+/// Exchange 0 is the start exchange at time zero; exchange `k` ends coupling window `k`
+/// (windows are numbered from 1). Time is counted in ticks so that clocks cannot drift apart;
+/// the length of a tick is in the start contract ([`crate::start::Clock`]).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stamp {
+    /// Id of the run.
+    pub run: u64,
+    /// Coupling window that ends with this message; 0 for the start exchange.
+    pub window: u64,
+    /// Simulated time in ticks at which the content holds.
+    pub ticks: u64,
+    /// Number of the last event list that the content takes into account. Loads carry the number
+    /// of the list that they answer, so that a changed set of bodies never meets old loads.
+    pub events: u64,
+    /// Substeps that the sender made in this window (0 in the start exchange).
+    pub substep: u32,
+    /// Iteration inside a substep; 0 outside the rubber loop.
+    pub iteration: u32,
+}
+
+// SAFETY: six integers, 40 bytes, no padding.
+unsafe impl Message for Stamp {
+    const TYPE_NAME: &'static str = "tremie.Stamp.1";
+}
+
+impl std::fmt::Display for Stamp {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "window {}, substep {}, tick {}, event list {}, run {:016x}",
+            self.window, self.substep, self.ticks, self.events, self.run
+        )
+    }
+}

@@ -1,0 +1,2 @@
+//! The `tremie` program.
+fn main() {}
