@@ -6,10 +6,15 @@
 //! and the start contract ([`scene`], [`start`], [`schedule`]). Nothing here knows how they travel.
 
 pub mod body;
+pub mod control;
+pub mod frame;
 pub mod problem;
 pub mod role;
 pub mod scene;
+pub mod schedule;
 pub mod stamp;
+pub mod start;
+pub mod units;
 
 pub use body::{BodyEvent, BodyState, Load};
 pub use problem::Problem;

@@ -1,0 +1,49 @@
+//! What crosses between the orchestrator and a component while windows run.
+
+use crate::{Message, Stamp};
+
+/// The orchestrator's word to a component: how far it may go, or that it must end.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Credit {
+    /// Id of the run.
+    pub run: u64,
+    /// Last window that the component may advance through.
+    pub window: u64,
+    /// [`Credit::ADVANCE`], [`Credit::FINISH`] or [`Credit::ABORT`].
+    pub command: u64,
+}
+
+impl Credit {
+    /// Windows up to and including `window` may be advanced.
+    pub const ADVANCE: u64 = 0;
+    /// `window` is the last: end in good order after it.
+    pub const FINISH: u64 = 1;
+    /// End at once; another component failed or the user asked for it.
+    pub const ABORT: u64 = 2;
+}
+
+/// A component's account of one window, sent to the orchestrator with its signals as payload.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// The window that it accounts for, with the substeps really made.
+    pub stamp: Stamp,
+    /// Wall time spent computing [ns].
+    pub compute: u64,
+    /// Wall time spent waiting for peers [ns].
+    pub wait: u64,
+    /// Wall time spent in sending and bookkeeping [ns].
+    pub exchange: u64,
+    /// Cells, grains or whatever the component counts as its work in this window, times substeps.
+    pub work: u64,
+}
+
+// SAFETY: three words, no padding.
+unsafe impl Message for Credit {
+    const TYPE_NAME: &'static str = "tremie.Credit.1";
+}
+// SAFETY: a stamp of 40 bytes and four words, no padding.
+unsafe impl Message for Report {
+    const TYPE_NAME: &'static str = "tremie.Report.1";
+}

@@ -1,0 +1,84 @@
+//! What observers see: frames, sent at the observer's own rate and never waited for by physics
+//! longer than the channel's buffer allows.
+
+use crate::{BodyState, Message, Stamp};
+
+/// A body as an observer sees it. 144 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodySample {
+    /// Pose and velocity.
+    pub state: BodyState,
+    /// Radius of a sphere [m].
+    pub radius: f64,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Index into the scene's body sets.
+    pub set: u64,
+    /// One of [`crate::BodyEvent`]'s motions.
+    pub motion: u64,
+}
+
+/// A plane cut through a field, sampled on a regular grid.
+///
+/// Node `(i, j)` of the payload, at index `i + count[0] * j`, lies at `origin + i * step[0] + j * step[1]`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SliceHeader {
+    /// When.
+    pub stamp: Stamp,
+    /// Position of node (0, 0) [m].
+    pub origin: [f64; 3],
+    /// Step to the next node along each of the two grid directions [m].
+    pub step: [[f64; 3]; 2],
+    /// Number of nodes along each of the two grid directions.
+    pub count: [u64; 2],
+}
+
+/// A node of a slice.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SliceNode {
+    /// Fluid velocity, or the body's where the node is solid [m/s].
+    pub velocity: [f32; 3],
+    /// Pressure relative to the fluid at rest, without its hydrostatic part [Pa].
+    pub pressure: f32,
+    /// 1 where the node lies in a solid, else 0.
+    pub solid: u32,
+}
+
+/// A line of the run's log, the text as payload in UTF-8.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LogHeader {
+    /// When; the window of the last report where the orchestrator speaks.
+    pub stamp: Stamp,
+    /// [`LogHeader::INFO`], [`LogHeader::WARNING`] or [`LogHeader::ERROR`].
+    pub level: u64,
+}
+
+impl LogHeader {
+    /// Something that a reader wants to know.
+    pub const INFO: u64 = 0;
+    /// Something that may spoil a result.
+    pub const WARNING: u64 = 1;
+    /// Something that ended the run.
+    pub const ERROR: u64 = 2;
+}
+
+// SAFETY: BodyState (112 bytes, align 8) and four words, no padding.
+unsafe impl Message for BodySample {
+    const TYPE_NAME: &'static str = "tremie.BodySample.1";
+}
+// SAFETY: 40 bytes, then eleven words, no padding.
+unsafe impl Message for SliceHeader {
+    const TYPE_NAME: &'static str = "tremie.SliceHeader.1";
+}
+// SAFETY: five words of 4 bytes, no padding.
+unsafe impl Message for SliceNode {
+    const TYPE_NAME: &'static str = "tremie.SliceNode.1";
+}
+// SAFETY: 40 bytes and a word, no padding.
+unsafe impl Message for LogHeader {
+    const TYPE_NAME: &'static str = "tremie.LogHeader.1";
+}

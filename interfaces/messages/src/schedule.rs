@@ -1,0 +1,101 @@
+//! What a component does in a window, in which order: its script.
+//!
+//! The orchestrator derives the scripts of all components from the plan, once; each component
+//! then follows its own, and every message carries the stamp that the script foretells.
+
+use serde::{Deserialize, Serialize};
+
+/// How fluid and grains take turns.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum Schedule {
+    /// One after the other (Gauss-Seidel), the order of Mutabaruka and Kamrin (2018): grains advance
+    /// under the loads of the window before, then the fluid with the bodies at the window's end.
+    #[default]
+    Serial,
+    /// At the same time (Jacobi): the fluid takes the bodies at the window's start, the grains the
+    /// loads of the window before. One window more of lag.
+    Parallel,
+}
+
+/// What travels on an edge between two components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Content {
+    /// [`crate::BodyEvent`]s of a window, even none.
+    Events,
+    /// [`crate::BodyState`]s at a window's end.
+    State,
+    /// [`crate::Load`]s found in a window.
+    Load,
+}
+
+impl Content {
+    /// Name in services and messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Content::Events => "events",
+            Content::State => "state",
+            Content::Load => "load",
+        }
+    }
+}
+
+/// A directed channel between two components, with one sender and one receiver.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Edge {
+    /// Sending component.
+    pub from: String,
+    /// Receiving component.
+    pub to: String,
+    /// What travels.
+    pub content: Content,
+    /// Name of the shared-memory service.
+    pub service: String,
+    /// Most values in one message.
+    pub capacity: u64,
+    /// Most messages under way.
+    pub depth: u64,
+    /// Substeps that the sender makes in a window: what its stamps carry.
+    pub sender_substeps: u32,
+    /// How many event lists the content lags behind its own window (1 for loads of a parallel schedule).
+    pub events_lag: u64,
+}
+
+impl Edge {
+    /// `grains -> fluid, state`: how messages call this edge.
+    pub fn label(&self) -> String {
+        format!("{} -> {}, {}", self.from, self.to, self.content.name())
+    }
+}
+
+/// One operation of a script. Edges are indices into the component's list of edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Op {
+    /// Take the message of an edge for the window that is `lag` before the present one.
+    Receive {
+        /// Which edge.
+        edge: usize,
+        /// Windows before the present one.
+        lag: u64,
+    },
+    /// Advance through the window (in the start exchange: only look at what is there).
+    Advance,
+    /// Send the present window's message on an edge.
+    Send {
+        /// Which edge.
+        edge: usize,
+    },
+}
+
+/// What a component does: once in the start exchange, then in every window.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Script {
+    /// Start exchange (window 0).
+    pub start: Vec<Op>,
+    /// Every window from 1 on.
+    pub window: Vec<Op>,
+}

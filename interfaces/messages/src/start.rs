@@ -1,0 +1,334 @@
+//! The start contract: how a component process is started, asked what it is, and told what to do.
+//!
+//! It is plain text, so that any language can take part. The orchestrator starts the program with
+//! the environment variable [`INTERFACE_VARIABLE`] set and speaks with it in lines of JSON, one
+//! [`Request`] or [`Reply`] a line: requests on the component's standard input, replies on its
+//! standard output. Standard error is the component's own, and lands in the run's log.
+//!
+//! ```text
+//! orchestrator                         component
+//!   {"hello": {..}}            ->
+//!                              <-      {"description": {..}}   or {"refusal": {..}}
+//!   {"assignment": {..}}       ->
+//!                              <-      {"ready": {..}}         or {"refusal": {..}}
+//!        windows run over shared memory: credit, reports, edges, frames
+//!                              <-      {"finished": {..}}      or {"fault": {..}}
+//!   {"quit": {}}               ->      (closes its channels and exits with code 0)
+//! ```
+//!
+//! End of input at any time means that the orchestrator is gone: the component ends at once.
+
+use crate::schedule::{Edge, Script};
+use crate::{Problem, Role, scene::Scene};
+use serde::{Deserialize, Serialize};
+
+/// Environment variable that tells a program that it was started as a component; its value is the
+/// interface version in decimal.
+pub const INTERFACE_VARIABLE: &str = "TREMIE_INTERFACE";
+
+/// A line from the orchestrator to a component.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Request {
+    /// Who are you, and can you do this?
+    Hello(Box<Hello>),
+    /// Do this.
+    Assignment(Box<Assignment>),
+    /// Close everything and exit.
+    Quit {},
+}
+
+/// A line from a component to the orchestrator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reply {
+    /// Answers [`Request::Hello`].
+    Description(Box<Description>),
+    /// The input is wrong; each problem names its key.
+    Refusal {
+        /// What is wrong.
+        problems: Vec<Problem>,
+    },
+    /// All channels are open; answers [`Request::Assignment`].
+    Ready {},
+    /// The last window is done and every message sent.
+    Finished {
+        /// Last window that the component completed.
+        window: u64,
+        /// What an observer wrote or lost, for the run's summary; empty for physics.
+        note: String,
+    },
+    /// Something failed; the component ends.
+    Fault(Fault),
+}
+
+/// First request: what the component will take part in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hello {
+    /// Interface version of the orchestrator; a component of another version refuses.
+    pub interface: u32,
+    /// Id of the run.
+    pub run: u64,
+    /// Name of the component in this run.
+    pub component: String,
+    /// What it shall stand for.
+    pub role: Role,
+    /// What is simulated.
+    pub scene: Scene,
+    /// The component's own table in the manifest, as written there (units and all).
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+    /// Threads that it may use to compute.
+    pub threads: u32,
+    /// Folder of the run's outputs, for observers.
+    pub output: String,
+}
+
+/// What a component is and needs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// Interface version that the component was built for.
+    pub interface: u32,
+    /// Program and version, for the log.
+    pub program: String,
+    /// The step that it would take: the largest that is stable and accurate, or the user's [s].
+    /// `None` for observers, and for solvers that can take any step.
+    pub step: Option<f64>,
+    /// Number of bodies that it brings (grains).
+    pub bodies: u64,
+    /// Scalars that it reports every window.
+    pub signals: Vec<Signal>,
+    /// Cuts that it can send to observers.
+    pub slices: Vec<SliceSpec>,
+    /// What one unit of [`crate::control::Report::work`] is: `cell updates`, `grain steps`.
+    pub work: String,
+    /// Lines for the plan: resolution, dimensionless numbers, memory.
+    pub notes: Vec<String>,
+    /// Doubtful things, with the remedy.
+    pub warnings: Vec<String>,
+    /// Resolution, for the summary: name and value, as `cells per diameter = 16`.
+    pub resolution: std::collections::BTreeMap<String, f64>,
+}
+
+/// A scalar that a component reports every window.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Signal {
+    /// Name, in snake case; the run calls it `component.name`.
+    pub name: String,
+    /// SI unit, `1` if it has none.
+    pub unit: String,
+}
+
+/// A plane cut that a component can send.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SliceSpec {
+    /// Name, unique in the component.
+    pub name: String,
+    /// Number of nodes.
+    pub nodes: u64,
+}
+
+/// Time in a run: integer ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clock {
+    /// Length of a tick [s].
+    pub tick: f64,
+    /// Ticks in a coupling window.
+    pub ticks_per_window: u64,
+}
+
+impl Clock {
+    /// Length of a window [s].
+    pub fn window(&self) -> f64 {
+        self.tick * self.ticks_per_window as f64
+    }
+
+    /// Simulated time at `ticks` [s].
+    pub fn seconds(&self, ticks: u64) -> f64 {
+        self.tick * ticks as f64
+    }
+}
+
+/// Second request: what the component has to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Assignment {
+    /// Ticks and windows.
+    pub clock: Clock,
+    /// Number of windows in the run.
+    pub windows: u64,
+    /// Substeps of this component in a window (`sync_iter`).
+    pub substeps: u32,
+    /// Length of one of them [s].
+    pub step: f64,
+    /// Most bodies that can live at once.
+    pub body_capacity: u64,
+    /// Edges that this component sends or receives on; scripts index this list.
+    pub edges: Vec<Edge>,
+    /// What to do in each window.
+    pub script: Script,
+    /// Frames to send (physics) or to take (observers).
+    pub frames: Vec<FrameStream>,
+    /// How to reach the others.
+    pub transport: Transport,
+    /// Faults to commit on purpose, for tests of a run's guards.
+    pub injections: Vec<Injection>,
+}
+
+/// Where shared memory of a run is found, and how long to wait.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Transport {
+    /// `true`: processes (`ipc`); `false`: threads of one process (`local`).
+    pub between_processes: bool,
+    /// Folder of the run's shared-memory bookkeeping, readable by its user only.
+    pub root: String,
+    /// Prefix of the names of everything that the run puts into shared memory.
+    pub prefix: String,
+    /// Service that carries [`crate::control::Credit`] to this component.
+    pub credit_service: String,
+    /// Service that carries [`crate::control::Report`] from this component.
+    pub report_service: String,
+    /// Most reports under way; credit never runs further ahead.
+    pub report_depth: u64,
+    /// Longest wait for a peer's message [s]; after it the peer counts as hung.
+    pub deadline: f64,
+    /// How long to poll before blocking [s].
+    pub poll: f64,
+}
+
+/// What a frame holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrameContent {
+    /// [`crate::frame::BodySample`]s of all bodies.
+    Bodies,
+    /// A cut of that name: [`crate::frame::SliceNode`]s.
+    Slice(String),
+    /// The component's signals, in the order of its description, with that order given here.
+    Signals(Vec<Signal>),
+    /// Lines of the log (sent by the orchestrator).
+    Log,
+}
+
+/// A stream of frames from a component to an observer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrameStream {
+    /// Sending component.
+    pub from: String,
+    /// Receiving observer.
+    pub to: String,
+    /// What a frame holds.
+    pub content: FrameContent,
+    /// A frame every so many windows, and one of the start exchange.
+    pub every: u64,
+    /// `true`: the sender waits (boundedly) for room; `false`: the oldest frame gives way.
+    pub lossless: bool,
+    /// Name of the shared-memory service.
+    pub service: String,
+    /// Most values in a frame.
+    pub capacity: u64,
+    /// Most frames under way.
+    pub depth: u64,
+}
+
+/// What went wrong in a component, both sides named.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fault {
+    /// Kind of the fault.
+    pub kind: FaultKind,
+    /// Component that noticed.
+    pub noticed_by: String,
+    /// Component that is to blame, if that is known; else the one that noticed.
+    pub blamed: String,
+    /// Window in which it happened.
+    pub window: u64,
+    /// What was expected and what was found, a sentence.
+    pub message: String,
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} failed at window {}: {}",
+            self.blamed, self.window, self.message
+        )?;
+        if self.noticed_by != self.blamed {
+            write!(f, " (noticed by {})", self.noticed_by)?;
+        }
+        Ok(())
+    }
+}
+
+/// Kinds of faults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// A message carries another stamp than the schedule foretells.
+    Stamp,
+    /// A message holds another number of values, or bodies of other ids, than foretold.
+    Count,
+    /// A number is not finite.
+    NotFinite,
+    /// A peer's message did not come in time.
+    Deadline,
+    /// A component made more or fewer substeps than assigned.
+    Substeps,
+    /// The solver itself failed.
+    Solver,
+    /// A channel failed.
+    Channel,
+    /// A component's process ended without a word.
+    Exit,
+    /// The start contract was broken.
+    Contract,
+}
+
+/// A fault to commit on purpose in one window.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Injection {
+    /// What to do.
+    pub kind: InjectionKind,
+    /// In which window.
+    pub window: u64,
+}
+
+/// Faults that a component can be made to commit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InjectionKind {
+    /// Do not send.
+    Drop,
+    /// Send twice.
+    Duplicate,
+    /// Send with the stamp of the window before.
+    Stale,
+    /// Send one value too few.
+    Count,
+    /// Send a value that is not a number.
+    Nan,
+    /// Stop doing anything, alive.
+    Hang,
+    /// Exit with code 0 in the middle.
+    Exit,
+    /// End by SIGKILL.
+    Kill,
+    /// Make one substep too many.
+    SubstepMore,
+    /// Make one substep too few.
+    SubstepLess,
+}
+
+impl InjectionKind {
+    /// All kinds, with their names.
+    pub const ALL: [(InjectionKind, &'static str); 10] = [
+        (InjectionKind::Drop, "drop"),
+        (InjectionKind::Duplicate, "duplicate"),
+        (InjectionKind::Stale, "stale"),
+        (InjectionKind::Count, "count"),
+        (InjectionKind::Nan, "nan"),
+        (InjectionKind::Hang, "hang"),
+        (InjectionKind::Exit, "exit"),
+        (InjectionKind::Kill, "kill"),
+        (InjectionKind::SubstepMore, "substep-more"),
+        (InjectionKind::SubstepLess, "substep-less"),
+    ];
+}

@@ -1,0 +1,222 @@
+//! Physical quantities as a user writes them: a number and a unit, `"0.3 mm"`.
+//!
+//! Each type holds the value in SI units and reads a string through the `uom` crate. Units may be
+//! written in ASCII (`kg/m3`, `m/s2`, `um`, `Pa s`); a bare number is refused, because it does not
+//! say what it means.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use std::borrow::Cow;
+use uom::si::f64 as si;
+
+/// Unit spellings as `uom` knows them, from those that a keyboard types.
+fn to_uom_spelling(unit: &str) -> String {
+    let unit = unit.trim().replace(['*', '·'], " ");
+    let unit = unit.split_whitespace().collect::<Vec<_>>().join(" · ");
+    let unit = unit.replace("^2", "²").replace("^3", "³").replace('μ', "µ");
+    let mut out = String::with_capacity(unit.len() + 4);
+    let mut previous = ' ';
+    for c in unit.chars() {
+        match c {
+            '2' if previous.is_alphabetic() => out.push('²'),
+            '3' if previous.is_alphabetic() => out.push('³'),
+            _ => out.push(c),
+        }
+        previous = c;
+    }
+    match out.strip_prefix('u') {
+        Some(rest) if !rest.is_empty() => format!("µ{rest}"),
+        _ => out,
+    }
+}
+
+/// Why a string is not the quantity that was asked for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("found {found}, expected {kind} with a unit, as \"{example}\"")]
+pub struct NotAQuantity {
+    /// What stood there.
+    pub found: String,
+    /// What was asked for.
+    pub kind: &'static str,
+    /// How it could be written.
+    pub example: &'static str,
+}
+
+macro_rules! quantities {
+    ($($(#[$doc:meta])* $name:ident, $uom:ident, $kind:literal, $example:literal, $si:literal;)+) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+        pub struct $name(pub f64);
+
+        impl std::str::FromStr for $name {
+            type Err = NotAQuantity;
+
+            fn from_str(text: &str) -> Result<Self, NotAQuantity> {
+                let wrong = || NotAQuantity {
+                    found: format!("\"{text}\""),
+                    kind: $kind,
+                    example: $example,
+                };
+                let text = text.trim();
+                let (number, unit) = text.split_once(char::is_whitespace).ok_or_else(wrong)?;
+                let spelled = format!("{number} {}", to_uom_spelling(unit));
+                let value = spelled.parse::<si::$uom>().map_err(|_| wrong())?.value;
+                if value.is_finite() { Ok(Self(value)) } else { Err(wrong()) }
+            }
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                write!(f, concat!("{} ", $si), self.0)
+            }
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_any(QuantityVisitor {
+                    kind: $kind,
+                    example: $example,
+                    parse: |text| text.parse(),
+                })
+            }
+        }
+
+        impl JsonSchema for $name {
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                schemars::json_schema!({
+                    "type": "string",
+                    "description": concat!($kind, " with a unit"),
+                    "examples": [$example],
+                })
+            }
+        }
+    )+};
+}
+
+quantities! {
+    /// A length [m].
+    Length, Length, "a length", "0.3 mm", "m";
+    /// A duration [s].
+    Time, Time, "a time", "20 ms", "s";
+    /// A speed or a component of a velocity [m/s].
+    Velocity, Velocity, "a velocity", "0.1 m/s", "m/s";
+    /// An angular velocity [rad/s].
+    AngularVelocity, AngularVelocity, "an angular velocity", "2 rad/s", "rad/s";
+    /// An acceleration [m/s²].
+    Acceleration, Acceleration, "an acceleration", "9.81 m/s2", "m/s2";
+    /// A mass density [kg/m³].
+    Density, MassDensity, "a density", "970 kg/m3", "kg/m3";
+    /// A dynamic viscosity [Pa·s].
+    Viscosity, DynamicViscosity, "a dynamic viscosity", "1 mPa s", "Pa s";
+    /// A stiffness [N/m].
+    Stiffness, SurfaceTension, "a stiffness", "1e5 N/m", "N/m";
+    /// The coefficient of a dashpot [kg/s].
+    Dashpot, MassRate, "a dashpot coefficient", "3 kg/s", "kg/s";
+    /// A frequency [1/s].
+    Frequency, Frequency, "a frequency", "30 Hz", "Hz";
+}
+
+/// Reads a quantity from a string and says, of anything else, what was expected.
+struct QuantityVisitor<T> {
+    kind: &'static str,
+    example: &'static str,
+    parse: fn(&str) -> Result<T, NotAQuantity>,
+}
+
+impl<T> QuantityVisitor<T> {
+    fn refuse<E: de::Error>(&self, found: String) -> E {
+        E::custom(NotAQuantity {
+            found,
+            kind: self.kind,
+            example: self.example,
+        })
+    }
+}
+
+impl<T> de::Visitor<'_> for QuantityVisitor<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} with a unit, as \"{}\"", self.kind, self.example)
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<T, E> {
+        (self.parse)(text).map_err(E::custom)
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<T, E> {
+        Err(self.refuse(format!("the bare number {value}")))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<T, E> {
+        Err(self.refuse(format!("the bare number {value}")))
+    }
+
+    fn visit_u64<E: de::Error>(self, value: u64) -> Result<T, E> {
+        Err(self.refuse(format!("the bare number {value}")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_what_a_user_types() {
+        assert_eq!("0.3 mm".parse::<Length>().unwrap().0, 0.3e-3);
+        assert_eq!("5 um".parse::<Length>().unwrap().0, 5.0 * 1e-6);
+        assert_eq!("970 kg/m3".parse::<Density>().unwrap().0, 970.0);
+        assert_eq!("970 kg/m^3".parse::<Density>().unwrap().0, 970.0);
+        assert_eq!("0.373 Pa s".parse::<Viscosity>().unwrap().0, 0.373);
+        assert_eq!("0.373 Pa*s".parse::<Viscosity>().unwrap().0, 0.373);
+        assert!(("1 mPa s".parse::<Viscosity>().unwrap().0 - 1e-3).abs() < 1e-18);
+        assert!(("1 cP".parse::<Viscosity>().unwrap().0 - 1e-3).abs() < 1e-18);
+        assert_eq!("-9.81 m/s2".parse::<Acceleration>().unwrap().0, -9.81);
+        assert_eq!("1e7 N/m".parse::<Stiffness>().unwrap().0, 1e7);
+        assert_eq!("3 kg/s".parse::<Dashpot>().unwrap().0, 3.0);
+        assert_eq!("2 min".parse::<Time>().unwrap().0, 120.0);
+        assert_eq!("100 Hz".parse::<Frequency>().unwrap().0, 100.0);
+        assert_eq!("1 rad/s".parse::<AngularVelocity>().unwrap().0, 1.0);
+    }
+
+    #[test]
+    fn refuses_what_is_not_a_quantity_of_that_kind() {
+        for text in ["1 kg", "1", "mm", "1mm", "one mm", "", "inf m", "1 m m"] {
+            let message = text.parse::<Length>().unwrap_err().to_string();
+            assert!(message.contains("a length"), "{message}");
+            assert!(message.contains(text), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_bare_number_is_refused_with_an_example() {
+        let message = serde_json::from_str::<Length>("3").unwrap_err().to_string();
+        assert!(message.contains("bare number 3"), "{message}");
+        assert!(message.contains("0.3 mm"), "{message}");
+    }
+
+    #[test]
+    fn what_is_written_reads_back_equal() {
+        for value in [1.0, 0.1, 1.0 / 3.0, 1.2e-7, 16.0e20] {
+            assert_eq!(
+                Length(value).to_string().parse::<Length>().unwrap(),
+                Length(value)
+            );
+            let json = serde_json::to_string(&Viscosity(value)).unwrap();
+            assert_eq!(
+                serde_json::from_str::<Viscosity>(&json).unwrap(),
+                Viscosity(value)
+            );
+        }
+    }
+}
