@@ -1,0 +1,25 @@
+//! What a component knows of its run when it is created.
+
+use serde::de::DeserializeOwned;
+use tremie_messages::Problem;
+use tremie_messages::start::{Assignment, Hello};
+
+/// What a component knows of its run: the hello, and later the assignment.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Scene, role, parameters, threads.
+    pub hello: Hello,
+    /// Steps, windows, streams; `None` while the component is only asked to describe itself.
+    pub assignment: Option<Assignment>,
+}
+
+impl Setup {
+    /// The component's parameters as a type of its own.
+    ///
+    /// # Errors
+    /// A problem that names the key, what was found and what was expected; an unknown key comes with
+    /// the nearest valid one.
+    pub fn parameters<P: DeserializeOwned>(&self) -> Result<P, Vec<Problem>> {
+        crate::parameters::read(&self.hello.parameters)
+    }
+}
