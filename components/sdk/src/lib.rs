@@ -1,9 +1,34 @@
 //! What the author of a Tremie component needs.
+//!
+//! Implement [`Fluid`], [`Grains`] or [`Observer`], and call [`main_fluid`] (or its like) from
+//! `main`. The sdk does the rest: the start contract, shared memory, stamps, deadlines, frames for
+//! observers, and the guards that turn every failure into a fault with both sides named.
+//!
+//! `examples/minimal-fluid` is a whole fluid of about a hundred lines.
 
+mod context;
+mod fluid;
+mod frames;
+mod grains;
+pub mod line;
+mod observe;
 pub mod observer;
 pub mod parameters;
+mod physics;
+mod ports;
+mod program;
+mod role;
+mod serve;
 pub mod setup;
+mod stop;
 
+pub use context::credit_spec;
+pub use frames::frame_spec;
+pub use line::Line;
 pub use observer::{Moment, Observer, ObserverError};
+pub use physics::{Fluid, Grains, SolverError};
+pub use program::{
+    main_fluid, main_grains, main_observer, main_of, run_fluid, run_grains, run_observer,
+};
 pub use setup::Setup;
 pub use tremie_messages as messages;

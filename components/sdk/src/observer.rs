@@ -34,7 +34,12 @@ pub trait Observer: Sized {
     fn open(setup: &Setup) -> Result<Self, ObserverError>;
 
     /// All bodies at one moment; `from` is the sending component.
-    fn bodies(&mut self, from: &str, at: Moment, bodies: &[BodySample]) -> Result<(), ObserverError>;
+    fn bodies(
+        &mut self,
+        from: &str,
+        at: Moment,
+        bodies: &[BodySample],
+    ) -> Result<(), ObserverError>;
 
     /// A cut through a field.
     fn slice(
@@ -59,6 +64,7 @@ pub trait Observer: Sized {
     fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError>;
 
     /// The run is over and every frame was delivered; `last_common_window` is the last one that all
-    /// components completed. Returns a note for the run's summary.
-    fn close(self, last_common_window: u64) -> Result<String, ObserverError>;
+    /// components completed. Returns a note for the run's summary. What the observer serves may stay
+    /// up until it is dropped.
+    fn close(&mut self, last_common_window: u64) -> Result<String, ObserverError>;
 }

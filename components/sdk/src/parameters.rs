@@ -20,13 +20,21 @@ pub fn read<P: DeserializeOwned>(parameters: &Map<String, Value>) -> Result<P, V
 
 /// Turns serde's sentence on an unknown field into one that names the nearest valid key.
 pub fn explain(path: &str, message: &str) -> Problem {
-    match message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
+    match message
+        .strip_prefix("unknown field `")
+        .and_then(|rest| rest.split_once('`'))
+    {
         Some((unknown, rest)) => {
             // serde_path_to_error ends the path with the unknown field itself.
             let key = if path.rsplit('.').next() == Some(unknown) {
                 path.to_string()
             } else {
-                [path, unknown].iter().filter(|part| !part.is_empty()).copied().collect::<Vec<_>>().join(".")
+                [path, unknown]
+                    .iter()
+                    .filter(|part| !part.is_empty())
+                    .copied()
+                    .collect::<Vec<_>>()
+                    .join(".")
             };
             let valid: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
             let problem = Problem::of_parameter(&key, format!("unknown key \"{unknown}\""));

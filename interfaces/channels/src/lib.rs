@@ -1,1 +1,27 @@
-//! Shared-memory channels of Tremie: the only code that touches iceoryx2
+//! Shared-memory channels between the components of a run.
+//!
+//! This crate is the only one that touches iceoryx2. Everything above it is generic over
+//! [`Between`]: [`Processes`] for components that are programs of their own, [`Threads`] for the
+//! same components inside one program. Values travel in place: a sender fills the memory that the
+//! receiver reads.
+//!
+//! Rules that iceoryx2 0.10 makes necessary, all kept here:
+//! * overflow is off on every lossless channel, and a full channel is an error after a deadline,
+//!   never a silent loss and never an endless wait;
+//! * nodes install no signal handlers;
+//! * every run has a folder and a name prefix of its own, so that runs never meet and what a
+//!   killed run left can be told apart and swept ([`sweep`]).
+
+mod attachment;
+mod bell;
+mod error;
+mod receiver;
+mod sender;
+pub mod sweep;
+mod wire;
+
+pub use attachment::{Attachment, Between, ChannelSpec, Processes, Threads};
+pub use bell::{Bell, Ringer, Wait};
+pub use error::ChannelError;
+pub use receiver::{Received, Receiver};
+pub use sender::{Loan, Sender};

@@ -51,6 +51,18 @@ pub enum Reply {
     },
     /// All channels are open; answers [`Request::Assignment`].
     Ready {},
+    /// The component has waited for some time for a peer. When all wait for each other, a message
+    /// was lost, and the orchestrator need not wait for the deadline to say so.
+    Waiting {
+        /// The peer.
+        from: String,
+        /// What the peer owes, as `state of window 7`.
+        what: String,
+        /// Window that the component works on.
+        window: u64,
+    },
+    /// The wait of the last [`Reply::Waiting`] is over.
+    Resumed {},
     /// The last window is done and every message sent.
     Finished {
         /// Last window that the component completed.

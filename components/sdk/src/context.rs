@@ -1,0 +1,299 @@
+//! What every step of a component's loop needs: who it is, how far it may go, how long it waited.
+
+use crate::line::Line;
+use crate::stop::Stop;
+use std::time::{Duration, Instant};
+use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, Wait};
+use tremie_messages::Stamp;
+use tremie_messages::control::{Credit, Report};
+use tremie_messages::schedule::Edge;
+use tremie_messages::start::{Assignment, Fault, FaultKind, Injection, InjectionKind, Reply};
+
+/// A wait longer than this is told to the orchestrator, which sees when all wait for each other.
+const LONG_WAIT: Duration = Duration::from_millis(60);
+
+/// Wall time spent in one window [ns].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spent {
+    /// In the solver.
+    pub compute: u64,
+    /// Waiting for peers or credit.
+    pub wait: u64,
+}
+
+/// A component's place in its run, while windows go by.
+pub struct Context<S: Between> {
+    /// Id of the run.
+    pub run: u64,
+    /// Name of the component.
+    pub component: String,
+    /// Its assignment.
+    pub assignment: Assignment,
+    /// Window that is being worked on; 0 in the start exchange.
+    pub window: u64,
+    /// Substeps to make in this window.
+    pub substeps: u32,
+    /// Time spent in this window.
+    pub spent: Spent,
+    /// Shared memory.
+    pub attachment: Attachment<S>,
+    bell: Bell<S>,
+    credit: Receiver<S, Stamp, Credit>,
+    report: Sender<S, Report, f64>,
+    /// Last window that may be advanced through; nothing before the start exchange is allowed.
+    granted: Option<u64>,
+    finish: bool,
+    line: Line,
+}
+
+impl<S: Between> Context<S> {
+    /// Attaches to the run's shared memory.
+    pub fn open(
+        run: u64,
+        component: &str,
+        assignment: Assignment,
+        signals: usize,
+        line: Line,
+    ) -> Result<Self, Box<(Stop, Line)>> {
+        match Self::ports(component, &assignment, signals) {
+            Ok((attachment, bell, credit, report)) => Ok(Self {
+                run,
+                component: component.to_string(),
+                window: 0,
+                substeps: 0,
+                spent: Spent::default(),
+                attachment,
+                bell,
+                credit,
+                report,
+                granted: None,
+                finish: false,
+                line,
+                assignment,
+            }),
+            Err(stop) => Err(Box::new((stop, line))),
+        }
+    }
+
+    #[allow(clippy::type_complexity)] // the four ports of a context, named where they are used
+    fn ports(
+        component: &str,
+        assignment: &Assignment,
+        signals: usize,
+    ) -> Result<
+        (
+            Attachment<S>,
+            Bell<S>,
+            Receiver<S, Stamp, Credit>,
+            Sender<S, Report, f64>,
+        ),
+        Stop,
+    > {
+        let transport = &assignment.transport;
+        let patience = Duration::from_secs_f64(transport.deadline);
+        let attachment = Attachment::open(&transport.root, &transport.prefix, component, patience)?;
+        let bell = Bell::hang(
+            &attachment,
+            component,
+            Duration::from_secs_f64(transport.poll),
+        )?;
+        let credit = attachment.receiver(credit_spec(&transport.credit_service))?;
+        let report = attachment.sender(ChannelSpec {
+            service: &transport.report_service,
+            capacity: signals,
+            depth: transport.report_depth as usize,
+            lossless: true,
+        })?;
+        Ok((attachment, bell, credit, report))
+    }
+
+    /// Speaks to the orchestrator.
+    pub fn line(&mut self) -> &mut Line {
+        &mut self.line
+    }
+
+    /// The stamp of this component's messages in the present window.
+    pub fn stamp(&self, events: u64) -> Stamp {
+        Stamp {
+            run: self.run,
+            window: self.window,
+            ticks: self.window * self.assignment.clock.ticks_per_window,
+            events,
+            substep: self.substeps,
+            iteration: 0,
+        }
+    }
+
+    /// The stamp that the message of `edge`, `lag` windows before the present one, must carry.
+    pub fn expected(&self, edge: &Edge, lag: u64) -> Stamp {
+        let window = self.window - lag;
+        Stamp {
+            run: self.run,
+            window,
+            ticks: window * self.assignment.clock.ticks_per_window,
+            events: window.saturating_sub(edge.events_lag),
+            substep: if window == 0 { 0 } else { edge.sender_substeps },
+            iteration: 0,
+        }
+    }
+
+    /// The fault to commit in this window, if there is one.
+    pub fn injection(&self) -> Option<InjectionKind> {
+        let now = |i: &&Injection| i.window == self.window;
+        self.assignment.injections.iter().find(now).map(|i| i.kind)
+    }
+
+    /// A fault that this component noticed in the present window.
+    pub fn fault(&self, kind: FaultKind, blamed: &str, message: String) -> Stop {
+        Stop::Fault(Fault {
+            kind,
+            noticed_by: self.component.clone(),
+            blamed: blamed.to_string(),
+            window: self.window,
+            message,
+        })
+    }
+
+    /// Waits until `check` gives something; ends at the deadline, or at once when aborted.
+    ///
+    /// `from` is the peer that is waited for, `what` what it owes, as `state of window 7`.
+    pub fn wait<T>(
+        &mut self,
+        from: &str,
+        what: &dyn Fn() -> String,
+        mut check: impl FnMut() -> Result<Option<T>, Stop>,
+    ) -> Result<T, Stop> {
+        if let Some(found) = check()? {
+            return Ok(found);
+        }
+        let begin = Instant::now();
+        let deadline = begin + Duration::from_secs_f64(self.assignment.transport.deadline);
+        let Self {
+            bell,
+            credit,
+            granted,
+            finish,
+            line,
+            component,
+            window,
+            ..
+        } = self;
+        let mut told = false;
+        let ended = bell.wait(deadline, || {
+            if let Some(found) = check()? {
+                return Ok(Some(found));
+            }
+            heed_credit(credit, granted, finish)?;
+            if !told && begin.elapsed() > LONG_WAIT {
+                told = true;
+                let waiting = Reply::Waiting {
+                    from: from.to_string(),
+                    what: what(),
+                    window: *window,
+                };
+                let _ = line.reply(&waiting);
+            }
+            Ok::<_, Stop>(None)
+        });
+        if told {
+            let _ = line.reply(&Reply::Resumed {});
+        }
+        self.spent.wait += begin.elapsed().as_nanos() as u64;
+        match ended? {
+            Wait::Ready(found) => Ok(found),
+            Wait::TimedOut => Err(Stop::Fault(Fault {
+                kind: FaultKind::Deadline,
+                noticed_by: component.clone(),
+                blamed: from.to_string(),
+                window: *window,
+                message: format!(
+                    "{} did not come within the deadline of {} s (run.deadline)",
+                    what(),
+                    self.assignment.transport.deadline
+                ),
+            })),
+        }
+    }
+
+    /// Waits for leave to work on `window`; `false` if the run ends before it.
+    pub fn may_start(&mut self, window: u64) -> Result<bool, Stop> {
+        let begin = Instant::now();
+        // The orchestrator may pause a run as long as its user likes: no deadline here. If it dies,
+        // the kernel ends this process with it.
+        let never = begin + Duration::from_secs(10 * 365 * 24 * 3600);
+        let Self {
+            bell,
+            credit,
+            granted,
+            finish,
+            ..
+        } = self;
+        let may = |granted: Option<u64>| granted.is_some_and(|last| last >= window);
+        bell.wait(never, || {
+            heed_credit(credit, granted, finish)?;
+            Ok::<_, Stop>((may(*granted) || *finish).then_some(()))
+        })?;
+        self.spent.wait += begin.elapsed().as_nanos() as u64;
+        Ok(may(self.granted))
+    }
+
+    /// Whether the orchestrator said that the run is over.
+    pub fn finish_requested(&mut self) -> Result<bool, Stop> {
+        heed_credit(&self.credit, &mut self.granted, &mut self.finish)?;
+        Ok(self.finish)
+    }
+
+    /// Last window that may be advanced through; the run's last one once finishing was requested.
+    pub fn granted(&self) -> Option<u64> {
+        self.granted
+    }
+
+    /// Sleeps until somebody rings, at most `nap`.
+    pub fn rest(&mut self, nap: Duration) -> Result<(), Stop> {
+        self.bell
+            .wait(Instant::now() + nap, || Ok::<Option<()>, Stop>(None))?;
+        Ok(())
+    }
+
+    /// Accounts for the present window.
+    pub fn send_report(&mut self, begin: Instant, work: u64, signals: &[f64]) -> Result<(), Stop> {
+        let total = begin.elapsed().as_nanos() as u64;
+        let Spent { compute, wait } = std::mem::take(&mut self.spent);
+        let report = Report {
+            stamp: self.stamp(self.window),
+            compute,
+            wait,
+            exchange: total.saturating_sub(compute + wait),
+            work: work * u64::from(self.substeps),
+        };
+        Ok(self.report.send_copy(report, signals)?)
+    }
+}
+
+/// The credit channel keeps the newest word only: words grow, and the last one counts.
+pub fn credit_spec(service: &str) -> ChannelSpec<'_> {
+    ChannelSpec {
+        service,
+        capacity: 1,
+        depth: 1,
+        lossless: false,
+    }
+}
+
+fn heed_credit<S: Between>(
+    credit: &Receiver<S, Stamp, Credit>,
+    granted: &mut Option<u64>,
+    finish: &mut bool,
+) -> Result<(), Stop> {
+    while let Some(message) = credit.take()? {
+        for word in message.values() {
+            match word.command {
+                Credit::ABORT => return Err(Stop::Aborted),
+                Credit::FINISH => *finish = true,
+                _ => {}
+            }
+            *granted = (*granted).max(Some(word.window));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,126 @@
+//! Frames for observers: sent by physics at the rate that the plan sets, never at the physics' cost.
+
+use crate::context::Context;
+use crate::stop::Stop;
+use tremie_channels::{Between, ChannelError, ChannelSpec, Ringer, Sender};
+use tremie_messages::frame::{BodySample, SliceHeader, SliceNode};
+use tremie_messages::start::{FrameContent, FrameStream};
+use tremie_messages::{BodyEvent, BodyState, Stamp};
+
+/// A stream of frames to one observer.
+enum Stream<S: Between> {
+    Bodies(Sender<S, Stamp, BodySample>),
+    Slice(String, Sender<S, SliceHeader, SliceNode>),
+    Signals(Sender<S, Stamp, f64>),
+}
+
+struct Outlet<S: Between> {
+    plan: FrameStream,
+    stream: Stream<S>,
+    ringer: Ringer<S>,
+    broken: bool,
+}
+
+/// All frames that a component sends.
+pub struct Frames<S: Between> {
+    outlets: Vec<Outlet<S>>,
+}
+
+/// The channel of a stream, as both ends must open it.
+pub fn frame_spec(plan: &FrameStream) -> ChannelSpec<'_> {
+    ChannelSpec {
+        service: &plan.service,
+        capacity: plan.capacity as usize,
+        depth: plan.depth as usize,
+        lossless: plan.lossless,
+    }
+}
+
+/// What a component can show.
+pub trait Shows {
+    /// Bodies, as they are, and what is known of each.
+    fn bodies(&self, _states: &mut Vec<BodyState>, _kinds: &mut Vec<BodyEvent>) {}
+    /// A cut through a field.
+    fn slice(&mut self, _name: &str, _nodes: &mut [SliceNode]) -> SliceHeader {
+        SliceHeader::default()
+    }
+}
+
+impl<S: Between> Frames<S> {
+    /// Opens the sending ends of all streams of this component.
+    pub fn open(context: &Context<S>) -> Result<Self, Stop> {
+        let mine = |plan: &&FrameStream| plan.from == context.component;
+        let mut outlets = Vec::new();
+        for plan in context.assignment.frames.iter().filter(mine) {
+            let spec = frame_spec(plan);
+            let stream = match &plan.content {
+                FrameContent::Bodies => Stream::Bodies(context.attachment.sender(spec)?),
+                FrameContent::Slice(name) => {
+                    Stream::Slice(name.clone(), context.attachment.sender(spec)?)
+                }
+                FrameContent::Signals(_) => Stream::Signals(context.attachment.sender(spec)?),
+                FrameContent::Log => continue,
+            };
+            outlets.push(Outlet {
+                plan: plan.clone(),
+                stream,
+                ringer: Ringer::of(&context.attachment, &plan.to)?,
+                broken: false,
+            });
+        }
+        Ok(Self { outlets })
+    }
+
+    /// Sends the frames that are due at the end of the present window.
+    ///
+    /// An observer that takes nothing is given up with a line on standard error: observers never
+    /// stop the physics.
+    pub fn send(&mut self, context: &Context<S>, shown: &mut impl Shows, signals: &[f64]) {
+        let window = context.window;
+        let last = context.assignment.windows;
+        for outlet in &mut self.outlets {
+            let due = window.is_multiple_of(outlet.plan.every) || window == last;
+            if outlet.broken || !due {
+                continue;
+            }
+            let sent = outlet.send(context.stamp(window), shown, signals);
+            if let Err(error) = sent.and_then(|()| outlet.ringer.ring()) {
+                outlet.broken = true;
+                tracing::warn!(observer = %outlet.plan.to, %error, "gave up an observer");
+            }
+        }
+    }
+}
+
+impl<S: Between> Outlet<S> {
+    fn send(
+        &self,
+        stamp: Stamp,
+        shown: &mut impl Shows,
+        signals: &[f64],
+    ) -> Result<(), ChannelError> {
+        match &self.stream {
+            Stream::Signals(sender) => sender.send_copy(stamp, signals),
+            Stream::Slice(name, sender) => {
+                let mut loan = sender.loan(self.plan.capacity as usize)?;
+                let header = shown.slice(name, loan.values());
+                loan.send(SliceHeader { stamp, ..header })
+            }
+            Stream::Bodies(sender) => {
+                let (mut states, mut kinds) = (Vec::new(), Vec::new());
+                shown.bodies(&mut states, &mut kinds);
+                let mut loan = sender.loan(states.len())?;
+                for ((sample, state), kind) in loan.values().iter_mut().zip(&states).zip(&kinds) {
+                    *sample = BodySample {
+                        state: *state,
+                        radius: kind.size[0],
+                        mass: kind.mass,
+                        set: u64::from(kind.set),
+                        motion: u64::from(kind.motion),
+                    };
+                }
+                loan.send(stamp)
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! The grains' side of a window.
+
+use crate::context::Context;
+use crate::frames::Shows;
+use crate::physics::Grains;
+use crate::ports::{InPort, OutPort};
+use crate::role::Player;
+use crate::setup::Setup;
+use crate::stop::Stop;
+use std::time::Instant;
+use tremie_channels::{Between, Received};
+use tremie_messages::schedule::Content;
+use tremie_messages::start::FaultKind;
+use tremie_messages::{BodyEvent, BodyState, Load, Problem, Stamp};
+
+/// Grains with their edges.
+pub struct GrainsPlayer<S: Between, G: Grains> {
+    grains: G,
+    /// Living bodies in ascending order of ids, as they were announced.
+    kinds: Vec<BodyEvent>,
+    events: Option<OutPort<S, BodyEvent>>,
+    state: Option<OutPort<S, BodyState>>,
+    load: Option<InPort<S, Load>>,
+    loads: Option<Received<S, Stamp, Load>>,
+}
+
+impl<S: Between, G: Grains> Shows for GrainsPlayer<S, G> {
+    fn bodies(&self, states: &mut Vec<BodyState>, kinds: &mut Vec<BodyEvent>) {
+        states.resize(self.grains.count(), BodyState::at_rest(0, [0.0; 3]));
+        self.grains.state(states);
+        kinds.extend_from_slice(&self.kinds);
+    }
+}
+
+impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let grains = G::create(setup)?;
+        let mut player = Self {
+            grains,
+            kinds: Vec::new(),
+            events: None,
+            state: None,
+            load: None,
+            loads: None,
+        };
+        player.note_events();
+        Ok(player)
+    }
+
+    fn open(&mut self, context: &Context<S>) -> Result<(), Stop> {
+        for edge in &context.assignment.edges {
+            match edge.content {
+                Content::Events => self.events = Some(OutPort::open(context, edge)?),
+                Content::State => self.state = Some(OutPort::open(context, edge)?),
+                Content::Load => self.load = Some(InPort::open(context, edge)?),
+            }
+        }
+        Ok(())
+    }
+
+    fn connect(&mut self) -> Result<(), Stop> {
+        self.events.as_ref().map_or(Ok(()), OutPort::connect)?;
+        self.state.as_ref().map_or(Ok(()), OutPort::connect)
+    }
+
+    fn receive(
+        &mut self,
+        context: &mut Context<S>,
+        content: Content,
+        lag: u64,
+    ) -> Result<(), Stop> {
+        let (Content::Load, Some(port)) = (content, &self.load) else {
+            return Ok(());
+        };
+        self.loads = None;
+        let ids = self.kinds.iter().map(|kind| kind.id);
+        self.loads = Some(port.take_checked(context, lag, ids)?);
+        Ok(())
+    }
+
+    fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop> {
+        if context.window == 0 {
+            return Ok(());
+        }
+        let loads = self
+            .loads
+            .as_ref()
+            .map_or(&[][..], |message| message.values());
+        let begin = Instant::now();
+        let done = self.grains.advance(context.substeps, loads);
+        context.spent.compute += begin.elapsed().as_nanos() as u64;
+        done.map_err(|error| {
+            context.fault(FaultKind::Solver, &context.component, error.to_string())
+        })?;
+        self.note_events();
+        Ok(())
+    }
+
+    fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop> {
+        match (content, &self.events, &self.state) {
+            (Content::Events, Some(port), _) => {
+                let events = self.grains.events();
+                let mut loan = port.loan(events.len())?;
+                loan.values().copy_from_slice(events);
+                port.send(context, loan)
+            }
+            (Content::State, _, Some(port)) => {
+                let mut loan = port.loan(self.grains.count())?;
+                self.grains.state(loan.values());
+                port.send_checked(context, loan)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn signals(&mut self, values: &mut Vec<f64>) {
+        self.grains.signals(values);
+    }
+
+    fn work(&self) -> u64 {
+        self.grains.work()
+    }
+}
+
+impl<S: Between, G: Grains> GrainsPlayer<S, G> {
+    fn note_events(&mut self) {
+        for event in self.grains.events() {
+            match (
+                event.kind,
+                self.kinds.binary_search_by_key(&event.id, |kind| kind.id),
+            ) {
+                (BodyEvent::REMOVED, Ok(place)) => {
+                    self.kinds.remove(place);
+                }
+                (BodyEvent::ADDED, Err(place)) => self.kinds.insert(place, *event),
+                _ => {}
+            }
+        }
+    }
+}

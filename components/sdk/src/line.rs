@@ -1,0 +1,85 @@
+//! The line between a component and the orchestrator: requests in, replies out, one JSON document
+//! a line. Over standard input and output for a process, over memory for a thread.
+
+use std::io::{BufRead, Write};
+use std::sync::mpsc;
+use tremie_messages::start::{Reply, Request};
+
+/// The line is closed: the orchestrator is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the orchestrator closed the line")]
+pub struct Closed;
+
+/// A component's end of the line.
+pub struct Line {
+    input: Input,
+    output: Output,
+}
+
+enum Input {
+    Text(Box<dyn BufRead + Send>),
+    Memory(mpsc::Receiver<Request>),
+}
+
+enum Output {
+    Text(Box<dyn Write + Send>),
+    Memory(mpsc::Sender<Reply>),
+}
+
+impl Line {
+    /// The line of a process: standard input and output.
+    pub fn of_process() -> Self {
+        Self {
+            input: Input::Text(Box::new(std::io::BufReader::new(std::io::stdin()))),
+            output: Output::Text(Box::new(std::io::stdout())),
+        }
+    }
+
+    /// The line of a thread, and the orchestrator's ends of it.
+    pub fn in_memory() -> (Self, mpsc::Sender<Request>, mpsc::Receiver<Reply>) {
+        let (to_component, input) = mpsc::channel();
+        let (output, from_component) = mpsc::channel();
+        let line = Self {
+            input: Input::Memory(input),
+            output: Output::Memory(output),
+        };
+        (line, to_component, from_component)
+    }
+
+    /// Waits for the next request.
+    ///
+    /// # Errors
+    /// A sentence: the line is closed, or what came is not a request.
+    pub fn next_request(&mut self) -> Result<Request, String> {
+        match &mut self.input {
+            Input::Memory(receiver) => receiver.recv().map_err(|_| Closed.to_string()),
+            Input::Text(reader) => {
+                let mut text = String::new();
+                match reader.read_line(&mut text) {
+                    Ok(0) | Err(_) => Err(Closed.to_string()),
+                    Ok(_) => serde_json::from_str(&text).map_err(|e| {
+                        format!("the orchestrator sent a line that is no request: {e}")
+                    }),
+                }
+            }
+        }
+    }
+
+    /// Sends a reply.
+    ///
+    /// # Errors
+    /// [`Closed`].
+    pub fn reply(&mut self, reply: &Reply) -> Result<(), Closed> {
+        match &mut self.output {
+            Output::Memory(sender) => sender.send(reply.clone()).map_err(|_| Closed),
+            Output::Text(writer) => {
+                let mut text = serde_json::to_string(reply).map_err(|_| Closed)?;
+                text.push('\n');
+                writer
+                    .write_all(text.as_bytes())
+                    .and_then(|()| writer.flush())
+                    .map_err(|_| Closed)
+            }
+        }
+    }
+}

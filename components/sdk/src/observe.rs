@@ -1,0 +1,227 @@
+//! An observer's life: hello, assignment, frames, end.
+
+use crate::context::Context;
+use crate::frames::frame_spec;
+use crate::line::Line;
+use crate::observer::{Moment, Observer, ObserverError};
+use crate::serve::panic_text;
+use crate::setup::Setup;
+use crate::stop::Stop;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
+use tremie_channels::{Between, Receiver};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::start::{
+    Assignment, Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Hello, Reply,
+};
+use tremie_messages::{Problem, Stamp};
+
+/// How long an observer sleeps when there is nothing to see and nobody rings.
+const NAP: Duration = Duration::from_millis(50);
+
+enum Input<S: Between> {
+    Bodies(Receiver<S, Stamp, BodySample>),
+    Slice(Receiver<S, SliceHeader, SliceNode>),
+    Signals(Receiver<S, Stamp, f64>),
+    Log(Receiver<S, LogHeader, u8>),
+}
+
+struct Inlet<S: Between> {
+    plan: FrameStream,
+    input: Input<S>,
+    /// Window of the frame before, to count those that were lost.
+    before: Option<u64>,
+    lost: u64,
+}
+
+/// Serves an observer from the assignment to the end.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn serve_observer<S: Between, O: Observer>(
+    mut line: Line,
+    (hello, assignment, _): (Hello, Assignment, Description),
+) -> Result<(), String> {
+    let setup = Setup {
+        hello: hello.clone(),
+        assignment: Some(assignment.clone()),
+    };
+    let opened = catch_unwind(AssertUnwindSafe(|| O::open(&setup)))
+        .unwrap_or_else(|panic| Err(ObserverError(panic_text(&*panic))));
+    let mut observer = match opened {
+        Ok(observer) => observer,
+        Err(error) => {
+            let problem =
+                Problem::new(format!("components.{}", hello.component), error.to_string());
+            return line
+                .reply(&Reply::Refusal {
+                    problems: vec![problem],
+                })
+                .map_err(|e| e.to_string());
+        }
+    };
+    let mut context = match Context::<S>::open(hello.run, &hello.component, assignment, 0, line) {
+        Ok(context) => context,
+        Err(failed) => {
+            let (stop, mut line) = *failed;
+            let fault = stop.into_fault(&hello.component, 0);
+            let told = fault.map_or(Ok(()), |fault| line.reply(&Reply::Fault(fault)));
+            return told.map_err(|e| e.to_string());
+        }
+    };
+    let ended = catch_unwind(AssertUnwindSafe(|| watch(&mut observer, &mut context)))
+        .unwrap_or_else(|panic| {
+            Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
+        });
+    let reply = match ended {
+        Ok((window, note)) => Reply::Finished { window, note },
+        Err(stop) => match stop.into_fault(&hello.component, context.window) {
+            Some(fault) => Reply::Fault(fault),
+            None => return Ok(()),
+        },
+    };
+    context.line().reply(&reply).map_err(|e| e.to_string())?;
+    // What the observer serves (a viewer's web page) stays up until the orchestrator says quit.
+    let _ = context.line().next_request();
+    drop(observer);
+    Ok(())
+}
+
+fn watch<S: Between, O: Observer>(
+    observer: &mut O,
+    context: &mut Context<S>,
+) -> Result<(u64, String), Stop> {
+    let mut inlets = open_inlets(context)?;
+    context
+        .line()
+        .reply(&Reply::Ready {})
+        .map_err(|_| Stop::Aborted)?;
+    loop {
+        // Asked before the last look: what was sent before the request is then surely seen.
+        let finishing = context.finish_requested()?;
+        let mut seen = 0;
+        for inlet in &mut inlets {
+            seen += inlet.drain(observer, context)?;
+        }
+        if finishing && seen == 0 {
+            let last = context.granted().unwrap_or(0);
+            let mut note = observer
+                .close(last)
+                .map_err(|error| wrong(context, error))?;
+            let lost: u64 = inlets.iter().map(|inlet| inlet.lost).sum();
+            if lost > 0 {
+                note = format!("{note} ({lost} frames skipped)");
+            }
+            return Ok((last, note));
+        }
+        if seen == 0 {
+            context.rest(NAP)?;
+        }
+    }
+}
+
+fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> {
+    let mine = |plan: &&FrameStream| plan.to == context.component;
+    let mut inlets = Vec::new();
+    for plan in context.assignment.frames.iter().filter(mine) {
+        let spec = frame_spec(plan);
+        let attachment = &context.attachment;
+        let input = match &plan.content {
+            FrameContent::Bodies => Input::Bodies(attachment.receiver(spec)?),
+            FrameContent::Slice(_) => Input::Slice(attachment.receiver(spec)?),
+            FrameContent::Signals(_) => Input::Signals(attachment.receiver(spec)?),
+            FrameContent::Log => Input::Log(attachment.receiver(spec)?),
+        };
+        inlets.push(Inlet {
+            plan: plan.clone(),
+            input,
+            before: None,
+            lost: 0,
+        });
+    }
+    Ok(inlets)
+}
+
+impl<S: Between> Inlet<S> {
+    /// Shows the observer all frames that have arrived; returns how many.
+    fn drain<O: Observer>(
+        &mut self,
+        observer: &mut O,
+        context: &mut Context<S>,
+    ) -> Result<usize, Stop> {
+        let mut seen = 0;
+        while let Some(stamp) = self.show_one(observer, context)? {
+            context.window = stamp.window;
+            if !matches!(self.plan.content, FrameContent::Log) {
+                let step = self
+                    .before
+                    .map_or(0, |before| stamp.window.saturating_sub(before));
+                self.lost += (step / self.plan.every.max(1)).saturating_sub(1);
+                self.before = Some(stamp.window);
+            }
+            seen += 1;
+        }
+        Ok(seen)
+    }
+
+    fn show_one<O: Observer>(
+        &self,
+        observer: &mut O,
+        context: &Context<S>,
+    ) -> Result<Option<Stamp>, Stop> {
+        let clock = &context.assignment.clock;
+        let from = &self.plan.from;
+        let shown = match (&self.input, &self.plan.content) {
+            (Input::Bodies(receiver), _) => receiver.take()?.map(|message| {
+                let at = moment(clock, *message.header());
+                (at.stamp, observer.bodies(from, at, message.values()))
+            }),
+            (Input::Slice(receiver), FrameContent::Slice(name)) => {
+                receiver.take()?.map(|message| {
+                    let at = moment(clock, message.header().stamp);
+                    (
+                        at.stamp,
+                        observer.slice(from, name, at, message.header(), message.values()),
+                    )
+                })
+            }
+            (Input::Signals(receiver), FrameContent::Signals(names)) => {
+                receiver.take()?.map(|message| {
+                    let at = moment(clock, *message.header());
+                    (
+                        at.stamp,
+                        observer.signals(from, at, names, message.values()),
+                    )
+                })
+            }
+            (Input::Log(receiver), _) => receiver.take()?.map(|message| {
+                let at = moment(clock, message.header().stamp);
+                let text = String::from_utf8_lossy(message.values());
+                (at.stamp, observer.log(at, message.header(), &text))
+            }),
+            _ => None,
+        };
+        match shown {
+            None => Ok(None),
+            Some((stamp, Ok(()))) => Ok(Some(stamp)),
+            Some((_, Err(error))) => Err(wrong(context, error)),
+        }
+    }
+}
+
+fn moment(clock: &Clock, stamp: Stamp) -> Moment {
+    Moment {
+        stamp,
+        time: clock.seconds(stamp.ticks),
+    }
+}
+
+fn wrong<S: Between>(context: &Context<S>, error: ObserverError) -> Stop {
+    Stop::Fault(Fault {
+        kind: FaultKind::Solver,
+        noticed_by: context.component.clone(),
+        blamed: context.component.clone(),
+        window: context.window,
+        message: error.to_string(),
+    })
+}

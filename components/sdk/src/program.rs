@@ -1,0 +1,105 @@
+//! From a solver to a program: what a component's `main` calls.
+
+use crate::fluid::FluidPlayer;
+use crate::grains::GrainsPlayer;
+use crate::line::Line;
+use crate::observe::serve_observer;
+use crate::observer::Observer;
+use crate::physics::{Fluid, Grains};
+use crate::serve::{Introduction, introduce, serve};
+use std::process::ExitCode;
+use tremie_channels::{Processes, Threads};
+use tremie_messages::Role;
+use tremie_messages::start::INTERFACE_VARIABLE;
+
+/// Takes part in a run as its fluid, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
+    match introduce(&mut line, Role::Fluid, F::PROGRAM, F::describe)? {
+        Introduction::Dismissed => Ok(()),
+        Introduction::Assigned(all) if all.1.transport.between_processes => {
+            serve::<Processes, FluidPlayer<Processes, F>>(line, *all)
+        }
+        Introduction::Assigned(all) => serve::<Threads, FluidPlayer<Threads, F>>(line, *all),
+    }
+}
+
+/// Takes part in a run as its grains, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
+    match introduce(&mut line, Role::Grains, G::PROGRAM, G::describe)? {
+        Introduction::Dismissed => Ok(()),
+        Introduction::Assigned(all) if all.1.transport.between_processes => {
+            serve::<Processes, GrainsPlayer<Processes, G>>(line, *all)
+        }
+        Introduction::Assigned(all) => serve::<Threads, GrainsPlayer<Threads, G>>(line, *all),
+    }
+}
+
+/// Watches a run, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run_observer<O: Observer>(mut line: Line) -> Result<(), String> {
+    match introduce(&mut line, Role::Observer, O::PROGRAM, O::describe)? {
+        Introduction::Dismissed => Ok(()),
+        Introduction::Assigned(all) if all.1.transport.between_processes => {
+            serve_observer::<Processes, O>(line, *all)
+        }
+        Introduction::Assigned(all) => serve_observer::<Threads, O>(line, *all),
+    }
+}
+
+/// The whole `main` of a program that is a fluid.
+pub fn main_fluid<F: Fluid>() -> ExitCode {
+    main_of(F::PROGRAM, "fluid", run_fluid::<F>)
+}
+
+/// The whole `main` of a program that is grains.
+pub fn main_grains<G: Grains>() -> ExitCode {
+    main_of(G::PROGRAM, "grains", run_grains::<G>)
+}
+
+/// The whole `main` of a program that is an observer.
+pub fn main_observer<O: Observer>() -> ExitCode {
+    main_of(O::PROGRAM, "observer", run_observer::<O>)
+}
+
+/// Runs `component` over standard input and output, or says how the program is meant to be started.
+pub fn main_of(
+    program: &str,
+    role: &str,
+    component: impl FnOnce(Line) -> Result<(), String>,
+) -> ExitCode {
+    if std::env::var_os(INTERFACE_VARIABLE).is_none() {
+        eprintln!(
+            "{program} is a component of Tremie runs and cannot run by itself.\n\
+             Name this program as `{role}` in the [components] table of a manifest, then:\n\n    \
+             tremie run MANIFEST\n"
+        );
+        return ExitCode::from(2);
+    }
+    log_to_standard_error();
+    match component(Line::of_process()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            tracing::error!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// One JSON document a line on standard error, which the orchestrator puts into the run's log.
+fn log_to_standard_error() {
+    let _ = tracing_subscriber::fmt()
+        .json()
+        .flatten_event(true)
+        .without_time()
+        .with_target(false)
+        .with_writer(std::io::stderr)
+        .try_init();
+}

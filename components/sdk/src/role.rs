@@ -1,0 +1,30 @@
+//! What the step loop needs of a role.
+
+use crate::context::Context;
+use crate::frames::Shows;
+use crate::setup::Setup;
+use crate::stop::Stop;
+use tremie_channels::Between;
+use tremie_messages::Problem;
+use tremie_messages::schedule::Content;
+
+/// A solver that plays its role in the windows of a run.
+pub trait Player<S: Between>: Shows + Sized {
+    /// See [`crate::Fluid::create`].
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>>;
+    /// Opens the ends of all edges.
+    fn open(&mut self, context: &Context<S>) -> Result<(), Stop>;
+    /// Connects senders, once all components are ready.
+    fn connect(&mut self) -> Result<(), Stop>;
+    /// Takes the message of the window that is `lag` before the present one.
+    fn receive(&mut self, context: &mut Context<S>, content: Content, lag: u64)
+    -> Result<(), Stop>;
+    /// Advances through the present window; only looks in the start exchange.
+    fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop>;
+    /// Sends the present window's message.
+    fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop>;
+    /// Pushes the values of the signals.
+    fn signals(&mut self, values: &mut Vec<f64>);
+    /// Work done in one substep.
+    fn work(&self) -> u64;
+}

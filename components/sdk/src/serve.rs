@@ -1,0 +1,253 @@
+//! A component's life: hello, assignment, windows, end.
+
+use crate::context::Context;
+use crate::frames::Frames;
+use crate::line::Line;
+use crate::role::Player;
+use crate::setup::Setup;
+use crate::stop::Stop;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+use tremie_channels::Between;
+use tremie_messages::INTERFACE_VERSION;
+use tremie_messages::Role;
+use tremie_messages::problem::Problem;
+use tremie_messages::schedule::Op;
+use tremie_messages::start::{
+    Assignment, Description, Fault, FaultKind, Hello, InjectionKind, Reply, Request,
+};
+
+/// The hello and the assignment, or the end of a component that was refused or dismissed.
+pub enum Introduction {
+    /// Go on with this.
+    Assigned(Box<(Hello, Assignment, Description)>),
+    /// The orchestrator wants nothing more.
+    Dismissed,
+}
+
+/// Answers the hello and takes the assignment.
+///
+/// # Errors
+/// A sentence for standard error: the orchestrator is gone, or speaks something else.
+pub fn introduce(
+    line: &mut Line,
+    role: Role,
+    program: &str,
+    describe: impl Fn(&Setup) -> Result<Description, Vec<Problem>>,
+) -> Result<Introduction, String> {
+    let hello = match line.next_request()? {
+        Request::Hello(hello) => *hello,
+        Request::Quit {} => return Ok(Introduction::Dismissed),
+        Request::Assignment(_) => return Err("an assignment came before the hello".into()),
+    };
+    let description = match accept(&hello, role, describe) {
+        Ok(description) => Description {
+            program: program.to_string(),
+            ..description
+        },
+        Err(problems) => {
+            line.reply(&Reply::Refusal { problems })
+                .map_err(|e| e.to_string())?;
+            return Ok(Introduction::Dismissed);
+        }
+    };
+    line.reply(&Reply::Description(Box::new(description.clone())))
+        .map_err(|e| e.to_string())?;
+    match line.next_request()? {
+        Request::Assignment(assignment) => Ok(Introduction::Assigned(Box::new((
+            hello,
+            *assignment,
+            description,
+        )))),
+        Request::Quit {} => Ok(Introduction::Dismissed),
+        Request::Hello(_) => Err("a second hello came instead of an assignment".into()),
+    }
+}
+
+fn accept(
+    hello: &Hello,
+    role: Role,
+    describe: impl Fn(&Setup) -> Result<Description, Vec<Problem>>,
+) -> Result<Description, Vec<Problem>> {
+    let key = format!("components.{}", hello.component);
+    if hello.interface != INTERFACE_VERSION {
+        let text = format!(
+            "this component speaks interface version {INTERFACE_VERSION}, the orchestrator version {}",
+            hello.interface
+        );
+        return Err(vec![
+            Problem::new(key, text).help("build both from the same version of Tremie"),
+        ]);
+    }
+    if hello.role != role {
+        let text = format!("this program can be {role}, not {}", hello.role);
+        return Err(vec![
+            Problem::new(key, text).help("`tremie components` lists what can take which role"),
+        ]);
+    }
+    let description = describe(&Setup {
+        hello: hello.clone(),
+        assignment: None,
+    })?;
+    Ok(Description {
+        interface: INTERFACE_VERSION,
+        ..description
+    })
+}
+
+/// Serves a physics component from the hello to the end.
+///
+/// # Errors
+/// A sentence for standard error if the orchestrator is gone or speaks something else. Faults of the
+/// physics are told to the orchestrator, and then come back as an error too.
+pub fn serve<S: Between, P: Player<S>>(
+    mut line: Line,
+    (hello, assignment, description): (Hello, Assignment, Description),
+) -> Result<(), String> {
+    let setup = Setup {
+        hello: hello.clone(),
+        assignment: Some(assignment.clone()),
+    };
+    let created = catch_unwind(AssertUnwindSafe(|| P::create(&setup)))
+        .unwrap_or_else(|panic| Err(vec![Problem::new("", panic_text(&*panic))]));
+    let mut player = match created {
+        Ok(player) => player,
+        Err(problems) => {
+            line.reply(&Reply::Refusal { problems })
+                .map_err(|e| e.to_string())?;
+            return Ok(());
+        }
+    };
+    let signals = description.signals.len();
+    let mut context =
+        match Context::<S>::open(hello.run, &hello.component, assignment, signals, line) {
+            Ok(context) => context,
+            Err(failed) => {
+                let (stop, mut line) = *failed;
+                let fault = stop.into_fault(&hello.component, 0);
+                return fault.map_or(Ok(()), |fault| tell_fault(&mut line, fault));
+            }
+        };
+    let ended = catch_unwind(AssertUnwindSafe(|| live(&mut player, &mut context))).unwrap_or_else(
+        |panic| Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic))),
+    );
+    let window = context.window;
+    match ended {
+        Ok(last) => {
+            let reply = Reply::Finished {
+                window: last,
+                note: String::new(),
+            };
+            context.line().reply(&reply).map_err(|e| e.to_string())?;
+            // Channels stay open until everybody has read what is in them.
+            let _ = context.line().next_request();
+            Ok(())
+        }
+        Err(stop) => match stop.into_fault(&hello.component, window) {
+            None => Ok(()),
+            Some(fault) => {
+                let told = tell_fault(context.line(), fault);
+                let _ = context.line().next_request();
+                told
+            }
+        },
+    }
+}
+
+fn tell_fault(line: &mut Line, fault: Fault) -> Result<(), String> {
+    let text = fault.to_string();
+    line.reply(&Reply::Fault(fault))
+        .map_err(|e| e.to_string())?;
+    Err(text)
+}
+
+/// What a panic said, for a fault's message.
+pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    let said = panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no message");
+    format!("the solver panicked: {said}")
+}
+
+/// From ready to the last window; returns that window.
+fn live<S: Between, P: Player<S>>(player: &mut P, context: &mut Context<S>) -> Result<u64, Stop> {
+    player.open(context)?;
+    let mut frames = Frames::open(context)?;
+    let gone = |_| Stop::Aborted;
+    context.line().reply(&Reply::Ready {}).map_err(gone)?;
+    let mut values = Vec::new();
+    let script = context.assignment.script.clone();
+    let last = context.assignment.windows;
+    for window in 0..=last {
+        context.window = window;
+        context.substeps = 0;
+        let begin = Instant::now();
+        if !context.may_start(window)? {
+            return Ok(window.saturating_sub(1));
+        }
+        if window == 0 {
+            player.connect()?;
+        } else {
+            context.substeps = substeps_to_make(context)?;
+        }
+        play(
+            player,
+            context,
+            if window == 0 {
+                &script.start
+            } else {
+                &script.window
+            },
+        )?;
+        values.clear();
+        player.signals(&mut values);
+        frames.send(context, player, &values);
+        let work = player.work();
+        context.send_report(begin, work, &values)?;
+    }
+    Ok(last)
+}
+
+fn play<S: Between, P: Player<S>>(
+    player: &mut P,
+    context: &mut Context<S>,
+    ops: &[Op],
+) -> Result<(), Stop> {
+    for op in ops {
+        match *op {
+            Op::Receive { edge, lag } => {
+                let content = context.assignment.edges[edge].content;
+                player.receive(context, content, lag)?;
+            }
+            Op::Advance => player.advance(context)?,
+            Op::Send { edge } => {
+                let content = context.assignment.edges[edge].content;
+                player.send(context, content)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The assigned substeps, unless a fault is injected into this window.
+fn substeps_to_make<S: Between>(context: &Context<S>) -> Result<u32, Stop> {
+    let assigned = context.assignment.substeps;
+    match context.injection() {
+        Some(InjectionKind::SubstepMore) => Ok(assigned + 1),
+        Some(InjectionKind::SubstepLess) => Ok(assigned - 1),
+        Some(InjectionKind::Hang) => loop {
+            std::thread::park();
+        },
+        Some(InjectionKind::Exit) => std::process::exit(0),
+        Some(InjectionKind::Kill) => {
+            let _ = rustix::process::kill_process(
+                rustix::process::getpid(),
+                rustix::process::Signal::KILL,
+            );
+            Err(Stop::Aborted)
+        }
+        _ => Ok(assigned),
+    }
+}

@@ -1,0 +1,138 @@
+//! A component's access to the shared memory of its run.
+
+use crate::error::ChannelError;
+use crate::receiver::Receiver;
+use crate::sender::Sender;
+use iceoryx2::config::Config;
+use iceoryx2::node::{Node, NodeBuilder, node_name::NodeName};
+use iceoryx2::prelude::{
+    FileName, LogLevel, Path, SemanticString, SignalHandlingMode, set_log_level,
+};
+use iceoryx2::service::{Service, service_name::ServiceName};
+use std::time::Duration;
+use tremie_messages::Message;
+
+/// Where the components of a run live: in processes of their own, or as threads of one.
+pub trait Between: Service + 'static {
+    /// Whether the memory of channels comes zeroed from the operating system.
+    const ZEROED: bool;
+}
+
+/// Components are processes.
+pub type Processes = iceoryx2::service::ipc::Service;
+/// Components are threads of one process.
+pub type Threads = iceoryx2::service::local::Service;
+
+impl Between for Processes {
+    const ZEROED: bool = true;
+}
+
+impl Between for Threads {
+    const ZEROED: bool = false;
+}
+
+/// A component's access to the shared memory of its run.
+#[derive(Debug)]
+pub struct Attachment<S: Between> {
+    node: Node<S>,
+    /// Longest time that a send waits for room.
+    patience: Duration,
+}
+
+/// What a channel is made for. Sender and receiver must say the same.
+#[derive(Clone, Copy, Debug)]
+pub struct ChannelSpec<'a> {
+    /// Name, unique in the run.
+    pub service: &'a str,
+    /// Most values in one message.
+    pub capacity: usize,
+    /// Most messages under way.
+    pub depth: usize,
+    /// `true`: a full channel makes the sender wait, boundedly. `false`: the oldest message gives way.
+    pub lossless: bool,
+}
+
+impl<S: Between> Attachment<S> {
+    /// Attaches to the run that keeps its bookkeeping in `root` and names its memory with `prefix`.
+    /// `patience` bounds every wait of a sender for room.
+    ///
+    /// # Errors
+    /// [`ChannelError::Open`] if the folder cannot be used.
+    pub fn open(
+        root: &str,
+        prefix: &str,
+        component: &str,
+        patience: Duration,
+    ) -> Result<Self, ChannelError> {
+        // What iceoryx2 logs on its own, users cannot act on; its errors come back as values.
+        set_log_level(LogLevel::Fatal);
+        let open = |why: &dyn std::fmt::Debug| ChannelError::open(root, why);
+        let mut config = Config::default();
+        config.global.prefix = FileName::new(prefix.as_bytes()).map_err(|e| open(&e))?;
+        config
+            .global
+            .set_root_path(&Path::new(root.as_bytes()).map_err(|e| open(&e))?);
+        config.global.creation_timeout = Duration::from_secs(5);
+        // The orchestrator sweeps after everyone has ended; sweeping while others start races with them.
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.global.service.cleanup_dead_nodes_on_open = false;
+        let node = NodeBuilder::new()
+            .name(&NodeName::new(component).map_err(|e| open(&e))?)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .config(&config)
+            .create::<S>()
+            .map_err(|e| open(&e))?;
+        Ok(Self { node, patience })
+    }
+
+    /// Opens the sending end of a channel.
+    ///
+    /// # Errors
+    /// [`ChannelError::Open`], for example if the other end says other types or sizes.
+    pub fn sender<H: Message + Default, T: Message>(
+        &self,
+        spec: ChannelSpec<'_>,
+    ) -> Result<Sender<S, H, T>, ChannelError> {
+        Sender::open(&self.node, spec, self.patience)
+    }
+
+    /// Opens the receiving end of a channel.
+    ///
+    /// # Errors
+    /// [`ChannelError::Open`], for example if the other end says other types or sizes.
+    pub fn receiver<H: Message + Default, T: Message>(
+        &self,
+        spec: ChannelSpec<'_>,
+    ) -> Result<Receiver<S, H, T>, ChannelError> {
+        Receiver::open(&self.node, spec)
+    }
+
+    pub(crate) fn node(&self) -> &Node<S> {
+        &self.node
+    }
+}
+
+pub(crate) fn service_name(name: &str) -> Result<ServiceName, ChannelError> {
+    ServiceName::new(name).map_err(|e| ChannelError::open(name, e))
+}
+
+/// Opens or creates the service behind a channel; both ends come through here and so agree.
+macro_rules! publish_subscribe {
+    ($node:expr, $spec:expr, $header:ty, $item:ty) => {
+        $node
+            .service_builder(&crate::attachment::service_name($spec.service)?)
+            .publish_subscribe::<[crate::wire::Wire<$item>]>()
+            .user_header::<crate::wire::Wire<$header>>()
+            .enable_safe_overflow(!$spec.lossless)
+            .subscriber_max_buffer_size($spec.depth)
+            .subscriber_max_borrowed_samples(2)
+            .history_size(0)
+            .max_publishers(1)
+            .max_subscribers(1)
+            .max_nodes(4)
+            .open_or_create()
+            .map_err(|e| crate::error::ChannelError::open($spec.service, e))?
+    };
+}
+pub(crate) use publish_subscribe;

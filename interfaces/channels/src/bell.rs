@@ -1,0 +1,145 @@
+//! Waiting: poll for a bounded time, giving way to others, then sleep until somebody rings.
+//!
+//! Polling alone starves the very process it waits for when there are more processes than cores;
+//! sleeping alone costs a wake-up per message. Every component has one bell, and every sender rings
+//! its receiver's bell after a send.
+
+use crate::attachment::{Attachment, Between, service_name};
+use crate::error::ChannelError;
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::{Notifier, NotifierNotifyError};
+use iceoryx2::service::port_factory::event::PortFactory;
+use std::time::{Duration, Instant};
+
+/// How a wait ended.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Wait<T> {
+    /// What was waited for.
+    Ready(T),
+    /// It did not come in time.
+    TimedOut,
+}
+
+/// A component's own bell.
+#[derive(Debug)]
+pub struct Bell<S: Between> {
+    listener: Listener<S>,
+    poll: Duration,
+    name: String,
+}
+
+/// Rings another component's bell.
+#[derive(Debug)]
+pub struct Ringer<S: Between> {
+    notifier: Notifier<S>,
+    name: String,
+}
+
+fn bell_service<S: Between>(
+    attachment: &Attachment<S>,
+    component: &str,
+) -> Result<(String, PortFactory<S>), ChannelError> {
+    let name = format!("bell/{component}");
+    let service = attachment
+        .node()
+        .service_builder(&service_name(&name)?)
+        .event()
+        .max_listeners(1)
+        .max_notifiers(64)
+        .max_nodes(64)
+        .open_or_create()
+        .map_err(|e| ChannelError::open(&name, e))?;
+    Ok((name, service))
+}
+
+impl<S: Between> Bell<S> {
+    /// Hangs up the bell of `component`, which polls for `poll` before it sleeps.
+    ///
+    /// # Errors
+    /// [`ChannelError::Open`].
+    pub fn hang(
+        attachment: &Attachment<S>,
+        component: &str,
+        poll: Duration,
+    ) -> Result<Self, ChannelError> {
+        let (name, service) = bell_service(attachment, component)?;
+        let listener = service
+            .listener_builder()
+            .create()
+            .map_err(|e| ChannelError::open(&name, e))?;
+        Ok(Self {
+            listener,
+            poll,
+            name,
+        })
+    }
+
+    /// Waits until `check` gives something, at most until `deadline`.
+    ///
+    /// `check` is tried again whenever the bell rings, and at least every 20 ms, so that a sender
+    /// that died before it could ring is noticed all the same.
+    ///
+    /// # Errors
+    /// Whatever `check` fails with.
+    pub fn wait<T, E: From<ChannelError>>(
+        &self,
+        deadline: Instant,
+        mut check: impl FnMut() -> Result<Option<T>, E>,
+    ) -> Result<Wait<T>, E> {
+        if let Some(found) = check()? {
+            return Ok(Wait::Ready(found));
+        }
+        let start = Instant::now();
+        while start.elapsed() < self.poll {
+            rustix::thread::sched_yield();
+            if let Some(found) = check()? {
+                return Ok(Wait::Ready(found));
+            }
+        }
+        loop {
+            let now = Instant::now();
+            if now >= deadline {
+                return Ok(Wait::TimedOut);
+            }
+            let nap = (deadline - now).min(Duration::from_millis(20));
+            match self.listener.timed_wait(|_| {}, nap) {
+                Ok(_) => {}
+                Err(iceoryx2::port::listener::ListenerWaitError::InterruptSignal) => {}
+                Err(why) => return Err(ChannelError::failed(&self.name, why).into()),
+            }
+            if let Some(found) = check()? {
+                return Ok(Wait::Ready(found));
+            }
+        }
+    }
+}
+
+impl<S: Between> Ringer<S> {
+    /// Takes hold of the rope of `component`'s bell.
+    ///
+    /// # Errors
+    /// [`ChannelError::Open`].
+    pub fn of(attachment: &Attachment<S>, component: &str) -> Result<Self, ChannelError> {
+        let (name, service) = bell_service(attachment, component)?;
+        let notifier = service
+            .notifier_builder()
+            .create()
+            .map_err(|e| ChannelError::open(&name, e))?;
+        Ok(Self { notifier, name })
+    }
+
+    /// Rings. A bell that still sounds from before counts as rung.
+    ///
+    /// # Errors
+    /// [`ChannelError::Failed`] if the channel is broken.
+    pub fn ring(&self) -> Result<(), ChannelError> {
+        match self.notifier.notify() {
+            Ok(_)
+            | Err(
+                NotifierNotifyError::UnableToAcquireElapsedTime
+                | NotifierNotifyError::MissedDeadline,
+            ) => Ok(()),
+            Err(why) => Err(ChannelError::failed(&self.name, why)),
+        }
+    }
+}

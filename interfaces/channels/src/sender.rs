@@ -1,0 +1,132 @@
+//! The sending end of a channel.
+
+use crate::attachment::{Between, ChannelSpec, publish_subscribe};
+use crate::error::ChannelError;
+use crate::wire::{Wire, plain_slots};
+use iceoryx2::node::Node;
+use iceoryx2::port::BackpressureAction;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::sample_mut_uninit::SampleMutUninit;
+use std::mem::MaybeUninit;
+use std::rc::Rc;
+use std::time::Duration;
+use tremie_messages::Message;
+
+/// The sending end of a channel of `T` with a header `H` on each message.
+#[derive(Debug)]
+pub struct Sender<S: Between, H: Message + Default, T: Message> {
+    publisher: Publisher<S, [Wire<T>], Wire<H>>,
+    name: Rc<str>,
+    capacity: usize,
+}
+
+impl<S: Between, H: Message + Default, T: Message> Sender<S, H, T> {
+    pub(crate) fn open(
+        node: &Node<S>,
+        spec: ChannelSpec<'_>,
+        patience: Duration,
+    ) -> Result<Self, ChannelError> {
+        let service = publish_subscribe!(node, spec, H, T);
+        let publisher = service
+            .publisher_builder()
+            .initial_max_slice_len(spec.capacity.max(1))
+            .max_loaned_samples(1)
+            .set_backpressure_handler(move |info| {
+                if info.elapsed_time < patience {
+                    BackpressureAction::Retry
+                } else {
+                    BackpressureAction::DiscardDataAndFail
+                }
+            })
+            .create()
+            .map_err(|e| ChannelError::open(spec.service, e))?;
+        Ok(Self {
+            publisher,
+            name: spec.service.into(),
+            capacity: spec.capacity.max(1),
+        })
+    }
+
+    /// Connects to a receiver that has opened its end by now, so that the first send need not.
+    ///
+    /// # Errors
+    /// [`ChannelError::Failed`].
+    pub fn connect(&self) -> Result<(), ChannelError> {
+        self.publisher
+            .update_connections()
+            .map_err(|e| ChannelError::failed(&self.name, e))
+    }
+
+    /// Loans a message of `count` values from shared memory, to be filled in place.
+    ///
+    /// The values start as zeros or as those of some earlier message.
+    ///
+    /// # Errors
+    /// [`ChannelError::Capacity`] if the channel was made for less.
+    pub fn loan(&self, count: usize) -> Result<Loan<S, H, T>, ChannelError> {
+        if count > self.capacity {
+            return Err(ChannelError::Capacity {
+                channel: self.name.to_string(),
+                found: count,
+                capacity: self.capacity,
+            });
+        }
+        let mut sample = self
+            .publisher
+            .loan_slice_uninit(count)
+            .map_err(|e| ChannelError::failed(&self.name, e))?;
+        if !S::ZEROED {
+            for slot in sample.payload_mut() {
+                *slot = MaybeUninit::zeroed();
+            }
+        }
+        Ok(Loan {
+            sample,
+            name: self.name.clone(),
+        })
+    }
+
+    /// Sends a message whose values are copied from `values`.
+    ///
+    /// # Errors
+    /// As [`Sender::loan`] and [`Loan::send`].
+    pub fn send_copy(&self, header: H, values: &[T]) -> Result<(), ChannelError> {
+        let mut loan = self.loan(values.len())?;
+        loan.values().copy_from_slice(values);
+        loan.send(header)
+    }
+}
+
+/// A message under construction, in shared memory.
+pub struct Loan<S: Between, H: Message + Default, T: Message> {
+    sample: SampleMutUninit<S, [MaybeUninit<Wire<T>>], Wire<H>>,
+    name: Rc<str>,
+}
+
+impl<S: Between, H: Message + Default, T: Message> Loan<S, H, T> {
+    /// The values, to be written.
+    pub fn values(&mut self) -> &mut [T] {
+        let slots = plain_slots(self.sample.payload_mut());
+        // SAFETY: the memory is initialised, by the operating system or in `loan` (see
+        // `Between::ZEROED`), and every bit pattern is a valid `T` (contract of `Message`).
+        unsafe { std::slice::from_raw_parts_mut(slots.as_mut_ptr().cast(), slots.len()) }
+    }
+
+    /// Sends the message.
+    ///
+    /// # Errors
+    /// [`ChannelError::Full`] if the receiver made no room in time.
+    pub fn send(mut self, header: H) -> Result<(), ChannelError> {
+        *self.sample.user_header_mut() = Wire(header);
+        // SAFETY: initialised, see `values`.
+        let sample = unsafe { self.sample.assume_init() };
+        match sample.send() {
+            Ok(_) => Ok(()),
+            Err(iceoryx2::port::SendError::UnableToDeliver) => Err(ChannelError::Full {
+                channel: self.name.to_string(),
+            }),
+            Err(why) => Err(ChannelError::failed(&self.name, why)),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The places that a run uses outside its output folder, and their removal.
+//!
+//! A run keeps iceoryx2's bookkeeping in a folder of its own and names its shared memory with a
+//! prefix of its own. The orchestrator holds a lock in that folder as long as it lives; a folder
+//! whose lock is free belongs to a run that was killed.
+
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
+use std::fs::{self, DirBuilder, File};
+use std::io;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::path::{Path, PathBuf};
+
+/// Where POSIX shared memory appears on Linux.
+const SHARED_MEMORY: &str = "/dev/shm";
+
+/// The places of one run; they are removed when this is dropped.
+#[derive(Debug)]
+pub struct RunPlaces {
+    folder: PathBuf,
+    prefix: String,
+    /// Held for the life of the run; its release tells others that the run is over.
+    _lock: File,
+}
+
+impl RunPlaces {
+    /// Makes the folder of run `run`, open to its user only.
+    ///
+    /// # Errors
+    /// If it cannot be made, or belongs to somebody else.
+    pub fn create(run: u64) -> io::Result<Self> {
+        let folder = base()?.join(format!("{run:016x}"));
+        private_folder(&folder)?;
+        let lock = File::create(folder.join("lock"))?;
+        flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
+        Ok(Self {
+            folder,
+            prefix: prefix_of(run),
+            _lock: lock,
+        })
+    }
+
+    /// Folder for iceoryx2's bookkeeping.
+    pub fn root(&self) -> String {
+        self.folder.to_string_lossy().into_owned()
+    }
+
+    /// Prefix of the names of the run's shared memory.
+    pub fn prefix(&self) -> &str {
+        &self.prefix
+    }
+}
+
+impl Drop for RunPlaces {
+    fn drop(&mut self) {
+        // Nothing sensible can be done about a failure here; the next run sweeps again.
+        let _ = remove(&self.folder, &self.prefix);
+    }
+}
+
+/// Removes what killed runs of this user left behind; returns how many runs that were.
+///
+/// # Errors
+/// If the folder that holds all runs cannot be read.
+pub fn sweep_dead_runs() -> io::Result<usize> {
+    let mut swept = 0;
+    for entry in fs::read_dir(base()?)? {
+        let folder = entry?.path();
+        let name = folder
+            .file_name()
+            .map(|n| n.to_string_lossy().into_owned())
+            .unwrap_or_default();
+        let Ok(run) = u64::from_str_radix(&name, 16) else {
+            continue;
+        };
+        if is_dead(&folder) {
+            remove(&folder, &prefix_of(run))?;
+            swept += 1;
+        }
+    }
+    Ok(swept)
+}
+
+/// Number of entries in shared memory that belong to run `run`.
+pub fn shared_memory_of(run: u64) -> usize {
+    let prefix = prefix_of(run);
+    fs::read_dir(SHARED_MEMORY).map_or(0, |entries| {
+        entries
+            .flatten()
+            .filter(|e| e.file_name().to_string_lossy().starts_with(&prefix))
+            .count()
+    })
+}
+
+fn prefix_of(run: u64) -> String {
+    format!("tremie_{run:016x}_")
+}
+
+/// The folder that holds the folders of all runs of this user.
+fn base() -> io::Result<PathBuf> {
+    let user = rustix::process::getuid().as_raw();
+    // Not the user's own choice of a temporary folder: names of sockets must stay under 108 bytes.
+    let base = PathBuf::from(format!("/tmp/tremie-{user}"));
+    private_folder(&base)?;
+    if fs::symlink_metadata(&base)?.uid() != user {
+        return Err(io::Error::new(
+            io::ErrorKind::PermissionDenied,
+            format!("{} belongs to another user; remove it", base.display()),
+        ));
+    }
+    Ok(base)
+}
+
+fn private_folder(path: &Path) -> io::Result<()> {
+    match DirBuilder::new().mode(0o700).create(path) {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Ok(()),
+        other => other,
+    }
+}
+
+fn is_dead(folder: &Path) -> bool {
+    match File::open(folder.join("lock")) {
+        Ok(lock) => !matches!(
+            flock(&lock, FlockOperation::NonBlockingLockExclusive),
+            Err(Errno::WOULDBLOCK)
+        ),
+        // A run that is just starting has no lock yet; give it a minute.
+        Err(_) => fs::metadata(folder)
+            .and_then(|m| m.modified())
+            .ok()
+            .and_then(|t| t.elapsed().ok())
+            .is_some_and(|age| age.as_secs() > 60),
+    }
+}
+
+fn remove(folder: &Path, prefix: &str) -> io::Result<()> {
+    for entry in fs::read_dir(SHARED_MEMORY)?.flatten() {
+        if entry.file_name().to_string_lossy().starts_with(prefix) {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    fs::remove_dir_all(folder)
+}
