@@ -1,1 +1,23 @@
-//! The orchestrator.
+//! The orchestrator: from a manifest to a validated plan, a schedule, and supervised components.
+//!
+//! A run goes through these rooms: [`manifest`] reads what the user wants; [`introduction`] starts the
+//! components ([`launch`]) and asks each what it is; [`plan`] assigns steps and [`schedule`] the order of
+//! work; [`mod@run`] hands out the assignments; [`drive`] lets the windows go by over [`control`], with
+//! [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
+
+pub mod cli;
+pub mod commands;
+pub mod conform;
+pub mod control;
+pub mod drive;
+pub mod introduction;
+pub mod launch;
+pub mod manifest;
+pub mod monitor;
+pub mod outputs;
+pub mod plan;
+pub mod registry;
+pub mod run;
+pub mod schedule;
+pub mod stop;
+pub mod terminal;

@@ -1,2 +1,19 @@
 //! The `tremie` program.
-fn main() {}
+
+use clap::Parser;
+use std::process::ExitCode;
+use tremie::cli::{Cli, Command};
+use tremie::commands;
+
+fn main() -> ExitCode {
+    match Cli::parse().command {
+        Command::Run(arguments) => commands::run(&arguments),
+        Command::Check(arguments) => commands::check(&arguments),
+        Command::Components => commands::components(),
+        Command::View(arguments) => commands::view(&arguments),
+        Command::Conform(arguments) => commands::conform(&arguments),
+        Command::Clean => commands::clean(),
+        Command::Schema => commands::schema(),
+        Command::Component { name } => commands::component(&name),
+    }
+}

@@ -2,6 +2,7 @@
 
 use crate::context::Context;
 use crate::frames::Shows;
+use crate::impulse::Impulse;
 use crate::physics::Fluid;
 use crate::ports::{InPort, OutPort};
 use crate::role::Player;
@@ -24,6 +25,7 @@ pub struct FluidPlayer<S: Between, F: Fluid> {
     load: Option<OutPort<S, Load>>,
     /// The loads of the present window, in the memory that the receiver will read.
     loads: Option<Loan<S, Stamp, Load>>,
+    impulse: Impulse,
 }
 
 impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
@@ -42,6 +44,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
             bodies: None,
             load: None,
             loads: None,
+            impulse: Impulse::default(),
         })
     }
 
@@ -105,6 +108,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
             _ => self.fluid.advance(context.substeps, bodies, loads),
         };
         context.spent.compute += begin.elapsed().as_nanos() as u64;
+        self.impulse.add(loads, context.assignment.clock.window());
         self.loads = loan;
         done.map_err(|error| {
             context.fault(FaultKind::Solver, &context.component, error.to_string())
@@ -120,6 +124,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
 
     fn signals(&mut self, values: &mut Vec<f64>) {
         self.fluid.signals(values);
+        self.impulse.push(values);
     }
 
     fn work(&self) -> u64 {

@@ -2,6 +2,7 @@
 
 use crate::context::Context;
 use crate::frames::Shows;
+use crate::impulse::Impulse;
 use crate::physics::Grains;
 use crate::ports::{InPort, OutPort};
 use crate::role::Player;
@@ -22,6 +23,7 @@ pub struct GrainsPlayer<S: Between, G: Grains> {
     state: Option<OutPort<S, BodyState>>,
     load: Option<InPort<S, Load>>,
     loads: Option<Received<S, Stamp, Load>>,
+    impulse: Impulse,
 }
 
 impl<S: Between, G: Grains> Shows for GrainsPlayer<S, G> {
@@ -42,6 +44,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
             state: None,
             load: None,
             loads: None,
+            impulse: Impulse::default(),
         };
         player.note_events();
         Ok(player)
@@ -86,6 +89,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
             .loads
             .as_ref()
             .map_or(&[][..], |message| message.values());
+        self.impulse.add(loads, context.assignment.clock.window());
         let begin = Instant::now();
         let done = self.grains.advance(context.substeps, loads);
         context.spent.compute += begin.elapsed().as_nanos() as u64;
@@ -115,6 +119,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
 
     fn signals(&mut self, values: &mut Vec<f64>) {
         self.grains.signals(values);
+        self.impulse.push(values);
     }
 
     fn work(&self) -> u64 {

@@ -10,6 +10,7 @@ mod context;
 mod fluid;
 mod frames;
 mod grains;
+mod impulse;
 pub mod line;
 mod observe;
 pub mod observer;

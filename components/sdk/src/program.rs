@@ -2,11 +2,13 @@
 
 use crate::fluid::FluidPlayer;
 use crate::grains::GrainsPlayer;
+use crate::impulse::Impulse;
 use crate::line::Line;
 use crate::observe::serve_observer;
 use crate::observer::Observer;
 use crate::physics::{Fluid, Grains};
 use crate::serve::{Introduction, introduce, serve};
+use crate::setup::Setup;
 use std::process::ExitCode;
 use tremie_channels::{Processes, Threads};
 use tremie_messages::Role;
@@ -17,7 +19,8 @@ use tremie_messages::start::INTERFACE_VARIABLE;
 /// # Errors
 /// A sentence for standard error.
 pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
-    match introduce(&mut line, Role::Fluid, F::PROGRAM, F::describe)? {
+    let describe = |setup: &Setup| Ok(Impulse::announce(F::describe(setup)?, "impulse_delivered"));
+    match introduce(&mut line, Role::Fluid, F::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
             serve::<Processes, FluidPlayer<Processes, F>>(line, *all)
@@ -31,7 +34,8 @@ pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
 /// # Errors
 /// A sentence for standard error.
 pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
-    match introduce(&mut line, Role::Grains, G::PROGRAM, G::describe)? {
+    let describe = |setup: &Setup| Ok(Impulse::announce(G::describe(setup)?, "impulse_received"));
+    match introduce(&mut line, Role::Grains, G::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
             serve::<Processes, GrainsPlayer<Processes, G>>(line, *all)

@@ -22,4 +22,17 @@ impl Setup {
     pub fn parameters<P: DeserializeOwned>(&self) -> Result<P, Vec<Problem>> {
         crate::parameters::read(&self.hello.parameters)
     }
+
+    /// The assignment; there from [`crate::Fluid::create`] and its like on.
+    ///
+    /// # Errors
+    /// A problem, if it is asked for while the component only describes itself.
+    pub fn assigned(&self) -> Result<&Assignment, Vec<Problem>> {
+        self.assignment.as_ref().ok_or_else(|| {
+            vec![Problem::new(
+                "",
+                "asked for an assignment before there is one",
+            )]
+        })
+    }
 }

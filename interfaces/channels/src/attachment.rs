@@ -108,6 +108,12 @@ impl<S: Between> Attachment<S> {
         Receiver::open(&self.node, spec)
     }
 
+    /// Frees what members of the run that died had in shared memory: a sender whose receiver was
+    /// killed stays blocked until somebody does this.
+    pub fn clean_after_dead(&self) {
+        self.node.try_cleanup_dead_nodes();
+    }
+
     pub(crate) fn node(&self) -> &Node<S> {
         &self.node
     }

@@ -280,6 +280,8 @@ pub enum FaultKind {
     Count,
     /// A number is not finite.
     NotFinite,
+    /// A message was sent, so its sender says, and never arrived.
+    Lost,
     /// A peer's message did not come in time.
     Deadline,
     /// A component made more or fewer substeps than assigned.

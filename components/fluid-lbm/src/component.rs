@@ -1,0 +1,243 @@
+//! The lattice fluid as a component of a run.
+
+use crate::{FluidLbm, Ledger, Parameters, SliceNode};
+use std::collections::BTreeMap;
+use tremie_sdk::messages::frame::{self, SliceHeader};
+use tremie_sdk::messages::scene::{Placement, Scene};
+use tremie_sdk::messages::start::{Description, Signal, SliceSpec};
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::{Fluid, Setup, SolverError};
+
+/// The lattice fluid behind the sdk's interface.
+pub struct LatticeFluid {
+    fluid: FluidLbm,
+    cut: Cut,
+    cells: u64,
+    /// Edge of a cell [m].
+    cell: f64,
+    /// Gauge pressure of a relative density deviation of one [Pa].
+    stiffness: f64,
+    /// Loads of one substep, where a window has several.
+    partial: Vec<Load>,
+    nodes: Vec<SliceNode>,
+}
+
+/// The plane that observers see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cut {
+    axis: usize,
+    position: f64,
+}
+
+/// Name of the cut.
+const CUT: &str = "velocity";
+
+/// Signals, in the order in which they are pushed.
+const SIGNALS: [(&str, &str); 20] = [
+    ("max_speed", "m/s"),
+    ("max_mach", "1"),
+    ("min_pressure", "Pa"),
+    ("max_pressure", "Pa"),
+    ("links", "1"),
+    ("fallback_links", "1"),
+    ("isolated_cells", "1"),
+    ("mass", "kg"),
+    ("mass_change", "kg"),
+    ("mass_residual", "kg"),
+    ("momentum_x", "kg m/s"),
+    ("momentum_y", "kg m/s"),
+    ("momentum_z", "kg m/s"),
+    ("momentum_residual", "kg m/s"),
+    ("wall_impulse_x", "kg m/s"),
+    ("wall_impulse_y", "kg m/s"),
+    ("wall_impulse_z", "kg m/s"),
+    ("body_impulse_x", "kg m/s"),
+    ("body_impulse_y", "kg m/s"),
+    ("body_impulse_z", "kg m/s"),
+];
+
+impl Cut {
+    /// A plane through the first listed sphere, or the middle of the domain, that contains gravity
+    /// and is normal to a horizontal axis.
+    fn of(scene: &Scene) -> Self {
+        let axis = if scene.gravity[1].abs() > scene.gravity[2].abs() { 2 } else { 1 };
+        let first = scene.bodies.iter().find_map(|set| match &set.placement {
+            Placement::Listed(spheres) => spheres.first().map(|sphere| sphere.position[axis]),
+            Placement::Packed(_) => None,
+        });
+        let middle = 0.5 * (scene.domain.min[axis] + scene.domain.max[axis]);
+        Self { axis, position: first.unwrap_or(middle) }
+    }
+
+    /// The two axes in the plane, the first of them running fastest.
+    fn plane(self) -> [usize; 2] {
+        [[1, 2], [0, 2], [0, 1]][self.axis]
+    }
+}
+
+impl Fluid for LatticeFluid {
+    const PROGRAM: &'static str = concat!("fluid-lbm ", env!("CARGO_PKG_VERSION"));
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let scene = &setup.hello.scene;
+        let resolution = parameters.resolve(scene)?;
+        let [nx, ny, nz] = resolution.cells;
+        let plane = Cut::of(scene).plane().map(|axis| resolution.cells[axis] as u64);
+        let megabytes = resolution.memory_bytes as f64 * 1e-6;
+        let mut notes = vec![format!(
+            "{nx} x {ny} x {nz} cells of {:.4e} m, tau {:.4}, {megabytes:.0} MB",
+            resolution.cell, resolution.tau
+        )];
+        let mut numbers = BTreeMap::from([
+            ("cells".to_string(), (nx * ny * nz) as f64),
+            ("cell size [m]".to_string(), resolution.cell),
+            ("relaxation time".to_string(), resolution.tau),
+        ]);
+        if let Some(cells) = resolution.cells_per_smallest_sphere {
+            notes.push(format!("{cells:.1} cells across the smallest sphere"));
+            numbers.insert("cells across the smallest sphere".into(), cells);
+        }
+        if let Some(mach) = resolution.expected_mach {
+            notes.push(format!("Mach number {mach:.3} at the expected speed"));
+            numbers.insert("expected Mach number".into(), mach);
+        }
+        Ok(Description {
+            step: Some(resolution.time_step),
+            signals: SIGNALS.iter().map(|(name, unit)| signal(name, unit)).collect(),
+            slices: vec![SliceSpec { name: CUT.into(), nodes: plane[0] * plane[1] }],
+            work: "cell updates".into(),
+            notes,
+            warnings: resolution.warnings,
+            resolution: numbers,
+            ..Description::default()
+        })
+    }
+
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let scene = &setup.hello.scene;
+        let step = setup.assigned()?.step;
+        let threads = setup.hello.threads.max(1) as usize;
+        let fluid = FluidLbm::new(scene, &parameters, step, threads)?;
+        let cells = fluid.cells().iter().map(|n| *n as u64).product();
+        let cell = parameters.cell.0;
+        let density = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.density);
+        // Square of the lattice's speed of sound, a third of (dx/dt)^2.
+        let sound = (cell / step) * (cell / step) / 3.0;
+        Ok(Self {
+            fluid,
+            cut: Cut::of(scene),
+            cells,
+            cell,
+            stiffness: density * sound,
+            partial: Vec::new(),
+            nodes: Vec::new(),
+        })
+    }
+
+    fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
+        self.fluid.apply_events(events).map_err(SolverError::from_error)
+    }
+
+    fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), SolverError> {
+        self.fluid.start(bodies, loads).map_err(SolverError::from_error)
+    }
+
+    fn advance(
+        &mut self,
+        substeps: u32,
+        bodies: &[BodyState],
+        loads: &mut [Load],
+    ) -> Result<(), SolverError> {
+        self.fluid.step(bodies, loads).map_err(SolverError::from_error)?;
+        if substeps > 1 {
+            self.advance_on(substeps, bodies, loads)?;
+        }
+        self.fluid.check().map_err(SolverError::from_error)
+    }
+
+    fn signals(&mut self, values: &mut Vec<f64>) {
+        let diagnostics = self.fluid.diagnostics();
+        let ledger = self.fluid.ledger();
+        values.extend([
+            diagnostics.max_speed,
+            diagnostics.max_mach,
+            diagnostics.min_density_deviation * self.stiffness,
+            diagnostics.max_density_deviation * self.stiffness,
+            diagnostics.links as f64,
+            diagnostics.fallback_links as f64,
+            diagnostics.isolated as f64,
+            ledger.mass,
+            ledger.mass_change,
+            ledger.mass_change - ledger.mass_terms(),
+        ]);
+        values.extend(ledger.momentum);
+        values.push(largest_gap(ledger));
+        values.extend(ledger.walls);
+        values.extend(ledger.bodies);
+    }
+
+    fn work(&self) -> u64 {
+        self.cells
+    }
+
+    fn slice(&mut self, _name: &str, nodes: &mut [frame::SliceNode]) -> SliceHeader {
+        let Cut { axis, position } = self.cut;
+        let count = self.fluid.slice(axis, position, &mut self.nodes);
+        for (out, node) in nodes.iter_mut().zip(&self.nodes) {
+            *out = frame::SliceNode {
+                velocity: node.velocity.map(|v| v as f32),
+                pressure: node.pressure as f32,
+                solid: u32::from(node.solid),
+            };
+        }
+        let [fast, slow] = self.cut.plane();
+        let mut corner = self.fluid.centre([0; 3]);
+        let cell = self.cell;
+        corner[axis] += ((position - corner[axis]) / cell).round() * cell;
+        let mut step = [[0.0; 3]; 2];
+        (step[0][fast], step[1][slow]) = (cell, cell);
+        let count = count.map(|n| n as u64);
+        SliceHeader { origin: corner, step, count, ..SliceHeader::default() }
+    }
+}
+
+impl LatticeFluid {
+    /// The substeps after the first; `loads` become the mean over all, so that their impulse over
+    /// the window is that of the substeps.
+    fn advance_on(
+        &mut self,
+        substeps: u32,
+        bodies: &[BodyState],
+        loads: &mut [Load],
+    ) -> Result<(), SolverError> {
+        let share = 1.0 / f64::from(substeps);
+        self.partial.clear();
+        self.partial.extend_from_slice(loads);
+        for load in loads.iter_mut() {
+            load.force = load.force.map(|f| f * share);
+            load.torque = load.torque.map(|t| t * share);
+        }
+        for _ in 1..substeps {
+            self.fluid.step(bodies, &mut self.partial).map_err(SolverError::from_error)?;
+            for (load, part) in loads.iter_mut().zip(&self.partial) {
+                for axis in 0..3 {
+                    load.force[axis] += part.force[axis] * share;
+                    load.torque[axis] += part.torque[axis] * share;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn signal(name: &str, unit: &str) -> Signal {
+    Signal { name: name.into(), unit: unit.into() }
+}
+
+/// What the listed terms do not account for in the change of momentum: rounding, if nothing is missing.
+fn largest_gap(ledger: &Ledger) -> f64 {
+    let terms = ledger.momentum_terms();
+    (0..3).map(|k| (ledger.momentum_change[k] - terms[k]).abs()).fold(0.0, f64::max)
+}

@@ -1,0 +1,169 @@
+//! The discrete elements as a component of a run.
+
+use crate::{GrainsDem, Parameters, Resolution};
+use std::collections::BTreeMap;
+use tremie_sdk::messages::start::{Description, Signal};
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::{Grains, Setup, SolverError};
+
+/// Soft spheres behind the sdk's interface.
+pub struct SoftSpheres {
+    grains: GrainsDem,
+    /// Events of the window: the initial bodies until the first window is over, none after.
+    events: Vec<BodyEvent>,
+    /// Bodies whose paths are signals: all, where they are few.
+    tracked: Vec<BodyState>,
+}
+
+/// So few bodies are followed one by one.
+const FEW: usize = 4;
+
+/// Signals of all bodies together, in the order in which they are pushed.
+const SIGNALS: [(&str, &str); 12] = [
+    ("max_speed", "m/s"),
+    ("mean_height", "m"),
+    ("kinetic_energy", "J"),
+    ("rotational_energy", "J"),
+    ("potential_energy", "J"),
+    ("elastic_energy", "J"),
+    ("momentum_x", "kg m/s"),
+    ("momentum_y", "kg m/s"),
+    ("momentum_z", "kg m/s"),
+    ("contacts", "1"),
+    ("max_overlap_ratio", "1"),
+    ("list_rebuilds", "1"),
+];
+
+/// Signals of each followed body.
+const PATH: [(&str, &str); 6] = [
+    ("x", "m"),
+    ("y", "m"),
+    ("z", "m"),
+    ("vx", "m/s"),
+    ("vy", "m/s"),
+    ("vz", "m/s"),
+];
+
+impl Grains for SoftSpheres {
+    const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let resolution = parameters.resolve(&setup.hello.scene)?;
+        Ok(Description {
+            step: resolution.time_step,
+            bodies: resolution.bodies as u64,
+            signals: signals(resolution.bodies),
+            work: "grain steps".into(),
+            notes: notes(&resolution),
+            warnings: resolution.warnings.clone(),
+            resolution: numbers(&resolution),
+            ..Description::default()
+        })
+    }
+
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let grains = GrainsDem::new(&setup.hello.scene, &parameters, setup.assigned()?.step)?;
+        let events = grains.initial_events().to_vec();
+        let few = if events.len() <= FEW { events.len() } else { 0 };
+        Ok(Self {
+            grains,
+            events,
+            tracked: vec![BodyState::at_rest(0, [0.0; 3]); few],
+        })
+    }
+
+    fn events(&self) -> &[BodyEvent] {
+        &self.events
+    }
+
+    fn count(&self) -> usize {
+        self.grains.body_count()
+    }
+
+    fn state(&self, bodies: &mut [BodyState]) {
+        self.grains.write_state(bodies);
+    }
+
+    fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
+        self.events.clear();
+        self.grains
+            .advance(substeps, loads)
+            .map_err(SolverError::from_error)
+    }
+
+    fn signals(&mut self, values: &mut Vec<f64>) {
+        let d = self.grains.diagnostics();
+        values.extend([
+            d.max_speed,
+            d.mean_height,
+            d.kinetic_energy,
+            d.rotational_energy,
+            d.potential_energy,
+            d.elastic_energy,
+        ]);
+        values.extend(d.momentum);
+        values.extend([
+            d.contacts as f64,
+            d.max_overlap_ratio,
+            d.list_rebuilds as f64,
+        ]);
+        if !self.tracked.is_empty() {
+            self.grains.write_state(&mut self.tracked);
+        }
+        for body in &self.tracked {
+            values.extend(body.position);
+            values.extend(body.velocity);
+        }
+    }
+}
+
+fn signals(bodies: usize) -> Vec<Signal> {
+    let signal = |name: String, unit: &str| Signal {
+        name,
+        unit: unit.into(),
+    };
+    let mut all: Vec<_> = SIGNALS
+        .iter()
+        .map(|(name, unit)| signal((*name).to_string(), unit))
+        .collect();
+    if bodies <= FEW {
+        for body in 0..bodies {
+            all.extend(
+                PATH.iter()
+                    .map(|(name, unit)| signal(format!("body{body}_{name}"), unit)),
+            );
+        }
+    }
+    all
+}
+
+fn notes(resolution: &Resolution) -> Vec<String> {
+    let Resolution {
+        bodies,
+        smallest_diameter,
+        largest_diameter,
+        ..
+    } = resolution;
+    let mut notes = vec![if smallest_diameter == largest_diameter {
+        format!("{bodies} spheres of {smallest_diameter:.4e} m")
+    } else {
+        format!("{bodies} spheres of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
+    }];
+    for pair in &resolution.pairs {
+        notes.push(format!(
+            "{}: restitution {:.3}, damping ratio {:.3}, collision of {:.3e} s",
+            pair.pair, pair.restitution, pair.damping_ratio, pair.contact_time
+        ));
+    }
+    notes
+}
+
+fn numbers(resolution: &Resolution) -> BTreeMap<String, f64> {
+    let mut numbers = BTreeMap::from([("bodies".to_string(), resolution.bodies as f64)]);
+    if let (Some(contact), Some(step)) = (resolution.contact_time, resolution.time_step) {
+        numbers.insert("steps in the shortest collision".into(), contact / step);
+    }
+    numbers
+}

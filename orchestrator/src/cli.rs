@@ -1,0 +1,196 @@
+//! The command line of `tremie`.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use tremie_messages::schedule::Schedule;
+use tremie_messages::start::{Injection, InjectionKind};
+
+/// Co-simulation of slurries: fluid, grains and rubber as programs that share memory.
+#[derive(Debug, Parser)]
+#[command(name = "tremie", version, about, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a manifest.
+    Run(RunArgs),
+    /// Check a manifest completely and print the plan, without running it.
+    Check(CheckArgs),
+    /// List the built-in components and the roles they can take.
+    Components,
+    /// Open a finished run in the Rerun viewer.
+    View(ViewArgs),
+    /// Check that a program keeps the contract of a component.
+    Conform(ConformArgs),
+    /// Remove what killed runs left in shared memory.
+    Clean,
+    /// Print the JSON schema of the manifest, for editors.
+    Schema,
+    /// Take part in a run (the orchestrator calls this).
+    #[command(hide = true)]
+    Component {
+        /// Name of the built-in component.
+        name: String,
+    },
+}
+
+/// Options that say which manifest, and what to change in it.
+#[derive(Debug, Args)]
+pub struct ManifestArgs {
+    /// Manifest, or a folder that holds a manifest.toml
+    pub manifest: PathBuf,
+    /// Simulated time at which to end, as "0.5 s"
+    #[arg(long, value_name = "TIME")]
+    pub until: Option<String>,
+    /// How fluid and grains take turns
+    #[arg(long, value_name = "serial|parallel", value_parser = parse_schedule)]
+    pub schedule: Option<Schedule>,
+    /// Change a value of the manifest, as scene.fluid.viscosity="0.1 Pa s"
+    #[arg(long, value_name = "KEY=VALUE", value_parser = parse_set)]
+    pub set: Vec<(String, String)>,
+    /// Say nothing but errors and the last line
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Speak JSON, one document a line, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `tremie check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Which manifest.
+    #[command(flatten)]
+    pub manifest: ManifestArgs,
+}
+
+/// Arguments of `tremie run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Which manifest.
+    #[command(flatten)]
+    pub manifest: ManifestArgs,
+    /// Folder for the outputs [default: runs/NAME-001 and so on]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Watch the run in the Rerun viewer: in a browser, in its own window, in a file for later
+    #[arg(long, value_name = "web|native|FILE.rrd|none", default_value = "none", value_parser = parse_view)]
+    pub view: View,
+    /// Run the components as threads of one process
+    #[arg(long)]
+    pub in_process: bool,
+    /// Make a component commit a fault, to see it caught: grains:drop@17
+    #[arg(long, value_name = "COMPONENT:FAULT@WINDOW", value_parser = parse_injection)]
+    pub inject: Vec<(String, Injection)>,
+}
+
+/// Arguments of `tremie view`.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// Folder of a finished run
+    pub out: PathBuf,
+    /// Where to show it
+    #[arg(long, value_name = "web|native|FILE.rrd", default_value = "web", value_parser = parse_view)]
+    pub view: View,
+}
+
+/// Arguments of `tremie conform`.
+#[derive(Debug, Args)]
+pub struct ConformArgs {
+    /// Program, or the name of a built-in component
+    pub program: String,
+    /// Manifest whose scene and settings the program is tried with [default: a small scene]
+    #[arg(long)]
+    pub manifest: Option<PathBuf>,
+    /// Role that it shall take: fluid or grains
+    #[arg(long, value_name = "ROLE")]
+    pub role: Option<String>,
+}
+
+/// Where a run is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum View {
+    /// Nowhere.
+    None,
+    /// In a browser; this program serves the page.
+    Web,
+    /// In Rerun's own window.
+    Native,
+    /// In a file.
+    File(PathBuf),
+}
+
+fn parse_view(text: &str) -> Result<View, String> {
+    match text {
+        "none" => Ok(View::None),
+        "web" => Ok(View::Web),
+        "native" => Ok(View::Native),
+        file if file.ends_with(".rrd") => Ok(View::File(file.into())),
+        _ => Err("expected web, native, none, or a file that ends in .rrd".into()),
+    }
+}
+
+fn parse_schedule(text: &str) -> Result<Schedule, String> {
+    match text {
+        "serial" => Ok(Schedule::Serial),
+        "parallel" => Ok(Schedule::Parallel),
+        _ => Err("expected serial or parallel".into()),
+    }
+}
+
+fn parse_set(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or("expected KEY=VALUE")?;
+    Ok((key.trim().to_string(), value.trim().to_string()))
+}
+
+fn parse_injection(text: &str) -> Result<(String, Injection), String> {
+    let names: Vec<_> = InjectionKind::ALL.iter().map(|(_, name)| *name).collect();
+    let form = || format!("expected COMPONENT:FAULT@WINDOW with a fault of {}", names.join(", "));
+    let (component, rest) = text.split_once(':').ok_or_else(form)?;
+    let (fault, window) = rest.split_once('@').ok_or_else(form)?;
+    let kind = InjectionKind::ALL.iter().find(|(_, name)| *name == fault).ok_or_else(form)?.0;
+    let window = window.parse().map_err(|_| form())?;
+    Ok((component.to_string(), Injection { kind, window }))
+}
+
+impl ManifestArgs {
+    /// All changes to the manifest's values, those of the short options first.
+    pub fn sets(&self) -> Vec<(String, String)> {
+        let mut sets = Vec::new();
+        if let Some(until) = &self.until {
+            sets.push(("run.until".into(), until.clone()));
+        }
+        match self.schedule {
+            Some(Schedule::Serial) => sets.push(("run.schedule".into(), "serial".into())),
+            Some(Schedule::Parallel) => sets.push(("run.schedule".into(), "parallel".into())),
+            None => {}
+        }
+        sets.extend(self.set.iter().cloned());
+        sets
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn an_injection_is_read() {
+        let (component, injection) = parse_injection("grains:substep-more@17").unwrap();
+        assert_eq!(component, "grains");
+        assert_eq!(injection, Injection { kind: InjectionKind::SubstepMore, window: 17 });
+        assert!(parse_injection("grains:fall@3").unwrap_err().contains("duplicate"));
+        assert!(parse_injection("drop@3").is_err());
+    }
+}

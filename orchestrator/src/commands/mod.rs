@@ -1,0 +1,48 @@
+//! What each command of the program does.
+//!
+//! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
+//! user ended a run.
+
+mod run;
+mod simple;
+mod view;
+
+pub use run::{check, run};
+pub use simple::{clean, component, components, conform, schema};
+pub use view::view;
+
+use crate::manifest::{Manifest, ManifestErrors};
+use crate::run::RunError;
+use crate::terminal::Terminal;
+use std::process::ExitCode;
+
+/// The input is wrong.
+const WRONG_INPUT: u8 = 2;
+
+/// Says what is wrong with a manifest's text.
+fn refuse_text(errors: &ManifestErrors, json: bool, terminal: &Terminal) -> ExitCode {
+    if json {
+        print!("{}", errors.json_lines());
+    } else {
+        eprint!("{}", errors.render(terminal.colour()));
+    }
+    ExitCode::from(WRONG_INPUT)
+}
+
+/// Says why a run did not begin.
+fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &Terminal) -> ExitCode {
+    match error {
+        RunError::Input(problems) => {
+            if json {
+                print!("{}", manifest.source.json_lines(problems));
+            } else {
+                eprint!("{}", manifest.source.render(problems, terminal.colour()));
+            }
+            ExitCode::from(WRONG_INPUT)
+        }
+        other => {
+            eprintln!("error: {other}");
+            ExitCode::FAILURE
+        }
+    }
+}

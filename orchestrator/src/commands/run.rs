@@ -1,0 +1,200 @@
+//! `tremie run` and `tremie check`.
+
+use super::{refuse, refuse_text};
+use crate::cli::{CheckArgs, ManifestArgs, RunArgs, View};
+use crate::manifest::{self, Manifest};
+use crate::outputs::{Ending, Summary, choose_folder};
+use crate::run::{Execution, Prepared, RunError, prepare};
+use crate::terminal::{Style, Terminal};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// `tremie check`: everything up to the plan.
+pub fn check(arguments: &CheckArgs) -> ExitCode {
+    let terminal = Terminal::new(style(&arguments.manifest));
+    let json = arguments.manifest.json;
+    let manifest = match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
+        Ok(manifest) => manifest,
+        Err(errors) => return refuse_text(&errors, json, &terminal),
+    };
+    let folder = folder_of(&arguments.manifest.manifest);
+    match prepare(&manifest, &folder, Path::new(""), &Execution::default()) {
+        Ok(prepared) => {
+            show_plan(&manifest, &prepared, &terminal);
+            prepared.dismiss();
+            ExitCode::SUCCESS
+        }
+        Err(error) => refuse(&error, &manifest, json, &terminal),
+    }
+}
+
+/// `tremie run`.
+pub fn run(arguments: &RunArgs) -> ExitCode {
+    let mut terminal = Terminal::new(style(&arguments.manifest));
+    let json = arguments.manifest.json;
+    let mut manifest = match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
+        Ok(manifest) => manifest,
+        Err(errors) => return refuse_text(&errors, json, &terminal),
+    };
+    add_observers(&mut manifest, &arguments.view);
+    match run_checked(&manifest, arguments, &mut terminal) {
+        Ok(code) => code,
+        Err(error) => refuse(&error, &manifest, json, &terminal),
+    }
+}
+
+fn run_checked(
+    manifest: &Manifest,
+    arguments: &RunArgs,
+    terminal: &mut Terminal,
+) -> Result<ExitCode, RunError> {
+    if let Ok(swept @ 1..) = tremie_channels::sweep::sweep_dead_runs() {
+        terminal.say(&format!("swept what {swept} killed runs had left in shared memory"));
+    }
+    let interrupts = watch_signals()?;
+    let folder = folder_of(&arguments.manifest.manifest);
+    let execution = Execution {
+        in_process: arguments.in_process,
+        inject: arguments.inject.clone(),
+        ..Execution::default()
+    };
+    let unmade = arguments.out.clone().unwrap_or_default();
+    // Components are asked before the folder is made: a wrong manifest leaves nothing behind.
+    let out = OutputFolder::new(arguments, &unmade)?;
+    let prepared = prepare(manifest, &folder, out.path(), &execution)?;
+    show_plan(manifest, &prepared, terminal);
+    let out = out.keep();
+    terminal.say(&format!("outputs in {}", out.display()));
+    let ended = prepared.execute(manifest, &out, &execution, terminal, &interrupts)?;
+    terminal.end(&last_line(&ended.summary, &out), details(&ended.summary));
+    if arguments.view == View::Web && ended.is_serving() && interrupts.load(Ordering::Relaxed) == 0 {
+        terminal.say("the viewer stays up; Ctrl-C ends it");
+        while interrupts.load(Ordering::Relaxed) == 0 {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+    let summary = ended.close();
+    Ok(ExitCode::from(summary.ending.exit_code()))
+}
+
+/// A folder for outputs that is removed again if nothing comes of the run.
+struct OutputFolder {
+    path: PathBuf,
+    keep: bool,
+}
+
+impl OutputFolder {
+    fn new(arguments: &RunArgs, _unmade: &Path) -> Result<Self, RunError> {
+        let path = choose_folder(arguments.out.as_deref(), &arguments.manifest.manifest)?;
+        let path = std::path::absolute(&path).unwrap_or(path);
+        Ok(Self { path, keep: false })
+    }
+
+    fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn keep(mut self) -> PathBuf {
+        self.keep = true;
+        self.path.clone()
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if !self.keep {
+            // Removes it only if it is still empty.
+            let _ = std::fs::remove_dir(&self.path);
+        }
+    }
+}
+
+fn style(arguments: &ManifestArgs) -> Style {
+    match (arguments.quiet, arguments.json) {
+        (_, true) => Style::Json,
+        (true, _) => Style::Quiet,
+        _ => Style::Person,
+    }
+}
+
+/// The folder from which a manifest's programs are found.
+fn folder_of(manifest: &Path) -> PathBuf {
+    if manifest.is_dir() {
+        manifest.to_path_buf()
+    } else {
+        manifest.parent().map(Path::to_path_buf).unwrap_or_default()
+    }
+}
+
+/// Adds the recorder and the viewer that the user asked for.
+fn add_observers(manifest: &mut Manifest, view: &View) {
+    if manifest.spec.outputs.record {
+        manifest.spec.add_observer("recorder");
+    }
+    let (mode, file) = match view {
+        View::None => return,
+        View::Web => ("web", None),
+        View::Native => ("native", None),
+        View::File(file) => ("file", Some(std::path::absolute(file).unwrap_or_else(|_| file.clone()))),
+    };
+    manifest.spec.add_observer("viewer");
+    for component in manifest.spec.components.iter_mut().filter(|c| c.stem() == "viewer") {
+        component.settings.insert("mode".into(), mode.into());
+        if let Some(file) = &file {
+            component.settings.insert("file".into(), file.to_string_lossy().into());
+        }
+        // A file for later shall have every frame; a window on the run shows the newest.
+        component.lossless |= file.is_some();
+    }
+}
+
+fn watch_signals() -> Result<Arc<AtomicUsize>, RunError> {
+    let interrupts = Arc::new(AtomicUsize::new(0));
+    let mut signals = signal_hook::iterator::Signals::new([
+        signal_hook::consts::SIGINT,
+        signal_hook::consts::SIGTERM,
+        signal_hook::consts::SIGHUP,
+    ])
+    .map_err(RunError::Places)?;
+    let count = interrupts.clone();
+    std::thread::spawn(move || {
+        for _ in signals.forever() {
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    });
+    Ok(interrupts)
+}
+
+fn show_plan(manifest: &Manifest, prepared: &Prepared, terminal: &Terminal) {
+    let lines = prepared.plan.lines();
+    for line in lines.iter().chain(&manifest.notes) {
+        terminal.say(line);
+    }
+    for warning in &prepared.plan.warnings {
+        terminal.warn(warning);
+    }
+    terminal.event(json!({"event": "plan", "lines": lines, "warnings": prepared.plan.warnings}));
+}
+
+fn details(summary: &Summary) -> Value {
+    serde_json::to_value(summary).unwrap_or(Value::Null)
+}
+
+/// What happened, where, at which window.
+fn last_line(summary: &Summary, out: &Path) -> String {
+    let Summary { windows, planned_windows, simulated_time, wall_time, .. } = summary;
+    let went = format!(
+        "{windows} of {planned_windows} windows, {simulated_time:.6} s simulated in {wall_time:.1} s; outputs in {}",
+        out.display()
+    );
+    match &summary.ending {
+        Ending::Completed => format!("completed: {went}"),
+        Ending::Stopped { reason } => format!("stopped: {reason}; {went}"),
+        Ending::Interrupted => format!("interrupted: {went}"),
+        Ending::Failed { fault } => format!("outputs up to {went}\nfailed: {fault}"),
+    }
+}

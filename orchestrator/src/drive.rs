@@ -1,0 +1,457 @@
+//! The second half of a run: windows go by, guards watch, and everything ends in order.
+
+use crate::control::Control;
+use crate::launch::{News, Peer, Post};
+use crate::monitor::{Monitor, Row};
+use crate::outputs::{Ending, Level, OutputError, RunLog, SignalTable};
+use crate::stop::StopWatch;
+use crate::terminal::{Progress, Terminal};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+use tremie_channels::{Between, ChannelError};
+use tremie_messages::Role;
+use tremie_messages::control::Credit;
+use tremie_messages::frame::LogHeader;
+use tremie_messages::start::{Clock, Description, Fault, FaultKind, Reply};
+
+/// How often the orchestrator looks at reports. Physics does not wait for it: credit runs ahead.
+const LOOK: Duration = Duration::from_millis(1);
+/// All components waiting for each other for so long means that a message was lost.
+const LOST_AFTER: Duration = Duration::from_millis(60);
+/// Wall time by which credit runs ahead: what a Ctrl-C takes to be heeded.
+const CREDIT_AHEAD: f64 = 0.1;
+/// Windows by which the end lies behind the one that meets a stop condition: fixed, so that the
+/// last window does not depend on how fast the orchestrator looks.
+const STOP_AHEAD: u64 = 64;
+/// Longest time for observers to finish their outputs.
+const OBSERVERS_FINISH: Duration = Duration::from_secs(5);
+
+/// What a run in progress is made of.
+pub struct Drive<'a, S: Between> {
+    /// Shared memory.
+    pub control: Control<S>,
+    /// All components, in the order of the plan.
+    pub peers: &'a mut [Peer],
+    /// What they said at the handshake.
+    pub descriptions: &'a [Description],
+    /// Where their news arrive.
+    pub news: &'a Receiver<Post>,
+    /// What is known of the physics.
+    pub monitor: Monitor,
+    /// Index of each watched component in `peers`.
+    pub physics: Vec<usize>,
+    /// Ticks and windows.
+    pub clock: Clock,
+    /// Windows of the whole run.
+    pub windows: u64,
+    /// Most reports under way.
+    pub report_depth: u64,
+    /// Longest wait for a peer [s].
+    pub deadline: f64,
+    /// Conditions that end the run early.
+    pub stop: StopWatch,
+    /// Table of signals.
+    pub table: SignalTable,
+    /// Log of the run.
+    pub log: RunLog,
+    /// The user.
+    pub terminal: &'a mut Terminal,
+    /// How often the user has asked for the end.
+    pub interrupts: &'a AtomicUsize,
+}
+
+/// Why the loop of windows ends before all are done.
+enum Trouble {
+    /// The user asked again: at once, not in order.
+    Impatience,
+    Fault(Box<Fault>),
+    Output(OutputError),
+}
+
+impl From<Fault> for Trouble {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(Box::new(fault))
+    }
+}
+
+impl From<OutputError> for Trouble {
+    fn from(error: OutputError) -> Self {
+        Self::Output(error)
+    }
+}
+
+impl From<ChannelError> for Trouble {
+    fn from(error: ChannelError) -> Self {
+        Self::Fault(Box::new(Fault {
+            kind: FaultKind::Channel,
+            noticed_by: "the orchestrator".into(),
+            blamed: "the orchestrator".into(),
+            window: 0,
+            message: error.to_string(),
+        }))
+    }
+}
+
+/// How a run went.
+pub struct Driven {
+    /// How it ended.
+    pub ending: Ending,
+    /// Last window that all components completed.
+    pub window: u64,
+    /// Sums over the reports of each component of the physics, by index in `peers`.
+    pub totals: BTreeMap<usize, crate::monitor::Totals>,
+    /// What observers wrote or lost, by name.
+    pub observers: BTreeMap<String, String>,
+    /// Wall time of the windows.
+    pub wall: Duration,
+    /// The table of signals, to be closed.
+    pub table: SignalTable,
+    /// The log of the run.
+    pub log: RunLog,
+}
+
+/// What changes while windows go by.
+struct Course {
+    begin: Instant,
+    granted: Option<u64>,
+    /// Last window of the run, once the end was asked for early.
+    last: Option<u64>,
+    reason: Option<Ending>,
+    finished: Vec<bool>,
+    words: Vec<String>,
+    notes: BTreeMap<String, String>,
+    /// Window and time of the last measurement of the rate, and the rate.
+    mark: (u64, Instant),
+    rate: f64,
+}
+
+impl<S: Between> Drive<'_, S> {
+    /// Lets the windows go by, to the end of the run, whatever that is.
+    ///
+    /// # Errors
+    /// If an output cannot be written; all components were told to end before.
+    pub fn run(mut self) -> Result<Driven, OutputError> {
+        let now = Instant::now();
+        let count = self.peers.len();
+        let mut course = Course {
+            begin: now,
+            granted: None,
+            last: None,
+            reason: None,
+            finished: vec![false; count],
+            words: vec![String::new(); count],
+            notes: BTreeMap::new(),
+            mark: (0, now),
+            rate: 0.0,
+        };
+        let trouble = self.windows_go_by(&mut course).err();
+        let wall = course.begin.elapsed();
+        let window = self.monitor.common_window().unwrap_or(0);
+        let ending = match trouble {
+            None => course.reason.take().unwrap_or(Ending::Completed),
+            Some(Trouble::Impatience) => {
+                self.stop_physics(&course);
+                Ending::Interrupted
+            }
+            Some(Trouble::Fault(fault)) => Ending::Failed { fault: *fault },
+            Some(Trouble::Output(error)) => {
+                self.stop_physics(&course);
+                return Err(error);
+            }
+        };
+        if let Ending::Failed { fault } = &ending {
+            self.stop_physics(&course);
+            self.note(Level::Error, &fault.blamed.clone(), &fault.to_string())?;
+        }
+        self.finish_observers(&mut course, window);
+        let totals =
+            self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
+        let Self { table, log, .. } = self;
+        Ok(Driven { ending, window, totals, observers: course.notes, wall, table, log })
+    }
+
+    fn windows_go_by(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        loop {
+            self.hear_news(course, LOOK)?;
+            self.take_reports()?;
+            self.take_rows(course)?;
+            let now = Instant::now();
+            if self.physics.iter().all(|index| course.finished[*index]) {
+                return Ok(());
+            }
+            let deadline = Duration::from_secs_f64(self.deadline);
+            let lost = self.monitor.lost_message(now, LOST_AFTER);
+            let granted = course.granted.unwrap_or(0);
+            if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {
+                return Err(fault.into());
+            }
+            self.heed_user(course)?;
+            self.grant(course, now)?;
+            self.show_progress(course, now);
+        }
+    }
+
+    /// Takes what components said since the last look; sleeps a little if they said nothing.
+    fn hear_news(&mut self, course: &mut Course, nap: Duration) -> Result<(), Trouble> {
+        let mut nap = nap;
+        loop {
+            match self.news.recv_timeout(nap) {
+                Ok((index, news)) => self.hear(course, index, news)?,
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return Ok(()),
+            }
+            nap = Duration::ZERO;
+        }
+    }
+
+    fn hear(&mut self, course: &mut Course, index: usize, news: News) -> Result<(), Trouble> {
+        let watched = self.physics.iter().position(|peer| *peer == index);
+        let name = self.peers[index].name.clone();
+        match (news, watched) {
+            (News::Reply(reply), Some(watched)) => match *reply {
+                Reply::Waiting { from, what, window } => {
+                    self.monitor.waiting(watched, from, what, window, Instant::now());
+                }
+                Reply::Resumed {} => self.monitor.resumed(watched, Instant::now()),
+                Reply::Finished { .. } => course.finished[index] = true,
+                Reply::Fault(fault) => return Err(fault.into()),
+                other => return Err(self.broken(index, format!("it said {other:?} in mid-run"))),
+            },
+            (News::Reply(reply), None) => match *reply {
+                Reply::Finished { note, .. } => {
+                    course.finished[index] = true;
+                    course.notes.insert(name, note);
+                }
+                Reply::Fault(fault) => self.lose_observer(course, index, &fault.message)?,
+                _ => {}
+            },
+            (News::Garbage(text), Some(_)) => {
+                let text = format!("it wrote a line that is no reply: {text}");
+                return Err(self.broken(index, text));
+            }
+            (News::Garbage(text) | News::Log(text), _) => self.hear_log(course, index, &text)?,
+            (News::Closed, watched) => {
+                self.peers[index].closed = true;
+                if course.finished[index] {
+                    return Ok(());
+                }
+                let how = self.peers[index].end(Duration::from_millis(100));
+                let last = Some(&course.words[index]).filter(|text| !text.is_empty());
+                let words = last.map_or(String::new(), |text| format!("; its last words: {text}"));
+                match watched {
+                    Some(watched) => {
+                        let fault = Fault {
+                            kind: FaultKind::Exit,
+                            noticed_by: "the orchestrator".into(),
+                            blamed: name,
+                            window: self.monitor.window_of(watched).map_or(0, |w| w + 1),
+                            message: format!("its process {how} in mid-run{words}"),
+                        };
+                        return Err(fault.into());
+                    }
+                    None => self.lose_observer(course, index, &format!("its process {how}{words}"))?,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn broken(&self, index: usize, message: String) -> Trouble {
+        let fault = Fault {
+            kind: FaultKind::Contract,
+            noticed_by: "the orchestrator".into(),
+            blamed: self.peers[index].name.clone(),
+            window: self.monitor.common_window().unwrap_or(0),
+            message,
+        };
+        fault.into()
+    }
+
+    /// A component's line on standard error: JSON from the sdk's logger, or anything else.
+    fn hear_log(&mut self, course: &mut Course, index: usize, text: &str) -> Result<(), OutputError> {
+        let parsed: Option<serde_json::Value> = serde_json::from_str(text).ok();
+        let field = |name: &str| parsed.as_ref()?.get(name)?.as_str().map(str::to_string);
+        let message = field("message").unwrap_or_else(|| text.to_string());
+        let level = match field("level").as_deref() {
+            Some("ERROR") => Level::Error,
+            Some("WARN") => Level::Warning,
+            _ => Level::Info,
+        };
+        let name = self.peers[index].name.clone();
+        match level {
+            Level::Info if self.peers[index].role == Role::Observer => self.terminal.say(&message),
+            Level::Info => {}
+            _ => self.terminal.warn(&format!("{name}: {message}")),
+        }
+        course.words[index].clone_from(&message);
+        self.note(level, &name, &message)
+    }
+
+    /// An observer failed: a warning, and nobody waits for it any longer.
+    fn lose_observer(
+        &mut self,
+        course: &mut Course,
+        index: usize,
+        why: &str,
+    ) -> Result<(), OutputError> {
+        course.finished[index] = true;
+        let name = self.peers[index].name.clone();
+        let text = format!("{name} is lost, the run goes on: {why}");
+        self.terminal.warn(&text);
+        course.notes.insert(name.clone(), format!("lost: {why}"));
+        self.peers[index].end(Duration::from_millis(100));
+        self.control.clean_after_dead();
+        self.note(Level::Warning, &name, &text)
+    }
+
+    fn take_reports(&mut self) -> Result<(), Trouble> {
+        let now = Instant::now();
+        let monitor = &mut self.monitor;
+        for (watched, peer) in self.physics.iter().enumerate() {
+            self.control.reports(*peer, |report, signals| {
+                Ok::<_, Trouble>(monitor.report(watched, report, signals, now)?)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn take_rows(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        while let Some(row) = self.monitor.next_row() {
+            let Row { window, values, .. } = &row;
+            let time = self.clock.seconds(window * self.clock.ticks_per_window);
+            if let Some(reason) = self.stop.look(time, values).filter(|_| course.last.is_none()) {
+                let last = (window + STOP_AHEAD).min(self.windows);
+                self.note(Level::Info, "the orchestrator", &format!("{reason}: the run ends"))?;
+                self.ask_to_finish(course, last, Ending::Stopped { reason })?;
+            }
+            self.table.take(row)?;
+        }
+        Ok(())
+    }
+
+    fn heed_user(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        match self.interrupts.load(Ordering::Relaxed) {
+            0 => return Ok(()),
+            1 if course.last.is_some() => return Ok(()),
+            1 => {}
+            _ => return Err(Trouble::Impatience),
+        }
+        self.note(Level::Info, "the orchestrator", "the user asked for the end")?;
+        self.terminal.say("ending in order, with whole outputs; once more to end at once");
+        let last = course.granted.unwrap_or(0);
+        self.ask_to_finish(course, last, Ending::Interrupted)
+    }
+
+    fn ask_to_finish(
+        &mut self,
+        course: &mut Course,
+        last: u64,
+        reason: Ending,
+    ) -> Result<(), Trouble> {
+        course.last = Some(last);
+        course.granted = Some(last);
+        course.reason = Some(reason);
+        for peer in &self.physics {
+            self.control.say(*peer, Credit::FINISH, last)?;
+        }
+        Ok(())
+    }
+
+    /// Lets components advance some windows beyond the last that all have completed.
+    fn grant(&mut self, course: &mut Course, now: Instant) -> Result<(), Trouble> {
+        if course.last.is_some() {
+            return Ok(());
+        }
+        let done = self.monitor.common_window().map_or(0, |window| window + 1);
+        let since = now.duration_since(course.mark.1).as_secs_f64();
+        if since > 0.05 {
+            course.rate = (done - course.mark.0) as f64 / since;
+            course.mark = (done, now);
+        }
+        let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD };
+        let ahead = ((course.rate * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
+        let grant = (done + ahead).min(self.windows);
+        if course.granted.is_some_and(|granted| granted >= grant) {
+            return Ok(());
+        }
+        course.granted = Some(grant);
+        for peer in &self.physics {
+            self.control.say(*peer, Credit::ADVANCE, grant)?;
+        }
+        Ok(())
+    }
+
+    fn show_progress(&mut self, course: &Course, now: Instant) {
+        let window = self.monitor.common_window().unwrap_or(0);
+        let elapsed = now.duration_since(course.begin).as_secs_f64();
+        let mut progress = Progress {
+            window,
+            windows: self.windows,
+            time: self.clock.seconds(window * self.clock.ticks_per_window),
+            rate: window as f64 / elapsed.max(1e-9),
+            work: Vec::new(),
+            shares: Vec::new(),
+            bodies: self.descriptions.iter().map(|d| d.bodies).sum(),
+        };
+        for (watched, peer) in self.physics.iter().enumerate() {
+            let totals = self.monitor.totals()[watched];
+            let name = &self.peers[*peer].name;
+            let share = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / elapsed.max(1e-9);
+            progress.shares.push((name.clone(), share(totals.compute), share(totals.wait)));
+            let unit = self.descriptions[*peer].work.clone();
+            let rate = totals.work as f64 / (totals.compute as f64 * 1e-9).max(1e-9);
+            progress.work.push((name.clone(), unit, rate));
+        }
+        self.terminal.progress(&progress);
+    }
+
+    /// Tells physics to end at once, and ends what does not.
+    fn stop_physics(&mut self, course: &Course) {
+        for index in &self.physics {
+            if !course.finished[*index] && !self.peers[*index].closed {
+                // A broken channel changes nothing: the component is ended next.
+                let _ = self.control.say(*index, Credit::ABORT, 0);
+            }
+        }
+        for index in &self.physics {
+            self.peers[*index].end(Duration::from_millis(50));
+        }
+    }
+
+    /// Tells observers that all is sent, and waits until they have written it.
+    fn finish_observers(&mut self, course: &mut Course, window: u64) {
+        let observers: Vec<usize> = (0..self.peers.len())
+            .filter(|index| !self.physics.contains(index) && !course.finished[*index])
+            .collect();
+        for index in &observers {
+            let _ = self.control.say(*index, Credit::FINISH, window);
+        }
+        let deadline = Instant::now() + OBSERVERS_FINISH;
+        while observers.iter().any(|index| !course.finished[*index]) && Instant::now() < deadline {
+            // The physics is over: what goes wrong now concerns observers only.
+            let _ = self.hear_news(course, Duration::from_millis(5));
+        }
+        for index in observers {
+            if !course.finished[index] {
+                let why = format!("it did not finish within {} s", OBSERVERS_FINISH.as_secs());
+                let _ = self.lose_observer(course, index, &why);
+            }
+        }
+    }
+
+    /// Writes a line to the log, and shows it to observers.
+    fn note(&mut self, level: Level, from: &str, message: &str) -> Result<(), OutputError> {
+        let window = self.monitor.common_window().unwrap_or(0);
+        let ticks = window * self.clock.ticks_per_window;
+        let code = match level {
+            Level::Info => LogHeader::INFO,
+            Level::Warning => LogHeader::WARNING,
+            Level::Error => LogHeader::ERROR,
+        };
+        let mut header = LogHeader { level: code, ..LogHeader::default() };
+        (header.stamp.window, header.stamp.ticks) = (window, ticks);
+        self.control.log(header, &format!("{from}: {message}"));
+        self.log.write(level, from, window, self.clock.seconds(ticks), message)
+    }
+}

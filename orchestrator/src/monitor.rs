@@ -1,0 +1,326 @@
+//! What the orchestrator knows of a run in progress: who has completed which window. Pure: it is
+//! told of reports and waits, and says what is wrong with them.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+use tremie_messages::control::Report;
+use tremie_messages::start::{Clock, Fault, FaultKind};
+
+/// A component that takes part in the physics.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Its name.
+    pub name: String,
+    /// Substeps that it must make in a window.
+    pub substeps: u32,
+    /// Number of its signals.
+    pub signals: usize,
+}
+
+/// What all components reported of one window, signals one component after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// The window.
+    pub window: u64,
+    /// Values of all signals.
+    pub values: Vec<f64>,
+    missing: usize,
+}
+
+/// Sums over the reports of one component.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Wall time in the solver [ns].
+    pub compute: u64,
+    /// Wall time waiting for peers or credit [ns].
+    pub wait: u64,
+    /// Wall time sending and bookkeeping [ns].
+    pub exchange: u64,
+    /// Work done, in the component's unit.
+    pub work: u64,
+}
+
+/// A component that waits for a peer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Waiting {
+    from: String,
+    what: String,
+    window: u64,
+}
+
+/// What the orchestrator knows of a run in progress.
+#[derive(Debug)]
+pub struct Monitor {
+    run: u64,
+    clock: Clock,
+    watched: Vec<Watched>,
+    /// Place of each component's first signal in a row.
+    offsets: Vec<usize>,
+    /// Next window that each component has to report.
+    next: Vec<u64>,
+    totals: Vec<Totals>,
+    waiting: Vec<Option<Waiting>>,
+    /// Since when all components have waited for each other.
+    all_waiting_since: Option<Instant>,
+    /// When each component last reported.
+    heard: Vec<Instant>,
+    rows: VecDeque<Row>,
+}
+
+impl Monitor {
+    /// Nothing has been reported yet.
+    pub fn new(run: u64, clock: Clock, watched: Vec<Watched>, now: Instant) -> Self {
+        let offsets = watched
+            .iter()
+            .scan(0, |place, component| {
+                let offset = *place;
+                *place += component.signals;
+                Some(offset)
+            })
+            .collect();
+        let count = watched.len();
+        Self {
+            run,
+            clock,
+            watched,
+            offsets,
+            next: vec![0; count],
+            totals: vec![Totals::default(); count],
+            waiting: vec![None; count],
+            all_waiting_since: None,
+            heard: vec![now; count],
+            rows: VecDeque::new(),
+        }
+    }
+
+    /// Takes component `index`'s account of a window.
+    ///
+    /// # Errors
+    /// A fault if the account is not the one that the schedule foretells.
+    pub fn report(
+        &mut self,
+        index: usize,
+        report: &Report,
+        signals: &[f64],
+        now: Instant,
+    ) -> Result<(), Fault> {
+        let window = self.next[index];
+        let component = &self.watched[index];
+        let substeps = if window == 0 { 0 } else { component.substeps };
+        let stamp = report.stamp;
+        let wrong = |kind, message| Err(self.fault(kind, index, window, message));
+        if stamp.run != self.run || stamp.window != window {
+            return wrong(
+                FaultKind::Stamp,
+                format!("it reported {stamp}; the plan of the orchestrator expects window {window}"),
+            );
+        }
+        if stamp.substep != substeps || stamp.ticks != window * self.clock.ticks_per_window {
+            return wrong(
+                FaultKind::Substeps,
+                format!(
+                    "it made {} substeps; the plan of the orchestrator has {substeps}",
+                    stamp.substep
+                ),
+            );
+        }
+        if signals.len() != component.signals {
+            let text = format!("it reported {} signals of {}", signals.len(), component.signals);
+            return wrong(FaultKind::Count, text);
+        }
+        let totals = &mut self.totals[index];
+        totals.compute += report.compute;
+        totals.wait += report.wait;
+        totals.exchange += report.exchange;
+        totals.work += report.work;
+        self.next[index] = window + 1;
+        self.heard[index] = now;
+        self.enter(index, window, signals);
+        Ok(())
+    }
+
+    fn enter(&mut self, index: usize, window: u64, signals: &[f64]) {
+        let width = self.watched.iter().map(|component| component.signals).sum();
+        let first = self.rows.front().map_or(window, |row| row.window);
+        let place = (window - first) as usize;
+        while self.rows.len() <= place {
+            let window = first + self.rows.len() as u64;
+            self.rows.push_back(Row {
+                window,
+                values: vec![f64::NAN; width],
+                missing: self.watched.len(),
+            });
+        }
+        let row = &mut self.rows[place];
+        let offset = self.offsets[index];
+        row.values[offset..offset + signals.len()].copy_from_slice(signals);
+        row.missing -= 1;
+    }
+
+    /// The next window that all components have reported, once.
+    pub fn next_row(&mut self) -> Option<Row> {
+        if self.rows.front()?.missing == 0 { self.rows.pop_front() } else { None }
+    }
+
+    /// Last window that all components completed; `None` before the start exchange is over.
+    pub fn common_window(&self) -> Option<u64> {
+        self.next.iter().min().and_then(|next| next.checked_sub(1))
+    }
+
+    /// Last window that component `index` completed.
+    pub fn window_of(&self, index: usize) -> Option<u64> {
+        self.next[index].checked_sub(1)
+    }
+
+    /// Sums of the reports of each component.
+    pub fn totals(&self) -> &[Totals] {
+        &self.totals
+    }
+
+    /// Component `index` says that it has been waiting for `from` to send `what`.
+    pub fn waiting(&mut self, index: usize, from: String, what: String, window: u64, now: Instant) {
+        self.waiting[index] = Some(Waiting { from, what, window });
+        if self.waiting.iter().all(Option::is_some) {
+            self.all_waiting_since.get_or_insert(now);
+        }
+    }
+
+    /// Component `index` waits no longer.
+    pub fn resumed(&mut self, index: usize, now: Instant) {
+        self.waiting[index] = None;
+        self.all_waiting_since = None;
+        self.heard[index] = now;
+    }
+
+    /// A message was lost: all components have waited for each other for longer than `patience`.
+    pub fn lost_message(&self, now: Instant, patience: Duration) -> Option<Fault> {
+        let since = self.all_waiting_since?;
+        if now.duration_since(since) < patience {
+            return None;
+        }
+        // Whoever is furthest ahead of the one that waits for it has claimed to have sent.
+        let claims = |wait: &Waiting| {
+            let sender = self.watched.iter().position(|c| c.name == wait.from);
+            sender.map_or(0, |sender| self.next[sender].saturating_sub(wait.window))
+        };
+        let (index, wait) = (self.waiting.iter().enumerate())
+            .filter_map(|(index, wait)| Some((index, wait.as_ref()?)))
+            .max_by_key(|(index, wait)| (claims(wait), std::cmp::Reverse(*index)))?;
+        Some(Fault {
+            kind: FaultKind::Lost,
+            noticed_by: self.watched[index].name.clone(),
+            blamed: wait.from.clone(),
+            window: wait.window,
+            message: format!(
+                "{} never reached {}, and all components wait for each other",
+                wait.what, self.watched[index].name
+            ),
+        })
+    }
+
+    /// A component that may advance through `granted`, does not wait, and has said nothing for
+    /// longer than `deadline`.
+    pub fn silent(&self, now: Instant, granted: u64, deadline: Duration) -> Option<Fault> {
+        let index = (0..self.watched.len()).find(|&index| {
+            self.next[index] <= granted
+                && self.waiting[index].is_none()
+                && now.duration_since(self.heard[index]) > deadline
+        })?;
+        let text = format!(
+            "it reported nothing within the deadline of {} s (run.deadline)",
+            deadline.as_secs_f64()
+        );
+        Some(self.fault(FaultKind::Deadline, index, self.next[index], text))
+    }
+
+    fn fault(&self, kind: FaultKind, index: usize, window: u64, message: String) -> Fault {
+        Fault {
+            kind,
+            noticed_by: "the orchestrator".into(),
+            blamed: self.watched[index].name.clone(),
+            window,
+            message,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_messages::Stamp;
+
+    fn monitor() -> Monitor {
+        let watched = |name: &str, substeps, signals| Watched { name: name.into(), substeps, signals };
+        let clock = Clock { tick: 0.1, ticks_per_window: 3 };
+        Monitor::new(7, clock, vec![watched("fluid", 1, 1), watched("grains", 3, 2)], Instant::now())
+    }
+
+    fn report(window: u64, substep: u32) -> Report {
+        let stamp = Stamp { run: 7, window, ticks: 3 * window, events: 0, substep, iteration: 0 };
+        Report { stamp, compute: 5, ..Report::default() }
+    }
+
+    #[test]
+    fn a_row_is_whole_when_all_have_reported() {
+        let (mut m, now) = (monitor(), Instant::now());
+        m.report(1, &report(0, 0), &[1.0, 2.0], now).unwrap();
+        m.report(1, &report(1, 3), &[3.0, 4.0], now).unwrap();
+        assert_eq!((m.common_window(), m.next_row()), (None, None));
+        m.report(0, &report(0, 0), &[9.0], now).unwrap();
+        assert_eq!(m.common_window(), Some(0));
+        assert_eq!(m.next_row().unwrap().values, [9.0, 1.0, 2.0]);
+        assert_eq!(m.next_row(), None);
+        m.report(0, &report(1, 1), &[8.0], now).unwrap();
+        assert_eq!(m.next_row().unwrap().values, [8.0, 3.0, 4.0]);
+        assert_eq!(m.totals()[1].compute, 10);
+    }
+
+    #[test]
+    fn one_substep_too_many_or_too_few_is_a_fault_of_that_component() {
+        for wrong in [2, 4] {
+            let (mut m, now) = (monitor(), Instant::now());
+            m.report(1, &report(0, 0), &[0.0; 2], now).unwrap();
+            let fault = m.report(1, &report(1, wrong), &[0.0; 2], now).unwrap_err();
+            assert_eq!((fault.kind, fault.blamed.as_str()), (FaultKind::Substeps, "grains"));
+            assert!(fault.message.contains(&format!("made {wrong}")), "{fault}");
+            assert!(fault.message.contains("has 3"), "{fault}");
+        }
+    }
+
+    #[test]
+    fn a_skipped_window_and_a_foreign_run_are_faults() {
+        let (mut m, now) = (monitor(), Instant::now());
+        assert_eq!(m.report(0, &report(1, 1), &[0.0], now).unwrap_err().kind, FaultKind::Stamp);
+        let mut foreign = report(0, 0);
+        foreign.stamp.run = 8;
+        assert_eq!(m.report(0, &foreign, &[0.0], now).unwrap_err().kind, FaultKind::Stamp);
+    }
+
+    #[test]
+    fn a_lost_message_is_blamed_on_its_sender() {
+        let (mut m, now) = (monitor(), Instant::now());
+        for window in 0..=4 {
+            m.report(1, &report(window, if window == 0 { 0 } else { 3 }), &[0.0; 2], now).unwrap();
+        }
+        m.waiting(1, "fluid".into(), "load of window 4".into(), 5, now);
+        let patience = Duration::from_millis(50);
+        assert_eq!(m.lost_message(now + patience * 2, patience), None, "the fluid may be computing");
+        m.waiting(0, "grains".into(), "state of window 4".into(), 4, now);
+        assert_eq!(m.lost_message(now, patience), None, "perhaps only slow");
+        let fault = m.lost_message(now + patience * 2, patience).unwrap();
+        assert_eq!((fault.blamed.as_str(), fault.noticed_by.as_str()), ("grains", "fluid"));
+        m.resumed(0, now);
+        assert_eq!(m.lost_message(now + patience * 2, patience), None);
+    }
+
+    #[test]
+    fn silence_counts_only_with_leave_to_advance() {
+        let (mut m, now) = (monitor(), Instant::now());
+        let later = now + Duration::from_secs(2);
+        m.report(0, &report(0, 0), &[0.0], later).unwrap();
+        let fault = m.silent(later, 0, Duration::from_secs(1)).unwrap();
+        assert_eq!((fault.blamed.as_str(), fault.window), ("grains", 0));
+        m.report(1, &report(0, 0), &[0.0; 2], later).unwrap();
+        assert_eq!(m.silent(later + Duration::from_secs(9), 0, Duration::from_secs(1)), None);
+    }
+}

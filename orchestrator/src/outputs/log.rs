@@ -1,0 +1,66 @@
+//! The run's log: one JSON document a line.
+
+use super::folder::OutputError;
+use serde::Serialize;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// How much a line matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    /// Something that a reader may want to know.
+    Info,
+    /// Something that may spoil a result.
+    Warning,
+    /// Something that ended the run.
+    Error,
+}
+
+/// The run's log file.
+#[derive(Debug)]
+pub struct RunLog {
+    file: BufWriter<File>,
+    path: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Entry<'a> {
+    level: Level,
+    from: &'a str,
+    window: u64,
+    time: f64,
+    message: &'a str,
+}
+
+impl RunLog {
+    /// Opens the log at `path`.
+    ///
+    /// # Errors
+    /// If the file cannot be made.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let file = File::create(path).map_err(OutputError::at(path))?;
+        Ok(Self { file: BufWriter::new(file), path: path.to_path_buf() })
+    }
+
+    /// Writes a line: who said it, at which window and simulated time [s].
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn write(
+        &mut self,
+        level: Level,
+        from: &str,
+        window: u64,
+        time: f64,
+        message: &str,
+    ) -> Result<(), OutputError> {
+        let entry = Entry { level, from, window, time, message };
+        serde_json::to_writer(&mut self.file, &entry)
+            .map_err(std::io::Error::from)
+            .and_then(|()| self.file.write_all(b"\n"))
+            .and_then(|()| self.file.flush())
+            .map_err(OutputError::at(&self.path))
+    }
+}

@@ -1,0 +1,23 @@
+//! What a run leaves in its folder, as far as the orchestrator writes it: the manifest as resolved,
+//! the table of signals, the log and the summary.
+
+mod folder;
+mod log;
+mod signals;
+mod summary;
+
+pub use folder::{OutputError, choose_folder};
+pub use log::{Level, RunLog};
+pub use signals::{SignalTable, Statistics};
+pub use summary::{ComponentSummary, Ending, Summary};
+
+/// The manifest as resolved.
+pub const MANIFEST: &str = "manifest.toml";
+/// Time series of every signal.
+pub const SIGNALS: &str = "signals.csv";
+/// What happened, a JSON document a line.
+pub const LOG: &str = "log.jsonl";
+/// Status, times, headline results.
+pub const SUMMARY: &str = "summary.json";
+/// Frames, by the recorder.
+pub const RECORDING: &str = "run.mcap";

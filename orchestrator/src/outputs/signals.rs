@@ -1,0 +1,117 @@
+//! The table of signals, and their extremes.
+
+use super::folder::OutputError;
+use crate::monitor::Row;
+use serde::Serialize;
+use std::fs::File;
+use std::path::Path;
+use tremie_messages::start::Clock;
+
+/// Least, greatest and last value of a signal, with the times of the extremes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Statistics {
+    /// SI unit.
+    pub unit: String,
+    /// Least value.
+    pub min: f64,
+    /// When it was taken first [s].
+    pub min_at: f64,
+    /// Greatest value.
+    pub max: f64,
+    /// When it was taken first [s].
+    pub max_at: f64,
+    /// Value at the end.
+    pub last: f64,
+}
+
+/// `signals.csv`: window, time and all signals, a row every so many windows and the last one.
+#[derive(Debug)]
+pub struct SignalTable {
+    table: csv::Writer<File>,
+    clock: Clock,
+    every: u64,
+    names: Vec<String>,
+    statistics: Vec<Statistics>,
+    /// The newest row, if it was not due.
+    held: Option<Row>,
+}
+
+impl SignalTable {
+    /// Opens the table at `path` for signals of these names (`component.signal`) and units.
+    ///
+    /// # Errors
+    /// If the file cannot be made.
+    pub fn create(
+        path: &Path,
+        clock: Clock,
+        every: u64,
+        signals: &[(String, String)],
+    ) -> Result<Self, OutputError> {
+        let file = File::create(path).map_err(OutputError::at(path))?;
+        let mut table = csv::Writer::from_writer(file);
+        let head = |(name, unit): &(String, String)| format!("{name} [{unit}]");
+        let fixed = ["window".to_string(), "time [s]".to_string()];
+        table.write_record(fixed.into_iter().chain(signals.iter().map(head)))?;
+        let statistics = signals.iter().map(|(_, unit)| Statistics::none(unit)).collect();
+        let names = signals.iter().map(|(name, _)| name.clone()).collect();
+        Ok(Self { table, clock, every: every.max(1), names, statistics, held: None })
+    }
+
+    /// Takes the row of a window; rows come in order.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn take(&mut self, row: Row) -> Result<(), OutputError> {
+        let time = self.time(&row);
+        for (statistics, value) in self.statistics.iter_mut().zip(&row.values) {
+            statistics.take(time, *value);
+        }
+        if row.window.is_multiple_of(self.every) {
+            self.held = None;
+            self.write(&row)
+        } else {
+            self.held = Some(row);
+            Ok(())
+        }
+    }
+
+    /// Writes the last row even if it is not due, and everything to disk.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn close(mut self) -> Result<Vec<(String, Statistics)>, OutputError> {
+        if let Some(row) = self.held.take() {
+            self.write(&row)?;
+        }
+        self.table.flush().map_err(csv::Error::from)?;
+        Ok(self.names.into_iter().zip(self.statistics).collect())
+    }
+
+    fn time(&self, row: &Row) -> f64 {
+        self.clock.seconds(row.window * self.clock.ticks_per_window)
+    }
+
+    fn write(&mut self, row: &Row) -> Result<(), OutputError> {
+        let fixed = [row.window.to_string(), self.time(row).to_string()];
+        // Rust prints the shortest decimal that reads back as the same bits.
+        let values = row.values.iter().map(f64::to_string);
+        Ok(self.table.write_record(fixed.into_iter().chain(values))?)
+    }
+}
+
+impl Statistics {
+    fn none(unit: &str) -> Self {
+        let (none, unit) = (f64::NAN, unit.to_string());
+        Self { unit, min: none, min_at: none, max: none, max_at: none, last: none }
+    }
+
+    fn take(&mut self, time: f64, value: f64) {
+        if self.min.is_nan() || value < self.min {
+            (self.min, self.min_at) = (value, time);
+        }
+        if self.max.is_nan() || value > self.max {
+            (self.max, self.max_at) = (value, time);
+        }
+        self.last = value;
+    }
+}

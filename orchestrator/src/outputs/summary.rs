@@ -1,0 +1,120 @@
+//! `summary.json`: how a run ended, what it cost, its headline results with their resolution.
+
+use super::folder::OutputError;
+use super::signals::Statistics;
+use crate::monitor::Totals;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use tremie_messages::start::Fault;
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase", tag = "status")]
+pub enum Ending {
+    /// All windows were done.
+    Completed,
+    /// A condition of the manifest was met.
+    Stopped {
+        /// Which.
+        reason: String,
+    },
+    /// The user asked for the end.
+    Interrupted,
+    /// Something failed.
+    Failed {
+        /// What.
+        fault: Fault,
+    },
+}
+
+impl Ending {
+    /// Exit code of the program.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Completed | Self::Stopped { .. } => 0,
+            Self::Failed { .. } => 1,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+/// What a component did.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComponentSummary {
+    /// Program and version.
+    pub program: String,
+    /// Wall time in the solver [s].
+    pub compute: f64,
+    /// Wall time waiting for peers or credit [s].
+    pub wait: f64,
+    /// Wall time in exchange and bookkeeping [s].
+    pub exchange: f64,
+    /// Work done.
+    pub work: u64,
+    /// Unit of the work.
+    pub work_unit: String,
+    /// Work over time in the solver [1/s].
+    pub work_rate: f64,
+    /// Resolution of its results.
+    pub resolution: BTreeMap<String, f64>,
+    /// Doubtful things that it said at the start.
+    pub warnings: Vec<String>,
+}
+
+impl ComponentSummary {
+    /// Sums up a component's reports.
+    pub fn new(
+        description: &tremie_messages::start::Description,
+        totals: Totals,
+    ) -> Self {
+        let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
+        let compute = seconds(totals.compute);
+        Self {
+            program: description.program.clone(),
+            compute,
+            wait: seconds(totals.wait),
+            exchange: seconds(totals.exchange),
+            work: totals.work,
+            work_unit: description.work.clone(),
+            work_rate: if compute > 0.0 { totals.work as f64 / compute } else { 0.0 },
+            resolution: description.resolution.clone(),
+            warnings: description.warnings.clone(),
+        }
+    }
+}
+
+/// The whole of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// How the run ended.
+    #[serde(flatten)]
+    pub ending: Ending,
+    /// Last window that all components completed.
+    pub windows: u64,
+    /// Windows that were planned.
+    pub planned_windows: u64,
+    /// Simulated time [s].
+    pub simulated_time: f64,
+    /// Wall time from the first window to the last [s].
+    pub wall_time: f64,
+    /// Components that took part in the physics.
+    pub components: BTreeMap<String, ComponentSummary>,
+    /// What observers wrote or lost.
+    pub observers: BTreeMap<String, String>,
+    /// Every signal's extremes and last value.
+    pub signals: BTreeMap<String, Statistics>,
+    /// Doubtful things about the plan.
+    pub warnings: Vec<String>,
+}
+
+impl Summary {
+    /// Writes the summary to `path`.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        let text = serde_json::to_string_pretty(self).map_err(std::io::Error::from);
+        text.and_then(|text| std::fs::write(path, text + "\n")).map_err(OutputError::at(path))
+    }
+}

@@ -1,0 +1,293 @@
+//! A whole run, from a checked manifest to closed outputs.
+
+use crate::control::Control;
+use crate::drive::{Drive, Driven};
+use crate::introduction::{collect, find_programs, introduce, start_all};
+use crate::launch::{Launcher, Peer, Post};
+use crate::manifest::Manifest;
+use crate::monitor::{Monitor, Watched};
+use crate::outputs::{
+    self, ComponentSummary, Ending, OutputError, RunLog, SignalTable, Statistics, Summary,
+};
+use crate::plan::{self, Plan};
+use crate::stop::StopWatch;
+use crate::terminal::Terminal;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+use tremie_channels::sweep::RunPlaces;
+use tremie_channels::{Between, ChannelError, Processes, Threads};
+use tremie_messages::start::{Assignment, Description, Injection, Reply, Request, Transport};
+use tremie_messages::{Problem, Role};
+
+/// How long a component polls before it sleeps. Longer than a round trip between two processes
+/// (some microseconds), shorter than the time that a wake-up is worth.
+const POLL: Duration = Duration::from_micros(200);
+/// Longest time that a component which is done may take to close its channels and exit.
+const EXIT_GRACE: Duration = Duration::from_secs(2);
+
+/// How a run is carried out; nothing of it changes results.
+#[derive(Clone, Debug, Default)]
+pub struct Execution {
+    /// Components as threads of this process.
+    pub in_process: bool,
+    /// Faults that components shall commit: component and fault.
+    pub inject: Vec<(String, Injection)>,
+    /// Time that components poll before they sleep, if not the usual one.
+    pub poll: Option<Duration>,
+}
+
+/// Why a run did not begin, or could not be written down.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The input is wrong.
+    #[error("{} problems in the manifest", .0.len())]
+    Input(Vec<Problem>),
+    /// An output could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Shared memory could not be set up.
+    #[error("cannot set up shared memory: {0}")]
+    Channel(#[from] ChannelError),
+    /// The operating system refuses.
+    #[error("cannot make the run's private folder: {0}")]
+    Places(std::io::Error),
+    /// A component did not get ready.
+    #[error("{0}")]
+    NotReady(String),
+}
+
+/// A run that has ended. Observers that go on serving do so until this is dropped.
+pub struct Ended {
+    /// What the summary says.
+    pub summary: Summary,
+    /// All components; those that were ended are ended.
+    peers: Vec<Peer>,
+    _places: RunPlaces,
+}
+
+/// Components that were asked and a plan that fits them.
+pub struct Prepared {
+    /// The components, in the order of the manifest.
+    pub peers: Vec<Peer>,
+    /// What they said.
+    pub descriptions: Vec<Description>,
+    /// What they shall do.
+    pub plan: Plan,
+    news: Receiver<Post>,
+    run: u64,
+}
+
+/// Starts the components of `manifest`, asks each what it is, and plans the run.
+///
+/// `folder` is where programs are looked for first; `output` where observers may write.
+///
+/// # Errors
+/// [`RunError::Input`] with every problem found; all components have ended then.
+pub fn prepare(
+    manifest: &Manifest,
+    folder: &Path,
+    output: &Path,
+    execution: &Execution,
+) -> Result<Prepared, RunError> {
+    let programs = find_programs(manifest, folder).map_err(RunError::Input)?;
+    let (launcher, news) = Launcher::new(execution.in_process);
+    let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
+    let run = rand::random::<u64>();
+    let descriptions =
+        introduce(manifest, &mut peers, &news, run, output).map_err(RunError::Input)?;
+    let named: Vec<_> =
+        peers.iter().map(|peer| peer.name.clone()).zip(descriptions.iter().cloned()).collect();
+    let options = plan::Options { injections: execution.inject.clone() };
+    let plan = plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)?;
+    Ok(Prepared { peers, descriptions, plan, news, run })
+}
+
+impl Prepared {
+    /// Tells the components that nothing more is wanted.
+    pub fn dismiss(mut self) {
+        for peer in &mut self.peers {
+            peer.end(EXIT_GRACE);
+        }
+    }
+
+    /// Carries the run out and writes its outputs into `out`.
+    ///
+    /// # Errors
+    /// Anything that keeps the run from beginning, or its outputs from being written. A fault of a
+    /// component is no error of this function: the run then has ended with that fault.
+    pub fn execute(
+        self,
+        manifest: &Manifest,
+        out: &Path,
+        execution: &Execution,
+        terminal: &mut Terminal,
+        interrupts: &AtomicUsize,
+    ) -> Result<Ended, RunError> {
+        if execution.in_process {
+            self.execute_between::<Threads>(manifest, out, execution, terminal, interrupts)
+        } else {
+            self.execute_between::<Processes>(manifest, out, execution, terminal, interrupts)
+        }
+    }
+
+    fn execute_between<S: Between>(
+        mut self,
+        manifest: &Manifest,
+        out: &Path,
+        execution: &Execution,
+        terminal: &mut Terminal,
+        interrupts: &AtomicUsize,
+    ) -> Result<Ended, RunError> {
+        // Files first: a disk that refuses should not cost a started run.
+        let at = |name: &str| out.join(name);
+        let spec = &manifest.spec;
+        let names = self.signal_names();
+        let every = self.plan.signal_rows_every;
+        let table = SignalTable::create(&at(outputs::SIGNALS), self.plan.clock, every, &names)?;
+        let log = RunLog::create(&at(outputs::LOG))?;
+        write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
+
+        let places = RunPlaces::create(self.run).map_err(RunError::Places)?;
+        let poll = execution.poll.unwrap_or(POLL);
+        let assignments = self.assignments(&places, execution.in_process, spec.run.deadline, poll);
+        let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
+        let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
+        self.assign(&assignments)?;
+
+        let physics: Vec<usize> =
+            (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
+        let watched = physics.iter().map(|&index| Watched {
+            name: self.peers[index].name.clone(),
+            substeps: self.plan.components[index].substeps,
+            signals: signals[index],
+        });
+        let drive = Drive {
+            control,
+            descriptions: &self.descriptions,
+            news: &self.news,
+            monitor: Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now()),
+            peers: &mut self.peers,
+            physics,
+            clock: self.plan.clock,
+            windows: self.plan.windows,
+            report_depth: assignments[0].transport.report_depth,
+            deadline: spec.run.deadline,
+            stop: StopWatch::new(&spec.stop_when, &names),
+            table,
+            log,
+            terminal,
+            interrupts,
+        };
+        let driven = drive.run()?;
+        for peer in self.peers.iter_mut().filter(|peer| peer.role != Role::Observer) {
+            peer.end(EXIT_GRACE);
+        }
+        let summary = self.summarise(driven)?;
+        summary.write(&at(outputs::SUMMARY))?;
+        Ok(Ended { summary, peers: self.peers, _places: places })
+    }
+
+    /// Names and units of all signals of the physics, in the order of the monitor's rows.
+    fn signal_names(&self) -> Vec<(String, String)> {
+        let physics = self.peers.iter().zip(&self.descriptions);
+        physics
+            .filter(|(peer, _)| peer.role != Role::Observer)
+            .flat_map(|(peer, description)| {
+                let name = &peer.name;
+                description.signals.iter().map(move |s| (format!("{name}.{}", s.name), s.unit.clone()))
+            })
+            .collect()
+    }
+
+    fn assignments(
+        &self,
+        places: &RunPlaces,
+        in_process: bool,
+        deadline: f64,
+        poll: Duration,
+    ) -> Vec<Assignment> {
+        let transport = |name: &str| Transport {
+            between_processes: !in_process,
+            root: places.root(),
+            prefix: places.prefix().to_string(),
+            credit_service: format!("credit/{name}"),
+            report_service: format!("report/{name}"),
+            report_depth: REPORT_DEPTH,
+            deadline,
+            poll: poll.as_secs_f64(),
+        };
+        self.plan.components.iter().map(|c| c.assignment(transport(&c.name))).collect()
+    }
+
+    fn assign(&mut self, assignments: &[Assignment]) -> Result<(), RunError> {
+        for (peer, assignment) in self.peers.iter_mut().zip(assignments) {
+            peer.send(Request::Assignment(Box::new(assignment.clone())));
+        }
+        let failed = collect(&mut self.peers, &self.news, |_, reply| match reply {
+            Reply::Ready {} => Ok(true),
+            Reply::Refusal { problems } => {
+                Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+            }
+            Reply::Fault(fault) => Err(fault.to_string()),
+            other => Err(format!("it answered the assignment with {other:?}")),
+        });
+        if failed.is_empty() {
+            return Ok(());
+        }
+        let say = |(index, text): &(usize, String)| format!("{}: {text}", self.peers[*index].name);
+        Err(RunError::NotReady(failed.iter().map(say).collect::<Vec<_>>().join("\n")))
+    }
+
+    fn summarise(&self, driven: Driven) -> Result<Summary, OutputError> {
+        let Driven { ending, window, totals, observers, wall, table, .. } = driven;
+        let components = totals
+            .into_iter()
+            .map(|(index, totals)| {
+                let summary = ComponentSummary::new(&self.descriptions[index], totals);
+                (self.peers[index].name.clone(), summary)
+            })
+            .collect();
+        let signals: BTreeMap<String, Statistics> = table.close()?.into_iter().collect();
+        Ok(Summary {
+            ending,
+            windows: window,
+            planned_windows: self.plan.windows,
+            simulated_time: self.plan.clock.seconds(window * self.plan.clock.ticks_per_window),
+            wall_time: wall.as_secs_f64(),
+            components,
+            observers,
+            signals,
+            warnings: self.plan.warnings.clone(),
+        })
+    }
+}
+
+/// Most reports under way: bounds how far components run ahead of the orchestrator's looks.
+const REPORT_DEPTH: u64 = 4096;
+
+fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
+    std::fs::write(path, text).map_err(|error| OutputError::Io { path: PathBuf::from(path), error })
+}
+
+impl Ended {
+    /// Whether an observer goes on serving what it shows.
+    pub fn is_serving(&self) -> bool {
+        self.peers.iter().any(|peer| peer.role == Role::Observer && !peer.closed && peer.serves())
+    }
+
+    /// How the run ended.
+    pub fn ending(&self) -> &Ending {
+        &self.summary.ending
+    }
+
+    /// Ends observers that are still there.
+    pub fn close(mut self) -> Summary {
+        for peer in &mut self.peers {
+            peer.end(EXIT_GRACE);
+        }
+        self.summary
+    }
+}
