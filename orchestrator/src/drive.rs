@@ -181,7 +181,8 @@ impl<S: Between> Drive<'_, S> {
             if self.physics.iter().all(|index| course.finished[*index]) {
                 return Ok(());
             }
-            let deadline = Duration::from_secs_f64(self.deadline);
+            // Later than the components' own deadline: a peer that waits names both sides.
+            let deadline = Duration::from_secs_f64(1.2 * self.deadline + 0.1);
             let lost = self.monitor.lost_message(now, LOST_AFTER);
             let granted = course.granted.unwrap_or(0);
             if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {

@@ -232,6 +232,14 @@ impl Peer {
         }
     }
 
+    /// Closes the line to the component, as when the orchestrator is gone.
+    pub fn hang_up(&mut self) {
+        self.to = match self.to {
+            ToPeer::Process(_) => ToPeer::Process(None),
+            ToPeer::Thread(_) => ToPeer::Thread(None),
+        };
+    }
+
     /// Process id, if the component is a process.
     pub fn process_id(&self) -> Option<u32> {
         match &self.body {
@@ -245,10 +253,7 @@ impl Peer {
     /// A thread cannot be ended from outside; one that does not heed is left behind, and said so.
     pub fn end(&mut self, grace: Duration) -> String {
         self.send(Request::Quit {});
-        self.to = match self.to {
-            ToPeer::Process(_) => ToPeer::Process(None),
-            ToPeer::Thread(_) => ToPeer::Thread(None),
-        };
+        self.hang_up();
         let deadline = Instant::now() + grace;
         match &mut self.body {
             Body::Process(child) => reap(child, deadline),

@@ -15,6 +15,8 @@ pub enum Style {
     Person,
     /// Errors and the last line only.
     Quiet,
+    /// Nothing at all: somebody else tells the user.
+    Silent,
     /// One JSON document a line on standard output.
     Json,
 }
@@ -61,7 +63,7 @@ impl Terminal {
         match self.style {
             Style::Person => self.print(text),
             Style::Json => self.json(json!({"event": "note", "text": text})),
-            Style::Quiet => {}
+            Style::Quiet | Style::Silent => {}
         }
     }
 
@@ -69,6 +71,7 @@ impl Terminal {
     pub fn warn(&self, text: &str) {
         match self.style {
             Style::Json => self.json(json!({"event": "warning", "text": text})),
+            Style::Silent => {}
             _ => self.print(&format!("warning: {text}")),
         }
     }
@@ -80,6 +83,7 @@ impl Terminal {
         }
         match self.style {
             Style::Json => self.json(json!({"event": "end", "text": text, "summary": details})),
+            Style::Silent => {}
             _ => eprintln!("{text}"),
         }
     }
@@ -94,7 +98,7 @@ impl Terminal {
     /// Shows progress.
     pub fn progress(&mut self, progress: &Progress) {
         match self.style {
-            Style::Quiet => {}
+            Style::Quiet | Style::Silent => {}
             Style::Json => {
                 if self.last_plain.elapsed() > Duration::from_secs(1) {
                     self.last_plain = Instant::now();

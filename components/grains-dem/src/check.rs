@@ -1,0 +1,331 @@
+//! Everything that can be wrong with a scene, as the grains see it.
+
+use crate::{
+    Parameters, Vec3, bodies::Ball, overlaps::TOUCHING, packing, periodic::PeriodicBox, walls,
+};
+use tremie_messages::{
+    Problem,
+    scene::{
+        BodySet, ContactLaw, Damping, Diameters, Domain, Motion, Packing, Placement, Plane, Scene,
+        Sphere,
+    },
+};
+
+/// More spheres than memory holds: a slip in a unit.
+const MOST_SPHERES: f64 = 1e8;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Checks numbers and geometry, but not overlaps between bodies.
+pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
+    let mut problems = own_parameters(parameters);
+    if !all_finite(&scene.gravity) {
+        problems.push(Problem::new("scene.gravity", "is not finite"));
+    }
+    let before = problems.len();
+    domain(&scene.domain, &mut problems);
+    let domain_is_valid = problems.len() == before;
+    for (i, p) in scene.planes.iter().enumerate() {
+        plane(
+            &format!("scene.planes[{i}]"),
+            p,
+            &scene.domain,
+            &mut problems,
+        );
+    }
+    let planes_are_valid = problems.len() == before;
+    for (i, set) in scene.bodies.iter().enumerate() {
+        let key = format!("scene.bodies[{i}]");
+        if !is_positive(set.density) {
+            problems.push(not_positive(format!("{key}.density"), set.density));
+        }
+        match &set.placement {
+            Placement::Listed(list) => {
+                for (k, sphere) in list.iter().enumerate() {
+                    let key = format!("{key}.placement.listed[{k}]");
+                    listed(&key, set, sphere, &mut problems);
+                    if domain_is_valid && planes_are_valid {
+                        inside(&key, set, sphere, scene, &mut problems);
+                    }
+                }
+            }
+            Placement::Packed(packed) => {
+                packing(
+                    &format!("{key}.placement.packed"),
+                    packed,
+                    &scene.domain,
+                    &mut problems,
+                );
+            }
+        }
+    }
+    if let Some(contacts) = &scene.contacts {
+        law(
+            "scene.contacts.body_body",
+            &contacts.body_body,
+            &mut problems,
+        );
+        law(
+            "scene.contacts.body_wall",
+            &contacts.body_wall,
+            &mut problems,
+        );
+    }
+    if problems.is_empty() {
+        whole(scene, parameters, &mut problems);
+    }
+    problems
+}
+
+fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    if let Some(step) = parameters.time_step
+        && !is_positive(step.0)
+    {
+        problems.push(Problem::of_parameter(
+            "time_step",
+            format!("is {} s, expected a positive time", step.0),
+        ));
+    }
+    let steps = parameters.steps_per_contact;
+    if !(steps.is_finite() && steps >= MIN_STEPS_PER_CONTACT) {
+        let message = format!("is {steps}, expected at least {MIN_STEPS_PER_CONTACT}");
+        let help = "15 give a few per cent of error in flows, 50 are for validation";
+        problems.push(Problem::of_parameter("steps_per_contact", message).help(help));
+    }
+    let skin = parameters.skin_fraction();
+    if !(skin > 0.0 && skin <= 1.0) {
+        let message = format!("is {skin}, expected a fraction of the largest diameter in (0, 1]");
+        problems.push(Problem::of_parameter("skin", message));
+    }
+    problems
+}
+
+/// Fewest steps in a collision that still resolve it (Goetsch, PhD thesis, 2015, sec. 3.3).
+pub(crate) const MIN_STEPS_PER_CONTACT: f64 = 7.0;
+
+fn domain(domain: &Domain, problems: &mut Vec<Problem>) {
+    let extent = domain.size();
+    for axis in 0..3 {
+        let name = AXES[axis];
+        if !is_positive(extent[axis]) || !domain.min[axis].is_finite() {
+            let message = format!(
+                "has no extent in {name}: its size there is {} m",
+                extent[axis]
+            );
+            problems.push(Problem::new("scene.domain", message));
+        }
+    }
+}
+
+fn plane(key: &str, plane: &Plane, domain: &Domain, problems: &mut Vec<Problem>) {
+    let square = Vec3::from(plane.normal).norm_squared();
+    if !all_finite(&plane.point) {
+        problems.push(Problem::new(format!("{key}.point"), "is not finite"));
+    }
+    if !is_positive(square) {
+        problems.push(Problem::new(format!("{key}.normal"), "has no direction"));
+    }
+    for axis in 0..3 {
+        if domain.is_periodic(axis) && plane.normal[axis] != 0.0 {
+            let name = AXES[axis];
+            let message =
+                format!("has a component along {name}, which wraps around: the plane would not");
+            let help =
+                format!("make {name} of the normal 0, or the domain's faces in {name} walls");
+            problems.push(Problem::new(format!("{key}.normal"), message).help(help));
+        }
+    }
+}
+
+fn listed(key: &str, set: &BodySet, sphere: &Sphere, problems: &mut Vec<Problem>) {
+    if !is_positive(sphere.diameter) {
+        problems.push(not_positive(format!("{key}.diameter"), sphere.diameter));
+    }
+    for (name, vector) in [
+        ("position", &sphere.position),
+        ("velocity", &sphere.velocity),
+        ("angular_velocity", &sphere.angular_velocity),
+    ] {
+        if !all_finite(vector) {
+            problems.push(Problem::new(format!("{key}.{name}"), "is not finite"));
+        }
+    }
+    let moves = sphere.velocity != [0.0; 3] || sphere.angular_velocity != [0.0; 3];
+    if set.motion == Motion::Fixed && moves {
+        let help = "use the motion \"prescribed\" to keep a velocity";
+        let problem = Problem::new(format!("{key}.velocity"), "is that of a fixed body");
+        problems.push(problem.help(help));
+    }
+}
+
+/// The centre must lie in the domain; a free sphere as a whole on the right side of walls.
+fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &mut Vec<Problem>) {
+    let key = format!("{key}.position");
+    let ball = Ball {
+        x: sphere.position.into(),
+        radius: 0.5 * sphere.diameter,
+    };
+    if !PeriodicBox::new(&scene.domain).contains(ball.x) {
+        problems.push(Problem::new(key, "lies outside the domain"));
+        return;
+    }
+    if set.motion != Motion::Free {
+        return;
+    }
+    for (index, wall) in walls::of_scene(scene).iter().enumerate() {
+        let overlap = wall.overlap(&ball);
+        if overlap > TOUCHING * ball.radius {
+            let name = walls::name(&scene.domain, index);
+            let message = format!("puts the sphere {overlap:.3e} m into {name}");
+            problems.push(Problem::new(key.as_str(), message));
+        }
+    }
+}
+
+fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Problem>) {
+    let key = |name: &str| format!("{key}.{name}");
+    if !(packing.fraction > 0.0 && packing.fraction < 0.74) {
+        let message = format!(
+            "is {}, expected a solid fraction in (0, 0.74)",
+            packing.fraction
+        );
+        problems.push(Problem::new(key("fraction"), message));
+    }
+    let Some(largest) = diameters(&key("diameters"), &packing.diameters, problems) else {
+        return;
+    };
+    let size = Vec3::from(packing.max) - Vec3::from(packing.min);
+    let spheres = packing.fraction * size.x * size.y * size.z / (largest * largest * largest);
+    if spheres > MOST_SPHERES {
+        let message = format!("asks for more than {spheres:.1e} spheres");
+        problems.push(Problem::new(key("fraction"), message).help("use fewer or larger ones"));
+    }
+    for axis in 0..3 {
+        let (low, high) = (packing.min[axis], packing.max[axis]);
+        let name = AXES[axis];
+        if high - low < largest || (high - low).is_nan() {
+            let message = format!(
+                "leaves {} m in {name}, where the largest sphere needs {largest} m",
+                high - low
+            );
+            problems.push(Problem::new(key("max"), message));
+        }
+        // A region typed in another unit may differ from the domain by rounding.
+        let tolerance = 1e-9 * (domain.max[axis] - domain.min[axis]);
+        if low < domain.min[axis] - tolerance {
+            problems.push(Problem::new(
+                key("min"),
+                format!("is outside the domain in {name}"),
+            ));
+        }
+        if high > domain.max[axis] + tolerance {
+            problems.push(Problem::new(
+                key("max"),
+                format!("is outside the domain in {name}"),
+            ));
+        }
+    }
+}
+
+/// The largest diameter, if all are valid.
+fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> Option<f64> {
+    let before = problems.len();
+    match diameters {
+        Diameters::Uniform { min, max } => {
+            if !is_positive(*min) {
+                problems.push(not_positive(format!("{key}.uniform.min"), *min));
+            }
+            if !(max >= min && max.is_finite()) {
+                let message = format!("is {max} m, less than the smallest, {min} m");
+                problems.push(Problem::new(format!("{key}.uniform.max"), message));
+            }
+            (problems.len() == before).then_some(*max)
+        }
+        Diameters::Listed(list) => {
+            if list.is_empty() {
+                problems.push(Problem::new(format!("{key}.listed"), "is empty"));
+            }
+            for (i, &d) in list.iter().enumerate() {
+                if !is_positive(d) {
+                    problems.push(not_positive(format!("{key}.listed[{i}]"), d));
+                }
+            }
+            (problems.len() == before).then(|| list.iter().fold(0.0, |a: f64, &b| a.max(b)))
+        }
+    }
+}
+
+fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
+    if !is_positive(law.normal_stiffness) {
+        problems.push(not_positive(
+            format!("{key}.normal_stiffness"),
+            law.normal_stiffness,
+        ));
+    }
+    let mut not_negative = |name: &str, value: f64| {
+        if !(value >= 0.0 && value.is_finite()) {
+            let message = format!("is {value}, expected 0 or more");
+            problems.push(Problem::new(format!("{key}.{name}"), message));
+        }
+    };
+    not_negative("tangential_stiffness", law.tangential_stiffness);
+    not_negative("friction", law.friction);
+    match law.damping {
+        Damping::Coefficients { normal, tangential } => {
+            not_negative("damping.coefficients.normal", normal);
+            not_negative("damping.coefficients.tangential", tangential);
+        }
+        Damping::Restitution(e) => {
+            if !(e > 0.0 && e <= 1.0) {
+                let message = format!("is {e}, expected a coefficient of restitution in (0, 1]");
+                problems.push(Problem::new(format!("{key}.damping.restitution"), message));
+            }
+        }
+    }
+}
+
+/// What concerns the scene as a whole, once its parts are valid.
+fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
+    let (mut bodies, mut largest) = (0, 0.0f64);
+    for (i, set) in scene.bodies.iter().enumerate() {
+        let diameters = packing::diameters_of(set);
+        if diameters.is_empty() {
+            let message = "holds no body";
+            let help = "raise the fraction or enlarge the region: half a sphere is too little";
+            problems.push(Problem::new(format!("scene.bodies[{i}].placement"), message).help(help));
+        }
+        bodies += diameters.len();
+        largest = diameters.iter().fold(largest, |a, &d| a.max(d));
+    }
+    let has_walls = !walls::of_scene(scene).is_empty();
+    if scene.contacts.is_none() && (bodies > 1 || (bodies == 1 && has_walls)) {
+        let message = "is missing, but bodies may touch each other or a wall";
+        problems.push(Problem::new("scene.contacts", message));
+    }
+    let needed = 2.0 * largest * (1.0 + parameters.skin_fraction());
+    for axis in 0..3 {
+        let size = scene.domain.size()[axis];
+        if scene.domain.is_periodic(axis) && size < needed {
+            let message = format!(
+                "is {size} m long in {}, where it wraps around: a body would meet another \
+                 through both faces",
+                AXES[axis]
+            );
+            let help = format!("make it at least {needed:.6e} m, or its faces walls");
+            problems.push(Problem::new("scene.domain", message).help(help));
+        }
+    }
+}
+
+fn is_positive(x: f64) -> bool {
+    x > 0.0 && x.is_finite()
+}
+
+fn all_finite(v: &[f64; 3]) -> bool {
+    v.iter().all(|x| x.is_finite())
+}
+
+fn not_positive(key: String, value: f64) -> Problem {
+    Problem::new(key, format!("is {value}, expected a positive number"))
+}

@@ -1,0 +1,62 @@
+//! What can go wrong while the grains advance.
+
+use thiserror::Error;
+
+/// Why an advance stopped. The state is then that of the failing substep and not to be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GrainsError {
+    /// Loads do not match the bodies.
+    #[error(
+        "{found} loads for {expected} bodies: a fluid must answer each body of the state, in its order"
+    )]
+    LoadCount {
+        /// Loads received.
+        found: usize,
+        /// Bodies.
+        expected: usize,
+    },
+    /// A load names another body than the state does at the same place.
+    #[error("load {index} is for body {found}, expected body {expected}")]
+    LoadOrder {
+        /// Position in the list.
+        index: usize,
+        /// Id that the load names.
+        found: u64,
+        /// Id of the body at this position.
+        expected: u64,
+    },
+    /// A load is not a number.
+    #[error("the load on body {id} is not finite: the fluid has diverged")]
+    LoadNotFinite {
+        /// Id of the body.
+        id: u64,
+    },
+    /// Two bodies, or a body and a wall, overlap so much that the contact law means nothing.
+    #[error(
+        "body {id} overlaps {other} by {percent:.0} % of the smaller radius: reduce the time step, raise \
+         the normal stiffness or lower the speeds"
+    )]
+    Overlap {
+        /// Id of the body.
+        id: u64,
+        /// The other one, in words.
+        other: String,
+        /// Overlap over the smaller radius [%].
+        percent: f64,
+    },
+    /// A body is somewhere that is not a place in the domain.
+    #[error(
+        "body {id} left the domain at ({x:.6e}, {y:.6e}, {z:.6e}) m: reduce the time step, raise \
+         the stiffness of walls, or, for a prescribed body, change its velocity"
+    )]
+    LeftDomain {
+        /// Id of the body.
+        id: u64,
+        /// Coordinate [m]; not finite when the integration has diverged.
+        x: f64,
+        /// Coordinate [m].
+        y: f64,
+        /// Coordinate [m].
+        z: f64,
+    },
+}

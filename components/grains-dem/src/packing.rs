@@ -1,0 +1,150 @@
+//! Random packings of spheres, made at the start from a region, a solid fraction and a seed.
+
+mod insertion;
+mod relaxation;
+
+use crate::{
+    Vec3,
+    bodies::Ball,
+    cells::Cells,
+    periodic::PeriodicBox,
+    random::Random,
+    walls::{self, Wall},
+};
+use core::f64::consts::PI;
+use tremie_messages::scene::{BodySet, Diameters, Domain, Face, Packing, Placement};
+
+/// Up to this solid fraction spheres are inserted one after the other; above, insertion slows
+/// down (it ends for good at 0.38) and a crowded start is relaxed instead.
+const DENSEST_INSERTION: f64 = 0.25;
+
+/// What a packing must keep clear of.
+pub(crate) struct Surroundings {
+    /// The domain.
+    pub bounds: PeriodicBox,
+    /// Walls that may cut through the region.
+    pub planes: Vec<Wall>,
+    /// Bodies that are there already.
+    pub balls: Vec<Ball>,
+}
+
+/// A packing could not be made.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("is {wanted:.4}, but only {reached:.4} was reached without overlap in this region")]
+pub(crate) struct TooDense {
+    wanted: f64,
+    reached: f64,
+}
+
+/// The region of a packing as the two methods see it: walls all around, bodies in the way.
+struct Region {
+    min: Vec3,
+    max: Vec3,
+    walls: Vec<Wall>,
+    obstacles: Vec<Ball>,
+}
+
+/// Diameters [m] of the bodies of a set, in the order in which a packing draws them.
+pub(crate) fn diameters_of(set: &BodySet) -> Vec<f64> {
+    match &set.placement {
+        Placement::Listed(list) => list.iter().map(|sphere| sphere.diameter).collect(),
+        Placement::Packed(packing) => diameters(packing),
+    }
+}
+
+/// Diameters [m] of a packing: as many draws as come closest to the wanted volume.
+fn diameters(packing: &Packing) -> Vec<f64> {
+    let size = Vec3::from(packing.max) - Vec3::from(packing.min);
+    let wanted = packing.fraction * size.x * size.y * size.z;
+    let mut volume = 0.0;
+    let mut drawn = Vec::new();
+    for index in 0.. {
+        let d = draw(&packing.diameters, Random::new(packing.seed, index).unit());
+        let more = PI / 6.0 * d * d * d;
+        if volume + 0.5 * more > wanted {
+            break;
+        }
+        volume += more;
+        drawn.push(d);
+    }
+    drawn
+}
+
+fn draw(diameters: &Diameters, unit: f64) -> f64 {
+    match diameters {
+        Diameters::Uniform { min, max } => min + (max - min) * unit,
+        Diameters::Listed(list) => list[(unit * list.len() as f64) as usize],
+    }
+}
+
+/// Makes a packing; its spheres are ordered by place, so that neighbours have near numbers.
+pub(crate) fn pack(packing: &Packing, around: &Surroundings) -> Result<Vec<Ball>, TooDense> {
+    let radii: Vec<f64> = diameters(packing).iter().map(|d| 0.5 * d).collect();
+    let region = Region::new(packing, around, radii.iter().fold(0.0, |a, &b| a.max(b)));
+    let inserted = (packing.fraction <= DENSEST_INSERTION)
+        .then(|| insertion::insert(&region, &radii, packing.seed))
+        .flatten();
+    let balls = match inserted {
+        Some(balls) => balls,
+        None => relaxation::relax(&region, &radii, packing.seed).map_err(|scale| TooDense {
+            wanted: packing.fraction,
+            reached: packing.fraction * scale * scale * scale,
+        })?,
+    };
+    Ok(by_place(&region, &balls))
+}
+
+impl Region {
+    fn new(packing: &Packing, around: &Surroundings, largest_radius: f64) -> Self {
+        let mut walls = walls::of_box(packing.min, packing.max, |_, _| true);
+        walls.extend(&around.planes);
+        let (min, max) = (Vec3::from(packing.min), Vec3::from(packing.max));
+        // Bodies in the way, with their images across periodic faces.
+        let mut obstacles = Vec::new();
+        for ball in &around.balls {
+            let reach = Vec3::repeat(ball.radius + largest_radius);
+            for shift in around.bounds.images() {
+                let x = ball.x + shift;
+                if (0..3).all(|a| x[a] > (min - reach)[a] && x[a] < (max + reach)[a]) {
+                    obstacles.push(Ball { x, ..*ball });
+                }
+            }
+        }
+        Self {
+            min,
+            max,
+            walls,
+            obstacles,
+        }
+    }
+
+    /// Uniform random centre of a sphere that lies in the region's box.
+    fn random_centre(&self, radius: f64, random: &mut Random) -> Vec3 {
+        Vec3::from_fn(|a, _| {
+            let (low, high) = (self.min[a] + radius, self.max[a] - radius);
+            low + (high - low).max(0.0) * random.unit()
+        })
+    }
+
+    /// The region as a box without periodic axes.
+    fn bounds(&self) -> PeriodicBox {
+        PeriodicBox::new(&Domain {
+            min: self.min.into(),
+            max: self.max.into(),
+            faces: [[Face::Wall; 2]; 3],
+        })
+    }
+}
+
+/// The random numbers for the place of sphere `index`: other streams than those of diameters.
+fn place_stream(seed: u64, index: usize) -> Random {
+    Random::new(seed, (1 << 63) | index as u64)
+}
+
+/// The spheres in the order of cells a diameter wide.
+fn by_place(region: &Region, balls: &[Ball]) -> Vec<Ball> {
+    let largest = balls.iter().fold(0.0, |r: f64, ball| r.max(ball.radius));
+    let mut cells = Cells::new(region.bounds(), 2.0 * largest, balls.len());
+    cells.sort(balls);
+    cells.order().iter().map(|&i| balls[i as usize]).collect()
+}

@@ -1,0 +1,182 @@
+//! Dense packings: spheres at random places, overlapping, pushed apart until none does.
+//!
+//! Each sweep moves every overlapping pair apart along its line of centres by its overlap, half
+//! each, one pair after the other (a projection method as in Müller et al., *J. Vis. Commun.
+//! Image R.* 18, 2007). Spheres are taken a little too large, so that the true ones come free
+//! after a finite number of sweeps.
+
+use super::{Region, place_stream};
+use crate::{
+    Vec3,
+    bodies::{Ball, Mobility},
+    cells::Cells,
+    contact_list::{ContactList, near_bodies},
+};
+
+/// Sweeps before the fraction is called out of reach.
+const SWEEPS: usize = 4000;
+
+/// To tell what was within reach, spheres shrink by this factor after each further few sweeps.
+const SHRINK: f64 = 0.995;
+const SWEEPS_EACH: usize = 100;
+const SMALLEST_FACTOR: f64 = 0.1;
+
+/// How much too large spheres are taken.
+const SLACK: f64 = 1e-3;
+
+/// How far beyond touching neighbours are listed, in largest diameters.
+const SKIN: f64 = 0.15;
+
+/// Overlap over the reach of its pair that passes as none: rounding.
+const CLEAR: f64 = 1e-12;
+
+/// Spheres of the given radii without overlap; or the factor on all radii at which they came free.
+pub(super) fn relax(region: &Region, radii: &[f64], seed: u64) -> Result<Vec<Ball>, f64> {
+    let mut crowd = Crowd::new(region, radii, seed);
+    if crowd.comes_free(SWEEPS) {
+        crowd.balls.truncate(radii.len());
+        return Ok(crowd.balls);
+    }
+    let mut factor = 1.0;
+    while factor > SMALLEST_FACTOR {
+        factor *= SHRINK;
+        crowd.shrink();
+        if crowd.comes_free(SWEEPS_EACH) {
+            return Err(factor);
+        }
+    }
+    Err(0.0)
+}
+
+/// The spheres of the packing, then the obstacles.
+struct Crowd<'a> {
+    region: &'a Region,
+    free: usize,
+    balls: Vec<Ball>,
+    mobility: Vec<Mobility>,
+    skin: f64,
+    cells: Cells,
+    list: ContactList,
+    reference: Vec<Vec3>,
+}
+
+impl<'a> Crowd<'a> {
+    fn new(region: &'a Region, radii: &[f64], seed: u64) -> Self {
+        let mut balls: Vec<Ball> = (0..radii.len())
+            .map(|index| Ball {
+                x: region.random_centre(radii[index], &mut place_stream(seed, index)),
+                radius: radii[index],
+            })
+            .collect();
+        balls.extend(&region.obstacles);
+        let mobile = Mobility {
+            inverse_mass: 1.0,
+            inverse_inertia: 1.0,
+        };
+        let mut mobility = vec![mobile; radii.len()];
+        mobility.resize(balls.len(), Mobility::NONE);
+        let largest = balls
+            .iter()
+            .fold(0.0, |d: f64, ball| d.max(2.0 * ball.radius));
+        let skin = SKIN * largest;
+        let mut crowd = Self {
+            region,
+            free: radii.len(),
+            skin,
+            cells: Cells::new(region.bounds(), largest + skin, balls.len()),
+            list: ContactList::default(),
+            reference: Vec::new(),
+            balls,
+            mobility,
+        };
+        crowd.list_neighbours();
+        crowd
+    }
+
+    fn list_neighbours(&mut self) {
+        let (cells, balls, mobility) = (&mut self.cells, &self.balls, &self.mobility);
+        cells.sort(balls);
+        let still = [Vec3::zeros(); 27];
+        self.list.refill(
+            &ContactList::default(),
+            balls.len(),
+            |i, out| near_bodies(cells, &still, balls, mobility, self.skin, i, out),
+            |_, _| 0.0,
+        );
+        self.reference.clear();
+        self.reference.extend(balls.iter().map(|ball| ball.x));
+    }
+
+    fn sweep(&mut self) {
+        for i in 0..self.free {
+            for k in self.list.row(i) {
+                self.push_apart(i, self.list.neighbours[k].other as usize);
+            }
+        }
+        for ball in &mut self.balls[..self.free] {
+            for wall in &self.region.walls {
+                let depth = wall.overlap(ball) + SLACK * ball.radius;
+                ball.x += wall.normal * depth.max(0.0);
+            }
+        }
+        let limit = 0.25 * self.skin * self.skin;
+        let mut moved = self.balls.iter().zip(&self.reference);
+        if moved.any(|(ball, x)| (ball.x - x).norm_squared() >= limit) {
+            self.list_neighbours();
+        }
+    }
+
+    fn push_apart(&mut self, i: usize, j: usize) {
+        let d = self.balls[j].x - self.balls[i].x;
+        let reach = (self.balls[i].radius + self.balls[j].radius) * (1.0 + SLACK);
+        let square = d.norm_squared();
+        if square >= reach * reach {
+            return;
+        }
+        let distance = square.sqrt();
+        // Two spheres in one place have no line of centres; any will do.
+        let line = if distance > 0.0 {
+            d / distance
+        } else {
+            Vec3::x()
+        };
+        let (share_i, share_j) = if j < self.free {
+            (0.5, 0.5)
+        } else {
+            (1.0, 0.0)
+        };
+        let push = line * (reach - distance);
+        self.balls[i].x -= push * share_i;
+        self.balls[j].x += push * share_j;
+    }
+
+    /// Sweeps until no sphere of the packing overlaps anything; false when that takes more than
+    /// `sweeps`.
+    fn comes_free(&mut self, sweeps: usize) -> bool {
+        (0..sweeps).any(|_| {
+            self.sweep();
+            self.is_free()
+        })
+    }
+
+    fn shrink(&mut self) {
+        for ball in &mut self.balls[..self.free] {
+            ball.radius *= SHRINK;
+        }
+    }
+
+    fn is_free(&self) -> bool {
+        let mut spheres = self.balls[..self.free].iter().enumerate();
+        spheres.all(|(i, ball)| {
+            self.list.row(i).all(|k| {
+                let other = &self.balls[self.list.neighbours[k].other as usize];
+                let reach = (ball.radius + other.radius) * (1.0 - CLEAR);
+                (other.x - ball.x).norm_squared() >= reach * reach
+            }) && self
+                .region
+                .walls
+                .iter()
+                .all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
+        })
+    }
+}

@@ -1,0 +1,39 @@
+//! What a user may set about the solver itself.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tremie_messages::units::Time;
+
+/// Numerical parameters of the grains; everything physical stands in the scene.
+#[derive(Serialize, Deserialize, JsonSchema, Clone, Debug, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct Parameters {
+    /// Time step; unset: as `steps_per_contact` and stability demand.
+    pub time_step: Option<Time>,
+    /// Steps during the shortest collision of two bodies, or a body and a wall. 15 give an error
+    /// of a few per cent in flows, 50 are for validation.
+    pub steps_per_contact: f64,
+    /// How far beyond touching neighbours are listed, as a fraction of the largest diameter. More
+    /// makes the list longer, less makes it due more often. Results depend on it only by rounding.
+    pub skin: Option<f64>,
+}
+
+impl Parameters {
+    /// Skin where none is set; from half to one and a half times as much a settled bed is as fast.
+    pub const DEFAULT_SKIN: f64 = 0.1;
+
+    /// The skin as a fraction of the largest diameter.
+    pub fn skin_fraction(&self) -> f64 {
+        self.skin.unwrap_or(Self::DEFAULT_SKIN)
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self {
+            time_step: None,
+            steps_per_contact: 20.0,
+            skin: None,
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The box of the domain: which axes wrap around, and the images of a body across its faces.
+
+use crate::Vec3;
+use tremie_messages::scene::Domain;
+
+/// The domain's box as the search for neighbours sees it.
+#[derive(Clone, Debug)]
+pub(crate) struct PeriodicBox {
+    /// Lower corner [m].
+    pub min: Vec3,
+    /// Edge lengths [m].
+    pub size: Vec3,
+    /// Which axes wrap around.
+    pub periodic: [bool; 3],
+    /// Displacement of each image [m], see [`image`].
+    pub shifts: [Vec3; 27],
+}
+
+/// The image that is the body itself.
+#[cfg(test)]
+pub(crate) const SELF_IMAGE: u32 = 13;
+
+/// Number of the image displaced by `offset` domain lengths (-1, 0 or 1 an axis).
+pub(crate) fn image(offset: [i32; 3]) -> u32 {
+    ((offset[0] + 1) + 3 * (offset[1] + 1) + 9 * (offset[2] + 1)) as u32
+}
+
+impl PeriodicBox {
+    pub fn new(domain: &Domain) -> Self {
+        let size = Vec3::from(domain.size());
+        let mut shifts = [Vec3::zeros(); 27];
+        for x in -1..=1 {
+            for y in -1..=1 {
+                for z in -1..=1 {
+                    let offset = Vec3::new(x.into(), y.into(), z.into());
+                    shifts[image([x, y, z]) as usize] = offset.component_mul(&size);
+                }
+            }
+        }
+        Self {
+            min: domain.min.into(),
+            size,
+            periodic: std::array::from_fn(|a| domain.is_periodic(a)),
+            shifts,
+        }
+    }
+
+    /// `x` moved by whole domain lengths into the domain, along periodic axes.
+    pub fn wrap(&self, mut x: Vec3) -> Vec3 {
+        for a in 0..3 {
+            let (low, size) = (self.min[a], self.size[a]);
+            if self.periodic[a] && !(low..low + size).contains(&x[a]) {
+                let inside = x[a] - size * libm::floor((x[a] - low) / size);
+                // Rounding may land a hair beyond either face.
+                x[a] = if inside < low || inside >= low + size {
+                    low
+                } else {
+                    inside
+                };
+            }
+        }
+        x
+    }
+
+    /// Displacements of all images of a body, its own place included.
+    pub fn images(&self) -> impl Iterator<Item = Vec3> + '_ {
+        let step = |a: usize| if self.periodic[a] { -1..=1 } else { 0..=0 };
+        let offsets = move |z| step(1).flat_map(move |y| step(0).map(move |x| [x, y, z]));
+        step(2)
+            .flat_map(offsets)
+            .map(|offset| self.shifts[image(offset) as usize])
+    }
+
+    /// Whether `x` lies in the closed box; not so for numbers that are not finite.
+    pub fn contains(&self, x: Vec3) -> bool {
+        (0..3).all(|a| x[a] >= self.min[a] && x[a] <= self.min[a] + self.size[a])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_messages::scene::Face;
+
+    #[test]
+    fn wrapping_lands_inside_and_keeps_what_is_inside() {
+        let domain = Domain {
+            min: [-1.0, 0.0, 0.5],
+            max: [1.0, 3.0, 0.7],
+            faces: [[Face::Periodic; 2], [Face::Wall; 2], [Face::Periodic; 2]],
+        };
+        let bounds = PeriodicBox::new(&domain);
+        let x = Vec3::new(0.3, 2.0, 0.6);
+        assert_eq!(bounds.wrap(x), x);
+        let far = bounds.wrap(Vec3::new(-5.25, 4.0, 0.5 - 1e-18));
+        assert!((far.x - 0.75).abs() < 1e-12 && far.y == 4.0);
+        assert!(far.z >= 0.5 && far.z < 0.7);
+        assert_eq!(bounds.shifts[SELF_IMAGE as usize], Vec3::zeros());
+        assert_eq!(
+            bounds.shifts[image([1, 0, -1]) as usize],
+            Vec3::new(2.0, 0.0, 0.5 - 0.7)
+        );
+    }
+}

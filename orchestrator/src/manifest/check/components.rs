@@ -1,0 +1,159 @@
+//! Checks of `[components]` and their settings.
+
+use super::super::document::{ComponentTable, Document};
+use super::super::path;
+use super::super::read::Findings;
+use super::super::spec::{ComponentSpec, MOST_SUBSTEPS, stem};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+use tremie_messages::Role;
+
+/// The orchestrator's own name in logs and streams.
+const RESERVED: &str = "orchestrator";
+
+pub(super) fn components(
+    document: &Document,
+    findings: &mut Findings,
+) -> Option<Vec<ComponentSpec>> {
+    let components: Vec<_> = (document.components.iter())
+        .map(|(name, entry)| component(name, &entry.table(), &document.settings, findings))
+        .collect();
+    let components: Vec<ComponentSpec> = components.into_iter().collect::<Option<_>>()?;
+    together(&components, document, findings).then_some(components)
+}
+
+fn component(
+    name: &str,
+    table: &ComponentTable,
+    settings: &BTreeMap<String, Map<String, Value>>,
+    findings: &mut Findings,
+) -> Option<ComponentSpec> {
+    let at = path::join("components", name);
+    let named = is_name(name, &at, findings);
+    let program = program(table, &at, findings);
+    let role = role(table, &at, findings);
+    let sync_iter = sync_iter(table, &at, findings);
+    if table.lossless.is_some() && role.is_some_and(|role| role != Role::Observer) {
+        findings.problem(
+            &path::join(&at, "lossless"),
+            "only an observer can be lossless or not",
+        );
+    }
+    if table.sync_iter.is_some() && role == Some(Role::Observer) {
+        findings.problem(
+            &path::join(&at, "sync_iter"),
+            "an observer makes no substeps",
+        );
+    }
+    let program = program?;
+    let mut own = settings.get(stem(&program)).cloned().unwrap_or_default();
+    own.extend(table.settings.clone().unwrap_or_default());
+    Some(ComponentSpec {
+        name: named.then(|| name.to_string())?,
+        role: role?,
+        program,
+        threads: table.threads.map(NonZeroU32::get),
+        sync_iter: sync_iter?,
+        lossless: table.lossless.unwrap_or(false),
+        settings: own,
+    })
+}
+
+/// Names become parts of the names of channels and of keys.
+fn is_name(name: &str, at: &str, findings: &mut Findings) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if name == RESERVED {
+        findings.problem(at, "this name is the orchestrator's own, expected another");
+    } else if name.is_empty() || !name.chars().all(plain) {
+        findings.problem(
+            at,
+            format!("found the name \"{name}\", expected letters, digits, \"-\" and \"_\""),
+        );
+    } else {
+        return true;
+    }
+    false
+}
+
+fn program(table: &ComponentTable, at: &str, findings: &mut Findings) -> Option<String> {
+    let program = findings.required(&table.program, at, "program")?;
+    if program.trim().is_empty() {
+        findings.problem(
+            at,
+            "found no program, expected a built-in component or the path of a program",
+        );
+        return None;
+    }
+    Some(program)
+}
+
+fn role(table: &ComponentTable, at: &str, findings: &mut Findings) -> Option<Role> {
+    let key = path::join(at, "role");
+    if table.role.is_none() && !findings.is_unreadable(&key) {
+        findings.problem_with_help(
+            &key,
+            "missing: what the component stands for; its name does not say it",
+            "add role = \"fluid\", \"grains\" or \"observer\"",
+        );
+    }
+    table.role
+}
+
+fn sync_iter(table: &ComponentTable, at: &str, findings: &mut Findings) -> Option<Option<u32>> {
+    let sync_iter = table.sync_iter.map(NonZeroU32::get);
+    match sync_iter {
+        Some(n) if n > MOST_SUBSTEPS => {
+            let key = path::join(at, "sync_iter");
+            findings.problem(
+                &key,
+                format!("found {n}, expected at most {MOST_SUBSTEPS} substeps in a window"),
+            );
+            None
+        }
+        _ => Some(sync_iter),
+    }
+}
+
+/// What only all components together can have wrong.
+fn together(components: &[ComponentSpec], document: &Document, findings: &mut Findings) -> bool {
+    let of = |role| {
+        components
+            .iter()
+            .filter(move |component| component.role == role)
+    };
+    let mut right = true;
+    for role in [Role::Fluid, Role::Grains] {
+        if let Some(second) = of(role).nth(1) {
+            let first = of(role).next().map_or("", |component| &component.name);
+            findings.problem(
+                &second.key(),
+                format!("a second component with the role {role}, which {first} has"),
+            );
+            right = false;
+        }
+    }
+    if let Some(fluid) = of(Role::Fluid).next()
+        && document.scene.fluid.is_none()
+        && !findings.is_unreadable("scene.fluid")
+    {
+        let message = "a fluid needs a material, and the scene has none";
+        findings.problem_with_help(
+            &fluid.key(),
+            message,
+            "add [scene.fluid] with density and viscosity",
+        );
+        right = false;
+    }
+    let physics = components
+        .iter()
+        .any(|component| component.role != Role::Observer);
+    if !physics && !findings.is_unreadable("components") {
+        findings.problem_with_help(
+            "components",
+            "there is nothing to compute: no component with the role fluid or grains",
+            "name one, as grains = \"grains-dem\"",
+        );
+    }
+    right && physics
+}

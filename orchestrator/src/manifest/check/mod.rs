@@ -1,0 +1,135 @@
+//! Typed tables to a checked [`Spec`]: required keys, ranges, and what must fit together.
+//!
+//! Each check notes its problems and returns `None` where it has no value to go on with.
+
+mod bodies;
+mod components;
+mod contacts;
+mod placement;
+mod run;
+mod scene;
+
+use super::document::Document;
+use super::path;
+use super::read::Findings;
+use super::spec::Spec;
+use tremie_messages::units::{Dashpot, Density, Length, Stiffness, Time, Velocity, Viscosity};
+use tremie_messages::{Problem, Role};
+
+/// Checks a document with its defaults filled in.
+pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec> {
+    let run = run::run(&document.run, findings);
+    let outputs = run::outputs(&document.outputs, findings);
+    let scene = scene::scene(&document.scene, findings);
+    let components = components::components(document, findings);
+    let stop_when = run::stops(document, findings);
+    Some(Spec {
+        run: run?,
+        scene: scene?,
+        components: components?,
+        settings: document.settings.clone(),
+        outputs: outputs?,
+        stop_when: stop_when?,
+    })
+}
+
+/// What is right but may not be meant.
+pub(super) fn notes(spec: &Spec) -> Vec<String> {
+    let built_in_observers = ["viewer", "recorder"];
+    let is_used = |program: &str| spec.components.iter().any(|c| c.stem() == program);
+    let mut notes: Vec<String> = (spec.settings.keys())
+        .filter(|program| !is_used(program) && !built_in_observers.contains(&program.as_str()))
+        .map(|program| format!("settings.{program} is not used: no component runs that program"))
+        .collect();
+    let has = |role| spec.components.iter().any(|c| c.role == role);
+    if spec.scene.fluid.is_some() && !has(Role::Fluid) {
+        notes.push("scene.fluid is not used: no component has the role fluid".into());
+    }
+    if !spec.scene.bodies.is_empty() && !has(Role::Grains) {
+        notes.push("scene.bodies are not used: no component has the role grains".into());
+    }
+    notes
+}
+
+/// A quantity that must not be zero, or not negative, of any unit.
+trait Quantity: Copy + std::fmt::Display {
+    fn si(self) -> f64;
+}
+
+macro_rules! quantities {
+    ($($name:ident),+) => {$(
+        impl Quantity for $name {
+            fn si(self) -> f64 {
+                self.0
+            }
+        }
+    )+};
+}
+
+quantities!(
+    Dashpot, Density, Length, Stiffness, Time, Velocity, Viscosity
+);
+
+impl Quantity for f64 {
+    fn si(self) -> f64 {
+        self
+    }
+}
+
+impl Findings {
+    /// Notes a problem of one key.
+    fn problem(&mut self, key: &str, message: impl Into<String>) {
+        self.add(Problem::new(key, message));
+    }
+
+    /// Notes a problem of one key, and what to do.
+    fn problem_with_help(
+        &mut self,
+        key: &str,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.add(Problem::new(key, message).help(help));
+    }
+
+    /// The value of a required key of the table `at`.
+    fn required<T: Clone>(&mut self, value: &Option<T>, at: &str, key: &str) -> Option<T> {
+        if value.is_none() {
+            self.missing(at, key);
+        }
+        value.clone()
+    }
+
+    /// Notes that a required key is missing, unless it was there and could not be read.
+    fn missing(&mut self, at: &str, key: &str) {
+        let full = path::join(at, key);
+        if !self.is_unreadable(&full) {
+            self.problem(&full, format!("missing: {at} needs a key \"{key}\""));
+        }
+    }
+
+    /// A required quantity above zero, in SI.
+    fn positive<T: Quantity>(&mut self, value: &Option<T>, at: &str, key: &str) -> Option<f64> {
+        let value = self.required(value, at, key)?;
+        self.above_zero(value, &path::join(at, key))
+            .then(|| value.si())
+    }
+
+    /// Whether `value` of `key` is above zero; a problem if not.
+    fn above_zero(&mut self, value: impl Quantity, key: &str) -> bool {
+        let right = value.si() > 0.0;
+        if !right {
+            self.problem(key, format!("found {value}, expected more than zero"));
+        }
+        right
+    }
+
+    /// Whether `value` of `key` is zero or above; a problem if not.
+    fn not_negative(&mut self, value: impl Quantity, key: &str) -> bool {
+        let right = value.si() >= 0.0;
+        if !right {
+            self.problem(key, format!("found {value}, expected zero or more"));
+        }
+        right
+    }
+}

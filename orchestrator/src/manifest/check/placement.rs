@@ -1,0 +1,147 @@
+//! Checks of where bodies are: inside the domain, on the right side of planes, apart.
+//!
+//! Bodies at rest on each other do overlap a little; up to a hundredth of a diameter is left to
+//! the contact law. Bodies that never move freely may reach into walls and into each other, as
+//! the spheres of a rough floor do.
+
+use super::super::path;
+use super::super::read::Findings;
+use tremie_messages::scene::{BodySet, Domain, Motion, Placement, Plane, Sphere};
+
+/// Overlap that a contact law may start from, as a fraction of the smaller diameter.
+const TOLERANCE: f64 = 0.01;
+
+/// A sphere with what messages need.
+struct Placed<'a> {
+    at: String,
+    sphere: &'a Sphere,
+    free: bool,
+}
+
+/// Notes each listed sphere, and each packing's region, that does not lie where it can.
+pub(super) fn check(
+    domain: &Domain,
+    planes: &[Plane],
+    sets: &[Option<BodySet>],
+    findings: &mut Findings,
+) {
+    let mut placed = Vec::new();
+    for (i, set) in sets.iter().enumerate() {
+        let Some(set) = set else { continue };
+        let at = path::item("scene.bodies", i);
+        match &set.placement {
+            Placement::Listed(spheres) => {
+                placed.extend(spheres.iter().enumerate().map(|(j, sphere)| Placed {
+                    at: path::item(&path::join(&at, "spheres"), j),
+                    sphere,
+                    free: set.motion == Motion::Free,
+                }))
+            }
+            Placement::Packed(packing) => {
+                let outside = (0..3)
+                    .any(|a| packing.min[a] < domain.min[a] || packing.max[a] > domain.max[a]);
+                if outside {
+                    let message = format!(
+                        "the region reaches out of the domain, which is {}",
+                        extent(domain)
+                    );
+                    findings.problem(&path::join(&at, "packing"), message);
+                }
+            }
+        }
+    }
+    for body in &placed {
+        inside(body, domain, findings);
+        before(body, planes, findings);
+    }
+    apart(&placed, domain, findings);
+}
+
+fn extent(domain: &Domain) -> String {
+    format!("{:?} m to {:?} m", domain.min, domain.max)
+}
+
+fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
+    let Sphere {
+        position, diameter, ..
+    } = body.sphere;
+    let outside = (0..3).any(|a| {
+        // How far inside its centre must lie.
+        let inset = match (domain.is_periodic(a), body.free) {
+            (true, _) => 0.0,
+            (false, true) => (0.5 - TOLERANCE) * diameter,
+            (false, false) => -0.5 * diameter,
+        };
+        position[a] < domain.min[a] + inset || position[a] > domain.max[a] - inset
+    });
+    if outside {
+        let message = format!(
+            "a sphere of {diameter} m at {position:?} m is not inside the domain, which is {}",
+            extent(domain)
+        );
+        findings.problem(&path::join(&body.at, "position"), message);
+    }
+}
+
+fn before(body: &Placed<'_>, planes: &[Plane], findings: &mut Findings) {
+    let Sphere {
+        position, diameter, ..
+    } = body.sphere;
+    for (i, plane) in planes.iter().enumerate().filter(|_| body.free) {
+        let height: f64 = (0..3)
+            .map(|a| (position[a] - plane.point[a]) * plane.normal[a])
+            .sum();
+        if height < (0.5 - TOLERANCE) * diameter {
+            let message = format!(
+                "a sphere of {diameter} m at {position:?} m reaches through scene.planes[{i}]"
+            );
+            findings.problem(&path::join(&body.at, "position"), message);
+        }
+    }
+}
+
+/// Notes overlaps: of each sphere the first, so that a pile of errors stays readable.
+fn apart(bodies: &[Placed<'_>], domain: &Domain, findings: &mut Findings) {
+    // Along an axis that does not wrap, spheres sorted by their lower ends meet only those that
+    // begin before they end. Where every axis wraps, all pairs are looked at.
+    let sweep = (0..3).find(|a| !domain.is_periodic(*a));
+    let mut order: Vec<usize> = (0..bodies.len()).collect();
+    let low = |i: usize, a: usize| bodies[i].sphere.position[a] - 0.5 * bodies[i].sphere.diameter;
+    if let Some(a) = sweep {
+        order.sort_by(|i, j| low(*i, a).total_cmp(&low(*j, a)));
+    }
+    let mut told = vec![false; bodies.len()];
+    for (k, &i) in order.iter().enumerate() {
+        for &j in &order[k + 1..] {
+            if sweep.is_some_and(|a| low(j, a) > low(i, a) + bodies[i].sphere.diameter) {
+                break;
+            }
+            let later = i.max(j);
+            if !told[later] && overlap(&bodies[i], &bodies[j], domain) {
+                told[later] = true;
+                let message = format!("this sphere overlaps {}", bodies[i.min(j)].at);
+                findings.problem(&bodies[later].at, message);
+            }
+        }
+    }
+}
+
+fn overlap(a: &Placed<'_>, b: &Placed<'_>, domain: &Domain) -> bool {
+    if !a.free && !b.free {
+        return false;
+    }
+    let size = domain.size();
+    let squared: f64 = (0..3)
+        .map(|axis| {
+            let d = a.sphere.position[axis] - b.sphere.position[axis];
+            let wraps = if domain.is_periodic(axis) {
+                (d / size[axis]).round() * size[axis]
+            } else {
+                0.0
+            };
+            (d - wraps).powi(2)
+        })
+        .sum();
+    let tolerance = TOLERANCE * a.sphere.diameter.min(b.sphere.diameter);
+    squared.sqrt() < 0.5 * (a.sphere.diameter + b.sphere.diameter) - tolerance
+}

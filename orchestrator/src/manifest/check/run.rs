@@ -1,0 +1,127 @@
+//! Checks of `[run]`, `[outputs]` and `[[stop_when]]`.
+
+use super::super::document::{Document, OutputsTable, RunTable, StopTable};
+use super::super::path;
+use super::super::read::Findings;
+use super::super::spec::{Limit, Outputs, RunOptions, StopCondition};
+use tremie_sdk::parameters::nearest;
+
+pub(super) fn run(table: &RunTable, findings: &mut Findings) -> Option<RunOptions> {
+    let until = findings.positive(&table.until, "run", "until");
+    let deadline = findings.positive(&table.deadline, "run", "deadline");
+    Some(RunOptions {
+        until: until?,
+        schedule: table.schedule?,
+        deadline: deadline?,
+        seed: table.seed?,
+    })
+}
+
+pub(super) fn outputs(table: &OutputsTable, findings: &mut Findings) -> Option<Outputs> {
+    let frames = table
+        .frames
+        .filter(|time| findings.above_zero(*time, "outputs.frames"));
+    let signals = table
+        .signals
+        .filter(|time| findings.above_zero(*time, "outputs.signals"));
+    Some(Outputs {
+        // Unset only where `run.until` is wrong: its default is a part of that.
+        frames: frames?.0,
+        signals: signals.map(|time| time.0),
+        record: table.record?,
+    })
+}
+
+pub(super) fn stops(document: &Document, findings: &mut Findings) -> Option<Vec<StopCondition>> {
+    let names: Vec<&str> = document.components.keys().map(String::as_str).collect();
+    let tables = document.stop_when.iter().enumerate();
+    let stops: Vec<_> = tables
+        .map(|(i, table)| stop(table, &path::item("stop_when", i), &names, findings))
+        .collect();
+    stops.into_iter().collect()
+}
+
+fn stop(
+    table: &StopTable,
+    at: &str,
+    components: &[&str],
+    findings: &mut Findings,
+) -> Option<StopCondition> {
+    let signal = findings
+        .required(&table.signal, at, "signal")
+        .and_then(|text| signal(&text, at, components, findings));
+    let limit = limit(table, at, findings);
+    let after = table
+        .after
+        .filter(|time| findings.not_negative(*time, &path::join(at, "after")));
+    let hold = table
+        .hold
+        .filter(|time| findings.not_negative(*time, &path::join(at, "hold")));
+    let (component, signal) = signal?;
+    Some(StopCondition {
+        component,
+        signal,
+        limit: limit?,
+        after: after?.0,
+        hold: hold?.0,
+    })
+}
+
+/// Splits `component.signal`. Which signals there are is known only when components have spoken.
+fn signal(
+    text: &str,
+    at: &str,
+    components: &[&str],
+    findings: &mut Findings,
+) -> Option<(String, String)> {
+    let key = path::join(at, "signal");
+    let Some((component, signal)) = text.split_once('.') else {
+        findings.problem(
+            &key,
+            format!(
+                "found \"{text}\", expected a component and its signal, as \"grains.max_speed\""
+            ),
+        );
+        return None;
+    };
+    if !components.contains(&component)
+        && !findings.is_unreadable(&path::join("components", component))
+    {
+        let message = format!("there is no component \"{component}\"");
+        match nearest(component, components) {
+            Some(near) => {
+                findings.problem_with_help(&key, message, format!("did you mean \"{near}\"?"))
+            }
+            None => findings.problem_with_help(
+                &key,
+                message,
+                format!("components: {}", components.join(", ")),
+            ),
+        }
+        return None;
+    }
+    Some((component.to_string(), signal.to_string()))
+}
+
+fn limit(table: &StopTable, at: &str, findings: &mut Findings) -> Option<Limit> {
+    match (table.below, table.above) {
+        (Some(bound), None) => Some(Limit::Below(bound)),
+        (None, Some(bound)) => Some(Limit::Above(bound)),
+        (Some(_), Some(_)) => {
+            findings.problem(
+                &path::join(at, "above"),
+                "found both below and above, expected one of them",
+            );
+            None
+        }
+        (None, None) => {
+            let unreadable = ["below", "above"]
+                .iter()
+                .any(|key| findings.is_unreadable(&path::join(at, key)));
+            if !unreadable {
+                findings.problem(at, "missing: a bound, either \"below\" or \"above\"");
+            }
+            None
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Turns serde's sentences into ones for users.
+
+use super::path;
+use tremie_messages::Problem;
+use tremie_sdk::parameters::nearest;
+
+/// A problem with the key at `at`, of which serde said `message`; and, of an unknown key, the one
+/// that was probably meant.
+pub(super) fn explain(at: &str, message: &str) -> (Problem, Option<String>) {
+    if let Some((unknown, valid)) = unknown(message, "unknown field `") {
+        // The path ends with the unknown key itself in most cases.
+        let is_last = at.rsplit(['.', ']']).next() == Some(unknown);
+        let key = if is_last {
+            at.to_string()
+        } else {
+            path::join(at, unknown)
+        };
+        let meant = nearest(unknown, &valid).map(|near| path::join(path::parent(&key), near));
+        let problem = Problem::new(key, format!("unknown key \"{unknown}\""));
+        return (suggest(problem, unknown, &valid, true), meant);
+    }
+    if let Some((unknown, valid)) = unknown(message, "unknown variant `") {
+        let message = format!("found \"{unknown}\", expected {}", list(&valid));
+        return (
+            suggest(Problem::new(at, message), unknown, &valid, false),
+            None,
+        );
+    }
+    (Problem::new(at, plain(message)), None)
+}
+
+/// The word that is unknown and those that are known.
+fn unknown<'a>(message: &'a str, prefix: &str) -> Option<(&'a str, Vec<&'a str>)> {
+    let (unknown, rest) = message.strip_prefix(prefix)?.split_once('`')?;
+    Some((unknown, rest.split('`').skip(1).step_by(2).collect()))
+}
+
+/// Adds the nearest valid word, or all valid keys.
+fn suggest(problem: Problem, word: &str, valid: &[&str], keys: bool) -> Problem {
+    match nearest(word, valid) {
+        Some(near) => problem.help(format!("did you mean \"{near}\"?")),
+        None if keys => problem.help(format!("valid keys: {}", valid.join(", "))),
+        None => problem,
+    }
+}
+
+fn list(words: &[&str]) -> String {
+    let quoted: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    match quoted.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => quoted.concat(),
+    }
+}
+
+/// The names of types in Rust say little to most users.
+fn plain(message: &str) -> String {
+    let message = message
+        .replace("invalid type: ", "found ")
+        .replace("invalid value: ", "found ")
+        .replace("invalid length ", "found a list of length ")
+        .replace('`', "");
+    const WORDS: [(&str, &str); 8] = [
+        ("a nonzero u32", "a whole number from 1 to 4294967295"),
+        ("u32", "a whole number from 0 to 4294967295"),
+        ("u64", "a whole number, not negative"),
+        ("f64", "a number"),
+        ("an array of length", "a list of length"),
+        ("a sequence", "a list"),
+        ("a map", "a table"),
+        ("struct ", "a table: "),
+    ];
+    let Some((found, expected)) = message.split_once(", expected ") else {
+        return message;
+    };
+    let found = found
+        .replace("map", "a table")
+        .replace("sequence", "a list")
+        .replace("floating point", "number");
+    if expected.starts_with("struct ") {
+        return format!("{found}, expected a table");
+    }
+    let word = WORDS.iter().find(|(rust, _)| expected.starts_with(rust));
+    match word {
+        Some((rust, plain)) => format!("{found}, expected {plain}{}", &expected[rust.len()..]),
+        None => format!("{found}, expected {expected}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_key_comes_with_the_nearest() {
+        let (problem, meant) = explain(
+            "scene.flud",
+            "unknown field `flud`, expected one of `fluid`, `planes`",
+        );
+        assert_eq!(problem.key, "scene.flud");
+        assert_eq!(meant.as_deref(), Some("scene.fluid"));
+        assert_eq!(problem.help.as_deref(), Some("did you mean \"fluid\"?"));
+        let (problem, _) = explain(
+            "scene",
+            "unknown field `xyz`, expected one of `fluid`, `planes`",
+        );
+        assert_eq!(problem.key, "scene.xyz");
+        assert_eq!(problem.help.as_deref(), Some("valid keys: fluid, planes"));
+    }
+
+    #[test]
+    fn types_are_named_in_plain_words() {
+        let say = |message: &str| explain("x", message).0.message;
+        assert_eq!(
+            say("invalid type: string \"a\", expected u32"),
+            "found string \"a\", expected a whole number from 0 to 4294967295"
+        );
+        assert_eq!(
+            say("invalid type: integer `3`, expected struct FluidTable"),
+            "found integer 3, expected a table"
+        );
+        assert_eq!(
+            say("invalid length 2, expected an array of length 3"),
+            "found a list of length 2, expected a list of length 3"
+        );
+        assert_eq!(
+            say("unknown variant `serail`, expected `serial` or `parallel`"),
+            "found \"serail\", expected \"serial\" or \"parallel\""
+        );
+    }
+}

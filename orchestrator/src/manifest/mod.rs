@@ -1,0 +1,170 @@
+//! The manifest: the TOML file that names scene, components, schedule and outputs of a run.
+//!
+//! [`load`] reads it in four steps, each of which keeps going after a problem so that a user sees
+//! all of them at once: TOML text to a tree with places (`tree`), overrides of the command line
+//! (`overrides`), tree to typed tables (`read`, `document`), tables to a checked [`Spec`]
+//! (`check`). Problems point at the line they come from ([`Source`]).
+
+mod check;
+mod document;
+mod explain;
+mod overrides;
+mod path;
+mod read;
+mod render;
+mod resolve;
+mod source;
+mod spec;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use source::Source;
+pub use spec::{ComponentSpec, Limit, MOST_SUBSTEPS, Outputs, RunOptions, Spec, StopCondition};
+
+use document::Document;
+use std::path::{Path, PathBuf};
+use tremie_messages::Problem;
+
+/// A manifest that was read and found right, as far as that can be known without its components.
+#[derive(Clone, Debug)]
+pub struct Manifest {
+    /// What it says, in SI units and with all defaults.
+    pub spec: Spec,
+    /// Where each key stands, for messages.
+    pub source: Source,
+    /// What a reader may want to know, such as settings of programs that take no part.
+    pub notes: Vec<String>,
+    document: Document,
+}
+
+/// Everything that is wrong with a manifest.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{}", source_text.render(problems, false))]
+pub struct ManifestErrors {
+    /// The text and the places in it. (Not named `source`: it is not an error's cause.)
+    pub source_text: Source,
+    /// The problems, at least one.
+    pub problems: Vec<Problem>,
+}
+
+/// Reads the manifest at `path`, a file or a folder that holds `manifest.toml`, with `sets` of
+/// `key = value` laid over it: keys as in `scene.bodies[0].density`, values in TOML, or plain
+/// text where that is not TOML (`0.1 Pa s`).
+///
+/// # Errors
+/// Every problem found, each with its place.
+pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Manifest, ManifestErrors> {
+    let file = if path.is_dir() {
+        path.join("manifest.toml")
+    } else {
+        PathBuf::from(path)
+    };
+    match std::fs::read_to_string(&file) {
+        Ok(text) => parse(&file, text, sets),
+        Err(error) => {
+            let problem = Problem::new("", format!("cannot read {}: {error}", file.display()))
+                .help("give a manifest, or a folder that holds a manifest.toml");
+            Err(ManifestErrors {
+                source_text: Source::new(&file, String::new()),
+                problems: vec![problem],
+            })
+        }
+    }
+}
+
+/// Reads a manifest from `text`; `file` is what messages call it.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(
+    file: &Path,
+    text: String,
+    sets: &[(String, String)],
+) -> Result<Manifest, ManifestErrors> {
+    let mut source = Source::new(file, text);
+    let mut problems = Vec::new();
+    let mut tree = tree::read(&mut source, &mut problems);
+    if !problems.is_empty() {
+        // A table may have lost its header: what else looks wrong need not be so.
+        return Err(ManifestErrors {
+            source_text: source,
+            problems,
+        });
+    }
+    overrides::apply(&mut tree, sets, &mut source, &mut problems);
+    let (mut document, mut findings) = read::read(tree);
+    document.fill();
+    let spec = check::check(&document, &mut findings);
+    problems.extend(findings.into_problems());
+    match spec {
+        Some(spec) if problems.is_empty() => {
+            let notes = check::notes(&spec);
+            Ok(Manifest {
+                spec,
+                source,
+                notes,
+                document,
+            })
+        }
+        _ => Err(ManifestErrors {
+            source_text: source,
+            problems,
+        }),
+    }
+}
+
+/// The JSON schema of manifests, for editors and other programs.
+pub fn schema_text() -> String {
+    format!("{:#}", resolve::schema())
+}
+
+impl Manifest {
+    /// Gives problems of `component`, whose keys are relative to its settings, the full keys of
+    /// the manifest.
+    pub fn absolute(&self, component: &str, problems: Vec<Problem>) -> Vec<Problem> {
+        let Some(component) = self.spec.component(component) else {
+            return problems;
+        };
+        let own = path::join(&component.key(), "settings");
+        let shared = path::join("settings", component.stem());
+        problems
+            .into_iter()
+            .map(|mut problem| {
+                if let Some(key) = problem.key.strip_prefix(Problem::PARAMETER_PREFIX) {
+                    let (own, shared) = (path::join(&own, key), path::join(&shared, key));
+                    let known = [own, shared].into_iter().find(|key| self.source.knows(key));
+                    problem.key = known.unwrap_or_else(|| self.settings_key(component, key));
+                }
+                problem
+            })
+            .collect()
+    }
+
+    /// Where a key that the manifest does not hold would be written: in the component's settings.
+    fn settings_key(&self, component: &ComponentSpec, key: &str) -> String {
+        let own = path::join(&component.key(), "settings");
+        let table = if self.source.knows(&own) {
+            own
+        } else {
+            path::join("settings", component.stem())
+        };
+        if self.source.knows(&table) {
+            path::join(&table, key)
+        } else {
+            component.key()
+        }
+    }
+}
+
+impl ManifestErrors {
+    /// As [`Source::render`].
+    pub fn render(&self, colour: bool) -> String {
+        self.source_text.render(&self.problems, colour)
+    }
+
+    /// As [`Source::json_lines`].
+    pub fn json_lines(&self) -> String {
+        self.source_text.json_lines(&self.problems)
+    }
+}

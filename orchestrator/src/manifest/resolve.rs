@@ -1,0 +1,140 @@
+//! Defaults filled in, and the manifest written out again as it was understood.
+
+use super::document::{ComponentEntry, ContactTable, Document, FaceName, MotionName};
+use super::spec::is_lossless_by_default;
+use super::{Manifest, spec};
+use tremie_messages::Role;
+use tremie_messages::units::{Acceleration, AngularVelocity, Length, Time, Velocity};
+
+/// Frames that a run gives to observers unless told otherwise.
+const FRAMES: f64 = 200.0;
+
+impl Manifest {
+    /// The manifest as it was understood, in TOML: overrides and defaults filled in, all in SI
+    /// units. It reads back as an equal [`super::Spec`]. Numbers of threads stay open where they
+    /// were, because they belong to the machine and change no result.
+    pub fn resolved(&self) -> String {
+        // Plain tables, strings and finite numbers: TOML has a form for each of them.
+        toml::to_string(&self.document).expect("a manifest that was read can be written")
+    }
+}
+
+/// The JSON schema of manifests.
+pub(super) fn schema() -> serde_json::Value {
+    let mut schema = serde_json::Value::from(schemars::schema_for!(Document));
+    drop_null(&mut schema);
+    schema
+}
+
+/// A key that may be left out is not one that may be null: TOML has no null.
+fn drop_null(schema: &mut serde_json::Value) {
+    use serde_json::Value;
+    match schema {
+        Value::Array(items) => items.iter_mut().for_each(drop_null),
+        Value::Object(map) => {
+            if let Some(Value::Array(types)) = map.get_mut("type") {
+                types.retain(|name| name != "null");
+                if let [only] = types.as_slice() {
+                    let only = only.clone();
+                    map.insert("type".into(), only);
+                }
+            }
+            if let Some(Value::Array(options)) = map.get_mut("anyOf") {
+                options.retain(|option| option.get("type") != Some(&Value::from("null")));
+            }
+            // Defaults stand in the descriptions; those that serde knows are only "nothing".
+            map.remove("default");
+            map.values_mut().for_each(drop_null);
+        }
+        _ => {}
+    }
+}
+
+impl Document {
+    /// Fills in what the user left open.
+    pub(super) fn fill(&mut self) {
+        self.fill_run();
+        self.fill_scene();
+        for (name, entry) in &mut self.components {
+            fill_component(name, entry);
+        }
+        for stop in &mut self.stop_when {
+            stop.after.get_or_insert(Time(0.0));
+            stop.hold.get_or_insert(Time(0.0));
+        }
+    }
+
+    fn fill_run(&mut self) {
+        let run = &mut self.run;
+        run.schedule.get_or_insert_default();
+        run.deadline.get_or_insert(Time(30.0));
+        run.seed.get_or_insert(1);
+        self.outputs.record.get_or_insert(true);
+        if let Some(until) = run.until.filter(|until| until.0 > 0.0) {
+            self.outputs.frames.get_or_insert(Time(until.0 / FRAMES));
+        }
+    }
+
+    fn fill_scene(&mut self) {
+        let scene = &mut self.scene;
+        scene.gravity.get_or_insert([Acceleration(0.0); 3]);
+        scene.domain.origin.get_or_insert([Length(0.0); 3]);
+        let domain = &mut scene.domain;
+        for face in [&mut domain.x, &mut domain.y, &mut domain.z] {
+            face.get_or_insert(FaceName::default());
+        }
+        if let Some(fluid) = &mut scene.fluid {
+            fluid.acceleration.get_or_insert([Acceleration(0.0); 3]);
+            fluid.velocity.get_or_insert([Velocity(0.0); 3]);
+        }
+        for set in &mut scene.bodies {
+            set.motion.get_or_insert(MotionName::default());
+            for sphere in set.spheres.iter_mut().flatten() {
+                sphere.velocity.get_or_insert([Velocity(0.0); 3]);
+                sphere
+                    .angular_velocity
+                    .get_or_insert([AngularVelocity(0.0); 3]);
+            }
+            if let (Some(packing), Some(seed)) = (&mut set.packing, self.run.seed) {
+                packing.seed.get_or_insert(seed);
+            }
+        }
+        if let Some(contacts) = &mut scene.contacts {
+            if contacts.body_wall.is_none() {
+                contacts.body_wall = contacts.body_body.clone();
+            }
+            contacts.body_body.iter_mut().for_each(fill_contact);
+            contacts.body_wall.iter_mut().for_each(fill_contact);
+        }
+    }
+}
+
+fn fill_contact(law: &mut ContactTable) {
+    law.friction.get_or_insert(0.0);
+    law.tension.get_or_insert(false);
+}
+
+fn fill_component(name: &str, entry: &mut ComponentEntry) {
+    let mut table = entry.table();
+    if table.role.is_none() {
+        table.role = role_by_name(name);
+    }
+    if let Some(program) = &table.program
+        && table.role == Some(Role::Observer)
+    {
+        table
+            .lossless
+            .get_or_insert(is_lossless_by_default(spec::stem(program)));
+    }
+    *entry = ComponentEntry::Table(table);
+}
+
+/// What a component of that name stands for, where the name says it.
+fn role_by_name(name: &str) -> Option<Role> {
+    match name {
+        "fluid" => Some(Role::Fluid),
+        "grains" => Some(Role::Grains),
+        "viewer" | "recorder" => Some(Role::Observer),
+        _ => None,
+    }
+}

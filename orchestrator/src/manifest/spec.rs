@@ -1,0 +1,168 @@
+//! A checked manifest: what a run shall be, in SI units, nothing left open.
+
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::path::Path;
+use tremie_messages::Role;
+use tremie_messages::scene::Scene;
+use tremie_messages::schedule::Schedule;
+
+/// Most substeps that a component may make in a coupling window.
+pub const MOST_SUBSTEPS: u32 = 1000;
+
+/// What a run shall be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// How long and in which order.
+    pub run: RunOptions,
+    /// What is simulated.
+    pub scene: Scene,
+    /// Who takes part, sorted by name.
+    pub components: Vec<ComponentSpec>,
+    /// Settings by program (file name without extension), also of programs that take no part.
+    pub settings: BTreeMap<String, Map<String, Value>>,
+    /// What is kept of the run.
+    pub outputs: Outputs,
+    /// Conditions that end the run early.
+    pub stop_when: Vec<StopCondition>,
+}
+
+/// How long and in which order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunOptions {
+    /// Simulated time at which the run ends [s].
+    pub until: f64,
+    /// How fluid and grains take turns.
+    pub schedule: Schedule,
+    /// Longest wait for a peer [s].
+    pub deadline: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+/// A component of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComponentSpec {
+    /// Name, unique in the run: letters, digits, `-` and `_`.
+    pub name: String,
+    /// What it stands for.
+    pub role: Role,
+    /// A built-in component or the path of a program.
+    pub program: String,
+    /// Threads that it may use to compute; `None` where the manifest leaves that to the machine.
+    pub threads: Option<u32>,
+    /// Substeps in a window, where the manifest fixes them.
+    pub sync_iter: Option<u32>,
+    /// For an observer: whether physics waits, boundedly, rather than lose a frame of it.
+    pub lossless: bool,
+    /// The settings of its program, with its own laid over.
+    pub settings: Map<String, Value>,
+}
+
+/// What is kept of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outputs {
+    /// Simulated time between frames to observers [s].
+    pub frames: f64,
+    /// Simulated time between rows of the signals' table [s]; `None`: every window, within reason.
+    pub signals: Option<f64>,
+    /// Whether the built-in recorder takes part.
+    pub record: bool,
+}
+
+/// A condition that ends a run early.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StopCondition {
+    /// Name of the component.
+    pub component: String,
+    /// Name of its signal.
+    pub signal: String,
+    /// When it is met.
+    pub limit: Limit,
+    /// Simulated time before which it is not looked at [s].
+    pub after: f64,
+    /// Simulated time for which it must hold without a break [s].
+    pub hold: f64,
+}
+
+/// A bound of a signal, in the signal's SI unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// Met by values below.
+    Below(f64),
+    /// Met by values above.
+    Above(f64),
+}
+
+impl Limit {
+    /// Whether `value` meets it.
+    pub fn is_met_by(self, value: f64) -> bool {
+        match self {
+            Self::Below(bound) => value < bound,
+            Self::Above(bound) => value > bound,
+        }
+    }
+}
+
+impl Spec {
+    /// The component of that name.
+    pub fn component(&self, name: &str) -> Option<&ComponentSpec> {
+        self.components
+            .iter()
+            .find(|component| component.name == name)
+    }
+
+    /// Adds a built-in observer under the name of its program, with the settings that the manifest
+    /// has for it. Does nothing where one of that program, or anything of that name, takes part.
+    pub fn add_observer(&mut self, program: &str) {
+        let taken = |c: &ComponentSpec| c.name == program || c.stem() == program;
+        if self.components.iter().any(taken) {
+            return;
+        }
+        self.components.push(ComponentSpec {
+            name: program.to_string(),
+            role: Role::Observer,
+            program: program.to_string(),
+            threads: None,
+            sync_iter: None,
+            lossless: is_lossless_by_default(program),
+            settings: self.settings.get(program).cloned().unwrap_or_default(),
+        });
+        self.components.sort_by(|a, b| a.name.cmp(&b.name));
+    }
+}
+
+impl ComponentSpec {
+    /// Its key in the manifest.
+    pub fn key(&self) -> String {
+        super::path::join("components", &self.name)
+    }
+
+    /// Name of the program's file without extension: how `[settings]` calls it.
+    pub fn stem(&self) -> &str {
+        stem(&self.program)
+    }
+
+    /// Threads that it gets on a machine of `cores`: as the manifest says, else all for a fluid
+    /// (most of the work) and one for anything else. Results do not depend on it.
+    pub fn threads_of(&self, cores: u32) -> u32 {
+        self.threads.unwrap_or(if self.role == Role::Fluid {
+            cores.max(1)
+        } else {
+            1
+        })
+    }
+}
+
+/// Name of a program's file without extension.
+pub(super) fn stem(program: &str) -> &str {
+    Path::new(program)
+        .file_stem()
+        .and_then(|stem| stem.to_str())
+        .unwrap_or(program)
+}
+
+/// The recorder's file shall have every frame; a viewer shows the newest.
+pub(super) fn is_lossless_by_default(program: &str) -> bool {
+    stem(program) == "recorder"
+}

@@ -1,0 +1,63 @@
+//! Parts of a manifest that can be checked only when components have said what they are.
+
+use super::{Described, Options};
+use crate::manifest::Spec;
+use tremie_messages::Problem;
+use tremie_sdk::parameters::nearest;
+
+/// Stop conditions must watch a signal that is there.
+pub(super) fn stops(spec: &Spec, described: &[Described<'_>]) -> Vec<Problem> {
+    let signals: Vec<String> = (described.iter())
+        .flat_map(|(c, d)| {
+            d.signals
+                .iter()
+                .map(move |signal| format!("{}.{}", c.name, signal.name))
+        })
+        .collect();
+    let signals: Vec<&str> = signals.iter().map(String::as_str).collect();
+    let unknown = spec.stop_when.iter().enumerate().filter_map(|(i, stop)| {
+        let name = format!("{}.{}", stop.component, stop.signal);
+        (!signals.contains(&name.as_str())).then_some((i, name))
+    });
+    unknown
+        .map(|(i, name)| {
+            let problem = Problem::new(
+                format!("stop_when[{i}].signal"),
+                format!("there is no signal \"{name}\""),
+            );
+            suggest(problem, &name, &signals, "signals")
+        })
+        .collect()
+}
+
+/// Injections must name a component and a window of the run.
+pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Problem> {
+    let names: Vec<&str> = spec
+        .components
+        .iter()
+        .map(|component| component.name.as_str())
+        .collect();
+    let mut problems = Vec::new();
+    for (name, injection) in &options.injections {
+        if !names.contains(&name.as_str()) {
+            let problem = Problem::new("--inject", format!("there is no component \"{name}\""));
+            problems.push(suggest(problem, name, &names, "components"));
+        }
+        if injection.window > windows {
+            let message = format!(
+                "window {} is beyond the run, which has {windows}",
+                injection.window
+            );
+            problems.push(Problem::new("--inject", message));
+        }
+    }
+    problems
+}
+
+fn suggest(problem: Problem, word: &str, known: &[&str], what: &str) -> Problem {
+    match nearest(word, known) {
+        Some(near) => problem.help(format!("did you mean \"{near}\"?")),
+        None if known.is_empty() => problem.help(format!("there are no {what}")),
+        None => problem.help(format!("{what}: {}", known.join(", "))),
+    }
+}

@@ -1,0 +1,296 @@
+//! The plan: from what the user wants and what components are to what each of them shall do.
+//!
+//! [`make`] is a pure function. It assigns time steps (`steps`), wires components up by the
+//! schedule ([`crate::schedule`]), sizes channels, and hands each component its part as an
+//! [`Assignment`].
+
+mod checks;
+mod report;
+mod steps;
+mod streams;
+#[cfg(test)]
+mod tests;
+
+pub use streams::ORCHESTRATOR;
+
+use crate::manifest::{ComponentSpec, Spec};
+use crate::schedule::{self, Wiring};
+use steps::{Steps, Wish};
+use tremie_messages::schedule::{Edge, Schedule, Script};
+use tremie_messages::start::{Assignment, Clock, Description, FrameStream, Injection, Transport};
+use tremie_messages::{Problem, Role};
+
+/// Most rows in the table of signals unless the manifest says how often.
+const MOST_SIGNAL_ROWS: u64 = 20_000;
+
+/// What else goes into a plan, besides manifest and descriptions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Faults that components shall commit on purpose: component and fault.
+    pub injections: Vec<(String, Injection)>,
+}
+
+/// What everyone shall do in a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Length of a coupling window [s].
+    pub window: f64,
+    /// Ticks and windows.
+    pub clock: Clock,
+    /// Windows in the run, numbered from 1.
+    pub windows: u64,
+    /// How fluid and grains take turns.
+    pub schedule: Schedule,
+    /// Frames go to observers every so many windows.
+    pub frames_every: u64,
+    /// The table of signals has a row every so many windows.
+    pub signal_rows_every: u64,
+    /// The components, in the order of the manifest's spec.
+    pub components: Vec<PlannedComponent>,
+    /// All edges between components.
+    pub edges: Vec<Edge>,
+    /// All streams of frames, those of the log included.
+    pub frames: Vec<FrameStream>,
+    /// What was adapted or derived, in sentences.
+    pub notes: Vec<String>,
+    /// Doubtful things, with the component that says so.
+    pub warnings: Vec<String>,
+}
+
+/// What one component shall do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedComponent {
+    /// Its name.
+    pub name: String,
+    /// What it stands for.
+    pub role: Role,
+    /// Its program and version, as it says itself.
+    pub program: String,
+    /// Largest step that it asked for [s].
+    pub largest_step: Option<f64>,
+    /// Length of a substep [s].
+    pub step: f64,
+    /// Substeps in a window.
+    pub substeps: u32,
+    /// Threads, where the manifest fixes them.
+    pub threads: Option<u32>,
+    /// Its own notes: resolution, dimensionless numbers, memory.
+    pub notes: Vec<String>,
+    clock: Clock,
+    windows: u64,
+    body_capacity: u64,
+    edges: Vec<Edge>,
+    script: Script,
+    frames: Vec<FrameStream>,
+    injections: Vec<Injection>,
+}
+
+impl PlannedComponent {
+    /// The second request of the start contract; `transport` says how to reach the others.
+    pub fn assignment(&self, transport: Transport) -> Assignment {
+        Assignment {
+            clock: self.clock,
+            windows: self.windows,
+            substeps: self.substeps,
+            step: self.step,
+            body_capacity: self.body_capacity,
+            edges: self.edges.clone(),
+            script: self.script.clone(),
+            frames: self.frames.clone(),
+            transport,
+            injections: self.injections.clone(),
+        }
+    }
+}
+
+/// Plans a run. `descriptions`: what each component said, by its name in the manifest.
+///
+/// # Errors
+/// Every problem found, with keys of the manifest; `--inject` where an injection is wrong.
+pub fn make(
+    spec: &Spec,
+    descriptions: &[(String, Description)],
+    options: &Options,
+) -> Result<Plan, Vec<Problem>> {
+    let described = pair(spec, descriptions)?;
+    let mut problems = checks::stops(spec, &described);
+    let steps =
+        steps::assign(&wishes(&described), spec.run.until).map_err(|more| problems.extend(more));
+    let windows = steps.as_ref().map_or(u64::MAX, |steps| steps.windows);
+    problems.extend(checks::injections(spec, options, windows));
+    let members: Vec<_> = spec
+        .components
+        .iter()
+        .map(|c| (c.name.as_str(), c.role))
+        .collect();
+    let wiring = schedule::wire(spec.run.schedule, &members);
+    if let Err(error) = schedule::check(&wiring) {
+        problems.push(Problem::new("run.schedule", error.to_string()));
+    }
+    match steps {
+        Ok(steps) if problems.is_empty() => Ok(assemble(spec, &described, steps, &wiring, options)),
+        _ => Err(problems),
+    }
+}
+
+/// A component with what it said.
+type Described<'a> = (&'a ComponentSpec, &'a Description);
+
+fn pair<'a>(
+    spec: &'a Spec,
+    descriptions: &'a [(String, Description)],
+) -> Result<Vec<Described<'a>>, Vec<Problem>> {
+    let mut problems = Vec::new();
+    let mut described = Vec::new();
+    for component in &spec.components {
+        match descriptions
+            .iter()
+            .find(|(name, _)| *name == component.name)
+        {
+            Some((_, description)) => described.push((component, description)),
+            None => problems.push(Problem::new(
+                component.key(),
+                "this component did not describe itself",
+            )),
+        }
+    }
+    if problems.is_empty() {
+        Ok(described)
+    } else {
+        Err(problems)
+    }
+}
+
+/// What the physics wants of its steps, in the order of the components.
+fn wishes(described: &[Described<'_>]) -> Vec<Wish> {
+    let physics = described
+        .iter()
+        .filter(|(spec, _)| spec.role != Role::Observer);
+    let wish = |(spec, description): &Described<'_>| Wish {
+        name: spec.name.clone(),
+        key: spec.key(),
+        step: description.step,
+        sync_iter: spec.sync_iter,
+    };
+    physics.map(wish).collect()
+}
+
+fn assemble(
+    spec: &Spec,
+    described: &[Described<'_>],
+    steps: Steps,
+    wiring: &Wiring,
+    options: &Options,
+) -> Plan {
+    let window = steps.clock.window();
+    let body_capacity = body_capacity(described);
+    let frames_every = windows_in(spec.outputs.frames, window, steps.windows);
+    let substeps = substeps_of_all(described, &steps);
+    let edges = edges(wiring, &substeps, body_capacity);
+    let frames = streams::streams(described, body_capacity, frames_every);
+    let component = |(index, (spec, description)): (usize, &Described<'_>)| PlannedComponent {
+        name: spec.name.clone(),
+        role: spec.role,
+        program: description.program.clone(),
+        largest_step: description.step,
+        step: steps.step(substeps[index]),
+        substeps: substeps[index],
+        threads: spec.threads,
+        notes: description.notes.clone(),
+        clock: steps.clock,
+        windows: steps.windows,
+        body_capacity,
+        edges: wiring.members[index]
+            .links
+            .iter()
+            .map(|link| edges[*link].clone())
+            .collect(),
+        script: wiring.members[index].script.clone(),
+        frames: frames
+            .iter()
+            .filter(|s| s.from == spec.name || s.to == spec.name)
+            .cloned()
+            .collect(),
+        injections: options
+            .injections
+            .iter()
+            .filter(|(name, _)| *name == spec.name)
+            .map(|(_, i)| i.clone())
+            .collect(),
+    };
+    let warn = |(spec, description): &Described<'_>| {
+        let name = spec.name.clone();
+        description
+            .warnings
+            .iter()
+            .map(move |warning| format!("{name}: {warning}"))
+            .collect::<Vec<_>>()
+    };
+    Plan {
+        window,
+        clock: steps.clock,
+        windows: steps.windows,
+        schedule: spec.run.schedule,
+        frames_every,
+        signal_rows_every: signal_rows_every(spec, window, steps.windows),
+        components: described.iter().enumerate().map(component).collect(),
+        warnings: described.iter().flat_map(warn).collect(),
+        notes: steps.notes,
+        edges,
+        frames,
+    }
+}
+
+/// Bodies are those that grains bring; none are added later than at the start.
+fn body_capacity(described: &[Described<'_>]) -> u64 {
+    let grains = described
+        .iter()
+        .filter(|(spec, _)| spec.role == Role::Grains);
+    grains
+        .map(|(_, description)| description.bodies)
+        .max()
+        .unwrap_or(0)
+}
+
+/// Substeps of all components; an observer counts in windows.
+fn substeps_of_all(described: &[Described<'_>], steps: &Steps) -> Vec<u32> {
+    let mut physics = steps.substeps.iter();
+    let of = |(spec, _): &Described<'_>| match spec.role {
+        Role::Observer => 1,
+        _ => physics.next().copied().unwrap_or(1),
+    };
+    described.iter().map(of).collect()
+}
+
+fn edges(wiring: &Wiring, substeps: &[u32], body_capacity: u64) -> Vec<Edge> {
+    let edge = |link: &schedule::Link| {
+        let (from, to) = (
+            &wiring.members[link.from].name,
+            &wiring.members[link.to].name,
+        );
+        Edge {
+            from: from.clone(),
+            to: to.clone(),
+            content: link.content,
+            service: format!("{from}/{}/{to}", link.content.name()),
+            // Shared memory is never of size zero, even where a scene has no bodies.
+            capacity: body_capacity.max(1),
+            depth: link.depth,
+            sender_substeps: substeps[link.from],
+            events_lag: link.events_lag,
+        }
+    };
+    wiring.links.iter().map(edge).collect()
+}
+
+/// The whole number of windows nearest to `time` [s], at least one and at most the run.
+fn windows_in(time: f64, window: f64, windows: u64) -> u64 {
+    ((time / window).round() as u64).clamp(1, windows.max(1))
+}
+
+fn signal_rows_every(spec: &Spec, window: f64, windows: u64) -> u64 {
+    match spec.outputs.signals {
+        Some(time) => windows_in(time, window, windows),
+        None => windows.div_ceil(MOST_SIGNAL_ROWS).max(1),
+    }
+}

@@ -1,0 +1,193 @@
+//! The plan as a person reads it.
+
+use super::steps::short;
+use super::{Plan, PlannedComponent};
+use std::fmt;
+use tremie_messages::schedule::{Content, Edge, Schedule};
+use tremie_messages::start::{FrameContent, FrameStream};
+use tremie_messages::{BodyEvent, BodyState, Load, Stamp, frame};
+
+impl Plan {
+    /// The plan in lines: time, components, edges, frames, notes. Warnings are apart, in
+    /// [`Plan::warnings`].
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![self.time()];
+        lines.extend(table(
+            &[
+                "component",
+                "role",
+                "program",
+                "substeps",
+                "step",
+                "threads",
+            ],
+            self.components.iter().map(row).collect(),
+        ));
+        for component in &self.components {
+            lines.extend(
+                component
+                    .notes
+                    .iter()
+                    .map(|note| format!("  {}: {note}", component.name)),
+            );
+        }
+        lines.extend(table(
+            &["edge", "values", "depth", "memory"],
+            self.edges.iter().map(edge_row).collect(),
+        ));
+        lines.extend(table(
+            &["frames", "every", "values", "depth", "kept", "memory"],
+            self.frames.iter().map(frame_row).collect(),
+        ));
+        lines.push(format!("shared memory: {}", bytes(self.shared_memory())));
+        lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        lines
+    }
+
+    /// Payload of all channels in shared memory [bytes]: what is under way, and one more message
+    /// that the sender writes meanwhile.
+    pub fn shared_memory(&self) -> u64 {
+        self.edges
+            .iter()
+            .map(edge_memory)
+            .chain(self.frames.iter().map(frame_memory))
+            .sum()
+    }
+
+    fn time(&self) -> String {
+        let schedule = match self.schedule {
+            Schedule::Serial => "serial",
+            Schedule::Parallel => "parallel",
+        };
+        format!(
+            "{} s in {} windows of {} s ({} tick{} each), schedule {schedule}",
+            short(self.window * self.windows as f64),
+            self.windows,
+            short(self.window),
+            self.clock.ticks_per_window,
+            if self.clock.ticks_per_window == 1 {
+                ""
+            } else {
+                "s"
+            },
+        )
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for line in self.lines() {
+            writeln!(f, "{line}")?;
+        }
+        for warning in &self.warnings {
+            writeln!(f, "warning: {warning}")?;
+        }
+        Ok(())
+    }
+}
+
+fn row(component: &PlannedComponent) -> Vec<String> {
+    let physics = component.role != tremie_messages::Role::Observer;
+    let if_physics = |text: String| if physics { text } else { "-".into() };
+    vec![
+        component.name.clone(),
+        component.role.to_string(),
+        component.program.clone(),
+        if_physics(component.substeps.to_string()),
+        if_physics(format!("{} s", short(component.step))),
+        component
+            .threads
+            .map_or("auto".into(), |threads| threads.to_string()),
+    ]
+}
+
+fn edge_row(edge: &Edge) -> Vec<String> {
+    vec![
+        edge.label(),
+        edge.capacity.to_string(),
+        edge.depth.to_string(),
+        bytes(edge_memory(edge)),
+    ]
+}
+
+fn frame_row(stream: &FrameStream) -> Vec<String> {
+    let content = match &stream.content {
+        FrameContent::Bodies => "bodies".to_string(),
+        FrameContent::Slice(name) => format!("slice {name}"),
+        FrameContent::Signals(_) => "signals".to_string(),
+        FrameContent::Log => "log".to_string(),
+    };
+    let every = match stream.content {
+        FrameContent::Log => "line".to_string(),
+        _ if stream.every == 1 => "window".to_string(),
+        _ => format!("{} windows", stream.every),
+    };
+    vec![
+        format!("{} -> {}, {content}", stream.from, stream.to),
+        every,
+        stream.capacity.to_string(),
+        stream.depth.to_string(),
+        if stream.lossless { "all" } else { "newest" }.to_string(),
+        bytes(frame_memory(stream)),
+    ]
+}
+
+fn edge_memory(edge: &Edge) -> u64 {
+    let value = match edge.content {
+        Content::Events => size_of::<BodyEvent>(),
+        Content::State => size_of::<BodyState>(),
+        Content::Load => size_of::<Load>(),
+    };
+    memory(size_of::<Stamp>(), value, edge.capacity, edge.depth)
+}
+
+fn frame_memory(stream: &FrameStream) -> u64 {
+    let (header, value) = match stream.content {
+        FrameContent::Bodies => (size_of::<Stamp>(), size_of::<frame::BodySample>()),
+        FrameContent::Slice(_) => (
+            size_of::<frame::SliceHeader>(),
+            size_of::<frame::SliceNode>(),
+        ),
+        FrameContent::Signals(_) => (size_of::<Stamp>(), size_of::<f64>()),
+        FrameContent::Log => (size_of::<frame::LogHeader>(), size_of::<u8>()),
+    };
+    memory(header, value, stream.capacity, stream.depth)
+}
+
+fn memory(header: usize, value: usize, capacity: u64, depth: u64) -> u64 {
+    (header as u64 + value as u64 * capacity) * (depth + 1)
+}
+
+fn bytes(count: u64) -> String {
+    match count {
+        0..1_000 => format!("{count} B"),
+        1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
+        _ => format!("{:.1} GB", count as f64 / 1e9),
+    }
+}
+
+/// Rows below their titles, in columns; nothing if there are no rows.
+fn table(titles: &[&str], rows: Vec<Vec<String>>) -> Vec<String> {
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    let titles: Vec<String> = titles.iter().map(|title| title.to_string()).collect();
+    let rows: Vec<_> = std::iter::once(titles).chain(rows).collect();
+    let width = |column: usize| {
+        rows.iter()
+            .map(|row| row[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells: Vec<_> = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| format!("{cell:width$}"))
+            .collect();
+        format!("  {}", cells.join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
+}

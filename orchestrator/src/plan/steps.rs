@@ -1,0 +1,225 @@
+//! Time steps that fit: one coupling window, and a whole number of substeps in it for everyone.
+
+use crate::manifest::MOST_SUBSTEPS;
+use tremie_messages::Problem;
+use tremie_messages::start::Clock;
+
+/// Ratios this close to a whole number are that number: steps come from divisions.
+const TOLERANCE: f64 = 1e-9;
+/// Most ticks in a run: every count of them is exact in a 64-bit float too.
+const MOST_TICKS: f64 = 9.0e15;
+
+/// What the physics components want.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Wish {
+    /// The component.
+    pub name: String,
+    /// Its key in the manifest.
+    pub key: String,
+    /// Largest step that it may take [s]; `None`: any.
+    pub step: Option<f64>,
+    /// Substeps that the manifest fixes.
+    pub sync_iter: Option<u32>,
+}
+
+/// Steps that fit.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Steps {
+    pub clock: Clock,
+    /// Windows until the end of the run.
+    pub windows: u64,
+    /// Substeps of each component, in the order of the wishes.
+    pub substeps: Vec<u32>,
+    /// What was adapted, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl Steps {
+    /// Step of a component that makes `substeps` in a window [s]: a whole number of ticks.
+    pub fn step(&self, substeps: u32) -> f64 {
+        self.clock.tick * (self.clock.ticks_per_window / u64::from(substeps)) as f64
+    }
+}
+
+/// Assigns steps for a run until `until` [s].
+///
+/// The component with the largest step sets the window: one step of it, or `sync_iter` of them
+/// where the manifest fixes that (of several with the same step, the one with the fewest). Each
+/// other one makes `n = ceil(window/step)` substeps, and its step is shortened to `window/n`; it
+/// is never lengthened. A fixed `sync_iter` is taken as it is, and refused where it would lengthen
+/// a step. A component that can take any step takes the window, or `window/sync_iter`.
+///
+/// # Errors
+/// A fixed `sync_iter` that cannot be, more than 1000 substeps, no step at all, or more windows
+/// than can be counted.
+pub(super) fn assign(wishes: &[Wish], until: f64) -> Result<Steps, Vec<Problem>> {
+    let pace = pacemaker(wishes)?;
+    let window = pace.step.unwrap_or(until) * f64::from(pace.sync_iter.unwrap_or(1));
+    let mut problems = Vec::new();
+    let mut notes = Vec::new();
+    let mut substeps = Vec::new();
+    for wish in wishes {
+        match fit(wish, pace, window, &mut notes) {
+            Ok(n) => substeps.push(n),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let ticks_per_window = substeps
+        .iter()
+        .fold(1, |common, n| least_common_multiple(common, u64::from(*n)));
+    let windows = (until / window - TOLERANCE).ceil().max(1.0);
+    if windows * ticks_per_window as f64 > MOST_TICKS {
+        let message = format!(
+            "{until} s are {windows:e} windows of {} s, more than can be counted",
+            short(window)
+        );
+        return Err(vec![Problem::new("run.until", message)]);
+    }
+    let end = windows * window;
+    if (end - until).abs() > 1e-6 * window {
+        notes.push(format!("the run ends at a whole window: {} s", short(end)));
+    }
+    let clock = Clock {
+        tick: window / ticks_per_window as f64,
+        ticks_per_window,
+    };
+    Ok(Steps {
+        clock,
+        windows: windows as u64,
+        substeps,
+        notes,
+    })
+}
+
+/// The component whose step sets the window.
+fn pacemaker(wishes: &[Wish]) -> Result<&Wish, Vec<Problem>> {
+    let wrong = |wish: &&Wish| {
+        wish.step
+            .is_some_and(|step| !(step.is_finite() && step > 0.0))
+    };
+    let problems: Vec<_> = (wishes.iter().filter(wrong))
+        .map(|wish| {
+            let step = wish.step.unwrap_or_default();
+            Problem::new(
+                &wish.key,
+                format!("{} asks for a step of {step} s, which is none", wish.name),
+            )
+        })
+        .collect();
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let slower = |a: &&Wish, b: &&Wish| {
+        let fewer = || b.sync_iter.unwrap_or(1).cmp(&a.sync_iter.unwrap_or(1));
+        a.step
+            .unwrap_or(0.0)
+            .total_cmp(&b.step.unwrap_or(0.0))
+            .then_with(fewer)
+    };
+    wishes
+        .iter()
+        .filter(|wish| wish.step.is_some())
+        .max_by(slower)
+        .ok_or_else(|| {
+            let names: Vec<_> = wishes.iter().map(|wish| wish.name.as_str()).collect();
+            let message = format!("no step is set: {} can take any", names.join(" and "));
+            vec![
+                Problem::new("components", message)
+                    .help("set a time step in the settings of one of them"),
+            ]
+        })
+}
+
+/// Substeps of one component.
+fn fit(wish: &Wish, pace: &Wish, window: f64, notes: &mut Vec<String>) -> Result<u32, Problem> {
+    let Some(step) = wish.step else {
+        return Ok(wish.sync_iter.unwrap_or(1));
+    };
+    let ratio = window / step;
+    let needed = (ratio - TOLERANCE).ceil().max(1.0);
+    if let Some(fixed) = wish.sync_iter {
+        return fixed_fits(wish, pace, fixed, window, needed);
+    }
+    if needed > f64::from(MOST_SUBSTEPS) {
+        return Err(too_many(wish, pace, ratio, window));
+    }
+    let n = needed as u32;
+    if (ratio - needed).abs() > TOLERANCE * needed {
+        let (from, to) = (short(step), short(window / needed));
+        let plural = if n == 1 { "" } else { "s" };
+        notes.push(format!(
+            "ratio {} becomes {n} substep{plural}: {} step {from} s shortened to {to} s",
+            short(ratio),
+            wish.name
+        ));
+    }
+    Ok(n)
+}
+
+fn fixed_fits(
+    wish: &Wish,
+    pace: &Wish,
+    fixed: u32,
+    window: f64,
+    needed: f64,
+) -> Result<u32, Problem> {
+    if f64::from(fixed) >= needed {
+        return Ok(fixed);
+    }
+    let (name, step) = (&wish.name, wish.step.unwrap_or(window));
+    let message = format!(
+        "{fixed} substeps in a window of {} s are steps of {} s, but {name} takes at most {} s",
+        short(window),
+        short(window / f64::from(fixed)),
+        short(step)
+    );
+    let pace_step = f64::from(fixed) * step / f64::from(pace.sync_iter.unwrap_or(1));
+    let key = format!("{}.sync_iter", wish.key);
+    Err(Problem::new(key, message).help(format!(
+        "sync_iter = {needed} would do ({name} then steps {} s), or a step of at most {} s for {}",
+        short(window / needed),
+        short(pace_step),
+        pace.name
+    )))
+}
+
+fn too_many(wish: &Wish, pace: &Wish, ratio: f64, window: f64) -> Problem {
+    let (name, slow) = (&wish.name, &pace.name);
+    let message = format!(
+        "{name} would make {} substeps of {} s in a window of {} s ({slow}), at most {MOST_SUBSTEPS} are allowed",
+        (ratio - TOLERANCE).ceil(),
+        short(wish.step.unwrap_or(window)),
+        short(window)
+    );
+    let help = format!(
+        "give {slow} a step of at most {} s (a finer grid), or let {name} take at least {} s (softer contacts, larger bodies)",
+        short(wish.step.unwrap_or(window) * f64::from(MOST_SUBSTEPS)),
+        short(window / f64::from(MOST_SUBSTEPS))
+    );
+    Problem::new(&wish.key, message).help(help)
+}
+
+fn least_common_multiple(a: u64, b: u64) -> u64 {
+    a / greatest_common_divisor(a, b) * b
+}
+
+fn greatest_common_divisor(a: u64, b: u64) -> u64 {
+    if b == 0 {
+        a
+    } else {
+        greatest_common_divisor(b, a % b)
+    }
+}
+
+/// A number with at most six digits, as a person would write it.
+pub(super) fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}

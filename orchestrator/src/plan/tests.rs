@@ -1,0 +1,349 @@
+use super::steps::{Wish, assign, short};
+use super::*;
+use crate::manifest;
+use proptest::prelude::*;
+use std::path::Path;
+use tremie_messages::schedule::Content;
+use tremie_messages::start::{FrameContent, InjectionKind, Signal, SliceSpec};
+
+const MANIFEST: &str = r#"
+[run]
+until = "1.2 ms"
+[scene.domain]
+size = ["1 m", "1 m", "1 m"]
+[scene.fluid]
+density = "1000 kg/m3"
+viscosity = "1 mPa s"
+[components]
+fluid = "fluid-lbm"
+grains = "grains-dem"
+viewer = "viewer"
+recorder = "recorder"
+[outputs]
+frames = "12 us"
+[[stop_when]]
+signal = "grains.max_speed"
+below = 1.0
+"#;
+
+fn spec(sets: &[(&str, &str)]) -> Spec {
+    let sets: Vec<_> = sets
+        .iter()
+        .map(|(k, v)| ((*k).to_string(), (*v).to_string()))
+        .collect();
+    let manifest = manifest::parse(Path::new("manifest.toml"), MANIFEST.into(), &sets);
+    manifest.unwrap_or_else(|errors| panic!("{errors}")).spec
+}
+
+fn signal(name: &str) -> Signal {
+    Signal {
+        name: name.into(),
+        unit: "m/s".into(),
+    }
+}
+
+/// The paper's steps, whose ratio is 2.4.
+fn descriptions() -> Vec<(String, Description)> {
+    let fluid = Description {
+        program: "fluid-lbm 0.1".into(),
+        step: Some(1.2e-7),
+        signals: vec![signal("mass")],
+        slices: vec![SliceSpec {
+            name: "xz".into(),
+            nodes: 500,
+        }],
+        warnings: vec!["too coarse".into()],
+        notes: vec!["16 cells across".into()],
+        ..Description::default()
+    };
+    let grains = Description {
+        program: "grains-dem 0.1".into(),
+        step: Some(5e-8),
+        bodies: 40,
+        signals: vec![signal("max_speed")],
+        ..Description::default()
+    };
+    vec![
+        ("fluid".into(), fluid),
+        ("grains".into(), grains),
+        ("recorder".into(), Description::default()),
+        ("viewer".into(), Description::default()),
+    ]
+}
+
+fn plan(sets: &[(&str, &str)]) -> Result<Plan, Vec<Problem>> {
+    make(&spec(sets), &descriptions(), &Options::default())
+}
+
+fn transport() -> Transport {
+    Transport {
+        between_processes: false,
+        root: String::new(),
+        prefix: String::new(),
+        credit_service: "credit".into(),
+        report_service: "report".into(),
+        report_depth: 4,
+        deadline: 1.0,
+        poll: 0.0,
+    }
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * b.abs()
+}
+
+#[test]
+fn a_ratio_of_2_4_becomes_3_substeps_and_is_said() {
+    let plan = plan(&[]).unwrap();
+    let [fluid, grains, ..] = plan.components.as_slice() else {
+        panic!()
+    };
+    assert_eq!((fluid.substeps, grains.substeps), (1, 3));
+    assert!(close(plan.window, 1.2e-7) && close(grains.step, 4e-8) && close(fluid.step, 1.2e-7));
+    assert_eq!((plan.clock.ticks_per_window, plan.windows), (3, 10_000));
+    assert_eq!(
+        plan.notes,
+        ["ratio 2.4 becomes 3 substeps: grains step 5e-8 s shortened to 4e-8 s"]
+    );
+    assert_eq!(plan.warnings, ["fluid: too coarse"]);
+    let text = plan.to_string();
+    for words in [
+        "10000 windows of 1.2e-7 s",
+        "grains -> fluid, state",
+        "16 cells across",
+        "warning: fluid",
+        "note: ratio 2.4",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+#[test]
+fn a_fixed_sync_iter_is_taken_or_refused_with_what_would_do() {
+    let fixed = plan(&[("components.grains.sync_iter", "5")]).unwrap();
+    assert_eq!(fixed.components[1].substeps, 5);
+    assert!(close(fixed.components[1].step, 2.4e-8));
+    assert!(fixed.notes.is_empty());
+
+    let problems = plan(&[("components.grains.sync_iter", "2")]).unwrap_err();
+    assert_eq!(problems.len(), 1);
+    assert_eq!(problems[0].key, "components.grains.sync_iter");
+    assert_eq!(
+        problems[0].message,
+        "2 substeps in a window of 1.2e-7 s are steps of 6e-8 s, but grains takes at most 5e-8 s"
+    );
+    assert_eq!(
+        problems[0].help.as_deref(),
+        Some(
+            "sync_iter = 3 would do (grains then steps 4e-8 s), or a step of at most 1e-7 s for fluid"
+        )
+    );
+}
+
+#[test]
+fn sync_iter_of_the_slowest_widens_the_window() {
+    let plan = plan(&[("components.fluid.sync_iter", "2")]).unwrap();
+    let [fluid, grains, ..] = plan.components.as_slice() else {
+        panic!()
+    };
+    assert_eq!((fluid.substeps, grains.substeps), (2, 5));
+    assert!(close(plan.window, 2.4e-7) && close(fluid.step, 1.2e-7) && close(grains.step, 4.8e-8));
+    assert_eq!(plan.clock.ticks_per_window, 10);
+}
+
+#[test]
+fn too_many_substeps_and_impossible_steps_are_refused() {
+    let with = |fluid: Option<f64>, grains: Option<f64>| {
+        let mut descriptions = descriptions();
+        descriptions[0].1.step = fluid;
+        descriptions[1].1.step = grains;
+        make(&spec(&[]), &descriptions, &Options::default())
+    };
+    let problems = with(Some(1.2e-7), Some(1e-10)).unwrap_err();
+    assert_eq!(problems[0].key, "components.grains");
+    assert!(
+        problems[0].message.contains("1200 substeps"),
+        "{}",
+        problems[0]
+    );
+    assert_eq!(
+        with(Some(f64::NAN), Some(1.0)).unwrap_err()[0].key,
+        "components.fluid"
+    );
+    assert!(
+        with(None, None).unwrap_err()[0]
+            .message
+            .contains("no step is set")
+    );
+    let any = with(None, Some(5e-8)).unwrap();
+    assert_eq!(any.components[0].substeps, 1);
+    assert!(close(any.window, 5e-8) && close(any.components[0].step, 5e-8));
+    assert_eq!(
+        with(Some(1e-22), Some(1e-22)).unwrap_err()[0].key,
+        "run.until"
+    );
+}
+
+#[test]
+fn edges_and_frames_carry_what_is_needed() {
+    let plan = plan(&[("run.schedule", "parallel")]).unwrap();
+    let edges: Vec<_> = plan
+        .edges
+        .iter()
+        .map(|e| {
+            (
+                e.service.as_str(),
+                e.capacity,
+                e.sender_substeps,
+                e.events_lag,
+            )
+        })
+        .collect();
+    let expected = [
+        ("grains/events/fluid", 40, 3, 0),
+        ("grains/state/fluid", 40, 3, 0),
+        ("fluid/load/grains", 40, 1, 1),
+    ];
+    assert_eq!(edges, expected);
+    let frames: Vec<_> = plan
+        .frames
+        .iter()
+        .map(|s| (s.service.as_str(), s.every, s.lossless))
+        .collect();
+    assert_eq!(
+        frames,
+        [
+            ("fluid/frames/slice/xz/recorder", 100, true),
+            ("fluid/frames/signals/recorder", 100, true),
+            ("fluid/frames/slice/xz/viewer", 100, false),
+            ("fluid/frames/signals/viewer", 100, false),
+            ("grains/frames/bodies/recorder", 100, true),
+            ("grains/frames/signals/recorder", 100, true),
+            ("grains/frames/bodies/viewer", 100, false),
+            ("grains/frames/signals/viewer", 100, false),
+            ("orchestrator/frames/log/recorder", 1, true),
+            ("orchestrator/frames/log/viewer", 1, false),
+        ]
+    );
+    let assignment = plan.components[1].assignment(transport());
+    assert_eq!(assignment.edges.len(), 3);
+    assert_eq!(assignment.edges[2].content, Content::Load);
+    assert_eq!(assignment.frames.len(), 4);
+    assert_eq!((assignment.substeps, assignment.body_capacity), (3, 40));
+    assert_eq!(assignment.transport, transport());
+    let viewer = plan.components[3].assignment(transport());
+    assert!(viewer.edges.is_empty() && viewer.script.window.is_empty());
+    assert_eq!(viewer.frames.len(), 5);
+    assert_eq!(viewer.frames[4].content, FrameContent::Log);
+    assert!(plan.shared_memory() > 40 * 112);
+}
+
+#[test]
+fn rows_of_signals_are_bounded_unless_asked_for() {
+    assert_eq!(plan(&[]).unwrap().signal_rows_every, 1);
+    assert_eq!(
+        plan(&[("run.until", "12 ms")]).unwrap().signal_rows_every,
+        5
+    );
+    assert_eq!(
+        plan(&[("outputs.signals", "1 us")])
+            .unwrap()
+            .signal_rows_every,
+        8
+    );
+    assert_eq!(
+        plan(&[("outputs.signals", "1 h")])
+            .unwrap()
+            .signal_rows_every,
+        10_000
+    );
+}
+
+#[test]
+fn stop_conditions_and_injections_must_name_what_is_there() {
+    let problems = plan(&[("stop_when[0].signal", "grains.max_sped")]).unwrap_err();
+    assert_eq!(problems[0].key, "stop_when[0].signal");
+    assert_eq!(
+        problems[0].help.as_deref(),
+        Some("did you mean \"grains.max_speed\"?")
+    );
+
+    let injection = |window| Injection {
+        kind: InjectionKind::Nan,
+        window,
+    };
+    let with = |name: &str, window| {
+        let options = Options {
+            injections: vec![(name.into(), injection(window))],
+        };
+        make(&spec(&[]), &descriptions(), &options)
+    };
+    let plan = with("grains", 7).unwrap();
+    assert_eq!(
+        plan.components[1].assignment(transport()).injections,
+        [injection(7)]
+    );
+    assert!(
+        plan.components[0]
+            .assignment(transport())
+            .injections
+            .is_empty()
+    );
+    assert!(
+        with("grain", 7).unwrap_err()[0]
+            .to_string()
+            .contains("did you mean \"grains\"?")
+    );
+    assert!(
+        with("grains", 10_001).unwrap_err()[0]
+            .message
+            .contains("beyond the run")
+    );
+}
+
+#[test]
+fn numbers_are_short() {
+    assert_eq!(short(1.2e-7 / 3.0), "4e-8");
+    assert_eq!(short(2.4), "2.4");
+    assert_eq!(short(1.0 / 3.0), "0.333333");
+    assert_eq!(short(0.0), "0");
+}
+
+proptest! {
+    #[test]
+    fn steps_fit_and_are_never_lengthened(
+        a in 1e-9..1e-2f64,
+        ratio in 1.0..900.0f64,
+        middle in 1.0..30.0f64,
+        sync_iter in prop::option::of(1u32..6),
+        length in 0.5..1e4f64,
+    ) {
+        let wish = |name: &str, step, sync_iter| Wish {
+            name: name.into(),
+            key: name.into(),
+            step: Some(step),
+            sync_iter,
+        };
+        let wishes = [wish("slow", a, sync_iter), wish("middle", a / middle, None), wish("fast", a / ratio, None)];
+        let until = a * length;
+        match assign(&wishes, until) {
+            Err(problems) => prop_assert!(ratio * f64::from(sync_iter.unwrap_or(1)) > 999.0, "{:?}", problems),
+            Ok(steps) => {
+                let window = steps.clock.window();
+                prop_assert!(close(window, a * f64::from(sync_iter.unwrap_or(1))));
+                for (wish, n) in wishes.iter().zip(&steps.substeps) {
+                    let step = steps.step(*n);
+                    let largest = wish.step.unwrap();
+                    prop_assert_eq!(steps.clock.ticks_per_window % u64::from(*n), 0);
+                    prop_assert!((step * f64::from(*n) - window).abs() <= 1e-12 * window);
+                    prop_assert!(step <= largest * (1.0 + 1e-8));
+                    let one_fewer = window / f64::from(*n - 1).max(0.5);
+                    prop_assert!(*n == 1 || one_fewer > largest * (1.0 - 1e-8), "as few as fit");
+                }
+                let run = window * steps.windows as f64;
+                prop_assert!(run >= until * (1.0 - 1e-6) - 1e-8 * window);
+                prop_assert!(run < until + window * (1.0 + 1e-8));
+            }
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Whole runs of the `tremie` program, by scenario.
+
+mod bad_input;
+mod conform;
+mod coupling;
+mod endings;
+mod examples;
+mod faults;
+mod observers;
+mod same_bits;
+mod tremie;
