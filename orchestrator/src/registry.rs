@@ -35,6 +35,12 @@ pub const BUILT_IN: &[BuiltIn] = &[
         about: "streams the run into the Rerun viewer",
         run: tremie_sdk::run_observer::<tremie_viewer::Viewer>,
     },
+    BuiltIn {
+        name: "recorder",
+        role: Role::Observer,
+        about: "writes the run to an MCAP file",
+        run: tremie_sdk::run_observer::<tremie_recorder::Recorder>,
+    },
 ];
 
 /// The built-in component of that name.

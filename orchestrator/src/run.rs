@@ -95,7 +95,7 @@ pub fn prepare(
     let programs = find_programs(manifest, folder).map_err(RunError::Input)?;
     let (launcher, news) = Launcher::new(execution.in_process);
     let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
-    let run = rand::random::<u64>();
+    let run = random_id();
     let descriptions =
         introduce(manifest, &mut peers, &news, run, output).map_err(RunError::Input)?;
     let named: Vec<_> =
@@ -103,6 +103,12 @@ pub fn prepare(
     let options = plan::Options { injections: execution.inject.clone() };
     let plan = plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)?;
     Ok(Prepared { peers, descriptions, plan, news, run })
+}
+
+/// A number that no other run on this machine has: the standard library keys its hashers at random.
+fn random_id() -> u64 {
+    use std::hash::{BuildHasher, Hasher};
+    std::hash::RandomState::new().build_hasher().finish()
 }
 
 impl Prepared {
@@ -273,9 +279,9 @@ fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
 }
 
 impl Ended {
-    /// Whether an observer goes on serving what it shows.
-    pub fn is_serving(&self) -> bool {
-        self.peers.iter().any(|peer| peer.role == Role::Observer && !peer.closed && peer.serves())
+    /// Whether the observer of that name is still there, serving what it shows.
+    pub fn is_serving(&self, name: &str) -> bool {
+        self.peers.iter().any(|peer| peer.name == name && !peer.closed)
     }
 
     /// How the run ended.

@@ -1,1 +1,58 @@
-//! Writes a Tremie run to MCAP
+//! Writes a Tremie run to MCAP, and plays it back.
+//!
+//! [`Recorder`] is an observer that writes `run.mcap`; [`Recording`] reads such a file and feeds any
+//! observer with the very frames that the recorder was given, bit for bit.
+//!
+//! # Channels
+//!
+//! All messages are protobuf, which is the encoding of Foxglove's schemas that both Foxglove and
+//! Rerun decode. Foxglove and Rerun (0.36) open the file without a plug-in.
+//!
+//! | topic | schema | content |
+//! | --- | --- | --- |
+//! | `/bodies/<component>` | `foxglove.PointCloud` | one point for each body: [`tremie_messages::frame::BodySample`] as it is in memory (144 bytes, little endian), then `speed` (f32) for colouring |
+//! | `/cuts/<component>/<name>` | `foxglove.PointCloud` | one point for each node: `x`, `y`, `z` (f32), [`tremie_messages::frame::SliceNode`] as it is in memory (20 bytes), then `speed` (f32) |
+//! | `/signals/<component>` | `tremie.signals.<component>` | one `double` field for each signal, by its name; units in the channel's metadata |
+//! | `/log` | `foxglove.Log` | lines of the log |
+//! | `/frames` | `tremie.Frame` | before each of the messages above: its topic, stamp and exact time; of a cut, its exact grid; of a line, its level |
+//!
+//! Bodies and cuts are stored once, in a form that is exact and that viewers show: a point cloud whose
+//! stride is the message's own layout. `/frames` adds what Foxglove's schemas have no place for.
+//!
+//! # Time
+//!
+//! `log_time` and `publish_time` are simulated nanoseconds. Nothing in the file depends on the wall
+//! clock, the run's id, the output folder or the order in which frames of a window happen to
+//! arrive: identical runs give identical bytes.
+//!
+//! # Whole windows
+//!
+//! Frames wait until their window is whole: until every lossless stream that is due has
+//! arrived, and some component is [`HOLD`](windows::HOLD) windows ahead, which in a coupled run
+//! means that all have completed it. The end of a run drops what lies beyond its last common
+//! window. The log is written last and whole: what was said about the end belongs to the record.
+//!
+//! # Ends
+//!
+//! Chunks reach the file at fixed amounts of data and of windows. Of a recorder that is killed, everything
+//! up to the last chunk can be read; [`Recording::end`] then says that the end is missing.
+//!
+//! # Metadata
+//!
+//! `tremie.run` holds, as JSON texts, `scene`, `clock`, `windows`, `streams`, and the versions of this
+//! crate and of its format; `tremie.end` the last common window.
+
+mod codec;
+mod document;
+mod file;
+mod parameters;
+mod proto;
+mod recorder;
+mod recording;
+mod schema;
+mod signals;
+pub mod windows;
+
+pub use parameters::Parameters;
+pub use recorder::Recorder;
+pub use recording::{End, Item, Items, ReadError, Recording};

@@ -1,1 +1,47 @@
-//! Streams a Tremie run into Rerun
+//! Streams a Tremie run into Rerun.
+//!
+//! [`Viewer`] is an observer: it takes frames of a run and shows them so that a physicist sees the
+//! run without touching a setting. What is drawn, by entity:
+//!
+//! | entity | content | when |
+//! | --- | --- | --- |
+//! | `scene/domain/..` | edges of the box, walls, inner planes | static |
+//! | `scene/bodies/<set>` | spheres of a body set, coloured by speed; grey if fixed | each frame |
+//! | `scene/cuts/<component>/<name>` | a cut through the fluid, coloured by speed; solid nodes grey | shape static, colours each frame |
+//! | `scene/cuts/<component>/<name>/arrows` | velocity on a readable number of its nodes | each frame |
+//! | `legend/..` | the colour scale and its numbers | when the scale changes |
+//! | `signals/<component>/<name>` | watched scalars, one plot per component and unit | each frame |
+//! | `log` | the run's log | each line |
+//! | `about` | domain, fluid, bodies and schedule in words | static |
+//!
+//! Timelines are `sim_time` (simulated seconds, shown first) and `window` (coupling windows). No wall
+//! clock enters.
+//!
+//! **Speed and colour.** Bodies and cuts share one scale of speed from zero to a round number that
+//! never falls while a run goes on ([`scale::SpeedScale`]); `max_speed` fixes it.
+//!
+//! **Where it goes.** [`Mode::Web`] serves a page and the data from this program, on loopback only;
+//! [`Mode::Native`] starts an installed `rerun`; [`Mode::File`] writes a recording. After a run the
+//! page is served until the [`Viewer`] is dropped; [`Session::url`] is its address.
+//!
+//! **No telemetry.** The crate is built without Rerun's analytics. The page's own program has them
+//! compiled in, so the page is served with a content security policy that lets it speak to nobody
+//! but this program.
+
+mod blueprint;
+mod bodies;
+mod cut;
+mod layout;
+mod legend;
+mod page;
+mod parameters;
+pub mod scale;
+mod session;
+mod signals;
+mod stage;
+mod view;
+mod viewer;
+
+pub use parameters::{Mode, Parameters};
+pub use session::Session;
+pub use viewer::Viewer;

@@ -62,16 +62,14 @@ fn run_checked(
         inject: arguments.inject.clone(),
         ..Execution::default()
     };
-    let unmade = arguments.out.clone().unwrap_or_default();
-    // Components are asked before the folder is made: a wrong manifest leaves nothing behind.
-    let out = OutputFolder::new(arguments, &unmade)?;
+    let out = OutputFolder::new(arguments)?;
     let prepared = prepare(manifest, &folder, out.path(), &execution)?;
     show_plan(manifest, &prepared, terminal);
     let out = out.keep();
     terminal.say(&format!("outputs in {}", out.display()));
     let ended = prepared.execute(manifest, &out, &execution, terminal, &interrupts)?;
     terminal.end(&last_line(&ended.summary, &out), details(&ended.summary));
-    if arguments.view == View::Web && ended.is_serving() && interrupts.load(Ordering::Relaxed) == 0 {
+    if arguments.view == View::Web && ended.is_serving("viewer") && interrupts.load(Ordering::Relaxed) == 0 {
         terminal.say("the viewer stays up; Ctrl-C ends it");
         while interrupts.load(Ordering::Relaxed) == 0 {
             std::thread::sleep(Duration::from_millis(50));
@@ -81,14 +79,15 @@ fn run_checked(
     Ok(ExitCode::from(summary.ending.exit_code()))
 }
 
-/// A folder for outputs that is removed again if nothing comes of the run.
+/// A folder for outputs that is removed again if nothing comes of the run: a wrong manifest leaves
+/// nothing behind.
 struct OutputFolder {
     path: PathBuf,
     keep: bool,
 }
 
 impl OutputFolder {
-    fn new(arguments: &RunArgs, _unmade: &Path) -> Result<Self, RunError> {
+    fn new(arguments: &RunArgs) -> Result<Self, RunError> {
         let path = choose_folder(arguments.out.as_deref(), &arguments.manifest.manifest)?;
         let path = std::path::absolute(&path).unwrap_or(path);
         Ok(Self { path, keep: false })

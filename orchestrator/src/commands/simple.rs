@@ -40,7 +40,7 @@ pub fn clean() -> ExitCode {
 
 /// `tremie schema`: the JSON schema of the manifest.
 pub fn schema() -> ExitCode {
-    println!("{:#}", crate::manifest::Manifest::json_schema());
+    println!("{}", crate::manifest::schema_text());
     ExitCode::SUCCESS
 }
 

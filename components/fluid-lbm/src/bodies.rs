@@ -1,0 +1,268 @@
+//! The bodies in the fluid: who lives, where they are, which cells they cover.
+
+use crate::error::FluidError;
+use crate::grid::Grid;
+use crate::lattice::cross;
+use crate::sphere::Spans;
+use crate::units::Units;
+use tremie_messages::{BodyEvent, BodyState};
+
+/// A sphere in the fluid; lattice units.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Its id.
+    pub id: u64,
+    /// Its number in the map of owners.
+    pub handle: u32,
+    /// Radius.
+    pub radius: f64,
+    /// Centre, in the box along periodic axes.
+    pub position: [f64; 3],
+    /// Velocity.
+    pub velocity: [f64; 3],
+    /// Angular velocity.
+    pub spin: [f64; 3],
+    /// Cells inside.
+    pub spans: Spans,
+    /// Cells inside one step before.
+    previous: Spans,
+    /// Whether it has a position yet.
+    placed: bool,
+    /// Cells that it left and entered in the last move.
+    pub left: Vec<u32>,
+    /// Cells that it entered in the last move.
+    pub entered: Vec<u32>,
+    /// Force and torque that averaging holds back.
+    pub carried: [[f64; 3]; 2],
+}
+
+impl Body {
+    fn new(id: u64, handle: u32, radius: f64) -> Self {
+        let spans = Spans::empty(radius);
+        // A move by less than a cell changes less than this; a jump may allocate.
+        let changes = (spans.shell_side() * spans.shell_side()) as usize;
+        Self {
+            id,
+            handle,
+            radius,
+            position: [0.0; 3],
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            previous: spans.clone(),
+            spans,
+            placed: false,
+            left: Vec::with_capacity(changes),
+            entered: Vec::with_capacity(changes),
+            carried: [[0.0; 3]; 2],
+        }
+    }
+
+    /// Squared radius.
+    #[inline]
+    pub fn r2(&self) -> f64 {
+        self.radius * self.radius
+    }
+
+    /// Volume [cells].
+    pub fn volume(&self) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * self.radius * self.r2()
+    }
+
+    /// Velocity of the point at `arm` from the centre.
+    #[inline]
+    pub fn velocity_at(&self, arm: [f64; 3]) -> [f64; 3] {
+        let turn = cross(self.spin, arm);
+        std::array::from_fn(|a| self.velocity[a] + turn[a])
+    }
+
+    /// Takes over a state; true if the body is now elsewhere.
+    fn take(&mut self, state: &BodyState, units: &Units, grid: &Grid) -> bool {
+        self.velocity = state.velocity.map(|v| v / units.velocity());
+        self.spin = state.angular_velocity.map(|w| w * units.time_step);
+        let position = grid.canonical(units.position_to_lattice(state.position));
+        let moved = !self.placed || position != self.position;
+        if moved && self.placed {
+            // The old cells, seen from the same side of a periodic face as the new ones.
+            let turns = std::array::from_fn(|a| {
+                let n = f64::from(grid.n[a]);
+                let turns = ((position[a] - self.position[a]) / n).round();
+                if grid.periodic[a] { turns as i32 * grid.n[a] } else { 0 }
+            });
+            if turns != [0; 3] {
+                self.spans.shift(turns);
+            }
+        }
+        self.position = position;
+        self.placed = true;
+        moved
+    }
+
+    /// Finds the cells inside at the new position, and which were left and entered.
+    pub fn cover(&mut self, grid: &Grid) {
+        std::mem::swap(&mut self.spans, &mut self.previous);
+        self.spans.fit(grid, self.position, self.radius);
+        let place = |[x, y, z]: [i32; 3]| {
+            grid.index([grid.wrap(0, x), grid.wrap(1, y), grid.wrap(2, z)]) as u32
+        };
+        let (left, entered) = (&mut self.left, &mut self.entered);
+        left.clear();
+        entered.clear();
+        self.previous.minus(&self.spans, |at| left.push(place(at)));
+        self.spans.minus(&self.previous, |at| entered.push(place(at)));
+    }
+
+    /// Leaves all its cells.
+    fn leave(&mut self, grid: &Grid) {
+        self.previous.clear();
+        std::mem::swap(&mut self.spans, &mut self.previous);
+        let (left, previous, spans) = (&mut self.left, &self.previous, &self.spans);
+        left.clear();
+        self.entered.clear();
+        previous.minus(spans, |[x, y, z]| {
+            left.push(grid.index([grid.wrap(0, x), grid.wrap(1, y), grid.wrap(2, z)]) as u32);
+        });
+    }
+}
+
+/// All bodies.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// The living, sorted by id.
+    pub living: Vec<Body>,
+    /// Those removed since the last step, whose cells are not fluid yet.
+    pub leaving: Vec<Body>,
+    /// Handles that nobody has.
+    free: Vec<u32>,
+    /// For each handle, the place of its body among the living.
+    places: Vec<u32>,
+    /// Whether bodies were added or removed since the last step.
+    pub changed: bool,
+}
+
+impl Bodies {
+    /// The living body with a handle.
+    #[inline]
+    pub fn with_handle(&self, handle: u32) -> &Body {
+        &self.living[self.places[handle as usize] as usize]
+    }
+
+    /// The body with a handle, living or leaving.
+    pub fn any_with_handle(&self, handle: u32) -> &Body {
+        match self.leaving.iter().find(|b| b.handle == handle) {
+            Some(body) => body,
+            None => self.with_handle(handle),
+        }
+    }
+
+    /// Adds and removes bodies; nothing is changed if any event is wrong.
+    ///
+    /// # Errors
+    /// See [`FluidError`].
+    pub fn apply(
+        &mut self,
+        events: &[BodyEvent],
+        units: &Units,
+        grid: &Grid,
+    ) -> Result<(), FluidError> {
+        let mut ids: Vec<u64> = self.living.iter().map(|b| b.id).collect();
+        for event in events {
+            check(event, &mut ids, units, grid)?;
+        }
+        for event in events {
+            let place = self.living.partition_point(|b| b.id < event.id);
+            if event.kind == BodyEvent::ADDED {
+                let handle = self.free.pop().unwrap_or(self.places.len() as u32);
+                if handle as usize == self.places.len() {
+                    self.places.push(0);
+                }
+                let radius = event.size[0] / units.cell;
+                self.living.insert(place, Body::new(event.id, handle, radius));
+            } else {
+                let mut body = self.living.remove(place);
+                body.leave(grid);
+                self.leaving.push(body);
+            }
+        }
+        for (place, body) in (0..).zip(&self.living) {
+            self.places[body.handle as usize] = place;
+        }
+        self.changed |= !events.is_empty();
+        Ok(())
+    }
+
+    /// Checks that states are those of the living bodies, finite, and have a load each.
+    ///
+    /// # Errors
+    /// See [`FluidError`].
+    pub fn check(&self, states: &[BodyState], loads: usize) -> Result<(), FluidError> {
+        if loads != states.len() {
+            return Err(FluidError::Room { room: loads, bodies: states.len() });
+        }
+        let count = self.living.len();
+        let name = |id: Option<u64>| id.map_or("the end of the list".into(), |id| id.to_string());
+        for place in 0..count.max(states.len()) {
+            let expected = self.living.get(place).map(|b| b.id);
+            let found = states.get(place).map(|s| s.id);
+            if expected != found {
+                let (expected, found) = (name(expected), name(found));
+                return Err(FluidError::Bodies { place, count, expected, found });
+            }
+        }
+        match states.iter().find(|s| !s.is_finite()) {
+            Some(state) => Err(FluidError::NonFiniteBody { id: state.id }),
+            None => Ok(()),
+        }
+    }
+
+    /// Takes over checked states; true if any body is elsewhere than before, or came or went.
+    pub fn take(&mut self, states: &[BodyState], units: &Units, grid: &Grid) -> bool {
+        let mut moved = std::mem::take(&mut self.changed);
+        for (body, state) in self.living.iter_mut().zip(states) {
+            moved |= body.take(state, units, grid);
+        }
+        moved
+    }
+
+    /// Forgets the bodies that left, once nobody needs them.
+    pub fn forget_leaving(&mut self) {
+        self.free.extend(self.leaving.drain(..).map(|b| b.handle));
+    }
+}
+
+/// Checks one event against the ids that live when it comes, and changes them.
+fn check(
+    event: &BodyEvent,
+    ids: &mut Vec<u64>,
+    units: &Units,
+    grid: &Grid,
+) -> Result<(), FluidError> {
+    let id = event.id;
+    match (event.kind, ids.binary_search(&id)) {
+        (BodyEvent::ADDED, _) if event.shape != BodyEvent::SPHERE => {
+            Err(FluidError::UnknownEvent { id, kind: event.kind, shape: event.shape })
+        }
+        (BodyEvent::ADDED, Ok(_)) => Err(FluidError::AddedTwice { id }),
+        (BodyEvent::ADDED, Err(place)) => {
+            ids.insert(place, id);
+            let radius = event.size[0];
+            if !(radius.is_finite() && radius > 0.0) {
+                return Err(FluidError::Radius { id, radius });
+            }
+            let edges = grid.n.map(|n| f64::from(n) * units.cell);
+            let longest = edges[0].max(edges[1]).max(edges[2]);
+            for a in 0..3 {
+                let edge = if grid.periodic[a] { edges[a] } else { longest };
+                if 2.0 * radius > edge {
+                    return Err(FluidError::TooWide { id, diameter: 2.0 * radius, edge });
+                }
+            }
+            Ok(())
+        }
+        (BodyEvent::REMOVED, Ok(place)) => {
+            ids.remove(place);
+            Ok(())
+        }
+        (BodyEvent::REMOVED, Err(_)) => Err(FluidError::NotThere { id }),
+        _ => Err(FluidError::UnknownEvent { id, kind: event.kind, shape: event.shape }),
+    }
+}

@@ -1,0 +1,111 @@
+//! What can go wrong while the fluid runs.
+
+/// A fault of a running fluid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FluidError {
+    /// The states are not those of the living bodies, sorted by id.
+    #[error(
+        "the fluid expected the state of body {expected} in place {place} of {count}, found {found}; \
+         states must be those of the living bodies, sorted by id"
+    )]
+    Bodies {
+        /// Place in the list.
+        place: usize,
+        /// How many bodies live.
+        count: usize,
+        /// Id that belongs there, as text (or "the end of the list").
+        expected: String,
+        /// Id that stood there, as text (or "the end of the list").
+        found: String,
+    },
+    /// The list of loads does not have one place for each state.
+    #[error("the fluid was given room for {room} loads, but {bodies} bodies")]
+    Room {
+        /// Length of the list of loads.
+        room: usize,
+        /// Number of states.
+        bodies: usize,
+    },
+    /// A body's state holds a number that is not finite.
+    #[error("the state of body {id} holds a number that is not finite")]
+    NonFiniteBody {
+        /// Id of the body.
+        id: u64,
+    },
+    /// A body that is added is already there.
+    #[error("body {id} was added twice")]
+    AddedTwice {
+        /// Id of the body.
+        id: u64,
+    },
+    /// A body that is removed is not there.
+    #[error("body {id} was removed, but it is not there")]
+    NotThere {
+        /// Id of the body.
+        id: u64,
+    },
+    /// An event of a kind or shape that this fluid does not know.
+    #[error(
+        "event of kind {kind} with shape {shape} for body {id}: this fluid knows added and removed spheres"
+    )]
+    UnknownEvent {
+        /// Id of the body.
+        id: u64,
+        /// Kind of the event.
+        kind: u32,
+        /// Shape of the body.
+        shape: u32,
+    },
+    /// A sphere with a radius that is not positive and finite.
+    #[error("body {id} has the radius {radius} m; it must be positive")]
+    Radius {
+        /// Id of the body.
+        id: u64,
+        /// Radius [m].
+        radius: f64,
+    },
+    /// A sphere that would meet itself through periodic faces, or is larger than the whole domain.
+    #[error("body {id} has the diameter {diameter} m, more than the edge {edge} m of the domain")]
+    TooWide {
+        /// Id of the body.
+        id: u64,
+        /// Diameter [m].
+        diameter: f64,
+        /// Edge of the domain [m].
+        edge: f64,
+    },
+    /// The fluid is no longer finite.
+    #[error(
+        "the fluid is not finite in cell {cell:?} at ({}, {}, {}) m: {value}; \
+         a larger relaxation time, a smaller time step or a finer cell makes the run stable",
+        position[0], position[1], position[2]
+    )]
+    NonFinite {
+        /// Cell.
+        cell: [usize; 3],
+        /// Its centre [m].
+        position: [f64; 3],
+        /// What was found there.
+        value: String,
+    },
+    /// The fluid moves too fast for a nearly incompressible flow.
+    #[error(
+        "the fluid moves at {speed:.4} m/s (Mach {mach:.3}, limit {limit}) in cell {cell:?} at ({}, {}, {}) m; \
+         a time step of at most {remedy:.3e} s would keep the limit",
+        position[0], position[1], position[2]
+    )]
+    Mach {
+        /// Cell.
+        cell: [usize; 3],
+        /// Its centre [m].
+        position: [f64; 3],
+        /// Speed [m/s].
+        speed: f64,
+        /// Speed over the lattice's speed of sound.
+        mach: f64,
+        /// Largest Mach number allowed.
+        limit: f64,
+        /// A time step that would keep the limit [s].
+        remedy: f64,
+    },
+}

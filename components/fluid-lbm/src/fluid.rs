@@ -1,0 +1,183 @@
+//! The fluid as its users see it: SI units outside, one precision or the other inside.
+
+use crate::error::FluidError;
+use crate::lanes::Variant;
+use crate::ledger::Ledger;
+use crate::observe::{Diagnostics, SliceNode};
+use crate::parameters::{Parameters, Precision};
+use crate::solver::Solver;
+use tremie_messages::scene::Scene;
+use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+
+/// A lattice-Boltzmann fluid in a box, with moving spheres in it.
+pub struct FluidLbm {
+    solver: Either,
+}
+
+/// The solver in the precision that was chosen.
+enum Either {
+    F64(Box<Solver<f64>>),
+    F32(Box<Solver<f32>>),
+}
+
+/// Calls a method of whichever solver is inside.
+macro_rules! solver {
+    ($fluid:expr, $solver:ident => $call:expr) => {
+        match $fluid {
+            Either::F64($solver) => $call,
+            Either::F32($solver) => $call,
+        }
+    };
+}
+
+impl FluidLbm {
+    /// A fluid at the scene's initial velocity, without bodies, on `threads` threads (the caller's
+    /// included).
+    ///
+    /// `time_step` [s] is what the plan assigned, at most what [`Parameters::resolve`] asked for.
+    ///
+    /// # Errors
+    /// Every problem of parameters and scene.
+    pub fn new(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        threads: usize,
+    ) -> Result<Self, Vec<Problem>> {
+        Self::with_variant(scene, parameters, time_step, threads, Variant::widest())
+    }
+
+    /// As [`FluidLbm::new`], with the given vector instructions; every variant computes the same
+    /// bits.
+    ///
+    /// # Errors
+    /// Every problem of parameters and scene.
+    ///
+    /// # Panics
+    /// If this machine lacks the instructions ([`Variant::available`]).
+    pub fn with_variant(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        threads: usize,
+        variant: Variant,
+    ) -> Result<Self, Vec<Problem>> {
+        let solver = match parameters.precision {
+            Precision::F64 => {
+                Either::F64(Box::new(Solver::new(scene, parameters, time_step, threads, variant)?))
+            }
+            Precision::F32 => {
+                Either::F32(Box::new(Solver::new(scene, parameters, time_step, threads, variant)?))
+            }
+        };
+        Ok(Self { solver })
+    }
+
+    /// Adds and removes bodies; effective with the next states.
+    ///
+    /// # Errors
+    /// A body added twice or removed without being there, an unknown kind or shape, a radius that
+    /// is not positive. The list is then not applied at all.
+    pub fn apply_events(&mut self, events: &[BodyEvent]) -> Result<(), FluidError> {
+        solver!(&mut self.solver, s => s.apply_events(events))
+    }
+
+    /// The start exchange: covers the cells inside the bodies and returns the loads at rest, which
+    /// are buoyancy and the mean pressure gradient. No time passes.
+    ///
+    /// # Errors
+    /// States that are not those of the living bodies, or not finite.
+    pub fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
+        solver!(&mut self.solver, s => s.start(bodies, loads))
+    }
+
+    /// One time step. `bodies` are at its end; `loads`, in the same order, are the forces [N] and
+    /// torques [N m] of the fluid on them, buoyancy included.
+    ///
+    /// # Errors
+    /// States that are not those of the living bodies, or not finite.
+    pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
+        solver!(&mut self.solver, s => s.step(bodies, loads))
+    }
+
+    /// Balance of momentum and mass of the last step.
+    pub fn ledger(&self) -> &Ledger {
+        solver!(&self.solver, s => s.ledger())
+    }
+
+    /// What the flow is like; costs nothing, because the collision measures it in passing.
+    pub fn diagnostics(&self) -> Diagnostics {
+        solver!(&self.solver, s => s.diagnostics())
+    }
+
+    /// Whether the fluid is finite and slower than the Mach limit. Costs nothing while it is.
+    ///
+    /// # Errors
+    /// The cell where it is not.
+    pub fn check(&self) -> Result<(), FluidError> {
+        solver!(&self.solver, s => s.check())
+    }
+
+    /// The layer of cells nearest to `position` [m] along `axis` (0, 1, 2 for x, y, z), written to
+    /// `out`, which is cleared before. The other two axes follow in their order, the first of them
+    /// running fastest. Returns how many cells lie along those two.
+    pub fn slice(&self, axis: usize, position: f64, out: &mut Vec<SliceNode>) -> [usize; 2] {
+        solver!(&self.solver, s => s.slice(axis, position, out))
+    }
+
+    /// Cells along each axis.
+    pub fn cells(&self) -> [usize; 3] {
+        solver!(&self.solver, s => s.cells())
+    }
+
+    /// Centre of a cell [m].
+    pub fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
+        solver!(&self.solver, s => s.centre(cell))
+    }
+
+    /// What a cell holds.
+    pub fn node(&self, cell: [usize; 3]) -> SliceNode {
+        solver!(&self.solver, s => s.node(cell))
+    }
+
+    /// Velocity in a cell [m/s]; zero inside a solid.
+    pub fn velocity_at(&self, cell: [usize; 3]) -> [f64; 3] {
+        self.node(cell).velocity
+    }
+
+    /// Gauge pressure in a cell [Pa]; zero inside a solid.
+    pub fn pressure_at(&self, cell: [usize; 3]) -> f64 {
+        self.node(cell).pressure
+    }
+
+    /// The 19 populations that the next collision finds in a cell, as deviations from rest, in the
+    /// order of [`crate::lattice::C`].
+    pub fn populations_at(&self, cell: [usize; 3]) -> [f64; crate::lattice::Q] {
+        solver!(&self.solver, s => s.populations_at(cell))
+    }
+
+    /// Puts the fluid into local equilibrium with the velocity [m/s] and gauge pressure [Pa] that
+    /// `state` says at a position [m].
+    pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
+        solver!(&mut self.solver, s => s.set_state(state));
+    }
+
+    /// Lets a wall of the domain slide: `side` 0 is the lower face of `axis`, 1 the upper; the
+    /// velocity [m/s] counts along the face.
+    ///
+    /// # Panics
+    /// If the face is periodic.
+    pub fn set_face_velocity(&mut self, axis: usize, side: usize, velocity: [f64; 3]) {
+        solver!(&mut self.solver, s => s.set_face_velocity(axis, side, velocity));
+    }
+
+    /// Time step [s].
+    pub fn time_step(&self) -> f64 {
+        solver!(&self.solver, s => s.time_step())
+    }
+
+    /// Relaxation time [time steps].
+    pub fn tau(&self) -> f64 {
+        solver!(&self.solver, s => s.tau())
+    }
+}

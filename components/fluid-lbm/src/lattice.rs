@@ -1,0 +1,147 @@
+//! The D3Q19 lattice: directions, weights and opposites.
+//!
+//! Everything else about the lattice is derived from the directions [`C`], whose order is that of
+//! Mutabaruka & Kamrin 2018, Table 1: the opposite of direction `i` in `1..=9` is `i + 9`.
+
+/// Number of directions.
+pub const Q: usize = 19;
+
+/// Directions `c_i` [cells per step].
+pub const C: [[i32; 3]; Q] = [
+    [0, 0, 0],
+    [-1, 0, 0],
+    [0, -1, 0],
+    [0, 0, -1],
+    [-1, -1, 0],
+    [-1, 1, 0],
+    [-1, 0, -1],
+    [-1, 0, 1],
+    [0, -1, -1],
+    [0, -1, 1],
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [1, 1, 0],
+    [1, -1, 0],
+    [1, 0, 1],
+    [1, 0, -1],
+    [0, 1, 1],
+    [0, 1, -1],
+];
+
+/// Directions as floating-point numbers.
+pub const C_F64: [[f64; 3]; Q] = {
+    let mut c = [[0.0; 3]; Q];
+    let mut i = 0;
+    while i < Q {
+        c[i] = [C[i][0] as f64, C[i][1] as f64, C[i][2] as f64];
+        i += 1;
+    }
+    c
+};
+
+/// Squared speed of sound [cells² per step²].
+pub const CS2: f64 = 1.0 / 3.0;
+
+/// Weights `w_i`: 1/3 at rest, 1/18 along an axis, 1/36 along a diagonal of a face.
+pub const W: [f64; Q] = {
+    let mut w = [0.0; Q];
+    let mut i = 0;
+    while i < Q {
+        let c = C[i];
+        w[i] = match c[0] * c[0] + c[1] * c[1] + c[2] * c[2] {
+            0 => 1.0 / 3.0,
+            1 => 1.0 / 18.0,
+            _ => 1.0 / 36.0,
+        };
+        i += 1;
+    }
+    w
+};
+
+/// Index of the opposite direction: `C[OPPOSITE[i]] == -C[i]`.
+pub const OPPOSITE: [usize; Q] = {
+    let mut opposite = [Q; Q];
+    let mut i = 0;
+    while i < Q {
+        let mut j = 0;
+        while j < Q {
+            if C[j][0] == -C[i][0] && C[j][1] == -C[i][1] && C[j][2] == -C[i][2] {
+                opposite[i] = j;
+            }
+            j += 1;
+        }
+        i += 1;
+    }
+    opposite
+};
+
+/// `a . b`.
+#[inline(always)]
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a x b`.
+#[inline(always)]
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Deviation of the equilibrium from rest, `feq_i - w_i`, for `rho = 1 + drho` (second order in the
+/// velocity).
+#[inline]
+pub fn equilibrium(i: usize, drho: f64, u: [f64; 3]) -> f64 {
+    let cu = dot(C_F64[i], u);
+    let rho = 1.0 + drho;
+    W[i] * (drho + rho * (3.0 * cu + 4.5 * cu * cu - 1.5 * dot(u, u)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_moments_of_the_weights_are_isotropic_to_fourth_order() {
+        let delta = |a: usize, b: usize| f64::from(u8::from(a == b));
+        let moment = |axes: &[usize]| -> f64 {
+            (0..Q).map(|i| W[i] * axes.iter().map(|&a| C_F64[i][a]).product::<f64>()).sum()
+        };
+        assert!((moment(&[]) - 1.0).abs() < 1e-15);
+        for a in 0..3 {
+            assert!(moment(&[a]).abs() < 1e-16);
+            for b in 0..3 {
+                assert!((moment(&[a, b]) - CS2 * delta(a, b)).abs() < 1e-16);
+                for c in 0..3 {
+                    assert!(moment(&[a, b, c]).abs() < 1e-16);
+                    for d in 0..3 {
+                        let pairs = delta(a, b) * delta(c, d)
+                            + delta(a, c) * delta(b, d)
+                            + delta(a, d) * delta(b, c);
+                        assert!((moment(&[a, b, c, d]) - CS2 * CS2 * pairs).abs() < 1e-16);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn opposites_are_nine_apart() {
+        assert_eq!(OPPOSITE[0], 0);
+        for i in 1..=9 {
+            assert_eq!(OPPOSITE[i], i + 9);
+            assert_eq!(OPPOSITE[i + 9], i);
+        }
+    }
+
+    #[test]
+    fn the_equilibrium_has_the_moments_it_was_made_from() {
+        let (drho, u) = (0.02, [0.05, -0.03, 0.08]);
+        let h: Vec<f64> = (0..Q).map(|i| equilibrium(i, drho, u)).collect();
+        assert!((h.iter().sum::<f64>() - drho).abs() < 1e-16);
+        for a in 0..3 {
+            let j: f64 = (0..Q).map(|i| h[i] * C_F64[i][a]).sum();
+            assert!((j - (1.0 + drho) * u[a]).abs() < 1e-16);
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The balance of momentum and mass of the fluid, term by term.
+
+/// Balance of the fluid in the last step, SI units.
+///
+/// Impulses [kg m/s] and masses [kg] that entered the fluid (positive) during the step. They add
+/// up: `momentum_change = body_force + walls + bodies + swept + covered + uncovered + isolated`,
+/// and alike for mass. `momentum` is measured over all fluid cells inside the collision and carried
+/// to the end of the step by what the step exchanged afterwards; an exchange that were not listed
+/// would therefore show as a gap between `momentum_change` and the sum of the terms, one step
+/// later.
+///
+/// The form of the force follows Wen et al. 2014: a body feels `g_i (c_i - u_w) - f_i' (c_i' -
+/// u_w)` on each link, so that a sphere that moves with the fluid feels nothing. What the links
+/// moved besides, `(f_i' - g_i) u_w`, is momentum of the mass that the wall pushed aside; it is
+/// `swept`, and balances `covered` and `uncovered` over the time in which a body crosses a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Momentum of the fluid at the end of the step [kg m/s].
+    pub momentum: [f64; 3],
+    /// Its change in the step.
+    pub momentum_change: [f64; 3],
+    /// Given by the scene's acceleration.
+    pub body_force: [f64; 3],
+    /// Given by the domain's walls.
+    pub walls: [f64; 3],
+    /// Given by the bodies: minus the impulse that the links gave to them in this step.
+    pub bodies: [f64; 3],
+    /// Carried by the mass that moving walls of bodies pushed aside.
+    pub swept: [f64; 3],
+    /// Lost with cells that bodies covered.
+    pub covered: [f64; 3],
+    /// Gained with cells that bodies uncovered.
+    pub uncovered: [f64; 3],
+    /// Lost with cells that were left without any fluid neighbour.
+    pub isolated: [f64; 3],
+
+    /// Impulse given out to the bodies as loads, but for buoyancy.
+    pub delivered: [f64; 3],
+    /// Impulse that averaging holds back for the next step, at the end of this one:
+    /// `-bodies = delivered + carried - (carried one step before) + dropped`.
+    pub carried: [f64; 3],
+    /// Impulse that was held back for bodies that were removed.
+    pub dropped: [f64; 3],
+    /// Impulse of buoyancy and of the mean pressure gradient in the loads given out; the lattice
+    /// carries neither pressure.
+    pub buoyancy: [f64; 3],
+
+    /// Mass of the fluid at the end of the step [kg].
+    pub mass: f64,
+    /// Its change in the step.
+    pub mass_change: f64,
+    /// Gained at walls (rounding only, for walls at rest).
+    pub mass_walls: f64,
+    /// Gained on links to bodies.
+    pub mass_bodies: f64,
+    /// Lost with covered cells.
+    pub mass_covered: f64,
+    /// Gained with uncovered cells.
+    pub mass_uncovered: f64,
+    /// Lost with isolated cells.
+    pub mass_isolated: f64,
+}
+
+impl Ledger {
+    /// Sum of the terms that change the fluid's momentum.
+    pub fn momentum_terms(&self) -> [f64; 3] {
+        std::array::from_fn(|a| {
+            self.body_force[a]
+                + self.walls[a]
+                + self.bodies[a]
+                + self.swept[a]
+                + self.covered[a]
+                + self.uncovered[a]
+                + self.isolated[a]
+        })
+    }
+
+    /// Sum of the terms that change the fluid's mass.
+    pub fn mass_terms(&self) -> f64 {
+        self.mass_walls
+            + self.mass_bodies
+            + self.mass_covered
+            + self.mass_uncovered
+            + self.mass_isolated
+    }
+
+    /// Every quantity times its unit: impulses times `impulse`, masses times `mass`.
+    pub(crate) fn scaled(&self, impulse: f64, mass: f64) -> Self {
+        let v = |v: [f64; 3]| v.map(|x| x * impulse);
+        Self {
+            momentum: v(self.momentum),
+            momentum_change: v(self.momentum_change),
+            body_force: v(self.body_force),
+            walls: v(self.walls),
+            bodies: v(self.bodies),
+            swept: v(self.swept),
+            covered: v(self.covered),
+            uncovered: v(self.uncovered),
+            isolated: v(self.isolated),
+            delivered: v(self.delivered),
+            carried: v(self.carried),
+            dropped: v(self.dropped),
+            buoyancy: v(self.buoyancy),
+            mass: self.mass * mass,
+            mass_change: self.mass_change * mass,
+            mass_walls: self.mass_walls * mass,
+            mass_bodies: self.mass_bodies * mass,
+            mass_covered: self.mass_covered * mass,
+            mass_uncovered: self.mass_uncovered * mass,
+            mass_isolated: self.mass_isolated * mass,
+        }
+    }
+}
+
+/// Adds `b` times `scale` to `a`.
+#[inline]
+pub(crate) fn add_scaled(a: &mut [f64; 3], b: [f64; 3], scale: f64) {
+    for k in 0..3 {
+        a[k] += b[k] * scale;
+    }
+}

@@ -1,0 +1,209 @@
+//! What can be seen of the fluid.
+
+use crate::error::FluidError;
+use crate::grid::Cell;
+use crate::kernel::Collides;
+use crate::lattice::{CS2, Q, dot, equilibrium};
+use crate::ledger::Ledger;
+use crate::owners::FLUID;
+use crate::solver::Solver;
+
+/// A summary of the flow, SI units.
+///
+/// Velocities and densities are those that the last step's collision found; counts are of the last
+/// step's end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Diagnostics {
+    /// Largest speed [m/s].
+    pub max_speed: f64,
+    /// Largest Mach number.
+    pub max_mach: f64,
+    /// Smallest relative deviation of the density (or 0, if all are larger).
+    pub min_density_deviation: f64,
+    /// Largest relative deviation of the density (or 0, if all are smaller).
+    pub max_density_deviation: f64,
+    /// Cells that bodies covered in the last step.
+    pub covered: usize,
+    /// Cells that bodies uncovered in the last step.
+    pub uncovered: usize,
+    /// Cells now frozen because no neighbour is fluid.
+    pub isolated: usize,
+    /// Links between fluid and bodies.
+    pub links: usize,
+    /// Links on which a second fluid node was missing, so that they fell back to half-way
+    /// reflection.
+    pub fallback_links: usize,
+    /// Fluid cells.
+    pub fluid_cells: usize,
+}
+
+/// What a cell holds, SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SliceNode {
+    /// Velocity [m/s]; zero inside a solid.
+    pub velocity: [f64; 3],
+    /// Pressure over that of the reference density [Pa]; zero inside a solid.
+    pub pressure: f64,
+    /// Whether the cell is inside a body (or isolated by bodies).
+    pub solid: bool,
+}
+
+impl<T: Collides> Solver<T> {
+    /// See [`crate::FluidLbm::ledger`].
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// See [`crate::FluidLbm::cells`].
+    pub fn cells(&self) -> [usize; 3] {
+        self.grid.n.map(|n| n as usize)
+    }
+
+    /// See [`crate::FluidLbm::centre`].
+    pub fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
+        self.units.centre(cell.map(|k| k as i32))
+    }
+
+    /// See [`crate::FluidLbm::time_step`].
+    pub fn time_step(&self) -> f64 {
+        self.units.time_step
+    }
+
+    /// See [`crate::FluidLbm::tau`].
+    pub fn tau(&self) -> f64 {
+        self.tau
+    }
+
+    /// See [`crate::FluidLbm::diagnostics`].
+    pub fn diagnostics(&self) -> Diagnostics {
+        let speed = self.survey.speed2.sqrt();
+        Diagnostics {
+            max_speed: speed * self.units.velocity(),
+            max_mach: speed / CS2.sqrt(),
+            min_density_deviation: self.survey.min_drho,
+            max_density_deviation: self.survey.max_drho,
+            covered: self.owners.covered.len(),
+            uncovered: self.owners.vacated.len(),
+            isolated: self.owners.isolated,
+            links: self.exchange.links,
+            fallback_links: self.exchange.fallbacks,
+            fluid_cells: self.owners.fluid_cells,
+        }
+    }
+
+    /// See [`crate::FluidLbm::check`].
+    pub fn check(&self) -> Result<(), FluidError> {
+        let s = &self.survey;
+        let exchange = self.exchange.force.iter().chain(&self.exchange.torque);
+        let finite = s.j.iter().chain([&s.excess]).chain(exchange).all(|x| x.is_finite());
+        let mach = (s.speed2 / CS2).sqrt();
+        if finite && mach <= self.mach_limit {
+            return Ok(());
+        }
+        self.locate().map_or(Ok(()), Err)
+    }
+
+    /// The first cell that is not finite, else the fastest one if it is too fast.
+    fn locate(&self) -> Option<FluidError> {
+        let mut fastest: Option<(f64, [i32; 3])> = None;
+        for row in 0..self.grid.rows() {
+            let [y, z] = self.grid.row_at(row);
+            for x in 0..self.grid.n[0] {
+                let cell = self.grid.cell([x, y, z]);
+                if self.owners.of(cell.index) != FLUID {
+                    continue;
+                }
+                let h = self.before().populations(cell);
+                if let Some(i) = h.iter().position(|h| !h.is_finite()) {
+                    return Some(FluidError::NonFinite {
+                        cell: cell.at.map(|k| k as usize),
+                        position: self.units.centre(cell.at),
+                        value: format!("population {i} is {}", h[i]),
+                    });
+                }
+                let u = self.before().content(cell).velocity(self.relaxation.acceleration);
+                let speed = dot(u, u).sqrt();
+                if fastest.is_none_or(|(most, _)| speed > most) {
+                    fastest = Some((speed, cell.at));
+                }
+            }
+        }
+        let (speed, at) = fastest?;
+        let mach = speed / CS2.sqrt();
+        (mach > self.mach_limit).then(|| FluidError::Mach {
+            cell: at.map(|k| k as usize),
+            position: self.units.centre(at),
+            speed: speed * self.units.velocity(),
+            mach,
+            limit: self.mach_limit,
+            remedy: self.units.time_step * self.mach_limit / mach,
+        })
+    }
+
+    /// See [`crate::FluidLbm::node`].
+    pub fn node(&self, cell: [usize; 3]) -> SliceNode {
+        self.node_of(self.grid.cell(cell.map(|k| k as i32)))
+    }
+
+    fn node_of(&self, cell: Cell) -> SliceNode {
+        if self.owners.of(cell.index) != FLUID {
+            return SliceNode { solid: true, ..SliceNode::default() };
+        }
+        let content = self.before().content(cell);
+        let u = content.velocity(self.relaxation.acceleration);
+        SliceNode {
+            velocity: u.map(|u| u * self.units.velocity()),
+            pressure: CS2 * content.drho * self.units.pressure(),
+            solid: false,
+        }
+    }
+
+    /// See [`crate::FluidLbm::populations_at`].
+    pub fn populations_at(&self, cell: [usize; 3]) -> [f64; Q] {
+        self.before().populations(self.grid.cell(cell.map(|k| k as i32)))
+    }
+
+    /// See [`crate::FluidLbm::slice`].
+    pub fn slice(&self, axis: usize, position: f64, out: &mut Vec<SliceNode>) -> [usize; 2] {
+        let layer = ((position - self.units.min[axis]) / self.units.cell).floor() as i32;
+        let layer = layer.clamp(0, self.grid.n[axis] - 1);
+        let [fast, slow] = [[1, 2], [0, 2], [0, 1]][axis];
+        out.clear();
+        for k in 0..self.grid.n[slow] {
+            for j in 0..self.grid.n[fast] {
+                let mut at = [layer; 3];
+                (at[fast], at[slow]) = (j, k);
+                out.push(self.node_of(self.grid.cell(at)));
+            }
+        }
+        [fast, slow].map(|a| self.grid.n[a] as usize)
+    }
+
+    /// See [`crate::FluidLbm::set_state`].
+    pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
+        let a = self.relaxation.acceleration;
+        for row in 0..self.grid.rows() {
+            let [y, z] = self.grid.row_at(row);
+            for x in 0..self.grid.n[0] {
+                let cell = self.grid.cell([x, y, z]);
+                let (u, pressure) = state(self.units.centre(cell.at));
+                let drho = pressure / self.units.pressure() / CS2;
+                // Without half the force, which outputs and the collision add: see
+                // `Content::velocity`.
+                let u = std::array::from_fn(|k| u[k] / self.units.velocity() - 0.5 * a[k]);
+                self.before().put(cell, &std::array::from_fn(|i| equilibrium(i, drho, u)));
+            }
+        }
+        self.measure();
+        self.begin_balance();
+        self.end_balance(false);
+    }
+
+    /// See [`crate::FluidLbm::set_face_velocity`].
+    pub fn set_face_velocity(&mut self, axis: usize, side: usize, velocity: [f64; 3]) {
+        let wall = self.walls.iter_mut().find(|w| w.axis == axis && w.side == side);
+        let wall = wall.expect("only a wall can slide, and this face is periodic");
+        wall.velocity = velocity.map(|v| v / self.units.velocity());
+        wall.velocity[axis] = 0.0;
+    }
+}

@@ -1,0 +1,170 @@
+//! What a user chooses about the fluid.
+
+use crate::lattice::CS2;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tremie_messages::Problem;
+use tremie_messages::units::{Length, Time};
+
+/// Parameters of the lattice-Boltzmann fluid.
+///
+/// At most one of `time_step` and `relaxation_time` is given. With neither, the relaxation time is
+/// [`Parameters::DEFAULT_TAU`], or less where the scene's expected speed would exceed Mach
+/// [`Parameters::DEFAULT_MACH`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Parameters {
+    /// Edge of a cell; each edge of the domain is a whole number of cells.
+    pub cell: Length,
+    /// Time step; the relaxation time follows from the viscosity.
+    #[serde(default)]
+    pub time_step: Option<Time>,
+    /// Relaxation time tau in time steps; the time step follows: `dt = (tau - 1/2) dx^2 / (3 nu)`.
+    #[serde(default)]
+    pub relaxation_time: Option<f64>,
+    /// Collision operator.
+    #[serde(default)]
+    pub collision: Collision,
+    /// `(tau - 1/2)(tau_minus - 1/2)` of the TRT collision; 3/16 puts walls exactly half-way.
+    #[serde(default = "defaults::magic")]
+    pub magic: f64,
+    /// Precision of storage and collision. Loads and balances are f64 in either.
+    #[serde(default)]
+    pub precision: Precision,
+    /// Whether a body receives the mean of the last two steps' forces, which removes the lattice's
+    /// two-step oscillation.
+    #[serde(default = "defaults::average_force")]
+    pub average_force: bool,
+    /// Largest Mach number: of the scene's expected speed at the start, of the flow while running.
+    #[serde(default = "defaults::mach_limit")]
+    pub mach_limit: f64,
+}
+
+/// Values of parameters that a user left out.
+mod defaults {
+    pub fn magic() -> f64 {
+        3.0 / 16.0
+    }
+    pub fn average_force() -> bool {
+        true
+    }
+    pub fn mach_limit() -> f64 {
+        0.17
+    }
+}
+
+/// Collision operator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Collision {
+    /// One relaxation time (Bhatnagar, Gross, Krook).
+    Bgk,
+    /// Two relaxation times, the second by `magic` (Ginzburg, Verhaeghe, d'Humieres 2008).
+    #[default]
+    Trt,
+}
+
+/// Precision of storage and collision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// 64 bits.
+    #[default]
+    F64,
+    /// 32 bits: half the memory, about twice the speed.
+    F32,
+}
+
+impl Parameters {
+    /// Relaxation time when neither it nor the time step is given: accurate and far from the
+    /// stability limit.
+    pub const DEFAULT_TAU: f64 = 0.8;
+    /// Mach number of the expected speed that the default time step keeps to.
+    pub const DEFAULT_MACH: f64 = 0.1;
+    /// Memory beyond which a lattice is refused [bytes].
+    pub const MEMORY_LIMIT: u64 = 1 << 40;
+
+    /// Parameters with every default and the given cell [m].
+    pub fn with_cell(cell: f64) -> Self {
+        Self {
+            cell: Length(cell),
+            time_step: None,
+            relaxation_time: None,
+            collision: Collision::default(),
+            magic: defaults::magic(),
+            precision: Precision::default(),
+            average_force: defaults::average_force(),
+            mach_limit: defaults::mach_limit(),
+        }
+    }
+
+    /// Smallest relaxation time that is accepted; below it the collision amplifies rounding errors.
+    pub fn smallest_tau(&self) -> f64 {
+        match self.precision {
+            Precision::F64 => 0.5005,
+            Precision::F32 => 0.502,
+        }
+    }
+
+    /// Relaxation time of a time step [s] with kinematic viscosity `nu` [m²/s]: `1/2 + 3 nu
+    /// dt/dx^2`.
+    pub fn tau_of(&self, time_step: f64, nu: f64) -> f64 {
+        0.5 + nu * time_step / (CS2 * self.cell.0 * self.cell.0)
+    }
+
+    /// Time step [s] of a relaxation time with kinematic viscosity `nu` [m²/s].
+    pub(crate) fn time_step_of(&self, tau: f64, nu: f64) -> f64 {
+        (tau - 0.5) * CS2 * self.cell.0 * self.cell.0 / nu
+    }
+
+    /// Mach number of a speed [m/s] at a time step [s].
+    pub(crate) fn mach_of(&self, speed: f64, time_step: f64) -> f64 {
+        speed * time_step / self.cell.0 / CS2.sqrt()
+    }
+
+    /// Checks that need nothing but the parameters.
+    pub(crate) fn check_own(&self, problems: &mut Vec<Problem>) {
+        let mut positive = |key: &str, value: f64, unit: &str| {
+            if !(value.is_finite() && value > 0.0) {
+                problems.push(Problem::of_parameter(
+                    key,
+                    format!("must be positive, found {value}{unit}"),
+                ));
+            }
+        };
+        positive("cell", self.cell.0, " m");
+        if let Some(time_step) = self.time_step {
+            positive("time_step", time_step.0, " s");
+        }
+        positive("magic", self.magic, "");
+        positive("mach_limit", self.mach_limit, "");
+        if self.mach_limit > 0.5 {
+            problems.push(
+                Problem::of_parameter(
+                    "mach_limit",
+                    format!("must be at most 0.5, found {}", self.mach_limit),
+                )
+                .help(
+                    "the lattice is second order in the Mach number; 0.17 keeps its error near 3 %",
+                ),
+            );
+        }
+        if let Some(tau) = self.relaxation_time {
+            if !(tau.is_finite() && tau > 0.5) {
+                problems.push(
+                    Problem::of_parameter(
+                        "relaxation_time",
+                        format!("must be more than 1/2, found {tau}"),
+                    )
+                    .help("0.6 to 1 suits most flows"),
+                );
+            }
+            if self.time_step.is_some() {
+                problems.push(
+                    Problem::of_parameter("relaxation_time", "is given together with time_step")
+                        .help("each follows from the other: leave one out"),
+                );
+            }
+        }
+    }
+}

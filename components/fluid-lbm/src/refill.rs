@@ -1,0 +1,128 @@
+//! Populations for cells that a body uncovered.
+//!
+//! `f_i(x_n) = feq_i(rho_n, u_w) + [f_i - feq_i](x_d)`: the density is the mean over the neighbours
+//! that were fluid before, the velocity that of the body's surface (no slip), and the viscous
+//! stress that of the neighbour `x_d` in the direction closest to the outward normal. Extrapolating
+//! densities instead would amplify noise in narrow gaps, where only one neighbour exists.
+
+use crate::bodies::Body;
+use crate::field::{Field, Real};
+use crate::grid::{Cell, Grid, Parity};
+use crate::lattice::{C_F64, Q, dot, equilibrium};
+use crate::owners::{FLUID, Owners};
+
+/// The fluid as it is before a collision.
+#[derive(Clone, Copy)]
+pub struct Before<'a, T: Real> {
+    /// Populations.
+    pub field: &'a Field<T>,
+    /// Shape of the box.
+    pub grid: &'a Grid,
+    /// Parity of the collision to come.
+    pub parity: Parity,
+    /// Acceleration of the fluid.
+    pub acceleration: [f64; 3],
+}
+
+/// Density minus 1 and momentum `sum_i h_i c_i` of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Content {
+    /// Density minus 1.
+    pub drho: f64,
+    /// Momentum without half the force of a step.
+    pub j: [f64; 3],
+}
+
+impl Content {
+    /// Of populations.
+    pub fn of(h: &[f64; Q]) -> Self {
+        let mut content = Self::default();
+        for i in 0..Q {
+            content.drho += h[i];
+            for a in 0..3 {
+                content.j[a] += h[i] * C_F64[i][a];
+            }
+        }
+        content
+    }
+
+    /// Velocity, with half the step's force: `j/rho + a/2`.
+    pub fn velocity(&self, acceleration: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| self.j[a] / (1.0 + self.drho) + 0.5 * acceleration[a])
+    }
+}
+
+impl<T: Real> Before<'_, T> {
+    /// Populations that the collision will find in a cell.
+    pub fn populations(&self, cell: Cell) -> [f64; Q] {
+        std::array::from_fn(|i| self.field.get(self.parity.place(self.grid, cell, i)))
+    }
+
+    /// Writes them.
+    pub fn put(&self, cell: Cell, h: &[f64; Q]) {
+        for i in 0..Q {
+            self.field.set(self.parity.place(self.grid, cell, i), h[i]);
+        }
+    }
+
+    /// Density minus 1 and momentum of a cell.
+    pub fn content(&self, cell: Cell) -> Content {
+        Content::of(&self.populations(cell))
+    }
+
+    /// Fills a cell that `body` uncovered, from cells that were fluid before. Returns what the cell
+    /// now holds.
+    pub fn refill(&self, owners: &Owners, cell: Cell, body: &Body) -> Content {
+        let arm = self.grid.arm(body.position, cell.at);
+        let drho = self.mean_around(owners, cell, 1).or_else(|| self.mean_around(owners, cell, 2));
+        let (drho, u) = (drho.unwrap_or(0.0), body.velocity_at(arm));
+        let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
+        if let Some(donor) = self.donor(owners, cell, arm) {
+            let of_donor = self.populations(donor);
+            let content = Content::of(&of_donor);
+            let u = content.velocity(self.acceleration);
+            for i in 0..Q {
+                h[i] += of_donor[i] - equilibrium(i, content.drho, u);
+            }
+        }
+        self.put(cell, &h);
+        self.content(cell)
+    }
+
+    /// Mean deviation of the density over fluid cells: lattice neighbours for `reach` 1, the cube
+    /// of cells up to `reach` away beyond. `None` if there is no fluid.
+    fn mean_around(&self, owners: &Owners, cell: Cell, reach: i32) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0);
+        let side = 2 * reach + 1;
+        for k in 0..side * side * side {
+            let d = [k % side - reach, k / side % side - reach, k / (side * side) - reach];
+            let is_link = (1..=2).contains(&(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+            let at = std::array::from_fn(|a| self.grid.wrap(a, cell.at[a] + d[a]));
+            if (reach == 1 && !is_link) || !self.grid.contains(at) {
+                continue;
+            }
+            let neighbour = self.grid.cell(at);
+            if owners.of(neighbour.index) == FLUID {
+                for i in 0..Q {
+                    sum += self.field.get(self.parity.place(self.grid, neighbour, i));
+                }
+                count += 1;
+            }
+        }
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// The neighbour in the direction closest to `normal`, if it is fluid.
+    fn donor(&self, owners: &Owners, cell: Cell, normal: [f64; 3]) -> Option<Cell> {
+        let (mut best, mut cosine) = (None, 0.0);
+        for i in 1..Q {
+            let c = dot(C_F64[i], normal) / dot(C_F64[i], C_F64[i]).sqrt();
+            if c > cosine {
+                (best, cosine) = (Some(i), c);
+            }
+        }
+        let at = self.grid.neighbour_at(cell.at, best?);
+        let fluid = self.grid.contains(at) && owners.of(self.grid.index(at)) == FLUID;
+        fluid.then(|| self.grid.cell(at))
+    }
+}

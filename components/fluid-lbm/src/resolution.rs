@@ -1,0 +1,223 @@
+//! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
+
+use crate::grid::Grid;
+use crate::lattice::{CS2, Q};
+use crate::parameters::{Parameters, Precision};
+use crate::scene_check::check_scene;
+use serde::{Deserialize, Serialize};
+use tremie_messages::Problem;
+use tremie_messages::scene::{Diameters, Domain, FluidMaterial, Placement, Scene};
+
+/// What follows from parameters and scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// Cells along each axis.
+    pub cells: [usize; 3],
+    /// Edge of a cell [m].
+    pub cell: f64,
+    /// Time step [s]; a shorter one may be assigned.
+    pub time_step: f64,
+    /// Relaxation time [time steps].
+    pub tau: f64,
+    /// Mach number of the scene's expected speed.
+    pub expected_mach: Option<f64>,
+    /// Diameter of the smallest sphere of the scene [cells].
+    pub cells_per_smallest_sphere: Option<f64>,
+    /// Memory that the fluid will take [bytes].
+    pub memory_bytes: u64,
+    /// What a user should know before trusting results; sentences.
+    pub warnings: Vec<String>,
+}
+
+impl Parameters {
+    /// Checks everything that can be known before the run and derives the resolution.
+    ///
+    /// # Errors
+    /// Every problem found, not only the first.
+    pub fn resolve(&self, scene: &Scene) -> Result<Resolution, Vec<Problem>> {
+        let mut problems = Vec::new();
+        self.check_own(&mut problems);
+        check_scene(scene, &mut problems);
+        let fluid = match &scene.fluid {
+            Some(fluid) if problems.is_empty() => fluid,
+            _ => return Err(problems),
+        };
+        let cells = self.cells(&scene.domain, &mut problems);
+        let time_step = self.choose_time_step(fluid);
+        let tau = self.tau_of(time_step, fluid.viscosity / fluid.density);
+        self.check_step(fluid, time_step, &mut problems);
+        let memory_bytes = match self.memory(cells, &scene.domain) {
+            Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes,
+            _ => {
+                problems.push(
+                    Problem::of_parameter(
+                        "cell",
+                        format!("makes {cells:?} cells, more than fit in memory"),
+                    )
+                    .help("choose a larger cell or a smaller domain"),
+                );
+                0
+            }
+        };
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let smallest = smallest_diameter(scene).map(|d| d / self.cell.0);
+        Ok(Resolution {
+            cells,
+            cell: self.cell.0,
+            time_step,
+            tau,
+            expected_mach: fluid.expected_speed.map(|speed| self.mach_of(speed, time_step)),
+            cells_per_smallest_sphere: smallest,
+            memory_bytes,
+            warnings: warnings(tau, smallest, memory_bytes),
+        })
+    }
+
+    /// Checks a time step [s] that was assigned: its relaxation time and Mach number.
+    pub(crate) fn check_step(
+        &self,
+        fluid: &FluidMaterial,
+        time_step: f64,
+        problems: &mut Vec<Problem>,
+    ) {
+        let nu = fluid.viscosity / fluid.density;
+        let tau = self.tau_of(time_step, nu);
+        let key = if self.relaxation_time.is_some() { "relaxation_time" } else { "time_step" };
+        if !(tau.is_finite() && tau >= self.smallest_tau()) {
+            let least = self.time_step_of(self.smallest_tau(), nu);
+            problems.push(
+                Problem::of_parameter(
+                    key,
+                    format!(
+                        "the time step {time_step:.4e} s makes the relaxation time {tau:.6}, \
+                         too close to the stability limit 1/2 (least {})",
+                        self.smallest_tau()
+                    ),
+                )
+                .help(format!("take a time step of at least {least:.4e} s, or a smaller cell")),
+            );
+        }
+        let Some(speed) = fluid.expected_speed else {
+            return;
+        };
+        let mach = self.mach_of(speed, time_step);
+        // A time step chosen to meet the limit may exceed it by rounding.
+        if mach > self.mach_limit * (1.0 + 1e-9) {
+            let most = time_step * self.mach_limit / mach;
+            problems.push(
+                Problem::of_parameter(
+                    key,
+                    format!(
+                        "the expected speed {speed} m/s is Mach {mach:.3} with the time step {time_step:.4e} s, \
+                         over the limit {}",
+                        self.mach_limit
+                    ),
+                )
+                .help(format!("a time step of {most:.4e} s would do")),
+            );
+        }
+    }
+
+    /// The time step [s] that parameters and scene ask for.
+    fn choose_time_step(&self, fluid: &FluidMaterial) -> f64 {
+        let nu = fluid.viscosity / fluid.density;
+        match (self.time_step, self.relaxation_time) {
+            (Some(time_step), _) => time_step.0,
+            (None, Some(tau)) => self.time_step_of(tau, nu),
+            (None, None) => {
+                let viscous = self.time_step_of(Self::DEFAULT_TAU, nu);
+                match fluid.expected_speed {
+                    Some(speed) if speed > 0.0 => {
+                        let mach = Self::DEFAULT_MACH.min(self.mach_limit);
+                        viscous.min(mach * CS2.sqrt() * self.cell.0 / speed)
+                    }
+                    _ => viscous,
+                }
+            }
+        }
+    }
+
+    /// Cells along each axis, with a problem for each edge that is not a whole number of cells.
+    fn cells(&self, domain: &Domain, problems: &mut Vec<Problem>) -> [usize; 3] {
+        let size = domain.size();
+        std::array::from_fn(|axis| {
+            let exact = size[axis] / self.cell.0;
+            let whole = exact.round().max(1.0);
+            if (exact - whole).abs() > 1e-6 * whole {
+                let below = size[axis] / exact.ceil().max(1.0);
+                let above = size[axis] / exact.floor().max(1.0);
+                problems.push(
+                    Problem::of_parameter(
+                        "cell",
+                        format!(
+                            "the domain is {} m along {}, {exact:.4} cells of {} m; it must be a whole number",
+                            size[axis],
+                            ["x", "y", "z"][axis],
+                            self.cell.0
+                        ),
+                    )
+                    .help(format!("the nearest cells that fit this edge are {below:.6e} m and {above:.6e} m")),
+                );
+            }
+            // A lattice that cannot exist is refused by its memory; the cast saturates.
+            whole as usize
+        })
+    }
+
+    /// Memory of the lattice and its maps [bytes]; `None` if it cannot be counted.
+    fn memory(&self, cells: [usize; 3], domain: &Domain) -> Option<u64> {
+        let periodic = std::array::from_fn(|axis| domain.is_periodic(axis));
+        let nodes = Grid::padded_len(cells, periodic)? as u64;
+        let number = match self.precision {
+            Precision::F64 => 8,
+            Precision::F32 => 4,
+        };
+        // Populations, owner of each cell, one bit a cell.
+        nodes.checked_mul(Q as u64 * number + 4)?.checked_add(nodes / 8)
+    }
+}
+
+/// Diameter of the smallest sphere that the scene lists or may draw [m].
+fn smallest_diameter(scene: &Scene) -> Option<f64> {
+    let of_set = |placement: &Placement| -> Option<f64> {
+        let diameters: Vec<f64> = match placement {
+            Placement::Listed(spheres) => spheres.iter().map(|s| s.diameter).collect(),
+            Placement::Packed(packing) => match &packing.diameters {
+                Diameters::Uniform { min, .. } => vec![*min],
+                Diameters::Listed(list) => list.clone(),
+            },
+        };
+        diameters.into_iter().reduce(f64::min)
+    };
+    scene.bodies.iter().filter_map(|set| of_set(&set.placement)).reduce(f64::min)
+}
+
+/// What a user should know before trusting results.
+fn warnings(tau: f64, cells_per_sphere: Option<f64>, memory_bytes: u64) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Some(cells) = cells_per_sphere {
+        if cells < 2.0 {
+            warnings.push(format!(
+                "the smallest sphere is {cells:.2} cells wide; below 2 cells it may cover no node at all and feel no fluid"
+            ));
+        } else if cells < 8.0 {
+            warnings.push(format!(
+                "the smallest sphere is {cells:.2} cells wide; its drag is trusted to a few percent from 8 cells on"
+            ));
+        }
+    }
+    if tau > 2.0 {
+        warnings.push(format!(
+            "the relaxation time is {tau:.2}; above 2 the flow lags behind changes, a shorter time step helps"
+        ));
+    }
+    if memory_bytes > 16 << 30 {
+        warnings.push(format!(
+            "the fluid takes {:.1} GiB of memory",
+            memory_bytes as f64 / f64::from(1 << 30)
+        ));
+    }
+    warnings
+}

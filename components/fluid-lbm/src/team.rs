@@ -1,0 +1,223 @@
+//! A team of threads that works through one list after another.
+//!
+//! The team belongs to one solver and lives as long. Items of a list are handed out one by one, so
+//! which thread does which is left to chance: results must not depend on it, and do not, because
+//! every item has its own place for results.
+//!
+//! Other processes share the processor. A worker that is not running when a list begins is not
+//! waited for; whoever waits spins a little, then yields a little, then sleeps.
+
+use std::any::Any;
+use std::cell::UnsafeCell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::*};
+use std::sync::{Arc, Mutex};
+use std::thread::{JoinHandle, Thread};
+
+/// Rounds of waiting with a pause instruction, then with `sched_yield`, before a thread sleeps.
+const SPINS: u32 = 200;
+const YIELDS: u32 = 200;
+
+/// Bit of the state that says that workers may join the job.
+const OPEN: u64 = 1 << 15;
+/// Bits of the state that count workers inside the job.
+const ACTIVE: u64 = OPEN - 1;
+/// One job further: the upper bits of the state number the jobs.
+const NEXT: u64 = 1 << 16;
+
+/// What leader and workers share.
+struct Shared {
+    /// Number of the job, whether it is open, and how many workers are in it.
+    state: AtomicU64,
+    /// The job. Written by the leader while it is closed and nobody is inside; read by workers
+    /// inside.
+    job: UnsafeCell<Option<*const (dyn Fn() + Sync)>>,
+    /// The thread to wake when the last worker leaves.
+    leader: Mutex<Option<Thread>>,
+    /// What the first worker that panicked said.
+    panic: Mutex<Option<Box<dyn Any + Send>>>,
+    stop: AtomicBool,
+}
+
+// SAFETY: `job` is the only field that is not `Sync` and `Send` by itself. The leader writes it
+// while `state` is closed with no worker inside; workers read it only after they have joined, which
+// the leader's release store of the open state orders after the write; and the leader does not
+// return from `run`, so that the job stays alive, until the state is closed and the last worker has
+// left.
+unsafe impl Sync for Shared {}
+// SAFETY: as above.
+unsafe impl Send for Shared {}
+
+/// A team of the calling thread and its workers.
+pub struct Team {
+    shared: Arc<Shared>,
+    workers: Vec<JoinHandle<()>>,
+}
+
+/// Waits a little; the longer it has waited already, the more gently.
+fn pause(round: u32) {
+    if round < SPINS {
+        std::hint::spin_loop();
+    } else if round < SPINS + YIELDS {
+        std::thread::yield_now();
+    } else {
+        std::thread::park();
+    }
+}
+
+impl Shared {
+    /// Life of a worker.
+    fn work(&self) {
+        let mut done = u64::MAX;
+        let mut round = 0;
+        while !self.stop.load(Acquire) {
+            let state = self.state.load(Acquire);
+            let number = state / NEXT;
+            if state & OPEN == 0 || number == done {
+                pause(round);
+                round += 1;
+                continue;
+            }
+            if self.state.compare_exchange(state, state + 1, AcqRel, Relaxed).is_err() {
+                continue;
+            }
+            // SAFETY: this worker is inside the job (see `Sync for Shared`).
+            let job = unsafe { &*(*self.job.get()).expect("an open job") };
+            if let Err(panic) = catch_unwind(AssertUnwindSafe(job)) {
+                self.panic.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(panic);
+            }
+            let before = self.state.fetch_sub(1, AcqRel);
+            if before & (ACTIVE | OPEN) == 1
+                && let Some(leader) = &*self.leader.lock().unwrap_or_else(|e| e.into_inner())
+            {
+                leader.unpark();
+            }
+            done = number;
+            round = 0;
+        }
+    }
+}
+
+impl Team {
+    /// A team of `threads` threads, the caller's included (at least one).
+    ///
+    /// # Errors
+    /// If the system gives no more threads.
+    pub fn new(threads: usize) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            state: AtomicU64::new(0),
+            job: UnsafeCell::new(None),
+            leader: Mutex::new(None),
+            panic: Mutex::new(None),
+            stop: AtomicBool::new(false),
+        });
+        let mut team = Self { shared, workers: Vec::new() };
+        for k in 1..threads.min(ACTIVE as usize) {
+            let shared = team.shared.clone();
+            let worker = std::thread::Builder::new().name(format!("fluid {k}"));
+            team.workers.push(worker.spawn(move || shared.work())?);
+        }
+        Ok(team)
+    }
+
+    /// Calls `work` once for each item, on any thread, in any order; returns when all are done.
+    ///
+    /// # Panics
+    /// If `work` panicked on any thread.
+    pub fn for_each<T: Send>(&mut self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+        let next = AtomicUsize::new(0);
+        let count = items.len();
+        let items = Items(items.as_mut_ptr());
+        let take = || {
+            let items = &items;
+            loop {
+                let k = next.fetch_add(1, Relaxed);
+                if k >= count {
+                    break;
+                }
+                // SAFETY: `k` is inside the slice and handed out once, so the reference is the only
+                // one to this item; the slice is borrowed for the whole call, which outlives the
+                // job.
+                work(k, unsafe { &mut *items.0.add(k) });
+            }
+        };
+        if self.workers.is_empty() || count < 2 { take() } else { self.run(&take) }
+    }
+
+    /// Calls `job` on this thread and on every worker that comes in time.
+    fn run(&mut self, job: &(dyn Fn() + Sync)) {
+        let shared = &*self.shared;
+        *shared.leader.lock().unwrap_or_else(|e| e.into_inner()) = Some(std::thread::current());
+        // SAFETY: the lifetime is erased; `run` ends only when no worker can reach the job any
+        // more.
+        let job_for_all = unsafe {
+            std::mem::transmute::<*const (dyn Fn() + Sync + '_), *const (dyn Fn() + Sync + 'static)>(
+                job,
+            )
+        };
+        // SAFETY: the state is closed and nobody is inside (`&mut self`: there is one leader).
+        unsafe { *shared.job.get() = Some(job_for_all) };
+        let closed = shared.state.load(Relaxed) + NEXT;
+        shared.state.store(closed | OPEN, Release);
+        for worker in &self.workers {
+            worker.thread().unpark();
+        }
+        let outcome = catch_unwind(AssertUnwindSafe(job));
+        shared.state.fetch_and(!OPEN, AcqRel);
+        let mut round = 0;
+        while shared.state.load(Acquire) & ACTIVE != 0 {
+            pause(round);
+            round += 1;
+        }
+        let of_worker = shared.panic.lock().unwrap_or_else(|e| e.into_inner()).take();
+        if let Some(panic) = outcome.err().or(of_worker) {
+            resume_unwind(panic);
+        }
+    }
+}
+
+/// Start of a slice whose items are handed out to threads one by one.
+struct Items<T>(*mut T);
+
+// SAFETY: each item is reached by one thread at a time, and `T: Send` where it is used.
+unsafe impl<T: Send> Sync for Items<T> {}
+
+impl Drop for Team {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Release);
+        for worker in self.workers.drain(..) {
+            worker.thread().unpark();
+            // A worker's panic was passed on by the job in which it happened.
+            let _ = worker.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_item_is_done_once() {
+        for threads in [1, 2, 3, 5] {
+            let mut team = Team::new(threads).unwrap();
+            let mut items = vec![0_u32; 1000];
+            for _ in 0..200 {
+                team.for_each(&mut items, |_, item| *item += 1);
+            }
+            assert!(items.iter().all(|&n| n == 200));
+        }
+    }
+
+    #[test]
+    fn a_panic_of_a_worker_reaches_the_caller_and_the_team_lives_on() {
+        let mut team = Team::new(3).unwrap();
+        let mut items = vec![0_usize; 100];
+        let outcome = catch_unwind(AssertUnwindSafe(|| {
+            team.for_each(&mut items, |k, _| assert_ne!(k, 57));
+        }));
+        assert!(outcome.is_err());
+        team.for_each(&mut items, |k, item| *item = k);
+        assert_eq!(items[99], 99);
+    }
+}

@@ -1,0 +1,138 @@
+//! What the tests share: scenes in lattice units (1 m cells, 1 s steps, density 1 kg/m³), so that
+//! numbers read as in papers.
+#![allow(dead_code)]
+
+use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision, Variant};
+use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};
+use tremie_messages::units::Time;
+use tremie_messages::{BodyEvent, BodyState, Load};
+
+pub const PERIODIC: Face = Face::Periodic;
+pub const WALL: Face = Face::Wall;
+
+/// A fluid to be made.
+#[derive(Clone, Debug)]
+pub struct Case {
+    pub cells: [usize; 3],
+    pub faces: [Face; 3],
+    pub tau: f64,
+    pub collision: Collision,
+    pub precision: Precision,
+    pub average_force: bool,
+    pub acceleration: [f64; 3],
+    pub gravity: [f64; 3],
+    pub velocity: [f64; 3],
+    pub threads: usize,
+    pub variant: Variant,
+}
+
+impl Case {
+    pub fn new(cells: [usize; 3], faces: [Face; 3], tau: f64) -> Self {
+        Self {
+            cells,
+            faces,
+            tau,
+            collision: Collision::Trt,
+            precision: Precision::F64,
+            average_force: false,
+            acceleration: [0.0; 3],
+            gravity: [0.0; 3],
+            velocity: [0.0; 3],
+            threads: 1,
+            variant: Variant::widest(),
+        }
+    }
+
+    pub fn viscosity(&self) -> f64 {
+        (self.tau - 0.5) / 3.0
+    }
+
+    pub fn scene(&self) -> Scene {
+        Scene {
+            gravity: self.gravity,
+            domain: Domain {
+                min: [0.0; 3],
+                max: self.cells.map(|n| n as f64),
+                faces: self.faces.map(|f| [f; 2]),
+            },
+            fluid: Some(FluidMaterial {
+                density: 1.0,
+                viscosity: self.viscosity(),
+                acceleration: self.acceleration,
+                velocity: self.velocity,
+                expected_speed: None,
+            }),
+            planes: vec![],
+            bodies: vec![],
+            contacts: None,
+        }
+    }
+
+    pub fn fluid(&self) -> FluidLbm {
+        let parameters = Parameters {
+            time_step: Some(Time(1.0)),
+            collision: self.collision,
+            precision: self.precision,
+            average_force: self.average_force,
+            ..Parameters::with_cell(1.0)
+        };
+        FluidLbm::with_variant(&self.scene(), &parameters, 1.0, self.threads, self.variant).unwrap()
+    }
+}
+
+/// A sphere of the given radius appears.
+pub fn added(id: u64, radius: f64) -> BodyEvent {
+    BodyEvent {
+        id,
+        kind: BodyEvent::ADDED,
+        shape: BodyEvent::SPHERE,
+        motion: BodyEvent::FREE,
+        set: 0,
+        mass: 1.0,
+        size: [radius, 0.0, 0.0],
+        table: 0,
+    }
+}
+
+/// A body disappears.
+pub fn removed(id: u64) -> BodyEvent {
+    BodyEvent { kind: BodyEvent::REMOVED, ..added(id, 0.0) }
+}
+
+/// Room for the loads on bodies.
+pub fn loads_of(bodies: &[BodyState]) -> Vec<Load> {
+    vec![Load::default(); bodies.len()]
+}
+
+/// Moves bodies by one second.
+pub fn advance(bodies: &mut [BodyState]) {
+    for body in bodies {
+        for a in 0..3 {
+            body.position[a] += body.velocity[a];
+        }
+    }
+}
+
+/// Every cell of a fluid.
+pub fn cells(fluid: &FluidLbm) -> impl Iterator<Item = [usize; 3]> + use<> {
+    let [nx, ny, nz] = fluid.cells();
+    (0..nx * ny * nz).map(move |k| [k % nx, k / nx % ny, k / (nx * ny)])
+}
+
+pub fn norm(v: [f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+/// Numbers that look random, from 0 to 1, the same everywhere.
+pub struct Dice(pub u64);
+
+impl Dice {
+    pub fn roll(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((self.0 >> 33) as f64) / (1_u64 << 31) as f64
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.roll()
+    }
+}

@@ -1,0 +1,62 @@
+//! A step allocates nothing while no body comes or goes.
+
+mod common;
+
+use common::*;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use tremie_messages::BodyState;
+
+/// The system's allocator, counting.
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: passes every call on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Relaxed);
+        // SAFETY: by contract.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: by contract.
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn a_step_allocates_nothing() {
+    let mut case = Case::new([40, 24, 24], [PERIODIC, WALL, WALL], 0.7);
+    case.threads = 2;
+    case.average_force = true;
+    let mut fluid = case.fluid();
+    let mut bodies: Vec<BodyState> = (0..8)
+        .map(|id| {
+            let mut state =
+                BodyState::at_rest(id, [5.0 * id as f64, 6.0 + (id % 3) as f64 * 5.0, 12.0]);
+            state.velocity = [0.06, 0.0, 0.03 * (id as f64 - 3.5) / 3.5];
+            state.angular_velocity = [0.0, 0.0, 0.01];
+            state
+        })
+        .collect();
+    let events: Vec<_> = bodies.iter().map(|b| added(b.id, 3.0)).collect();
+    fluid.apply_events(&events).unwrap();
+    let mut loads = loads_of(&bodies);
+    fluid.start(&bodies, &mut loads).unwrap();
+    advance(&mut bodies);
+    fluid.step(&bodies, &mut loads).unwrap();
+
+    let before = ALLOCATIONS.load(Relaxed);
+    let mut covered = 0;
+    for _ in 0..150 {
+        advance(&mut bodies);
+        fluid.step(&bodies, &mut loads).unwrap();
+        covered += fluid.diagnostics().covered;
+    }
+    assert_eq!(ALLOCATIONS.load(Relaxed) - before, 0);
+    assert!(covered > 500, "{covered}");
+}

@@ -1,0 +1,155 @@
+//! Bodies and cuts as the points of a point cloud, and back.
+
+use crate::proto::{Grid, NumericType, PackedElementField, PointCloud, Pose, Quaternion, Vector3, timestamp};
+use tremie_messages::BodyState;
+use tremie_messages::frame::{BodySample, SliceHeader, SliceNode};
+
+/// Bytes of a body: its sample, and its speed.
+const BODY: usize = 144 + 4;
+/// Bytes of a node: its position, the node itself, and its speed.
+const NODE: usize = 12 + 20 + 4;
+
+const BODY_FIELDS: [(&str, u32, NumericType); 22] = {
+    use NumericType::{Float32, Float64, Uint32};
+    [
+        ("x", 8, Float64), ("y", 16, Float64), ("z", 24, Float64),
+        ("speed", 144, Float32), ("radius", 112, Float64), ("mass", 120, Float64),
+        ("id_low", 0, Uint32), ("id_high", 4, Uint32), ("set", 128, Uint32), ("motion", 136, Uint32),
+        ("qx", 32, Float64), ("qy", 40, Float64), ("qz", 48, Float64), ("qw", 56, Float64),
+        ("vx", 64, Float64), ("vy", 72, Float64), ("vz", 80, Float64),
+        ("wx", 88, Float64), ("wy", 96, Float64), ("wz", 104, Float64),
+        ("set_high", 132, Uint32), ("motion_high", 140, Uint32),
+    ]
+};
+
+const NODE_FIELDS: [(&str, u32, NumericType); 9] = {
+    use NumericType::{Float32, Uint32};
+    [
+        ("x", 0, Float32), ("y", 4, Float32), ("z", 8, Float32), ("speed", 32, Float32),
+        ("vx", 12, Float32), ("vy", 16, Float32), ("vz", 20, Float32),
+        ("pressure", 24, Float32), ("solid", 28, Uint32),
+    ]
+};
+
+fn cloud(nanoseconds: u64, stride: usize, fields: &[(&str, u32, NumericType)], data: Vec<u8>) -> PointCloud {
+    let field = |(name, offset, kind): &(&str, u32, NumericType)| PackedElementField {
+        name: (*name).into(),
+        offset: *offset,
+        r#type: (*kind).into(),
+    };
+    PointCloud {
+        timestamp: Some(timestamp(nanoseconds)),
+        frame_id: "world".into(),
+        pose: Some(Pose {
+            position: Some(Vector3::default()),
+            orientation: Some(Quaternion { w: 1.0, ..Default::default() }),
+        }),
+        point_stride: stride as u32,
+        fields: fields.iter().map(field).collect(),
+        data,
+    }
+}
+
+/// Bodies as a point cloud.
+pub fn encode_bodies(nanoseconds: u64, bodies: &[BodySample]) -> PointCloud {
+    let mut data = Vec::with_capacity(bodies.len() * BODY);
+    for body in bodies {
+        let state = &body.state;
+        data.extend(state.id.to_le_bytes());
+        let numbers = [
+            &state.position[..], &state.orientation, &state.velocity, &state.angular_velocity,
+            &[body.radius, body.mass],
+        ];
+        numbers.concat().iter().for_each(|x| data.extend(x.to_le_bytes()));
+        data.extend(body.set.to_le_bytes());
+        data.extend(body.motion.to_le_bytes());
+        data.extend((norm(state.velocity) as f32).to_le_bytes());
+    }
+    cloud(nanoseconds, BODY, &BODY_FIELDS, data)
+}
+
+/// Bodies of a point cloud; `None` if it is of another layout.
+pub fn decode_bodies(cloud: &PointCloud) -> Option<Vec<BodySample>> {
+    fits(cloud, BODY).then(|| cloud.data.chunks_exact(BODY).map(body).collect())
+}
+
+fn body(bytes: &[u8]) -> BodySample {
+    let u = |word: usize| u64::from_le_bytes(take(bytes, 8 * word));
+    let f = |word: usize| f64::from_bits(u(word));
+    BodySample {
+        state: BodyState {
+            id: u(0),
+            position: std::array::from_fn(|k| f(1 + k)),
+            orientation: std::array::from_fn(|k| f(4 + k)),
+            velocity: std::array::from_fn(|k| f(8 + k)),
+            angular_velocity: std::array::from_fn(|k| f(11 + k)),
+        },
+        radius: f(14),
+        mass: f(15),
+        set: u(16),
+        motion: u(17),
+    }
+}
+
+/// Nodes of a cut as a point cloud.
+pub fn encode_nodes(nanoseconds: u64, header: &SliceHeader, nodes: &[SliceNode]) -> PointCloud {
+    let mut data = Vec::with_capacity(nodes.len() * NODE);
+    let width = header.count[0].max(1) as usize;
+    for (k, node) in nodes.iter().enumerate() {
+        let (i, j) = ((k % width) as f64, (k / width) as f64);
+        let at = |a: usize| (header.origin[a] + i * header.step[0][a] + j * header.step[1][a]) as f32;
+        let [u, v, w] = node.velocity;
+        for x in [at(0), at(1), at(2), u, v, w, node.pressure] {
+            data.extend(x.to_le_bytes());
+        }
+        data.extend(node.solid.to_le_bytes());
+        data.extend((norm(node.velocity.map(f64::from)) as f32).to_le_bytes());
+    }
+    cloud(nanoseconds, NODE, &NODE_FIELDS, data)
+}
+
+/// Nodes of a point cloud; `None` if it is of another layout.
+pub fn decode_nodes(cloud: &PointCloud) -> Option<Vec<SliceNode>> {
+    fits(cloud, NODE).then(|| cloud.data.chunks_exact(NODE).map(node).collect())
+}
+
+fn node(bytes: &[u8]) -> SliceNode {
+    let f = |word: usize| f32::from_le_bytes(take(bytes, 4 * word));
+    SliceNode {
+        velocity: [f(3), f(4), f(5)],
+        pressure: f(6),
+        solid: u32::from_le_bytes(take(bytes, 28)),
+    }
+}
+
+/// The exact grid of a cut.
+pub fn encode_grid(header: &SliceHeader) -> Grid {
+    Grid {
+        origin: header.origin.into(),
+        step_0: header.step[0].into(),
+        step_1: header.step[1].into(),
+        count: header.count.into(),
+    }
+}
+
+/// A cut's header but for its stamp; `None` if the grid is of another form.
+pub fn decode_grid(grid: Grid) -> Option<SliceHeader> {
+    Some(SliceHeader {
+        origin: grid.origin.try_into().ok()?,
+        step: [grid.step_0.try_into().ok()?, grid.step_1.try_into().ok()?],
+        count: grid.count.try_into().ok()?,
+        ..SliceHeader::default()
+    })
+}
+
+fn fits(cloud: &PointCloud, stride: usize) -> bool {
+    cloud.point_stride as usize == stride && cloud.data.len().is_multiple_of(stride)
+}
+
+fn take<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    std::array::from_fn(|k| bytes[at + k])
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}

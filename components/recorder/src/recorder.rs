@@ -1,0 +1,192 @@
+//! The observer.
+
+use crate::codec::{encode_bodies, encode_grid, encode_nodes};
+use crate::document::RunNote;
+use crate::file::{Entry, LOG, McapFile, topic};
+use crate::parameters::Parameters;
+use crate::proto::{Frame, Level, Log, timestamp};
+use crate::signals::{bytes, encode};
+use crate::windows::{Progress, Stream};
+use std::collections::BTreeMap;
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::start::{Description, Signal};
+use tremie_messages::{INTERFACE_VERSION, Problem};
+use tremie_sdk::{Moment, Observer, ObserverError, Setup};
+
+/// Writes a run to MCAP.
+pub struct Recorder {
+    /// `None` once it is closed.
+    file: Option<McapFile>,
+    name: String,
+    progress: Progress,
+    names: BTreeMap<Stream, Vec<Signal>>,
+    waiting: BTreeMap<u64, BTreeMap<Stream, Entry>>,
+    lines: Vec<Entry>,
+    written: Option<u64>,
+    frames: u64,
+}
+
+fn failed(error: impl std::fmt::Display) -> ObserverError {
+    ObserverError(format!("the recording cannot be written: {error}"))
+}
+
+/// Simulated time [ns]; files know no other.
+fn nanoseconds(at: Moment) -> u64 {
+    (at.time * 1e9).round() as u64
+}
+
+/// The frame of a moment. The run's id stays out: it differs between identical runs.
+fn frame(at: Moment, topic: String) -> Frame {
+    let stamp = at.stamp;
+    Frame {
+        timestamp: Some(timestamp(nanoseconds(at))),
+        topic,
+        window: stamp.window,
+        ticks: stamp.ticks,
+        events: stamp.events,
+        substep: stamp.substep,
+        iteration: stamp.iteration,
+        time: at.time,
+        level: 0,
+        grid: None,
+    }
+}
+
+impl Recorder {
+    /// Keeps a message until its window is whole, and writes windows that became whole.
+    fn take(&mut self, at: Moment, stream: Stream, entry: Entry) -> Result<(), ObserverError> {
+        let window = at.stamp.window;
+        self.progress.arrived(&stream, window);
+        self.waiting.entry(window).or_default().insert(stream, entry);
+        while let Some(first) = self.waiting.first_entry()
+            && self.progress.is_whole(*first.key())
+        {
+            let (window, entries) = first.remove_entry();
+            self.write(window, entries)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a window. Channels are added here and not on arrival, so that their order is that of the
+    /// streams and not that of chance.
+    fn write(&mut self, window: u64, entries: BTreeMap<Stream, Entry>) -> Result<(), ObserverError> {
+        let Some(file) = &mut self.file else { return Err(failed("it is closed")) };
+        for (stream, entry) in &entries {
+            let names = self.names.get(stream).map_or(&[][..], Vec::as_slice);
+            file.announce(stream, names).map_err(failed)?;
+            file.write(entry).map_err(failed)?;
+            self.frames += 1;
+        }
+        self.written = Some(window);
+        file.end_window().map_err(failed)
+    }
+}
+
+impl Observer for Recorder {
+    const PROGRAM: &'static str = concat!("recorder ", env!("CARGO_PKG_VERSION"));
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        setup.parameters::<Parameters>()?.check()?;
+        Ok(Description {
+            interface: INTERFACE_VERSION,
+            program: Self::PROGRAM.into(),
+            ..Description::default()
+        })
+    }
+
+    fn open(setup: &Setup) -> Result<Self, ObserverError> {
+        let wrong = |problems: Vec<Problem>| {
+            ObserverError(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+        };
+        let parameters: Parameters = setup.parameters().map_err(wrong)?;
+        parameters.check().map_err(wrong)?;
+        let assignment = setup.assigned().map_err(wrong)?;
+        let path = parameters.path(&setup.hello.output);
+        let run = RunNote::new(setup, assignment).to_map().map_err(failed)?;
+        let file = McapFile::create(&path, parameters.compression, run)
+            .map_err(|error| failed(format!("{}: {error}", path.display())))?;
+        Ok(Self {
+            file: Some(file),
+            name: parameters.file.display().to_string(),
+            progress: Progress::new(&assignment.frames),
+            names: BTreeMap::new(),
+            waiting: BTreeMap::new(),
+            lines: Vec::new(),
+            written: None,
+            frames: 0,
+        })
+    }
+
+    fn bodies(&mut self, from: &str, at: Moment, bodies: &[BodySample]) -> Result<(), ObserverError> {
+        let stream = Stream::Bodies(from.into());
+        let time = nanoseconds(at);
+        let data = bytes(&encode_bodies(time, bodies));
+        self.take(at, stream.clone(), Entry { frame: frame(at, topic(&stream)), time, data })
+    }
+
+    fn slice(
+        &mut self,
+        from: &str,
+        name: &str,
+        at: Moment,
+        header: &SliceHeader,
+        nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        let stream = Stream::Cut(from.into(), name.into());
+        let time = nanoseconds(at);
+        let data = bytes(&encode_nodes(time, header, nodes));
+        let frame = Frame { grid: Some(encode_grid(header)), ..frame(at, topic(&stream)) };
+        self.take(at, stream, Entry { frame, time, data })
+    }
+
+    fn signals(
+        &mut self,
+        from: &str,
+        at: Moment,
+        names: &[Signal],
+        values: &[f64],
+    ) -> Result<(), ObserverError> {
+        let stream = Stream::Signals(from.into());
+        if !self.names.contains_key(&stream) {
+            self.names.insert(stream.clone(), names.to_vec());
+        }
+        let time = nanoseconds(at);
+        let data = encode(time, values);
+        self.take(at, stream.clone(), Entry { frame: frame(at, topic(&stream)), time, data })
+    }
+
+    fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError> {
+        let level = match header.level {
+            LogHeader::ERROR => Level::Error,
+            LogHeader::WARNING => Level::Warning,
+            _ => Level::Info,
+        };
+        let time = nanoseconds(at);
+        let line = Log {
+            timestamp: Some(timestamp(time)),
+            level: level.into(),
+            message: text.into(),
+            name: "tremie".into(),
+        };
+        let frame = Frame { level: header.level, ..frame(at, LOG.into()) };
+        self.lines.push(Entry { frame, time, data: bytes(&line) });
+        Ok(())
+    }
+
+    fn close(&mut self, last_common_window: u64) -> Result<String, ObserverError> {
+        let beyond = self.waiting.split_off(&(last_common_window + 1));
+        for (window, entries) in std::mem::take(&mut self.waiting) {
+            self.write(window, entries)?;
+        }
+        let mut file = self.file.take().ok_or_else(|| failed("it is closed"))?;
+        for line in std::mem::take(&mut self.lines) {
+            file.write(&line).map_err(failed)?;
+        }
+        file.finish(last_common_window).map_err(failed)?;
+        let dropped = match beyond.len() {
+            0 => String::new(),
+            n => format!(", {n} windows beyond the last common one left out"),
+        };
+        Ok(format!("{}: {} frames up to window {}{dropped}", self.name, self.frames, self.written.unwrap_or(0)))
+    }
+}

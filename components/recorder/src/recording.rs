@@ -1,0 +1,313 @@
+//! Reads a recording, and plays it to any observer.
+
+use crate::codec::{decode_bodies, decode_grid, decode_nodes};
+use crate::document::{END, RUN, RunNote};
+use crate::file::{FRAMES, LOG, SIGNALS};
+use crate::proto::{Frame, Log, PointCloud};
+use crate::signals::decode;
+use mcap::McapError;
+use mcap::records::Record;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use prost::Message;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use tremie_messages::Stamp;
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::start::Signal;
+use tremie_sdk::{Moment, Observer, ObserverError, Setup};
+
+/// Why a recording cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file cannot be opened or read.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// It is no MCAP file, or a damaged one.
+    #[error("not a readable MCAP file: {0}")]
+    Mcap(#[from] McapError),
+    /// It is an MCAP file of something else.
+    #[error("not a recording of Tremie: {0}")]
+    Foreign(String),
+    /// A message is not what its topic says.
+    #[error("damaged recording: the message of {topic} at window {window} cannot be read")]
+    Damaged {
+        /// Topic of the message.
+        topic: String,
+        /// Its window.
+        window: u64,
+    },
+    /// The observer that it was played to failed.
+    #[error(transparent)]
+    Observer(#[from] ObserverError),
+}
+
+/// One call of an observer, as it was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item {
+    /// All bodies at one moment.
+    Bodies {
+        /// Sender.
+        from: String,
+        /// When.
+        at: Moment,
+        /// The bodies.
+        bodies: Vec<BodySample>,
+    },
+    /// A cut through a field.
+    Slice {
+        /// Sender.
+        from: String,
+        /// Name of the cut.
+        name: String,
+        /// When.
+        at: Moment,
+        /// Its grid.
+        header: SliceHeader,
+        /// Its nodes.
+        nodes: Vec<SliceNode>,
+    },
+    /// Signals of a component.
+    Signals {
+        /// Sender.
+        from: String,
+        /// When.
+        at: Moment,
+        /// Names and units.
+        names: Vec<Signal>,
+        /// Values.
+        values: Vec<f64>,
+    },
+    /// A line of the log.
+    Log {
+        /// When.
+        at: Moment,
+        /// Its level.
+        header: LogHeader,
+        /// The line.
+        text: String,
+    },
+}
+
+impl Item {
+    /// Tells an observer.
+    ///
+    /// # Errors
+    /// The observer's own.
+    pub fn tell<O: Observer>(&self, observer: &mut O) -> Result<(), ObserverError> {
+        match self {
+            Item::Bodies { from, at, bodies } => observer.bodies(from, *at, bodies),
+            Item::Slice { from, name, at, header, nodes } => observer.slice(from, name, *at, header, nodes),
+            Item::Signals { from, at, names, values } => observer.signals(from, *at, names, values),
+            Item::Log { at, header, text } => observer.log(*at, header, text),
+        }
+    }
+
+    fn window(&self) -> u64 {
+        match self {
+            Item::Bodies { at, .. } | Item::Slice { at, .. } | Item::Signals { at, .. } => at.stamp.window,
+            // Lines of the log may speak of windows that were not recorded.
+            Item::Log { .. } => 0,
+        }
+    }
+}
+
+/// How a recording ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct End {
+    /// Last window that all components completed; of an incomplete file, the last one found in it.
+    pub last_common_window: u64,
+    /// Whether the recorder came to its end; `false` if it was killed.
+    pub complete: bool,
+}
+
+/// An opened recording.
+pub struct Recording {
+    run: RunNote,
+    items: Items,
+}
+
+impl Recording {
+    /// Opens a recording.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is not one of Tremie's.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let mut records = Records::open(path)?;
+        let foreign = |why: &str| ReadError::Foreign(why.into());
+        while let Some(record) = records.next()? {
+            if let Record::Metadata(metadata) = &record
+                && metadata.name == RUN
+            {
+                let run = RunNote::from_map(&metadata.metadata)
+                    .map_err(|error| foreign(&format!("its description does not fit this version: {error}")))?;
+                return Ok(Self { run, items: Items::new(records) });
+            }
+        }
+        Err(foreign("no description of a run is in it"))
+    }
+
+    /// What an observer named `component` would have been told of the run. The run's id is 0.
+    pub fn setup(
+        &self,
+        component: &str,
+        output: &Path,
+        parameters: serde_json::Map<String, serde_json::Value>,
+    ) -> Setup {
+        self.run.setup(component, &output.to_string_lossy(), parameters)
+    }
+
+    /// The frames, one after the other.
+    pub fn items(self) -> Items {
+        self.items
+    }
+
+    /// Plays all frames to an observer. Closing it is up to the caller.
+    ///
+    /// # Errors
+    /// If a frame cannot be read, or the observer fails.
+    pub fn replay<O: Observer>(mut self, observer: &mut O) -> Result<End, ReadError> {
+        while let Some(item) = self.items.next() {
+            item?.tell(observer)?;
+        }
+        Ok(self.items.end())
+    }
+}
+
+/// Frames of a recording.
+pub struct Items {
+    records: Records,
+    channels: BTreeMap<u16, (String, Vec<Signal>)>,
+    frame: Option<Frame>,
+    last: u64,
+    end: Option<u64>,
+}
+
+impl Items {
+    fn new(records: Records) -> Self {
+        Self { records, channels: BTreeMap::new(), frame: None, last: 0, end: None }
+    }
+
+    /// How the recording ended; known once all items were taken.
+    pub fn end(&self) -> End {
+        End { last_common_window: self.end.unwrap_or(self.last), complete: self.end.is_some() }
+    }
+
+    fn advance(&mut self) -> Result<Option<Item>, ReadError> {
+        while let Some(record) = self.records.next()? {
+            match record {
+                Record::Channel(channel) => {
+                    let list = channel.metadata.get(SIGNALS).map_or("[]", String::as_str);
+                    let signals = serde_json::from_str(list)
+                        .map_err(|_| ReadError::Foreign(format!("signals of {} are unreadable", channel.topic)))?;
+                    self.channels.insert(channel.id, (channel.topic, signals));
+                }
+                Record::Metadata(metadata) if metadata.name == END => {
+                    self.end = metadata.metadata.get("last_common_window").and_then(|text| text.parse().ok());
+                }
+                Record::Message { header, data } => {
+                    if let Some(item) = self.message(header.channel_id, &data)? {
+                        self.last = self.last.max(item.window());
+                        return Ok(Some(item));
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// A frame is kept until its message comes.
+    fn message(&mut self, channel: u16, data: &[u8]) -> Result<Option<Item>, ReadError> {
+        let Some((topic, signals)) = self.channels.get(&channel) else { return Ok(None) };
+        if topic == FRAMES {
+            let damaged = |_| ReadError::Damaged { topic: FRAMES.into(), window: self.last };
+            self.frame = Some(Frame::decode(data).map_err(damaged)?);
+            return Ok(None);
+        }
+        // Messages that another program added have no frame: they are not ours to read.
+        let Some(frame) = self.frame.take_if(|frame| frame.topic == *topic) else { return Ok(None) };
+        let (topic, window) = (topic.clone(), frame.window);
+        item(frame, signals, data).map(Some).ok_or(ReadError::Damaged { topic, window })
+    }
+}
+
+impl Iterator for Items {
+    type Item = Result<Item, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.advance().transpose()
+    }
+}
+
+fn moment(frame: &Frame) -> Moment {
+    let stamp = Stamp {
+        run: 0,
+        window: frame.window,
+        ticks: frame.ticks,
+        events: frame.events,
+        substep: frame.substep,
+        iteration: frame.iteration,
+    };
+    Moment { stamp, time: frame.time }
+}
+
+/// A frame and its message; `None` if the message is not what the topic says.
+fn item(frame: Frame, signals: &[Signal], data: &[u8]) -> Option<Item> {
+    let at = moment(&frame);
+    let cloud = || PointCloud::decode(data).ok();
+    let mut parts = frame.topic.trim_start_matches('/').splitn(3, '/');
+    let (kind, from, name) = (parts.next()?, parts.next().unwrap_or_default(), parts.next());
+    Some(match kind {
+        "bodies" => Item::Bodies { from: from.into(), at, bodies: decode_bodies(&cloud()?)? },
+        "cuts" => Item::Slice {
+            from: from.into(),
+            name: name?.into(),
+            at,
+            header: SliceHeader { stamp: at.stamp, ..decode_grid(frame.grid?)? },
+            nodes: decode_nodes(&cloud()?)?,
+        },
+        "signals" => Item::Signals {
+            from: from.into(),
+            at,
+            names: signals.to_vec(),
+            values: decode(data, signals.len()).ok()?,
+        },
+        _ if frame.topic == LOG => Item::Log {
+            at,
+            header: LogHeader { stamp: at.stamp, level: frame.level },
+            text: Log::decode(data).ok()?.message,
+        },
+        _ => return None,
+    })
+}
+
+/// Records of an MCAP file from its beginning to its end, or to where a killed writer left it.
+struct Records {
+    file: File,
+    reader: LinearReader,
+}
+
+impl Records {
+    fn open(path: &Path) -> Result<Self, ReadError> {
+        let options = LinearReaderOptions::default().with_skip_end_magic(true);
+        Ok(Self { file: File::open(path)?, reader: LinearReader::new_with_options(options) })
+    }
+
+    fn next(&mut self) -> Result<Option<Record<'static>>, ReadError> {
+        loop {
+            let (opcode, data) = match self.reader.next_event() {
+                None | Some(Err(McapError::UnexpectedEof)) => return Ok(None),
+                Some(Err(error)) => return Err(error.into()),
+                Some(Ok(LinearReadEvent::Record { opcode, data })) => (opcode, data),
+                Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
+                    let read = self.file.read(self.reader.insert(wanted))?;
+                    self.reader.notify_read(read);
+                    continue;
+                }
+            };
+            return Ok(Some(mcap::parse_record(opcode, data)?.into_owned()));
+        }
+    }
+}

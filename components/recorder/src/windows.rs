@@ -1,0 +1,93 @@
+//! Which windows are whole.
+
+use std::collections::BTreeMap;
+use tremie_messages::start::{FrameContent, FrameStream};
+
+/// A component that has completed this many windows more has seen the others complete one: coupled
+/// components wait for each other's messages of the window before (serial) or of the one before
+/// that (parallel).
+pub const HOLD: u64 = 2;
+
+/// What identifies a stream at the recorder: kind, sender, name. Frames of a window are written in this order.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stream {
+    /// All bodies.
+    Bodies(String),
+    /// A cut, by sender and name.
+    Cut(String, String),
+    /// Signals.
+    Signals(String),
+}
+
+/// Follows the lossless streams.
+#[derive(Debug)]
+pub struct Progress {
+    /// Windows between frames of a stream, and the next window that it will have a frame of.
+    due: BTreeMap<Stream, (u64, u64)>,
+    newest: u64,
+}
+
+impl Progress {
+    /// Of these streams; those that may lose frames are waited for by nobody.
+    pub fn new(frames: &[FrameStream]) -> Self {
+        let due = frames.iter().filter(|frame| frame.lossless).filter_map(|frame| {
+            let from = frame.from.clone();
+            let stream = match &frame.content {
+                FrameContent::Bodies => Stream::Bodies(from),
+                FrameContent::Slice(name) => Stream::Cut(from, name.clone()),
+                FrameContent::Signals(_) => Stream::Signals(from),
+                FrameContent::Log => return None,
+            };
+            Some((stream, (frame.every.max(1), 0)))
+        });
+        Self { due: due.collect(), newest: 0 }
+    }
+
+    /// A frame of `window` arrived.
+    pub fn arrived(&mut self, stream: &Stream, window: u64) {
+        self.newest = self.newest.max(window);
+        if let Some((every, due)) = self.due.get_mut(stream) {
+            *due = window + *every;
+        }
+    }
+
+    /// Whether every frame of `window` is there and every component has completed it.
+    pub fn is_whole(&self, window: u64) -> bool {
+        window + HOLD <= self.newest && self.due.values().all(|(_, due)| *due > window)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(from: &str, content: FrameContent, every: u64) -> FrameStream {
+        FrameStream {
+            from: from.into(),
+            to: "recorder".into(),
+            content,
+            every,
+            lossless: true,
+            service: String::new(),
+            capacity: 0,
+            depth: 1,
+        }
+    }
+
+    #[test]
+    fn a_window_is_whole_when_all_that_is_due_came_and_others_moved_on() {
+        let mut progress = Progress::new(&[
+            frame("grains", FrameContent::Bodies, 10),
+            frame("fluid", FrameContent::Signals(Vec::new()), 1),
+        ]);
+        let (bodies, signals) = (Stream::Bodies("grains".into()), Stream::Signals("fluid".into()));
+        for window in 0..=5 {
+            progress.arrived(&signals, window);
+        }
+        assert!(!progress.is_whole(0), "bodies of the start are missing");
+        progress.arrived(&bodies, 0);
+        assert!(progress.is_whole(0));
+        assert!(progress.is_whole(3), "bodies are next due at window 10");
+        assert!(!progress.is_whole(4), "other components may still be in window 4");
+    }
+}

@@ -1,0 +1,191 @@
+//! A cut through the fluid: a mesh coloured by speed, and arrows on some of its nodes.
+
+use crate::scale::{GREY, SpeedScale, speed};
+use crate::view::{part, Eye, Vector, along, cross, dot, facing, norm, single, unit};
+use rerun::components::Radius;
+use rerun::{Arrows3D, Color, Mesh3D, RecordingStream, RecordingStreamResult};
+use tremie_messages::frame::{SliceHeader, SliceNode};
+
+/// A cut whose shape was drawn.
+pub struct Cut {
+    path: String,
+    shape: Shape,
+    arrows: Vec<usize>,
+    /// Longest arrow [m].
+    reach: f64,
+}
+
+/// Geometry of a cut; frames of equal shape differ in colours alone.
+#[derive(Clone, Copy, PartialEq)]
+struct Shape {
+    origin: Vector,
+    step: [Vector; 2],
+    count: [usize; 2],
+}
+
+impl Shape {
+    fn new(header: &SliceHeader) -> Self {
+        Self { origin: header.origin, step: header.step, count: header.count.map(|n| n as usize) }
+    }
+
+    fn node(&self, k: usize) -> Vector {
+        let (i, j) = (k % self.count[0], k / self.count[0]);
+        along(along(self.origin, i as f64, self.step[0]), j as f64, self.step[1])
+    }
+
+    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
+        let [m, n] = self.count.map(|n| n as u32);
+        (0..n.saturating_sub(1)).flat_map(move |j| {
+            (0..m.saturating_sub(1)).flat_map(move |i| {
+                let k = i + m * j;
+                [[k, k + 1, k + m + 1], [k, k + m + 1, k + m]]
+            })
+        })
+    }
+
+    /// Nodes that carry an arrow: about `wanted` on a grid of equal spacing both ways; and that spacing [m].
+    fn arrows(&self, wanted: u32) -> (Vec<usize>, f64) {
+        let [m, n] = self.count;
+        let lengths = [norm(self.step[0]), norm(self.step[1])];
+        let area = (m as f64 * lengths[0]) * (n as f64 * lengths[1]);
+        if wanted == 0 || !area.is_normal() {
+            return (Vec::new(), 0.0);
+        }
+        let spacing = (area / f64::from(wanted)).sqrt();
+        let stride = lengths.map(|length| ((spacing / length).round() as usize).max(1));
+        // Begins half a stride inside, where the flow is, not on the wall.
+        let picks = |axis: usize| (stride[axis] / 2..self.count[axis]).step_by(stride[axis]);
+        let nodes = picks(1).flat_map(|j| picks(0).map(move |i| i + m * j)).collect();
+        (nodes, spacing.max(lengths[0]).max(lengths[1]))
+    }
+}
+
+impl Cut {
+    /// Draws the shape of a cut, on which `wanted` arrows will stand.
+    pub fn open(
+        stream: &RecordingStream,
+        from: &str,
+        name: &str,
+        header: &SliceHeader,
+        wanted: u32,
+        eye: Vector,
+    ) -> RecordingStreamResult<Self> {
+        let shape = Shape::new(header);
+        let path = format!("scene/cuts/{}/{}", part(from), part(name));
+        let (arrows, spacing) = shape.arrows(wanted);
+        let cut = Self { path, shape, arrows, reach: 1.6 * spacing };
+        cut.log_shape(stream, eye)?;
+        Ok(cut)
+    }
+
+    /// Whether a frame is of the shape that was drawn.
+    pub fn fits(&self, header: &SliceHeader) -> bool {
+        self.shape == Shape::new(header)
+    }
+
+    /// Entity of the mesh.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// An eye that looks straight at the cut, from the side of `towards`.
+    pub fn eye(&self, up: Vector, towards: Vector) -> Eye {
+        let side = |axis: usize| {
+            let steps = self.shape.count[axis].saturating_sub(1) as f64;
+            self.shape.step[axis].map(|x| x * steps)
+        };
+        facing(self.shape.origin, [side(0), side(1)], up, towards)
+    }
+
+    fn log_shape(&self, stream: &RecordingStream, eye: Vector) -> RecordingStreamResult<()> {
+        let shape = &self.shape;
+        let nodes = (0..shape.count[0] * shape.count[1]).map(|k| single(shape.node(k)));
+        let mesh = Mesh3D::update_fields().with_vertex_positions(nodes).with_triangle_indices(shape.triangles());
+        stream.log_static(self.path.as_str(), &mesh)?;
+        let arrows = Arrows3D::update_fields()
+            .with_origins(self.arrows.iter().map(|k| single(along(shape.node(*k), 1.0, self.lift(eye)))))
+            .with_radii([Radius::new_ui_points(0.7)])
+            .with_colors([Color::from_rgb(245, 245, 245)]);
+        stream.log_static(self.arrow_path(), &arrows)
+    }
+
+    /// Arrows float a little in front of the mesh, else half of their width would sink into it.
+    fn lift(&self, eye: Vector) -> Vector {
+        let normal = unit(cross(self.shape.step[0], self.shape.step[1]));
+        let side = dot(normal, along(eye, -1.0, self.shape.origin)).signum();
+        normal.map(|x| x * side * 0.02 * self.reach)
+    }
+
+    fn arrow_path(&self) -> String {
+        format!("{}/arrows", self.path)
+    }
+
+    /// Draws one moment.
+    pub fn log(
+        &self,
+        stream: &RecordingStream,
+        nodes: &[SliceNode],
+        scale: &SpeedScale,
+    ) -> RecordingStreamResult<()> {
+        let colour = |node: &SliceNode| {
+            Color::from_u32(if node.solid != 0 { GREY } else { scale.colour(speed(node.velocity)) })
+        };
+        let mesh = Mesh3D::update_fields().with_vertex_colors(nodes.iter().map(colour));
+        stream.log(self.path.as_str(), &mesh)?;
+        if self.arrows.is_empty() {
+            return Ok(());
+        }
+        let stretch = (self.reach / scale.max()) as f32;
+        let vectors = self.arrows.iter().map(|k| match nodes.get(*k) {
+            Some(node) if node.solid == 0 => arrow(node.velocity, stretch, self.reach as f32),
+            _ => [0.0; 3],
+        });
+        stream.log(self.arrow_path(), &Arrows3D::update_fields().with_vectors(vectors))
+    }
+}
+
+/// A velocity as an arrow, no longer than what the end of the scale has.
+fn arrow(velocity: [f32; 3], stretch: f32, reach: f32) -> [f32; 3] {
+    let length = speed(velocity) * stretch;
+    let stretch = if length > reach { stretch * reach / length } else { stretch };
+    velocity.map(|v| v * stretch)
+}
+
+/// Speeds in the fluid [m/s].
+pub fn speeds(nodes: &[SliceNode]) -> Vec<f32> {
+    nodes.iter().filter(|node| node.solid == 0).map(|node| speed(node.velocity)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape(count: [usize; 2]) -> Shape {
+        Shape { origin: [0.0; 3], step: [[1e-3, 0.0, 0.0], [0.0, 0.0, 1e-3]], count }
+    }
+
+    #[test]
+    fn triangles_cover_the_grid() {
+        let all: Vec<_> = shape([3, 2]).triangles().collect();
+        assert_eq!(all.len(), 4);
+        assert!(all.iter().flatten().all(|k| *k < 6));
+        assert_eq!(shape([1, 5]).triangles().count(), 0);
+    }
+
+    #[test]
+    fn arrows_are_about_as_many_as_asked_for() {
+        for wanted in [100, 400, 1000] {
+            let (nodes, _) = shape([160, 100]).arrows(wanted);
+            let ratio = nodes.len() as f64 / f64::from(wanted);
+            assert!((0.6..1.6).contains(&ratio), "{wanted}: {}", nodes.len());
+        }
+        assert_eq!(shape([4, 4]).arrows(1000).0.len(), 16);
+        assert!(shape([4, 4]).arrows(0).0.is_empty());
+    }
+
+    #[test]
+    fn arrows_do_not_outgrow_their_cell() {
+        assert_eq!(arrow([3.0, 0.0, 4.0], 1.0, 10.0), [3.0, 0.0, 4.0]);
+        assert!((speed(arrow([30.0, 0.0, 40.0], 1.0, 10.0)) - 10.0).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,114 @@
+//! Watched scalars as plots, one for each component and unit.
+
+use crate::view::part;
+use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines};
+use tremie_messages::start::{FrameContent, FrameStream, Signal};
+
+/// Entity of a signal.
+pub fn path(from: &str, name: &str) -> String {
+    format!("signals/{}/{}", part(from), part(name))
+}
+
+/// Signals of one component in one unit: one plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plot {
+    /// Title, as `fluid [m/s]`.
+    pub title: String,
+    /// Entities shown.
+    pub paths: Vec<String>,
+    /// Whether it is shown at once, or behind the others.
+    pub first: bool,
+}
+
+/// Words in the names of bookkeeping that is watched when something seems wrong, not otherwise.
+const BOOKKEEPING: [&str; 6] = ["ledger", "impulse", "momentum", "residual", "gap", "drift"];
+
+/// Colours of lines, to be told apart also by those who see few colours (Okabe and Ito).
+const PALETTE: [[u8; 3]; 7] = [
+    [0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66],
+];
+
+/// Plots for the signals of these streams.
+pub fn plots(frames: &[FrameStream]) -> Vec<Plot> {
+    let mut plots: Vec<Plot> = Vec::new();
+    for frame in frames {
+        let FrameContent::Signals(signals) = &frame.content else { continue };
+        for signal in signals {
+            let title = match signal.unit.as_str() {
+                "1" | "" => frame.from.clone(),
+                unit => format!("{} [{unit}]", frame.from),
+            };
+            let books = BOOKKEEPING.iter().any(|word| signal.name.contains(word));
+            let path = path(&frame.from, &signal.name);
+            match plots.iter_mut().find(|plot| plot.title == title && plot.first != books) {
+                Some(plot) => plot.paths.push(path),
+                None => plots.push(Plot { title, paths: vec![path], first: !books }),
+            }
+        }
+    }
+    plots
+}
+
+/// Names the lines of a component's signals.
+pub fn log_names(stream: &RecordingStream, from: &str, signals: &[Signal]) -> RecordingStreamResult<()> {
+    for (k, signal) in signals.iter().enumerate() {
+        // Lines of one plot share a unit: their colours differ by their place among those.
+        let place = signals[..k].iter().filter(|other| other.unit == signal.unit).count();
+        let [r, g, b] = PALETTE[place % PALETTE.len()];
+        let style = SeriesLines::new()
+            .with_names([signal.name.as_str()])
+            .with_colors([rerun::Color::from_rgb(r, g, b)])
+            .with_widths([1.5]);
+        stream.log_static(path(from, &signal.name), &style)?;
+    }
+    Ok(())
+}
+
+/// Draws one moment; values that are not numbers leave a gap.
+pub fn log(
+    stream: &RecordingStream,
+    from: &str,
+    signals: &[Signal],
+    values: &[f64],
+) -> RecordingStreamResult<()> {
+    for (signal, value) in signals.iter().zip(values) {
+        stream.log(path(from, &signal.name), &Scalars::new([*value]))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_plot_for_each_component_and_unit() {
+        let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+        let stream = |from: &str, signals| FrameStream {
+            from: from.into(),
+            to: "viewer".into(),
+            content: FrameContent::Signals(signals),
+            every: 1,
+            lossless: false,
+            service: String::new(),
+            capacity: 0,
+            depth: 1,
+        };
+        let plots = plots(&[
+            stream("fluid", vec![
+                signal("max_speed", "m/s"),
+                signal("mass", "kg"),
+                signal("mean_speed", "m/s"),
+                signal("momentum_gap", "N s"),
+            ]),
+            stream("grains", vec![signal("max_speed", "m/s")]),
+        ]);
+        let titles: Vec<_> = plots.iter().map(|p| (p.title.as_str(), p.paths.len(), p.first)).collect();
+        assert_eq!(titles, [
+            ("fluid [m/s]", 2, true),
+            ("fluid [kg]", 1, true),
+            ("fluid [N s]", 1, false),
+            ("grains [m/s]", 1, true),
+        ]);
+    }
+}

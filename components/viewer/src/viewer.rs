@@ -1,0 +1,198 @@
+//! The observer.
+
+use crate::bodies::{self, Bodies};
+use crate::cut::{self, Cut};
+use crate::layout::{CutView, layout};
+use crate::parameters::Parameters;
+use crate::scale::SpeedScale;
+use crate::session::Session;
+use crate::signals::Plot;
+use crate::view::{Eye, Vector, overview, up_vector};
+use crate::{blueprint, legend, signals, stage};
+use rerun::{RecordingStream, RecordingStreamError, TextLog, TextLogLevel};
+use std::collections::{BTreeMap, BTreeSet};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::start::{Description, Signal};
+use tremie_messages::{INTERFACE_VERSION, Problem};
+use tremie_sdk::{Moment, Observer, ObserverError, Setup};
+
+/// Timeline of simulated seconds.
+const TIME: &str = "sim_time";
+/// Timeline of coupling windows.
+const WINDOW: &str = "window";
+/// Frames after which the legend's numbers are sent again, for servers that drop the oldest frames.
+const REPEAT: u32 = 64;
+
+/// Streams a run into Rerun. In web mode it serves the run until it is dropped, also after
+/// [`Observer::close`].
+pub struct Viewer {
+    session: Session,
+    parameters: Parameters,
+    scale: SpeedScale,
+    overview: Eye,
+    up: Vector,
+    bodies: Bodies,
+    cuts: BTreeMap<(String, String), Cut>,
+    plots: Vec<Plot>,
+    named: BTreeSet<String>,
+    frames: u64,
+    legend_age: u32,
+}
+
+fn drawn<T>(result: Result<T, RecordingStreamError>) -> Result<T, ObserverError> {
+    result.map_err(|error| ObserverError(format!("the viewer cannot draw a frame: {error}")))
+}
+
+impl Viewer {
+    /// Where the run is shown; [`Session::url`] is the address of the page.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    fn recording(&self) -> &RecordingStream {
+        self.session.recording()
+    }
+
+    fn set_time(&self, at: Moment) {
+        let recording = self.recording();
+        recording.set_duration_secs(TIME, at.time);
+        recording.set_time_sequence(WINDOW, i64::try_from(at.stamp.window).unwrap_or(i64::MAX));
+    }
+
+    /// Lets the scale follow the speeds of a frame, and keeps the legend true.
+    fn follow(&mut self, mut speeds: Vec<f32>) -> Result<(), ObserverError> {
+        self.frames += 1;
+        self.legend_age += 1;
+        if self.scale.follow(&mut speeds) || self.frames == 1 || self.legend_age >= REPEAT {
+            self.legend_age = 0;
+            drawn(legend::log_numbers(self.recording(), &self.scale))?;
+        }
+        Ok(())
+    }
+
+    fn send_layout(&self) -> Result<(), ObserverError> {
+        let view = |((from, name), cut): (&(String, String), &Cut)| CutView {
+            name: format!("{from}: {name}"),
+            path: cut.path().to_string(),
+            eye: cut.eye(self.up, self.overview.position),
+        };
+        let cuts: Vec<_> = self.cuts.iter().map(view).collect();
+        drawn(blueprint::send(self.recording(), &layout(self.overview, &cuts, &self.plots), TIME))
+    }
+
+    /// Draws a cut's shape when it is seen first; the layout then has a view for it.
+    fn open_cut(&mut self, key: &(String, String), header: &SliceHeader) -> Result<(), ObserverError> {
+        if self.cuts.get(key).is_some_and(|cut| cut.fits(header)) {
+            return Ok(());
+        }
+        let (from, name) = key;
+        let (arrows, eye) = (self.parameters.arrows, self.overview.position);
+        let cut = drawn(Cut::open(self.recording(), from, name, header, arrows, eye))?;
+        if self.cuts.insert(key.clone(), cut).is_none() {
+            self.send_layout()?;
+        }
+        Ok(())
+    }
+}
+
+impl Observer for Viewer {
+    const PROGRAM: &'static str = concat!("viewer ", env!("CARGO_PKG_VERSION"));
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        setup.parameters::<Parameters>()?.check()?;
+        Ok(Description {
+            interface: INTERFACE_VERSION,
+            program: Self::PROGRAM.into(),
+            ..Description::default()
+        })
+    }
+
+    fn open(setup: &Setup) -> Result<Self, ObserverError> {
+        let wrong = |problems: Vec<Problem>| {
+            ObserverError(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+        };
+        let parameters: Parameters = setup.parameters().map_err(wrong)?;
+        parameters.check().map_err(wrong)?;
+        let scene = &setup.hello.scene;
+        let session = Session::open(&parameters, &setup.hello.output)?;
+        let recording = session.recording();
+        recording.set_log_time_enabled(false);
+        recording.set_log_tick_enabled(false);
+        drawn(stage::log(recording, scene, setup.assignment.as_ref()))?;
+        drawn(legend::log_bar(recording))?;
+        let frames = setup.assignment.as_ref().map_or(&[][..], |assignment| &assignment.frames);
+        let expected = scene.fluid.as_ref().and_then(|fluid| fluid.expected_speed);
+        let viewer = Self {
+            scale: SpeedScale::new(parameters.max_speed.map(|speed| speed.0), expected),
+            overview: overview(scene),
+            up: up_vector(scene),
+            bodies: Bodies::new(scene),
+            cuts: BTreeMap::new(),
+            plots: signals::plots(frames),
+            named: BTreeSet::new(),
+            frames: 0,
+            legend_age: 0,
+            session,
+            parameters,
+        };
+        viewer.send_layout()?;
+        Ok(viewer)
+    }
+
+    fn bodies(&mut self, _from: &str, at: Moment, bodies: &[BodySample]) -> Result<(), ObserverError> {
+        self.set_time(at);
+        self.follow(bodies::speeds(bodies))?;
+        drawn(self.bodies.log(self.session.recording(), bodies, &self.scale))
+    }
+
+    fn slice(
+        &mut self,
+        from: &str,
+        name: &str,
+        at: Moment,
+        header: &SliceHeader,
+        nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        if !self.parameters.cuts {
+            return Ok(());
+        }
+        self.set_time(at);
+        let key = (from.to_string(), name.to_string());
+        self.open_cut(&key, header)?;
+        self.follow(cut::speeds(nodes))?;
+        match self.cuts.get(&key) {
+            Some(cut) => drawn(cut.log(self.session.recording(), nodes, &self.scale)),
+            None => Ok(()),
+        }
+    }
+
+    fn signals(
+        &mut self,
+        from: &str,
+        at: Moment,
+        names: &[Signal],
+        values: &[f64],
+    ) -> Result<(), ObserverError> {
+        self.set_time(at);
+        if self.named.insert(from.to_string()) {
+            drawn(signals::log_names(self.recording(), from, names))?;
+        }
+        drawn(signals::log(self.recording(), from, names, values))
+    }
+
+    fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError> {
+        self.set_time(at);
+        let level = match header.level {
+            LogHeader::ERROR => TextLogLevel::ERROR,
+            LogHeader::WARNING => TextLogLevel::WARN,
+            _ => TextLogLevel::INFO,
+        };
+        drawn(self.recording().log("log", &TextLog::new(text).with_level(level)))
+    }
+
+    /// Sends what is under way. The page and its data are served until the viewer is dropped.
+    fn close(&mut self, _last_common_window: u64) -> Result<String, ObserverError> {
+        self.session.flush()?;
+        Ok(format!("{} frames, {}", self.frames, self.session.note()))
+    }
+}

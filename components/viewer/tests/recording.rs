@@ -1,0 +1,285 @@
+//! A synthetic run shown by the viewer: what arrives in the recording, and how big it gets.
+
+use rerun::external::re_log_encoding::DecoderApp;
+use rerun::external::re_log_types::LogMsg;
+use rerun::log::Chunk;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::scene::{
+    BodySet, Diameters, Domain, Face, FluidMaterial, Motion, Packing, Placement, Scene,
+};
+use tremie_messages::start::{Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport};
+use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp};
+use tremie_sdk::{Moment, Observer, Setup};
+use tremie_viewer::Viewer;
+
+const SIZE: [f64; 3] = [0.04, 0.012, 0.025];
+const DIAMETER: f64 = 0.6e-3;
+
+fn scene() -> Scene {
+    let set = |name: &str, motion, fraction| BodySet {
+        name: name.into(),
+        density: 2500.0,
+        motion,
+        placement: Placement::Packed(Packing {
+            min: [0.0; 3],
+            max: SIZE,
+            fraction,
+            diameters: Diameters::Uniform { min: DIAMETER, max: DIAMETER },
+            seed: 1,
+        }),
+    };
+    Scene {
+        gravity: [0.0, 0.0, -9.81],
+        domain: Domain { min: [0.0; 3], max: SIZE, faces: [[Face::Wall; 2], [Face::Periodic; 2], [Face::Wall; 2]] },
+        fluid: Some(FluidMaterial {
+            density: 970.0,
+            viscosity: 0.373,
+            acceleration: [0.0; 3],
+            velocity: [0.0; 3],
+            expected_speed: Some(0.1),
+        }),
+        planes: Vec::new(),
+        bodies: vec![set("sand", Motion::Free, 0.2), set("gate post", Motion::Fixed, 0.01)],
+        contacts: None,
+    }
+}
+
+fn signals() -> [(&'static str, Vec<Signal>); 2] {
+    let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+    [
+        ("fluid", vec![
+            signal("max_speed", "m/s"),
+            signal("kinetic_energy", "J"),
+            signal("momentum_gap", "N s"),
+        ]),
+        ("grains", vec![
+            signal("max_speed", "m/s"),
+            signal("mean_speed", "m/s"),
+            signal("mean_height", "m"),
+        ]),
+    ]
+}
+
+fn setup(output: &Path, parameters: serde_json::Value) -> Setup {
+    let stream = |from: &str, content| FrameStream {
+        from: from.into(),
+        to: "viewer".into(),
+        content,
+        every: 10,
+        lossless: false,
+        service: String::new(),
+        capacity: 0,
+        depth: 1,
+    };
+    let frames = signals().map(|(from, list)| stream(from, FrameContent::Signals(list)));
+    Setup {
+        hello: Hello {
+            interface: INTERFACE_VERSION,
+            run: 7,
+            component: "viewer".into(),
+            role: Role::Observer,
+            scene: scene(),
+            parameters: serde_json::from_value(parameters).unwrap(),
+            threads: 1,
+            output: output.to_string_lossy().into_owned(),
+        },
+        assignment: Some(Assignment {
+            clock: Clock { tick: 1e-5, ticks_per_window: 10 },
+            windows: 1000,
+            substeps: 1,
+            step: 1e-4,
+            body_capacity: 0,
+            edges: Vec::new(),
+            script: Default::default(),
+            frames: frames.into(),
+            transport: Transport {
+                between_processes: false,
+                root: String::new(),
+                prefix: String::new(),
+                credit_service: String::new(),
+                report_service: String::new(),
+                report_depth: 1,
+                deadline: 1.0,
+                poll: 0.0,
+            },
+            injections: Vec::new(),
+        }),
+    }
+}
+
+fn moment(frame: u64) -> Moment {
+    let window = 10 * frame;
+    let stamp = Stamp { run: 7, window, ticks: 10 * window, ..Stamp::default() };
+    Moment { stamp, time: 1e-4 * window as f64 }
+}
+
+/// Two vortices side by side that spin up.
+fn flow(x: f64, z: f64, t: f64) -> [f64; 3] {
+    let (kx, kz) = (2.0 * std::f64::consts::PI / SIZE[0], std::f64::consts::PI / SIZE[2]);
+    let strength = 0.08 * (1.0 - (-t / 0.02).exp());
+    [
+        strength * (kx * x).sin() * (kz * z).cos(),
+        0.0,
+        -strength * (kx / kz) * (kx * x).cos() * (kz * z).sin() * 0.6,
+    ]
+}
+
+/// Grains carried by the flow while they sink; the last twentieth are fixed in a column.
+fn bodies(count: usize, t: f64) -> Vec<BodySample> {
+    (0..count)
+        .map(|k| {
+            let r = |m: usize| ((k * m) % 9973) as f64 / 9973.0;
+            let fixed = k >= count - count / 20;
+            let start = if fixed {
+                [0.022 + 0.002 * r(31), SIZE[1] * r(77), 0.01 * r(51)]
+            } else {
+                [SIZE[0] * (0.02 + 0.96 * r(7919)), SIZE[1] * r(104_729), SIZE[2] * (0.02 + 0.96 * r(1299))]
+            };
+            let v = flow(start[0], start[2], t);
+            let velocity = if fixed { [0.0; 3] } else { [v[0], 0.0, v[2] - 0.02 * r(13)] };
+            let position = std::array::from_fn(|a| {
+                (start[a] + velocity[a] * t).clamp(0.5 * DIAMETER, SIZE[a] - 0.5 * DIAMETER)
+            });
+            let motion = if fixed { BodyEvent::FIXED } else { BodyEvent::FREE };
+            BodySample {
+                state: BodyState { velocity, ..BodyState::at_rest(k as u64, position) },
+                radius: 0.5 * DIAMETER,
+                mass: 1e-7,
+                set: u64::from(fixed),
+                motion: u64::from(motion),
+            }
+        })
+        .collect()
+}
+
+fn slice(count: [u64; 2], t: f64) -> (SliceHeader, Vec<SliceNode>) {
+    let step = [SIZE[0] / (count[0] - 1) as f64, SIZE[2] / (count[1] - 1) as f64];
+    let header = SliceHeader {
+        stamp: Stamp::default(),
+        origin: [0.0, 0.5 * SIZE[1], 0.0],
+        step: [[step[0], 0.0, 0.0], [0.0, 0.0, step[1]]],
+        count,
+    };
+    let node = |k: u64| {
+        let (x, z) = ((k % count[0]) as f64 * step[0], (k / count[0]) as f64 * step[1]);
+        let solid = (x - 0.023).hypot(z - 0.006) < 0.002;
+        SliceNode { velocity: flow(x, z, t).map(|v| v as f32), pressure: 0.0, solid: u32::from(solid) }
+    };
+    (header, (0..count[0] * count[1]).map(node).collect())
+}
+
+/// Feeds a run of `frames` frames.
+fn feed(viewer: &mut Viewer, frames: u64, grains: usize, nodes: [u64; 2]) {
+    for frame in 0..frames {
+        let at = moment(frame);
+        let bodies = bodies(grains, at.time);
+        viewer.bodies("grains", at, &bodies).unwrap();
+        let (header, cut) = slice(nodes, at.time);
+        viewer.slice("fluid", "y = 6 mm", at, &header, &cut).unwrap();
+        let fastest = bodies.iter().map(|b| b.state.velocity[0].hypot(b.state.velocity[2])).fold(0.0, f64::max);
+        let height = bodies.iter().map(|b| b.state.position[2]).sum::<f64>() / grains as f64;
+        let [fluid, grain] = signals();
+        let grow = 1.0 - (-at.time / 0.02).exp();
+        viewer.signals("fluid", at, &fluid.1, &[0.08 * grow, 1e-6 * grow * grow, 1e-19]).unwrap();
+        viewer.signals("grains", at, &grain.1, &[fastest, 0.6 * fastest, height]).unwrap();
+        if frame % 25 == 0 {
+            let header = LogHeader { stamp: at.stamp, level: if frame == 50 { LogHeader::WARNING } else { LogHeader::INFO } };
+            viewer.log(at, &header, &format!("window {} of {}", at.stamp.window, 10 * frames)).unwrap();
+        }
+    }
+}
+
+fn record(path: &Path, frames: u64, grains: usize, nodes: [u64; 2]) -> u64 {
+    let parameters = serde_json::json!({"mode": "file", "file": path});
+    let mut viewer = Viewer::open(&setup(path.parent().unwrap(), parameters)).unwrap();
+    feed(&mut viewer, frames, grains, nodes);
+    let note = viewer.close(10 * (frames - 1)).unwrap();
+    assert!(note.contains(&format!("{} frames", 2 * frames)), "{note}");
+    drop(viewer);
+    std::fs::metadata(path).unwrap().len()
+}
+
+/// Rows and timelines of each entity.
+fn entities(path: &Path) -> BTreeMap<String, (usize, BTreeSet<String>)> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut found: BTreeMap<String, (usize, BTreeSet<String>)> = BTreeMap::new();
+    for message in DecoderApp::decode_eager(file).unwrap() {
+        let LogMsg::ArrowMsg(store, arrow) = message.unwrap() else { continue };
+        if !store.is_recording() {
+            continue;
+        }
+        let chunk = Chunk::from_arrow_msg(&arrow).unwrap();
+        let entry = found.entry(chunk.entity_path().to_string()).or_default();
+        entry.0 += chunk.num_rows();
+        entry.1.extend(chunk.timelines().keys().map(ToString::to_string));
+    }
+    found
+}
+
+#[test]
+fn everything_arrives_in_the_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    // Set this variable to keep the recording and look at it.
+    let kept = std::env::var_os("TREMIE_VIEWER_DEMO").map(PathBuf::from);
+    let path = kept.unwrap_or_else(|| folder.path().join("run.rrd"));
+    record(&path, 100, 2000, [160, 100]);
+    let found = entities(&path);
+    let time: BTreeSet<String> = ["sim_time", "window"].map(String::from).into();
+    for (entity, rows) in [
+        ("/scene/bodies/sand", 100),
+        ("/scene/bodies/gate\\ post", 100),
+        ("/scene/cuts/fluid/y\\ \\=\\ 6\\ mm/arrows", 101),
+        ("/signals/fluid/max_speed", 101),
+        ("/signals/grains/mean_height", 101),
+        ("/log", 4),
+    ] {
+        let (count, timelines) = found.get(entity).unwrap_or_else(|| panic!("no {entity} in {:?}", found.keys()));
+        assert_eq!(*count, rows, "{entity}");
+        assert_eq!(timelines, &time, "{entity}");
+    }
+    for entity in ["/scene/domain/edges", "/scene/domain/wall_z0", "/about", "/legend/bar", "/legend/numbers"] {
+        assert!(found.contains_key(entity), "{entity}");
+    }
+    assert!(!found.contains_key("/scene/domain/wall_y0"), "periodic faces are no walls");
+}
+
+#[test]
+fn an_hour_stays_small() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = record(&folder.path().join("run.rrd"), 100, 5000, [160, 100]);
+    println!("100 frames of 5,000 grains and 16,000 nodes: {:.2} MB", bytes as f64 / 1e6);
+    assert!(bytes < 20_000_000, "{bytes}");
+}
+
+#[test]
+fn many_grains_are_no_trouble() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = std::time::Instant::now();
+    let bytes = record(&folder.path().join("run.rrd"), 5, 100_000, [160, 100]);
+    println!("5 frames of 100,000 grains: {:.2} MB, {:?}", bytes as f64 / 1e6, start.elapsed());
+}
+
+#[test]
+fn a_page_is_served_until_the_viewer_is_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut viewer = Viewer::open(&setup(folder.path(), serde_json::json!({"web_port": 0, "grpc_port": 0}))).unwrap();
+    feed(&mut viewer, 3, 100, [8, 5]);
+    let note = viewer.close(20).unwrap();
+    let url = viewer.session().url().unwrap().to_string();
+    assert!(note.contains(&url), "{note}");
+    let port: u16 = url.split([':', '/']).nth(4).unwrap().parse().unwrap();
+    assert!(std::net::TcpStream::connect(("127.0.0.1", port)).is_ok());
+    drop(viewer);
+    assert!(std::net::TcpStream::connect(("127.0.0.1", port)).is_err());
+}
+
+#[test]
+fn wrong_parameters_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let problems = Viewer::describe(&setup(folder.path(), serde_json::json!({"memory_limit": "lots"})));
+    assert_eq!(problems.unwrap_err()[0].key, "@memory_limit");
+    let problems = Viewer::describe(&setup(folder.path(), serde_json::json!({"mod": "web"}))).unwrap_err();
+    assert_eq!(problems[0].help.as_deref(), Some("did you mean \"mode\"?"));
+}
