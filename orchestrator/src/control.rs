@@ -40,7 +40,8 @@ impl<S: Between> Control<S> {
         let transport = &assignments[0].transport;
         // Nothing that the orchestrator sends may make it wait: credit overflows, log lines are lost.
         let patience = std::time::Duration::ZERO;
-        let attachment = Attachment::open(&transport.root, &transport.prefix, ORCHESTRATOR, patience)?;
+        let attachment =
+            Attachment::open(&transport.root, &transport.prefix, ORCHESTRATOR, patience)?;
         let mut ends = Vec::new();
         let mut logs = Vec::new();
         for ((peer, assignment), signals) in peers.iter().zip(assignments).zip(signals) {

@@ -2,7 +2,7 @@
 
 use crate::control::Control;
 use crate::launch::{News, Peer, Post};
-use crate::monitor::{Monitor, Row};
+use crate::monitor::{Monitor, Row, Waiting};
 use crate::outputs::{Ending, Level, OutputError, RunLog, SignalTable};
 use crate::stop::StopWatch;
 use crate::terminal::{Progress, Terminal};
@@ -211,8 +211,9 @@ impl<S: Between> Drive<'_, S> {
         let name = self.peers[index].name.clone();
         match (news, watched) {
             (News::Reply(reply), Some(watched)) => match *reply {
-                Reply::Waiting { from, what, window } => {
-                    self.monitor.waiting(watched, from, what, window, Instant::now());
+                Reply::Waiting { from, what, owed, window } => {
+                    let wait = Waiting { from, what, owed, window };
+                    self.monitor.waiting(watched, wait, Instant::now());
                 }
                 Reply::Resumed {} => self.monitor.resumed(watched, Instant::now()),
                 Reply::Finished { .. } => course.finished[index] = true,
@@ -251,7 +252,9 @@ impl<S: Between> Drive<'_, S> {
                         };
                         return Err(fault.into());
                     }
-                    None => self.lose_observer(course, index, &format!("its process {how}{words}"))?,
+                    None => {
+                        self.lose_observer(course, index, &format!("its process {how}{words}"))?
+                    }
                 }
             }
         }
@@ -270,7 +273,12 @@ impl<S: Between> Drive<'_, S> {
     }
 
     /// A component's line on standard error: JSON from the sdk's logger, or anything else.
-    fn hear_log(&mut self, course: &mut Course, index: usize, text: &str) -> Result<(), OutputError> {
+    fn hear_log(
+        &mut self,
+        course: &mut Course,
+        index: usize,
+        text: &str,
+    ) -> Result<(), OutputError> {
         let parsed: Option<serde_json::Value> = serde_json::from_str(text).ok();
         let field = |name: &str| parsed.as_ref()?.get(name)?.as_str().map(str::to_string);
         let message = field("message").unwrap_or_else(|| text.to_string());

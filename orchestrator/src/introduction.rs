@@ -26,7 +26,9 @@ pub fn find_programs(manifest: &Manifest, folder: &Path) -> Result<Vec<Program>,
                 let problem = Problem::new(component.key(), missing.to_string());
                 problems.push(match tremie_sdk::parameters::nearest(&missing.name, &known) {
                     Some(near) => problem.help(format!("did you mean \"{near}\"?")),
-                    None => problem.help("build the program first, or give its path from the manifest"),
+                    None => {
+                        problem.help("build the program first, or give its path from the manifest")
+                    }
                 });
             }
         }
@@ -96,7 +98,11 @@ pub fn introduce(
         problems.push(Problem::new(manifest.spec.components[index].key(), text));
     }
     let described: Vec<_> = descriptions.into_iter().flatten().collect();
-    if problems.is_empty() && described.len() == peers.len() { Ok(described) } else { Err(problems) }
+    if problems.is_empty() && described.len() == peers.len() {
+        Ok(described)
+    } else {
+        Err(problems)
+    }
 }
 
 /// Waits until `take` has said `true` to a reply of each peer. Returns, for each that failed, why.
@@ -112,7 +118,8 @@ pub fn collect(
     while open.iter().any(|open| *open) {
         let left = deadline.saturating_duration_since(Instant::now());
         let Ok((index, news)) = news.recv_timeout(left) else {
-            let late = |(index, _)| (index, format!("it did not answer within {} s", PATIENCE.as_secs()));
+            let late =
+                |(index, _)| (index, format!("it did not answer within {} s", PATIENCE.as_secs()));
             failed.extend(open.iter().enumerate().filter(|(_, open)| **open).map(late));
             return failed;
         };

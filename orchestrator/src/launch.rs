@@ -65,9 +65,12 @@ impl Program {
             places.extend(std::env::split_paths(&path).map(|folder| folder.join(name)));
         }
         match places.iter().find(|place| place.is_file()) {
-            Some(file) => Ok(Self::File(std::path::absolute(file).unwrap_or_else(|_| file.clone()))),
+            Some(file) => {
+                Ok(Self::File(std::path::absolute(file).unwrap_or_else(|_| file.clone())))
+            }
             None => {
-                let mut looked: Vec<_> = places.iter().take(2).map(|p| p.display().to_string()).collect();
+                let mut looked: Vec<_> =
+                    places.iter().take(2).map(|p| p.display().to_string()).collect();
                 if places.len() > 2 {
                     looked.push("the search path".into());
                 }
@@ -258,7 +261,8 @@ impl Peer {
         match &mut self.body {
             Body::Process(child) => reap(child, deadline),
             Body::Thread(handle) => {
-                while handle.as_ref().is_some_and(|h| !h.is_finished()) && Instant::now() < deadline {
+                while handle.as_ref().is_some_and(|h| !h.is_finished()) && Instant::now() < deadline
+                {
                     std::thread::sleep(Duration::from_millis(1));
                 }
                 match handle.take() {

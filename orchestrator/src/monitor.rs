@@ -42,10 +42,15 @@ pub struct Totals {
 
 /// A component that waits for a peer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Waiting {
-    from: String,
-    what: String,
-    window: u64,
+pub struct Waiting {
+    /// The peer.
+    pub from: String,
+    /// What it owes, as `state of window 7`.
+    pub what: String,
+    /// The window of what it owes.
+    pub owed: u64,
+    /// The window that the component works on.
+    pub window: u64,
 }
 
 /// What the orchestrator knows of a run in progress.
@@ -112,7 +117,9 @@ impl Monitor {
         if stamp.run != self.run || stamp.window != window {
             return wrong(
                 FaultKind::Stamp,
-                format!("it reported {stamp}; the plan of the orchestrator expects window {window}"),
+                format!(
+                    "it reported {stamp}; the plan of the orchestrator expects window {window}"
+                ),
             );
         }
         if stamp.substep != substeps || stamp.ticks != window * self.clock.ticks_per_window {
@@ -177,9 +184,9 @@ impl Monitor {
         &self.totals
     }
 
-    /// Component `index` says that it has been waiting for `from` to send `what`.
-    pub fn waiting(&mut self, index: usize, from: String, what: String, window: u64, now: Instant) {
-        self.waiting[index] = Some(Waiting { from, what, window });
+    /// Component `index` says that it has been waiting for a peer.
+    pub fn waiting(&mut self, index: usize, wait: Waiting, now: Instant) {
+        self.waiting[index] = Some(wait);
         if self.waiting.iter().all(Option::is_some) {
             self.all_waiting_since.get_or_insert(now);
         }
@@ -198,14 +205,14 @@ impl Monitor {
         if now.duration_since(since) < patience {
             return None;
         }
-        // Whoever is furthest ahead of the one that waits for it has claimed to have sent.
-        let claims = |wait: &Waiting| {
+        // A sender that has completed the window of what it owes claims to have sent it.
+        let claims_to_have_sent = |wait: &Waiting| {
             let sender = self.watched.iter().position(|c| c.name == wait.from);
-            sender.map_or(0, |sender| self.next[sender].saturating_sub(wait.window))
+            sender.is_some_and(|sender| self.next[sender] > wait.owed)
         };
         let (index, wait) = (self.waiting.iter().enumerate())
             .filter_map(|(index, wait)| Some((index, wait.as_ref()?)))
-            .max_by_key(|(index, wait)| (claims(wait), std::cmp::Reverse(*index)))?;
+            .max_by_key(|(index, wait)| (claims_to_have_sent(wait), std::cmp::Reverse(*index)))?;
         Some(Fault {
             kind: FaultKind::Lost,
             noticed_by: self.watched[index].name.clone(),
@@ -250,9 +257,15 @@ mod tests {
     use tremie_messages::Stamp;
 
     fn monitor() -> Monitor {
-        let watched = |name: &str, substeps, signals| Watched { name: name.into(), substeps, signals };
+        let watched =
+            |name: &str, substeps, signals| Watched { name: name.into(), substeps, signals };
         let clock = Clock { tick: 0.1, ticks_per_window: 3 };
-        Monitor::new(7, clock, vec![watched("fluid", 1, 1), watched("grains", 3, 2)], Instant::now())
+        Monitor::new(
+            7,
+            clock,
+            vec![watched("fluid", 1, 1), watched("grains", 3, 2)],
+            Instant::now(),
+        )
     }
 
     fn report(window: u64, substep: u32) -> Report {
@@ -302,10 +315,20 @@ mod tests {
         for window in 0..=4 {
             m.report(1, &report(window, if window == 0 { 0 } else { 3 }), &[0.0; 2], now).unwrap();
         }
-        m.waiting(1, "fluid".into(), "load of window 4".into(), 5, now);
+        let wait = |from: &str, owed, window| Waiting {
+            from: from.into(),
+            what: "a message".into(),
+            owed,
+            window,
+        };
+        m.waiting(1, wait("fluid", 4, 5), now);
         let patience = Duration::from_millis(50);
-        assert_eq!(m.lost_message(now + patience * 2, patience), None, "the fluid may be computing");
-        m.waiting(0, "grains".into(), "state of window 4".into(), 4, now);
+        assert_eq!(
+            m.lost_message(now + patience * 2, patience),
+            None,
+            "the fluid may be computing"
+        );
+        m.waiting(0, wait("grains", 4, 4), now);
         assert_eq!(m.lost_message(now, patience), None, "perhaps only slow");
         let fault = m.lost_message(now + patience * 2, patience).unwrap();
         assert_eq!((fault.blamed.as_str(), fault.noticed_by.as_str()), ("grains", "fluid"));

@@ -203,7 +203,10 @@ impl Prepared {
             .filter(|(peer, _)| peer.role != Role::Observer)
             .flat_map(|(peer, description)| {
                 let name = &peer.name;
-                description.signals.iter().map(move |s| (format!("{name}.{}", s.name), s.unit.clone()))
+                description
+                    .signals
+                    .iter()
+                    .map(move |s| (format!("{name}.{}", s.name), s.unit.clone()))
             })
             .collect()
     }
@@ -259,6 +262,12 @@ impl Prepared {
         let signals: BTreeMap<String, Statistics> = table.close()?.into_iter().collect();
         Ok(Summary {
             ending,
+            run: format!("{:016x}", self.run),
+            processes: self
+                .peers
+                .iter()
+                .filter_map(|peer| Some((peer.name.clone(), peer.process_id()?)))
+                .collect(),
             windows: window,
             planned_windows: self.plan.windows,
             simulated_time: self.plan.clock.seconds(window * self.plan.clock.ticks_per_window),

@@ -2,7 +2,7 @@
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 /// How often a progress line is printed where there is no terminal to draw on.
@@ -84,7 +84,7 @@ impl Terminal {
         match self.style {
             Style::Json => self.json(json!({"event": "end", "text": text, "summary": details})),
             Style::Silent => {}
-            _ => eprintln!("{text}"),
+            _ => self.print(text),
         }
     }
 
@@ -113,7 +113,7 @@ impl Terminal {
                 if self.last_plain.elapsed() > PLAIN_INTERVAL {
                     self.last_plain = Instant::now();
                     let percent = 100 * progress.window / progress.windows.max(1);
-                    eprintln!("{percent:3} %  {}", progress.line());
+                    self.print(&format!("{percent:3} %  {}", progress.line()));
                 }
             }
         }
@@ -135,13 +135,16 @@ impl Terminal {
 
     fn print(&self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.println(text),
+            None => {
+                let _ = writeln!(std::io::stderr(), "{text}");
+            }
         }
     }
 
     fn json(&self, value: Value) {
-        println!("{value}");
+        // Whoever reads may stop reading; the run goes on.
+        let _ = writeln!(std::io::stdout(), "{value}");
     }
 }
 

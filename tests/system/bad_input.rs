@@ -23,7 +23,7 @@ fn an_unknown_key_comes_with_the_nearest_valid_one() {
 
 #[test]
 fn an_unknown_key_of_a_component_does_so_too() {
-    refused("cell =", "cel =", &["manifest.toml:31", "cel", "\"cell\""]);
+    refused("cell =", "cel =", &["manifest.toml:32", "cel", "\"cell\""]);
 }
 
 #[test]
@@ -43,15 +43,21 @@ fn a_negative_viscosity_is_refused() {
 
 #[test]
 fn a_relaxation_time_too_close_to_one_half_is_refused() {
-    refused("cell = \"0.5 mm\"", "cell = \"0.5 mm\"\nrelaxation_time = 0.5001", &["relaxation", "0.5001"]);
+    refused(
+        "cell = \"0.5 mm\"",
+        "cell = \"0.5 mm\"\nrelaxation_time = 0.5001",
+        &["relaxation", "0.5001"],
+    );
 }
 
 #[test]
 fn a_mach_number_over_the_limit_is_refused_with_a_remedy() {
     let to = "viscosity = \"0.05 Pa s\"\nexpected_speed = \"3 m/s\"";
-    let text = SMALL
-        .replacen("viscosity = \"0.05 Pa s\"", to, 1)
-        .replacen("cell = \"0.5 mm\"", "cell = \"0.5 mm\"\ntime_step = \"0.2 ms\"", 1);
+    let text = SMALL.replacen("viscosity = \"0.05 Pa s\"", to, 1).replacen(
+        "cell = \"0.5 mm\"",
+        "cell = \"0.5 mm\"\ntime_step = \"0.2 ms\"",
+        1,
+    );
     let ran = run_text(&text, &[]);
     assert_eq!(ran.code(), Some(2), "{}", ran.errors());
     assert!(ran.errors().contains("Mach"), "{}", ran.errors());

@@ -36,8 +36,12 @@ fn mass_is_accounted_for_to_rounding() {
 }
 
 /// Fixes both steps so that their ratio is 2.4.
-const RATIO: [&str; 4] =
-    ["--set", "settings.fluid-lbm.time_step=0.24 ms", "--set", "settings.grains-dem.time_step=0.1 ms"];
+const RATIO: [&str; 4] = [
+    "--set",
+    "settings.fluid-lbm.time_step=0.24 ms",
+    "--set",
+    "settings.grains-dem.time_step=0.1 ms",
+];
 
 #[test]
 fn a_ratio_of_two_point_four_becomes_three_substeps_and_is_said() {

@@ -16,7 +16,11 @@ fn a_run_ends_in_time_with_all_outputs() {
     assert_eq!(summary["windows"], summary["planned_windows"]);
     let time = summary["simulated_time"].as_f64().unwrap();
     assert!((0.02..0.0205).contains(&time), "{time}");
-    assert!(ran.errors().trim().lines().last().unwrap().starts_with("completed"), "{}", ran.errors());
+    assert!(
+        ran.errors().trim().lines().last().unwrap().starts_with("completed"),
+        "{}",
+        ran.errors()
+    );
 }
 
 #[test]
@@ -31,7 +35,8 @@ fn the_resolved_manifest_runs_to_the_same_bits() {
 fn a_condition_ends_a_run_at_the_same_window_every_time() {
     let text = format!("{SMALL}\n[[stop_when]]\nsignal = \"grains.max_speed\"\nabove = 0.01\n")
         .replace("until = \"0.02 s\"", "until = \"1 s\"");
-    let [first, second] = [run_text(&text, &[]).succeeded(), run_text(&text, &["--in-process"]).succeeded()];
+    let [first, second] =
+        [run_text(&text, &[]).succeeded(), run_text(&text, &["--in-process"]).succeeded()];
     assert_eq!(first.summary()["status"], "stopped");
     assert!(first.errors().contains("grains.max_speed"), "{}", first.errors());
     assert_eq!(first.summary()["windows"], second.summary()["windows"]);
@@ -85,7 +90,8 @@ fn ctrl_c_ends_a_run_with_whole_outputs() {
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["status"], "interrupted");
     let table = std::fs::read_to_string(home.path().join("out/signals.csv")).unwrap();
-    let last: u64 = table.trim().lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
+    let last: u64 =
+        table.trim().lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert_eq!(Some(last), summary["windows"].as_u64());
 }
 

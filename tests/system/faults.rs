@@ -13,7 +13,8 @@ fn failed_run(component: &str, fault: &str, schedule: &str, window: u64) -> (Ran
     let inject = format!("{component}:{fault}@{window}");
     let options = ["--schedule", schedule, "--inject", &inject, "--set", "run.deadline=0.4 s"];
     let begin = Instant::now();
-    let ran = run_text(&SMALL.replace("record = false", "record = true\nframes = \"1 ms\""), &options);
+    let ran =
+        run_text(&SMALL.replace("record = false", "record = true\nframes = \"1 ms\""), &options);
     (ran, begin.elapsed().as_secs_f64())
 }
 
@@ -39,7 +40,7 @@ fn caught(fault: &str, kind: &str, names_both: bool) {
             let at = found["window"].as_u64().unwrap();
             assert!(at.abs_diff(window) <= 2, "{about}");
             outputs_end_at_the_last_common_window(&ran, &about);
-            nothing_is_left(&about);
+            nothing_is_left(&ran, &about);
         }
     }
 }
@@ -53,11 +54,30 @@ fn outputs_end_at_the_last_common_window(ran: &Ran, about: &str) {
     assert!(recording.len() > 0, "{about}");
 }
 
-/// No process of this test's and no shared memory of a dead run is left.
+/// No component outlives the run, and nothing of it stays in shared memory or in its private folder.
 #[track_caller]
-fn nothing_is_left(about: &str) {
-    let children = std::fs::read_to_string("/proc/self/task/self/children").unwrap_or_default();
-    assert_eq!(children.trim(), "", "{about}");
+fn nothing_is_left(ran: &Ran, about: &str) {
+    assert_eq!(processes_of(&ran.summary()), Vec::<u64>::new(), "{about}");
+    let run = ran.summary()["run"].as_str().unwrap().to_string();
+    let user = std::os::unix::fs::MetadataExt::uid(&std::fs::metadata(&ran.out).unwrap());
+    for place in ["/dev/shm".to_string(), format!("/tmp/tremie-{user}")] {
+        let left: Vec<_> = std::fs::read_dir(&place)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .filter(|name| name.contains(&run))
+            .collect();
+        assert_eq!(left, Vec::<String>::new(), "{about}");
+    }
+}
+
+/// Components of the run that are still there.
+fn processes_of(summary: &serde_json::Value) -> Vec<u64> {
+    let ids = summary["processes"].as_object().unwrap().values();
+    ids.filter_map(serde_json::Value::as_u64)
+        .filter(|id| std::path::Path::new(&format!("/proc/{id}")).exists())
+        .collect()
 }
 
 #[test]

@@ -36,7 +36,10 @@ fn a_stopped_viewer_stops_nothing_and_changes_nothing() {
         .arg(&manifest)
         .arg("--out")
         .arg(&out)
-        .args(["--set", "components.viewer={ program = \"viewer\", role = \"observer\", lossless = false }"])
+        .args([
+            "--set",
+            "components.viewer={ program = \"viewer\", role = \"observer\", lossless = false }",
+        ])
         .args(["--set", "outputs.frames=1 ms", "--view"])
         .arg(&file)
         .stderr(Stdio::piped())

@@ -29,14 +29,8 @@ pub struct Ran {
 pub fn run(manifest: &str, options: &[&str]) -> Ran {
     let home = tempfile::tempdir().unwrap();
     let out = home.path().join("out");
-    let output = tremie()
-        .arg("run")
-        .arg(manifest)
-        .arg("--out")
-        .arg(&out)
-        .args(options)
-        .output()
-        .unwrap();
+    let output =
+        tremie().arg("run").arg(manifest).arg("--out").arg(&out).args(options).output().unwrap();
     Ran { output, out, _home: home }
 }
 

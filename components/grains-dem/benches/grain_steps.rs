@@ -46,32 +46,19 @@ fn bed(spheres: f64) -> Scene {
                 min: [0.0; 3],
                 max: [side, side, height],
                 fraction,
-                diameters: Diameters::Uniform {
-                    min: 0.95 * D,
-                    max: 1.05 * D,
-                },
+                diameters: Diameters::Uniform { min: 0.95 * D, max: 1.05 * D },
                 seed: 1,
             }),
         }],
-        contacts: Some(Contacts {
-            body_body: law.clone(),
-            body_wall: law,
-        }),
+        contacts: Some(Contacts { body_body: law.clone(), body_wall: law }),
     }
 }
 
 fn main() {
     let mut numbers = std::env::args().filter_map(|a| a.parse().ok());
     let scene = bed(numbers.next().unwrap_or(32_000.0));
-    let parameters = Parameters {
-        skin: numbers.next(),
-        ..Parameters::default()
-    };
-    let dt = parameters
-        .resolve(&scene)
-        .expect("a valid scene")
-        .time_step
-        .expect("contacts");
+    let parameters = Parameters { skin: numbers.next(), ..Parameters::default() };
+    let dt = parameters.resolve(&scene).expect("a valid scene").time_step.expect("contacts");
     let start = Instant::now();
     let mut dem = GrainsDem::new(&scene, &parameters, dt).expect("a packing");
     println!(

@@ -23,10 +23,7 @@ pub(crate) struct Twist {
 
 impl Twist {
     pub fn zero() -> Self {
-        Self {
-            v: Vec3::zeros(),
-            w: Vec3::zeros(),
-        }
+        Self { v: Vec3::zeros(), w: Vec3::zeros() }
     }
 }
 
@@ -41,10 +38,7 @@ pub(crate) struct Wrench {
 
 impl Wrench {
     pub fn zero() -> Self {
-        Self {
-            force: Vec3::zeros(),
-            torque: Vec3::zeros(),
-        }
+        Self { force: Vec3::zeros(), torque: Vec3::zeros() }
     }
 }
 
@@ -59,10 +53,7 @@ pub(crate) struct Mobility {
 
 impl Mobility {
     /// That of a wall, or of a body whose motion is given.
-    pub const NONE: Self = Self {
-        inverse_mass: 0.0,
-        inverse_inertia: 0.0,
-    };
+    pub const NONE: Self = Self { inverse_mass: 0.0, inverse_inertia: 0.0 };
 
     /// Whether forces move the body.
     pub fn is_free(self) -> bool {

@@ -26,12 +26,7 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     domain(&scene.domain, &mut problems);
     let domain_is_valid = problems.len() == before;
     for (i, p) in scene.planes.iter().enumerate() {
-        plane(
-            &format!("scene.planes[{i}]"),
-            p,
-            &scene.domain,
-            &mut problems,
-        );
+        plane(&format!("scene.planes[{i}]"), p, &scene.domain, &mut problems);
     }
     let planes_are_valid = problems.len() == before;
     for (i, set) in scene.bodies.iter().enumerate() {
@@ -50,26 +45,13 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
                 }
             }
             Placement::Packed(packed) => {
-                packing(
-                    &format!("{key}.placement.packed"),
-                    packed,
-                    &scene.domain,
-                    &mut problems,
-                );
+                packing(&format!("{key}.placement.packed"), packed, &scene.domain, &mut problems);
             }
         }
     }
     if let Some(contacts) = &scene.contacts {
-        law(
-            "scene.contacts.body_body",
-            &contacts.body_body,
-            &mut problems,
-        );
-        law(
-            "scene.contacts.body_wall",
-            &contacts.body_wall,
-            &mut problems,
-        );
+        law("scene.contacts.body_body", &contacts.body_body, &mut problems);
+        law("scene.contacts.body_wall", &contacts.body_wall, &mut problems);
     }
     if problems.is_empty() {
         whole(scene, parameters, &mut problems);
@@ -109,10 +91,7 @@ fn domain(domain: &Domain, problems: &mut Vec<Problem>) {
     for axis in 0..3 {
         let name = AXES[axis];
         if !is_positive(extent[axis]) || !domain.min[axis].is_finite() {
-            let message = format!(
-                "has no extent in {name}: its size there is {} m",
-                extent[axis]
-            );
+            let message = format!("has no extent in {name}: its size there is {} m", extent[axis]);
             problems.push(Problem::new("scene.domain", message));
         }
     }
@@ -162,10 +141,7 @@ fn listed(key: &str, set: &BodySet, sphere: &Sphere, problems: &mut Vec<Problem>
 /// The centre must lie in the domain; a free sphere as a whole on the right side of walls.
 fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &mut Vec<Problem>) {
     let key = format!("{key}.position");
-    let ball = Ball {
-        x: sphere.position.into(),
-        radius: 0.5 * sphere.diameter,
-    };
+    let ball = Ball { x: sphere.position.into(), radius: 0.5 * sphere.diameter };
     if !PeriodicBox::new(&scene.domain).contains(ball.x) {
         problems.push(Problem::new(key, "lies outside the domain"));
         return;
@@ -186,10 +162,7 @@ fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &m
 fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Problem>) {
     let key = |name: &str| format!("{key}.{name}");
     if !(packing.fraction > 0.0 && packing.fraction < 0.74) {
-        let message = format!(
-            "is {}, expected a solid fraction in (0, 0.74)",
-            packing.fraction
-        );
+        let message = format!("is {}, expected a solid fraction in (0, 0.74)", packing.fraction);
         problems.push(Problem::new(key("fraction"), message));
     }
     let Some(largest) = diameters(&key("diameters"), &packing.diameters, problems) else {
@@ -214,16 +187,10 @@ fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Pro
         // A region typed in another unit may differ from the domain by rounding.
         let tolerance = 1e-9 * (domain.max[axis] - domain.min[axis]);
         if low < domain.min[axis] - tolerance {
-            problems.push(Problem::new(
-                key("min"),
-                format!("is outside the domain in {name}"),
-            ));
+            problems.push(Problem::new(key("min"), format!("is outside the domain in {name}")));
         }
         if high > domain.max[axis] + tolerance {
-            problems.push(Problem::new(
-                key("max"),
-                format!("is outside the domain in {name}"),
-            ));
+            problems.push(Problem::new(key("max"), format!("is outside the domain in {name}")));
         }
     }
 }
@@ -258,10 +225,7 @@ fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> O
 
 fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
     if !is_positive(law.normal_stiffness) {
-        problems.push(not_positive(
-            format!("{key}.normal_stiffness"),
-            law.normal_stiffness,
-        ));
+        problems.push(not_positive(format!("{key}.normal_stiffness"), law.normal_stiffness));
     }
     let mut not_negative = |name: &str, value: f64| {
         if !(value >= 0.0 && value.is_finite()) {

@@ -35,14 +35,8 @@ const SIGNALS: [(&str, &str); 12] = [
 ];
 
 /// Signals of each followed body.
-const PATH: [(&str, &str); 6] = [
-    ("x", "m"),
-    ("y", "m"),
-    ("z", "m"),
-    ("vx", "m/s"),
-    ("vy", "m/s"),
-    ("vz", "m/s"),
-];
+const PATH: [(&str, &str); 6] =
+    [("x", "m"), ("y", "m"), ("z", "m"), ("vx", "m/s"), ("vy", "m/s"), ("vz", "m/s")];
 
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
@@ -67,11 +61,7 @@ impl Grains for SoftSpheres {
         let grains = GrainsDem::new(&setup.hello.scene, &parameters, setup.assigned()?.step)?;
         let events = grains.initial_events().to_vec();
         let few = if events.len() <= FEW { events.len() } else { 0 };
-        Ok(Self {
-            grains,
-            events,
-            tracked: vec![BodyState::at_rest(0, [0.0; 3]); few],
-        })
+        Ok(Self { grains, events, tracked: vec![BodyState::at_rest(0, [0.0; 3]); few] })
     }
 
     fn events(&self) -> &[BodyEvent] {
@@ -88,9 +78,7 @@ impl Grains for SoftSpheres {
 
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
         self.events.clear();
-        self.grains
-            .advance(substeps, loads)
-            .map_err(SolverError::from_error)
+        self.grains.advance(substeps, loads).map_err(SolverError::from_error)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
@@ -104,11 +92,7 @@ impl Grains for SoftSpheres {
             d.elastic_energy,
         ]);
         values.extend(d.momentum);
-        values.extend([
-            d.contacts as f64,
-            d.max_overlap_ratio,
-            d.list_rebuilds as f64,
-        ]);
+        values.extend([d.contacts as f64, d.max_overlap_ratio, d.list_rebuilds as f64]);
         if !self.tracked.is_empty() {
             self.grains.write_state(&mut self.tracked);
         }
@@ -120,32 +104,19 @@ impl Grains for SoftSpheres {
 }
 
 fn signals(bodies: usize) -> Vec<Signal> {
-    let signal = |name: String, unit: &str| Signal {
-        name,
-        unit: unit.into(),
-    };
-    let mut all: Vec<_> = SIGNALS
-        .iter()
-        .map(|(name, unit)| signal((*name).to_string(), unit))
-        .collect();
+    let signal = |name: String, unit: &str| Signal { name, unit: unit.into() };
+    let mut all: Vec<_> =
+        SIGNALS.iter().map(|(name, unit)| signal((*name).to_string(), unit)).collect();
     if bodies <= FEW {
         for body in 0..bodies {
-            all.extend(
-                PATH.iter()
-                    .map(|(name, unit)| signal(format!("body{body}_{name}"), unit)),
-            );
+            all.extend(PATH.iter().map(|(name, unit)| signal(format!("body{body}_{name}"), unit)));
         }
     }
     all
 }
 
 fn notes(resolution: &Resolution) -> Vec<String> {
-    let Resolution {
-        bodies,
-        smallest_diameter,
-        largest_diameter,
-        ..
-    } = resolution;
+    let Resolution { bodies, smallest_diameter, largest_diameter, .. } = resolution;
     let mut notes = vec![if smallest_diameter == largest_diameter {
         format!("{bodies} spheres of {smallest_diameter:.4e} m")
     } else {

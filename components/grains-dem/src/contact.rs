@@ -69,10 +69,7 @@ pub(crate) fn force(
         f_n = f_n.max(0.0);
     }
     if law.mu == 0.0 {
-        return ContactForce {
-            normal: f_n,
-            tangential: Vec3::zeros(),
-        };
+        return ContactForce { normal: f_n, tangential: Vec3::zeros() };
     }
     let v_t = contact.velocity - n * v_n;
     let mut xi = if touching {
@@ -95,20 +92,13 @@ pub(crate) fn force(
     };
     memory.xi = xi + v_t * (0.5 * next_dt);
     memory.normal = n;
-    ContactForce {
-        normal: f_n,
-        tangential,
-    }
+    ContactForce { normal: f_n, tangential }
 }
 
 /// How long ago two bodies met that overlap by `overlap` and approach at `v_n`; at most `dt`.
 #[inline(always)]
 fn time_since_touch(overlap: f64, v_n: f64, dt: f64) -> f64 {
-    if overlap < v_n * dt {
-        overlap / v_n
-    } else {
-        dt
-    }
+    if overlap < v_n * dt { overlap / v_n } else { dt }
 }
 
 /// The remembered displacement, turned with the pair: by the rotation that takes the old normal
@@ -135,21 +125,13 @@ mod tests {
             normal_stiffness: 1e5,
             tangential_stiffness: 0.8e5,
             friction: mu,
-            damping: Damping::Coefficients {
-                normal: 0.0,
-                tangential: 0.0,
-            },
+            damping: Damping::Coefficients { normal: 0.0, tangential: 0.0 },
             tension: false,
         })
     }
 
     fn still(normal: Vec3) -> Contact {
-        Contact {
-            normal,
-            overlap: 1e-5,
-            velocity: Vec3::zeros(),
-            twist: 0.0,
-        }
+        Contact { normal, overlap: 1e-5, velocity: Vec3::zeros(), twist: 0.0 }
     }
 
     /// A stuck pair that turns as a rigid body once about an axis: |F_t| stays, its direction turns
@@ -158,10 +140,7 @@ mod tests {
         let law = law(10.0);
         let start = Vec3::x();
         let along = Vec3::new(0.0, 0.6, 0.8) * 1e-6;
-        let mut memory = Memory {
-            xi: along,
-            normal: start,
-        };
+        let mut memory = Memory { xi: along, normal: start };
         let angle = core::f64::consts::TAU / steps as f64;
         let first = -along * law.k_t;
         let (mut length_error, mut last) = (0.0f64, first);
@@ -183,10 +162,7 @@ mod tests {
             assert!(length < 1e-12, "{length}");
             assert!(direction < 1e-4, "{direction}");
             let (_, finer) = turn_once(axis, 2000);
-            assert!(
-                finer < 0.26 * direction || finer < 1e-11,
-                "{finer} {direction}"
-            );
+            assert!(finer < 0.26 * direction || finer < 1e-11, "{finer} {direction}");
         }
     }
 
@@ -221,10 +197,7 @@ mod tests {
             normal_stiffness: 1e5,
             tangential_stiffness: 0.0,
             friction: 0.0,
-            damping: Damping::Coefficients {
-                normal: 3.0,
-                tangential: 0.0,
-            },
+            damping: Damping::Coefficients { normal: 3.0, tangential: 0.0 },
             tension: false,
         });
         let mut contact = still(Vec3::z());

@@ -54,8 +54,7 @@ impl ContactList {
         self.root_mass.clear();
         for i in 0..bodies {
             for k in self.row(i) {
-                self.root_mass
-                    .push(root_mass(i, self.neighbours[k].other as usize));
+                self.root_mass.push(root_mass(i, self.neighbours[k].other as usize));
             }
         }
         self.touching.clear();
@@ -128,10 +127,7 @@ mod tests {
     use proptest::prelude::*;
     use tremie_messages::scene::{Domain, Face};
 
-    const FREE: Mobility = Mobility {
-        inverse_mass: 1.0,
-        inverse_inertia: 1.0,
-    };
+    const FREE: Mobility = Mobility { inverse_mass: 1.0, inverse_inertia: 1.0 };
 
     fn random_balls(bounds: &PeriodicBox, n: usize, seed: u64) -> Vec<Ball> {
         (0..n)

@@ -10,11 +10,7 @@ use core::f64::consts::PI;
 /// Restitution of a collision with damping ratio `zeta >= 0`, with or without `tension`.
 pub fn restitution(zeta: f64, tension: bool) -> f64 {
     if tension {
-        return if zeta >= 1.0 {
-            0.0
-        } else {
-            libm::exp(-PI * zeta / (1.0 - zeta * zeta).sqrt())
-        };
+        return if zeta >= 1.0 { 0.0 } else { libm::exp(-PI * zeta / (1.0 - zeta * zeta).sqrt()) };
     }
     let w2 = 1.0 - zeta * zeta;
     let w = w2.abs().sqrt();

@@ -46,17 +46,9 @@ pub struct Diagnostics {
 /// Sums over bodies into `out`.
 pub(crate) fn add_bodies(out: &mut Diagnostics, bodies: &Bodies, domain: &Domain, gravity: Vec3) {
     let strength = gravity.norm_squared().sqrt();
-    let up = if strength > 0.0 {
-        -gravity / strength
-    } else {
-        Vec3::zeros()
-    };
+    let up = if strength > 0.0 { -gravity / strength } else { Vec3::zeros() };
     let corner = |a: usize| {
-        if up[a] > 0.0 {
-            domain.min[a]
-        } else {
-            domain.max[a]
-        }
+        if up[a] > 0.0 { domain.min[a] } else { domain.max[a] }
     };
     let lowest = Vec3::from_fn(|a, _| corner(a)).dot(&up);
     let mut momentum = Vec3::zeros();

@@ -40,13 +40,7 @@ pub(crate) struct Deepest {
 
 impl Default for Deepest {
     fn default() -> Self {
-        Self {
-            overlap: 0.0,
-            radius: 1.0,
-            body: 0,
-            other: 0,
-            wall: false,
-        }
+        Self { overlap: 0.0, radius: 1.0, body: 0, other: 0, wall: false }
     }
 }
 
@@ -96,17 +90,8 @@ pub(crate) fn touch_of_balls(
     let overlap = reach - distance;
     let (arm_i, arm_j) = (radius_i - 0.5 * overlap, radius_j - 0.5 * overlap);
     let velocity = i.v - j.v + (i.w * arm_i + j.w * arm_j).cross(&normal);
-    let contact = Contact {
-        normal,
-        overlap,
-        velocity,
-        twist: 0.5 * (i.w + j.w).dot(&normal),
-    };
-    Some(Touch {
-        contact,
-        arm_i,
-        arm_j,
-    })
+    let contact = Contact { normal, overlap, velocity, twist: 0.5 * (i.w + j.w).dot(&normal) };
+    Some(Touch { contact, arm_i, arm_j })
 }
 
 /// The contact of a sphere with a wall, if they overlap.
@@ -124,11 +109,7 @@ pub(crate) fn touch_of_wall(ball: &Ball, twist: &Twist, wall: &Wall) -> Option<T
         velocity: twist.v + twist.w.cross(&normal) * arm_i,
         twist: 0.5 * twist.w.dot(&normal),
     };
-    Some(Touch {
-        contact,
-        arm_i,
-        arm_j: 0.0,
-    })
+    Some(Touch { contact, arm_i, arm_j: 0.0 })
 }
 
 /// Steps before and after an evaluation [s]: `before` is 0 for the one that starts all histories.

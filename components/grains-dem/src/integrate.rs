@@ -17,11 +17,7 @@ use crate::{
 /// Acceleration and angular acceleration of a body under two wrenches and weight.
 #[inline(always)]
 fn acceleration(contact: &Wrench, load: &Wrench, mobility: Mobility, gravity: Vec3) -> Twist {
-    let gravity = if mobility.is_free() {
-        gravity
-    } else {
-        Vec3::zeros()
-    };
+    let gravity = if mobility.is_free() { gravity } else { Vec3::zeros() };
     Twist {
         v: (contact.force + load.force) * mobility.inverse_mass + gravity,
         w: (contact.torque + load.torque) * mobility.inverse_inertia,
@@ -113,9 +109,7 @@ mod tests {
             q = turned(q, w * (0.5 / f64::from(steps)));
         }
         let exact = nalgebra::UnitQuaternion::from_scaled_axis(w);
-        let error = (0..4)
-            .map(|a| (q[a] - exact.coords[a]).abs())
-            .fold(0.0, f64::max);
+        let error = (0..4).map(|a| (q[a] - exact.coords[a]).abs()).fold(0.0, f64::max);
         assert!(error < 1e-7, "{error}");
     }
 }

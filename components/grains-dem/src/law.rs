@@ -41,17 +41,11 @@ impl Law {
         let (gamma_n, gamma_t) = match law.damping {
             Damping::Restitution(e) => {
                 let twice_zeta = 2.0 * damping_ratio(e, law.tension);
-                let scaled = |k: f64| Dashpot {
-                    fixed: 0.0,
-                    per_root_mass: twice_zeta * k.sqrt(),
-                };
+                let scaled = |k: f64| Dashpot { fixed: 0.0, per_root_mass: twice_zeta * k.sqrt() };
                 (scaled(k_n), scaled(k_t))
             }
             Damping::Coefficients { normal, tangential } => {
-                let constant = |gamma| Dashpot {
-                    fixed: gamma,
-                    per_root_mass: 0.0,
-                };
+                let constant = |gamma| Dashpot { fixed: gamma, per_root_mass: 0.0 };
                 (constant(normal), constant(tangential))
             }
         };
@@ -72,10 +66,7 @@ impl Law {
             normal_stiffness: 0.0,
             tangential_stiffness: 0.0,
             friction: 0.0,
-            damping: Damping::Coefficients {
-                normal: 0.0,
-                tangential: 0.0,
-            },
+            damping: Damping::Coefficients { normal: 0.0, tangential: 0.0 },
             tension: false,
         })
     }

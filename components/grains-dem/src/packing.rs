@@ -110,12 +110,7 @@ impl Region {
                 }
             }
         }
-        Self {
-            min,
-            max,
-            walls,
-            obstacles,
-        }
+        Self { min, max, walls, obstacles }
     }
 
     /// Uniform random centre of a sphere that lies in the region's box.

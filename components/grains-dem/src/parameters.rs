@@ -30,10 +30,6 @@ impl Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self {
-            time_step: None,
-            steps_per_contact: 20.0,
-            skin: None,
-        }
+        Self { time_step: None, steps_per_contact: 20.0, skin: None }
     }
 }

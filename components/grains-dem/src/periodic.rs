@@ -52,11 +52,7 @@ impl PeriodicBox {
             if self.periodic[a] && !(low..low + size).contains(&x[a]) {
                 let inside = x[a] - size * libm::floor((x[a] - low) / size);
                 // Rounding may land a hair beyond either face.
-                x[a] = if inside < low || inside >= low + size {
-                    low
-                } else {
-                    inside
-                };
+                x[a] = if inside < low || inside >= low + size { low } else { inside };
             }
         }
         x
@@ -66,9 +62,7 @@ impl PeriodicBox {
     pub fn images(&self) -> impl Iterator<Item = Vec3> + '_ {
         let step = |a: usize| if self.periodic[a] { -1..=1 } else { 0..=0 };
         let offsets = move |z| step(1).flat_map(move |y| step(0).map(move |x| [x, y, z]));
-        step(2)
-            .flat_map(offsets)
-            .map(|offset| self.shifts[image(offset) as usize])
+        step(2).flat_map(offsets).map(|offset| self.shifts[image(offset) as usize])
     }
 
     /// Whether `x` lies in the closed box; not so for numbers that are not finite.
@@ -96,9 +90,6 @@ mod tests {
         assert!((far.x - 0.75).abs() < 1e-12 && far.y == 4.0);
         assert!(far.z >= 0.5 && far.z < 0.7);
         assert_eq!(bounds.shifts[SELF_IMAGE as usize], Vec3::zeros());
-        assert_eq!(
-            bounds.shifts[image([1, 0, -1]) as usize],
-            Vec3::new(2.0, 0.0, 0.5 - 0.7)
-        );
+        assert_eq!(bounds.shifts[image([1, 0, -1]) as usize], Vec3::new(2.0, 0.0, 0.5 - 0.7));
     }
 }

@@ -20,8 +20,7 @@ pub(crate) fn mass(density: f64, diameter: f64) -> f64 {
 /// The listed spheres of all sets.
 pub(crate) fn listed(scene: &Scene) -> Vec<PlacedSphere> {
     let sets = scene.bodies.iter().enumerate();
-    sets.flat_map(|(set, bodies)| listed_of(set, bodies))
-        .collect()
+    sets.flat_map(|(set, bodies)| listed_of(set, bodies)).collect()
 }
 
 /// All bodies, in the order of sets. Packings keep clear of all listed bodies, wherever these
@@ -58,11 +57,7 @@ pub(crate) fn place(scene: &Scene) -> Result<Vec<PlacedSphere>, Vec<Problem>> {
             },
         }
     }
-    if problems.is_empty() {
-        Ok(placed)
-    } else {
-        Err(problems)
-    }
+    if problems.is_empty() { Ok(placed) } else { Err(problems) }
 }
 
 fn listed_of(set: usize, bodies: &BodySet) -> Vec<PlacedSphere> {
@@ -70,18 +65,8 @@ fn listed_of(set: usize, bodies: &BodySet) -> Vec<PlacedSphere> {
         return Vec::new();
     };
     let place = |sphere: &Sphere| PlacedSphere {
-        twist: Twist {
-            v: sphere.velocity.into(),
-            w: sphere.angular_velocity.into(),
-        },
-        ..at_rest(
-            set,
-            bodies,
-            Ball {
-                x: sphere.position.into(),
-                radius: 0.5 * sphere.diameter,
-            },
-        )
+        twist: Twist { v: sphere.velocity.into(), w: sphere.angular_velocity.into() },
+        ..at_rest(set, bodies, Ball { x: sphere.position.into(), radius: 0.5 * sphere.diameter })
     };
     list.iter().map(place).collect()
 }

@@ -101,9 +101,7 @@ impl Parameters {
             limits,
         };
         if let Some(step) = given {
-            resolution
-                .check_time_step(step)
-                .map_err(|problem| vec![problem])?;
+            resolution.check_time_step(step).map_err(|problem| vec![problem])?;
         }
         Ok(resolution)
     }
@@ -194,36 +192,19 @@ impl Population {
         };
         let law = &contacts.body_body;
         if self.free >= 2 {
-            add(
-                "body-body",
-                law,
-                reduced(self.lightest),
-                reduced(self.heaviest),
-            );
+            add("body-body", law, reduced(self.lightest), reduced(self.heaviest));
         }
         if self.free >= 1 && self.free < self.bodies {
-            add(
-                "body and body of given motion",
-                law,
-                self.lightest[0],
-                self.heaviest[0],
-            );
+            add("body and body of given motion", law, self.lightest[0], self.heaviest[0]);
         }
         if self.free >= 1 && !walls::of_scene(scene).is_empty() {
-            add(
-                "body-wall",
-                &contacts.body_wall,
-                self.lightest[0],
-                self.heaviest[0],
-            );
+            add("body-wall", &contacts.body_wall, self.lightest[0], self.heaviest[0]);
         }
         pairs
     }
 
     fn limits(&self, scene: &Scene, pairs: &[PairDamping]) -> Limits {
-        let contact = pairs
-            .iter()
-            .fold(f64::INFINITY, |t, p| t.min(p.contact_time));
+        let contact = pairs.iter().fold(f64::INFINITY, |t, p| t.min(p.contact_time));
         let mut single = Stability::default();
         let mut dense = Stability::default();
         let (walls, neighbours) = (walls::of_scene(scene).len(), self.bodies.saturating_sub(1));
@@ -242,11 +223,7 @@ impl Population {
                 dense.add(&wall, 1.0 / light, MOST_WALLS.min(walls as f64));
             }
         }
-        Limits {
-            contact,
-            pair: single.largest_step(),
-            dense: dense.largest_step(),
-        }
+        Limits { contact, pair: single.largest_step(), dense: dense.largest_step() }
     }
 }
 

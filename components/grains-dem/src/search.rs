@@ -30,11 +30,7 @@ impl Search {
     pub fn new(bounds: PeriodicBox, largest: f64, parameters: &Parameters, bodies: usize) -> Self {
         let skin = parameters.skin_fraction() * largest;
         // A domain without bodies still needs a cell size.
-        let range = if bodies > 0 {
-            largest + skin
-        } else {
-            bounds.size.max()
-        };
+        let range = if bodies > 0 { largest + skin } else { bounds.size.max() };
         Self {
             skin,
             cells: Cells::new(bounds, range, bodies),

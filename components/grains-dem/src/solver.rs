@@ -51,9 +51,7 @@ impl GrainsDem {
         time_step: f64,
     ) -> Result<Self, Vec<Problem>> {
         let resolution = parameters.resolve(scene)?;
-        resolution
-            .check_time_step(time_step)
-            .map_err(|problem| vec![problem])?;
+        resolution.check_time_step(time_step).map_err(|problem| vec![problem])?;
         let spheres = placement::place(scene)?;
         overlaps::check(scene, &spheres)?;
         let mut solver = Self::of_spheres(scene, parameters, time_step, &spheres);
@@ -159,14 +157,7 @@ impl GrainsDem {
         let (search, bodies) = (&self.search, &self.bodies);
         let shifts = &self.bounds.shifts;
         diagnostics::add_bodies(&mut out, bodies, &self.domain, self.gravity);
-        diagnostics::add_pairs(
-            &mut out,
-            &search.pairs,
-            &self.body_law,
-            shifts,
-            bodies,
-            self.dt,
-        );
+        diagnostics::add_pairs(&mut out, &search.pairs, &self.body_law, shifts, bodies, self.dt);
         let (list, law) = (&search.wall_contacts, &self.wall_law);
         diagnostics::add_walls(&mut out, list, law, &self.walls, bodies, self.dt);
         out
@@ -180,10 +171,7 @@ impl GrainsDem {
         check_loads(loads, self.body_count())?;
         let duration = f64::from(substeps) * self.dt;
         for (i, load) in loads.iter().enumerate() {
-            let wrench = Wrench {
-                force: load.force.into(),
-                torque: load.torque.into(),
-            };
+            let wrench = Wrench { force: load.force.into(), torque: load.torque.into() };
             if self.bodies.mobility[i].is_free() {
                 self.fluid_impulse += wrench.force * duration;
             }
@@ -194,9 +182,7 @@ impl GrainsDem {
 
     /// Moves the bodies to the end of a substep, and lists neighbours anew where they moved far.
     fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
-        let Self {
-            bodies, search, dt, ..
-        } = self;
+        let Self { bodies, search, dt, .. } = self;
         let farthest = integrate::first_half(bodies, self.gravity, *dt, finish, &search.reference);
         let limit = 0.5 * search.skin;
         if farthest >= limit * limit || farthest.is_nan() {
@@ -208,23 +194,13 @@ impl GrainsDem {
 
     /// Contact forces at the predicted velocities, `before` after the last evaluation.
     fn evaluate_forces(&mut self, before: f64) {
-        let steps = Steps {
-            before,
-            after: self.dt,
-        };
-        let Bodies {
-            balls,
-            predicted,
-            contact,
-            ..
-        } = &mut self.bodies;
+        let steps = Steps { before, after: self.dt };
+        let Bodies { balls, predicted, contact, .. } = &mut self.bodies;
         let (pairs, law, shifts) = (&mut self.search.pairs, &self.body_law, &self.bounds.shifts);
         let mut tally =
             forces::between_bodies(pairs, law, shifts, balls, predicted, steps, contact);
         let (list, law, walls) = (&mut self.search.wall_contacts, &self.wall_law, &self.walls);
-        forces::of_walls(
-            list, law, walls, balls, predicted, steps, contact, &mut tally,
-        );
+        forces::of_walls(list, law, walls, balls, predicted, steps, contact, &mut tally);
         self.tally = tally;
         self.deep_overlaps += tally.deep;
         self.max_overlap_ratio = self.max_overlap_ratio.max(tally.deepest.ratio());
@@ -259,12 +235,7 @@ impl GrainsDem {
         for (i, ball) in self.bodies.balls.iter().enumerate() {
             let [x, y, z]: [f64; 3] = ball.x.into();
             if !self.bounds.contains(self.bounds.wrap(ball.x)) {
-                return Err(GrainsError::LeftDomain {
-                    id: i as u64,
-                    x,
-                    y,
-                    z,
-                });
+                return Err(GrainsError::LeftDomain { id: i as u64, x, y, z });
             }
         }
         Ok(())
@@ -273,19 +244,12 @@ impl GrainsDem {
 
 fn check_loads(loads: &[Load], bodies: usize) -> Result<(), GrainsError> {
     if loads.len() != bodies {
-        return Err(GrainsError::LoadCount {
-            found: loads.len(),
-            expected: bodies,
-        });
+        return Err(GrainsError::LoadCount { found: loads.len(), expected: bodies });
     }
     for (index, load) in loads.iter().enumerate() {
         let (found, expected) = (load.id, index as u64);
         if found != expected {
-            return Err(GrainsError::LoadOrder {
-                index,
-                found,
-                expected,
-            });
+            return Err(GrainsError::LoadOrder { index, found, expected });
         }
         if !load.is_finite() {
             return Err(GrainsError::LoadNotFinite { id: found });

@@ -15,11 +15,7 @@ impl Stability {
     fn of(law: &Law, inverse_mass: f64, contacts: f64) -> Self {
         let root_mass = (1.0 / inverse_mass).sqrt();
         let (n, t) = (law.gamma_n(root_mass), law.gamma_t(root_mass));
-        let (k_t, t) = if law.mu > 0.0 {
-            (law.k_t, t)
-        } else {
-            (0.0, 0.0)
-        };
+        let (k_t, t) = if law.mu > 0.0 { (law.k_t, t) } else { (0.0, 0.0) };
         Self {
             frequency_squared: inverse_mass * strongest(law.k_n, k_t, contacts),
             decay: inverse_mass * strongest(n, t, contacts),
@@ -52,7 +48,5 @@ impl Stability {
 /// rotation `z 5/2 2/3 t`; one contact `n`, and `7/2 t` across with the rotation of a sphere.
 fn strongest(n: f64, t: f64, contacts: f64) -> f64 {
     let single = n.max(3.5 * t);
-    single
-        .max(contacts * (n + 2.0 * t) / 3.0)
-        .max(contacts * 5.0 / 3.0 * t)
+    single.max(contacts * (n + 2.0 * t) / 3.0).max(contacts * 5.0 / 3.0 * t)
 }

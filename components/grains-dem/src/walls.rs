@@ -15,10 +15,7 @@ pub(crate) struct Wall {
 impl Wall {
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         let normal = normal.unscale(normal.norm_squared().sqrt());
-        Self {
-            normal,
-            offset: point.dot(&normal),
-        }
+        Self { normal, offset: point.dot(&normal) }
     }
 
     /// How far `ball` reaches into the wall [m]; negative while it does not touch.
@@ -33,12 +30,7 @@ pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
     let mut walls = of_box(scene.domain.min, scene.domain.max, |axis, side| {
         scene.domain.faces[axis][side] == Face::Wall
     });
-    walls.extend(
-        scene
-            .planes
-            .iter()
-            .map(|p| Wall::through(p.point.into(), p.normal.into())),
-    );
+    walls.extend(scene.planes.iter().map(|p| Wall::through(p.point.into(), p.normal.into())));
     walls
 }
 

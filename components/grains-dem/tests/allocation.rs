@@ -31,11 +31,7 @@ static COUNTING: Counting = Counting;
 
 #[test]
 fn a_substep_allocates_nothing() {
-    let mut scene = scene(
-        [6e-3, 6e-3, 10e-3],
-        WALLS,
-        law(1e3, 0.5, Damping::Restitution(0.3)),
-    );
+    let mut scene = scene([6e-3, 6e-3, 10e-3], WALLS, law(1e3, 0.5, Damping::Restitution(0.3)));
     scene.gravity = [0.0, 0.0, -9.81];
     scene.bodies = vec![packed([0.0; 3], [6e-3; 3], 0.5, (1e-3, 1e-3), 4)];
     let mut dem = make(&scene, 4e-6);

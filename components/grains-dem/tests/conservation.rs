@@ -7,20 +7,13 @@ use tremie_messages::scene::{Damping, Motion};
 
 #[test]
 fn a_gas_with_friction_conserves_momentum_to_rounding() {
-    let mut scene = scene(
-        [8e-3; 3],
-        PERIODIC,
-        law(1e4, 0.5, Damping::Restitution(0.7)),
-    );
+    let mut scene = scene([8e-3; 3], PERIODIC, law(1e4, 0.5, Damping::Restitution(0.7)));
     gas(&mut scene, 1.0, 7);
     let mut dem = make(&scene, 5e-7);
     let before = dem.diagnostics();
     dem.advance(20_000, &[]).unwrap();
     let after = dem.diagnostics();
-    assert!(
-        after.kinetic_energy < 0.9 * before.kinetic_energy,
-        "they did collide"
-    );
+    assert!(after.kinetic_energy < 0.9 * before.kinetic_energy, "they did collide");
     let scale = (2.0 * before.kinetic_energy * mass(1e-3) * dem.body_count() as f64).sqrt();
     let change = norm(minus(after.momentum, before.momentum));
     assert!(change < 1e-12 * scale, "{change} of {scale}");
@@ -52,10 +45,7 @@ fn an_oblique_collision_conserves_both_momenta_to_rounding() {
     assert!(state(&dem)[0].velocity[0] < 0.5, "they did collide");
     let (p_after, l_after) = (dem.diagnostics().momentum, angular_momentum(&dem));
     assert!(norm(minus(p_after, p)) < 1e-13 * norm(p));
-    assert!(
-        norm(minus(l_after, l)) < 1e-12 * norm(l),
-        "{l:?} {l_after:?}"
-    );
+    assert!(norm(minus(l_after, l)) < 1e-12 * norm(l), "{l:?} {l_after:?}");
 }
 
 /// Largest deviation of the energy of an elastic gas in 2 ms, relative.

@@ -15,11 +15,7 @@ const DT: f64 = 2e-6;
 /// A sphere on the floor z = 0, settled in its overlap, with gravity turned by `angle` towards x.
 fn incline(angle: f64, mu: f64) -> Scene {
     let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall; 2]];
-    let mut scene = scene(
-        [1.0, 4e-3, 4e-3],
-        faces,
-        law(K, mu, Damping::Restitution(0.3)),
-    );
+    let mut scene = scene([1.0, 4e-3, 4e-3], faces, law(K, mu, Damping::Restitution(0.3)));
     scene.gravity = [G * angle.sin(), 0.0, -G * angle.cos()];
     let overlap = mass(D) * G * angle.cos() / K;
     let start = [0.1, 2e-3, 0.5 * D - overlap];
@@ -29,11 +25,7 @@ fn incline(angle: f64, mu: f64) -> Scene {
 
 /// Accelerations along x and about y between 10 ms and 30 ms, under a constant torque about y.
 fn accelerations(scene: &Scene, torque: f64) -> (f64, f64, BodyState) {
-    let load = Load {
-        id: 0,
-        force: [0.0; 3],
-        torque: [0.0, torque, 0.0],
-    };
+    let load = Load { id: 0, force: [0.0; 3], torque: [0.0, torque, 0.0] };
     let mut dem = make(scene, DT);
     dem.advance(5_000, &[load]).unwrap();
     let early = state(&dem)[0];

@@ -10,11 +10,7 @@ use tremie_messages::{
 #[test]
 fn given_motions_are_kept_and_felt() {
     let d = 1e-3;
-    let mut scene = scene(
-        [10e-3; 3],
-        PERIODIC,
-        law(1e4, 0.5, Damping::Restitution(1.0)),
-    );
+    let mut scene = scene([10e-3; 3], PERIODIC, law(1e4, 0.5, Damping::Restitution(1.0)));
     scene.gravity = [0.0, 0.0, -1.0];
     let mut pusher = sphere([2e-3, 5e-3, 5e-3], d, [0.5, 0.0, 0.0]);
     pusher.angular_velocity = [0.0, 0.0, 40.0];
@@ -28,20 +24,10 @@ fn given_motions_are_kept_and_felt() {
     let dt = 5e-7;
     let mut dem = make(&scene, dt);
     let motions: Vec<u32> = dem.initial_events().iter().map(|e| e.motion).collect();
-    assert_eq!(
-        motions,
-        [BodyEvent::PRESCRIBED, BodyEvent::FREE, BodyEvent::FIXED]
-    );
-    let push = |id| Load {
-        id,
-        force: [0.0, 1e-6, 0.0],
-        torque: [1e-9; 3],
-    };
+    assert_eq!(motions, [BodyEvent::PRESCRIBED, BodyEvent::FREE, BodyEvent::FIXED]);
+    let push = |id| Load { id, force: [0.0, 1e-6, 0.0], torque: [1e-9; 3] };
     let mut loads = [push(0), push(1), push(2)];
-    loads[1] = Load {
-        id: 1,
-        ..Load::default()
-    };
+    loads[1] = Load { id: 1, ..Load::default() };
     let steps = 8_000;
     dem.advance(steps, &loads).unwrap();
     let after = state(&dem);
@@ -55,11 +41,7 @@ fn given_motions_are_kept_and_felt() {
     assert!((after[1].velocity[0] - 1.0).abs() < 1e-2, "{:?}", after[1]);
     assert_eq!(after[2].position, [8e-3, 5e-3, 5e-3]);
     assert_eq!(after[2].velocity, [0.0; 3]);
-    assert_eq!(
-        dem.diagnostics().fluid_impulse,
-        [0.0; 3],
-        "only free bodies take impulse"
-    );
+    assert_eq!(dem.diagnostics().fluid_impulse, [0.0; 3], "only free bodies take impulse");
 }
 
 #[test]

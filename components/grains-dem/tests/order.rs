@@ -44,10 +44,7 @@ fn normal_spring_and_dashpot() {
 /// tangential spring, 20 times.
 fn swing(steps: u32) -> Vec<[f64; 2]> {
     let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall; 2]];
-    let sticky = ContactLaw {
-        friction: 1e3,
-        ..law(K, 0.0, Damping::Restitution(0.8))
-    };
+    let sticky = ContactLaw { friction: 1e3, ..law(K, 0.0, Damping::Restitution(0.8)) };
     let mut scene = scene([4e-3; 3], faces, sticky);
     scene.gravity = [0.3, 0.0, -G];
     let start = [2e-3, 2e-3, 0.5 * D - mass(D) * G / K];
@@ -68,11 +65,7 @@ fn tangential_spring_and_dashpot() {
     let [a, b, c] = [4, 8, 16].map(swing);
     for q in 0..2 {
         let distance = |a: &[[f64; 2]], b: &[[f64; 2]]| {
-            a.iter()
-                .zip(b)
-                .map(|(a, b)| (a[q] - b[q]).powi(2))
-                .sum::<f64>()
-                .sqrt()
+            a.iter().zip(b).map(|(a, b)| (a[q] - b[q]).powi(2)).sum::<f64>().sqrt()
         };
         let order = (distance(&a, &b) / distance(&b, &c)).log2();
         println!("quantity {q}: order {order}");

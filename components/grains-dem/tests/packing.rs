@@ -15,19 +15,12 @@ fn scene_with(sets: Vec<BodySet>) -> Scene {
 }
 
 fn pack(fraction: f64, seed: u64) -> GrainsDem {
-    make(
-        &scene_with(vec![packed([0.0; 3], [SIDE; 3], fraction, SIZES, seed)]),
-        1e-8,
-    )
+    make(&scene_with(vec![packed([0.0; 3], [SIDE; 3], fraction, SIZES, seed)]), 1e-8)
 }
 
 /// The deepest overlap of any two spheres, and of a sphere with the box, in mean diameters.
 fn deepest(dem: &GrainsDem) -> f64 {
-    let balls: Vec<_> = state(dem)
-        .iter()
-        .map(|s| s.position)
-        .zip(dem.radii())
-        .collect();
+    let balls: Vec<_> = state(dem).iter().map(|s| s.position).zip(dem.radii()).collect();
     let mut worst = f64::NEG_INFINITY;
     for (i, (x, r)) in balls.iter().enumerate() {
         for (y, s) in &balls[i + 1..] {
@@ -44,16 +37,10 @@ fn deepest(dem: &GrainsDem) -> f64 {
 fn honours_the_fraction_without_overlap() {
     for fraction in [0.05, 0.2, 0.3, 0.45, 0.55] {
         let dem = pack(fraction, 1);
-        let volume: f64 = dem
-            .radii()
-            .map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3))
-            .sum();
+        let volume: f64 = dem.radii().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
         let grain = std::f64::consts::PI / 6.0 * SIZES.1.powi(3);
         let wanted = fraction * SIDE.powi(3);
-        assert!(
-            (volume - wanted).abs() <= (0.01 * wanted).max(grain),
-            "{fraction}"
-        );
+        assert!((volume - wanted).abs() <= (0.01 * wanted).max(grain), "{fraction}");
         let overlap = deepest(&dem);
         assert!(overlap < 1e-11, "{fraction}: {overlap}");
     }
@@ -70,16 +57,11 @@ fn equal_seeds_give_equal_bits() {
 #[test]
 fn says_what_was_reached_when_a_fraction_is_out_of_reach() {
     let scene = scene_with(vec![packed([0.0; 3], [5e-3; 3], 0.7, SIZES, 1)]);
-    let problems = GrainsDem::new(&scene, &Parameters::default(), 1e-8)
-        .err()
-        .unwrap();
+    let problems = GrainsDem::new(&scene, &Parameters::default(), 1e-8).err().unwrap();
     println!("{}", problems[0]);
     assert_eq!(problems[0].key, "scene.bodies[0].placement.packed.fraction");
     // Random packings reach 0.64, less between walls five diameters apart.
-    let reached = problems[0]
-        .message
-        .split(' ')
-        .find_map(|word| word.parse::<f64>().ok());
+    let reached = problems[0].message.split(' ').find_map(|word| word.parse::<f64>().ok());
     assert!(problems[0].message.contains("was reached"));
     assert!((0.45..0.64).contains(&reached.unwrap()), "{}", problems[0]);
 }
@@ -92,10 +74,7 @@ fn keeps_clear_of_planes_listed_bodies_and_other_packings() {
         let mut high = packed([0.0, 0.0, 4e-3], [SIDE; 3], 0.5 * fraction, SIZES, 2);
         high.name = "high".into();
         let mut scene = scene_with(vec![low, high, set(Motion::Fixed, vec![big])]);
-        scene.planes = vec![Plane {
-            point: [2e-3, 0.0, 0.0],
-            normal: [0.8, 0.6, 0.0],
-        }];
+        scene.planes = vec![Plane { point: [2e-3, 0.0, 0.0], normal: [0.8, 0.6, 0.0] }];
         let dem = make(&scene, 1e-8);
         assert!(deepest(&dem) < 1e-11);
         for (s, r) in state(&dem).iter().zip(dem.radii()) {

@@ -10,11 +10,7 @@ use tremie_messages::{
 /// Two spheres that collide obliquely at `place`, afterwards.
 fn collide_at(place: [f64; 3]) -> Vec<BodyState> {
     let size = 8e-3;
-    let mut scene = scene(
-        [size; 3],
-        PERIODIC,
-        law(1e4, 0.4, Damping::Restitution(0.6)),
-    );
+    let mut scene = scene([size; 3], PERIODIC, law(1e4, 0.4, Damping::Restitution(0.6)));
     let at = |offset: [f64; 3]| std::array::from_fn(|a| (place[a] + offset[a]).rem_euclid(size));
     let mut left = sphere(at([-0.6e-3, 0.1e-3, 0.0]), 1e-3, [1.0, 0.1, 0.3]);
     left.angular_velocity = [0.0, 300.0, -500.0];

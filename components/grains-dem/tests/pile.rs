@@ -9,24 +9,10 @@ use tremie_messages::scene::Damping;
 /// explicit, would keep the pile shaking.
 #[test]
 fn a_pile_at_rest_does_not_drift() {
-    let mut scene = scene(
-        [4e-3, 4e-3, 8e-3],
-        WALLS,
-        law(1e3, 0.5, Damping::Restitution(0.4)),
-    );
+    let mut scene = scene([4e-3, 4e-3, 8e-3], WALLS, law(1e3, 0.5, Damping::Restitution(0.4)));
     scene.gravity = [0.0, 0.0, -9.81];
-    scene.bodies = vec![packed(
-        [0.0; 3],
-        [4e-3, 4e-3, 5e-3],
-        0.42,
-        (0.8e-3, 1.2e-3),
-        11,
-    )];
-    let dt = Parameters::default()
-        .resolve(&scene)
-        .unwrap()
-        .time_step
-        .unwrap();
+    scene.bodies = vec![packed([0.0; 3], [4e-3, 4e-3, 5e-3], 0.42, (0.8e-3, 1.2e-3), 11)];
+    let dt = Parameters::default().resolve(&scene).unwrap().time_step.unwrap();
     let mut dem = make(&scene, dt);
     dem.advance((0.15 / dt) as u32, &[]).unwrap();
     let (settled, early) = (dem.diagnostics(), state(&dem));

@@ -12,10 +12,8 @@ use tremie_messages::{
 fn good() -> Scene {
     let mut scene = scene([10e-3; 3], WALLS, law(1e4, 0.5, Damping::Restitution(0.8)));
     let (a, b) = ([3e-3, 5e-3, 5e-3], [5e-3, 5e-3, 5e-3]);
-    scene.bodies = vec![set(
-        Motion::Free,
-        vec![sphere(a, 1e-3, [0.0; 3]), sphere(b, 1e-3, [0.0; 3])],
-    )];
+    scene.bodies =
+        vec![set(Motion::Free, vec![sphere(a, 1e-3, [0.0; 3]), sphere(b, 1e-3, [0.0; 3])])];
     scene
 }
 
@@ -49,10 +47,7 @@ fn laws() {
     let of = "scene.contacts.body_body";
     let found = key(|s, _| law_of(s).normal_stiffness = -1.0);
     assert_eq!(found, format!("{of}.normal_stiffness"));
-    assert_eq!(
-        key(|s, _| law_of(s).friction = -0.1),
-        format!("{of}.friction")
-    );
+    assert_eq!(key(|s, _| law_of(s).friction = -0.1), format!("{of}.friction"));
     for e in [0.0, -0.5, 1.1, f64::NAN] {
         let found = key(|s, _| law_of(s).damping = Damping::Restitution(e));
         assert_eq!(found, format!("{of}.damping.restitution"));
@@ -64,20 +59,11 @@ fn laws() {
 
 #[test]
 fn bodies() {
-    assert_eq!(
-        key(|s, _| s.bodies[0].density = 0.0),
-        "scene.bodies[0].density"
-    );
+    assert_eq!(key(|s, _| s.bodies[0].density = 0.0), "scene.bodies[0].density");
     let of = "scene.bodies[0].placement.listed[1]";
-    assert_eq!(
-        key(|s, _| spheres(s)[1].diameter = -1e-3),
-        format!("{of}.diameter")
-    );
+    assert_eq!(key(|s, _| spheres(s)[1].diameter = -1e-3), format!("{of}.diameter"));
     for z in [0.4e-3, 9.9e-3, -1.0, f64::NAN] {
-        assert_eq!(
-            key(|s, _| spheres(s)[1].position[2] = z),
-            format!("{of}.position")
-        );
+        assert_eq!(key(|s, _| spheres(s)[1].position[2] = z), format!("{of}.position"));
     }
     let found = key(|s, _| {
         s.bodies[0].motion = Motion::Fixed;
@@ -103,14 +89,8 @@ fn domain_and_planes() {
         (s.domain.min[2], s.domain.max[2]) = (4.2e-3, 6.2e-3);
     };
     assert_eq!(key(|s, _| small(s)), "scene.domain");
-    let plane = |normal| Plane {
-        point: [0.0; 3],
-        normal,
-    };
-    assert_eq!(
-        key(|s, _| s.planes = vec![plane([0.0; 3])]),
-        "scene.planes[0].normal"
-    );
+    let plane = |normal| Plane { point: [0.0; 3], normal };
+    assert_eq!(key(|s, _| s.planes = vec![plane([0.0; 3])]), "scene.planes[0].normal");
     let across = |s: &mut Scene| {
         s.domain.faces[0] = [Face::Periodic; 2];
         s.planes = vec![plane([1.0, 0.0, 0.0])];
@@ -124,14 +104,8 @@ fn packings() {
         key(move |s, _| s.bodies = vec![packed(min, max, fraction, (1e-3, 1e-3), 1)])
     };
     let of = "scene.bodies[0].placement";
-    assert_eq!(
-        pack([0.0; 3], [9e-3; 3], 0.0),
-        format!("{of}.packed.fraction")
-    );
-    assert_eq!(
-        pack([0.0; 3], [9e-3, 9e-3, 0.5e-3], 0.3),
-        format!("{of}.packed.max")
-    );
+    assert_eq!(pack([0.0; 3], [9e-3; 3], 0.0), format!("{of}.packed.fraction"));
+    assert_eq!(pack([0.0; 3], [9e-3, 9e-3, 0.5e-3], 0.3), format!("{of}.packed.max"));
     assert_eq!(pack([-1e-3; 3], [9e-3; 3], 0.3), format!("{of}.packed.min"));
     assert_eq!(pack([0.0; 3], [2e-3; 3], 0.01), of);
 }
@@ -145,10 +119,7 @@ fn own_parameters() {
     assert_eq!(key(|_, p| p.steps_per_contact = 2.0), "@steps_per_contact");
     assert_eq!(key(|_, p| p.skin = Some(0.0)), "@skin");
     let found = problems(|_, p| p.time_step = Some(Time(1e-4)));
-    assert!(
-        found[0].help.as_ref().unwrap().contains("use"),
-        "says what would do"
-    );
+    assert!(found[0].help.as_ref().unwrap().contains("use"), "says what would do");
     assert!(GrainsDem::new(&good(), &Parameters::default(), 1e-3).is_err());
 }
 
@@ -159,12 +130,7 @@ fn a_good_scene_resolves_to_a_time_step() {
     assert!((resolution.contact_time.unwrap() / contact - 1.0).abs() < 1e-12);
     assert!((resolution.time_step.unwrap() * 20.0 / contact - 1.0).abs() < 1e-12);
     assert_eq!((resolution.bodies, resolution.free_bodies), (2, 2));
-    assert!(
-        resolution
-            .pairs
-            .iter()
-            .all(|p| (p.restitution - 0.8).abs() < 1e-9)
-    );
+    assert!(resolution.pairs.iter().all(|p| (p.restitution - 0.8).abs() < 1e-9));
     assert!(resolution.warnings.is_empty(), "{:?}", resolution.warnings);
 }
 
@@ -184,10 +150,7 @@ fn a_contact_that_is_much_too_soft_ends_the_run() {
     let mut dem = make(&scene, 1e-7);
     let error = dem.advance(2000, &[]).unwrap_err();
     println!("{error}");
-    assert!(
-        matches!(error, GrainsError::Overlap { id: 0, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, GrainsError::Overlap { id: 0, .. }), "{error}");
     assert!(dem.diagnostics().max_overlap_ratio > 0.5 && dem.diagnostics().deep_overlaps > 0);
 }
 
@@ -198,8 +161,5 @@ fn a_prescribed_body_may_not_leave() {
     scene.bodies.push(set(Motion::Prescribed, vec![leaving]));
     let error = make(&scene, 1e-6).advance(5000, &[]).unwrap_err();
     println!("{error}");
-    assert!(
-        matches!(error, GrainsError::LeftDomain { id: 2, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, GrainsError::LeftDomain { id: 2, .. }), "{error}");
 }

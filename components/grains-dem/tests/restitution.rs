@@ -13,10 +13,7 @@ fn contact_time(m: f64) -> f64 {
 }
 
 fn law_of(damping: Damping, tension: bool) -> ContactLaw {
-    ContactLaw {
-        tension,
-        ..law(K, 0.4, damping)
-    }
+    ContactLaw { tension, ..law(K, 0.4, damping) }
 }
 
 /// Speed after over speed before, of two equal spheres.
@@ -25,10 +22,7 @@ fn of_a_pair(law: ContactLaw) -> f64 {
     let (left, right) = ([1.5e-3, 2e-3, 2e-3], [1.5e-3 + D + 1e-9, 2e-3, 2e-3]);
     scene.bodies = vec![set(
         Motion::Free,
-        vec![
-            sphere(left, D, [0.5, 0.0, 0.0]),
-            sphere(right, D, [-0.5, 0.0, 0.0]),
-        ],
+        vec![sphere(left, D, [0.5, 0.0, 0.0]), sphere(right, D, [-0.5, 0.0, 0.0])],
     )];
     let dt = contact_time(0.5 * mass(D)) / 4000.0;
     let mut dem = make(&scene, dt);
@@ -50,10 +44,7 @@ fn of_a_wall(law: ContactLaw) -> f64 {
 
 /// Tolerance 1e-3: the dashpot sets in at once, somewhere within a step, hence the fine step.
 fn assert_near(found: f64, expected: f64) {
-    assert!(
-        (found - expected).abs() < 1e-3,
-        "{found}, expected {expected}"
-    );
+    assert!((found - expected).abs() < 1e-3, "{found}, expected {expected}");
 }
 
 #[test]

@@ -9,21 +9,14 @@ use tremie_messages::{
 };
 
 fn falling() -> Scene {
-    let mut scene = scene(
-        [6e-3, 6e-3, 12e-3],
-        WALLS,
-        law(1e4, 0.5, Damping::Restitution(0.6)),
-    );
+    let mut scene = scene([6e-3, 6e-3, 12e-3], WALLS, law(1e4, 0.5, Damping::Restitution(0.6)));
     scene.gravity = [1.0, 0.0, -9.81];
     scene.bodies = vec![packed([0.0; 3], [6e-3; 3], 0.35, (0.8e-3, 1.2e-3), 2)];
     scene
 }
 
 fn run(skin: f64, windows: u32, substeps: u32) -> Vec<BodyState> {
-    let parameters = Parameters {
-        skin: Some(skin),
-        ..Parameters::default()
-    };
+    let parameters = Parameters { skin: Some(skin), ..Parameters::default() };
     let mut dem = GrainsDem::new(&falling(), &parameters, 1e-6).unwrap();
     for _ in 0..windows {
         dem.advance(substeps, &[]).unwrap();

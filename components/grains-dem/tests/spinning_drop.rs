@@ -17,11 +17,7 @@ fn ends_rolling_at_two_sevenths() {
     dem.advance(20_000, &[]).unwrap();
     let last = state(&dem)[0];
     let expected = 2.0 / 7.0 * 0.5 * d * w;
-    assert!(
-        (last.velocity[0] / expected - 1.0).abs() < 1e-3,
-        "{}",
-        last.velocity[0]
-    );
+    assert!((last.velocity[0] / expected - 1.0).abs() < 1e-3, "{}", last.velocity[0]);
     let slip = last.velocity[0] - last.angular_velocity[1] * 0.5 * d;
     assert!(slip.abs() < 1e-4 * expected, "{slip}");
     assert!(last.velocity[1].abs() < 1e-12);

@@ -1,6 +1,8 @@
 //! Bodies and cuts as the points of a point cloud, and back.
 
-use crate::proto::{Grid, NumericType, PackedElementField, PointCloud, Pose, Quaternion, Vector3, timestamp};
+use crate::proto::{
+    Grid, NumericType, PackedElementField, PointCloud, Pose, Quaternion, Vector3, timestamp,
+};
 use tremie_messages::BodyState;
 use tremie_messages::frame::{BodySample, SliceHeader, SliceNode};
 
@@ -12,26 +14,52 @@ const NODE: usize = 12 + 20 + 4;
 const BODY_FIELDS: [(&str, u32, NumericType); 22] = {
     use NumericType::{Float32, Float64, Uint32};
     [
-        ("x", 8, Float64), ("y", 16, Float64), ("z", 24, Float64),
-        ("speed", 144, Float32), ("radius", 112, Float64), ("mass", 120, Float64),
-        ("id_low", 0, Uint32), ("id_high", 4, Uint32), ("set", 128, Uint32), ("motion", 136, Uint32),
-        ("qx", 32, Float64), ("qy", 40, Float64), ("qz", 48, Float64), ("qw", 56, Float64),
-        ("vx", 64, Float64), ("vy", 72, Float64), ("vz", 80, Float64),
-        ("wx", 88, Float64), ("wy", 96, Float64), ("wz", 104, Float64),
-        ("set_high", 132, Uint32), ("motion_high", 140, Uint32),
+        ("x", 8, Float64),
+        ("y", 16, Float64),
+        ("z", 24, Float64),
+        ("speed", 144, Float32),
+        ("radius", 112, Float64),
+        ("mass", 120, Float64),
+        ("id_low", 0, Uint32),
+        ("id_high", 4, Uint32),
+        ("set", 128, Uint32),
+        ("motion", 136, Uint32),
+        ("qx", 32, Float64),
+        ("qy", 40, Float64),
+        ("qz", 48, Float64),
+        ("qw", 56, Float64),
+        ("vx", 64, Float64),
+        ("vy", 72, Float64),
+        ("vz", 80, Float64),
+        ("wx", 88, Float64),
+        ("wy", 96, Float64),
+        ("wz", 104, Float64),
+        ("set_high", 132, Uint32),
+        ("motion_high", 140, Uint32),
     ]
 };
 
 const NODE_FIELDS: [(&str, u32, NumericType); 9] = {
     use NumericType::{Float32, Uint32};
     [
-        ("x", 0, Float32), ("y", 4, Float32), ("z", 8, Float32), ("speed", 32, Float32),
-        ("vx", 12, Float32), ("vy", 16, Float32), ("vz", 20, Float32),
-        ("pressure", 24, Float32), ("solid", 28, Uint32),
+        ("x", 0, Float32),
+        ("y", 4, Float32),
+        ("z", 8, Float32),
+        ("speed", 32, Float32),
+        ("vx", 12, Float32),
+        ("vy", 16, Float32),
+        ("vz", 20, Float32),
+        ("pressure", 24, Float32),
+        ("solid", 28, Uint32),
     ]
 };
 
-fn cloud(nanoseconds: u64, stride: usize, fields: &[(&str, u32, NumericType)], data: Vec<u8>) -> PointCloud {
+fn cloud(
+    nanoseconds: u64,
+    stride: usize,
+    fields: &[(&str, u32, NumericType)],
+    data: Vec<u8>,
+) -> PointCloud {
     let field = |(name, offset, kind): &(&str, u32, NumericType)| PackedElementField {
         name: (*name).into(),
         offset: *offset,
@@ -57,7 +85,10 @@ pub fn encode_bodies(nanoseconds: u64, bodies: &[BodySample]) -> PointCloud {
         let state = &body.state;
         data.extend(state.id.to_le_bytes());
         let numbers = [
-            &state.position[..], &state.orientation, &state.velocity, &state.angular_velocity,
+            &state.position[..],
+            &state.orientation,
+            &state.velocity,
+            &state.angular_velocity,
             &[body.radius, body.mass],
         ];
         numbers.concat().iter().for_each(|x| data.extend(x.to_le_bytes()));
@@ -97,7 +128,8 @@ pub fn encode_nodes(nanoseconds: u64, header: &SliceHeader, nodes: &[SliceNode])
     let width = header.count[0].max(1) as usize;
     for (k, node) in nodes.iter().enumerate() {
         let (i, j) = ((k % width) as f64, (k / width) as f64);
-        let at = |a: usize| (header.origin[a] + i * header.step[0][a] + j * header.step[1][a]) as f32;
+        let at =
+            |a: usize| (header.origin[a] + i * header.step[0][a] + j * header.step[1][a]) as f32;
         let [u, v, w] = node.velocity;
         for x in [at(0), at(1), at(2), u, v, w, node.pressure] {
             data.extend(x.to_le_bytes());

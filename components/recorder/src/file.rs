@@ -96,9 +96,12 @@ impl McapFile {
             return Ok(());
         }
         match stream {
-            Stream::Bodies(_) | Stream::Cut(..) => {
-                self.add_channel(&topic, "foxglove.PointCloud", &schema::point_cloud(), &BTreeMap::new())
-            }
+            Stream::Bodies(_) | Stream::Cut(..) => self.add_channel(
+                &topic,
+                "foxglove.PointCloud",
+                &schema::point_cloud(),
+                &BTreeMap::new(),
+            ),
             Stream::Signals(from) => {
                 let name = identifier(from);
                 let list = serde_json::to_string(signals).map_err(std::io::Error::other)?;
@@ -118,8 +121,15 @@ impl McapFile {
     }
 
     fn put(&mut self, topic: &str, time: u64, data: &[u8]) -> McapResult<()> {
-        let Some(&channel_id) = self.channels.get(topic) else { return Ok(()) };
-        let header = MessageHeader { channel_id, sequence: self.sequence, log_time: time, publish_time: time };
+        let Some(&channel_id) = self.channels.get(topic) else {
+            return Ok(());
+        };
+        let header = MessageHeader {
+            channel_id,
+            sequence: self.sequence,
+            log_time: time,
+            publish_time: time,
+        };
         self.bytes += data.len();
         self.writer.write_to_known_channel(&header, data)
     }
@@ -136,7 +146,8 @@ impl McapFile {
 
     /// Writes the last metadata record and the index.
     pub fn finish(mut self, last_common_window: u64) -> McapResult<()> {
-        let metadata = BTreeMap::from([("last_common_window".to_string(), last_common_window.to_string())]);
+        let metadata =
+            BTreeMap::from([("last_common_window".to_string(), last_common_window.to_string())]);
         self.writer.write_metadata(&Metadata { name: crate::document::END.into(), metadata })?;
         self.writer.finish()?;
         self.writer.into_inner().flush()?;

@@ -45,6 +45,7 @@
 mod codec;
 mod document;
 mod file;
+mod item;
 mod parameters;
 mod proto;
 mod recorder;
@@ -53,6 +54,7 @@ mod schema;
 mod signals;
 pub mod windows;
 
+pub use item::Item;
 pub use parameters::Parameters;
 pub use recorder::Recorder;
-pub use recording::{End, Item, Items, ReadError, Recording};
+pub use recording::{End, Items, ReadError, Recording};

@@ -69,8 +69,14 @@ impl Recorder {
 
     /// Writes a window. Channels are added here and not on arrival, so that their order is that of the
     /// streams and not that of chance.
-    fn write(&mut self, window: u64, entries: BTreeMap<Stream, Entry>) -> Result<(), ObserverError> {
-        let Some(file) = &mut self.file else { return Err(failed("it is closed")) };
+    fn write(
+        &mut self,
+        window: u64,
+        entries: BTreeMap<Stream, Entry>,
+    ) -> Result<(), ObserverError> {
+        let Some(file) = &mut self.file else {
+            return Err(failed("it is closed"));
+        };
         for (stream, entry) in &entries {
             let names = self.names.get(stream).map_or(&[][..], Vec::as_slice);
             file.announce(stream, names).map_err(failed)?;
@@ -117,7 +123,12 @@ impl Observer for Recorder {
         })
     }
 
-    fn bodies(&mut self, from: &str, at: Moment, bodies: &[BodySample]) -> Result<(), ObserverError> {
+    fn bodies(
+        &mut self,
+        from: &str,
+        at: Moment,
+        bodies: &[BodySample],
+    ) -> Result<(), ObserverError> {
         let stream = Stream::Bodies(from.into());
         let time = nanoseconds(at);
         let data = bytes(&encode_bodies(time, bodies));
@@ -187,6 +198,11 @@ impl Observer for Recorder {
             0 => String::new(),
             n => format!(", {n} windows beyond the last common one left out"),
         };
-        Ok(format!("{}: {} frames up to window {}{dropped}", self.name, self.frames, self.written.unwrap_or(0)))
+        Ok(format!(
+            "{}: {} frames up to window {}{dropped}",
+            self.name,
+            self.frames,
+            self.written.unwrap_or(0)
+        ))
     }
 }

@@ -3,6 +3,7 @@
 use crate::codec::{decode_bodies, decode_grid, decode_nodes};
 use crate::document::{END, RUN, RunNote};
 use crate::file::{FRAMES, LOG, SIGNALS};
+use crate::item::Item;
 use crate::proto::{Frame, Log, PointCloud};
 use crate::signals::decode;
 use mcap::McapError;
@@ -11,10 +12,10 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use prost::Message;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Read;
+use std::io::{BufReader, Read};
 use std::path::Path;
 use tremie_messages::Stamp;
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::frame::{LogHeader, SliceHeader};
 use tremie_messages::start::Signal;
 use tremie_sdk::{Moment, Observer, ObserverError, Setup};
 
@@ -41,76 +42,6 @@ pub enum ReadError {
     /// The observer that it was played to failed.
     #[error(transparent)]
     Observer(#[from] ObserverError),
-}
-
-/// One call of an observer, as it was recorded.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Item {
-    /// All bodies at one moment.
-    Bodies {
-        /// Sender.
-        from: String,
-        /// When.
-        at: Moment,
-        /// The bodies.
-        bodies: Vec<BodySample>,
-    },
-    /// A cut through a field.
-    Slice {
-        /// Sender.
-        from: String,
-        /// Name of the cut.
-        name: String,
-        /// When.
-        at: Moment,
-        /// Its grid.
-        header: SliceHeader,
-        /// Its nodes.
-        nodes: Vec<SliceNode>,
-    },
-    /// Signals of a component.
-    Signals {
-        /// Sender.
-        from: String,
-        /// When.
-        at: Moment,
-        /// Names and units.
-        names: Vec<Signal>,
-        /// Values.
-        values: Vec<f64>,
-    },
-    /// A line of the log.
-    Log {
-        /// When.
-        at: Moment,
-        /// Its level.
-        header: LogHeader,
-        /// The line.
-        text: String,
-    },
-}
-
-impl Item {
-    /// Tells an observer.
-    ///
-    /// # Errors
-    /// The observer's own.
-    pub fn tell<O: Observer>(&self, observer: &mut O) -> Result<(), ObserverError> {
-        match self {
-            Item::Bodies { from, at, bodies } => observer.bodies(from, *at, bodies),
-            Item::Slice { from, name, at, header, nodes } => observer.slice(from, name, *at, header, nodes),
-            Item::Signals { from, at, names, values } => observer.signals(from, *at, names, values),
-            Item::Log { at, header, text } => observer.log(*at, header, text),
-        }
-    }
-
-    fn window(&self) -> u64 {
-        match self {
-            Item::Bodies { at, .. } | Item::Slice { at, .. } | Item::Signals { at, .. } => at.stamp.window,
-            // Lines of the log may speak of windows that were not recorded.
-            Item::Log { .. } => 0,
-        }
-    }
 }
 
 /// How a recording ended.
@@ -140,8 +71,9 @@ impl Recording {
             if let Record::Metadata(metadata) = &record
                 && metadata.name == RUN
             {
-                let run = RunNote::from_map(&metadata.metadata)
-                    .map_err(|error| foreign(&format!("its description does not fit this version: {error}")))?;
+                let run = RunNote::from_map(&metadata.metadata).map_err(|error| {
+                    foreign(&format!("its description does not fit this version: {error}"))
+                })?;
                 return Ok(Self { run, items: Items::new(records) });
             }
         }
@@ -168,7 +100,7 @@ impl Recording {
     /// # Errors
     /// If a frame cannot be read, or the observer fails.
     pub fn replay<O: Observer>(mut self, observer: &mut O) -> Result<End, ReadError> {
-        while let Some(item) = self.items.next() {
+        for item in self.items.by_ref() {
             item?.tell(observer)?;
         }
         Ok(self.items.end())
@@ -199,12 +131,16 @@ impl Items {
             match record {
                 Record::Channel(channel) => {
                     let list = channel.metadata.get(SIGNALS).map_or("[]", String::as_str);
-                    let signals = serde_json::from_str(list)
-                        .map_err(|_| ReadError::Foreign(format!("signals of {} are unreadable", channel.topic)))?;
+                    let signals = serde_json::from_str(list).map_err(|_| {
+                        ReadError::Foreign(format!("signals of {} are unreadable", channel.topic))
+                    })?;
                     self.channels.insert(channel.id, (channel.topic, signals));
                 }
                 Record::Metadata(metadata) if metadata.name == END => {
-                    self.end = metadata.metadata.get("last_common_window").and_then(|text| text.parse().ok());
+                    self.end = metadata
+                        .metadata
+                        .get("last_common_window")
+                        .and_then(|text| text.parse().ok());
                 }
                 Record::Message { header, data } => {
                     if let Some(item) = self.message(header.channel_id, &data)? {
@@ -220,14 +156,18 @@ impl Items {
 
     /// A frame is kept until its message comes.
     fn message(&mut self, channel: u16, data: &[u8]) -> Result<Option<Item>, ReadError> {
-        let Some((topic, signals)) = self.channels.get(&channel) else { return Ok(None) };
+        let Some((topic, signals)) = self.channels.get(&channel) else {
+            return Ok(None);
+        };
         if topic == FRAMES {
             let damaged = |_| ReadError::Damaged { topic: FRAMES.into(), window: self.last };
             self.frame = Some(Frame::decode(data).map_err(damaged)?);
             return Ok(None);
         }
         // Messages that another program added have no frame: they are not ours to read.
-        let Some(frame) = self.frame.take_if(|frame| frame.topic == *topic) else { return Ok(None) };
+        let Some(frame) = self.frame.take_if(|frame| frame.topic == *topic) else {
+            return Ok(None);
+        };
         let (topic, window) = (topic.clone(), frame.window);
         item(frame, signals, data).map(Some).ok_or(ReadError::Damaged { topic, window })
     }
@@ -285,14 +225,17 @@ fn item(frame: Frame, signals: &[Signal], data: &[u8]) -> Option<Item> {
 
 /// Records of an MCAP file from its beginning to its end, or to where a killed writer left it.
 struct Records {
-    file: File,
+    file: BufReader<File>,
     reader: LinearReader,
 }
 
 impl Records {
     fn open(path: &Path) -> Result<Self, ReadError> {
         let options = LinearReaderOptions::default().with_skip_end_magic(true);
-        Ok(Self { file: File::open(path)?, reader: LinearReader::new_with_options(options) })
+        Ok(Self {
+            file: BufReader::new(File::open(path)?),
+            reader: LinearReader::new_with_options(options),
+        })
     }
 
     fn next(&mut self) -> Result<Option<Record<'static>>, ReadError> {

@@ -61,7 +61,12 @@ fn choice(name: &str, values: &[(&str, i32)]) -> EnumDescriptorProto {
     }
 }
 
-fn file(name: &str, package: &str, needs: &[&str], messages: Vec<DescriptorProto>) -> FileDescriptorProto {
+fn file(
+    name: &str,
+    package: &str,
+    needs: &[&str],
+    messages: Vec<DescriptorProto>,
+) -> FileDescriptorProto {
     FileDescriptorProto {
         name: Some(name.into()),
         package: Some(package.into()),
@@ -87,27 +92,46 @@ fn doubles<'a>(names: &[&'a str]) -> Vec<Field<'a>> {
 
 /// `foxglove.PointCloud`.
 pub fn point_cloud() -> Vec<u8> {
-    let mut packed = message("PackedElementField", &[
-        ("name", 1, Kind::One(Type::String)),
-        ("offset", 2, Kind::One(Type::Fixed32)),
-        ("type", 3, Kind::Choice(".foxglove.PackedElementField.NumericType")),
-    ]);
-    packed.enum_type.push(choice("NumericType", &[
-        ("UNKNOWN", 0), ("UINT8", 1), ("INT8", 2), ("UINT16", 3), ("INT16", 4),
-        ("UINT32", 5), ("INT32", 6), ("FLOAT32", 7), ("FLOAT64", 8),
-    ]));
-    let pose = message("Pose", &[
-        ("position", 1, Kind::Sub(".foxglove.Vector3")),
-        ("orientation", 2, Kind::Sub(".foxglove.Quaternion")),
-    ]);
-    let cloud = message("PointCloud", &[
-        ("timestamp", 1, Kind::Sub(TIMESTAMP)),
-        ("frame_id", 2, Kind::One(Type::String)),
-        ("pose", 3, Kind::Sub(".foxglove.Pose")),
-        ("point_stride", 4, Kind::One(Type::Fixed32)),
-        ("fields", 5, Kind::Subs(".foxglove.PackedElementField")),
-        ("data", 6, Kind::One(Type::Bytes)),
-    ]);
+    let mut packed = message(
+        "PackedElementField",
+        &[
+            ("name", 1, Kind::One(Type::String)),
+            ("offset", 2, Kind::One(Type::Fixed32)),
+            ("type", 3, Kind::Choice(".foxglove.PackedElementField.NumericType")),
+        ],
+    );
+    packed.enum_type.push(choice(
+        "NumericType",
+        &[
+            ("UNKNOWN", 0),
+            ("UINT8", 1),
+            ("INT8", 2),
+            ("UINT16", 3),
+            ("INT16", 4),
+            ("UINT32", 5),
+            ("INT32", 6),
+            ("FLOAT32", 7),
+            ("FLOAT64", 8),
+        ],
+    ));
+    let pose = message(
+        "Pose",
+        &[
+            ("position", 1, Kind::Sub(".foxglove.Vector3")),
+            ("orientation", 2, Kind::Sub(".foxglove.Quaternion")),
+        ],
+    );
+    let cloud = message(
+        "PointCloud",
+        &[
+            ("timestamp", 1, Kind::Sub(TIMESTAMP)),
+            ("frame_id", 2, Kind::One(Type::String)),
+            ("pose", 3, Kind::Sub(".foxglove.Pose")),
+            ("point_stride", 4, Kind::One(Type::Fixed32)),
+            ("fields", 5, Kind::Subs(".foxglove.PackedElementField")),
+            ("data", 6, Kind::One(Type::Bytes)),
+        ],
+    );
     let messages = vec![
         message("Vector3", &doubles(&["x", "y", "z"])),
         message("Quaternion", &doubles(&["x", "y", "z", "w"])),
@@ -115,52 +139,76 @@ pub fn point_cloud() -> Vec<u8> {
         packed,
         cloud,
     ];
-    set(vec![timestamp_file(), file("foxglove/PointCloud.proto", "foxglove", &[TIMESTAMP_FILE], messages)])
+    set(vec![
+        timestamp_file(),
+        file("foxglove/PointCloud.proto", "foxglove", &[TIMESTAMP_FILE], messages),
+    ])
 }
 
 /// `foxglove.Log`.
 pub fn log() -> Vec<u8> {
-    let mut log = message("Log", &[
-        ("timestamp", 1, Kind::Sub(TIMESTAMP)),
-        ("level", 2, Kind::Choice(".foxglove.Log.Level")),
-        ("message", 3, Kind::One(Type::String)),
-        ("name", 4, Kind::One(Type::String)),
-        ("file", 5, Kind::One(Type::String)),
-        ("line", 6, Kind::One(Type::Fixed32)),
-    ]);
-    log.enum_type.push(choice("Level", &[
-        ("UNKNOWN", 0), ("DEBUG", 1), ("INFO", 2), ("WARNING", 3), ("ERROR", 4), ("FATAL", 5),
-    ]));
-    set(vec![timestamp_file(), file("foxglove/Log.proto", "foxglove", &[TIMESTAMP_FILE], vec![log])])
+    let mut log = message(
+        "Log",
+        &[
+            ("timestamp", 1, Kind::Sub(TIMESTAMP)),
+            ("level", 2, Kind::Choice(".foxglove.Log.Level")),
+            ("message", 3, Kind::One(Type::String)),
+            ("name", 4, Kind::One(Type::String)),
+            ("file", 5, Kind::One(Type::String)),
+            ("line", 6, Kind::One(Type::Fixed32)),
+        ],
+    );
+    log.enum_type.push(choice(
+        "Level",
+        &[("UNKNOWN", 0), ("DEBUG", 1), ("INFO", 2), ("WARNING", 3), ("ERROR", 4), ("FATAL", 5)],
+    ));
+    set(vec![
+        timestamp_file(),
+        file("foxglove/Log.proto", "foxglove", &[TIMESTAMP_FILE], vec![log]),
+    ])
 }
 
 /// `tremie.Frame`.
 pub fn frame() -> Vec<u8> {
-    let grid = message("Grid", &[
-        ("origin", 1, Kind::Many(Type::Double)),
-        ("step_0", 2, Kind::Many(Type::Double)),
-        ("step_1", 3, Kind::Many(Type::Double)),
-        ("count", 4, Kind::Many(Type::Uint64)),
-    ]);
-    let frame = message("Frame", &[
-        ("timestamp", 1, Kind::Sub(TIMESTAMP)),
-        ("topic", 2, Kind::One(Type::String)),
-        ("window", 3, Kind::One(Type::Uint64)),
-        ("ticks", 4, Kind::One(Type::Uint64)),
-        ("events", 5, Kind::One(Type::Uint64)),
-        ("substep", 6, Kind::One(Type::Uint32)),
-        ("iteration", 7, Kind::One(Type::Uint32)),
-        ("time", 8, Kind::One(Type::Double)),
-        ("level", 9, Kind::One(Type::Uint64)),
-        ("grid", 10, Kind::Sub(".tremie.Grid")),
-    ]);
-    set(vec![timestamp_file(), file("tremie/Frame.proto", "tremie", &[TIMESTAMP_FILE], vec![grid, frame])])
+    let grid = message(
+        "Grid",
+        &[
+            ("origin", 1, Kind::Many(Type::Double)),
+            ("step_0", 2, Kind::Many(Type::Double)),
+            ("step_1", 3, Kind::Many(Type::Double)),
+            ("count", 4, Kind::Many(Type::Uint64)),
+        ],
+    );
+    let frame = message(
+        "Frame",
+        &[
+            ("timestamp", 1, Kind::Sub(TIMESTAMP)),
+            ("topic", 2, Kind::One(Type::String)),
+            ("window", 3, Kind::One(Type::Uint64)),
+            ("ticks", 4, Kind::One(Type::Uint64)),
+            ("events", 5, Kind::One(Type::Uint64)),
+            ("substep", 6, Kind::One(Type::Uint32)),
+            ("iteration", 7, Kind::One(Type::Uint32)),
+            ("time", 8, Kind::One(Type::Double)),
+            ("level", 9, Kind::One(Type::Uint64)),
+            ("grid", 10, Kind::Sub(".tremie.Grid")),
+        ],
+    );
+    set(vec![
+        timestamp_file(),
+        file("tremie/Frame.proto", "tremie", &[TIMESTAMP_FILE], vec![grid, frame]),
+    ])
 }
 
 /// `tremie.signals.<name>` with one double for each field, numbered from 2.
 pub fn signals(name: &str, fields: &[String]) -> Vec<u8> {
     let mut all: Vec<Field> = vec![("timestamp", 1, Kind::Sub(TIMESTAMP))];
-    all.extend(fields.iter().zip(2..).map(|(field, n)| (field.as_str(), n, Kind::One(Type::Double))));
+    all.extend(
+        fields.iter().zip(2..).map(|(field, n)| (field.as_str(), n, Kind::One(Type::Double))),
+    );
     let path = format!("tremie/signals/{name}.proto");
-    set(vec![timestamp_file(), file(&path, "tremie.signals", &[TIMESTAMP_FILE], vec![message(name, &all)])])
+    set(vec![
+        timestamp_file(),
+        file(&path, "tremie.signals", &[TIMESTAMP_FILE], vec![message(name, &all)]),
+    ])
 }

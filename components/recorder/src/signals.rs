@@ -2,7 +2,7 @@
 
 use crate::proto::timestamp;
 use prost::Message;
-use prost::encoding::{WireType, decode_key, encode_key, skip_field, DecodeContext};
+use prost::encoding::{DecodeContext, WireType, decode_key, encode_key, skip_field};
 use std::collections::BTreeSet;
 use tremie_messages::start::Signal;
 
@@ -78,7 +78,13 @@ mod tests {
     #[test]
     fn names_become_fields() {
         let signal = |name: &str| Signal { name: name.into(), unit: "1".into() };
-        let names = fields(&[signal("speed"), signal("max speed"), signal("max-speed"), signal("2nd"), signal("timestamp")]);
+        let names = fields(&[
+            signal("speed"),
+            signal("max speed"),
+            signal("max-speed"),
+            signal("2nd"),
+            signal("timestamp"),
+        ]);
         assert_eq!(names, ["speed", "max_speed", "max_speed_2", "n_2nd", "timestamp_2"]);
     }
 }

@@ -3,7 +3,9 @@
 use std::path::Path;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
 use tremie_messages::scene::{Domain, Face, Scene};
-use tremie_messages::start::{Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport};
+use tremie_messages::start::{
+    Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport,
+};
 use tremie_messages::{BodyState, INTERFACE_VERSION, Role, Stamp};
 use tremie_recorder::{End, Item, ReadError, Recorder, Recording};
 use tremie_sdk::{Moment, Observer, Setup};
@@ -71,7 +73,8 @@ fn setup(output: &Path, run: u64) -> Setup {
 }
 
 fn moment(window: u64) -> Moment {
-    let stamp = Stamp { run: 0, window, ticks: 10 * window, events: window, substep: 3, iteration: 0 };
+    let stamp =
+        Stamp { run: 0, window, ticks: 10 * window, events: window, substep: 3, iteration: 0 };
     Moment { stamp, time: 1.2e-7 * window as f64 }
 }
 
@@ -101,7 +104,11 @@ fn bodies(window: u64, count: u64) -> Item {
         set: 1,
         motion: 0,
     };
-    Item::Bodies { from: "grains".into(), at: moment(window), bodies: (0..count).map(body).collect() }
+    Item::Bodies {
+        from: "grains".into(),
+        at: moment(window),
+        bodies: (0..count).map(body).collect(),
+    }
 }
 
 fn slice(window: u64, count: [u64; 2]) -> Item {
@@ -124,7 +131,12 @@ fn slice(window: u64, count: [u64; 2]) -> Item {
 
 fn signals(window: u64) -> Item {
     let mut x = noise(window + 2000);
-    Item::Signals { from: "fluid".into(), at: moment(window), names: names(), values: vec![x(), -0.0] }
+    Item::Signals {
+        from: "fluid".into(),
+        at: moment(window),
+        names: names(),
+        values: vec![x(), -0.0],
+    }
 }
 
 fn line(window: u64) -> Item {
@@ -229,7 +241,8 @@ fn a_recording_played_to_a_recorder_is_the_same_recording() {
     let (a, b) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     write(a.path(), 1, &run(5), 5);
     let recording = Recording::open(&a.path().join("run.mcap")).unwrap();
-    let mut recorder = Recorder::open(&recording.setup("recorder", b.path(), Default::default())).unwrap();
+    let mut recorder =
+        Recorder::open(&recording.setup("recorder", b.path(), Default::default())).unwrap();
     let end = recording.replay(&mut recorder).unwrap();
     recorder.close(end.last_common_window).unwrap();
     let bytes = |folder: &Path| std::fs::read(folder.join("run.mcap")).unwrap();
@@ -256,7 +269,10 @@ fn the_file_is_indexed_and_its_schemas_decode() {
         topics.sort_unstable();
         topics
     };
-    assert_eq!(topics, ["/bodies/grains", "/cuts/fluid/mid/plane", "/frames", "/log", "/signals/fluid"]);
+    assert_eq!(
+        topics,
+        ["/bodies/grains", "/cuts/fluid/mid/plane", "/frames", "/log", "/signals/fluid"]
+    );
     assert_eq!(summary.stats.unwrap().message_count, 2 * 3 * 21);
     if let Some(path) = std::env::var_os("TREMIE_RECORDER_DEMO") {
         std::fs::copy(folder.path().join("run.mcap"), path).unwrap();
@@ -266,7 +282,8 @@ fn the_file_is_indexed_and_its_schemas_decode() {
 #[test]
 fn size_of_a_frame() {
     let folder = tempfile::tempdir().unwrap();
-    let items: Vec<_> = (0..20).flat_map(|w| [bodies(w, 5000), slice(w, [160, 100]), signals(w)]).collect();
+    let items: Vec<_> =
+        (0..20).flat_map(|w| [bodies(w, 5000), slice(w, [160, 100]), signals(w)]).collect();
     write(folder.path(), 1, &items, 19);
     let bytes = std::fs::metadata(folder.path().join("run.mcap")).unwrap().len();
     let per_frame = bytes as f64 / 20.0 / 1e6;

@@ -80,23 +80,12 @@ impl<S: Between> Context<S> {
         component: &str,
         assignment: &Assignment,
         signals: usize,
-    ) -> Result<
-        (
-            Attachment<S>,
-            Bell<S>,
-            Receiver<S, Stamp, Credit>,
-            Sender<S, Report, f64>,
-        ),
-        Stop,
-    > {
+    ) -> Result<(Attachment<S>, Bell<S>, Receiver<S, Stamp, Credit>, Sender<S, Report, f64>), Stop>
+    {
         let transport = &assignment.transport;
         let patience = Duration::from_secs_f64(transport.deadline);
         let attachment = Attachment::open(&transport.root, &transport.prefix, component, patience)?;
-        let bell = Bell::hang(
-            &attachment,
-            component,
-            Duration::from_secs_f64(transport.poll),
-        )?;
+        let bell = Bell::hang(&attachment, component, Duration::from_secs_f64(transport.poll))?;
         let credit = attachment.receiver(credit_spec(&transport.credit_service))?;
         let report = attachment.sender(ChannelSpec {
             service: &transport.report_service,
@@ -156,11 +145,13 @@ impl<S: Between> Context<S> {
 
     /// Waits until `check` gives something; ends at the deadline, or at once when aborted.
     ///
-    /// `from` is the peer that is waited for, `what` what it owes, as `state of window 7`.
+    /// `from` is the peer that is waited for, `what` what it owes, as `state of window 7`, and `owed`
+    /// that window.
     pub fn wait<T>(
         &mut self,
         from: &str,
         what: &dyn Fn() -> String,
+        owed: u64,
         mut check: impl FnMut() -> Result<Option<T>, Stop>,
     ) -> Result<T, Stop> {
         if let Some(found) = check()? {
@@ -168,16 +159,7 @@ impl<S: Between> Context<S> {
         }
         let begin = Instant::now();
         let deadline = begin + Duration::from_secs_f64(self.assignment.transport.deadline);
-        let Self {
-            bell,
-            credit,
-            granted,
-            finish,
-            line,
-            component,
-            window,
-            ..
-        } = self;
+        let Self { bell, credit, granted, finish, line, component, window, .. } = self;
         let mut told = false;
         let ended = bell.wait(deadline, || {
             if let Some(found) = check()? {
@@ -186,11 +168,8 @@ impl<S: Between> Context<S> {
             heed_credit(credit, granted, finish)?;
             if !told && begin.elapsed() > LONG_WAIT {
                 told = true;
-                let waiting = Reply::Waiting {
-                    from: from.to_string(),
-                    what: what(),
-                    window: *window,
-                };
+                let waiting =
+                    Reply::Waiting { from: from.to_string(), what: what(), owed, window: *window };
                 let _ = line.reply(&waiting);
             }
             Ok::<_, Stop>(None)
@@ -221,13 +200,7 @@ impl<S: Between> Context<S> {
         // The orchestrator may pause a run as long as its user likes: no deadline here. If it dies,
         // the kernel ends this process with it.
         let never = begin + Duration::from_secs(10 * 365 * 24 * 3600);
-        let Self {
-            bell,
-            credit,
-            granted,
-            finish,
-            ..
-        } = self;
+        let Self { bell, credit, granted, finish, .. } = self;
         let may = |granted: Option<u64>| granted.is_some_and(|last| last >= window);
         bell.wait(never, || {
             heed_credit(credit, granted, finish)?;
@@ -250,8 +223,7 @@ impl<S: Between> Context<S> {
 
     /// Sleeps until somebody rings, at most `nap`.
     pub fn rest(&mut self, nap: Duration) -> Result<(), Stop> {
-        self.bell
-            .wait(Instant::now() + nap, || Ok::<Option<()>, Stop>(None))?;
+        self.bell.wait(Instant::now() + nap, || Ok::<Option<()>, Stop>(None))?;
         Ok(())
     }
 
@@ -272,12 +244,7 @@ impl<S: Between> Context<S> {
 
 /// The credit channel keeps the newest word only: words grow, and the last one counts.
 pub fn credit_spec(service: &str) -> ChannelSpec<'_> {
-    ChannelSpec {
-        service,
-        capacity: 1,
-        depth: 1,
-        lossless: false,
-    }
+    ChannelSpec { service, capacity: 1, depth: 1, lossless: false }
 }
 
 fn heed_credit<S: Between>(

@@ -86,21 +86,11 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
     }
 
     fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop> {
-        let bodies = self
-            .bodies
-            .as_ref()
-            .map_or(&[][..], |message| message.values());
-        let mut loan = self
-            .load
-            .as_ref()
-            .map(|port| port.loan(bodies.len()))
-            .transpose()?;
+        let bodies = self.bodies.as_ref().map_or(&[][..], |message| message.values());
+        let mut loan = self.load.as_ref().map(|port| port.loan(bodies.len())).transpose()?;
         let loads = loan.as_mut().map_or(&mut [][..], |loan| loan.values());
         for (load, body) in loads.iter_mut().zip(bodies) {
-            *load = Load {
-                id: body.id,
-                ..Load::default()
-            };
+            *load = Load { id: body.id, ..Load::default() };
         }
         let begin = Instant::now();
         let done = match context.window {

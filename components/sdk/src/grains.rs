@@ -85,10 +85,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
         if context.window == 0 {
             return Ok(());
         }
-        let loads = self
-            .loads
-            .as_ref()
-            .map_or(&[][..], |message| message.values());
+        let loads = self.loads.as_ref().map_or(&[][..], |message| message.values());
         self.impulse.add(loads, context.assignment.clock.window());
         let begin = Instant::now();
         let done = self.grains.advance(context.substeps, loads);
@@ -130,10 +127,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
 impl<S: Between, G: Grains> GrainsPlayer<S, G> {
     fn note_events(&mut self) {
         for event in self.grains.events() {
-            match (
-                event.kind,
-                self.kinds.binary_search_by_key(&event.id, |kind| kind.id),
-            ) {
+            match (event.kind, self.kinds.binary_search_by_key(&event.id, |kind| kind.id)) {
                 (BodyEvent::REMOVED, Ok(place)) => {
                     self.kinds.remove(place);
                 }

@@ -33,10 +33,7 @@ impl Impulse {
     pub fn announce(mut description: Description, name: &str) -> Description {
         for axis in ["x", "y", "z"] {
             let name = format!("{name}_{axis}");
-            description.signals.push(Signal {
-                name,
-                unit: "N s".into(),
-            });
+            description.signals.push(Signal { name, unit: "N s".into() });
         }
         description
     }

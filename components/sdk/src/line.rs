@@ -39,10 +39,7 @@ impl Line {
     pub fn in_memory() -> (Self, mpsc::Sender<Request>, mpsc::Receiver<Reply>) {
         let (to_component, input) = mpsc::channel();
         let (output, from_component) = mpsc::channel();
-        let line = Self {
-            input: Input::Memory(input),
-            output: Output::Memory(output),
-        };
+        let line = Self { input: Input::Memory(input), output: Output::Memory(output) };
         (line, to_component, from_component)
     }
 
@@ -75,10 +72,7 @@ impl Line {
             Output::Text(writer) => {
                 let mut text = serde_json::to_string(reply).map_err(|_| Closed)?;
                 text.push('\n');
-                writer
-                    .write_all(text.as_bytes())
-                    .and_then(|()| writer.flush())
-                    .map_err(|_| Closed)
+                writer.write_all(text.as_bytes()).and_then(|()| writer.flush()).map_err(|_| Closed)
             }
         }
     }

@@ -42,10 +42,7 @@ pub fn serve_observer<S: Between, O: Observer>(
     mut line: Line,
     (hello, assignment, _): (Hello, Assignment, Description),
 ) -> Result<(), String> {
-    let setup = Setup {
-        hello: hello.clone(),
-        assignment: Some(assignment.clone()),
-    };
+    let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
     let opened = catch_unwind(AssertUnwindSafe(|| O::open(&setup)))
         .unwrap_or_else(|panic| Err(ObserverError(panic_text(&*panic))));
     let mut observer = match opened {
@@ -54,9 +51,7 @@ pub fn serve_observer<S: Between, O: Observer>(
             let problem =
                 Problem::new(format!("components.{}", hello.component), error.to_string());
             return line
-                .reply(&Reply::Refusal {
-                    problems: vec![problem],
-                })
+                .reply(&Reply::Refusal { problems: vec![problem] })
                 .map_err(|e| e.to_string());
         }
     };
@@ -92,10 +87,7 @@ fn watch<S: Between, O: Observer>(
     context: &mut Context<S>,
 ) -> Result<(u64, String), Stop> {
     let mut inlets = open_inlets(context)?;
-    context
-        .line()
-        .reply(&Reply::Ready {})
-        .map_err(|_| Stop::Aborted)?;
+    context.line().reply(&Reply::Ready {}).map_err(|_| Stop::Aborted)?;
     loop {
         // Asked before the last look: what was sent before the request is then surely seen.
         let finishing = context.finish_requested()?;
@@ -105,9 +97,7 @@ fn watch<S: Between, O: Observer>(
         }
         if finishing && seen == 0 {
             let last = context.granted().unwrap_or(0);
-            let mut note = observer
-                .close(last)
-                .map_err(|error| wrong(context, error))?;
+            let mut note = observer.close(last).map_err(|error| wrong(context, error))?;
             let lost: u64 = inlets.iter().map(|inlet| inlet.lost).sum();
             if lost > 0 {
                 note = format!("{note} ({lost} frames skipped)");
@@ -132,12 +122,7 @@ fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> 
             FrameContent::Signals(_) => Input::Signals(attachment.receiver(spec)?),
             FrameContent::Log => Input::Log(attachment.receiver(spec)?),
         };
-        inlets.push(Inlet {
-            plan: plan.clone(),
-            input,
-            before: None,
-            lost: 0,
-        });
+        inlets.push(Inlet { plan: plan.clone(), input, before: None, lost: 0 });
     }
     Ok(inlets)
 }
@@ -153,9 +138,7 @@ impl<S: Between> Inlet<S> {
         while let Some(stamp) = self.show_one(observer, context)? {
             context.window = stamp.window;
             if !matches!(self.plan.content, FrameContent::Log) {
-                let step = self
-                    .before
-                    .map_or(0, |before| stamp.window.saturating_sub(before));
+                let step = self.before.map_or(0, |before| stamp.window.saturating_sub(before));
                 self.lost += (step / self.plan.every.max(1)).saturating_sub(1);
                 self.before = Some(stamp.window);
             }
@@ -179,19 +162,13 @@ impl<S: Between> Inlet<S> {
             (Input::Slice(receiver), FrameContent::Slice(name)) => {
                 receiver.take()?.map(|message| {
                     let at = moment(clock, message.header().stamp);
-                    (
-                        at.stamp,
-                        observer.slice(from, name, at, message.header(), message.values()),
-                    )
+                    (at.stamp, observer.slice(from, name, at, message.header(), message.values()))
                 })
             }
             (Input::Signals(receiver), FrameContent::Signals(names)) => {
                 receiver.take()?.map(|message| {
                     let at = moment(clock, *message.header());
-                    (
-                        at.stamp,
-                        observer.signals(from, at, names, message.values()),
-                    )
+                    (at.stamp, observer.signals(from, at, names, message.values()))
                 })
             }
             (Input::Log(receiver), _) => receiver.take()?.map(|message| {
@@ -210,10 +187,7 @@ impl<S: Between> Inlet<S> {
 }
 
 fn moment(clock: &Clock, stamp: Stamp) -> Moment {
-    Moment {
-        stamp,
-        time: clock.seconds(stamp.ticks),
-    }
+    Moment { stamp, time: clock.seconds(stamp.ticks) }
 }
 
 fn wrong<S: Between>(context: &Context<S>, error: ObserverError) -> Stop {

@@ -20,10 +20,7 @@ pub fn read<P: DeserializeOwned>(parameters: &Map<String, Value>) -> Result<P, V
 
 /// Turns serde's sentence on an unknown field into one that names the nearest valid key.
 pub fn explain(path: &str, message: &str) -> Problem {
-    match message
-        .strip_prefix("unknown field `")
-        .and_then(|rest| rest.split_once('`'))
-    {
+    match message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
         Some((unknown, rest)) => {
             // serde_path_to_error ends the path with the unknown field itself.
             let key = if path.rsplit('.').next() == Some(unknown) {

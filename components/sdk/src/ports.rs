@@ -67,17 +67,15 @@ fn spec(edge: &Edge) -> ChannelSpec<'_> {
 impl<S: Between, T: Message> InPort<S, T> {
     /// Opens the receiving end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
-        Ok(Self {
-            receiver: context.attachment.receiver(spec(edge))?,
-            edge: edge.clone(),
-        })
+        Ok(Self { receiver: context.attachment.receiver(spec(edge))?, edge: edge.clone() })
     }
 
     /// Waits for the message that the schedule foretells, and checks its stamp.
     pub fn take(&self, context: &mut Context<S>, lag: u64) -> Result<Received<S, Stamp, T>, Stop> {
         let expected = context.expected(&self.edge, lag);
         let what = || format!("{} of window {}", self.edge.content.name(), expected.window);
-        let message = context.wait(&self.edge.from, &what, || Ok(self.receiver.take()?))?;
+        let message = context
+            .wait(&self.edge.from, &what, expected.window, || Ok(self.receiver.take()?))?;
         if *message.header() == expected {
             return Ok(message);
         }
@@ -90,10 +88,7 @@ impl<S: Between, T: Message> InPort<S, T> {
         Err(context.fault(
             kind,
             &self.edge.from,
-            format!(
-                "on {}, expected {expected}; found {found}",
-                self.edge.label()
-            ),
+            format!("on {}, expected {expected}; found {found}", self.edge.label()),
         ))
     }
 }
@@ -110,11 +105,7 @@ impl<S: Between, T: Message + Finite> InPort<S, T> {
         let values = message.values();
         let label = self.edge.label();
         if values.len() != ids.len() {
-            let text = format!(
-                "on {label}, expected {} values, found {}",
-                ids.len(),
-                values.len()
-            );
+            let text = format!("on {label}, expected {} values, found {}", ids.len(), values.len());
             return Err(context.fault(FaultKind::Count, &self.edge.from, text));
         }
         for (value, id) in values.iter().zip(ids) {

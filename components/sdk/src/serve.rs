@@ -41,24 +41,17 @@ pub fn introduce(
         Request::Assignment(_) => return Err("an assignment came before the hello".into()),
     };
     let description = match accept(&hello, role, describe) {
-        Ok(description) => Description {
-            program: program.to_string(),
-            ..description
-        },
+        Ok(description) => Description { program: program.to_string(), ..description },
         Err(problems) => {
-            line.reply(&Reply::Refusal { problems })
-                .map_err(|e| e.to_string())?;
+            line.reply(&Reply::Refusal { problems }).map_err(|e| e.to_string())?;
             return Ok(Introduction::Dismissed);
         }
     };
-    line.reply(&Reply::Description(Box::new(description.clone())))
-        .map_err(|e| e.to_string())?;
+    line.reply(&Reply::Description(Box::new(description.clone()))).map_err(|e| e.to_string())?;
     match line.next_request()? {
-        Request::Assignment(assignment) => Ok(Introduction::Assigned(Box::new((
-            hello,
-            *assignment,
-            description,
-        )))),
+        Request::Assignment(assignment) => {
+            Ok(Introduction::Assigned(Box::new((hello, *assignment, description))))
+        }
         Request::Quit {} => Ok(Introduction::Dismissed),
         Request::Hello(_) => Err("a second hello came instead of an assignment".into()),
     }
@@ -85,14 +78,8 @@ fn accept(
             Problem::new(key, text).help("`tremie components` lists what can take which role"),
         ]);
     }
-    let description = describe(&Setup {
-        hello: hello.clone(),
-        assignment: None,
-    })?;
-    Ok(Description {
-        interface: INTERFACE_VERSION,
-        ..description
-    })
+    let description = describe(&Setup { hello: hello.clone(), assignment: None })?;
+    Ok(Description { interface: INTERFACE_VERSION, ..description })
 }
 
 /// Serves a physics component from the hello to the end.
@@ -104,17 +91,13 @@ pub fn serve<S: Between, P: Player<S>>(
     mut line: Line,
     (hello, assignment, description): (Hello, Assignment, Description),
 ) -> Result<(), String> {
-    let setup = Setup {
-        hello: hello.clone(),
-        assignment: Some(assignment.clone()),
-    };
+    let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
     let created = catch_unwind(AssertUnwindSafe(|| P::create(&setup)))
         .unwrap_or_else(|panic| Err(vec![Problem::new("", panic_text(&*panic))]));
     let mut player = match created {
         Ok(player) => player,
         Err(problems) => {
-            line.reply(&Reply::Refusal { problems })
-                .map_err(|e| e.to_string())?;
+            line.reply(&Reply::Refusal { problems }).map_err(|e| e.to_string())?;
             return Ok(());
         }
     };
@@ -134,10 +117,7 @@ pub fn serve<S: Between, P: Player<S>>(
     let window = context.window;
     match ended {
         Ok(last) => {
-            let reply = Reply::Finished {
-                window: last,
-                note: String::new(),
-            };
+            let reply = Reply::Finished { window: last, note: String::new() };
             context.line().reply(&reply).map_err(|e| e.to_string())?;
             // Channels stay open until everybody has read what is in them.
             let _ = context.line().next_request();
@@ -156,8 +136,7 @@ pub fn serve<S: Between, P: Player<S>>(
 
 fn tell_fault(line: &mut Line, fault: Fault) -> Result<(), String> {
     let text = fault.to_string();
-    line.reply(&Reply::Fault(fault))
-        .map_err(|e| e.to_string())?;
+    line.reply(&Reply::Fault(fault)).map_err(|e| e.to_string())?;
     Err(text)
 }
 
@@ -192,15 +171,7 @@ fn live<S: Between, P: Player<S>>(player: &mut P, context: &mut Context<S>) -> R
         } else {
             context.substeps = substeps_to_make(context)?;
         }
-        play(
-            player,
-            context,
-            if window == 0 {
-                &script.start
-            } else {
-                &script.window
-            },
-        )?;
+        play(player, context, if window == 0 { &script.start } else { &script.window })?;
         values.clear();
         player.signals(&mut values);
         frames.send(context, player, &values);

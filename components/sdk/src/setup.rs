@@ -28,11 +28,8 @@ impl Setup {
     /// # Errors
     /// A problem, if it is asked for while the component only describes itself.
     pub fn assigned(&self) -> Result<&Assignment, Vec<Problem>> {
-        self.assignment.as_ref().ok_or_else(|| {
-            vec![Problem::new(
-                "",
-                "asked for an assignment before there is one",
-            )]
-        })
+        self.assignment
+            .as_ref()
+            .ok_or_else(|| vec![Problem::new("", "asked for an assignment before there is one")])
     }
 }

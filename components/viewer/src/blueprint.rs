@@ -89,7 +89,11 @@ impl From<Container> for Part {
 }
 
 /// Sends the layout and makes it the one that is shown.
-pub fn send(recording: &RecordingStream, root: &Container, timeline: &str) -> RecordingStreamResult<()> {
+pub fn send(
+    recording: &RecordingStream,
+    root: &Container,
+    timeline: &str,
+) -> RecordingStreamResult<()> {
     let application = recording
         .store_info()
         .map_or_else(|| "tremie".into(), |info| info.application_id().clone());
@@ -177,7 +181,9 @@ impl Writer<'_> {
         let path = path("view", self.number());
         self.stream.log(
             format!("{path}/ViewContents"),
-            &ViewContents::new(view.contents.iter().map(|text| QueryExpression(text.as_str().into()))),
+            &ViewContents::new(
+                view.contents.iter().map(|text| QueryExpression(text.as_str().into())),
+            ),
         )?;
         self.stream.log(
             path.as_str(),

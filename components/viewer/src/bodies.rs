@@ -47,7 +47,11 @@ impl Bodies {
 
 /// Speeds of bodies that can move [m/s].
 pub fn speeds(bodies: &[BodySample]) -> Vec<f32> {
-    bodies.iter().filter(|body| !is_fixed(body)).map(|body| speed(single(body.state.velocity))).collect()
+    bodies
+        .iter()
+        .filter(|body| !is_fixed(body))
+        .map(|body| speed(single(body.state.velocity)))
+        .collect()
 }
 
 fn is_fixed(body: &BodySample) -> bool {

@@ -1,7 +1,7 @@
 //! A cut through the fluid: a mesh coloured by speed, and arrows on some of its nodes.
 
 use crate::scale::{GREY, SpeedScale, speed};
-use crate::view::{part, Eye, Vector, along, cross, dot, facing, norm, single, unit};
+use crate::view::{Eye, Vector, along, cross, dot, facing, norm, part, single, unit};
 use rerun::components::Radius;
 use rerun::{Arrows3D, Color, Mesh3D, RecordingStream, RecordingStreamResult};
 use tremie_messages::frame::{SliceHeader, SliceNode};
@@ -100,10 +100,14 @@ impl Cut {
     fn log_shape(&self, stream: &RecordingStream, eye: Vector) -> RecordingStreamResult<()> {
         let shape = &self.shape;
         let nodes = (0..shape.count[0] * shape.count[1]).map(|k| single(shape.node(k)));
-        let mesh = Mesh3D::update_fields().with_vertex_positions(nodes).with_triangle_indices(shape.triangles());
+        let mesh = Mesh3D::update_fields()
+            .with_vertex_positions(nodes)
+            .with_triangle_indices(shape.triangles());
         stream.log_static(self.path.as_str(), &mesh)?;
         let arrows = Arrows3D::update_fields()
-            .with_origins(self.arrows.iter().map(|k| single(along(shape.node(*k), 1.0, self.lift(eye)))))
+            .with_origins(
+                self.arrows.iter().map(|k| single(along(shape.node(*k), 1.0, self.lift(eye)))),
+            )
             .with_radii([Radius::new_ui_points(0.7)])
             .with_colors([Color::from_rgb(245, 245, 245)]);
         stream.log_static(self.arrow_path(), &arrows)

@@ -43,7 +43,9 @@ pub fn layout(overview: Eye, cuts: &[CutView], plots: &[Plot]) -> Container {
 }
 
 fn tabs(name: &str, views: impl IntoIterator<Item = View>) -> Container {
-    views.into_iter().fold(Container::new(ContainerKind::Tabs, name), |tabs, view| tabs.with(view, 1.0))
+    views
+        .into_iter()
+        .fold(Container::new(ContainerKind::Tabs, name), |tabs, view| tabs.with(view, 1.0))
 }
 
 fn space(name: &str, eye: Eye, contents: Vec<String>) -> View {
@@ -57,7 +59,8 @@ fn space(name: &str, eye: Eye, contents: Vec<String>) -> View {
         .property("LineGrid3D", LineGrid3D::new().with_visible(false))
         .property(
             "Background",
-            Background::new(BackgroundKind::SolidColor).with_color(rerun::Color::from_rgb(22, 24, 28)),
+            Background::new(BackgroundKind::SolidColor)
+                .with_color(rerun::Color::from_rgb(22, 24, 28)),
         )
 }
 
@@ -71,7 +74,8 @@ fn legend() -> View {
         x_range: [-0.08 * width, 1.08 * width].into(),
         y_range: [-0.3 * height, 2.6 * height].into(),
     };
-    View::new("2D", "Speed of bodies and fluid", "legend").property("VisualBounds2D", Bounds::new(VisualBounds2D(range)))
+    View::new("2D", "Speed of bodies and fluid", "legend")
+        .property("VisualBounds2D", Bounds::new(VisualBounds2D(range)))
 }
 
 /// The first plots, two in a row, and the others in tabs behind the last.
@@ -87,7 +91,9 @@ fn plot_parts(plots: &[Plot]) -> Vec<Container> {
         for (side, plot) in pair.iter().enumerate() {
             let is_last = k + 1 == count && side + 1 == pair.len();
             row = match behind.take_if(|_| is_last) {
-                Some(views) => row.with(tabs("Signals", std::iter::once(plot_view(plot)).chain(views)), 1.0),
+                Some(views) => {
+                    row.with(tabs("Signals", std::iter::once(plot_view(plot)).chain(views)), 1.0)
+                }
                 None => row.with(plot_view(plot), 1.0),
             };
         }

@@ -20,7 +20,12 @@ pub fn log_bar(stream: &RecordingStream) -> RecordingStreamResult<()> {
     let bytes: Vec<u8> = row.collect::<Vec<_>>().repeat(HEIGHT as usize);
     stream.log_static(
         "legend/bar",
-        &Image::from_color_model_and_bytes(bytes, [WIDTH, HEIGHT], ColorModel::RGB, rerun::ChannelDatatype::U8),
+        &Image::from_color_model_and_bytes(
+            bytes,
+            [WIDTH, HEIGHT],
+            ColorModel::RGB,
+            rerun::ChannelDatatype::U8,
+        ),
     )
 }
 

@@ -115,7 +115,13 @@ impl Server {
         })
     }
 
-    fn reply(&self, mut stream: &TcpStream, status: &str, kind: &str, content: &[u8]) -> io::Result<()> {
+    fn reply(
+        &self,
+        mut stream: &TcpStream,
+        status: &str,
+        kind: &str,
+        content: &[u8],
+    ) -> io::Result<()> {
         write!(
             stream,
             "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n\

@@ -112,7 +112,9 @@ mod tests {
 
     #[test]
     fn numbers_at_the_end_are_round() {
-        for (value, round) in [(0.003, 0.005), (0.005, 0.005), (0.0051, 0.01), (1.0, 1.0), (17.0, 20.0)] {
+        for (value, round) in
+            [(0.003, 0.005), (0.005, 0.005), (0.0051, 0.01), (1.0, 1.0), (17.0, 20.0)]
+        {
             assert!((round_up(value) / round - 1.0).abs() < 1e-12, "{value}");
         }
     }

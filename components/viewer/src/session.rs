@@ -51,9 +51,9 @@ impl Session {
     /// # Errors
     /// If it could not be written or sent.
     pub fn flush(&self) -> Result<(), ObserverError> {
-        self.recording
-            .flush_blocking()
-            .map_err(|error| ObserverError(format!("the viewer's data could not be written: {error}")))
+        self.recording.flush_blocking().map_err(|error| {
+            ObserverError(format!("the viewer's data could not be written: {error}"))
+        })
     }
 
     /// One line for the user: where to look.
@@ -86,7 +86,8 @@ fn web(builder: RecordingStreamBuilder, parameters: &Parameters) -> Result<Sessi
         memory_limit: parameters.memory().map_err(ObserverError)?,
         ..ServerOptions::default()
     };
-    let sink = GrpcServerSink::new("127.0.0.1", data, options).map_err(|e| failed("serve data", e))?;
+    let sink =
+        GrpcServerSink::new("127.0.0.1", data, options).map_err(|e| failed("serve data", e))?;
     let recording = builder.set_sinks((sink,)).map_err(|e| failed("serve data", e))?;
     let page = Page::serve(page, data).map_err(|e| failed("serve its page", e))?;
     let url = format!(
@@ -115,7 +116,10 @@ fn open_browser(url: &str) {
     }
 }
 
-fn native(builder: RecordingStreamBuilder, parameters: &Parameters) -> Result<Session, ObserverError> {
+fn native(
+    builder: RecordingStreamBuilder,
+    parameters: &Parameters,
+) -> Result<Session, ObserverError> {
     if !is_on_path("rerun") {
         return Err(ObserverError(format!(
             "mode \"native\" needs the program `rerun` {RERUN} on PATH: install it with \
@@ -139,13 +143,13 @@ fn native(builder: RecordingStreamBuilder, parameters: &Parameters) -> Result<Se
 }
 
 fn is_on_path(program: &str) -> bool {
-    std::env::var_os("PATH")
-        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
+    std::env::var_os("PATH").is_some_and(|path| {
+        std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
+    })
 }
 
 fn file(builder: RecordingStreamBuilder, path: PathBuf) -> Result<Session, ObserverError> {
-    let recording = builder
-        .save(&path)
-        .map_err(|error| failed(&format!("write {}", path.display()), error))?;
+    let recording =
+        builder.save(&path).map_err(|error| failed(&format!("write {}", path.display()), error))?;
     Ok(Session { recording, place: Place::File(path) })
 }

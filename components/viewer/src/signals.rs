@@ -25,14 +25,22 @@ const BOOKKEEPING: [&str; 6] = ["ledger", "impulse", "momentum", "residual", "ga
 
 /// Colours of lines, to be told apart also by those who see few colours (Okabe and Ito).
 const PALETTE: [[u8; 3]; 7] = [
-    [0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66],
+    [0, 114, 178],
+    [230, 159, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [86, 180, 233],
+    [213, 94, 0],
+    [240, 228, 66],
 ];
 
 /// Plots for the signals of these streams.
 pub fn plots(frames: &[FrameStream]) -> Vec<Plot> {
     let mut plots: Vec<Plot> = Vec::new();
     for frame in frames {
-        let FrameContent::Signals(signals) = &frame.content else { continue };
+        let FrameContent::Signals(signals) = &frame.content else {
+            continue;
+        };
         for signal in signals {
             let title = match signal.unit.as_str() {
                 "1" | "" => frame.from.clone(),
@@ -50,7 +58,11 @@ pub fn plots(frames: &[FrameStream]) -> Vec<Plot> {
 }
 
 /// Names the lines of a component's signals.
-pub fn log_names(stream: &RecordingStream, from: &str, signals: &[Signal]) -> RecordingStreamResult<()> {
+pub fn log_names(
+    stream: &RecordingStream,
+    from: &str,
+    signals: &[Signal],
+) -> RecordingStreamResult<()> {
     for (k, signal) in signals.iter().enumerate() {
         // Lines of one plot share a unit: their colours differ by their place among those.
         let place = signals[..k].iter().filter(|other| other.unit == signal.unit).count();
@@ -95,20 +107,27 @@ mod tests {
             depth: 1,
         };
         let plots = plots(&[
-            stream("fluid", vec![
-                signal("max_speed", "m/s"),
-                signal("mass", "kg"),
-                signal("mean_speed", "m/s"),
-                signal("momentum_gap", "N s"),
-            ]),
+            stream(
+                "fluid",
+                vec![
+                    signal("max_speed", "m/s"),
+                    signal("mass", "kg"),
+                    signal("mean_speed", "m/s"),
+                    signal("momentum_gap", "N s"),
+                ],
+            ),
             stream("grains", vec![signal("max_speed", "m/s")]),
         ]);
-        let titles: Vec<_> = plots.iter().map(|p| (p.title.as_str(), p.paths.len(), p.first)).collect();
-        assert_eq!(titles, [
-            ("fluid [m/s]", 2, true),
-            ("fluid [kg]", 1, true),
-            ("fluid [N s]", 1, false),
-            ("grains [m/s]", 1, true),
-        ]);
+        let titles: Vec<_> =
+            plots.iter().map(|p| (p.title.as_str(), p.paths.len(), p.first)).collect();
+        assert_eq!(
+            titles,
+            [
+                ("fluid [m/s]", 2, true),
+                ("fluid [kg]", 1, true),
+                ("fluid [N s]", 1, false),
+                ("grains [m/s]", 1, true),
+            ]
+        );
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::view::{Vector, along, coordinates, cross, dot, norm, single, unit};
 use rerun::components::{AlbedoFactor, MeshFaceRendering, Radius};
-use rerun::{LineStrips3D, MediaType, Mesh3D, RecordingStream, RecordingStreamResult, TextDocument};
+use rerun::{
+    LineStrips3D, MediaType, Mesh3D, RecordingStream, RecordingStreamResult, TextDocument,
+};
 use tremie_messages::scene::{BodySet, Diameters, Domain, Face, Motion, Placement, Plane, Scene};
 use tremie_messages::start::Assignment;
 
@@ -22,7 +24,8 @@ pub fn log(
     for axis in 0..3 {
         for side in 0..2 {
             if scene.domain.faces[axis][side] == Face::Wall {
-                let name = format!("scene/domain/wall_{}{}", ["x", "y", "z"][axis], ["0", "1"][side]);
+                let name =
+                    format!("scene/domain/wall_{}{}", ["x", "y", "z"][axis], ["0", "1"][side]);
                 stream.log_static(name, &wall(scene, axis, side))?;
             }
         }
@@ -109,27 +112,38 @@ fn about(scene: &Scene, assignment: Option<&Assignment>) -> String {
     rows.push(("Faces".into(), faces(&scene.domain)));
     rows.push(("Gravity".into(), format!("{} m/s²", number(norm(scene.gravity)))));
     if let Some(fluid) = &scene.fluid {
-        rows.push(("Fluid".into(), format!(
-            "{} kg/m³, {} Pa·s", number(fluid.density), number(fluid.viscosity)
-        )));
+        rows.push((
+            "Fluid".into(),
+            format!("{} kg/m³, {} Pa·s", number(fluid.density), number(fluid.viscosity)),
+        ));
         if norm(fluid.acceleration) > 0.0 {
             rows.push(("Drive".into(), format!("{} m/s²", number(norm(fluid.acceleration)))));
         }
     }
-    rows.extend(scene.bodies.iter().map(|set| (format!("Bodies `{}`", set.name), describe_set(set))));
+    rows.extend(
+        scene.bodies.iter().map(|set| (format!("Bodies `{}`", set.name), describe_set(set))),
+    );
     if let Some(assignment) = assignment {
         let window = assignment.clock.window();
         rows.push(("Window".into(), format!("{} s", number(window))));
-        rows.push(("Run".into(), format!(
-            "{} windows, {} s", assignment.windows, number(window * assignment.windows as f64)
-        )));
+        rows.push((
+            "Run".into(),
+            format!(
+                "{} windows, {} s",
+                assignment.windows,
+                number(window * assignment.windows as f64)
+            ),
+        ));
     }
-    let table: String = rows.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect();
+    let table: String =
+        rows.iter().map(|(name, value)| format!("| {name} | {value} |\n")).collect();
     format!("| | |\n| --- | --- |\n{table}")
 }
 
 fn faces(domain: &Domain) -> String {
-    let kind = |a: usize| if domain.is_periodic(a) { "periodic" } else { "walls" };
+    let kind = |a: usize| {
+        if domain.is_periodic(a) { "periodic" } else { "walls" }
+    };
     format!("x {}, y {}, z {}", kind(0), kind(1), kind(2))
 }
 
@@ -194,8 +208,13 @@ mod tests {
     #[test]
     fn numbers_are_short() {
         for (value, text) in [
-            (0.0, "0"), (1000.0, "1000"), (0.05, "0.05"), (1.2e-7, "1.2e-7"), (9.81, "9.81"),
-            (123456.0, "1.235e5"), (0.1 + 0.2, "0.3"),
+            (0.0, "0"),
+            (1000.0, "1000"),
+            (0.05, "0.05"),
+            (1.2e-7, "1.2e-7"),
+            (9.81, "9.81"),
+            (123456.0, "1.235e5"),
+            (0.1 + 0.2, "0.3"),
         ] {
             assert_eq!(number(value), text);
         }
@@ -213,7 +232,8 @@ mod tests {
 
     #[test]
     fn the_words_name_what_matters() {
-        let text = about(&crate::view::tests::empty_scene([0.0, 0.0, -9.81], [0.04, 0.01, 0.02]), None);
+        let text =
+            about(&crate::view::tests::empty_scene([0.0, 0.0, -9.81], [0.04, 0.01, 0.02]), None);
         assert!(text.contains("40 mm x 10 mm x 20 mm"), "{text}");
         assert!(text.contains("9.81 m/s²"), "{text}");
     }

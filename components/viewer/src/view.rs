@@ -151,7 +151,8 @@ pub(crate) mod tests {
 
     #[test]
     fn a_cut_is_faced_from_the_side_of_the_overview() {
-        let eye = facing([0.0; 3], [[2.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [0.0, 0.0, 1.0], [0.0, -5.0, 0.0]);
+        let eye =
+            facing([0.0; 3], [[2.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [0.0, 0.0, 1.0], [0.0, -5.0, 0.0]);
         assert!(eye.position[1] < 0.0);
         assert_eq!(eye.target, [1.0, 0.0, 0.5]);
     }

@@ -81,7 +81,11 @@ impl Viewer {
     }
 
     /// Draws a cut's shape when it is seen first; the layout then has a view for it.
-    fn open_cut(&mut self, key: &(String, String), header: &SliceHeader) -> Result<(), ObserverError> {
+    fn open_cut(
+        &mut self,
+        key: &(String, String),
+        header: &SliceHeader,
+    ) -> Result<(), ObserverError> {
         if self.cuts.get(key).is_some_and(|cut| cut.fits(header)) {
             return Ok(());
         }
@@ -139,7 +143,12 @@ impl Observer for Viewer {
         Ok(viewer)
     }
 
-    fn bodies(&mut self, _from: &str, at: Moment, bodies: &[BodySample]) -> Result<(), ObserverError> {
+    fn bodies(
+        &mut self,
+        _from: &str,
+        at: Moment,
+        bodies: &[BodySample],
+    ) -> Result<(), ObserverError> {
         self.set_time(at);
         self.follow(bodies::speeds(bodies))?;
         drawn(self.bodies.log(self.session.recording(), bodies, &self.scale))

@@ -9,7 +9,9 @@ use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
 use tremie_messages::scene::{
     BodySet, Diameters, Domain, Face, FluidMaterial, Motion, Packing, Placement, Scene,
 };
-use tremie_messages::start::{Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport};
+use tremie_messages::start::{
+    Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport,
+};
 use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp};
 use tremie_sdk::{Moment, Observer, Setup};
 use tremie_viewer::Viewer;
@@ -32,7 +34,11 @@ fn scene() -> Scene {
     };
     Scene {
         gravity: [0.0, 0.0, -9.81],
-        domain: Domain { min: [0.0; 3], max: SIZE, faces: [[Face::Wall; 2], [Face::Periodic; 2], [Face::Wall; 2]] },
+        domain: Domain {
+            min: [0.0; 3],
+            max: SIZE,
+            faces: [[Face::Wall; 2], [Face::Periodic; 2], [Face::Wall; 2]],
+        },
         fluid: Some(FluidMaterial {
             density: 970.0,
             viscosity: 0.373,
@@ -49,16 +55,22 @@ fn scene() -> Scene {
 fn signals() -> [(&'static str, Vec<Signal>); 2] {
     let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
     [
-        ("fluid", vec![
-            signal("max_speed", "m/s"),
-            signal("kinetic_energy", "J"),
-            signal("momentum_gap", "N s"),
-        ]),
-        ("grains", vec![
-            signal("max_speed", "m/s"),
-            signal("mean_speed", "m/s"),
-            signal("mean_height", "m"),
-        ]),
+        (
+            "fluid",
+            vec![
+                signal("max_speed", "m/s"),
+                signal("kinetic_energy", "J"),
+                signal("momentum_gap", "N s"),
+            ],
+        ),
+        (
+            "grains",
+            vec![
+                signal("max_speed", "m/s"),
+                signal("mean_speed", "m/s"),
+                signal("mean_height", "m"),
+            ],
+        ),
     ]
 }
 
@@ -135,7 +147,11 @@ fn bodies(count: usize, t: f64) -> Vec<BodySample> {
             let start = if fixed {
                 [0.022 + 0.002 * r(31), SIZE[1] * r(77), 0.01 * r(51)]
             } else {
-                [SIZE[0] * (0.02 + 0.96 * r(7919)), SIZE[1] * r(104_729), SIZE[2] * (0.02 + 0.96 * r(1299))]
+                [
+                    SIZE[0] * (0.02 + 0.96 * r(7919)),
+                    SIZE[1] * r(104_729),
+                    SIZE[2] * (0.02 + 0.96 * r(1299)),
+                ]
             };
             let v = flow(start[0], start[2], t);
             let velocity = if fixed { [0.0; 3] } else { [v[0], 0.0, v[2] - 0.02 * r(13)] };
@@ -165,7 +181,11 @@ fn slice(count: [u64; 2], t: f64) -> (SliceHeader, Vec<SliceNode>) {
     let node = |k: u64| {
         let (x, z) = ((k % count[0]) as f64 * step[0], (k / count[0]) as f64 * step[1]);
         let solid = (x - 0.023).hypot(z - 0.006) < 0.002;
-        SliceNode { velocity: flow(x, z, t).map(|v| v as f32), pressure: 0.0, solid: u32::from(solid) }
+        SliceNode {
+            velocity: flow(x, z, t).map(|v| v as f32),
+            pressure: 0.0,
+            solid: u32::from(solid),
+        }
     };
     (header, (0..count[0] * count[1]).map(node).collect())
 }
@@ -178,15 +198,23 @@ fn feed(viewer: &mut Viewer, frames: u64, grains: usize, nodes: [u64; 2]) {
         viewer.bodies("grains", at, &bodies).unwrap();
         let (header, cut) = slice(nodes, at.time);
         viewer.slice("fluid", "y = 6 mm", at, &header, &cut).unwrap();
-        let fastest = bodies.iter().map(|b| b.state.velocity[0].hypot(b.state.velocity[2])).fold(0.0, f64::max);
+        let fastest = bodies
+            .iter()
+            .map(|b| b.state.velocity[0].hypot(b.state.velocity[2]))
+            .fold(0.0, f64::max);
         let height = bodies.iter().map(|b| b.state.position[2]).sum::<f64>() / grains as f64;
         let [fluid, grain] = signals();
         let grow = 1.0 - (-at.time / 0.02).exp();
         viewer.signals("fluid", at, &fluid.1, &[0.08 * grow, 1e-6 * grow * grow, 1e-19]).unwrap();
         viewer.signals("grains", at, &grain.1, &[fastest, 0.6 * fastest, height]).unwrap();
         if frame % 25 == 0 {
-            let header = LogHeader { stamp: at.stamp, level: if frame == 50 { LogHeader::WARNING } else { LogHeader::INFO } };
-            viewer.log(at, &header, &format!("window {} of {}", at.stamp.window, 10 * frames)).unwrap();
+            let header = LogHeader {
+                stamp: at.stamp,
+                level: if frame == 50 { LogHeader::WARNING } else { LogHeader::INFO },
+            };
+            viewer
+                .log(at, &header, &format!("window {} of {}", at.stamp.window, 10 * frames))
+                .unwrap();
         }
     }
 }
@@ -206,7 +234,9 @@ fn entities(path: &Path) -> BTreeMap<String, (usize, BTreeSet<String>)> {
     let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
     let mut found: BTreeMap<String, (usize, BTreeSet<String>)> = BTreeMap::new();
     for message in DecoderApp::decode_eager(file).unwrap() {
-        let LogMsg::ArrowMsg(store, arrow) = message.unwrap() else { continue };
+        let LogMsg::ArrowMsg(store, arrow) = message.unwrap() else {
+            continue;
+        };
         if !store.is_recording() {
             continue;
         }
@@ -235,11 +265,14 @@ fn everything_arrives_in_the_recording() {
         ("/signals/grains/mean_height", 101),
         ("/log", 4),
     ] {
-        let (count, timelines) = found.get(entity).unwrap_or_else(|| panic!("no {entity} in {:?}", found.keys()));
+        let (count, timelines) =
+            found.get(entity).unwrap_or_else(|| panic!("no {entity} in {:?}", found.keys()));
         assert_eq!(*count, rows, "{entity}");
         assert_eq!(timelines, &time, "{entity}");
     }
-    for entity in ["/scene/domain/edges", "/scene/domain/wall_z0", "/about", "/legend/bar", "/legend/numbers"] {
+    for entity in
+        ["/scene/domain/edges", "/scene/domain/wall_z0", "/about", "/legend/bar", "/legend/numbers"]
+    {
         assert!(found.contains_key(entity), "{entity}");
     }
     assert!(!found.contains_key("/scene/domain/wall_y0"), "periodic faces are no walls");
@@ -264,7 +297,9 @@ fn many_grains_are_no_trouble() {
 #[test]
 fn a_page_is_served_until_the_viewer_is_dropped() {
     let folder = tempfile::tempdir().unwrap();
-    let mut viewer = Viewer::open(&setup(folder.path(), serde_json::json!({"web_port": 0, "grpc_port": 0}))).unwrap();
+    let mut viewer =
+        Viewer::open(&setup(folder.path(), serde_json::json!({"web_port": 0, "grpc_port": 0})))
+            .unwrap();
     feed(&mut viewer, 3, 100, [8, 5]);
     let note = viewer.close(20).unwrap();
     let url = viewer.session().url().unwrap().to_string();
@@ -278,8 +313,10 @@ fn a_page_is_served_until_the_viewer_is_dropped() {
 #[test]
 fn wrong_parameters_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    let problems = Viewer::describe(&setup(folder.path(), serde_json::json!({"memory_limit": "lots"})));
+    let problems =
+        Viewer::describe(&setup(folder.path(), serde_json::json!({"memory_limit": "lots"})));
     assert_eq!(problems.unwrap_err()[0].key, "@memory_limit");
-    let problems = Viewer::describe(&setup(folder.path(), serde_json::json!({"mod": "web"}))).unwrap_err();
+    let problems =
+        Viewer::describe(&setup(folder.path(), serde_json::json!({"mod": "web"}))).unwrap_err();
     assert_eq!(problems[0].help.as_deref(), Some("did you mean \"mode\"?"));
 }

@@ -69,9 +69,7 @@ impl<S: Between> Attachment<S> {
         let open = |why: &dyn std::fmt::Debug| ChannelError::open(root, why);
         let mut config = Config::default();
         config.global.prefix = FileName::new(prefix.as_bytes()).map_err(|e| open(&e))?;
-        config
-            .global
-            .set_root_path(&Path::new(root.as_bytes()).map_err(|e| open(&e))?);
+        config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| open(&e))?);
         config.global.creation_timeout = Duration::from_secs(5);
         // The orchestrator sweeps after everyone has ended; sweeping while others start races with them.
         config.global.node.cleanup_dead_nodes_on_creation = false;

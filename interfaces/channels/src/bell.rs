@@ -63,15 +63,9 @@ impl<S: Between> Bell<S> {
         poll: Duration,
     ) -> Result<Self, ChannelError> {
         let (name, service) = bell_service(attachment, component)?;
-        let listener = service
-            .listener_builder()
-            .create()
-            .map_err(|e| ChannelError::open(&name, e))?;
-        Ok(Self {
-            listener,
-            poll,
-            name,
-        })
+        let listener =
+            service.listener_builder().create().map_err(|e| ChannelError::open(&name, e))?;
+        Ok(Self { listener, poll, name })
     }
 
     /// Waits until `check` gives something, at most until `deadline`.
@@ -121,10 +115,8 @@ impl<S: Between> Ringer<S> {
     /// [`ChannelError::Open`].
     pub fn of(attachment: &Attachment<S>, component: &str) -> Result<Self, ChannelError> {
         let (name, service) = bell_service(attachment, component)?;
-        let notifier = service
-            .notifier_builder()
-            .create()
-            .map_err(|e| ChannelError::open(&name, e))?;
+        let notifier =
+            service.notifier_builder().create().map_err(|e| ChannelError::open(&name, e))?;
         Ok(Self { notifier, name })
     }
 

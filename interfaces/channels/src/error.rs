@@ -39,16 +39,10 @@ pub enum ChannelError {
 
 impl ChannelError {
     pub(crate) fn open(what: &str, why: impl std::fmt::Debug) -> Self {
-        Self::Open {
-            what: what.to_string(),
-            why: format!("{why:?}"),
-        }
+        Self::Open { what: what.to_string(), why: format!("{why:?}") }
     }
 
     pub(crate) fn failed(channel: &str, why: impl std::fmt::Debug) -> Self {
-        Self::Failed {
-            channel: channel.to_string(),
-            why: format!("{why:?}"),
-        }
+        Self::Failed { channel: channel.to_string(), why: format!("{why:?}") }
     }
 }

@@ -23,10 +23,7 @@ impl<S: Between, H: Message + Default, T: Message> Receiver<S, H, T> {
             .buffer_size(spec.depth)
             .create()
             .map_err(|e| ChannelError::open(spec.service, e))?;
-        Ok(Self {
-            subscriber,
-            name: spec.service.to_string(),
-        })
+        Ok(Self { subscriber, name: spec.service.to_string() })
     }
 
     /// The oldest message that has arrived, if any. Never blocks.
@@ -34,10 +31,7 @@ impl<S: Between, H: Message + Default, T: Message> Receiver<S, H, T> {
     /// # Errors
     /// [`ChannelError::Failed`].
     pub fn take(&self) -> Result<Option<Received<S, H, T>>, ChannelError> {
-        let sample = self
-            .subscriber
-            .receive()
-            .map_err(|e| ChannelError::failed(&self.name, e))?;
+        let sample = self.subscriber.receive().map_err(|e| ChannelError::failed(&self.name, e))?;
         Ok(sample.map(Received))
     }
 }

@@ -41,11 +41,7 @@ impl<S: Between, H: Message + Default, T: Message> Sender<S, H, T> {
             })
             .create()
             .map_err(|e| ChannelError::open(spec.service, e))?;
-        Ok(Self {
-            publisher,
-            name: spec.service.into(),
-            capacity: spec.capacity.max(1),
-        })
+        Ok(Self { publisher, name: spec.service.into(), capacity: spec.capacity.max(1) })
     }
 
     /// Connects to a receiver that has opened its end by now, so that the first send need not.
@@ -53,9 +49,7 @@ impl<S: Between, H: Message + Default, T: Message> Sender<S, H, T> {
     /// # Errors
     /// [`ChannelError::Failed`].
     pub fn connect(&self) -> Result<(), ChannelError> {
-        self.publisher
-            .update_connections()
-            .map_err(|e| ChannelError::failed(&self.name, e))
+        self.publisher.update_connections().map_err(|e| ChannelError::failed(&self.name, e))
     }
 
     /// Loans a message of `count` values from shared memory, to be filled in place.
@@ -81,10 +75,7 @@ impl<S: Between, H: Message + Default, T: Message> Sender<S, H, T> {
                 *slot = MaybeUninit::zeroed();
             }
         }
-        Ok(Loan {
-            sample,
-            name: self.name.clone(),
-        })
+        Ok(Loan { sample, name: self.name.clone() })
     }
 
     /// Sends a message whose values are copied from `values`.
@@ -123,9 +114,9 @@ impl<S: Between, H: Message + Default, T: Message> Loan<S, H, T> {
         let sample = unsafe { self.sample.assume_init() };
         match sample.send() {
             Ok(_) => Ok(()),
-            Err(iceoryx2::port::SendError::UnableToDeliver) => Err(ChannelError::Full {
-                channel: self.name.to_string(),
-            }),
+            Err(iceoryx2::port::SendError::UnableToDeliver) => {
+                Err(ChannelError::Full { channel: self.name.to_string() })
+            }
             Err(why) => Err(ChannelError::failed(&self.name, why)),
         }
     }

@@ -33,11 +33,7 @@ impl RunPlaces {
         private_folder(&folder)?;
         let lock = File::create(folder.join("lock"))?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
-        Ok(Self {
-            folder,
-            prefix: prefix_of(run),
-            _lock: lock,
-        })
+        Ok(Self { folder, prefix: prefix_of(run), _lock: lock })
     }
 
     /// Folder for iceoryx2's bookkeeping.
@@ -66,10 +62,7 @@ pub fn sweep_dead_runs() -> io::Result<usize> {
     let mut swept = 0;
     for entry in fs::read_dir(base()?)? {
         let folder = entry?.path();
-        let name = folder
-            .file_name()
-            .map(|n| n.to_string_lossy().into_owned())
-            .unwrap_or_default();
+        let name = folder.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let Ok(run) = u64::from_str_radix(&name, 16) else {
             continue;
         };
@@ -85,10 +78,7 @@ pub fn sweep_dead_runs() -> io::Result<usize> {
 pub fn shared_memory_of(run: u64) -> usize {
     let prefix = prefix_of(run);
     fs::read_dir(SHARED_MEMORY).map_or(0, |entries| {
-        entries
-            .flatten()
-            .filter(|e| e.file_name().to_string_lossy().starts_with(&prefix))
-            .count()
+        entries.flatten().filter(|e| e.file_name().to_string_lossy().starts_with(&prefix)).count()
     })
 }
 

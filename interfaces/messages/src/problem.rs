@@ -18,11 +18,7 @@ pub struct Problem {
 impl Problem {
     /// A problem of the manifest key `key` (path from the manifest's root).
     pub fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self {
-            key: key.into(),
-            message: message.into(),
-            help: None,
-        }
+        Self { key: key.into(), message: message.into(), help: None }
     }
 
     /// A problem of a component's own parameter `key`.
@@ -42,12 +38,7 @@ impl Problem {
 
 impl std::fmt::Display for Problem {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{}: {}",
-            self.key.trim_start_matches(Self::PARAMETER_PREFIX),
-            self.message
-        )?;
+        write!(f, "{}: {}", self.key.trim_start_matches(Self::PARAMETER_PREFIX), self.message)?;
         match &self.help {
             Some(help) => write!(f, " ({help})"),
             None => Ok(()),

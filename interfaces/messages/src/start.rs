@@ -58,6 +58,8 @@ pub enum Reply {
         from: String,
         /// What the peer owes, as `state of window 7`.
         what: String,
+        /// Window whose message the peer owes.
+        owed: u64,
         /// Window that the component works on.
         window: u64,
     },
@@ -258,11 +260,7 @@ pub struct Fault {
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{} failed at window {}: {}",
-            self.blamed, self.window, self.message
-        )?;
+        write!(f, "{} failed at window {}: {}", self.blamed, self.window, self.message)?;
         if self.noticed_by != self.blamed {
             write!(f, " (noticed by {})", self.noticed_by)?;
         }

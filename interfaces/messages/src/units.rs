@@ -135,11 +135,7 @@ struct QuantityVisitor<T> {
 
 impl<T> QuantityVisitor<T> {
     fn refuse<E: de::Error>(&self, found: String) -> E {
-        E::custom(NotAQuantity {
-            found,
-            kind: self.kind,
-            example: self.example,
-        })
+        E::custom(NotAQuantity { found, kind: self.kind, example: self.example })
     }
 }
 
@@ -208,15 +204,9 @@ mod tests {
     #[test]
     fn what_is_written_reads_back_equal() {
         for value in [1.0, 0.1, 1.0 / 3.0, 1.2e-7, 16.0e20] {
-            assert_eq!(
-                Length(value).to_string().parse::<Length>().unwrap(),
-                Length(value)
-            );
+            assert_eq!(Length(value).to_string().parse::<Length>().unwrap(), Length(value));
             let json = serde_json::to_string(&Viscosity(value)).unwrap();
-            assert_eq!(
-                serde_json::from_str::<Viscosity>(&json).unwrap(),
-                Viscosity(value)
-            );
+            assert_eq!(serde_json::from_str::<Viscosity>(&json).unwrap(), Viscosity(value));
         }
     }
 }

@@ -36,10 +36,11 @@ pub fn check(arguments: &CheckArgs) -> ExitCode {
 pub fn run(arguments: &RunArgs) -> ExitCode {
     let mut terminal = Terminal::new(style(&arguments.manifest));
     let json = arguments.manifest.json;
-    let mut manifest = match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
-        Ok(manifest) => manifest,
-        Err(errors) => return refuse_text(&errors, json, &terminal),
-    };
+    let mut manifest =
+        match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
+            Ok(manifest) => manifest,
+            Err(errors) => return refuse_text(&errors, json, &terminal),
+        };
     add_observers(&mut manifest, &arguments.view);
     match run_checked(&manifest, arguments, &mut terminal) {
         Ok(code) => code,
@@ -69,7 +70,10 @@ fn run_checked(
     terminal.say(&format!("outputs in {}", out.display()));
     let ended = prepared.execute(manifest, &out, &execution, terminal, &interrupts)?;
     terminal.end(&last_line(&ended.summary, &out), details(&ended.summary));
-    if arguments.view == View::Web && ended.is_serving("viewer") && interrupts.load(Ordering::Relaxed) == 0 {
+    if arguments.view == View::Web
+        && ended.is_serving("viewer")
+        && interrupts.load(Ordering::Relaxed) == 0
+    {
         terminal.say("the viewer stays up; Ctrl-C ends it");
         while interrupts.load(Ordering::Relaxed) == 0 {
             std::thread::sleep(Duration::from_millis(50));
@@ -134,24 +138,32 @@ fn add_observers(manifest: &mut Manifest, view: &View) {
     if manifest.spec.outputs.record {
         manifest.spec.add_observer("recorder");
     }
-    let (mode, file) = match view {
-        View::None => return,
-        View::Web => ("web", None),
-        View::Native => ("native", None),
-        View::File(file) => ("file", Some(std::path::absolute(file).unwrap_or_else(|_| file.clone()))),
-    };
+    let Some(settings) = viewer_settings(view) else { return };
     manifest.spec.add_observer("viewer");
     for component in manifest.spec.components.iter_mut().filter(|c| c.stem() == "viewer") {
-        component.settings.insert("mode".into(), mode.into());
-        if let Some(file) = &file {
-            component.settings.insert("file".into(), file.to_string_lossy().into());
-        }
-        // A file for later shall have every frame; a window on the run shows the newest.
-        component.lossless |= file.is_some();
+        component.settings.extend(settings.clone());
     }
 }
 
-fn watch_signals() -> Result<Arc<AtomicUsize>, RunError> {
+/// What the viewer is told of where to show a run; `None` for nowhere.
+pub(super) fn viewer_settings(view: &View) -> Option<serde_json::Map<String, Value>> {
+    let mut settings = serde_json::Map::new();
+    let mode = match view {
+        View::None => return None,
+        View::Web => "web",
+        View::Native => "native",
+        View::File(file) => {
+            let file = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+            settings.insert("file".into(), file.to_string_lossy().into());
+            "file"
+        }
+    };
+    settings.insert("mode".into(), mode.into());
+    Some(settings)
+}
+
+/// Counts how often the user asks for the end.
+pub(super) fn watch_signals() -> Result<Arc<AtomicUsize>, RunError> {
     let interrupts = Arc::new(AtomicUsize::new(0));
     let mut signals = signal_hook::iterator::Signals::new([
         signal_hook::consts::SIGINT,

@@ -10,7 +10,9 @@ pub fn components() -> ExitCode {
     for component in BUILT_IN {
         println!("{:<12} {:<10} {}", component.name, component.role.name(), component.about);
     }
-    println!("\nAny other program can take a role: name it, or its path, in the [components] table.");
+    println!(
+        "\nAny other program can take a role: name it, or its path, in the [components] table."
+    );
     ExitCode::SUCCESS
 }
 

@@ -1,9 +1,52 @@
 //! `tremie view OUT`: opens a finished run.
 
-use crate::cli::ViewArgs;
+use super::run::{viewer_settings, watch_signals};
+use crate::cli::{View, ViewArgs};
+use crate::outputs::RECORDING;
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tremie_recorder::Recording;
+use tremie_sdk::Observer;
+use tremie_viewer::Viewer;
 
-/// `tremie view OUT`.
-pub fn view(_arguments: &ViewArgs) -> ExitCode {
-    ExitCode::FAILURE
+/// `tremie view OUT`: plays the run's recording to the very viewer that watches runs live.
+pub fn view(arguments: &ViewArgs) -> ExitCode {
+    match show(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(text) => {
+            eprintln!("error: {text}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn show(arguments: &ViewArgs) -> Result<(), String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let Some(settings) = viewer_settings(&arguments.view) else {
+        return Err("nothing to do with --view none".into());
+    };
+    let file = arguments.out.join(RECORDING);
+    let recording = Recording::open(&file).map_err(|error| {
+        format!(
+            "{}: {error}\nOUT is the folder of a run that was recorded (outputs.record)",
+            file.display()
+        )
+    })?;
+    let setup = recording.setup("viewer", &arguments.out, settings);
+    let interrupts = watch_signals().map_err(|error| text(&error))?;
+    let mut viewer = Viewer::open(&setup).map_err(|error| text(&error))?;
+    let end = recording.replay(&mut viewer).map_err(|error| text(&error))?;
+    let note = viewer.close(end.last_common_window).map_err(|error| text(&error))?;
+    if !end.complete {
+        eprintln!("warning: the end of the recording is missing; its run was killed");
+    }
+    eprintln!("{note}");
+    if arguments.view == View::Web {
+        eprintln!("the viewer stays up; Ctrl-C ends it");
+        while interrupts.load(Ordering::Relaxed) == 0 {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+    Ok(())
 }

@@ -101,7 +101,9 @@ fn notices(subject: &Subject, kind: InjectionKind, expected: FaultKind) -> Resul
     let sets = [("run.deadline", "0.5 s")];
     match subject.run(&sets, Some((kind, 3)))?.summary.ending {
         Ending::Failed { fault } if is_noticed(subject, &fault, expected) => Ok(()),
-        Ending::Failed { fault } => Err(format!("expected a fault of kind {expected:?}, found {fault}")),
+        Ending::Failed { fault } => {
+            Err(format!("expected a fault of kind {expected:?}, found {fault}"))
+        }
         other => Err(format!("the run ended with {other:?}")),
     }
 }

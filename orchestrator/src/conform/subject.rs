@@ -41,13 +41,19 @@ impl Subject {
             Program::BuiltIn(name) => (*name).to_string(),
             Program::File(file) => file.to_string_lossy().into_owned(),
         };
-        let subject =
-            |role| Self { program: program.clone(), role, manifest: arguments.manifest.clone(), name: name.clone() };
+        let subject = |role| Self {
+            program: program.clone(),
+            role,
+            manifest: arguments.manifest.clone(),
+            name: name.clone(),
+        };
         let roles = match arguments.role.as_deref() {
             None => vec![Role::Fluid, Role::Grains],
             Some("fluid") => vec![Role::Fluid],
             Some("grains") => vec![Role::Grains],
-            Some(other) => return Err(format!("role \"{other}\" cannot be tried; expected fluid or grains")),
+            Some(other) => {
+                return Err(format!("role \"{other}\" cannot be tried; expected fluid or grains"));
+            }
         };
         let mut refusals = Vec::new();
         for role in roles {
@@ -71,7 +77,9 @@ impl Subject {
         all.extend(sets.iter().map(|(key, value)| ((*key).to_string(), (*value).to_string())));
         match &self.manifest {
             Some(path) => manifest::load(path, &all),
-            None => manifest::parse(Path::new("scene.toml"), include_str!("scene.toml").into(), &all),
+            None => {
+                manifest::parse(Path::new("scene.toml"), include_str!("scene.toml").into(), &all)
+            }
         }
         .map_err(|errors| errors.render(false))
     }
@@ -86,7 +94,8 @@ impl Subject {
     /// A hello that the program should accept.
     pub fn hello(&self) -> Result<Hello, String> {
         let manifest = self.manifest(&[])?;
-        let component = manifest.spec.component(self.role.name()).ok_or("the manifest lacks the role")?;
+        let component =
+            manifest.spec.component(self.role.name()).ok_or("the manifest lacks the role")?;
         Ok(Hello {
             interface: INTERFACE_VERSION,
             run: 1,

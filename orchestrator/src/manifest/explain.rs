@@ -10,21 +10,14 @@ pub(super) fn explain(at: &str, message: &str) -> (Problem, Option<String>) {
     if let Some((unknown, valid)) = unknown(message, "unknown field `") {
         // The path ends with the unknown key itself in most cases.
         let is_last = at.rsplit(['.', ']']).next() == Some(unknown);
-        let key = if is_last {
-            at.to_string()
-        } else {
-            path::join(at, unknown)
-        };
+        let key = if is_last { at.to_string() } else { path::join(at, unknown) };
         let meant = nearest(unknown, &valid).map(|near| path::join(path::parent(&key), near));
         let problem = Problem::new(key, format!("unknown key \"{unknown}\""));
         return (suggest(problem, unknown, &valid, true), meant);
     }
     if let Some((unknown, valid)) = unknown(message, "unknown variant `") {
         let message = format!("found \"{unknown}\", expected {}", list(&valid));
-        return (
-            suggest(Problem::new(at, message), unknown, &valid, false),
-            None,
-        );
+        return (suggest(Problem::new(at, message), unknown, &valid, false), None);
     }
     (Problem::new(at, plain(message)), None)
 }
@@ -92,17 +85,13 @@ mod tests {
 
     #[test]
     fn an_unknown_key_comes_with_the_nearest() {
-        let (problem, meant) = explain(
-            "scene.flud",
-            "unknown field `flud`, expected one of `fluid`, `planes`",
-        );
+        let (problem, meant) =
+            explain("scene.flud", "unknown field `flud`, expected one of `fluid`, `planes`");
         assert_eq!(problem.key, "scene.flud");
         assert_eq!(meant.as_deref(), Some("scene.fluid"));
         assert_eq!(problem.help.as_deref(), Some("did you mean \"fluid\"?"));
-        let (problem, _) = explain(
-            "scene",
-            "unknown field `xyz`, expected one of `fluid`, `planes`",
-        );
+        let (problem, _) =
+            explain("scene", "unknown field `xyz`, expected one of `fluid`, `planes`");
         assert_eq!(problem.key, "scene.xyz");
         assert_eq!(problem.help.as_deref(), Some("valid keys: fluid, planes"));
     }

@@ -55,11 +55,7 @@ pub struct ManifestErrors {
 /// # Errors
 /// Every problem found, each with its place.
 pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Manifest, ManifestErrors> {
-    let file = if path.is_dir() {
-        path.join("manifest.toml")
-    } else {
-        PathBuf::from(path)
-    };
+    let file = if path.is_dir() { path.join("manifest.toml") } else { PathBuf::from(path) };
     match std::fs::read_to_string(&file) {
         Ok(text) => parse(&file, text, sets),
         Err(error) => {
@@ -87,10 +83,7 @@ pub fn parse(
     let mut tree = tree::read(&mut source, &mut problems);
     if !problems.is_empty() {
         // A table may have lost its header: what else looks wrong need not be so.
-        return Err(ManifestErrors {
-            source_text: source,
-            problems,
-        });
+        return Err(ManifestErrors { source_text: source, problems });
     }
     overrides::apply(&mut tree, sets, &mut source, &mut problems);
     let (mut document, mut findings) = read::read(tree);
@@ -100,17 +93,9 @@ pub fn parse(
     match spec {
         Some(spec) if problems.is_empty() => {
             let notes = check::notes(&spec);
-            Ok(Manifest {
-                spec,
-                source,
-                notes,
-                document,
-            })
+            Ok(Manifest { spec, source, notes, document })
         }
-        _ => Err(ManifestErrors {
-            source_text: source,
-            problems,
-        }),
+        _ => Err(ManifestErrors { source_text: source, problems }),
     }
 }
 
@@ -144,16 +129,9 @@ impl Manifest {
     /// Where a key that the manifest does not hold would be written: in the component's settings.
     fn settings_key(&self, component: &ComponentSpec, key: &str) -> String {
         let own = path::join(&component.key(), "settings");
-        let table = if self.source.knows(&own) {
-            own
-        } else {
-            path::join("settings", component.stem())
-        };
-        if self.source.knows(&table) {
-            path::join(&table, key)
-        } else {
-            component.key()
-        }
+        let table =
+            if self.source.knows(&own) { own } else { path::join("settings", component.stem()) };
+        if self.source.knows(&table) { path::join(&table, key) } else { component.key() }
     }
 }
 

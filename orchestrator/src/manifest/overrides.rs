@@ -40,10 +40,7 @@ fn parse_value(text: &str) -> Result<Value, String> {
     let mut source = Source::new("".as_ref(), format!("value = {text}"));
     let mut problems = Vec::new();
     let tree = super::tree::read(&mut source, &mut problems);
-    if problems
-        .iter()
-        .any(|problem| !path::is_within(&problem.key, "value"))
-    {
+    if problems.iter().any(|problem| !path::is_within(&problem.key, "value")) {
         return Ok(Value::String(text.trim().to_string()));
     }
     match (problems.pop(), tree) {
@@ -63,16 +60,12 @@ fn descend<'a>(tree: &'a mut Value, steps: &[Step]) -> Result<&'a mut Value, Str
         slot = match step {
             Step::Key(key) => {
                 widen(slot, &at);
-                let table = slot
-                    .as_object_mut()
-                    .ok_or_else(|| format!("{at} is not a table"))?;
+                let table = slot.as_object_mut().ok_or_else(|| format!("{at} is not a table"))?;
                 at = path::join(&at, key);
                 table.entry(key.clone()).or_insert(Value::Null)
             }
             Step::Index(index) => {
-                let entries = slot
-                    .as_array_mut()
-                    .ok_or_else(|| format!("{at} is not a list"))?;
+                let entries = slot.as_array_mut().ok_or_else(|| format!("{at} is not a list"))?;
                 let count = entries.len();
                 let entry = entries.get_mut(*index);
                 let slot =

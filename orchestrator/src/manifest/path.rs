@@ -72,12 +72,7 @@ mod tests {
         let key = |text: &str| Step::Key(text.to_string());
         assert_eq!(
             parse("scene.bodies[2].density"),
-            Some(vec![
-                key("scene"),
-                key("bodies"),
-                Step::Index(2),
-                key("density")
-            ])
+            Some(vec![key("scene"), key("bodies"), Step::Index(2), key("density")])
         );
         assert_eq!(
             parse("settings.\"a.b\".cell"),

@@ -61,12 +61,11 @@ impl Findings {
 }
 
 fn path_of(path: &serde_path_to_error::Path) -> String {
-    path.iter()
-        .fold(String::new(), |at, segment| match segment {
-            Segment::Seq { index } => path::item(&at, *index),
-            Segment::Map { key } => path::join(&at, key),
-            Segment::Enum { .. } | Segment::Unknown => at,
-        })
+    path.iter().fold(String::new(), |at, segment| match segment {
+        Segment::Seq { index } => path::item(&at, *index),
+        Segment::Map { key } => path::join(&at, key),
+        Segment::Enum { .. } | Segment::Unknown => at,
+    })
 }
 
 /// Takes out the innermost key on the way to the problem (not an entry of a list: the others would
@@ -74,18 +73,12 @@ fn path_of(path: &serde_path_to_error::Path) -> String {
 fn remove(tree: &mut Value, path: &serde_path_to_error::Path, problem_key: &str) -> Option<String> {
     let mut steps: Vec<Segment> = path.iter().cloned().collect();
     let named = path_of(path);
-    if let Some(unknown) = problem_key
-        .strip_prefix(&named)
-        .map(|rest| rest.trim_start_matches('.'))
+    if let Some(unknown) = problem_key.strip_prefix(&named).map(|rest| rest.trim_start_matches('.'))
         && !unknown.is_empty()
     {
-        steps.push(Segment::Map {
-            key: unknown.to_string(),
-        });
+        steps.push(Segment::Map { key: unknown.to_string() });
     }
-    let last = steps
-        .iter()
-        .rposition(|step| matches!(step, Segment::Map { .. }))?;
+    let last = steps.iter().rposition(|step| matches!(step, Segment::Map { .. }))?;
     let mut slot = tree;
     let mut at = String::new();
     for step in &steps[..last] {

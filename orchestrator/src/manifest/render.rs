@@ -25,9 +25,7 @@ impl Source {
     pub fn json_lines(&self, problems: &[Problem]) -> String {
         let mut out = String::new();
         for problem in self.sorted(problems) {
-            let at = self
-                .at(problem)
-                .map(|at| line_and_column(&self.text, at.start));
+            let at = self.at(problem).map(|at| line_and_column(&self.text, at.start));
             let line = serde_json::json!({
                 "key": problem.key,
                 "message": problem.message,
@@ -81,32 +79,17 @@ impl Source {
         let (number, column) = line_and_column(&self.text, at.start);
         let line = self.text.lines().nth(number - 1).unwrap_or("");
         // Of a value over several lines, the first is shown.
-        let marked = self
-            .text
-            .get(at.clone())
-            .and_then(|value| value.lines().next());
+        let marked = self.text.get(at.clone()).and_then(|value| value.lines().next());
         let marked = marked.map_or(1, |value| value.trim_end().chars().count().max(1));
         // Tabs stay tabs, so that the caret stands below its word.
-        let indent: String = (line.chars().take(column - 1))
-            .map(|c| if c == '\t' { '\t' } else { ' ' })
-            .collect();
+        let indent: String =
+            (line.chars().take(column - 1)).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
         let margin = number.to_string().len();
         let bar = ink.line("|");
-        let _ = writeln!(
-            out,
-            "{:margin$}{} {}:{number}:{column}",
-            "",
-            ink.line("-->"),
-            self.file
-        );
+        let _ = writeln!(out, "{:margin$}{} {}:{number}:{column}", "", ink.line("-->"), self.file);
         let _ = writeln!(out, "{:margin$} {bar}", "");
         let _ = writeln!(out, "{} {bar} {line}", ink.line(&number.to_string()));
-        let _ = writeln!(
-            out,
-            "{:margin$} {bar} {indent}{}",
-            "",
-            ink.error(&"^".repeat(marked))
-        );
+        let _ = writeln!(out, "{:margin$} {bar} {indent}{}", "", ink.error(&"^".repeat(marked)));
         margin
     }
 
@@ -133,10 +116,7 @@ pub(super) fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
     }
     let before = &text[..byte];
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    (
-        before.matches('\n').count() + 1,
-        before[line_start..].chars().count() + 1,
-    )
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
 /// Colours of a terminal, or none.
@@ -146,11 +126,7 @@ struct Ink {
 
 impl Ink {
     fn paint(&self, code: &str, text: &str) -> String {
-        if self.colour {
-            format!("\x1b[{code}m{text}\x1b[0m")
-        } else {
-            text.to_string()
-        }
+        if self.colour { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_string() }
     }
 
     fn error(&self, text: &str) -> String {

@@ -91,9 +91,7 @@ impl Document {
             set.motion.get_or_insert(MotionName::default());
             for sphere in set.spheres.iter_mut().flatten() {
                 sphere.velocity.get_or_insert([Velocity(0.0); 3]);
-                sphere
-                    .angular_velocity
-                    .get_or_insert([AngularVelocity(0.0); 3]);
+                sphere.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
             }
             if let (Some(packing), Some(seed)) = (&mut set.packing, self.run.seed) {
                 packing.seed.get_or_insert(seed);
@@ -122,9 +120,7 @@ fn fill_component(name: &str, entry: &mut ComponentEntry) {
     if let Some(program) = &table.program
         && table.role == Some(Role::Observer)
     {
-        table
-            .lossless
-            .get_or_insert(is_lossless_by_default(spec::stem(program)));
+        table.lossless.get_or_insert(is_lossless_by_default(spec::stem(program)));
     }
     *entry = ComponentEntry::Table(table);
 }

@@ -29,11 +29,7 @@ pub(super) enum Place {
 
 impl Source {
     pub(super) fn new(file: &Path, text: String) -> Self {
-        Self {
-            file: file.display().to_string(),
-            text,
-            places: BTreeMap::new(),
-        }
+        Self { file: file.display().to_string(), text, places: BTreeMap::new() }
     }
 
     /// The file, as messages call it.

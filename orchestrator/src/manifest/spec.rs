@@ -107,9 +107,7 @@ impl Limit {
 impl Spec {
     /// The component of that name.
     pub fn component(&self, name: &str) -> Option<&ComponentSpec> {
-        self.components
-            .iter()
-            .find(|component| component.name == name)
+        self.components.iter().find(|component| component.name == name)
     }
 
     /// Adds a built-in observer under the name of its program, with the settings that the manifest
@@ -146,20 +144,13 @@ impl ComponentSpec {
     /// Threads that it gets on a machine of `cores`: as the manifest says, else all for a fluid
     /// (most of the work) and one for anything else. Results do not depend on it.
     pub fn threads_of(&self, cores: u32) -> u32 {
-        self.threads.unwrap_or(if self.role == Role::Fluid {
-            cores.max(1)
-        } else {
-            1
-        })
+        self.threads.unwrap_or(if self.role == Role::Fluid { cores.max(1) } else { 1 })
     }
 }
 
 /// Name of a program's file without extension.
 pub(super) fn stem(program: &str) -> &str {
-    Path::new(program)
-        .file_stem()
-        .and_then(|stem| stem.to_str())
-        .unwrap_or(program)
+    Path::new(program).file_stem().and_then(|stem| stem.to_str()).unwrap_or(program)
 }
 
 /// The recorder's file shall have every frame; a viewer shows the newest.

@@ -55,30 +55,20 @@ fn read(text: &str) -> Result<Manifest, ManifestErrors> {
 }
 
 fn with(sets: &[(&str, &str)]) -> Result<Manifest, ManifestErrors> {
-    let sets: Vec<_> = sets
-        .iter()
-        .map(|(k, v)| ((*k).to_string(), (*v).to_string()))
-        .collect();
+    let sets: Vec<_> = sets.iter().map(|(k, v)| ((*k).to_string(), (*v).to_string())).collect();
     parse(Path::new("manifest.toml"), GOOD.to_string(), &sets)
 }
 
 /// Replaces `old` in the good manifest and expects exactly one problem: in the line that holds
 /// `old`, with all of `words` in its rendering.
 fn broken(old: &str, new: &str, words: &[&str]) {
-    assert_eq!(
-        GOOD.matches(old).count(),
-        1,
-        "\"{old}\" must be in the manifest once"
-    );
+    assert_eq!(GOOD.matches(old).count(), 1, "\"{old}\" must be in the manifest once");
     let text = GOOD.replace(old, new);
     let errors = read(&text).map(|manifest| manifest.spec).expect_err(new);
     let rendered = errors.render(false);
     assert_eq!(errors.problems.len(), 1, "{rendered}");
     let line = GOOD[..GOOD.find(old).unwrap()].matches('\n').count() + 1;
-    assert!(
-        rendered.contains(&format!("--> manifest.toml:{line}:")),
-        "line {line}: {rendered}"
-    );
+    assert!(rendered.contains(&format!("--> manifest.toml:{line}:")), "line {line}: {rendered}");
     for word in words {
         assert!(rendered.contains(word), "\"{word}\" is not in: {rendered}");
     }
@@ -87,59 +77,31 @@ fn broken(old: &str, new: &str, words: &[&str]) {
 #[test]
 fn a_good_manifest_is_read_in_si_with_defaults() {
     let manifest = read(GOOD).unwrap();
-    let Spec {
-        run,
-        scene,
-        components,
-        outputs,
-        stop_when,
-        ..
-    } = &manifest.spec;
+    let Spec { run, scene, components, outputs, stop_when, .. } = &manifest.spec;
     assert_eq!((run.until, run.deadline, run.seed), (1.5, 30.0, 1));
     assert_eq!(scene.gravity, [0.0, 0.0, -9.81]);
-    assert_eq!(
-        scene.domain.faces,
-        [[Face::Periodic; 2], [Face::Wall; 2], [Face::Wall; 2]]
-    );
+    assert_eq!(scene.domain.faces, [[Face::Periodic; 2], [Face::Wall; 2], [Face::Wall; 2]]);
     assert_eq!(scene.planes[0].normal, [0.0, 0.0, 1.0]);
     assert_eq!(scene.bodies[0].motion, Motion::Free);
-    let Placement::Packed(packing) = &scene.bodies[1].placement else {
-        panic!()
-    };
+    let Placement::Packed(packing) = &scene.bodies[1].placement else { panic!() };
     assert_eq!(packing.seed, 1);
-    assert_eq!(
-        packing.diameters,
-        Diameters::Uniform {
-            min: 1e-3,
-            max: 1.5e-3
-        }
-    );
+    assert_eq!(packing.diameters, Diameters::Uniform { min: 1e-3, max: 1.5e-3 });
     let contacts = scene.contacts.as_ref().unwrap();
     assert_eq!(contacts.body_wall, contacts.body_body);
     assert_eq!(contacts.body_body.damping, Damping::Restitution(0.8));
     assert_eq!(components[0].role, Role::Fluid);
     assert_eq!(components[0].settings["cell"], "1 mm");
     assert_eq!(components[1].sync_iter, Some(3));
-    assert_eq!(
-        (outputs.frames, outputs.signals, outputs.record),
-        (1.5 / 200.0, None, true)
-    );
+    assert_eq!((outputs.frames, outputs.signals, outputs.record), (1.5 / 200.0, None, true));
     assert_eq!(stop_when[0].limit, Limit::Below(1e-4));
     assert_eq!(manifest.notes.len(), 1);
     assert!(manifest.notes[0].contains("settings.minimal-fluid"));
-    assert_eq!(
-        manifest.source.text()[manifest.source.span("run.until").unwrap()],
-        *"\"1.5 s\""
-    );
+    assert_eq!(manifest.source.text()[manifest.source.span("run.until").unwrap()], *"\"1.5 s\"");
 }
 
 #[test]
 fn one_wrong_value_is_one_problem_in_its_line() {
-    broken(
-        "until = \"1.5 s\"",
-        "until = \"0 s\"",
-        &["run.until", "more than zero"],
-    );
+    broken("until = \"1.5 s\"", "until = \"0 s\"", &["run.until", "more than zero"]);
     broken(
         "until = \"1.5 s\"",
         "until = \"1.5 m\"",
@@ -152,89 +114,41 @@ fn one_wrong_value_is_one_problem_in_its_line() {
         "x = \"periodc\"",
         &["did you mean \"periodic\"?", "expected \"wall\""],
     );
-    broken(
-        "density = \"970 kg/m3\"",
-        "density = \"-970 kg/m3\"",
-        &["-970 kg/m3"],
-    );
-    broken(
-        "viscosity = \"0.373 Pa s\"",
-        "viscosity = \"0 Pa s\"",
-        &["more than zero"],
-    );
-    broken(
-        "normal = [0, 0, 2.0]",
-        "normal = [0, 0, 0]",
-        &["a direction"],
-    );
-    broken(
-        "normal = [0, 0, 2.0]",
-        "normal = [0, 0]",
-        &["a list of length 2", "length 3"],
-    );
-    broken(
-        "diameter = \"15 mm\"",
-        "diameter = \"-15 mm\"",
-        &["-0.015 m"],
-    );
+    broken("density = \"970 kg/m3\"", "density = \"-970 kg/m3\"", &["-970 kg/m3"]);
+    broken("viscosity = \"0.373 Pa s\"", "viscosity = \"0 Pa s\"", &["more than zero"]);
+    broken("normal = [0, 0, 2.0]", "normal = [0, 0, 0]", &["a direction"]);
+    broken("normal = [0, 0, 2.0]", "normal = [0, 0]", &["a list of length 2", "length 3"]);
+    broken("diameter = \"15 mm\"", "diameter = \"-15 mm\"", &["-0.015 m"]);
     broken("\"127.5 mm\"", "\"159 mm\"", &["not inside the domain"]);
-    broken(
-        "\"127.5 mm\"",
-        "\"8 mm\"",
-        &["reaches through scene.planes[0]"],
-    );
+    broken("\"127.5 mm\"", "\"8 mm\"", &["reaches through scene.planes[0]"]);
     broken("\"1e4 N/m\"", "\"-1e4 N/m\"", &["normal_stiffness"]);
     broken("restitution = 0.8", "restitution = 1.2", &["at most 1"]);
     broken("restitution = 0.8", "restitution = 0.0", &["more than 0"]);
-    broken(
-        "restitution = 0.8",
-        "restitution = 0.8, normal_damping = \"1 kg/s\"",
-        &["either"],
-    );
+    broken("restitution = 0.8", "restitution = 0.8, normal_damping = \"1 kg/s\"", &["either"]);
     broken("friction = 0.3", "friction = -0.3", &["zero or more"]);
     broken("fraction = 0.1", "fraction = 0.8", &["densest"]);
-    broken(
-        "[\"1 mm\", \"1.5 mm\"]",
-        "[\"2 mm\", \"1.5 mm\"]",
-        &["smaller one first"],
-    );
+    broken("[\"1 mm\", \"1.5 mm\"]", "[\"2 mm\", \"1.5 mm\"]", &["smaller one first"]);
     broken("[\"1 mm\", \"1.5 mm\"]", "\"2 kg\"", &["a length"]);
     broken("[\"1 mm\", \"1.5 mm\"]", "\"20 mm\"", &["too narrow"]);
     broken("sync_iter = 3", "sync_iter = 0", &["a whole number"]);
     broken("sync_iter = 3", "sync_iter = 2000", &["at most 1000"]);
-    broken(
-        "sync_iter = 3",
-        "role = \"grain\"",
-        &["did you mean \"grains\"?"],
-    );
+    broken("sync_iter = 3", "role = \"grain\"", &["did you mean \"grains\"?"]);
     broken("sync_iter = 3", "lossless = true", &["only an observer"]);
     broken("below = 1e-4", "below = \"slow\"", &["expected a number"]);
 }
 
 #[test]
 fn one_wrong_key_is_one_problem_with_the_nearest() {
-    broken(
-        "viscosity =",
-        "viscocity =",
-        &["did you mean \"viscosity\"?", "^^^^^^^^^"],
-    );
+    broken("viscosity =", "viscocity =", &["did you mean \"viscosity\"?", "^^^^^^^^^"]);
     broken("until =", "untill =", &["did you mean \"until\"?"]);
-    broken(
-        "[scene.fluid]",
-        "[scene.flud]",
-        &["did you mean \"fluid\"?"],
-    );
+    broken("[scene.fluid]", "[scene.flud]", &["did you mean \"fluid\"?"]);
     broken("signal =", "signl =", &["did you mean \"signal\"?"]);
 }
 
 #[test]
 fn what_is_missing_is_said_at_its_table() {
     broken("[run]\nuntil = \"1.5 s\"", "[run]", &["run.until: missing"]);
-    broken(
-        "[scene.fluid]\ndensity = \"970 kg/m3\"",
-        "[scene.fluid]",
-        &["scene.fluid.density"],
-    );
+    broken("[scene.fluid]\ndensity = \"970 kg/m3\"", "[scene.fluid]", &["scene.fluid.density"]);
     broken(", restitution = 0.8", "", &["missing: damping"]);
     broken(
         "[[stop_when]]\nsignal = \"grains.max_speed\"\nbelow = 1e-4",
@@ -242,21 +156,13 @@ fn what_is_missing_is_said_at_its_table() {
         &["a bound"],
     );
     let errors = read("").unwrap_err();
-    let keys: Vec<_> = errors
-        .problems
-        .iter()
-        .map(|problem| problem.key.as_str())
-        .collect();
+    let keys: Vec<_> = errors.problems.iter().map(|problem| problem.key.as_str()).collect();
     assert_eq!(keys, ["run.until", "scene.domain.size", "components"]);
 }
 
 #[test]
 fn what_does_not_fit_together_is_a_problem() {
-    broken(
-        "name = \"bed\"",
-        "name = \"sphere\"",
-        &["a second set of bodies"],
-    );
+    broken("name = \"bed\"", "name = \"sphere\"", &["a second set of bodies"]);
     broken(
         "signal = \"grains.max_speed\"",
         "signal = \"grain.max_speed\"",
@@ -267,30 +173,16 @@ fn what_does_not_fit_together_is_a_problem() {
         "signal = \"max_speed\"",
         &["a component and its signal"],
     );
-    let twice = read(&GOOD.replace(
-        "fluid = \"fluid-lbm\"",
-        "other = { program = \"x\", role = \"grains\" }",
-    ));
-    assert!(
-        twice
-            .unwrap_err()
-            .to_string()
-            .contains("a second component with the role grains")
+    let twice = read(
+        &GOOD.replace("fluid = \"fluid-lbm\"", "other = { program = \"x\", role = \"grains\" }"),
     );
+    assert!(twice.unwrap_err().to_string().contains("a second component with the role grains"));
     let watcher = "{ program = \"grains-dem\", role = \"observer\", sync_iter = 3 }";
     let watcher = GOOD.replace("{ program = \"grains-dem\", sync_iter = 3 }", watcher);
-    assert!(
-        read(&watcher)
-            .unwrap_err()
-            .to_string()
-            .contains("makes no substeps")
-    );
+    assert!(read(&watcher).unwrap_err().to_string().contains("makes no substeps"));
     let dry = "[scene.fluid]\ndensity = \"970 kg/m3\"\nviscosity = \"0.373 Pa s\"\n";
     assert!(
-        read(&GOOD.replace(dry, ""))
-            .unwrap_err()
-            .to_string()
-            .contains("a fluid needs a material")
+        read(&GOOD.replace(dry, "")).unwrap_err().to_string().contains("a fluid needs a material")
     );
     let bounds = read(&GOOD.replace("below = 1e-4", "below = 1e-4\nabove = 1.0")).unwrap_err();
     assert!(bounds.to_string().contains("both below and above"));
@@ -314,27 +206,17 @@ fn listed_spheres_must_be_apart() {
         read(&GOOD.replace(one, &two))
     };
     assert!(second("65 mm").is_ok());
-    assert!(
-        second("64.9 mm").is_ok(),
-        "bodies at rest on each other overlap a little"
-    );
+    assert!(second("64.9 mm").is_ok(), "bodies at rest on each other overlap a little");
     let errors = second("64 mm").unwrap_err();
     assert_eq!(errors.problems.len(), 1, "{errors}");
     assert_eq!(errors.problems[0].key, "scene.bodies[0].spheres[1]");
-    assert!(
-        errors
-            .to_string()
-            .contains("overlaps scene.bodies[0].spheres[0]")
-    );
+    assert!(errors.to_string().contains("overlaps scene.bodies[0].spheres[0]"));
     let across = GOOD.replace(
         "\"50 mm\", \"50 mm\", \"127.5 mm\"], diameter",
         "\"2 mm\", \"50 mm\", \"127.5 mm\"], diameter",
     );
     let across = across.replace("diameter = \"15 mm\" }]", "diameter = \"15 mm\" }, { position = [\"95 mm\", \"50 mm\", \"127.5 mm\"], diameter = \"15 mm\" }]");
-    assert!(
-        read(&across).unwrap_err().to_string().contains("overlaps"),
-        "x is periodic"
-    );
+    assert!(read(&across).unwrap_err().to_string().contains("overlaps"), "x is periodic");
 }
 
 #[test]
@@ -363,17 +245,13 @@ fn all_problems_come_at_once_in_the_order_of_the_file() {
 
 #[test]
 fn every_syntax_error_has_its_line() {
-    let text = GOOD
-        .replace("until = \"1.5 s\"", "until = 1.5 s")
-        .replace("below = 1e-4", "below = = 1");
+    let text =
+        GOOD.replace("until = \"1.5 s\"", "until = 1.5 s").replace("below = 1e-4", "below = = 1");
     let errors = read(&text).unwrap_err();
     let rendered = errors.render(false);
     assert!(rendered.contains("manifest.toml:2:"), "{rendered}");
     let line = text[..text.find("below").unwrap()].matches('\n').count() + 1;
-    assert!(
-        rendered.contains(&format!("manifest.toml:{line}:")),
-        "{rendered}"
-    );
+    assert!(rendered.contains(&format!("manifest.toml:{line}:")), "{rendered}");
     assert!(
         read("[run]\nuntil = \"1 s\"\nuntil = \"2 s\"")
             .unwrap_err()
@@ -406,17 +284,10 @@ fn values_of_the_command_line_win_and_have_their_own_place() {
         let errors = with(&[(key, value)]).unwrap_err();
         assert_eq!(errors.problems.len(), 1, "{errors}");
         let rendered = errors.render(false);
-        assert!(
-            rendered.contains(&format!("--> --set {key}={value}")),
-            "{rendered}"
-        );
+        assert!(rendered.contains(&format!("--> --set {key}={value}")), "{rendered}");
         assert!(rendered.contains(words), "{rendered}");
     };
-    wrong(
-        "scene.fluid.viscocity",
-        "1 Pa s",
-        "did you mean \"viscosity\"?",
-    );
+    wrong("scene.fluid.viscocity", "1 Pa s", "did you mean \"viscosity\"?");
     wrong("scene.fluid.viscosity", "-1 Pa s", "more than zero");
     wrong("scene.bodies[5].density", "1 kg/m3", "has 2 entries");
     wrong("run.until.x", "1", "is not a table");
@@ -426,10 +297,8 @@ fn values_of_the_command_line_win_and_have_their_own_place() {
 
 #[test]
 fn the_resolved_manifest_reads_back_equal() {
-    let sets = [
-        ("run.schedule", "parallel"),
-        ("components.grains.settings", "{ time_step = \"1 us\" }"),
-    ];
+    let sets =
+        [("run.schedule", "parallel"), ("components.grains.settings", "{ time_step = \"1 us\" }")];
     for manifest in [read(GOOD).unwrap(), with(&sets).unwrap()] {
         let text = manifest.resolved();
         let again = parse(Path::new("again.toml"), text.clone(), &[])
@@ -447,9 +316,10 @@ fn problems_of_components_find_their_lines() {
         manifest.source.render(&problems, false)
     };
     let cell = GOOD[..GOOD.find("cell =").unwrap()].matches('\n').count() + 1;
-    assert!(rendered("fluid", "cell").contains(&format!(
-        "settings.fluid-lbm.cell: wrong\n  --> manifest.toml:{cell}:8"
-    )));
+    assert!(
+        rendered("fluid", "cell")
+            .contains(&format!("settings.fluid-lbm.cell: wrong\n  --> manifest.toml:{cell}:8"))
+    );
     assert!(rendered("fluid", "absent").contains(&format!("manifest.toml:{}:1", cell - 1)));
     assert!(rendered("grains", "skin").contains("--> --set components.grains.settings.skin=0.2"));
 }
@@ -460,45 +330,21 @@ fn observers_are_added_once_with_their_settings() {
     spec.add_observer("viewer");
     spec.add_observer("viewer");
     spec.add_observer("recorder");
-    let names: Vec<_> = spec
-        .components
-        .iter()
-        .map(|c| (c.name.as_str(), c.lossless))
-        .collect();
-    assert_eq!(
-        names,
-        [
-            ("fluid", false),
-            ("grains", false),
-            ("recorder", true),
-            ("viewer", false)
-        ]
-    );
+    let names: Vec<_> = spec.components.iter().map(|c| (c.name.as_str(), c.lossless)).collect();
+    assert_eq!(names, [("fluid", false), ("grains", false), ("recorder", true), ("viewer", false)]);
     assert_eq!(spec.component("viewer").unwrap().settings["port"], 9000);
 }
 
 #[test]
 fn a_missing_file_is_said() {
     let errors = load(Path::new("no/such/manifest.toml"), &[]).unwrap_err();
-    assert!(
-        errors
-            .to_string()
-            .contains("cannot read no/such/manifest.toml"),
-        "{errors}"
-    );
+    assert!(errors.to_string().contains("cannot read no/such/manifest.toml"), "{errors}");
 }
 
 #[test]
 fn the_schema_names_every_table_and_no_null() {
     let schema = schema_text();
-    for word in [
-        "until",
-        "viscosity",
-        "body_wall",
-        "sync_iter",
-        "stop_when",
-        "0.3 mm",
-    ] {
+    for word in ["until", "viscosity", "body_wall", "sync_iter", "stop_when", "0.3 mm"] {
         assert!(schema.contains(word), "{word}");
     }
     assert!(!schema.contains("null"), "{schema}");

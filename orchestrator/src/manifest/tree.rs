@@ -23,13 +23,7 @@ fn syntax(error: &Error, source: &mut Source) -> Problem {
     let at = error.span().unwrap_or(source.text.len()..source.text.len());
     let (line, column) = super::render::line_and_column(&source.text, at.start);
     let key = format!("line {line}, column {column}");
-    source.put(
-        key.clone(),
-        Place::File {
-            key: None,
-            value: at,
-        },
-    );
+    source.put(key.clone(), Place::File { key: None, value: at });
     Problem::new(key, error.message().trim().replace('\n', ", "))
 }
 
@@ -43,10 +37,7 @@ impl Reader<'_> {
         let mut map = Map::new();
         for (key, value) in table {
             let path = path::join(at, key.get_ref());
-            let place = Place::File {
-                key: Some(key.span()),
-                value: value.span(),
-            };
+            let place = Place::File { key: Some(key.span()), value: value.span() };
             self.source.put(path.clone(), place);
             if let Some(value) = self.value(&path, value) {
                 map.insert(key.get_ref().to_string(), value);
@@ -69,23 +60,16 @@ impl Reader<'_> {
                 return self.number(path, number, float.as_str());
             }
             DeValue::Datetime(date) => {
-                self.problems.push(Problem::new(
-                    path,
-                    format!("found the date {date}, which no key takes"),
-                ));
+                self.problems
+                    .push(Problem::new(path, format!("found the date {date}, which no key takes")));
                 return None;
             }
             DeValue::Array(array) => Value::Array(
                 (array.iter().enumerate())
                     .filter_map(|(index, entry)| {
                         let path = path::item(path, index);
-                        self.source.put(
-                            path.clone(),
-                            Place::File {
-                                key: None,
-                                value: entry.span(),
-                            },
-                        );
+                        self.source
+                            .put(path.clone(), Place::File { key: None, value: entry.span() });
                         self.value(&path, entry)
                     })
                     .collect(),

@@ -64,10 +64,7 @@ pub struct ComponentSummary {
 
 impl ComponentSummary {
     /// Sums up a component's reports.
-    pub fn new(
-        description: &tremie_messages::start::Description,
-        totals: Totals,
-    ) -> Self {
+    pub fn new(description: &tremie_messages::start::Description, totals: Totals) -> Self {
         let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
         let compute = seconds(totals.compute);
         Self {
@@ -90,6 +87,10 @@ pub struct Summary {
     /// How the run ended.
     #[serde(flatten)]
     pub ending: Ending,
+    /// Id of the run, in hexadecimal: names its shared memory.
+    pub run: String,
+    /// Process ids of the components; empty where they were threads.
+    pub processes: BTreeMap<String, u32>,
     /// Last window that all components completed.
     pub windows: u64,
     /// Windows that were planned.

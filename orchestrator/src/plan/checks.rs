@@ -9,9 +9,7 @@ use tremie_sdk::parameters::nearest;
 pub(super) fn stops(spec: &Spec, described: &[Described<'_>]) -> Vec<Problem> {
     let signals: Vec<String> = (described.iter())
         .flat_map(|(c, d)| {
-            d.signals
-                .iter()
-                .map(move |signal| format!("{}.{}", c.name, signal.name))
+            d.signals.iter().map(move |signal| format!("{}.{}", c.name, signal.name))
         })
         .collect();
     let signals: Vec<&str> = signals.iter().map(String::as_str).collect();
@@ -32,11 +30,8 @@ pub(super) fn stops(spec: &Spec, described: &[Described<'_>]) -> Vec<Problem> {
 
 /// Injections must name a component and a window of the run.
 pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Problem> {
-    let names: Vec<&str> = spec
-        .components
-        .iter()
-        .map(|component| component.name.as_str())
-        .collect();
+    let names: Vec<&str> =
+        spec.components.iter().map(|component| component.name.as_str()).collect();
     let mut problems = Vec::new();
     for (name, injection) in &options.injections {
         if !names.contains(&name.as_str()) {
@@ -44,10 +39,8 @@ pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Pr
             problems.push(suggest(problem, name, &names, "components"));
         }
         if injection.window > windows {
-            let message = format!(
-                "window {} is beyond the run, which has {windows}",
-                injection.window
-            );
+            let message =
+                format!("window {} is beyond the run, which has {windows}", injection.window);
             problems.push(Problem::new("--inject", message));
         }
     }

@@ -118,11 +118,7 @@ pub fn make(
         steps::assign(&wishes(&described), spec.run.until).map_err(|more| problems.extend(more));
     let windows = steps.as_ref().map_or(u64::MAX, |steps| steps.windows);
     problems.extend(checks::injections(spec, options, windows));
-    let members: Vec<_> = spec
-        .components
-        .iter()
-        .map(|c| (c.name.as_str(), c.role))
-        .collect();
+    let members: Vec<_> = spec.components.iter().map(|c| (c.name.as_str(), c.role)).collect();
     let wiring = schedule::wire(spec.run.schedule, &members);
     if let Err(error) = schedule::check(&wiring) {
         problems.push(Problem::new("run.schedule", error.to_string()));
@@ -143,29 +139,18 @@ fn pair<'a>(
     let mut problems = Vec::new();
     let mut described = Vec::new();
     for component in &spec.components {
-        match descriptions
-            .iter()
-            .find(|(name, _)| *name == component.name)
-        {
+        match descriptions.iter().find(|(name, _)| *name == component.name) {
             Some((_, description)) => described.push((component, description)),
-            None => problems.push(Problem::new(
-                component.key(),
-                "this component did not describe itself",
-            )),
+            None => problems
+                .push(Problem::new(component.key(), "this component did not describe itself")),
         }
     }
-    if problems.is_empty() {
-        Ok(described)
-    } else {
-        Err(problems)
-    }
+    if problems.is_empty() { Ok(described) } else { Err(problems) }
 }
 
 /// What the physics wants of its steps, in the order of the components.
 fn wishes(described: &[Described<'_>]) -> Vec<Wish> {
-    let physics = described
-        .iter()
-        .filter(|(spec, _)| spec.role != Role::Observer);
+    let physics = described.iter().filter(|(spec, _)| spec.role != Role::Observer);
     let wish = |(spec, description): &Described<'_>| Wish {
         name: spec.name.clone(),
         key: spec.key(),
@@ -200,11 +185,7 @@ fn assemble(
         clock: steps.clock,
         windows: steps.windows,
         body_capacity,
-        edges: wiring.members[index]
-            .links
-            .iter()
-            .map(|link| edges[*link].clone())
-            .collect(),
+        edges: wiring.members[index].links.iter().map(|link| edges[*link].clone()).collect(),
         script: wiring.members[index].script.clone(),
         frames: frames
             .iter()
@@ -243,13 +224,8 @@ fn assemble(
 
 /// Bodies are those that grains bring; none are added later than at the start.
 fn body_capacity(described: &[Described<'_>]) -> u64 {
-    let grains = described
-        .iter()
-        .filter(|(spec, _)| spec.role == Role::Grains);
-    grains
-        .map(|(_, description)| description.bodies)
-        .max()
-        .unwrap_or(0)
+    let grains = described.iter().filter(|(spec, _)| spec.role == Role::Grains);
+    grains.map(|(_, description)| description.bodies).max().unwrap_or(0)
 }
 
 /// Substeps of all components; an observer counts in windows.
@@ -264,10 +240,7 @@ fn substeps_of_all(described: &[Described<'_>], steps: &Steps) -> Vec<u32> {
 
 fn edges(wiring: &Wiring, substeps: &[u32], body_capacity: u64) -> Vec<Edge> {
     let edge = |link: &schedule::Link| {
-        let (from, to) = (
-            &wiring.members[link.from].name,
-            &wiring.members[link.to].name,
-        );
+        let (from, to) = (&wiring.members[link.from].name, &wiring.members[link.to].name);
         Edge {
             from: from.clone(),
             to: to.clone(),

@@ -13,23 +13,12 @@ impl Plan {
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.time()];
         lines.extend(table(
-            &[
-                "component",
-                "role",
-                "program",
-                "substeps",
-                "step",
-                "threads",
-            ],
+            &["component", "role", "program", "substeps", "step", "threads"],
             self.components.iter().map(row).collect(),
         ));
         for component in &self.components {
-            lines.extend(
-                component
-                    .notes
-                    .iter()
-                    .map(|note| format!("  {}: {note}", component.name)),
-            );
+            lines
+                .extend(component.notes.iter().map(|note| format!("  {}: {note}", component.name)));
         }
         lines.extend(table(
             &["edge", "values", "depth", "memory"],
@@ -47,11 +36,7 @@ impl Plan {
     /// Payload of all channels in shared memory [bytes]: what is under way, and one more message
     /// that the sender writes meanwhile.
     pub fn shared_memory(&self) -> u64 {
-        self.edges
-            .iter()
-            .map(edge_memory)
-            .chain(self.frames.iter().map(frame_memory))
-            .sum()
+        self.edges.iter().map(edge_memory).chain(self.frames.iter().map(frame_memory)).sum()
     }
 
     fn time(&self) -> String {
@@ -65,11 +50,7 @@ impl Plan {
             self.windows,
             short(self.window),
             self.clock.ticks_per_window,
-            if self.clock.ticks_per_window == 1 {
-                ""
-            } else {
-                "s"
-            },
+            if self.clock.ticks_per_window == 1 { "" } else { "s" },
         )
     }
 }
@@ -95,19 +76,12 @@ fn row(component: &PlannedComponent) -> Vec<String> {
         component.program.clone(),
         if_physics(component.substeps.to_string()),
         if_physics(format!("{} s", short(component.step))),
-        component
-            .threads
-            .map_or("auto".into(), |threads| threads.to_string()),
+        component.threads.map_or("auto".into(), |threads| threads.to_string()),
     ]
 }
 
 fn edge_row(edge: &Edge) -> Vec<String> {
-    vec![
-        edge.label(),
-        edge.capacity.to_string(),
-        edge.depth.to_string(),
-        bytes(edge_memory(edge)),
-    ]
+    vec![edge.label(), edge.capacity.to_string(), edge.depth.to_string(), bytes(edge_memory(edge))]
 }
 
 fn frame_row(stream: &FrameStream) -> Vec<String> {
@@ -144,10 +118,7 @@ fn edge_memory(edge: &Edge) -> u64 {
 fn frame_memory(stream: &FrameStream) -> u64 {
     let (header, value) = match stream.content {
         FrameContent::Bodies => (size_of::<Stamp>(), size_of::<frame::BodySample>()),
-        FrameContent::Slice(_) => (
-            size_of::<frame::SliceHeader>(),
-            size_of::<frame::SliceNode>(),
-        ),
+        FrameContent::Slice(_) => (size_of::<frame::SliceHeader>(), size_of::<frame::SliceNode>()),
         FrameContent::Signals(_) => (size_of::<Stamp>(), size_of::<f64>()),
         FrameContent::Log => (size_of::<frame::LogHeader>(), size_of::<u8>()),
     };
@@ -174,19 +145,12 @@ fn table(titles: &[&str], rows: Vec<Vec<String>>) -> Vec<String> {
     }
     let titles: Vec<String> = titles.iter().map(|title| title.to_string()).collect();
     let rows: Vec<_> = std::iter::once(titles).chain(rows).collect();
-    let width = |column: usize| {
-        rows.iter()
-            .map(|row| row[column].chars().count())
-            .max()
-            .unwrap_or(0)
-    };
+    let width =
+        |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
     let line = |row: &Vec<String>| {
-        let cells: Vec<_> = row
-            .iter()
-            .zip(&widths)
-            .map(|(cell, width)| format!("{cell:width$}"))
-            .collect();
+        let cells: Vec<_> =
+            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
         format!("  {}", cells.join("  ").trim_end())
     };
     rows.iter().map(line).collect()

@@ -67,9 +67,8 @@ pub(super) fn assign(wishes: &[Wish], until: f64) -> Result<Steps, Vec<Problem>>
     if !problems.is_empty() {
         return Err(problems);
     }
-    let ticks_per_window = substeps
-        .iter()
-        .fold(1, |common, n| least_common_multiple(common, u64::from(*n)));
+    let ticks_per_window =
+        substeps.iter().fold(1, |common, n| least_common_multiple(common, u64::from(*n)));
     let windows = (until / window - TOLERANCE).ceil().max(1.0);
     if windows * ticks_per_window as f64 > MOST_TICKS {
         let message = format!(
@@ -82,24 +81,13 @@ pub(super) fn assign(wishes: &[Wish], until: f64) -> Result<Steps, Vec<Problem>>
     if (end - until).abs() > 1e-6 * window {
         notes.push(format!("the run ends at a whole window: {} s", short(end)));
     }
-    let clock = Clock {
-        tick: window / ticks_per_window as f64,
-        ticks_per_window,
-    };
-    Ok(Steps {
-        clock,
-        windows: windows as u64,
-        substeps,
-        notes,
-    })
+    let clock = Clock { tick: window / ticks_per_window as f64, ticks_per_window };
+    Ok(Steps { clock, windows: windows as u64, substeps, notes })
 }
 
 /// The component whose step sets the window.
 fn pacemaker(wishes: &[Wish]) -> Result<&Wish, Vec<Problem>> {
-    let wrong = |wish: &&Wish| {
-        wish.step
-            .is_some_and(|step| !(step.is_finite() && step > 0.0))
-    };
+    let wrong = |wish: &&Wish| wish.step.is_some_and(|step| !(step.is_finite() && step > 0.0));
     let problems: Vec<_> = (wishes.iter().filter(wrong))
         .map(|wish| {
             let step = wish.step.unwrap_or_default();
@@ -114,23 +102,16 @@ fn pacemaker(wishes: &[Wish]) -> Result<&Wish, Vec<Problem>> {
     }
     let slower = |a: &&Wish, b: &&Wish| {
         let fewer = || b.sync_iter.unwrap_or(1).cmp(&a.sync_iter.unwrap_or(1));
-        a.step
-            .unwrap_or(0.0)
-            .total_cmp(&b.step.unwrap_or(0.0))
-            .then_with(fewer)
+        a.step.unwrap_or(0.0).total_cmp(&b.step.unwrap_or(0.0)).then_with(fewer)
     };
-    wishes
-        .iter()
-        .filter(|wish| wish.step.is_some())
-        .max_by(slower)
-        .ok_or_else(|| {
-            let names: Vec<_> = wishes.iter().map(|wish| wish.name.as_str()).collect();
-            let message = format!("no step is set: {} can take any", names.join(" and "));
-            vec![
-                Problem::new("components", message)
-                    .help("set a time step in the settings of one of them"),
-            ]
-        })
+    wishes.iter().filter(|wish| wish.step.is_some()).max_by(slower).ok_or_else(|| {
+        let names: Vec<_> = wishes.iter().map(|wish| wish.name.as_str()).collect();
+        let message = format!("no step is set: {} can take any", names.join(" and "));
+        vec![
+            Problem::new("components", message)
+                .help("set a time step in the settings of one of them"),
+        ]
+    })
 }
 
 /// Substeps of one component.
@@ -207,11 +188,7 @@ fn least_common_multiple(a: u64, b: u64) -> u64 {
 }
 
 fn greatest_common_divisor(a: u64, b: u64) -> u64 {
-    if b == 0 {
-        a
-    } else {
-        greatest_common_divisor(b, a % b)
-    }
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 /// A number with at most six digits, as a person would write it.

@@ -23,34 +23,18 @@ pub(super) fn streams(
     every: u64,
 ) -> Vec<FrameStream> {
     let is_observer = |c: &&(&ComponentSpec, &Description)| c.0.role == Role::Observer;
-    let observers: Vec<_> = components
-        .iter()
-        .filter(is_observer)
-        .map(|(spec, _)| *spec)
-        .collect();
+    let observers: Vec<_> = components.iter().filter(is_observer).map(|(spec, _)| *spec).collect();
     let mut streams = Vec::new();
     for (spec, description) in components.iter().filter(|c| !is_observer(c)) {
         for observer in &observers {
             for (name, content, capacity) in contents(spec.role, description, body_capacity) {
-                streams.push(stream(
-                    &spec.name, observer, &name, content, every, capacity,
-                ));
+                streams.push(stream(&spec.name, observer, &name, content, every, capacity));
             }
         }
     }
     for observer in observers {
-        let log = stream(
-            ORCHESTRATOR,
-            observer,
-            "log",
-            FrameContent::Log,
-            1,
-            LOG_LINE,
-        );
-        streams.push(FrameStream {
-            depth: LOG_DEPTH,
-            ..log
-        });
+        let log = stream(ORCHESTRATOR, observer, "log", FrameContent::Log, 1, LOG_LINE);
+        streams.push(FrameStream { depth: LOG_DEPTH, ..log });
     }
     streams
 }
@@ -93,10 +77,6 @@ fn stream(
         lossless: to.lossless,
         service: format!("{from}/frames/{name}/{}", to.name),
         capacity,
-        depth: if to.lossless {
-            LOSSLESS_DEPTH
-        } else {
-            LOSSY_DEPTH
-        },
+        depth: if to.lossless { LOSSLESS_DEPTH } else { LOSSY_DEPTH },
     }
 }

@@ -27,19 +27,13 @@ below = 1.0
 "#;
 
 fn spec(sets: &[(&str, &str)]) -> Spec {
-    let sets: Vec<_> = sets
-        .iter()
-        .map(|(k, v)| ((*k).to_string(), (*v).to_string()))
-        .collect();
+    let sets: Vec<_> = sets.iter().map(|(k, v)| ((*k).to_string(), (*v).to_string())).collect();
     let manifest = manifest::parse(Path::new("manifest.toml"), MANIFEST.into(), &sets);
     manifest.unwrap_or_else(|errors| panic!("{errors}")).spec
 }
 
 fn signal(name: &str) -> Signal {
-    Signal {
-        name: name.into(),
-        unit: "m/s".into(),
-    }
+    Signal { name: name.into(), unit: "m/s".into() }
 }
 
 /// The paper's steps, whose ratio is 2.4.
@@ -48,10 +42,7 @@ fn descriptions() -> Vec<(String, Description)> {
         program: "fluid-lbm 0.1".into(),
         step: Some(1.2e-7),
         signals: vec![signal("mass")],
-        slices: vec![SliceSpec {
-            name: "xz".into(),
-            nodes: 500,
-        }],
+        slices: vec![SliceSpec { name: "xz".into(), nodes: 500 }],
         warnings: vec!["too coarse".into()],
         notes: vec!["16 cells across".into()],
         ..Description::default()
@@ -95,9 +86,7 @@ fn close(a: f64, b: f64) -> bool {
 #[test]
 fn a_ratio_of_2_4_becomes_3_substeps_and_is_said() {
     let plan = plan(&[]).unwrap();
-    let [fluid, grains, ..] = plan.components.as_slice() else {
-        panic!()
-    };
+    let [fluid, grains, ..] = plan.components.as_slice() else { panic!() };
     assert_eq!((fluid.substeps, grains.substeps), (1, 3));
     assert!(close(plan.window, 1.2e-7) && close(grains.step, 4e-8) && close(fluid.step, 1.2e-7));
     assert_eq!((plan.clock.ticks_per_window, plan.windows), (3, 10_000));
@@ -143,9 +132,7 @@ fn a_fixed_sync_iter_is_taken_or_refused_with_what_would_do() {
 #[test]
 fn sync_iter_of_the_slowest_widens_the_window() {
     let plan = plan(&[("components.fluid.sync_iter", "2")]).unwrap();
-    let [fluid, grains, ..] = plan.components.as_slice() else {
-        panic!()
-    };
+    let [fluid, grains, ..] = plan.components.as_slice() else { panic!() };
     assert_eq!((fluid.substeps, grains.substeps), (2, 5));
     assert!(close(plan.window, 2.4e-7) && close(fluid.step, 1.2e-7) && close(grains.step, 4.8e-8));
     assert_eq!(plan.clock.ticks_per_window, 10);
@@ -161,27 +148,13 @@ fn too_many_substeps_and_impossible_steps_are_refused() {
     };
     let problems = with(Some(1.2e-7), Some(1e-10)).unwrap_err();
     assert_eq!(problems[0].key, "components.grains");
-    assert!(
-        problems[0].message.contains("1200 substeps"),
-        "{}",
-        problems[0]
-    );
-    assert_eq!(
-        with(Some(f64::NAN), Some(1.0)).unwrap_err()[0].key,
-        "components.fluid"
-    );
-    assert!(
-        with(None, None).unwrap_err()[0]
-            .message
-            .contains("no step is set")
-    );
+    assert!(problems[0].message.contains("1200 substeps"), "{}", problems[0]);
+    assert_eq!(with(Some(f64::NAN), Some(1.0)).unwrap_err()[0].key, "components.fluid");
+    assert!(with(None, None).unwrap_err()[0].message.contains("no step is set"));
     let any = with(None, Some(5e-8)).unwrap();
     assert_eq!(any.components[0].substeps, 1);
     assert!(close(any.window, 5e-8) && close(any.components[0].step, 5e-8));
-    assert_eq!(
-        with(Some(1e-22), Some(1e-22)).unwrap_err()[0].key,
-        "run.until"
-    );
+    assert_eq!(with(Some(1e-22), Some(1e-22)).unwrap_err()[0].key, "run.until");
 }
 
 #[test]
@@ -190,14 +163,7 @@ fn edges_and_frames_carry_what_is_needed() {
     let edges: Vec<_> = plan
         .edges
         .iter()
-        .map(|e| {
-            (
-                e.service.as_str(),
-                e.capacity,
-                e.sender_substeps,
-                e.events_lag,
-            )
-        })
+        .map(|e| (e.service.as_str(), e.capacity, e.sender_substeps, e.events_lag))
         .collect();
     let expected = [
         ("grains/events/fluid", 40, 3, 0),
@@ -205,11 +171,8 @@ fn edges_and_frames_carry_what_is_needed() {
         ("fluid/load/grains", 40, 1, 1),
     ];
     assert_eq!(edges, expected);
-    let frames: Vec<_> = plan
-        .frames
-        .iter()
-        .map(|s| (s.service.as_str(), s.every, s.lossless))
-        .collect();
+    let frames: Vec<_> =
+        plan.frames.iter().map(|s| (s.service.as_str(), s.every, s.lossless)).collect();
     assert_eq!(
         frames,
         [
@@ -241,64 +204,27 @@ fn edges_and_frames_carry_what_is_needed() {
 #[test]
 fn rows_of_signals_are_bounded_unless_asked_for() {
     assert_eq!(plan(&[]).unwrap().signal_rows_every, 1);
-    assert_eq!(
-        plan(&[("run.until", "12 ms")]).unwrap().signal_rows_every,
-        5
-    );
-    assert_eq!(
-        plan(&[("outputs.signals", "1 us")])
-            .unwrap()
-            .signal_rows_every,
-        8
-    );
-    assert_eq!(
-        plan(&[("outputs.signals", "1 h")])
-            .unwrap()
-            .signal_rows_every,
-        10_000
-    );
+    assert_eq!(plan(&[("run.until", "12 ms")]).unwrap().signal_rows_every, 5);
+    assert_eq!(plan(&[("outputs.signals", "1 us")]).unwrap().signal_rows_every, 8);
+    assert_eq!(plan(&[("outputs.signals", "1 h")]).unwrap().signal_rows_every, 10_000);
 }
 
 #[test]
 fn stop_conditions_and_injections_must_name_what_is_there() {
     let problems = plan(&[("stop_when[0].signal", "grains.max_sped")]).unwrap_err();
     assert_eq!(problems[0].key, "stop_when[0].signal");
-    assert_eq!(
-        problems[0].help.as_deref(),
-        Some("did you mean \"grains.max_speed\"?")
-    );
+    assert_eq!(problems[0].help.as_deref(), Some("did you mean \"grains.max_speed\"?"));
 
-    let injection = |window| Injection {
-        kind: InjectionKind::Nan,
-        window,
-    };
+    let injection = |window| Injection { kind: InjectionKind::Nan, window };
     let with = |name: &str, window| {
-        let options = Options {
-            injections: vec![(name.into(), injection(window))],
-        };
+        let options = Options { injections: vec![(name.into(), injection(window))] };
         make(&spec(&[]), &descriptions(), &options)
     };
     let plan = with("grains", 7).unwrap();
-    assert_eq!(
-        plan.components[1].assignment(transport()).injections,
-        [injection(7)]
-    );
-    assert!(
-        plan.components[0]
-            .assignment(transport())
-            .injections
-            .is_empty()
-    );
-    assert!(
-        with("grain", 7).unwrap_err()[0]
-            .to_string()
-            .contains("did you mean \"grains\"?")
-    );
-    assert!(
-        with("grains", 10_001).unwrap_err()[0]
-            .message
-            .contains("beyond the run")
-    );
+    assert_eq!(plan.components[1].assignment(transport()).injections, [injection(7)]);
+    assert!(plan.components[0].assignment(transport()).injections.is_empty());
+    assert!(with("grain", 7).unwrap_err()[0].to_string().contains("did you mean \"grains\"?"));
+    assert!(with("grains", 10_001).unwrap_err()[0].message.contains("beyond the run"));
 }
 
 #[test]

@@ -73,31 +73,20 @@ pub fn check(wiring: &Wiring) -> Result<(), ScheduleError> {
         for (index, link) in wiring.links.iter().enumerate() {
             let sends = hits(wiring, index, phase, true);
             let receives = hits(wiring, index, phase, false);
-            if let Some(place) = channel(
-                link,
-                &label(wiring, link),
-                phase,
-                &sends,
-                &receives,
-                &mut left[index],
-            )? {
+            if let Some(place) =
+                channel(link, &label(wiring, link), phase, &sends, &receives, &mut left[index])?
+            {
                 graph.places.push(place);
                 channels.push((link, place));
             }
         }
         if let Some(cycle) = graph.dead_cycle() {
             // The graph runs from cause to effect; waiting runs the other way.
-            let cycle = cycle
-                .iter()
-                .rev()
-                .map(|event| labels[*event].clone())
-                .collect();
+            let cycle = cycle.iter().rev().map(|event| labels[*event].clone()).collect();
             return Err(ScheduleError::Deadlock { cycle });
         }
         if phase == Phase::Window {
-            channels
-                .iter()
-                .try_for_each(|(link, place)| holds(wiring, &graph, link, *place))?;
+            channels.iter().try_for_each(|(link, place)| holds(wiring, &graph, link, *place))?;
         }
     }
     Ok(())
@@ -133,12 +122,8 @@ fn channel(
     receives: &[(usize, Hit)],
     left: &mut u64,
 ) -> Result<Option<Place>, ScheduleError> {
-    let wrong = |message: String| {
-        Err(ScheduleError::Unbalanced {
-            edge: edge.to_string(),
-            message,
-        })
-    };
+    let wrong =
+        |message: String| Err(ScheduleError::Unbalanced { edge: edge.to_string(), message });
     let stranger = sends.iter().any(|(member, _)| *member != link.from)
         || receives.iter().any(|(member, _)| *member != link.to);
     if stranger {
@@ -171,11 +156,7 @@ fn channel(
             receive.lag
         ));
     }
-    Ok(Some(Place {
-        from: send.event,
-        to: receive.event,
-        tokens: receive.lag,
-    }))
+    Ok(Some(Place { from: send.event, to: receive.event, tokens: receive.lag }))
 }
 
 fn holds(wiring: &Wiring, graph: &Graph, link: &Link, place: Place) -> Result<(), ScheduleError> {
@@ -218,12 +199,7 @@ fn script(member: &Member, phase: Phase) -> &[Op] {
 
 fn label(wiring: &Wiring, link: &Link) -> String {
     let name = |index: usize| wiring.members[index].name.as_str();
-    format!(
-        "{} -> {}, {}",
-        name(link.from),
-        name(link.to),
-        link.content.name()
-    )
+    format!("{} -> {}, {}", name(link.from), name(link.to), link.content.name())
 }
 
 /// An operation in words; an error if it names an edge that is not there.
@@ -233,15 +209,8 @@ fn words(wiring: &Wiring, member: &Member, op: Op) -> Result<String, ScheduleErr
         Op::Send { edge } => ("sends", edge),
         Op::Receive { edge, .. } => ("receives", edge),
     };
-    match member
-        .links
-        .get(edge)
-        .and_then(|link| wiring.links.get(*link))
-    {
+    match member.links.get(edge).and_then(|link| wiring.links.get(*link)) {
         Some(link) => Ok(format!("{verb} {}", link.content.name())),
-        None => Err(ScheduleError::NoSuchEdge {
-            component: member.name.clone(),
-            edge,
-        }),
+        None => Err(ScheduleError::NoSuchEdge { component: member.name.clone(), edge }),
     }
 }

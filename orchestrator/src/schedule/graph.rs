@@ -59,13 +59,8 @@ impl Graph {
         }
         state[event] = Visit::Open;
         trail.push(event);
-        let next = self
-            .places
-            .iter()
-            .filter(|place| place.from == event && place.tokens == 0);
-        let cycle = next
-            .map(|place| place.to)
-            .find_map(|to| self.follow(to, state, trail));
+        let next = self.places.iter().filter(|place| place.from == event && place.tokens == 0);
+        let cycle = next.map(|place| place.to).find_map(|to| self.follow(to, state, trail));
         trail.pop();
         state[event] = Visit::Done;
         cycle
@@ -103,10 +98,7 @@ mod tests {
     use super::*;
 
     fn ring(tokens: &[u64]) -> Graph {
-        let mut graph = Graph {
-            events: tokens.len(),
-            places: Vec::new(),
-        };
+        let mut graph = Graph { events: tokens.len(), places: Vec::new() };
         for (i, tokens) in tokens.iter().enumerate() {
             graph.place(i, (i + 1) % graph.events, *tokens);
         }
@@ -118,11 +110,7 @@ mod tests {
         assert_eq!(ring(&[0, 0, 0]).dead_cycle(), Some(vec![0, 1, 2]));
         let live = ring(&[0, 1, 1]);
         assert_eq!(live.dead_cycle(), None);
-        assert!(
-            live.places
-                .iter()
-                .all(|place| live.bound(*place) == Some(2))
-        );
+        assert!(live.places.iter().all(|place| live.bound(*place) == Some(2)));
     }
 
     #[test]

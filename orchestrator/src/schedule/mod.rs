@@ -64,16 +64,9 @@ pub fn wire(schedule: Schedule, components: &[(&str, Role)]) -> Wiring {
     let members = components.iter().map(|(name, role)| Member {
         name: (*name).to_string(),
         links: Vec::new(),
-        script: if *role == Role::Observer {
-            Script::default()
-        } else {
-            alone()
-        },
+        script: if *role == Role::Observer { Script::default() } else { alone() },
     });
-    let mut wiring = Wiring {
-        members: members.collect(),
-        links: Vec::new(),
-    };
+    let mut wiring = Wiring { members: members.collect(), links: Vec::new() };
     let find = |wanted| components.iter().position(|(_, role)| *role == wanted);
     if let (Some(grains), Some(fluid)) = (find(Role::Grains), find(Role::Fluid)) {
         couple(&mut wiring, schedule, grains, fluid);
@@ -83,10 +76,7 @@ pub fn wire(schedule: Schedule, components: &[(&str, Role)]) -> Wiring {
 
 /// A component without peers: it looks at the start, and advances.
 fn alone() -> Script {
-    Script {
-        start: vec![Op::Advance],
-        window: vec![Op::Advance],
-    }
+    Script { start: vec![Op::Advance], window: vec![Op::Advance] }
 }
 
 // Places of the three edges in the lists of both components.
@@ -129,31 +119,16 @@ fn grains_script() -> Script {
     let tell = [Op::Send { edge: EVENTS }, Op::Send { edge: STATE }];
     let mut window = vec![Op::Receive { edge: LOAD, lag: 1 }, Op::Advance];
     window.extend(tell);
-    Script {
-        start: tell.to_vec(),
-        window,
-    }
+    Script { start: tell.to_vec(), window }
 }
 
 fn fluid_script(schedule: Schedule) -> Script {
-    let hear = [
-        Op::Receive {
-            edge: EVENTS,
-            lag: 0,
-        },
-        Op::Receive {
-            edge: STATE,
-            lag: 0,
-        },
-    ];
+    let hear = [Op::Receive { edge: EVENTS, lag: 0 }, Op::Receive { edge: STATE, lag: 0 }];
     let work = [Op::Advance, Op::Send { edge: LOAD }];
     let serial = [hear, work].concat();
     let window = match schedule {
         Schedule::Serial => serial.clone(),
         Schedule::Parallel => [work, hear].concat(),
     };
-    Script {
-        start: serial,
-        window,
-    }
+    Script { start: serial, window }
 }

@@ -35,11 +35,7 @@ impl<'a> Play<'a> {
                 return None;
             }
             let script = &self.wiring.members[member].script;
-            let ops = if window == 0 {
-                &script.start
-            } else {
-                &script.window
-            };
+            let ops = if window == 0 { &script.start } else { &script.window };
             match ops.get(index) {
                 Some(op) => return Some(*op),
                 None => self.at[member] = (window + 1, 0),
@@ -96,19 +92,8 @@ fn scripts_are_those_of_the_protocol() {
     let wiring = wire(Schedule::Serial, &BOTH);
     let receive = |edge, lag| Op::Receive { edge, lag };
     let send = |edge| Op::Send { edge };
-    let hear = vec![
-        receive(EVENTS, 0),
-        receive(STATE, 0),
-        Op::Advance,
-        send(LOAD),
-    ];
-    assert_eq!(
-        wiring.members[FLUID].script,
-        Script {
-            start: hear.clone(),
-            window: hear.clone()
-        }
-    );
+    let hear = vec![receive(EVENTS, 0), receive(STATE, 0), Op::Advance, send(LOAD)];
+    assert_eq!(wiring.members[FLUID].script, Script { start: hear.clone(), window: hear.clone() });
     let grains = Script {
         start: vec![send(EVENTS), send(STATE)],
         window: vec![receive(LOAD, 1), Op::Advance, send(EVENTS), send(STATE)],
@@ -117,19 +102,8 @@ fn scripts_are_those_of_the_protocol() {
     assert!(wiring.links.iter().all(|link| link.events_lag == 0));
 
     let wiring = wire(Schedule::Parallel, &BOTH);
-    let window = vec![
-        Op::Advance,
-        send(LOAD),
-        receive(EVENTS, 0),
-        receive(STATE, 0),
-    ];
-    assert_eq!(
-        wiring.members[FLUID].script,
-        Script {
-            start: hear,
-            window
-        }
-    );
+    let window = vec![Op::Advance, send(LOAD), receive(EVENTS, 0), receive(STATE, 0)];
+    assert_eq!(wiring.members[FLUID].script, Script { start: hear, window });
     assert_eq!(wiring.members[GRAINS].script, grains);
     assert_eq!(wiring.links[LOAD].events_lag, 1);
 }
@@ -168,19 +142,11 @@ fn depth_is_what_is_needed_and_one_more() {
 fn a_circle_of_waiting_is_named() {
     // The fluid's loads of a window need the state of that window, and grains wait for them.
     let mut wiring = wire(Schedule::Serial, &BOTH);
-    wiring.members[GRAINS]
-        .script
-        .start
-        .push(Op::Receive { edge: LOAD, lag: 0 });
+    wiring.members[GRAINS].script.start.push(Op::Receive { edge: LOAD, lag: 0 });
     wiring.members[GRAINS].script.window[0] = Op::Receive { edge: LOAD, lag: 0 };
     let error = check(&wiring).unwrap_err();
-    let ScheduleError::Deadlock { cycle } = &error else {
-        panic!("{error}")
-    };
-    assert!(
-        cycle.contains(&"grains receives load".to_string()),
-        "{error}"
-    );
+    let ScheduleError::Deadlock { cycle } = &error else { panic!("{error}") };
+    assert!(cycle.contains(&"grains receives load".to_string()), "{error}");
     assert!(cycle.contains(&"fluid sends load".to_string()), "{error}");
     assert!(error.to_string().contains("which waits for"));
     assert_eq!(Play::new(&wiring, 3).run(&[]), Ok(false));
@@ -195,21 +161,10 @@ fn a_missing_send_is_named() {
         assert!(error.contains("grains -> fluid, state"), "{error}");
         let mut wiring = wire(schedule, &BOTH);
         wiring.members[FLUID].script.start.pop();
-        assert!(
-            check(&wiring)
-                .unwrap_err()
-                .to_string()
-                .contains("fluid -> grains, load")
-        );
+        assert!(check(&wiring).unwrap_err().to_string().contains("fluid -> grains, load"));
         let mut wiring = wire(schedule, &BOTH);
-        wiring.members[FLUID]
-            .script
-            .window
-            .push(Op::Send { edge: 7 });
-        assert!(matches!(
-            check(&wiring),
-            Err(ScheduleError::NoSuchEdge { edge: 7, .. })
-        ));
+        wiring.members[FLUID].script.window.push(Op::Send { edge: 7 });
+        assert!(matches!(check(&wiring), Err(ScheduleError::NoSuchEdge { edge: 7, .. })));
     }
 }
 

@@ -12,11 +12,7 @@ const NONE: u32 = u32::MAX;
 pub(super) fn insert(region: &Region, radii: &[f64], seed: u64) -> Option<Vec<Ball>> {
     let mut largest_first: Vec<usize> = (0..radii.len()).collect();
     largest_first.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]).then(a.cmp(&b)));
-    let reach = region
-        .obstacles
-        .iter()
-        .map(|ball| ball.radius)
-        .chain(radii.iter().copied());
+    let reach = region.obstacles.iter().map(|ball| ball.radius).chain(radii.iter().copied());
     let mut grid = Grid::new(region, 2.0 * reach.fold(0.0, f64::max), radii.len());
     for &obstacle in &region.obstacles {
         grid.add(obstacle);
@@ -24,10 +20,8 @@ pub(super) fn insert(region: &Region, radii: &[f64], seed: u64) -> Option<Vec<Ba
     for index in largest_first {
         let radius = radii[index];
         let mut random = place_stream(seed, index);
-        let mut places = (0..TRIES).map(|_| Ball {
-            x: region.random_centre(radius, &mut random),
-            radius,
-        });
+        let mut places =
+            (0..TRIES).map(|_| Ball { x: region.random_centre(radius, &mut random), radius });
         grid.add(places.find(|ball| fits(region, &grid, ball))?);
     }
     Some(grid.balls.split_off(region.obstacles.len()))

@@ -69,15 +69,10 @@ impl<'a> Crowd<'a> {
             })
             .collect();
         balls.extend(&region.obstacles);
-        let mobile = Mobility {
-            inverse_mass: 1.0,
-            inverse_inertia: 1.0,
-        };
+        let mobile = Mobility { inverse_mass: 1.0, inverse_inertia: 1.0 };
         let mut mobility = vec![mobile; radii.len()];
         mobility.resize(balls.len(), Mobility::NONE);
-        let largest = balls
-            .iter()
-            .fold(0.0, |d: f64, ball| d.max(2.0 * ball.radius));
+        let largest = balls.iter().fold(0.0, |d: f64, ball| d.max(2.0 * ball.radius));
         let skin = SKIN * largest;
         let mut crowd = Self {
             region,
@@ -135,16 +130,8 @@ impl<'a> Crowd<'a> {
         }
         let distance = square.sqrt();
         // Two spheres in one place have no line of centres; any will do.
-        let line = if distance > 0.0 {
-            d / distance
-        } else {
-            Vec3::x()
-        };
-        let (share_i, share_j) = if j < self.free {
-            (0.5, 0.5)
-        } else {
-            (1.0, 0.0)
-        };
+        let line = if distance > 0.0 { d / distance } else { Vec3::x() };
+        let (share_i, share_j) = if j < self.free { (0.5, 0.5) } else { (1.0, 0.0) };
         let push = line * (reach - distance);
         self.balls[i].x -= push * share_i;
         self.balls[j].x += push * share_j;
@@ -172,11 +159,7 @@ impl<'a> Crowd<'a> {
                 let other = &self.balls[self.list.neighbours[k].other as usize];
                 let reach = (ball.radius + other.radius) * (1.0 - CLEAR);
                 (other.x - ball.x).norm_squared() >= reach * reach
-            }) && self
-                .region
-                .walls
-                .iter()
-                .all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
+            }) && self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
         })
     }
 }

@@ -42,28 +42,16 @@ pub const PERIODIC: [[Face; 2]; 3] = [[Face::Periodic; 2]; 3];
 pub fn scene(size: [f64; 3], faces: [[Face; 2]; 3], law: ContactLaw) -> Scene {
     Scene {
         gravity: [0.0; 3],
-        domain: Domain {
-            min: [0.0; 3],
-            max: size,
-            faces,
-        },
+        domain: Domain { min: [0.0; 3], max: size, faces },
         fluid: None,
         planes: Vec::new(),
         bodies: Vec::new(),
-        contacts: Some(Contacts {
-            body_body: law.clone(),
-            body_wall: law,
-        }),
+        contacts: Some(Contacts { body_body: law.clone(), body_wall: law }),
     }
 }
 
 pub fn sphere(position: [f64; 3], diameter: f64, velocity: [f64; 3]) -> Sphere {
-    Sphere {
-        position,
-        diameter,
-        velocity,
-        angular_velocity: [0.0; 3],
-    }
+    Sphere { position, diameter, velocity, angular_velocity: [0.0; 3] }
 }
 
 pub fn set(motion: Motion, spheres: Vec<Sphere>) -> BodySet {
@@ -90,10 +78,7 @@ pub fn packed(
             min,
             max,
             fraction,
-            diameters: Diameters::Uniform {
-                min: diameters.0,
-                max: diameters.1,
-            },
+            diameters: Diameters::Uniform { min: diameters.0, max: diameters.1 },
             seed,
         }),
     }
@@ -140,9 +125,5 @@ pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -49,10 +49,7 @@ fn placement(table: &BodiesTable, at: &str, findings: &mut Findings) -> Option<P
             let spheres: Vec<_> = (spheres.iter().enumerate())
                 .map(|(i, table)| sphere(table, &path::item(&at, i), findings))
                 .collect();
-            spheres
-                .into_iter()
-                .collect::<Option<_>>()
-                .map(Placement::Listed)
+            spheres.into_iter().collect::<Option<_>>().map(Placement::Listed)
         }
         (None, Some(table)) => {
             packing(table, &path::join(at, "packing"), findings).map(Placement::Packed)
@@ -66,14 +63,9 @@ fn placement(table: &BodiesTable, at: &str, findings: &mut Findings) -> Option<P
         }
         (None, None) => {
             let keys = ["spheres", "packing"];
-            if !keys
-                .iter()
-                .any(|key| findings.is_unreadable(&path::join(at, key)))
-            {
-                findings.problem(
-                    at,
-                    "missing: where the bodies are, as \"spheres\" or as \"packing\"",
-                );
+            if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
+                findings
+                    .problem(at, "missing: where the bodies are, as \"spheres\" or as \"packing\"");
             }
             None
         }
@@ -105,20 +97,12 @@ fn packing(table: &PackingTable, at: &str, findings: &mut Findings) -> Option<Pa
     let diameters = diameters?;
     region_holds(&min, &max, largest(&diameters), at, findings);
     // Without a seed of its own, a packing takes the run's, which may be the one that is wrong.
-    Some(Packing {
-        min,
-        max,
-        fraction: fraction?,
-        diameters,
-        seed: table.seed?,
-    })
+    Some(Packing { min, max, fraction: fraction?, diameters, seed: table.seed? })
 }
 
 /// Notes a region that is empty, or too narrow for one sphere.
 fn region_holds(min: &[f64; 3], max: &[f64; 3], diameter: f64, at: &str, findings: &mut Findings) {
-    let narrowest = (0..3)
-        .map(|a| max[a] - min[a])
-        .fold(f64::INFINITY, f64::min);
+    let narrowest = (0..3).map(|a| max[a] - min[a]).fold(f64::INFINITY, f64::min);
     let key = path::join(at, "max");
     if narrowest <= 0.0 {
         findings.problem(
@@ -150,16 +134,11 @@ fn diameters(table: &PackingTable, at: &str, findings: &mut Findings) -> Option<
                 return None;
             }
             if max < min {
-                findings.problem(
-                    &key,
-                    format!("found {min} to {max}, expected the smaller one first"),
-                );
+                findings
+                    .problem(&key, format!("found {min} to {max}, expected the smaller one first"));
                 return None;
             }
-            Some(Diameters::Uniform {
-                min: min.0,
-                max: max.0,
-            })
+            Some(Diameters::Uniform { min: min.0, max: max.0 })
         }
         (None, Some(list)) => {
             let key = path::join(at, "diameters");

@@ -35,16 +35,10 @@ fn component(
     let role = role(table, &at, findings);
     let sync_iter = sync_iter(table, &at, findings);
     if table.lossless.is_some() && role.is_some_and(|role| role != Role::Observer) {
-        findings.problem(
-            &path::join(&at, "lossless"),
-            "only an observer can be lossless or not",
-        );
+        findings.problem(&path::join(&at, "lossless"), "only an observer can be lossless or not");
     }
     if table.sync_iter.is_some() && role == Some(Role::Observer) {
-        findings.problem(
-            &path::join(&at, "sync_iter"),
-            "an observer makes no substeps",
-        );
+        findings.problem(&path::join(&at, "sync_iter"), "an observer makes no substeps");
     }
     let program = program?;
     let mut own = settings.get(stem(&program)).cloned().unwrap_or_default();
@@ -117,11 +111,7 @@ fn sync_iter(table: &ComponentTable, at: &str, findings: &mut Findings) -> Optio
 
 /// What only all components together can have wrong.
 fn together(components: &[ComponentSpec], document: &Document, findings: &mut Findings) -> bool {
-    let of = |role| {
-        components
-            .iter()
-            .filter(move |component| component.role == role)
-    };
+    let of = |role| components.iter().filter(move |component| component.role == role);
     let mut right = true;
     for role in [Role::Fluid, Role::Grains] {
         if let Some(second) = of(role).nth(1) {
@@ -145,9 +135,7 @@ fn together(components: &[ComponentSpec], document: &Document, findings: &mut Fi
         );
         right = false;
     }
-    let physics = components
-        .iter()
-        .any(|component| component.role != Role::Observer);
+    let physics = components.iter().any(|component| component.role != Role::Observer);
     if !physics && !findings.is_unreadable("components") {
         findings.problem_with_help(
             "components",

@@ -15,10 +15,7 @@ pub(super) fn contacts(table: &ContactsTable, findings: &mut Findings) -> Option
         Some(own) if *own != body_body => law(own, &path::join(at, "body_wall"), findings),
         _ => between.clone(),
     };
-    Some(Contacts {
-        body_body: between?,
-        body_wall: with_wall?,
-    })
+    Some(Contacts { body_body: between?, body_wall: with_wall? })
 }
 
 fn law(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<ContactLaw> {
@@ -26,9 +23,8 @@ fn law(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Contac
     let tangential = findings.required(&table.tangential_stiffness, at, "tangential_stiffness");
     let tangential =
         tangential.filter(|k| findings.not_negative(*k, &path::join(at, "tangential_stiffness")));
-    let friction = table
-        .friction
-        .filter(|mu| findings.not_negative(*mu, &path::join(at, "friction")));
+    let friction =
+        table.friction.filter(|mu| findings.not_negative(*mu, &path::join(at, "friction")));
     let damping = damping(table, at, findings);
     Some(ContactLaw {
         normal_stiffness: normal?,
@@ -56,10 +52,7 @@ fn damping(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Da
         None if dashpots => coefficients(table, at, findings),
         None => {
             let keys = ["restitution", "normal_damping", "tangential_damping"];
-            if !keys
-                .iter()
-                .any(|key| findings.is_unreadable(&path::join(at, key)))
-            {
+            if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
                 findings.problem(
                     at,
                     "missing: damping, as restitution, or as normal_damping and tangential_damping",
@@ -73,14 +66,9 @@ fn damping(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Da
 fn coefficients(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Damping> {
     let mut read = |value: &Option<Dashpot>, key: &str| {
         let value = findings.required(value, at, key)?;
-        findings
-            .not_negative(value, &path::join(at, key))
-            .then_some(value.0)
+        findings.not_negative(value, &path::join(at, key)).then_some(value.0)
     };
     let normal = read(&table.normal_damping, "normal_damping");
     let tangential = read(&table.tangential_damping, "tangential_damping");
-    Some(Damping::Coefficients {
-        normal: normal?,
-        tangential: tangential?,
-    })
+    Some(Damping::Coefficients { normal: normal?, tangential: tangential? })
 }

@@ -66,9 +66,7 @@ macro_rules! quantities {
     )+};
 }
 
-quantities!(
-    Dashpot, Density, Length, Stiffness, Time, Velocity, Viscosity
-);
+quantities!(Dashpot, Density, Length, Stiffness, Time, Velocity, Viscosity);
 
 impl Quantity for f64 {
     fn si(self) -> f64 {
@@ -111,8 +109,7 @@ impl Findings {
     /// A required quantity above zero, in SI.
     fn positive<T: Quantity>(&mut self, value: &Option<T>, at: &str, key: &str) -> Option<f64> {
         let value = self.required(value, at, key)?;
-        self.above_zero(value, &path::join(at, key))
-            .then(|| value.si())
+        self.above_zero(value, &path::join(at, key)).then(|| value.si())
     }
 
     /// Whether `value` of `key` is above zero; a problem if not.

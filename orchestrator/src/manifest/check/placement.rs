@@ -62,9 +62,7 @@ fn extent(domain: &Domain) -> String {
 }
 
 fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
-    let Sphere {
-        position, diameter, ..
-    } = body.sphere;
+    let Sphere { position, diameter, .. } = body.sphere;
     let outside = (0..3).any(|a| {
         // How far inside its centre must lie.
         let inset = match (domain.is_periodic(a), body.free) {
@@ -84,13 +82,9 @@ fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
 }
 
 fn before(body: &Placed<'_>, planes: &[Plane], findings: &mut Findings) {
-    let Sphere {
-        position, diameter, ..
-    } = body.sphere;
+    let Sphere { position, diameter, .. } = body.sphere;
     for (i, plane) in planes.iter().enumerate().filter(|_| body.free) {
-        let height: f64 = (0..3)
-            .map(|a| (position[a] - plane.point[a]) * plane.normal[a])
-            .sum();
+        let height: f64 = (0..3).map(|a| (position[a] - plane.point[a]) * plane.normal[a]).sum();
         if height < (0.5 - TOLERANCE) * diameter {
             let message = format!(
                 "a sphere of {diameter} m at {position:?} m reaches through scene.planes[{i}]"
@@ -134,11 +128,8 @@ fn overlap(a: &Placed<'_>, b: &Placed<'_>, domain: &Domain) -> bool {
     let squared: f64 = (0..3)
         .map(|axis| {
             let d = a.sphere.position[axis] - b.sphere.position[axis];
-            let wraps = if domain.is_periodic(axis) {
-                (d / size[axis]).round() * size[axis]
-            } else {
-                0.0
-            };
+            let wraps =
+                if domain.is_periodic(axis) { (d / size[axis]).round() * size[axis] } else { 0.0 };
             (d - wraps).powi(2)
         })
         .sum();

@@ -18,12 +18,8 @@ pub(super) fn run(table: &RunTable, findings: &mut Findings) -> Option<RunOption
 }
 
 pub(super) fn outputs(table: &OutputsTable, findings: &mut Findings) -> Option<Outputs> {
-    let frames = table
-        .frames
-        .filter(|time| findings.above_zero(*time, "outputs.frames"));
-    let signals = table
-        .signals
-        .filter(|time| findings.above_zero(*time, "outputs.signals"));
+    let frames = table.frames.filter(|time| findings.above_zero(*time, "outputs.frames"));
+    let signals = table.signals.filter(|time| findings.above_zero(*time, "outputs.signals"));
     Some(Outputs {
         // Unset only where `run.until` is wrong: its default is a part of that.
         frames: frames?.0,
@@ -51,20 +47,10 @@ fn stop(
         .required(&table.signal, at, "signal")
         .and_then(|text| signal(&text, at, components, findings));
     let limit = limit(table, at, findings);
-    let after = table
-        .after
-        .filter(|time| findings.not_negative(*time, &path::join(at, "after")));
-    let hold = table
-        .hold
-        .filter(|time| findings.not_negative(*time, &path::join(at, "hold")));
+    let after = table.after.filter(|time| findings.not_negative(*time, &path::join(at, "after")));
+    let hold = table.hold.filter(|time| findings.not_negative(*time, &path::join(at, "hold")));
     let (component, signal) = signal?;
-    Some(StopCondition {
-        component,
-        signal,
-        limit: limit?,
-        after: after?.0,
-        hold: hold?.0,
-    })
+    Some(StopCondition { component, signal, limit: limit?, after: after?.0, hold: hold?.0 })
 }
 
 /// Splits `component.signal`. Which signals there are is known only when components have spoken.
@@ -115,9 +101,8 @@ fn limit(table: &StopTable, at: &str, findings: &mut Findings) -> Option<Limit> 
             None
         }
         (None, None) => {
-            let unreadable = ["below", "above"]
-                .iter()
-                .any(|key| findings.is_unreadable(&path::join(at, key)));
+            let unreadable =
+                ["below", "above"].iter().any(|key| findings.is_unreadable(&path::join(at, key)));
             if !unreadable {
                 findings.problem(at, "missing: a bound, either \"below\" or \"above\"");
             }

@@ -11,10 +11,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let fluid = table.fluid.as_ref().map(|fluid| material(fluid, findings));
     let planes = planes(&table.planes, findings);
     let bodies = bodies::bodies(&table.bodies, findings);
-    let contacts = table
-        .contacts
-        .as_ref()
-        .map(|contacts| contacts::contacts(contacts, findings));
+    let contacts = table.contacts.as_ref().map(|contacts| contacts::contacts(contacts, findings));
     if let Some(domain) = &domain {
         placement::check(domain, planes.as_deref().unwrap_or(&[]), &bodies, findings);
     }
@@ -45,20 +42,15 @@ fn domain(table: &DomainTable, findings: &mut Findings) -> Option<Domain> {
     }
     let min = table.origin?.map(|length| length.0);
     let faces = [table.x?, table.y?, table.z?].map(|name| [name.into(); 2]);
-    right.then(|| Domain {
-        min,
-        max: std::array::from_fn(|a| min[a] + size[a].0),
-        faces,
-    })
+    right.then(|| Domain { min, max: std::array::from_fn(|a| min[a] + size[a].0), faces })
 }
 
 fn material(table: &FluidTable, findings: &mut Findings) -> Option<FluidMaterial> {
     let at = "scene.fluid";
     let density = findings.positive(&table.density, at, "density");
     let viscosity = findings.positive(&table.viscosity, at, "viscosity");
-    let expected = table
-        .expected_speed
-        .map(|speed| findings.above_zero(speed, "scene.fluid.expected_speed"));
+    let expected =
+        table.expected_speed.map(|speed| findings.above_zero(speed, "scene.fluid.expected_speed"));
     Some(FluidMaterial {
         density: density?,
         viscosity: viscosity?,
@@ -90,8 +82,5 @@ fn plane(table: &PlaneTable, at: &str, findings: &mut Findings) -> Option<Plane>
         );
         return None;
     }
-    Some(Plane {
-        point: point?.map(|p| p.0),
-        normal: normal.map(|n| n / length),
-    })
+    Some(Plane { point: point?.map(|p| p.0), normal: normal.map(|n| n / length) })
 }

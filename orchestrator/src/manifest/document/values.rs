@@ -22,10 +22,9 @@ impl ComponentEntry {
     /// The long form of it.
     pub fn table(&self) -> ComponentTable {
         match self {
-            Self::Program(program) => ComponentTable {
-                program: Some(program.clone()),
-                ..ComponentTable::default()
-            },
+            Self::Program(program) => {
+                ComponentTable { program: Some(program.clone()), ..ComponentTable::default() }
+            }
             Self::Table(table) => table.clone(),
         }
     }

@@ -1,0 +1,80 @@
+//! A frame as it was recorded.
+
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::start::Signal;
+use tremie_sdk::{Moment, Observer, ObserverError};
+
+/// One call of an observer, as it was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item {
+    /// All bodies at one moment.
+    Bodies {
+        /// Sender.
+        from: String,
+        /// When.
+        at: Moment,
+        /// The bodies.
+        bodies: Vec<BodySample>,
+    },
+    /// A cut through a field.
+    Slice {
+        /// Sender.
+        from: String,
+        /// Name of the cut.
+        name: String,
+        /// When.
+        at: Moment,
+        /// Its grid.
+        header: SliceHeader,
+        /// Its nodes.
+        nodes: Vec<SliceNode>,
+    },
+    /// Signals of a component.
+    Signals {
+        /// Sender.
+        from: String,
+        /// When.
+        at: Moment,
+        /// Names and units.
+        names: Vec<Signal>,
+        /// Values.
+        values: Vec<f64>,
+    },
+    /// A line of the log.
+    Log {
+        /// When.
+        at: Moment,
+        /// Its level.
+        header: LogHeader,
+        /// The line.
+        text: String,
+    },
+}
+
+impl Item {
+    /// Tells an observer.
+    ///
+    /// # Errors
+    /// The observer's own.
+    pub fn tell<O: Observer>(&self, observer: &mut O) -> Result<(), ObserverError> {
+        match self {
+            Item::Bodies { from, at, bodies } => observer.bodies(from, *at, bodies),
+            Item::Slice { from, name, at, header, nodes } => {
+                observer.slice(from, name, *at, header, nodes)
+            }
+            Item::Signals { from, at, names, values } => observer.signals(from, *at, names, values),
+            Item::Log { at, header, text } => observer.log(*at, header, text),
+        }
+    }
+
+    /// Window of the frame.
+    pub(crate) fn window(&self) -> u64 {
+        match self {
+            Item::Bodies { at, .. } | Item::Slice { at, .. } | Item::Signals { at, .. } => {
+                at.stamp.window
+            }
+            // Lines of the log may speak of windows that were not recorded.
+            Item::Log { .. } => 0,
+        }
+    }
+}
