@@ -25,6 +25,8 @@ const CREDIT_AHEAD: f64 = 0.1;
 /// Windows by which the end lies behind the one that meets a stop condition: fixed, so that the
 /// last window does not depend on how fast the orchestrator looks.
 const STOP_AHEAD: u64 = 64;
+/// Longest time for a lossless observer to take the frames of the start exchange.
+const FIRST_FRAMES: Duration = Duration::from_secs(10);
 /// Longest time for observers to finish their outputs.
 const OBSERVERS_FINISH: Duration = Duration::from_secs(5);
 
@@ -42,6 +44,8 @@ pub struct Drive<'a, S: Between> {
     pub monitor: Monitor,
     /// Index of each watched component in `peers`.
     pub physics: Vec<usize>,
+    /// Indices of the observers that must not lose a frame.
+    pub lossless: Vec<usize>,
     /// Ticks and windows.
     pub clock: Clock,
     /// Windows of the whole run.
@@ -120,6 +124,8 @@ struct Course {
     last: Option<u64>,
     reason: Option<Ending>,
     finished: Vec<bool>,
+    /// Lossless observers that have not yet taken a first frame of each stream.
+    not_watching: Vec<usize>,
     words: Vec<String>,
     notes: BTreeMap<String, String>,
     /// Window and time of the last measurement of the rate, and the rate.
@@ -141,6 +147,7 @@ impl<S: Between> Drive<'_, S> {
             last: None,
             reason: None,
             finished: vec![false; count],
+            not_watching: self.lossless.clone(),
             words: vec![String::new(); count],
             notes: BTreeMap::new(),
             mark: (0, now),
@@ -188,6 +195,7 @@ impl<S: Between> Drive<'_, S> {
             if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {
                 return Err(fault.into());
             }
+            self.lose_blind_observers(course, now)?;
             self.heed_user(course)?;
             self.grant(course, now)?;
             self.show_progress(course, now);
@@ -226,6 +234,7 @@ impl<S: Between> Drive<'_, S> {
                     course.notes.insert(name, note);
                 }
                 Reply::Fault(fault) => self.lose_observer(course, index, &fault.message)?,
+                Reply::Watching {} => course.not_watching.retain(|other| *other != index),
                 _ => {}
             },
             (News::Garbage(text), Some(_)) => {
@@ -305,6 +314,7 @@ impl<S: Between> Drive<'_, S> {
         why: &str,
     ) -> Result<(), OutputError> {
         course.finished[index] = true;
+        course.not_watching.retain(|other| *other != index);
         let name = self.peers[index].name.clone();
         let text = format!("{name} is lost, the run goes on: {why}");
         self.terminal.warn(&text);
@@ -312,6 +322,22 @@ impl<S: Between> Drive<'_, S> {
         self.peers[index].end(Duration::from_millis(100));
         self.control.clean_after_dead();
         self.note(Level::Warning, &name, &text)
+    }
+
+    /// Gives up observers that take nothing although the start exchange is long over.
+    fn lose_blind_observers(
+        &mut self,
+        course: &mut Course,
+        now: Instant,
+    ) -> Result<(), OutputError> {
+        let begun = self.monitor.common_window().is_some();
+        if begun && now.duration_since(course.begin) > FIRST_FRAMES {
+            for index in std::mem::take(&mut course.not_watching) {
+                let why = format!("it took no frame within {} s", FIRST_FRAMES.as_secs());
+                self.lose_observer(course, index, &why)?;
+            }
+        }
+        Ok(())
     }
 
     fn take_reports(&mut self) -> Result<(), Trouble> {
@@ -379,8 +405,15 @@ impl<S: Between> Drive<'_, S> {
             course.mark = (done, now);
         }
         let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD };
+        if !course.not_watching.is_empty() {
+            // Only the start exchange, until they have seen it.
+            return self.grant_through(course, 0);
+        }
         let ahead = ((course.rate * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
-        let grant = (done + ahead).min(self.windows);
+        self.grant_through(course, (done + ahead).min(self.windows))
+    }
+
+    fn grant_through(&mut self, course: &mut Course, grant: u64) -> Result<(), Trouble> {
         if course.granted.is_some_and(|granted| granted >= grant) {
             return Ok(());
         }

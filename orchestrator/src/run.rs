@@ -177,6 +177,7 @@ impl Prepared {
             monitor: Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now()),
             peers: &mut self.peers,
             physics,
+            lossless: self.plan.lossless_observers(),
             clock: self.plan.clock,
             windows: self.plan.windows,
             report_depth: assignments[0].transport.report_depth,

@@ -19,7 +19,7 @@ fn failed_run(component: &str, fault: &str, schedule: &str, window: u64) -> (Ran
 }
 
 #[track_caller]
-fn caught(fault: &str, kind: &str, names_both: bool) {
+fn caught(fault: &str, kinds: &[&str], names_both: bool) {
     let mut case = fault.len();
     for schedule in ["serial", "parallel"] {
         for component in ["fluid", "grains"] {
@@ -32,7 +32,7 @@ fn caught(fault: &str, kind: &str, names_both: bool) {
             assert!(last.contains(component) && last.contains("window"), "{about}");
             let summary = ran.summary();
             let found = &summary["fault"];
-            assert_eq!(found["kind"], kind, "{about}");
+            assert!(kinds.contains(&found["kind"].as_str().unwrap()), "{about}");
             assert_eq!(found["blamed"], component, "{about}");
             if names_both {
                 assert_ne!(found["noticed_by"], component, "{about}");
@@ -82,42 +82,43 @@ fn processes_of(summary: &serde_json::Value) -> Vec<u64> {
 
 #[test]
 fn a_lost_message_is_caught() {
-    caught("drop", "lost", true);
+    // Either nothing comes any more, or the next message comes in its place.
+    caught("drop", &["lost", "stamp"], true);
 }
 
 #[test]
 fn a_message_sent_twice_is_caught() {
-    caught("duplicate", "stamp", true);
+    caught("duplicate", &["stamp"], true);
 }
 
 #[test]
 fn a_stale_stamp_is_caught() {
-    caught("stale", "stamp", true);
+    caught("stale", &["stamp"], true);
 }
 
 #[test]
 fn a_wrong_count_is_caught() {
-    caught("count", "count", true);
+    caught("count", &["count"], true);
 }
 
 #[test]
 fn a_value_that_is_no_number_is_caught() {
-    caught("nan", "not_finite", true);
+    caught("nan", &["not_finite"], true);
 }
 
 #[test]
 fn a_component_that_hangs_is_caught_at_the_deadline() {
-    caught("hang", "deadline", true);
+    caught("hang", &["deadline"], true);
 }
 
 #[test]
 fn a_component_that_exits_is_caught() {
-    caught("exit", "exit", true);
+    caught("exit", &["exit"], true);
 }
 
 #[test]
 fn a_component_that_is_killed_is_caught() {
-    caught("kill", "exit", true);
+    caught("kill", &["exit"], true);
 }
 
 #[test]

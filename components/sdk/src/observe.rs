@@ -87,13 +87,19 @@ fn watch<S: Between, O: Observer>(
     context: &mut Context<S>,
 ) -> Result<(u64, String), Stop> {
     let mut inlets = open_inlets(context)?;
-    context.line().reply(&Reply::Ready {}).map_err(|_| Stop::Aborted)?;
+    let gone = |_| Stop::Aborted;
+    context.line().reply(&Reply::Ready {}).map_err(gone)?;
+    let mut watching = false;
     loop {
         // Asked before the last look: what was sent before the request is then surely seen.
         let finishing = context.finish_requested()?;
         let mut seen = 0;
         for inlet in &mut inlets {
             seen += inlet.drain(observer, context)?;
+        }
+        if !watching && inlets.iter().all(Inlet::has_begun) {
+            watching = true;
+            context.line().reply(&Reply::Watching {}).map_err(gone)?;
         }
         if finishing && seen == 0 {
             let last = context.granted().unwrap_or(0);
@@ -128,6 +134,11 @@ fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> 
 }
 
 impl<S: Between> Inlet<S> {
+    /// Whether a first frame has come. Lines of the log come when they come.
+    fn has_begun(&self) -> bool {
+        self.before.is_some() || self.plan.content == FrameContent::Log
+    }
+
     /// Shows the observer all frames that have arrived; returns how many.
     fn drain<O: Observer>(
         &mut self,

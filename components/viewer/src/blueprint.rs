@@ -13,6 +13,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes::{
     ViewportBlueprint,
 };
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// A part of the layout.
 pub enum Part {
@@ -48,6 +49,14 @@ impl View {
             contents: vec!["$origin/**".into()],
             properties: Vec::new(),
         }
+    }
+
+    /// Number of the view, by what it is: a layout that is sent again keeps the state of views that are
+    /// in both, and never gives one's state to another (a viewer whose page is open trips over that).
+    fn id(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        (self.class, &self.name, &self.origin, &self.contents).hash(&mut hasher);
+        hasher.finish() & ID
     }
 
     /// Shows these entities instead.
@@ -136,7 +145,7 @@ fn panels(stream: &RecordingStream, timeline: &str) -> RecordingStreamResult<()>
     )
 }
 
-/// Writes parts, numbering them as they come.
+/// Writes parts, numbering containers as they come.
 struct Writer<'a> {
     stream: &'a RecordingStream,
     next: u64,
@@ -178,7 +187,7 @@ impl Writer<'_> {
     }
 
     fn view(&mut self, view: &View) -> RecordingStreamResult<String> {
-        let path = path("view", self.number());
+        let path = path("view", view.id());
         self.stream.log(
             format!("{path}/ViewContents"),
             &ViewContents::new(
@@ -199,7 +208,10 @@ impl Writer<'_> {
     }
 }
 
-/// Rerun names parts by UUIDs; ours count. The version and variant bits say "made by hand" (8).
+/// Bits of a number that its UUID has room for.
+const ID: u64 = (1 << 48) - 1;
+
+/// Rerun names parts by UUIDs; ours hold a number. The version and variant bits say "made by hand" (8).
 fn bytes(id: u64) -> [u8; 16] {
     let mut bytes = [0; 16];
     bytes[6] = 0x80;
@@ -210,4 +222,21 @@ fn bytes(id: u64) -> [u8; 16] {
 
 fn path(kind: &str, id: u64) -> String {
     format!("{kind}/00000000-0000-8000-8000-{id:012x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_keep_their_numbers_and_differ() {
+        let cut = || View::new("3D", "cut", "scene");
+        assert_eq!(cut().id(), cut().id());
+        let others = [
+            View::new("2D", "cut", "scene"),
+            View::new("3D", "scene", "scene"),
+            cut().contents(["/a".to_string()]),
+        ];
+        assert!(others.iter().all(|other| other.id() != cut().id()));
+    }
 }

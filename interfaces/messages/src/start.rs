@@ -51,6 +51,9 @@ pub enum Reply {
     },
     /// All channels are open; answers [`Request::Assignment`].
     Ready {},
+    /// An observer has taken a first frame of each of its streams: from now on its channels lose
+    /// nothing. (A receiver that has never taken anything can lose messages, whatever the channel.)
+    Watching {},
     /// The component has waited for some time for a peer. When all wait for each other, a message
     /// was lost, and the orchestrator need not wait for the deadline to say so.
     Waiting {

@@ -17,7 +17,9 @@ use crate::manifest::{ComponentSpec, Spec};
 use crate::schedule::{self, Wiring};
 use steps::{Steps, Wish};
 use tremie_messages::schedule::{Edge, Schedule, Script};
-use tremie_messages::start::{Assignment, Clock, Description, FrameStream, Injection, Transport};
+use tremie_messages::start::{
+    Assignment, Clock, Description, FrameContent, FrameStream, Injection, Transport,
+};
 use tremie_messages::{Problem, Role};
 
 /// Most rows in the table of signals unless the manifest says how often.
@@ -100,6 +102,17 @@ impl PlannedComponent {
             transport,
             injections: self.injections.clone(),
         }
+    }
+}
+
+impl Plan {
+    /// Indices of the components that must not lose a frame.
+    pub fn lossless_observers(&self) -> Vec<usize> {
+        let must = |c: &PlannedComponent| {
+            let frames = self.frames.iter().filter(|stream| stream.content != FrameContent::Log);
+            frames.filter(|stream| stream.lossless).any(|stream| stream.to == c.name)
+        };
+        (0..self.components.len()).filter(|index| must(&self.components[*index])).collect()
     }
 }
 
