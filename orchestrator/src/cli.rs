@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Injection, InjectionKind};
 
-/// Co-simulation of slurries: fluid, grains and rubber as programs that share memory.
+/// Co-simulation of slurries: fluid and grains as programs that share memory.
 #[derive(Debug, Parser)]
 #[command(name = "tremie", version, about, arg_required_else_help = true)]
 pub struct Cli {

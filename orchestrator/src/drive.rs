@@ -1,6 +1,7 @@
 //! The second half of a run: windows go by, guards watch, and everything ends in order.
 
 use crate::control::Control;
+use crate::introduction::EarlyLog;
 use crate::launch::{News, Peer, Post};
 use crate::monitor::{Monitor, Row, Waiting};
 use crate::outputs::{Ending, Level, OutputError, RunLog, SignalTable};
@@ -40,6 +41,8 @@ pub struct Drive<'a, S: Between> {
     pub descriptions: &'a [Description],
     /// Where their news arrive.
     pub news: &'a Receiver<Post>,
+    /// What they wrote to standard error before.
+    pub early: EarlyLog,
     /// What is known of the physics.
     pub monitor: Monitor,
     /// Index of each watched component in `peers`.
@@ -153,6 +156,9 @@ impl<S: Between> Drive<'_, S> {
             mark: (0, now),
             rate: 0.0,
         };
+        for (index, text) in std::mem::take(&mut self.early) {
+            self.hear_log(&mut course, index, &text)?;
+        }
         let trouble = self.windows_go_by(&mut course).err();
         let wall = course.begin.elapsed();
         let window = self.monitor.common_window().unwrap_or(0);

@@ -63,6 +63,7 @@ pub fn introduce(
     news: &Receiver<Post>,
     run: u64,
     output: &Path,
+    early: &mut EarlyLog,
 ) -> Result<Vec<Description>, Vec<Problem>> {
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u32);
     for (peer, spec) in peers.iter_mut().zip(&manifest.spec.components) {
@@ -79,7 +80,7 @@ pub fn introduce(
     }
     let mut descriptions: Vec<Option<Description>> = vec![None; peers.len()];
     let mut problems = Vec::new();
-    let answers = collect(peers, news, |index, reply| match reply {
+    let answers = collect(peers, news, early, |index, reply| match reply {
         Reply::Description(description) if description.interface == INTERFACE_VERSION => {
             descriptions[index] = Some(*description);
             Ok(true)
@@ -105,10 +106,14 @@ pub fn introduce(
     }
 }
 
+/// Lines that components wrote to standard error before windows go by: component, text.
+pub type EarlyLog = Vec<(usize, String)>;
+
 /// Waits until `take` has said `true` to a reply of each peer. Returns, for each that failed, why.
 pub fn collect(
     peers: &mut [Peer],
     news: &Receiver<Post>,
+    early: &mut EarlyLog,
     mut take: impl FnMut(usize, Reply) -> Result<bool, String>,
 ) -> Vec<(usize, String)> {
     let mut open: Vec<bool> = vec![true; peers.len()];
@@ -126,7 +131,8 @@ pub fn collect(
         let outcome = match news {
             News::Reply(reply) => take(index, *reply),
             News::Log(text) => {
-                said[index] = text;
+                said[index].clone_from(&text);
+                early.push((index, text));
                 Ok(false)
             }
             News::Garbage(text) => Err(format!("it wrote a line that is no reply: {text}")),

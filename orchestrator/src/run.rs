@@ -2,7 +2,7 @@
 
 use crate::control::Control;
 use crate::drive::{Drive, Driven};
-use crate::introduction::{collect, find_programs, introduce, start_all};
+use crate::introduction::{EarlyLog, collect, find_programs, introduce, start_all};
 use crate::launch::{Launcher, Peer, Post};
 use crate::manifest::Manifest;
 use crate::monitor::{Monitor, Watched};
@@ -77,6 +77,7 @@ pub struct Prepared {
     /// What they shall do.
     pub plan: Plan,
     news: Receiver<Post>,
+    early: EarlyLog,
     run: u64,
 }
 
@@ -96,13 +97,14 @@ pub fn prepare(
     let (launcher, news) = Launcher::new(execution.in_process);
     let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
     let run = random_id();
+    let mut early = EarlyLog::new();
     let descriptions =
-        introduce(manifest, &mut peers, &news, run, output).map_err(RunError::Input)?;
+        introduce(manifest, &mut peers, &news, run, output, &mut early).map_err(RunError::Input)?;
     let named: Vec<_> =
         peers.iter().map(|peer| peer.name.clone()).zip(descriptions.iter().cloned()).collect();
     let options = plan::Options { injections: execution.inject.clone() };
     let plan = plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)?;
-    Ok(Prepared { peers, descriptions, plan, news, run })
+    Ok(Prepared { peers, descriptions, plan, news, early, run })
 }
 
 /// A number that no other run on this machine has: the standard library keys its hashers at random.
@@ -174,6 +176,7 @@ impl Prepared {
             control,
             descriptions: &self.descriptions,
             news: &self.news,
+            early: std::mem::take(&mut self.early),
             monitor: Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now()),
             peers: &mut self.peers,
             physics,
@@ -236,14 +239,15 @@ impl Prepared {
         for (peer, assignment) in self.peers.iter_mut().zip(assignments) {
             peer.send(Request::Assignment(Box::new(assignment.clone())));
         }
-        let failed = collect(&mut self.peers, &self.news, |_, reply| match reply {
-            Reply::Ready {} => Ok(true),
-            Reply::Refusal { problems } => {
-                Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
-            }
-            Reply::Fault(fault) => Err(fault.to_string()),
-            other => Err(format!("it answered the assignment with {other:?}")),
-        });
+        let failed =
+            collect(&mut self.peers, &self.news, &mut self.early, |_, reply| match reply {
+                Reply::Ready {} => Ok(true),
+                Reply::Refusal { problems } => {
+                    Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+                }
+                Reply::Fault(fault) => Err(fault.to_string()),
+                other => Err(format!("it answered the assignment with {other:?}")),
+            });
         if failed.is_empty() {
             return Ok(());
         }

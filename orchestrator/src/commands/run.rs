@@ -56,6 +56,9 @@ fn run_checked(
     if let Ok(swept @ 1..) = tremie_channels::sweep::sweep_dead_runs() {
         terminal.say(&format!("swept what {swept} killed runs had left in shared memory"));
     }
+    if arguments.in_process && !arguments.manifest.quiet {
+        show_logs_of_threads();
+    }
     let interrupts = watch_signals()?;
     let folder = folder_of(&arguments.manifest.manifest);
     let execution = Execution {
@@ -69,6 +72,9 @@ fn run_checked(
     let out = out.keep();
     terminal.say(&format!("outputs in {}", out.display()));
     let ended = prepared.execute(manifest, &out, &execution, terminal, &interrupts)?;
+    for (name, note) in ended.summary.observers.iter().filter(|(_, note)| !note.is_empty()) {
+        terminal.say(&format!("{name}: {note}"));
+    }
     terminal.end(&last_line(&ended.summary, &out), details(&ended.summary));
     if arguments.view == View::Web
         && ended.is_serving("viewer")
@@ -160,6 +166,17 @@ pub(super) fn viewer_settings(view: &View) -> Option<serde_json::Map<String, Val
     };
     settings.insert("mode".into(), mode.into());
     Some(settings)
+}
+
+/// Components that are threads log through this process, not on lines of their own.
+fn show_logs_of_threads() {
+    let filter = tracing_subscriber::EnvFilter::new("warn,tremie_viewer=info");
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .without_time()
+        .with_target(false)
+        .with_writer(std::io::stderr)
+        .try_init();
 }
 
 /// Counts how often the user asks for the end.
