@@ -38,3 +38,28 @@ impl Impulse {
         description
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_sides_sum_to_the_same_bits_one_window_apart() {
+        let loads = |window: u64| -> Vec<Load> {
+            let force = |id: u64| [0.1 * id as f64, 1.0 / (window + id + 1) as f64, -3.3e-7];
+            (0..50).map(|id| Load { id, force: force(id), torque: [0.0; 3] }).collect()
+        };
+        let (mut delivered, mut received) = (Impulse::default(), Impulse::default());
+        for window in 0..20 {
+            delivered.add(&loads(window), 1.2e-7);
+            if window > 0 {
+                received.add(&loads(window - 1), 1.2e-7);
+            }
+            let mut last = Impulse::default();
+            (0..window).for_each(|w| last.add(&loads(w), 1.2e-7));
+            assert_eq!(received, last);
+        }
+        received.add(&loads(19), 1.2e-7);
+        assert_eq!(delivered, received);
+    }
+}

@@ -77,3 +77,40 @@ impl Line {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn over(text: &'static str) -> Line {
+        Line {
+            input: Input::Text(Box::new(text.as_bytes())),
+            output: Output::Text(Box::new(Vec::new())),
+        }
+    }
+
+    #[test]
+    fn requests_are_read_line_by_line_to_the_end() {
+        let mut line = over("{\"quit\":{}}\n{\"quit\":{}}\n");
+        assert_eq!(line.next_request(), Ok(Request::Quit {}));
+        assert_eq!(line.next_request(), Ok(Request::Quit {}));
+        assert_eq!(line.next_request(), Err(Closed.to_string()));
+    }
+
+    #[test]
+    fn what_is_no_request_is_said() {
+        assert!(over("hello\n").next_request().unwrap_err().contains("no request"));
+    }
+
+    #[test]
+    fn a_line_in_memory_carries_both_ways_and_closes() {
+        let (mut line, to, from) = Line::in_memory();
+        to.send(Request::Quit {}).unwrap();
+        assert_eq!(line.next_request(), Ok(Request::Quit {}));
+        line.reply(&Reply::Ready {}).unwrap();
+        assert_eq!(from.recv(), Ok(Reply::Ready {}));
+        drop((to, from));
+        assert!(line.next_request().is_err());
+        assert_eq!(line.reply(&Reply::Ready {}), Err(Closed));
+    }
+}

@@ -53,3 +53,59 @@ pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
         .min()
         .map(|(_, candidate)| candidate)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+    use serde_json::json;
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Settings {
+        cell: f64,
+        #[serde(default)]
+        inner: Inner,
+    }
+
+    #[derive(Debug, Default, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        #[serde(default)]
+        threads: u32,
+    }
+
+    fn problem(value: Value) -> Problem {
+        read::<Settings>(value.as_object().unwrap()).unwrap_err().remove(0)
+    }
+
+    #[test]
+    fn an_unknown_key_comes_with_the_nearest_valid_one() {
+        let found = problem(json!({"cel": 1.0}));
+        assert_eq!(found.key, "@cel");
+        assert!(found.help.unwrap().contains("\"cell\""));
+        let found = problem(json!({"cell": 1.0, "inner": {"thread": 3}}));
+        assert_eq!(found.key, "@inner.thread");
+        assert!(found.help.unwrap().contains("\"threads\""));
+    }
+
+    #[test]
+    fn a_key_like_no_other_comes_with_all_valid_ones() {
+        let found = problem(json!({"viscosity": 1.0}));
+        assert!(found.help.unwrap().contains("cell, inner"));
+    }
+
+    #[test]
+    fn a_wrong_type_is_said_with_its_key() {
+        let found = problem(json!({"cell": "big"}));
+        assert_eq!(found.key, "@cell");
+        assert!(found.message.contains("big"), "{found}");
+    }
+
+    #[test]
+    fn right_parameters_are_read() {
+        let value = json!({"cell": 0.5, "inner": {"threads": 2}});
+        let expected = Settings { cell: 0.5, inner: Inner { threads: 2 } };
+        assert_eq!(read::<Settings>(value.as_object().unwrap()), Ok(expected));
+    }
+}
