@@ -18,11 +18,18 @@ struct End<S: Between> {
     ringer: Ringer<S>,
 }
 
+/// Lines to one observer; `capacity` bytes at most.
+struct LogEnd<S: Between> {
+    sender: Sender<S, LogHeader, u8>,
+    ringer: Ringer<S>,
+    capacity: usize,
+}
+
 /// The orchestrator's ends of the channels to all components, in the order of the peers.
 pub struct Control<S: Between> {
     run: u64,
     ends: Vec<End<S>>,
-    logs: Vec<(Sender<S, LogHeader, u8>, Ringer<S>, usize)>,
+    logs: Vec<LogEnd<S>>,
     attachment: Attachment<S>,
 }
 
@@ -59,7 +66,8 @@ impl<S: Between> Control<S> {
             let log = |s: &&FrameStream| s.to == peer.name && s.content == FrameContent::Log;
             for stream in assignment.frames.iter().filter(log) {
                 let sender = attachment.sender(frame_spec(stream))?;
-                logs.push((sender, Ringer::of(&attachment, &peer.name)?, stream.capacity as usize));
+                let ringer = Ringer::of(&attachment, &peer.name)?;
+                logs.push(LogEnd { sender, ringer, capacity: stream.capacity as usize });
             }
         }
         Ok(Self { run, ends, logs, attachment })
@@ -94,7 +102,7 @@ impl<S: Between> Control<S> {
 
     /// Tells all observers a line. One that takes no more loses it: the log file has it.
     pub fn log(&self, header: LogHeader, text: &str) {
-        for (sender, ringer, capacity) in &self.logs {
+        for LogEnd { sender, ringer, capacity } in &self.logs {
             let bytes = &text.as_bytes()[..text.floor_char_boundary(*capacity)];
             if sender.send_copy(header, bytes).is_ok() {
                 let _ = ringer.ring();

@@ -19,8 +19,6 @@ use tremie_messages::start::{Clock, Description, Fault, FaultKind, Reply};
 
 /// How often the orchestrator looks at reports. Physics does not wait for it: credit runs ahead.
 const LOOK: Duration = Duration::from_millis(1);
-/// All components waiting for each other for so long means that a message was lost.
-const LOST_AFTER: Duration = Duration::from_millis(60);
 /// Wall time by which credit runs ahead: what a Ctrl-C takes to be heeded.
 const CREDIT_AHEAD: f64 = 0.1;
 /// Windows by which the end lies behind the one that meets a stop condition: fixed, so that the
@@ -126,6 +124,8 @@ struct Course {
     /// Last window of the run, once the end was asked for early.
     last: Option<u64>,
     reason: Option<Ending>,
+    /// When the start exchange was over.
+    begun: Option<Instant>,
     finished: Vec<bool>,
     /// Lossless observers that have not yet taken a first frame of each stream.
     not_watching: Vec<usize>,
@@ -149,6 +149,7 @@ impl<S: Between> Drive<'_, S> {
             granted: None,
             last: None,
             reason: None,
+            begun: None,
             finished: vec![false; count],
             not_watching: self.lossless.clone(),
             words: vec![String::new(); count],
@@ -156,12 +157,9 @@ impl<S: Between> Drive<'_, S> {
             mark: (0, now),
             rate: 0.0,
         };
-        for (index, text) in std::mem::take(&mut self.early) {
-            self.hear_log(&mut course, index, &text)?;
-        }
-        let trouble = self.windows_go_by(&mut course).err();
+        let trouble = self.hear_early(&mut course).and_then(|()| self.windows_go_by(&mut course));
+        let trouble = trouble.err();
         let wall = course.begin.elapsed();
-        let window = self.monitor.common_window().unwrap_or(0);
         let ending = match trouble {
             None => course.reason.take().unwrap_or(Ending::Completed),
             Some(Trouble::Impatience) => {
@@ -171,18 +169,44 @@ impl<S: Between> Drive<'_, S> {
             Some(Trouble::Fault(fault)) => Ending::Failed { fault: *fault },
             Some(Trouble::Output(error)) => {
                 self.stop_physics(&course);
+                self.finish_observers(&mut course, 0);
                 return Err(error);
             }
         };
-        if let Ending::Failed { fault } = &ending {
+        if matches!(ending, Ending::Failed { .. }) {
             self.stop_physics(&course);
-            self.note(Level::Error, &fault.blamed.clone(), &fault.to_string())?;
         }
+        // Rows that were complete when the end came belong to the record.
+        let _ = self.take_reports();
+        let rows = self.take_last_rows();
+        let window = self.monitor.common_window().unwrap_or(0);
+        let noted = match &ending {
+            Ending::Failed { fault } => {
+                self.note(Level::Error, &fault.blamed.clone(), &fault.to_string())
+            }
+            _ => Ok(()),
+        };
         self.finish_observers(&mut course, window);
+        rows.and(noted)?;
         let totals =
             self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
         let Self { table, log, .. } = self;
         Ok(Driven { ending, window, totals, observers: course.notes, wall, table, log })
+    }
+
+    /// What components wrote before windows go by.
+    fn hear_early(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        for (index, text) in std::mem::take(&mut self.early) {
+            self.hear_log(course, index, &text)?;
+        }
+        Ok(())
+    }
+
+    fn take_last_rows(&mut self) -> Result<(), OutputError> {
+        while let Some(row) = self.monitor.next_row() {
+            self.table.take(row)?;
+        }
+        Ok(())
     }
 
     fn windows_go_by(&mut self, course: &mut Course) -> Result<(), Trouble> {
@@ -196,7 +220,7 @@ impl<S: Between> Drive<'_, S> {
             }
             // Later than the components' own deadline: a peer that waits names both sides.
             let deadline = Duration::from_secs_f64(1.2 * self.deadline + 0.1);
-            let lost = self.monitor.lost_message(now, LOST_AFTER);
+            let lost = self.monitor.lost_message();
             let granted = course.granted.unwrap_or(0);
             if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {
                 return Err(fault.into());
@@ -227,10 +251,18 @@ impl<S: Between> Drive<'_, S> {
             (News::Reply(reply), Some(watched)) => match *reply {
                 Reply::Waiting { from, what, owed, window } => {
                     let wait = Waiting { from, what, owed, window };
-                    self.monitor.waiting(watched, wait, Instant::now());
+                    self.monitor.waiting(watched, wait);
                 }
                 Reply::Resumed {} => self.monitor.resumed(watched, Instant::now()),
-                Reply::Finished { .. } => course.finished[index] = true,
+                Reply::Finished { window, .. } => {
+                    let last = course.last.unwrap_or(self.windows);
+                    if window != last {
+                        let text = format!("it finished at window {window} of {last}");
+                        return Err(self.broken(index, text));
+                    }
+                    course.finished[index] = true;
+                }
+                Reply::GaveUp { observer, why } => self.give_up(course, &observer, &why)?,
                 Reply::Fault(fault) => return Err(fault.into()),
                 other => return Err(self.broken(index, format!("it said {other:?} in mid-run"))),
             },
@@ -250,6 +282,8 @@ impl<S: Between> Drive<'_, S> {
             (News::Garbage(text) | News::Log(text), _) => self.hear_log(course, index, &text)?,
             (News::Closed, watched) => {
                 self.peers[index].closed = true;
+                // What it had done before it ended counts.
+                self.take_reports()?;
                 if course.finished[index] {
                     return Ok(());
                 }
@@ -336,14 +370,25 @@ impl<S: Between> Drive<'_, S> {
         course: &mut Course,
         now: Instant,
     ) -> Result<(), OutputError> {
-        let begun = self.monitor.common_window().is_some();
-        if begun && now.duration_since(course.begin) > FIRST_FRAMES {
+        if self.monitor.common_window().is_none() {
+            return Ok(());
+        }
+        let begun = *course.begun.get_or_insert(now);
+        if now.duration_since(begun) > FIRST_FRAMES {
             for index in std::mem::take(&mut course.not_watching) {
                 let why = format!("it took no frame within {} s", FIRST_FRAMES.as_secs());
                 self.lose_observer(course, index, &why)?;
             }
         }
         Ok(())
+    }
+
+    /// A component sends no more to an observer: then the observer is of no more use.
+    fn give_up(&mut self, course: &mut Course, name: &str, why: &str) -> Result<(), OutputError> {
+        match self.peers.iter().position(|peer| peer.name == name) {
+            Some(index) if !course.finished[index] => self.lose_observer(course, index, why),
+            _ => Ok(()),
+        }
     }
 
     fn take_reports(&mut self) -> Result<(), Trouble> {
@@ -423,6 +468,9 @@ impl<S: Between> Drive<'_, S> {
         if course.granted.is_some_and(|granted| granted >= grant) {
             return Ok(());
         }
+        if course.granted.is_none_or(|granted| self.monitor.all_wait_for_credit(granted)) {
+            self.monitor.granted(Instant::now());
+        }
         course.granted = Some(grant);
         for peer in &self.physics {
             self.control.say(*peer, Credit::ADVANCE, grant)?;
@@ -437,7 +485,7 @@ impl<S: Between> Drive<'_, S> {
             window,
             windows: self.windows,
             time: self.clock.seconds(window * self.clock.ticks_per_window),
-            rate: window as f64 / elapsed.max(1e-9),
+            rate: course.rate,
             work: Vec::new(),
             shares: Vec::new(),
             bodies: self.descriptions.iter().map(|d| d.bodies).sum(),

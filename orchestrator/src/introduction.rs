@@ -135,7 +135,9 @@ pub fn collect(
                 early.push((index, text));
                 Ok(false)
             }
-            News::Garbage(text) => Err(format!("it wrote a line that is no reply: {text}")),
+            News::Garbage(text) => Err(format!(
+                "it wrote a line on standard output that is no reply, which belongs on standard error: {text}"
+            )),
             News::Closed => {
                 peers[index].closed = true;
                 let last = Some(&said[index]).filter(|text| !text.is_empty());
@@ -145,7 +147,8 @@ pub fn collect(
         };
         match outcome {
             Ok(answered) if open[index] => open[index] = !answered,
-            Err(text) if open[index] => {
+            // Also of one that had answered: it may end while others are still at it.
+            Err(text) if !failed.iter().any(|(other, _)| *other == index) => {
                 open[index] = false;
                 failed.push((index, text));
             }

@@ -171,7 +171,7 @@ impl Launcher {
         if let Some(errors) = child.stderr.take() {
             let post = self.post.clone();
             std::thread::spawn(move || {
-                for line in BufReader::new(errors).lines().map_while(Result::ok) {
+                for line in lines(BufReader::new(errors)) {
                     let _ = post.send((index, News::Log(line)));
                 }
             });
@@ -207,8 +207,19 @@ impl Launcher {
     }
 }
 
+/// Lines of text, whatever bytes are in them: a component's pipe must be read to its end.
+fn lines(mut from: impl BufRead) -> impl Iterator<Item = String> {
+    std::iter::from_fn(move || {
+        let mut bytes = Vec::new();
+        match from.read_until(b'\n', &mut bytes) {
+            Ok(0) | Err(_) => None,
+            Ok(_) => Some(String::from_utf8_lossy(&bytes).trim_end().to_string()),
+        }
+    })
+}
+
 fn forward_replies(output: impl BufRead, index: usize, post: &Sender<Post>) {
-    for line in output.lines().map_while(Result::ok) {
+    for line in lines(output) {
         let news = match serde_json::from_str(&line) {
             Ok(reply) => News::Reply(Box::new(reply)),
             Err(_) => News::Garbage(line),

@@ -19,7 +19,9 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::sweep::RunPlaces;
 use tremie_channels::{Between, ChannelError, Processes, Threads};
-use tremie_messages::start::{Assignment, Description, Injection, Reply, Request, Transport};
+use tremie_messages::start::{
+    Assignment, Description, Injection, InjectionKind, Reply, Request, Transport,
+};
 use tremie_messages::{Problem, Role};
 
 /// How long a component polls before it sleeps. Longer than a round trip between two processes
@@ -65,7 +67,7 @@ pub struct Ended {
     pub summary: Summary,
     /// All components; those that were ended are ended.
     peers: Vec<Peer>,
-    _places: RunPlaces,
+    _places: Option<RunPlaces>,
 }
 
 /// Components that were asked and a plan that fits them.
@@ -79,6 +81,8 @@ pub struct Prepared {
     news: Receiver<Post>,
     early: EarlyLog,
     run: u64,
+    /// After the peers: what they use is removed when they have ended.
+    places: Option<RunPlaces>,
 }
 
 /// Starts the components of `manifest`, asks each what it is, and plans the run.
@@ -93,6 +97,7 @@ pub fn prepare(
     output: &Path,
     execution: &Execution,
 ) -> Result<Prepared, RunError> {
+    check_injections(execution).map_err(RunError::Input)?;
     let programs = find_programs(manifest, folder).map_err(RunError::Input)?;
     let (launcher, news) = Launcher::new(execution.in_process);
     let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
@@ -104,7 +109,20 @@ pub fn prepare(
         peers.iter().map(|peer| peer.name.clone()).zip(descriptions.iter().cloned()).collect();
     let options = plan::Options { injections: execution.inject.clone() };
     let plan = plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)?;
-    Ok(Prepared { peers, descriptions, plan, news, early, run })
+    Ok(Prepared { peers, descriptions, plan, news, early, run, places: None })
+}
+
+/// Faults of a process cannot be committed by a thread: they would end or hold up this program.
+fn check_injections(execution: &Execution) -> Result<(), Vec<Problem>> {
+    use InjectionKind::{Exit, Hang, Kill};
+    let of_process = |kind| execution.in_process && matches!(kind, Exit | Hang | Kill);
+    match execution.inject.iter().find(|(_, injection)| of_process(injection.kind)) {
+        Some((name, _)) => {
+            let text = format!("{name} is no process of its own in this run");
+            Err(vec![Problem::new("--inject", text).help("leave out --in-process")])
+        }
+        None => Ok(()),
+    }
 }
 
 /// A number that no other run on this machine has: the standard library keys its hashers at random.
@@ -158,9 +176,11 @@ impl Prepared {
         let log = RunLog::create(&at(outputs::LOG))?;
         write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
 
-        let places = RunPlaces::create(self.run).map_err(RunError::Places)?;
+        let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
+        let (root, prefix) = (places.root(), places.prefix().to_string());
         let poll = execution.poll.unwrap_or(POLL);
-        let assignments = self.assignments(&places, execution.in_process, spec.run.deadline, poll);
+        let assignments =
+            self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll);
         let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
         self.assign(&assignments)?;
@@ -197,7 +217,7 @@ impl Prepared {
         }
         let summary = self.summarise(driven)?;
         summary.write(&at(outputs::SUMMARY))?;
-        Ok(Ended { summary, peers: self.peers, _places: places })
+        Ok(Ended { summary, peers: self.peers, _places: self.places })
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.
@@ -217,15 +237,16 @@ impl Prepared {
 
     fn assignments(
         &self,
-        places: &RunPlaces,
+        root: &str,
+        prefix: &str,
         in_process: bool,
         deadline: f64,
         poll: Duration,
     ) -> Vec<Assignment> {
         let transport = |name: &str| Transport {
             between_processes: !in_process,
-            root: places.root(),
-            prefix: places.prefix().to_string(),
+            root: root.to_string(),
+            prefix: prefix.to_string(),
             credit_service: format!("credit/{name}"),
             report_service: format!("report/{name}"),
             report_depth: REPORT_DEPTH,

@@ -43,19 +43,29 @@ fn a_condition_ends_a_run_at_the_same_window_every_time() {
     assert_eq!(first.signals_text(), second.signals_text());
 }
 
+/// A running program that is killed if the test fails before it ends.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// A run long enough to be disturbed; returns once windows go by.
-fn long_run(home: &std::path::Path) -> Child {
+fn long_run(home: &std::path::Path) -> Running {
     let manifest = home.join("manifest.toml");
     std::fs::write(&manifest, SMALL.replace("until = \"0.02 s\"", "until = \"100 s\"")).unwrap();
-    let mut child = tremie()
+    let child = tremie()
         .args(["run", "--json", "--out"])
         .arg(home.join("out"))
         .arg(&manifest)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        .spawn();
+    let mut child = Running(child.unwrap());
+    let lines = BufReader::new(child.0.stdout.take().unwrap()).lines();
     for line in lines.map_while(Result::ok) {
         if line.contains("\"progress\"") {
             return child;
@@ -64,15 +74,15 @@ fn long_run(home: &std::path::Path) -> Child {
     panic!("the run ended by itself");
 }
 
-fn send(child: &Child, signal: &str) {
-    let id = child.id().to_string();
+fn send(child: &Running, signal: &str) {
+    let id = child.0.id().to_string();
     assert!(std::process::Command::new("kill").args([signal, &id]).status().unwrap().success());
 }
 
-fn wait(child: &mut Child, limit: Duration) -> Option<i32> {
+fn wait(child: &mut Running, limit: Duration) -> Option<i32> {
     let begin = Instant::now();
     while begin.elapsed() < limit {
-        if let Some(status) = child.try_wait().unwrap() {
+        if let Some(status) = child.0.try_wait().unwrap() {
             return status.code();
         }
         std::thread::sleep(Duration::from_millis(10));
@@ -99,10 +109,10 @@ fn ctrl_c_ends_a_run_with_whole_outputs() {
 fn a_killed_orchestrator_takes_its_components_along() {
     let home = tempfile::tempdir().unwrap();
     let mut child = long_run(home.path());
-    let components = children_of(child.id());
+    let components = children_of(child.0.id());
     assert!(components.len() >= 2, "{components:?}");
     send(&child, "-KILL");
-    child.wait().unwrap();
+    child.0.wait().unwrap();
     let begin = Instant::now();
     while components.iter().any(|id| is_alive(*id)) {
         assert!(begin.elapsed() < Duration::from_secs(5), "components outlive the orchestrator");

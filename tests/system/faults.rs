@@ -2,20 +2,16 @@
 //! named, outputs stay readable up to the last common window, and nothing is left behind.
 
 use crate::tremie::{Ran, SMALL, run_text};
-use std::time::Instant;
 
 /// Window of a fault, spread over the run by a fixed rule: tests must repeat.
 fn window(case: usize) -> u64 {
     3 + (case as u64 * 7) % 13
 }
 
-fn failed_run(component: &str, fault: &str, schedule: &str, window: u64) -> (Ran, f64) {
+fn failed_run(component: &str, fault: &str, schedule: &str, window: u64) -> Ran {
     let inject = format!("{component}:{fault}@{window}");
     let options = ["--schedule", schedule, "--inject", &inject, "--set", "run.deadline=0.4 s"];
-    let begin = Instant::now();
-    let ran =
-        run_text(&SMALL.replace("record = false", "record = true\nframes = \"1 ms\""), &options);
-    (ran, begin.elapsed().as_secs_f64())
+    run_text(&SMALL.replace("record = false", "record = true\nframes = \"1 ms\""), &options)
 }
 
 #[track_caller]
@@ -25,7 +21,7 @@ fn caught(fault: &str, kinds: &[&str], names_both: bool) {
         for component in ["fluid", "grains"] {
             case += 1;
             let window = window(case);
-            let (ran, _) = failed_run(component, fault, schedule, window);
+            let ran = failed_run(component, fault, schedule, window);
             let about = format!("{component}:{fault}@{window} {schedule}\n{}", ran.errors());
             assert_eq!(ran.code(), Some(1), "{about}");
             let last = ran.errors().trim().lines().last().unwrap().to_string();
@@ -125,7 +121,7 @@ fn a_component_that_is_killed_is_caught() {
 fn one_substep_too_many_or_too_few_is_caught_with_both_sides_named() {
     for fault in ["substep-more", "substep-less"] {
         for schedule in ["serial", "parallel"] {
-            let (ran, _) = failed_run("grains", fault, schedule, 9);
+            let ran = failed_run("grains", fault, schedule, 9);
             let fault = ran.summary()["fault"].clone();
             assert_eq!(fault["kind"], "substeps", "{}", ran.errors());
             assert_eq!(fault["blamed"], "grains");

@@ -57,7 +57,8 @@ fn stop_viewer_of(orchestrator: u32) {
         let path = format!("/proc/{orchestrator}/task/{orchestrator}/children");
         for id in std::fs::read_to_string(path).unwrap_or_default().split_whitespace() {
             let line = std::fs::read_to_string(format!("/proc/{id}/cmdline")).unwrap_or_default();
-            if line.contains("viewer") {
+            // Not the orchestrator's own line, which a child bears until it becomes the component.
+            if line.contains("component\0viewer\0") {
                 // Past its start, so that the run has begun.
                 std::thread::sleep(Duration::from_millis(300));
                 let _ = Command::new("kill").args(["-STOP", id]).status();

@@ -160,21 +160,21 @@ impl<S: Between> Context<S> {
         let begin = Instant::now();
         let deadline = begin + Duration::from_secs_f64(self.assignment.transport.deadline);
         let Self { bell, credit, granted, finish, line, component, window, .. } = self;
-        let mut told = false;
+        let mut told: Option<Instant> = None;
         let ended = bell.wait(deadline, || {
             if let Some(found) = check()? {
                 return Ok(Some(found));
             }
             heed_credit(credit, granted, finish)?;
-            if !told && begin.elapsed() > LONG_WAIT {
-                told = true;
-                let waiting =
-                    Reply::Waiting { from: from.to_string(), what: what(), owed, window: *window };
+            if told.unwrap_or(begin).elapsed() > LONG_WAIT {
+                told = Some(Instant::now());
+                let from = from.to_string();
+                let waiting = Reply::Waiting { from, what: what(), owed, window: *window };
                 let _ = line.reply(&waiting);
             }
             Ok::<_, Stop>(None)
         });
-        if told {
+        if told.is_some() {
             let _ = line.reply(&Reply::Resumed {});
         }
         self.spent.wait += begin.elapsed().as_nanos() as u64;

@@ -2,9 +2,10 @@
 
 use crate::context::Context;
 use crate::stop::Stop;
+use std::time::Duration;
 use tremie_channels::{Between, ChannelError, ChannelSpec, Ringer, Sender};
 use tremie_messages::frame::{BodySample, SliceHeader, SliceNode};
-use tremie_messages::start::{FrameContent, FrameStream};
+use tremie_messages::start::{FrameContent, FrameStream, Reply};
 use tremie_messages::{BodyEvent, BodyState, Stamp};
 
 /// A stream of frames to one observer.
@@ -49,16 +50,22 @@ pub trait Shows {
 impl<S: Between> Frames<S> {
     /// Opens the sending ends of all streams of this component.
     pub fn open(context: &Context<S>) -> Result<Self, Stop> {
+        // A share of the deadline: an observer that takes nothing is given up before the component
+        // that waits for it counts as hung itself.
+        let patience = Duration::from_secs_f64(context.assignment.transport.deadline / 4.0);
+        let open = &context.attachment;
         let mine = |plan: &&FrameStream| plan.from == context.component;
         let mut outlets = Vec::new();
         for plan in context.assignment.frames.iter().filter(mine) {
             let spec = frame_spec(plan);
             let stream = match &plan.content {
-                FrameContent::Bodies => Stream::Bodies(context.attachment.sender(spec)?),
+                FrameContent::Bodies => Stream::Bodies(open.sender_with_patience(spec, patience)?),
                 FrameContent::Slice(name) => {
-                    Stream::Slice(name.clone(), context.attachment.sender(spec)?)
+                    Stream::Slice(name.clone(), open.sender_with_patience(spec, patience)?)
                 }
-                FrameContent::Signals(_) => Stream::Signals(context.attachment.sender(spec)?),
+                FrameContent::Signals(_) => {
+                    Stream::Signals(open.sender_with_patience(spec, patience)?)
+                }
                 FrameContent::Log => continue,
             };
             outlets.push(Outlet {
@@ -73,22 +80,31 @@ impl<S: Between> Frames<S> {
 
     /// Sends the frames that are due at the end of the present window.
     ///
-    /// An observer that takes nothing is given up with a line on standard error: observers never
-    /// stop the physics.
-    pub fn send(&mut self, context: &Context<S>, shown: &mut impl Shows, signals: &[f64]) {
+    /// An observer that takes nothing is given up, and the orchestrator told so: observers never stop
+    /// the physics.
+    pub fn send(&mut self, context: &mut Context<S>, shown: &mut impl Shows, signals: &[f64]) {
         let window = context.window;
         let last = context.assignment.windows;
-        for outlet in &mut self.outlets {
+        for index in 0..self.outlets.len() {
+            let outlet = &self.outlets[index];
             let due = window.is_multiple_of(outlet.plan.every) || window == last;
             if outlet.broken || !due {
                 continue;
             }
             let sent = outlet.send(context.stamp(window), shown, signals);
             if let Err(error) = sent.and_then(|()| outlet.ringer.ring()) {
-                outlet.broken = true;
-                tracing::warn!(observer = %outlet.plan.to, %error, "gave up an observer");
+                self.give_up(index, &error, context);
             }
         }
+    }
+
+    /// Sends nothing more to the observer of outlet `index`, on any of its streams.
+    fn give_up(&mut self, index: usize, error: &ChannelError, context: &mut Context<S>) {
+        let observer = self.outlets[index].plan.to.clone();
+        for outlet in self.outlets.iter_mut().filter(|outlet| outlet.plan.to == observer) {
+            outlet.broken = true;
+        }
+        let _ = context.line().reply(&Reply::GaveUp { observer, why: error.to_string() });
     }
 }
 

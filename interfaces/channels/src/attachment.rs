@@ -95,6 +95,18 @@ impl<S: Between> Attachment<S> {
         Sender::open(&self.node, spec, self.patience)
     }
 
+    /// As [`Attachment::sender`], with another bound for its waits for room.
+    ///
+    /// # Errors
+    /// As [`Attachment::sender`].
+    pub fn sender_with_patience<H: Message + Default, T: Message>(
+        &self,
+        spec: ChannelSpec<'_>,
+        patience: Duration,
+    ) -> Result<Sender<S, H, T>, ChannelError> {
+        Sender::open(&self.node, spec, patience)
+    }
+
     /// Opens the receiving end of a channel.
     ///
     /// # Errors

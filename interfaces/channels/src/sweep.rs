@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Where POSIX shared memory appears on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
+/// How the names of all shared memory of Tremie begin.
+const PREFIX: &str = "tremie_";
 
 /// The places of one run; they are removed when this is dropped.
 #[derive(Debug)]
@@ -29,10 +31,14 @@ impl RunPlaces {
     /// # Errors
     /// If it cannot be made, or belongs to somebody else.
     pub fn create(run: u64) -> io::Result<Self> {
-        let folder = base()?.join(format!("{run:016x}"));
-        private_folder(&folder)?;
-        let lock = File::create(folder.join("lock"))?;
+        let base = base()?;
+        let folder = base.join(format!("{run:016x}"));
+        // Locked before it bears the name by which others find it: they never see it unlocked.
+        let hidden = base.join(format!(".{run:016x}"));
+        private_folder(&hidden)?;
+        let lock = File::create(hidden.join("lock"))?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
+        fs::rename(&hidden, &folder)?;
         Ok(Self { folder, prefix: prefix_of(run), _lock: lock })
     }
 
@@ -71,6 +77,7 @@ pub fn sweep_dead_runs() -> io::Result<usize> {
             swept += 1;
         }
     }
+    sweep_orphans()?;
     Ok(swept)
 }
 
@@ -82,8 +89,32 @@ pub fn shared_memory_of(run: u64) -> usize {
     })
 }
 
+/// Removes shared memory of runs that have no folder: made by components that died after their
+/// run's folder was swept. A run makes its folder before anything else, and removes it last.
+fn sweep_orphans() -> io::Result<()> {
+    let (base, user) = (base()?, rustix::process::getuid().as_raw());
+    for entry in fs::read_dir(SHARED_MEMORY)?.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let run = name.strip_prefix(PREFIX).and_then(|rest| rest.split('_').next());
+        let Some(run) = run.filter(|run| run.len() == 16) else { continue };
+        let mine = entry.metadata().is_ok_and(|metadata| metadata.uid() == user);
+        if mine && !base.join(run).exists() {
+            forgive_missing(fs::remove_file(entry.path()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Somebody else may have removed the same thing: that is as good.
+fn forgive_missing(result: io::Result<()>) -> io::Result<()> {
+    match result {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
+}
+
 fn prefix_of(run: u64) -> String {
-    format!("tremie_{run:016x}_")
+    format!("{PREFIX}{run:016x}_")
 }
 
 /// The folder that holds the folders of all runs of this user.
@@ -114,20 +145,16 @@ fn is_dead(folder: &Path) -> bool {
             flock(&lock, FlockOperation::NonBlockingLockExclusive),
             Err(Errno::WOULDBLOCK)
         ),
-        // A run that is just starting has no lock yet; give it a minute.
-        Err(_) => fs::metadata(folder)
-            .and_then(|m| m.modified())
-            .ok()
-            .and_then(|t| t.elapsed().ok())
-            .is_some_and(|age| age.as_secs() > 60),
+        // Gone meanwhile, or not ours to judge.
+        Err(_) => false,
     }
 }
 
 fn remove(folder: &Path, prefix: &str) -> io::Result<()> {
     for entry in fs::read_dir(SHARED_MEMORY)?.flatten() {
         if entry.file_name().to_string_lossy().starts_with(prefix) {
-            fs::remove_file(entry.path())?;
+            forgive_missing(fs::remove_file(entry.path()))?;
         }
     }
-    fs::remove_dir_all(folder)
+    forgive_missing(fs::remove_dir_all(folder))
 }

@@ -28,8 +28,8 @@ pub const INTERFACE_VERSION: u32 = 1;
 /// A value that may cross shared memory.
 ///
 /// # Safety
-/// The type is `repr(C)`, has no padding that is read, holds no pointer, reference or handle, and
-/// every bit pattern that a sender of the same interface version can write is a valid value. Its
+/// The type is `repr(C)`, has no padding, holds no pointer, reference or handle, and every bit
+/// pattern, all zeros included, is a valid value. Its
 /// [`Message::TYPE_NAME`] changes whenever its layout does.
 pub unsafe trait Message: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// Name of the type and its layout across processes and languages.

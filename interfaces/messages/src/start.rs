@@ -54,8 +54,9 @@ pub enum Reply {
     /// An observer has taken a first frame of each of its streams: from now on its channels lose
     /// nothing. (A receiver that has never taken anything can lose messages, whatever the channel.)
     Watching {},
-    /// The component has waited for some time for a peer. When all wait for each other, a message
-    /// was lost, and the orchestrator need not wait for the deadline to say so.
+    /// The component has looked for a peer's message for some time, in vain; said again as long as
+    /// that lasts. When all have looked since all began to wait for each other, a message was
+    /// lost, and the orchestrator need not wait for the deadline to say so.
     Waiting {
         /// The peer.
         from: String,
@@ -65,6 +66,13 @@ pub enum Reply {
         owed: u64,
         /// Window that the component works on.
         window: u64,
+    },
+    /// An observer took no frames for too long; the component sends it no more.
+    GaveUp {
+        /// The observer.
+        observer: String,
+        /// What failed.
+        why: String,
     },
     /// The wait of the last [`Reply::Waiting`] is over.
     Resumed {},

@@ -17,10 +17,12 @@ use std::time::Duration;
 pub fn check(arguments: &CheckArgs) -> ExitCode {
     let terminal = Terminal::new(style(&arguments.manifest));
     let json = arguments.manifest.json;
-    let manifest = match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
-        Ok(manifest) => manifest,
-        Err(errors) => return refuse_text(&errors, json, &terminal),
-    };
+    let mut manifest =
+        match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
+            Ok(manifest) => manifest,
+            Err(errors) => return refuse_text(&errors, json, &terminal),
+        };
+    add_observers(&mut manifest, &View::None);
     let folder = folder_of(&arguments.manifest.manifest);
     match prepare(&manifest, &folder, Path::new(""), &Execution::default()) {
         Ok(prepared) => {

@@ -1,6 +1,7 @@
 //! The checks, in the order in which a component is used.
 
-use super::subject::{Subject, next_reply};
+use super::subject::Subject;
+use crate::launch::News;
 use crate::outputs::Ending;
 use std::time::{Duration, Instant};
 use tremie_messages::start::{Fault, FaultKind, Hello, InjectionKind, Reply};
@@ -62,13 +63,17 @@ fn is_refused(subject: &Subject, hello: Hello) -> Result<(), String> {
 fn ends_alone(subject: &Subject) -> Result<(), String> {
     let (mut peer, news, _) = subject.greet(subject.hello()?)?;
     peer.hang_up();
-    let begin = Instant::now();
-    while begin.elapsed() < EXIT {
-        if next_reply(&news).is_err() {
-            return Ok(());
+    let deadline = Instant::now() + EXIT;
+    loop {
+        match news.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+            Ok((_, News::Closed)) => return Ok(()),
+            Ok(_) => {}
+            Err(_) => {
+                let text = "it still ran after its standard input was closed";
+                return Err(format!("{text} {} s before", EXIT.as_secs()));
+            }
         }
     }
-    Err(format!("it still ran {} s after its standard input was closed", EXIT.as_secs()))
 }
 
 fn runs(subject: &Subject, schedule: &str) -> Result<(), String> {

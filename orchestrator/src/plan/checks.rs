@@ -2,7 +2,7 @@
 
 use super::{Described, Options};
 use crate::manifest::Spec;
-use tremie_messages::Problem;
+use tremie_messages::{Problem, Role};
 use tremie_sdk::parameters::nearest;
 
 /// Stop conditions must watch a signal that is there.
@@ -28,19 +28,22 @@ pub(super) fn stops(spec: &Spec, described: &[Described<'_>]) -> Vec<Problem> {
         .collect()
 }
 
-/// Injections must name a component and a window of the run.
+/// Injections must name a component of the physics and a window of the run.
 pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Problem> {
-    let names: Vec<&str> =
-        spec.components.iter().map(|component| component.name.as_str()).collect();
+    let physics = spec.components.iter().filter(|component| component.role != Role::Observer);
+    let names: Vec<&str> = physics.map(|component| component.name.as_str()).collect();
     let mut problems = Vec::new();
     for (name, injection) in &options.injections {
         if !names.contains(&name.as_str()) {
-            let problem = Problem::new("--inject", format!("there is no component \"{name}\""));
+            let problem = Problem::new(
+                "--inject",
+                format!("there is no component of the physics called \"{name}\""),
+            );
             problems.push(suggest(problem, name, &names, "components"));
         }
-        if injection.window > windows {
-            let message =
-                format!("window {} is beyond the run, which has {windows}", injection.window);
+        if injection.window == 0 || injection.window > windows {
+            let window = injection.window;
+            let message = format!("window {window} is none of the run's, 1 to {windows}");
             problems.push(Problem::new("--inject", message));
         }
     }

@@ -33,7 +33,7 @@ impl Plan {
         lines
     }
 
-    /// Payload of all channels in shared memory [bytes]: what is under way, and one more message
+    /// Payload of all channels in shared memory, in bytes: what is under way, and one more message
     /// that the sender writes meanwhile.
     pub fn shared_memory(&self) -> u64 {
         self.edges.iter().map(edge_memory).chain(self.frames.iter().map(frame_memory)).sum()

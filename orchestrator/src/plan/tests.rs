@@ -224,7 +224,7 @@ fn stop_conditions_and_injections_must_name_what_is_there() {
     assert_eq!(plan.components[1].assignment(transport()).injections, [injection(7)]);
     assert!(plan.components[0].assignment(transport()).injections.is_empty());
     assert!(with("grain", 7).unwrap_err()[0].to_string().contains("did you mean \"grains\"?"));
-    assert!(with("grains", 10_001).unwrap_err()[0].message.contains("beyond the run"));
+    assert!(with("grains", 10_001).unwrap_err()[0].message.contains("none of the run"));
 }
 
 #[test]
