@@ -249,8 +249,8 @@ impl<S: Between> Drive<'_, S> {
         let name = self.peers[index].name.clone();
         match (news, watched) {
             (News::Reply(reply), Some(watched)) => match *reply {
-                Reply::Waiting { from, what, owed, window } => {
-                    let wait = Waiting { from, what, owed, window };
+                Reply::Waiting { from, what, owed, since, looked, window } => {
+                    let wait = Waiting { from, what, owed, since, looked, window };
                     self.monitor.waiting(watched, wait);
                 }
                 Reply::Resumed {} => self.monitor.resumed(watched, Instant::now()),

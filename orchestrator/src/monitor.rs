@@ -49,6 +49,10 @@ pub struct Waiting {
     pub what: String,
     /// The window of what it owes.
     pub owed: u64,
+    /// When the wait began [ns].
+    pub since: u64,
+    /// When the last look at the channel began [ns].
+    pub looked: u64,
     /// The window that the component works on.
     pub window: u64,
 }
@@ -65,8 +69,6 @@ pub struct Monitor {
     next: Vec<u64>,
     totals: Vec<Totals>,
     waiting: Vec<Option<Waiting>>,
-    /// Whether each component has looked again since all wait for each other.
-    looked_again: Vec<bool>,
     /// When each component last reported.
     heard: Vec<Instant>,
     rows: VecDeque<Row>,
@@ -92,7 +94,6 @@ impl Monitor {
             next: vec![0; count],
             totals: vec![Totals::default(); count],
             waiting: vec![None; count],
-            looked_again: vec![false; count],
             heard: vec![now; count],
             rows: VecDeque::new(),
         }
@@ -186,16 +187,12 @@ impl Monitor {
 
     /// Component `index` says that it has looked for a peer's message in vain.
     pub fn waiting(&mut self, index: usize, wait: Waiting) {
-        if self.waiting.iter().all(Option::is_some) {
-            self.looked_again[index] = true;
-        }
         self.waiting[index] = Some(wait);
     }
 
     /// Component `index` waits no longer.
     pub fn resumed(&mut self, index: usize, now: Instant) {
         self.waiting[index] = None;
-        self.looked_again.fill(false);
         self.heard[index] = now;
     }
 
@@ -209,10 +206,13 @@ impl Monitor {
         self.heard.fill(now);
     }
 
-    /// A message was lost: all components wait for each other, and each has looked again since all
-    /// did. However slow the machine is, nothing can be under way then.
+    /// A message was lost: every component has looked for one after the last of them had sent all
+    /// it had to and began to wait. However slow the machine is, nothing can be under way then.
     pub fn lost_message(&self) -> Option<Fault> {
-        if self.waiting.is_empty() || !self.looked_again.iter().all(|again| *again) {
+        let all: Option<Vec<&Waiting>> = self.waiting.iter().map(Option::as_ref).collect();
+        let all = all?;
+        let last_began = all.iter().map(|wait| wait.since).max()?;
+        if all.iter().any(|wait| wait.looked <= last_began) {
             return None;
         }
         // A sender that has completed the window of what it owes claims to have sent it.
@@ -325,19 +325,20 @@ mod tests {
         for window in 0..=4 {
             m.report(1, &report(window, if window == 0 { 0 } else { 3 }), &[0.0; 2], now).unwrap();
         }
-        let wait = |from: &str, owed, window| Waiting {
+        let wait = |from: &str, owed, since, looked, window| Waiting {
             from: from.into(),
             what: "a message".into(),
             owed,
+            since,
+            looked,
             window,
         };
-        m.waiting(1, wait("fluid", 4, 5));
-        m.waiting(1, wait("fluid", 4, 5));
+        m.waiting(1, wait("fluid", 4, 100, 160, 5));
+        m.waiting(1, wait("fluid", 4, 100, 220, 5));
         assert_eq!(m.lost_message(), None, "the fluid may be computing");
-        m.waiting(0, wait("grains", 4, 4));
-        m.waiting(1, wait("fluid", 4, 5));
-        assert_eq!(m.lost_message(), None, "the fluid may not have looked since");
-        m.waiting(0, wait("grains", 4, 4));
+        m.waiting(0, wait("grains", 4, 230, 290, 4));
+        assert_eq!(m.lost_message(), None, "the fluid may have sent after the grains looked");
+        m.waiting(1, wait("fluid", 4, 100, 280, 5));
         let fault = m.lost_message().unwrap();
         assert_eq!((fault.blamed.as_str(), fault.noticed_by.as_str()), ("grains", "fluid"));
         m.resumed(0, now);

@@ -2,7 +2,7 @@
 
 use crate::line::Line;
 use crate::stop::Stop;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, Wait};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
@@ -161,7 +161,9 @@ impl<S: Between> Context<S> {
         let deadline = begin + Duration::from_secs_f64(self.assignment.transport.deadline);
         let Self { bell, credit, granted, finish, line, component, window, .. } = self;
         let mut told: Option<Instant> = None;
+        let since = clock();
         let ended = bell.wait(deadline, || {
+            let looked = clock();
             if let Some(found) = check()? {
                 return Ok(Some(found));
             }
@@ -169,7 +171,8 @@ impl<S: Between> Context<S> {
             if told.unwrap_or(begin).elapsed() > LONG_WAIT {
                 told = Some(Instant::now());
                 let from = from.to_string();
-                let waiting = Reply::Waiting { from, what: what(), owed, window: *window };
+                let (what, window) = (what(), *window);
+                let waiting = Reply::Waiting { from, what, owed, since, looked, window };
                 let _ = line.reply(&waiting);
             }
             Ok::<_, Stop>(None)
@@ -240,6 +243,12 @@ impl<S: Between> Context<S> {
         };
         Ok(self.report.send_copy(report, signals)?)
     }
+}
+
+/// Nanoseconds of the machine's clock, comparable between its processes.
+fn clock() -> u64 {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    now.map_or(0, |time| time.as_nanos() as u64)
 }
 
 /// The credit channel keeps the newest word only: words grow, and the last one counts.

@@ -103,18 +103,20 @@ impl<S: Between, T: Message + Finite> InPort<S, T> {
     ) -> Result<Received<S, Stamp, T>, Stop> {
         let message = self.take(context, lag)?;
         let values = message.values();
-        let label = self.edge.label();
+        let label = || self.edge.label();
         if values.len() != ids.len() {
-            let text = format!("on {label}, expected {} values, found {}", ids.len(), values.len());
+            let text =
+                format!("on {}, expected {} values, found {}", label(), ids.len(), values.len());
             return Err(context.fault(FaultKind::Count, &self.edge.from, text));
         }
         for (value, id) in values.iter().zip(ids) {
             if value.id() != id {
-                let text = format!("on {label}, expected body {id}, found body {}", value.id());
+                let text = format!("on {}, expected body {id}, found body {}", label(), value.id());
                 return Err(context.fault(FaultKind::Count, &self.edge.from, text));
             }
             if !value.is_finite() {
-                let text = format!("on {label}, the values of body {id} are not finite: {value:?}");
+                let text =
+                    format!("on {}, the values of body {id} are not finite: {value:?}", label());
                 return Err(context.fault(FaultKind::NotFinite, &self.edge.from, text));
             }
         }

@@ -55,8 +55,8 @@ pub enum Reply {
     /// nothing. (A receiver that has never taken anything can lose messages, whatever the channel.)
     Watching {},
     /// The component has looked for a peer's message for some time, in vain; said again as long as
-    /// that lasts. When all have looked since all began to wait for each other, a message was
-    /// lost, and the orchestrator need not wait for the deadline to say so.
+    /// that lasts. When every component has looked after the last of them began to wait, a message
+    /// was lost, and the orchestrator need not wait for the deadline to say so.
     Waiting {
         /// The peer.
         from: String,
@@ -64,6 +64,11 @@ pub enum Reply {
         what: String,
         /// Window whose message the peer owes.
         owed: u64,
+        /// When this wait began, after everything that the component had to send before: nanoseconds
+        /// of the machine's clock, comparable between processes.
+        since: u64,
+        /// When the last look at the channel began, by the same clock.
+        looked: u64,
         /// Window that the component works on.
         window: u64,
     },
