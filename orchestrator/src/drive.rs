@@ -1,6 +1,6 @@
 //! The second half of a run: windows go by, guards watch, and everything ends in order.
 
-use crate::control::Control;
+use crate::control::{Control, ORCHESTRATOR};
 use crate::introduction::EarlyLog;
 use crate::launch::{News, Peer, Post};
 use crate::monitor::{Monitor, Row, Waiting};
@@ -184,7 +184,11 @@ impl<S: Between> Drive<'_, S> {
             Ending::Failed { fault } => {
                 self.note(Level::Error, &fault.blamed.clone(), &fault.to_string())
             }
-            _ => Ok(()),
+            Ending::Interrupted => Ok(()),
+            Ending::Completed | Ending::Stopped { .. } => {
+                let text = format!("the run is over at window {window}");
+                self.note_at(window, Level::Info, ORCHESTRATOR, &text)
+            }
         };
         self.finish_observers(&mut course, window);
         rows.and(noted)?;
@@ -196,6 +200,10 @@ impl<S: Between> Drive<'_, S> {
 
     /// What components wrote before windows go by.
     fn hear_early(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        let bodies: u64 = self.descriptions.iter().map(|description| description.bodies).sum();
+        let (windows, window) = (self.windows, self.clock.window());
+        let text = format!("{windows} windows of {window:.4e} s begin, with {bodies} bodies");
+        self.note_at(0, Level::Info, ORCHESTRATOR, &text)?;
         for (index, text) in std::mem::take(&mut self.early) {
             self.hear_log(course, index, &text)?;
         }
@@ -343,7 +351,11 @@ impl<S: Between> Drive<'_, S> {
             _ => self.terminal.warn(&format!("{name}: {message}")),
         }
         course.words[index].clone_from(&message);
-        self.note(level, &name, &message)
+        // Into the file only: what a component says of itself (a port that it took, say) differs from
+        // run to run, and recordings of equal runs are equal.
+        let window = self.monitor.common_window().unwrap_or(0);
+        let time = self.clock.seconds(window * self.clock.ticks_per_window);
+        self.log.write(level, &name, window, time, &message)
     }
 
     /// An observer failed: a warning, and nobody waits for it any longer.
@@ -408,7 +420,8 @@ impl<S: Between> Drive<'_, S> {
             let time = self.clock.seconds(window * self.clock.ticks_per_window);
             if let Some(reason) = self.stop.look(time, values).filter(|_| course.last.is_none()) {
                 let last = (window + STOP_AHEAD).min(self.windows);
-                self.note(Level::Info, "the orchestrator", &format!("{reason}: the run ends"))?;
+                let text = format!("{reason}: the run ends at window {last}");
+                self.note_at(*window, Level::Info, ORCHESTRATOR, &text)?;
                 self.ask_to_finish(course, last, Ending::Stopped { reason })?;
             }
             self.table.take(row)?;
@@ -423,7 +436,7 @@ impl<S: Between> Drive<'_, S> {
             1 => {}
             _ => return Err(Trouble::Impatience),
         }
-        self.note(Level::Info, "the orchestrator", "the user asked for the end")?;
+        self.note(Level::Info, ORCHESTRATOR, "the user asked for the end")?;
         self.terminal.say("ending in order, with whole outputs; once more to end at once");
         let last = course.granted.unwrap_or(0);
         self.ask_to_finish(course, last, Ending::Interrupted)
@@ -539,6 +552,18 @@ impl<S: Between> Drive<'_, S> {
     /// Writes a line to the log, and shows it to observers.
     fn note(&mut self, level: Level, from: &str, message: &str) -> Result<(), OutputError> {
         let window = self.monitor.common_window().unwrap_or(0);
+        self.note_at(window, level, from, message)
+    }
+
+    /// As [`Drive::note`], of a given window: what depends on the physics alone must not depend on
+    /// when the orchestrator looked.
+    fn note_at(
+        &mut self,
+        window: u64,
+        level: Level,
+        from: &str,
+        message: &str,
+    ) -> Result<(), OutputError> {
         let ticks = window * self.clock.ticks_per_window;
         let code = match level {
             Level::Info => LogHeader::INFO,

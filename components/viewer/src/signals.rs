@@ -21,7 +21,10 @@ pub struct Plot {
 }
 
 /// Words in the names of bookkeeping that is watched when something seems wrong, not otherwise.
-const BOOKKEEPING: [&str; 6] = ["ledger", "impulse", "momentum", "residual", "gap", "drift"];
+const BOOKKEEPING: [&str; 10] = [
+    "ledger", "impulse", "momentum", "residual", "gap", "drift", "mass", "links", "cells",
+    "rebuilds",
+];
 
 /// Colours of lines, to be told apart also by those who see few colours (Okabe and Ito).
 const PALETTE: [[u8; 3]; 7] = [
