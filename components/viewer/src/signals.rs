@@ -127,7 +127,7 @@ mod tests {
             titles,
             [
                 ("fluid [m/s]", 2, true),
-                ("fluid [kg]", 1, true),
+                ("fluid [kg]", 1, false),
                 ("fluid [N s]", 1, false),
                 ("grains [m/s]", 1, true),
             ]
