@@ -2,15 +2,13 @@
 //! observers.
 
 use crate::launch::Peer;
+use crate::manifest::ORCHESTRATOR;
 use tremie_channels::{Attachment, Between, ChannelError, ChannelSpec, Receiver, Ringer, Sender};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::frame::LogHeader;
 use tremie_messages::start::{Assignment, FrameContent, FrameStream};
 use tremie_sdk::{credit_spec, frame_spec};
-
-/// How the orchestrator is called in frame streams.
-pub const ORCHESTRATOR: &str = "orchestrator";
 
 struct End<S: Between> {
     credit: Sender<S, Stamp, Credit>,

@@ -1,8 +1,9 @@
 //! The second half of a run: windows go by, guards watch, and everything ends in order.
 
-use crate::control::{Control, ORCHESTRATOR};
+use crate::control::Control;
 use crate::introduction::EarlyLog;
 use crate::launch::{News, Peer, Post};
+use crate::manifest::ORCHESTRATOR;
 use crate::monitor::{Monitor, Row, Waiting};
 use crate::outputs::{Ending, Level, OutputError, RunLog, SignalTable};
 use crate::stop::StopWatch;

@@ -101,12 +101,9 @@ impl Observer for Recorder {
     }
 
     fn open(setup: &Setup) -> Result<Self, ObserverError> {
-        let wrong = |problems: Vec<Problem>| {
-            ObserverError(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
-        };
-        let parameters: Parameters = setup.parameters().map_err(wrong)?;
-        parameters.check().map_err(wrong)?;
-        let assignment = setup.assigned().map_err(wrong)?;
+        let parameters: Parameters = setup.parameters()?;
+        parameters.check()?;
+        let assignment = setup.assigned()?;
         let path = parameters.path(&setup.hello.output);
         let run = RunNote::new(setup, assignment).to_map().map_err(failed)?;
         let file = McapFile::create(&path, parameters.compression, run)

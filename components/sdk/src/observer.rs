@@ -19,6 +19,12 @@ pub struct Moment {
 #[error("{0}")]
 pub struct ObserverError(pub String);
 
+impl From<Vec<Problem>> for ObserverError {
+    fn from(problems: Vec<Problem>) -> Self {
+        Self(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+    }
+}
+
 /// An observer: told of frames as they come, in order within a stream.
 ///
 /// Frames of several streams of one window come one after the other (`bodies` before `slice` before

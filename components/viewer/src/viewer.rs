@@ -112,11 +112,8 @@ impl Observer for Viewer {
     }
 
     fn open(setup: &Setup) -> Result<Self, ObserverError> {
-        let wrong = |problems: Vec<Problem>| {
-            ObserverError(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
-        };
-        let parameters: Parameters = setup.parameters().map_err(wrong)?;
-        parameters.check().map_err(wrong)?;
+        let parameters: Parameters = setup.parameters()?;
+        parameters.check()?;
         let scene = &setup.hello.scene;
         let session = Session::open(&parameters, &setup.hello.output)?;
         let recording = session.recording();

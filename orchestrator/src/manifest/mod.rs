@@ -26,6 +26,9 @@ use document::Document;
 use std::path::{Path, PathBuf};
 use tremie_messages::Problem;
 
+/// The orchestrator's own name in logs and streams; no component may bear it.
+pub const ORCHESTRATOR: &str = "orchestrator";
+
 /// A manifest that was read and found right, as far as that can be known without its components.
 #[derive(Clone, Debug)]
 pub struct Manifest {

@@ -11,8 +11,6 @@ mod streams;
 #[cfg(test)]
 mod tests;
 
-pub use streams::ORCHESTRATOR;
-
 use crate::manifest::{ComponentSpec, Spec};
 use crate::schedule::{self, Wiring};
 use steps::{Steps, Wish};

@@ -1,11 +1,8 @@
 //! Frames: what observers are sent, by whom, how often.
 
-use crate::manifest::ComponentSpec;
+use crate::manifest::{ComponentSpec, ORCHESTRATOR};
 use tremie_messages::Role;
 use tremie_messages::start::{Description, FrameContent, FrameStream};
-
-/// Who sends the log.
-pub const ORCHESTRATOR: &str = "orchestrator";
 
 /// Frames under way to an observer that must have each: room for a disk that is slow for a moment.
 const LOSSLESS_DEPTH: u64 = 8;

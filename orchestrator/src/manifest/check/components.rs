@@ -4,13 +4,11 @@ use super::super::document::{ComponentTable, Document};
 use super::super::path;
 use super::super::read::Findings;
 use super::super::spec::{ComponentSpec, MOST_SUBSTEPS, stem};
+use crate::manifest::ORCHESTRATOR;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 use tremie_messages::Role;
-
-/// The orchestrator's own name in logs and streams.
-const RESERVED: &str = "orchestrator";
 
 pub(super) fn components(
     document: &Document,
@@ -57,7 +55,7 @@ fn component(
 /// Names become parts of the names of channels and of keys.
 fn is_name(name: &str, at: &str, findings: &mut Findings) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    if name == RESERVED {
+    if name == ORCHESTRATOR {
         findings.problem(at, "this name is the orchestrator's own, expected another");
     } else if name.is_empty() || !name.chars().all(plain) {
         findings.problem(
