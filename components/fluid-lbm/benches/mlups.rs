@@ -9,20 +9,9 @@ use tremie_messages::{BodyEvent, BodyState, Load};
 
 /// A box of `n` cubed cells of 1 m with a fluid of tau = 0.8.
 fn scene(n: usize, face: Face) -> Scene {
-    Scene {
-        gravity: [0.0; 3],
-        domain: Domain { min: [0.0; 3], max: [n as f64; 3], faces: [[face; 2]; 3] },
-        fluid: Some(FluidMaterial {
-            density: 1.0,
-            viscosity: 0.1,
-            acceleration: [0.0; 3],
-            velocity: [0.01, 0.0, 0.0],
-            expected_speed: None,
-        }),
-        planes: vec![],
-        bodies: vec![],
-        contacts: None,
-    }
+    let faces = [0; 3].map(|_| [face.clone(), face.clone()]);
+    let fluid = FluidMaterial { velocity: [0.01, 0.0, 0.0], ..FluidMaterial::at_rest(1.0, 0.1) };
+    Scene { fluid: Some(fluid), ..Scene::empty(Domain::new([0.0; 3], [n as f64; 3], faces)) }
 }
 
 fn fluid(
@@ -65,8 +54,15 @@ fn bulk(n: usize, face: Face, acceleration: f64, name: &str) {
         for precision in [Precision::F64, Precision::F32] {
             for collision in [Collision::Bgk, Collision::Trt] {
                 for threads in [1, 2] {
-                    let mut fluid =
-                        fluid(n, face, collision, precision, threads, variant, acceleration);
+                    let mut fluid = fluid(
+                        n,
+                        face.clone(),
+                        collision,
+                        precision,
+                        threads,
+                        variant,
+                        acceleration,
+                    );
                     let seconds = seconds_per_step(&mut fluid, &mut [], 0.0);
                     println!(
                         "{name:12} {variant:?} {precision:?} {collision:?} {threads} threads: {:7.1} MLUPS",
@@ -121,7 +117,7 @@ fn main() {
     let n = std::env::args().filter_map(|a| a.parse().ok()).next().unwrap_or(128);
     bulk(n, Face::Periodic, 0.0, "periodic");
     bulk(n, Face::Periodic, 1e-6, "accelerated");
-    bulk(n, Face::Wall, 0.0, "walls");
+    bulk(n, Face::WALL, 0.0, "walls");
     links(96, 0.0);
     links(96, 0.01);
 }

@@ -185,7 +185,10 @@ fn smallest_diameter(scene: &Scene) -> Option<f64> {
         let diameters: Vec<f64> = match placement {
             Placement::Listed(spheres) => spheres.iter().map(|s| s.diameter).collect(),
             Placement::Packed(packing) => match &packing.diameters {
-                Diameters::Uniform { min, .. } => vec![*min],
+                Diameters::Uniform { min, .. }
+                | Diameters::Normal { min, .. }
+                | Diameters::LogNormal { min, .. } => vec![*min],
+                Diameters::Sieve(points) => points.iter().map(|point| point.size).collect(),
                 Diameters::Listed(list) => list.clone(),
             },
         };

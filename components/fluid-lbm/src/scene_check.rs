@@ -58,8 +58,8 @@ fn check_domain(domain: &Domain, problems: &mut Vec<Problem>) {
                 format!("the domain's edge along {name} must be positive, found {size} m"),
             ));
         }
-        let [lower, upper] = domain.faces[axis];
-        if (lower == Face::Periodic) != (upper == Face::Periodic) {
+        let [lower, upper] = &domain.faces[axis];
+        if (*lower == Face::Periodic) != (*upper == Face::Periodic) {
             problems.push(Problem::new(
                 format!("scene.domain.faces.{name}"),
                 "one face is periodic and the other is not; a periodic face needs its opposite",

@@ -156,7 +156,7 @@ impl Plain {
 
 fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u64) {
     let mut dice = Dice(seed);
-    let mut case = Case::new(cells, faces, 0.7);
+    let mut case = Case::new(cells, faces.clone(), 0.7);
     case.collision = Collision::Bgk;
     case.acceleration = [1e-4, -2e-4, 5e-5];
     case.velocity = [0.02, 0.01, -0.01];

@@ -83,7 +83,7 @@ fn each_wrong_part_of_the_scene_is_named() {
     let fluid = scene.fluid.as_mut().unwrap();
     (fluid.density, fluid.viscosity) = (0.0, -1.0);
     scene.domain.faces[0][1] = WALL;
-    scene.planes.push(Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0] });
+    scene.planes.push(Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0], material: "wall".into() });
     let keys: Vec<_> = problems(&parameters, &scene).into_iter().map(|p| p.key).collect();
     assert_eq!(
         keys,
@@ -133,6 +133,7 @@ fn small_spheres_are_warned_of() {
         scene.bodies.push(BodySet {
             name: "grains".into(),
             density: 2500.0,
+            material: "grains".into(),
             motion: Motion::Free,
             placement: Placement::Listed(vec![Sphere {
                 position: [5e-3; 3],

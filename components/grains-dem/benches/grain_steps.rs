@@ -6,8 +6,8 @@
 use std::time::Instant;
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::scene::{
-    BodySet, ContactLaw, Contacts, Damping, Diameters, Domain, Face, Motion, Packing, Placement,
-    Scene,
+    BodySet, ContactLaw, Damping, Diameters, Domain, Face, Motion, Packing, PairLaw, Placement,
+    Scene, Spring,
 };
 
 const D: f64 = 1e-3;
@@ -23,24 +23,18 @@ fn bed(spheres: f64) -> Scene {
     let fraction = 0.55;
     let height = spheres * std::f64::consts::PI / 6.0 * D.powi(3) / (fraction * side * side);
     let law = ContactLaw {
-        normal_stiffness: 100.0,
-        tangential_stiffness: 80.0,
+        spring: Spring::Linear { normal_stiffness: 100.0, tangential_stiffness: 80.0 },
         friction: 0.5,
+        rolling_friction: 0.0,
         damping: Damping::Restitution(0.5),
         tension: false,
     };
     Scene {
         gravity: [0.0, 0.0, -9.81],
-        domain: Domain {
-            min: [0.0; 3],
-            max: [side, side, 1.2 * height],
-            faces: [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall; 2]],
-        },
-        fluid: None,
-        planes: Vec::new(),
         bodies: vec![BodySet {
             name: "bed".into(),
             density: 2500.0,
+            material: "bed".into(),
             motion: Motion::Free,
             placement: Placement::Packed(Packing {
                 min: [0.0; 3],
@@ -50,7 +44,18 @@ fn bed(spheres: f64) -> Scene {
                 seed: 1,
             }),
         }],
-        contacts: Some(Contacts { body_body: law.clone(), body_wall: law }),
+        contacts: ["bed", "wall"]
+            .map(|other| PairLaw { between: ["bed".into(), other.into()], law: law.clone() })
+            .to_vec(),
+        ..Scene::empty(Domain::new(
+            [0.0; 3],
+            [side, side, 1.2 * height],
+            [
+                [Face::Periodic, Face::Periodic],
+                [Face::Periodic, Face::Periodic],
+                [Face::WALL, Face::WALL],
+            ],
+        ))
     }
 }
 

@@ -62,7 +62,7 @@ impl Mobility {
 }
 
 /// A sphere as it is placed at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlacedSphere {
     pub ball: Ball,
     pub twist: Twist,

@@ -7,7 +7,7 @@ use tremie_messages::{
     Problem,
     scene::{
         BodySet, ContactLaw, Damping, Diameters, Domain, Motion, Packing, Placement, Plane, Scene,
-        Sphere,
+        Sphere, Spring,
     },
 };
 
@@ -49,9 +49,8 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
             }
         }
     }
-    if let Some(contacts) = &scene.contacts {
-        law("scene.contacts.body_body", &contacts.body_body, &mut problems);
-        law("scene.contacts.body_wall", &contacts.body_wall, &mut problems);
+    for (i, pair) in scene.contacts.iter().enumerate() {
+        law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
     }
     if problems.is_empty() {
         whole(scene, parameters, &mut problems);
@@ -209,6 +208,10 @@ fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> O
             }
             (problems.len() == before).then_some(*max)
         }
+        Diameters::Normal { .. } | Diameters::LogNormal { .. } | Diameters::Sieve(_) => {
+            problems.push(Problem::new(key, "this distribution is not known yet"));
+            None
+        }
         Diameters::Listed(list) => {
             if list.is_empty() {
                 problems.push(Problem::new(format!("{key}.listed"), "is empty"));
@@ -224,8 +227,12 @@ fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> O
 }
 
 fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
-    if !is_positive(law.normal_stiffness) {
-        problems.push(not_positive(format!("{key}.normal_stiffness"), law.normal_stiffness));
+    let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
+        problems.push(Problem::new(format!("{key}.spring"), "only linear springs are known"));
+        return;
+    };
+    if !is_positive(normal_stiffness) {
+        problems.push(not_positive(format!("{key}.normal_stiffness"), normal_stiffness));
     }
     let mut not_negative = |name: &str, value: f64| {
         if !(value >= 0.0 && value.is_finite()) {
@@ -233,7 +240,7 @@ fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(format!("{key}.{name}"), message));
         }
     };
-    not_negative("tangential_stiffness", law.tangential_stiffness);
+    not_negative("tangential_stiffness", tangential_stiffness);
     not_negative("friction", law.friction);
     match law.damping {
         Damping::Coefficients { normal, tangential } => {
@@ -263,7 +270,7 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
         largest = diameters.iter().fold(largest, |a, &d| a.max(d));
     }
     let has_walls = !walls::of_scene(scene).is_empty();
-    if scene.contacts.is_none() && (bodies > 1 || (bodies == 1 && has_walls)) {
+    if scene.contacts.is_empty() && (bodies > 1 || (bodies == 1 && has_walls)) {
         let message = "is missing, but bodies may touch each other or a wall";
         problems.push(Problem::new("scene.contacts", message));
     }

@@ -118,13 +118,13 @@ fn turned(memory: &Memory, n: Vec3, angle: f64) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tremie_messages::scene::{ContactLaw, Damping};
+    use tremie_messages::scene::{ContactLaw, Damping, Spring};
 
     fn law(mu: f64) -> Law {
         Law::new(&ContactLaw {
-            normal_stiffness: 1e5,
-            tangential_stiffness: 0.8e5,
+            spring: Spring::Linear { normal_stiffness: 1e5, tangential_stiffness: 0.8e5 },
             friction: mu,
+            rolling_friction: 0.0,
             damping: Damping::Coefficients { normal: 0.0, tangential: 0.0 },
             tension: false,
         })
@@ -194,9 +194,9 @@ mod tests {
     #[test]
     fn without_tension_the_dashpot_cannot_pull() {
         let damped = Law::new(&ContactLaw {
-            normal_stiffness: 1e5,
-            tangential_stiffness: 0.0,
+            spring: Spring::Linear { normal_stiffness: 1e5, tangential_stiffness: 0.0 },
             friction: 0.0,
+            rolling_friction: 0.0,
             damping: Damping::Coefficients { normal: 3.0, tangential: 0.0 },
             tension: false,
         });

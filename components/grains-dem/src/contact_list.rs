@@ -172,11 +172,12 @@ mod tests {
             periodic in prop::array::uniform3(any::<bool>()),
         ) {
             let skin = 0.03;
-            let domain = Domain {
-                min: [-0.3, 0.1, 2.0],
-                max: [size[0] - 0.3, size[1] + 0.1, size[2] + 2.0],
-                faces: periodic.map(|p| [if p { Face::Periodic } else { Face::Wall }; 2]),
-            };
+            let face = |p: bool| if p { Face::Periodic } else { Face::WALL };
+            let domain = Domain::new(
+                [-0.3, 0.1, 2.0],
+                [size[0] - 0.3, size[1] + 0.1, size[2] + 2.0],
+                periodic.map(|p| [face(p), face(p)]),
+            );
             let bounds = PeriodicBox::new(&domain);
             let balls = random_balls(&bounds, n, seed);
             let mobility = vec![FREE; n];

@@ -1,7 +1,7 @@
 //! A contact law in the form that the inner loop wants.
 
 use crate::damping::damping_ratio;
-use tremie_messages::scene::{ContactLaw, Damping};
+use tremie_messages::scene::{ContactLaw, Damping, Scene, Spring};
 
 /// Linear spring, dashpot and friction, with dashpots as functions of the pair's reduced mass.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +37,7 @@ impl Law {
     /// The law of a scene. With a given restitution the damping ratio is the same for all pairs,
     /// so `gamma_n = 2 zeta sqrt(k_n m*)`, and `gamma_t = gamma_n sqrt(k_t/k_n)`.
     pub fn new(law: &ContactLaw) -> Self {
-        let (k_n, k_t) = (law.normal_stiffness, law.tangential_stiffness);
+        let (k_n, k_t) = stiffnesses(law);
         let (gamma_n, gamma_t) = match law.damping {
             Damping::Restitution(e) => {
                 let twice_zeta = 2.0 * damping_ratio(e, law.tension);
@@ -63,9 +63,9 @@ impl Law {
     /// A law between bodies that never meet.
     pub fn none() -> Self {
         Self::new(&ContactLaw {
-            normal_stiffness: 0.0,
-            tangential_stiffness: 0.0,
+            spring: Spring::Linear { normal_stiffness: 0.0, tangential_stiffness: 0.0 },
             friction: 0.0,
+            rolling_friction: 0.0,
             damping: Damping::Coefficients { normal: 0.0, tangential: 0.0 },
             tension: false,
         })
@@ -82,4 +82,22 @@ impl Law {
     pub fn gamma_t(&self, root_mass: f64) -> f64 {
         self.gamma_t.at(root_mass)
     }
+}
+
+/// Normal and tangential stiffness [N/m] of linear springs; others were refused.
+pub(crate) fn stiffnesses(law: &ContactLaw) -> (f64, f64) {
+    match law.spring {
+        Spring::Linear { normal_stiffness, tangential_stiffness } => {
+            (normal_stiffness, tangential_stiffness)
+        }
+        Spring::Hertz { .. } => (0.0, 0.0),
+    }
+}
+
+/// The laws between two bodies and between a body and a wall: those of the first set.
+pub(crate) fn of_scene(scene: &Scene) -> Option<[&ContactLaw; 2]> {
+    let body = &scene.bodies.first()?.material;
+    let law = scene.law(body, body);
+    let wall = scene.law(body, &scene.domain.material);
+    Some([law.or(wall)?, wall.or(law)?])
 }

@@ -73,6 +73,8 @@ fn diameters(packing: &Packing) -> Vec<f64> {
 fn draw(diameters: &Diameters, unit: f64) -> f64 {
     match diameters {
         Diameters::Uniform { min, max } => min + (max - min) * unit,
+        Diameters::Normal { min, .. } | Diameters::LogNormal { min, .. } => *min,
+        Diameters::Sieve(points) => points[0].size,
         Diameters::Listed(list) => list[(unit * list.len() as f64) as usize],
     }
 }
@@ -123,11 +125,7 @@ impl Region {
 
     /// The region as a box without periodic axes.
     fn bounds(&self) -> PeriodicBox {
-        PeriodicBox::new(&Domain {
-            min: self.min.into(),
-            max: self.max.into(),
-            faces: [[Face::Wall; 2]; 3],
-        })
+        PeriodicBox::new(&Domain::new(self.min.into(), self.max.into(), Face::WALLS))
     }
 }
 

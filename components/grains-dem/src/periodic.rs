@@ -78,11 +78,12 @@ mod tests {
 
     #[test]
     fn wrapping_lands_inside_and_keeps_what_is_inside() {
-        let domain = Domain {
-            min: [-1.0, 0.0, 0.5],
-            max: [1.0, 3.0, 0.7],
-            faces: [[Face::Periodic; 2], [Face::Wall; 2], [Face::Periodic; 2]],
-        };
+        let periodic = || [Face::Periodic, Face::Periodic];
+        let domain = Domain::new(
+            [-1.0, 0.0, 0.5],
+            [1.0, 3.0, 0.7],
+            [periodic(), [Face::WALL, Face::WALL], periodic()],
+        );
         let bounds = PeriodicBox::new(&domain);
         let x = Vec3::new(0.3, 2.0, 0.6);
         assert_eq!(bounds.wrap(x), x);

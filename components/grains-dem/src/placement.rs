@@ -76,7 +76,7 @@ fn at_rest(set: usize, bodies: &BodySet, ball: Ball) -> PlacedSphere {
         ball,
         twist: Twist::zero(),
         mass: mass(bodies.density, 2.0 * ball.radius),
-        motion: bodies.motion,
+        motion: bodies.motion.clone(),
         set,
     }
 }

@@ -1,7 +1,7 @@
 //! From a scene and parameters to a time step and what the contacts will be like.
 
 use crate::{
-    Parameters, check, check::MIN_STEPS_PER_CONTACT, damping::restitution, law::Law, overlaps,
+    Parameters, check, check::MIN_STEPS_PER_CONTACT, damping::restitution, law, law::Law, overlaps,
     packing, placement, stability::Stability, walls,
 };
 use core::f64::consts::PI;
@@ -181,7 +181,7 @@ impl Population {
 
     /// Extreme pairs under each law that can act.
     fn pairs(&self, scene: &Scene) -> Vec<PairDamping> {
-        let Some(contacts) = &scene.contacts else {
+        let Some([body, wall]) = law::of_scene(scene) else {
             return Vec::new();
         };
         let reduced = |[a, b]: [f64; 2]| 1.0 / (1.0 / a + 1.0 / b);
@@ -190,7 +190,7 @@ impl Population {
             pairs.push(pair_damping(format!("lightest {name}"), law, light));
             pairs.push(pair_damping(format!("heaviest {name}"), law, heavy));
         };
-        let law = &contacts.body_body;
+        let law = body;
         if self.free >= 2 {
             add("body-body", law, reduced(self.lightest), reduced(self.heaviest));
         }
@@ -198,7 +198,7 @@ impl Population {
             add("body and body of given motion", law, self.lightest[0], self.heaviest[0]);
         }
         if self.free >= 1 && !walls::of_scene(scene).is_empty() {
-            add("body-wall", &contacts.body_wall, self.lightest[0], self.heaviest[0]);
+            add("body-wall", wall, self.lightest[0], self.heaviest[0]);
         }
         pairs
     }
@@ -208,9 +208,9 @@ impl Population {
         let mut single = Stability::default();
         let mut dense = Stability::default();
         let (walls, neighbours) = (walls::of_scene(scene).len(), self.bodies.saturating_sub(1));
-        if let (Some(contacts), true) = (&scene.contacts, self.free > 0) {
+        if let (Some([body, wall]), true) = (law::of_scene(scene), self.free > 0) {
             let light = self.lightest[0];
-            let (body, wall) = (Law::new(&contacts.body_body), Law::new(&contacts.body_wall));
+            let (body, wall) = (Law::new(body), Law::new(wall));
             if neighbours > 0 {
                 // Between two free bodies both move: twice the rate. Masses as in `pairs`.
                 let both = self.lightest.iter().map(|m| 1.0 / m).sum();
@@ -229,7 +229,7 @@ impl Population {
 
 fn pair_damping(pair: String, law: &ContactLaw, reduced_mass: f64) -> PairDamping {
     let resolved = Law::new(law);
-    let k = law.normal_stiffness;
+    let (k, _) = law::stiffnesses(law);
     let root_mass = reduced_mass.sqrt();
     let zeta = resolved.gamma_n(root_mass) / (2.0 * root_mass * k.sqrt());
     PairDamping {

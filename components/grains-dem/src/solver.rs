@@ -6,7 +6,7 @@ use crate::{
     diagnostics,
     forces::{self, Steps, Tally},
     integrate,
-    law::Law,
+    law::{self, Law},
     overlaps,
     periodic::PeriodicBox,
     placement,
@@ -69,13 +69,14 @@ impl GrainsDem {
         let bounds = PeriodicBox::new(&scene.domain);
         let bodies = Bodies::new(spheres);
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
-        let contacts = scene.contacts.as_ref();
+        let laws = law::of_scene(scene);
+        let of = |i: usize| laws.map_or_else(Law::none, |laws| Law::new(laws[i]));
         Self {
             domain: scene.domain.clone(),
             gravity: scene.gravity.into(),
             dt,
-            body_law: contacts.map_or_else(Law::none, |c| Law::new(&c.body_body)),
-            wall_law: contacts.map_or_else(Law::none, |c| Law::new(&c.body_wall)),
+            body_law: of(0),
+            wall_law: of(1),
             walls: walls::of_scene(scene),
             events: (0..).zip(spheres).map(|(id, s)| added(id, s)).collect(),
             search: Search::new(bounds.clone(), largest, parameters, spheres.len()),
@@ -266,7 +267,7 @@ fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
         motion: match sphere.motion {
             Motion::Free => BodyEvent::FREE,
             Motion::Fixed => BodyEvent::FIXED,
-            Motion::Prescribed => BodyEvent::PRESCRIBED,
+            Motion::Prescribed(_) => BodyEvent::PRESCRIBED,
         },
         set: sphere.set as u32,
         mass: sphere.mass,

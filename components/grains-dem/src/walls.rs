@@ -28,7 +28,7 @@ impl Wall {
 /// The walls of a scene: first the domain's faces, `(lower, upper)` by axis, then its planes.
 pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
     let mut walls = of_box(scene.domain.min, scene.domain.max, |axis, side| {
-        scene.domain.faces[axis][side] == Face::Wall
+        scene.domain.faces[axis][side] != Face::Periodic
     });
     walls.extend(scene.planes.iter().map(|p| Wall::through(p.point.into(), p.normal.into())));
     walls
@@ -56,7 +56,7 @@ pub(crate) fn of_box(
 /// What a user calls wall number `index` of [`of_scene`].
 pub(crate) fn name(domain: &Domain, index: usize) -> String {
     let faces = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
-    let mut walls = faces.filter(|&(axis, side)| domain.faces[axis][side] == Face::Wall);
+    let mut walls = faces.filter(|&(axis, side)| domain.faces[axis][side] != Face::Periodic);
     let count = walls.clone().count();
     match walls.nth(index) {
         Some((axis, side)) => {

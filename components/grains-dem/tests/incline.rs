@@ -4,7 +4,7 @@ mod common;
 use common::*;
 use tremie_messages::{
     body::{BodyState, Load},
-    scene::{Damping, Face, Motion, Scene},
+    scene::{Damping, Motion, Scene},
 };
 
 const D: f64 = 1e-3;
@@ -14,7 +14,7 @@ const DT: f64 = 2e-6;
 
 /// A sphere on the floor z = 0, settled in its overlap, with gravity turned by `angle` towards x.
 fn incline(angle: f64, mu: f64) -> Scene {
-    let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall; 2]];
+    let faces = FLOOR;
     let mut scene = scene([1.0, 4e-3, 4e-3], faces, law(K, mu, Damping::Restitution(0.3)));
     scene.gravity = [G * angle.sin(), 0.0, -G * angle.cos()];
     let overlap = mass(D) * G * angle.cos() / K;

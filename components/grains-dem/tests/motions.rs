@@ -17,7 +17,7 @@ fn given_motions_are_kept_and_felt() {
     let target = sphere([4e-3, 5e-3, 5e-3], d, [0.0; 3]);
     let post = sphere([8e-3, 5e-3, 5e-3], d, [0.0; 3]);
     scene.bodies = vec![
-        set(Motion::Prescribed, vec![pusher]),
+        set(Motion::Prescribed(vec![]), vec![pusher]),
         set(Motion::Free, vec![target]),
         set(Motion::Fixed, vec![post]),
     ];

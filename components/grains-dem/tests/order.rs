@@ -2,7 +2,7 @@
 
 mod common;
 use common::*;
-use tremie_messages::scene::{ContactLaw, Damping, Face, Motion};
+use tremie_messages::scene::{ContactLaw, Damping, Motion};
 
 const D: f64 = 1e-3;
 const K: f64 = 1e3;
@@ -43,7 +43,7 @@ fn normal_spring_and_dashpot() {
 /// Positions and spins (times the diameter) of a sphere that sticks to the floor and swings in its
 /// tangential spring, 20 times.
 fn swing(steps: u32) -> Vec<[f64; 2]> {
-    let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall; 2]];
+    let faces = FLOOR;
     let sticky = ContactLaw { friction: 1e3, ..law(K, 0.0, Damping::Restitution(0.8)) };
     let mut scene = scene([4e-3; 3], faces, sticky);
     scene.gravity = [0.3, 0.0, -G];

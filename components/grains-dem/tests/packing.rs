@@ -74,7 +74,11 @@ fn keeps_clear_of_planes_listed_bodies_and_other_packings() {
         let mut high = packed([0.0, 0.0, 4e-3], [SIDE; 3], 0.5 * fraction, SIZES, 2);
         high.name = "high".into();
         let mut scene = scene_with(vec![low, high, set(Motion::Fixed, vec![big])]);
-        scene.planes = vec![Plane { point: [2e-3, 0.0, 0.0], normal: [0.8, 0.6, 0.0] }];
+        scene.planes = vec![Plane {
+            point: [2e-3, 0.0, 0.0],
+            normal: [0.8, 0.6, 0.0],
+            material: "wall".into(),
+        }];
         let dem = make(&scene, 1e-8);
         assert!(deepest(&dem) < 1e-11);
         for (s, r) in state(&dem).iter().zip(dem.radii()) {

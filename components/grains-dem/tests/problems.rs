@@ -5,7 +5,7 @@ use common::*;
 use tremie_grains_dem::{GrainsDem, GrainsError, Parameters};
 use tremie_messages::{
     Problem,
-    scene::{Damping, Face, Motion, Plane, Scene},
+    scene::{Damping, Face, Motion, Plane, Scene, Spring},
     units::Time,
 };
 
@@ -39,13 +39,15 @@ fn spheres(scene: &mut Scene) -> &mut Vec<tremie_messages::scene::Sphere> {
 }
 
 fn law_of(scene: &mut Scene) -> &mut tremie_messages::scene::ContactLaw {
-    &mut scene.contacts.as_mut().unwrap().body_body
+    &mut scene.contacts[0].law
 }
 
 #[test]
 fn laws() {
-    let of = "scene.contacts.body_body";
-    let found = key(|s, _| law_of(s).normal_stiffness = -1.0);
+    let of = "scene.contacts[0].law";
+    let found = key(|s, _| {
+        law_of(s).spring = Spring::Linear { normal_stiffness: -1.0, tangential_stiffness: 1.0 }
+    });
     assert_eq!(found, format!("{of}.normal_stiffness"));
     assert_eq!(key(|s, _| law_of(s).friction = -0.1), format!("{of}.friction"));
     for e in [0.0, -0.5, 1.1, f64::NAN] {
@@ -54,7 +56,7 @@ fn laws() {
     }
     let found = key(|s, _| law_of(s).damping = coefficients(-1.0, 0.0));
     assert_eq!(found, format!("{of}.damping.coefficients.normal"));
-    assert_eq!(key(|s, _| s.contacts = None), "scene.contacts");
+    assert_eq!(key(|s, _| s.contacts.clear()), "scene.contacts");
 }
 
 #[test]
@@ -85,14 +87,14 @@ fn overlaps_name_both_bodies_and_the_overlap() {
 fn domain_and_planes() {
     assert_eq!(key(|s, _| s.domain.max[1] = -1.0), "scene.domain");
     let small = |s: &mut Scene| {
-        s.domain.faces[2] = [Face::Periodic; 2];
+        s.domain.faces[2] = [Face::Periodic, Face::Periodic];
         (s.domain.min[2], s.domain.max[2]) = (4.2e-3, 6.2e-3);
     };
     assert_eq!(key(|s, _| small(s)), "scene.domain");
-    let plane = |normal| Plane { point: [0.0; 3], normal };
+    let plane = |normal| Plane { point: [0.0; 3], normal, material: "wall".into() };
     assert_eq!(key(|s, _| s.planes = vec![plane([0.0; 3])]), "scene.planes[0].normal");
     let across = |s: &mut Scene| {
-        s.domain.faces[0] = [Face::Periodic; 2];
+        s.domain.faces[0] = [Face::Periodic, Face::Periodic];
         s.planes = vec![plane([1.0, 0.0, 0.0])];
     };
     assert_eq!(key(|s, _| across(s)), "scene.planes[0].normal");
@@ -158,7 +160,7 @@ fn a_contact_that_is_much_too_soft_ends_the_run() {
 fn a_prescribed_body_may_not_leave() {
     let mut scene = good();
     let leaving = sphere([5e-3, 5e-3, 9e-3], 1e-3, [0.0, 0.0, 1.0]);
-    scene.bodies.push(set(Motion::Prescribed, vec![leaving]));
+    scene.bodies.push(set(Motion::Prescribed(vec![]), vec![leaving]));
     let error = make(&scene, 1e-6).advance(5000, &[]).unwrap_err();
     println!("{error}");
     assert!(matches!(error, GrainsError::LeftDomain { id: 2, .. }), "{error}");

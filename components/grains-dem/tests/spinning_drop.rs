@@ -2,12 +2,12 @@
 
 mod common;
 use common::*;
-use tremie_messages::scene::{Damping, Face, Motion};
+use tremie_messages::scene::{Damping, Motion};
 
 #[test]
 fn ends_rolling_at_two_sevenths() {
     let (d, w, k) = (1e-3, 100.0, 1e3);
-    let faces = [[Face::Periodic; 2], [Face::Periodic; 2], [Face::Wall; 2]];
+    let faces = FLOOR;
     let mut scene = scene([0.01; 3], faces, law(k, 0.5, Damping::Restitution(0.5)));
     scene.gravity = [0.0, 0.0, -9.81];
     let mut spinning = sphere([5e-3, 5e-3, 0.5 * d + 1e-6], d, [0.0; 3]);

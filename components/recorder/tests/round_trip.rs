@@ -34,11 +34,7 @@ fn setup(output: &Path, run: u64) -> Setup {
             role: Role::Observer,
             scene: Scene {
                 gravity: [0.0, 0.0, -9.81],
-                domain: Domain { min: [0.0; 3], max: [0.1, 0.2, 0.3], faces: [[Face::Wall; 2]; 3] },
-                fluid: None,
-                planes: Vec::new(),
-                bodies: Vec::new(),
-                contacts: None,
+                ..Scene::empty(Domain::new([0.0; 3], [0.1, 0.2, 0.3], Face::WALLS))
             },
             parameters: Default::default(),
             threads: run as u32,

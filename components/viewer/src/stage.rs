@@ -23,7 +23,7 @@ pub fn log(
     stream.log_static("scene/domain/edges", &edges(&scene.domain))?;
     for axis in 0..3 {
         for side in 0..2 {
-            if scene.domain.faces[axis][side] == Face::Wall {
+            if matches!(scene.domain.faces[axis][side], Face::Wall { .. }) {
                 let name =
                     format!("scene/domain/wall_{}{}", ["x", "y", "z"][axis], ["0", "1"][side]);
                 stream.log_static(name, &wall(scene, axis, side))?;
@@ -151,7 +151,7 @@ fn describe_set(set: &BodySet) -> String {
     let motion = match set.motion {
         Motion::Free => "",
         Motion::Fixed => ", fixed",
-        Motion::Prescribed => ", driven",
+        Motion::Prescribed(_) => ", driven",
     };
     let (how_many, diameters) = match &set.placement {
         Placement::Listed(list) => {
@@ -224,9 +224,14 @@ mod tests {
     #[test]
     fn a_plane_across_the_box_is_a_polygon() {
         let scene = crate::view::tests::empty_scene([0.0; 3], [1.0, 1.0, 2.0]);
-        let plane = Plane { point: [0.5, 0.5, 1.0], normal: unit([0.0, 0.3, 1.0]) };
+        let plane = Plane {
+            point: [0.5, 0.5, 1.0],
+            normal: unit([0.0, 0.3, 1.0]),
+            material: "wall".into(),
+        };
         assert_eq!(inner_plane(&scene.domain, &plane).unwrap().num_triangles(), 2);
-        let outside = Plane { point: [0.0, 0.0, 9.0], normal: [0.0, 0.0, 1.0] };
+        let outside =
+            Plane { point: [0.0, 0.0, 9.0], normal: [0.0, 0.0, 1.0], material: "wall".into() };
         assert!(inner_plane(&scene.domain, &outside).is_none());
     }
 

@@ -122,14 +122,7 @@ pub(crate) mod tests {
     use tremie_messages::scene::{Domain, Face};
 
     pub(crate) fn empty_scene(gravity: Vector, max: Vector) -> Scene {
-        Scene {
-            gravity,
-            domain: Domain { min: [0.0; 3], max, faces: [[Face::Wall; 2]; 3] },
-            fluid: None,
-            planes: Vec::new(),
-            bodies: Vec::new(),
-            contacts: None,
-        }
+        Scene { gravity, ..Scene::empty(Domain::new([0.0; 3], max, Face::WALLS)) }
     }
 
     #[test]

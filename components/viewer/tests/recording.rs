@@ -23,6 +23,7 @@ fn scene() -> Scene {
     let set = |name: &str, motion, fraction| BodySet {
         name: name.into(),
         density: 2500.0,
+        material: name.into(),
         motion,
         placement: Placement::Packed(Packing {
             min: [0.0; 3],
@@ -32,23 +33,16 @@ fn scene() -> Scene {
             seed: 1,
         }),
     };
+    let walls = || [Face::WALL, Face::WALL];
+    let faces = [walls(), [Face::Periodic, Face::Periodic], walls()];
     Scene {
         gravity: [0.0, 0.0, -9.81],
-        domain: Domain {
-            min: [0.0; 3],
-            max: SIZE,
-            faces: [[Face::Wall; 2], [Face::Periodic; 2], [Face::Wall; 2]],
-        },
         fluid: Some(FluidMaterial {
-            density: 970.0,
-            viscosity: 0.373,
-            acceleration: [0.0; 3],
-            velocity: [0.0; 3],
             expected_speed: Some(0.1),
+            ..FluidMaterial::at_rest(970.0, 0.373)
         }),
-        planes: Vec::new(),
         bodies: vec![set("sand", Motion::Free, 0.2), set("gate post", Motion::Fixed, 0.01)],
-        contacts: None,
+        ..Scene::empty(Domain::new([0.0; 3], SIZE, faces))
     }
 }
 

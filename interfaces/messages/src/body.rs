@@ -46,7 +46,7 @@ pub struct BodyEvent {
     pub id: u64,
     /// What happened: [`BodyEvent::ADDED`] or [`BodyEvent::REMOVED`].
     pub kind: u32,
-    /// Shape of an added body: [`BodyEvent::SPHERE`].
+    /// Shape of an added body: [`BodyEvent::SPHERE`] or [`BodyEvent::PART`].
     pub shape: u32,
     /// How an added body moves: [`BodyEvent::FREE`], [`BodyEvent::FIXED`] or [`BodyEvent::PRESCRIBED`].
     pub motion: u32,
@@ -54,9 +54,10 @@ pub struct BodyEvent {
     pub set: u32,
     /// Mass [kg].
     pub mass: f64,
-    /// Size of the shape [m]: `[radius, 0, 0]` for a sphere.
+    /// Size of the shape [m]: `[radius, 0, 0]` for a sphere; for a part the radius about its reference
+    /// point that holds it.
     pub size: [f64; 3],
-    /// Kept for shapes by table; 0.
+    /// Index into the scene's list of parts, for a part; else 0.
     pub table: u64,
 }
 
@@ -67,6 +68,8 @@ impl BodyEvent {
     pub const REMOVED: u32 = 2;
     /// A sphere.
     pub const SPHERE: u32 = 1;
+    /// A part of the scene, its surface in the body's frame.
+    pub const PART: u32 = 2;
     /// Moves under forces.
     pub const FREE: u32 = 0;
     /// Never moves.

@@ -8,7 +8,7 @@ use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Load};
 
 pub const PERIODIC: Face = Face::Periodic;
-pub const WALL: Face = Face::Wall;
+pub const WALL: Face = Face::WALL;
 
 /// A fluid to be made.
 #[derive(Clone, Debug)]
@@ -48,23 +48,15 @@ impl Case {
     }
 
     pub fn scene(&self) -> Scene {
+        let faces = self.faces.clone().map(|face| [face.clone(), face]);
         Scene {
             gravity: self.gravity,
-            domain: Domain {
-                min: [0.0; 3],
-                max: self.cells.map(|n| n as f64),
-                faces: self.faces.map(|f| [f; 2]),
-            },
             fluid: Some(FluidMaterial {
-                density: 1.0,
-                viscosity: self.viscosity(),
                 acceleration: self.acceleration,
                 velocity: self.velocity,
-                expected_speed: None,
+                ..FluidMaterial::at_rest(1.0, self.viscosity())
             }),
-            planes: vec![],
-            bodies: vec![],
-            contacts: None,
+            ..Scene::empty(Domain::new([0.0; 3], self.cells.map(|n| n as f64), faces))
         }
     }
 

@@ -5,8 +5,8 @@ use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::{
     body::BodyState,
     scene::{
-        BodySet, ContactLaw, Contacts, Damping, Diameters, Domain, Face, Motion, Packing,
-        Placement, Scene, Sphere,
+        BodySet, ContactLaw, Damping, Diameters, Domain, Face, Motion, Packing, PairLaw, Placement,
+        Scene, Sphere, Spring,
     },
 };
 
@@ -27,27 +27,28 @@ pub fn coefficients(normal: f64, tangential: f64) -> Damping {
 /// A law without tension whose tangential spring is 0.8 of the normal one.
 pub fn law(stiffness: f64, friction: f64, damping: Damping) -> ContactLaw {
     ContactLaw {
-        normal_stiffness: stiffness,
-        tangential_stiffness: 0.8 * stiffness,
+        spring: Spring::Linear {
+            normal_stiffness: stiffness,
+            tangential_stiffness: 0.8 * stiffness,
+        },
         friction,
+        rolling_friction: 0.0,
         damping,
         tension: false,
     }
 }
 
-pub const WALLS: [[Face; 2]; 3] = [[Face::Wall; 2]; 3];
-pub const PERIODIC: [[Face; 2]; 3] = [[Face::Periodic; 2]; 3];
+pub const PERIODIC: [[Face; 2]; 3] = [const { [Face::Periodic, Face::Periodic] }; 3];
+pub const WALLS: [[Face; 2]; 3] = Face::WALLS;
+/// Periodic along x and y, between walls along z.
+pub const FLOOR: [[Face; 2]; 3] =
+    [[Face::Periodic, Face::Periodic], [Face::Periodic, Face::Periodic], [Face::WALL, Face::WALL]];
 
 /// A box from the origin, dry, without weight, with one law for all contacts.
 pub fn scene(size: [f64; 3], faces: [[Face; 2]; 3], law: ContactLaw) -> Scene {
-    Scene {
-        gravity: [0.0; 3],
-        domain: Domain { min: [0.0; 3], max: size, faces },
-        fluid: None,
-        planes: Vec::new(),
-        bodies: Vec::new(),
-        contacts: Some(Contacts { body_body: law.clone(), body_wall: law }),
-    }
+    let contacts = ["grains", "wall"]
+        .map(|other| PairLaw { between: ["grains".into(), other.into()], law: law.clone() });
+    Scene { contacts: contacts.to_vec(), ..Scene::empty(Domain::new([0.0; 3], size, faces)) }
 }
 
 pub fn sphere(position: [f64; 3], diameter: f64, velocity: [f64; 3]) -> Sphere {
@@ -58,6 +59,7 @@ pub fn set(motion: Motion, spheres: Vec<Sphere>) -> BodySet {
     BodySet {
         name: format!("{motion:?}").to_lowercase(),
         density: DENSITY,
+        material: "grains".into(),
         motion,
         placement: Placement::Listed(spheres),
     }
@@ -73,6 +75,7 @@ pub fn packed(
     BodySet {
         name: "packed".into(),
         density: DENSITY,
+        material: "grains".into(),
         motion: Motion::Free,
         placement: Placement::Packed(Packing {
             min,

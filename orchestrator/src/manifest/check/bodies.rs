@@ -35,6 +35,7 @@ fn body_set(
     let density = findings.positive(&table.density, at, "density");
     let placement = placement(table, at, findings);
     Some(BodySet {
+        material: name.clone()?,
         name: name?,
         density: density?,
         motion: table.motion?.into(),

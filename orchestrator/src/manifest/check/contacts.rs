@@ -3,10 +3,10 @@
 use super::super::document::{ContactTable, ContactsTable};
 use super::super::path;
 use super::super::read::Findings;
-use tremie_messages::scene::{ContactLaw, Contacts, Damping};
+use tremie_messages::scene::{ContactLaw, Damping, Spring};
 use tremie_messages::units::Dashpot;
 
-pub(super) fn contacts(table: &ContactsTable, findings: &mut Findings) -> Option<Contacts> {
+pub(super) fn contacts(table: &ContactsTable, findings: &mut Findings) -> Option<[ContactLaw; 2]> {
     let at = "scene.contacts";
     let body_body = findings.required(&table.body_body, at, "body_body")?;
     let between = law(&body_body, &path::join(at, "body_body"), findings);
@@ -15,7 +15,7 @@ pub(super) fn contacts(table: &ContactsTable, findings: &mut Findings) -> Option
         Some(own) if *own != body_body => law(own, &path::join(at, "body_wall"), findings),
         _ => between.clone(),
     };
-    Some(Contacts { body_body: between?, body_wall: with_wall? })
+    Some([between?, with_wall?])
 }
 
 fn law(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<ContactLaw> {
@@ -27,9 +27,9 @@ fn law(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Contac
         table.friction.filter(|mu| findings.not_negative(*mu, &path::join(at, "friction")));
     let damping = damping(table, at, findings);
     Some(ContactLaw {
-        normal_stiffness: normal?,
-        tangential_stiffness: tangential?.0,
+        spring: Spring::Linear { normal_stiffness: normal?, tangential_stiffness: tangential?.0 },
         friction: friction?,
+        rolling_friction: 0.0,
         damping: damping?,
         tension: table.tension?,
     })

@@ -1,10 +1,10 @@
 //! Checks of `[scene]`: domain, fluid, planes.
 
-use super::super::document::{DomainTable, FluidTable, PlaneTable, SceneTable};
+use super::super::document::{BodiesTable, DomainTable, FluidTable, PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::{bodies, contacts, placement};
-use tremie_messages::scene::{Domain, FluidMaterial, Plane, Scene};
+use tremie_messages::scene::{ContactLaw, Domain, FluidMaterial, PairLaw, Plane, Scene};
 
 pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene> {
     let domain = domain(&table.domain, findings);
@@ -19,10 +19,30 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         gravity: table.gravity?.map(|g| g.0),
         domain: domain?,
         fluid: flatten(fluid)?,
+        parts: Vec::new(),
+        probes: Vec::new(),
         planes: planes?,
+        contacts: pair_laws(&table.bodies, flatten(contacts)?),
         bodies: bodies.into_iter().collect::<Option<_>>()?,
-        contacts: flatten(contacts)?,
     })
+}
+
+/// The two laws for every pair of materials.
+fn pair_laws(sets: &[BodiesTable], laws: Option<[ContactLaw; 2]>) -> Vec<PairLaw> {
+    let Some([body_body, body_wall]) = laws else { return Vec::new() };
+    let names: Vec<&String> = sets.iter().filter_map(|set| set.name.as_ref()).collect();
+    let mut pairs = Vec::new();
+    for (i, one) in names.iter().enumerate() {
+        for other in &names[i..] {
+            pairs.push(PairLaw {
+                between: [one.to_string(), other.to_string()],
+                law: body_body.clone(),
+            });
+        }
+        let between = [one.to_string(), Domain::MATERIAL.to_string()];
+        pairs.push(PairLaw { between, law: body_wall.clone() });
+    }
+    pairs
 }
 
 /// `None` only where something is there and wrong.
@@ -41,8 +61,8 @@ fn domain(table: &DomainTable, findings: &mut Findings) -> Option<Domain> {
         right &= findings.above_zero(*length, &path::item("scene.domain.size", axis));
     }
     let min = table.origin?.map(|length| length.0);
-    let faces = [table.x?, table.y?, table.z?].map(|name| [name.into(); 2]);
-    right.then(|| Domain { min, max: std::array::from_fn(|a| min[a] + size[a].0), faces })
+    let faces = [table.x?, table.y?, table.z?].map(|name| [name.into(), name.into()]);
+    right.then(|| Domain::new(min, std::array::from_fn(|a| min[a] + size[a].0), faces))
 }
 
 fn material(table: &FluidTable, findings: &mut Findings) -> Option<FluidMaterial> {
@@ -56,6 +76,9 @@ fn material(table: &FluidTable, findings: &mut Findings) -> Option<FluidMaterial
         viscosity: viscosity?,
         acceleration: table.acceleration?.map(|a| a.0),
         velocity: table.velocity?.map(|v| v.0),
+        pressure: 0.0,
+        inside: Vec::new(),
+        outside: Vec::new(),
         expected_speed: if expected == Some(false) {
             return None;
         } else {
@@ -82,5 +105,9 @@ fn plane(table: &PlaneTable, at: &str, findings: &mut Findings) -> Option<Plane>
         );
         return None;
     }
-    Some(Plane { point: point?.map(|p| p.0), normal: normal.map(|n| n / length) })
+    Some(Plane {
+        point: point?.map(|p| p.0),
+        normal: normal.map(|n| n / length),
+        material: Domain::MATERIAL.into(),
+    })
 }

@@ -58,7 +58,7 @@ pub(in super::super) enum FaceName {
 impl From<FaceName> for Face {
     fn from(name: FaceName) -> Self {
         match name {
-            FaceName::Wall => Face::Wall,
+            FaceName::Wall => Face::WALL,
             FaceName::Periodic => Face::Periodic,
         }
     }
@@ -124,7 +124,7 @@ impl From<MotionName> for Motion {
         match name {
             MotionName::Free => Motion::Free,
             MotionName::Fixed => Motion::Fixed,
-            MotionName::Prescribed => Motion::Prescribed,
+            MotionName::Prescribed => Motion::Prescribed(Vec::new()),
         }
     }
 }

@@ -1,0 +1,134 @@
+//! Spheres: sets of them, how they move, where they are at the start.
+
+use serde::{Deserialize, Serialize};
+
+/// Spheres of one material and one kind of motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodySet {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Their material, for contacts.
+    pub material: String,
+    /// How the bodies move.
+    pub motion: Motion,
+    /// Where they are at the start.
+    pub placement: Placement,
+}
+
+/// Kinematic law of a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Motion {
+    /// Moves under forces.
+    Free,
+    /// Never moves.
+    Fixed,
+    /// Moves with velocities that are linear in time between points, constant before the first and
+    /// after the last, whatever the forces. Without points it keeps the velocity it was placed with.
+    Prescribed(Vec<MotionPoint>),
+}
+
+/// Velocities at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotionPoint {
+    /// Time [s]; points are in its order.
+    pub time: f64,
+    /// Velocity [m/s].
+    pub velocity: [f64; 3],
+    /// Angular velocity [rad/s].
+    pub angular_velocity: [f64; 3],
+}
+
+/// Where the bodies of a set are at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Placement {
+    /// Each sphere given.
+    Listed(Vec<Sphere>),
+    /// Spheres packed at random, without overlap, into a region up to a solid fraction.
+    Packed(Packing),
+}
+
+/// A sphere at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// Centre [m].
+    pub position: [f64; 3],
+    /// Diameter [m].
+    pub diameter: f64,
+    /// Velocity [m/s].
+    pub velocity: [f64; 3],
+    /// Angular velocity [rad/s].
+    pub angular_velocity: [f64; 3],
+}
+
+/// A random packing made at start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Packing {
+    /// Lower corner of the region [m]; whole spheres lie inside the region and outside all parts.
+    pub min: [f64; 3],
+    /// Upper corner of the region [m].
+    pub max: [f64; 3],
+    /// Volume of the spheres over volume of the region.
+    pub fraction: f64,
+    /// Their diameters.
+    pub diameters: Diameters,
+    /// Seed of the random numbers; equal seeds give equal packings.
+    pub seed: u64,
+}
+
+/// Diameters of a packing [m].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Diameters {
+    /// Uniformly distributed between two bounds (equal bounds: all alike), by number.
+    Uniform {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+    },
+    /// A normal distribution by number, of which only what lies between two bounds is drawn.
+    Normal {
+        /// Mean of the uncut distribution.
+        mean: f64,
+        /// Standard deviation of the uncut distribution.
+        deviation: f64,
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+    },
+    /// A log-normal distribution by number, of which only what lies between two bounds is drawn.
+    LogNormal {
+        /// Median of the uncut distribution.
+        median: f64,
+        /// Geometric standard deviation of the uncut distribution, more than 1.
+        spread: f64,
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+    },
+    /// A sieve curve: mass passing against size, the logarithm of size linear between points. The
+    /// first point passes 0, the last 1.
+    Sieve(Vec<SievePoint>),
+    /// Drawn from a list, each entry equally likely.
+    Listed(Vec<f64>),
+}
+
+/// A point of a sieve curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SievePoint {
+    /// Width of the mesh [m].
+    pub size: f64,
+    /// Mass that passes over whole mass.
+    pub passing: f64,
+}

@@ -1,0 +1,183 @@
+//! The box, what its faces are, and the fluid in it.
+
+use serde::{Deserialize, Serialize};
+
+/// An axis-aligned box and what its six faces are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Domain {
+    /// Lower corner [m].
+    pub min: [f64; 3],
+    /// Upper corner [m].
+    pub max: [f64; 3],
+    /// Faces by axis: `[lower, upper]`. Either both faces of an axis are periodic, or none.
+    pub faces: [[Face; 2]; 3],
+    /// Material of the faces, for contacts of grains.
+    pub material: String,
+}
+
+impl Domain {
+    /// The material of faces that nobody gave another.
+    pub const MATERIAL: &str = "wall";
+
+    /// A box with the given faces, of the usual material.
+    pub fn new(min: [f64; 3], max: [f64; 3], faces: [[Face; 2]; 3]) -> Self {
+        Self { min, max, faces, material: Self::MATERIAL.into() }
+    }
+
+    /// Edge lengths [m].
+    pub fn size(&self) -> [f64; 3] {
+        std::array::from_fn(|a| self.max[a] - self.min[a])
+    }
+
+    /// Whether the axis wraps around.
+    pub fn is_periodic(&self, axis: usize) -> bool {
+        self.faces[axis][0] == Face::Periodic
+    }
+}
+
+/// A face of the domain.
+///
+/// Grains meet every face but a periodic one as a plane: of the domain's material, or without
+/// friction where the face is a symmetry plane. An open face holds grains back like a sieve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Face {
+    /// Joined to the opposite face.
+    Periodic,
+    /// No slip for the fluid, which moves along with the face.
+    Wall {
+        /// Velocity of the wall along itself [m/s]; its normal part is zero.
+        velocity: [f64; 3],
+    },
+    /// A mirror: no flow through it, no friction along it.
+    Symmetry,
+    /// The fluid enters, or leaves, with a given velocity.
+    Velocity(OpenVelocity),
+    /// The fluid comes and goes at a given gauge pressure.
+    Pressure {
+        /// Gauge pressure, without its hydrostatic part [Pa].
+        pressure: f64,
+        /// How it changes with time.
+        course: Course,
+    },
+}
+
+impl Face {
+    /// A wall at rest.
+    pub const WALL: Self = Self::Wall { velocity: [0.0; 3] };
+    /// Walls at rest all around.
+    pub const WALLS: [[Self; 2]; 3] = [const { [Self::WALL, Self::WALL] }; 3];
+
+    /// Whether fluid may pass.
+    pub fn is_open(&self) -> bool {
+        matches!(self, Self::Velocity(_) | Self::Pressure { .. })
+    }
+}
+
+/// A velocity given at a face.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OpenVelocity {
+    /// Velocity [m/s]: everywhere, or at the middle of a parabolic profile.
+    pub velocity: [f64; 3],
+    /// How it varies over the face.
+    pub profile: Profile,
+    /// How it changes with time.
+    pub course: Course,
+}
+
+/// How a velocity varies over a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Profile {
+    /// Not at all.
+    Uniform,
+    /// A parabola, zero at the edges, along each edge of the face that does not wrap around: the
+    /// factor is the product of `4 s (1 - s)`, `s` running from 0 to 1 along the edge.
+    Parabolic,
+}
+
+/// A factor over time, linear between points `[time [s], factor]` in the order of time, constant
+/// before the first and after the last. Without points it is 1.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Course(pub Vec<[f64; 2]>);
+
+impl Course {
+    /// The factor at a time [s].
+    pub fn at(&self, time: f64) -> f64 {
+        let after = self.0.partition_point(|point| point[0] <= time);
+        match (after.checked_sub(1).map(|before| self.0[before]), self.0.get(after)) {
+            (None, None) => 1.0,
+            (None, Some(first)) => first[1],
+            (Some(last), None) => last[1],
+            (Some([t0, f0]), Some([t1, f1])) => f0 + (f1 - f0) * (time - t0) / (t1 - t0),
+        }
+    }
+}
+
+/// A fluid's material and what drives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FluidMaterial {
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Dynamic viscosity [Pa·s].
+    pub viscosity: f64,
+    /// Acceleration that drives the fluid, besides gravity [m/s²] (a mean pressure gradient over density).
+    /// Gravity itself is balanced by hydrostatic pressure and enters as buoyancy of the bodies.
+    pub acceleration: [f64; 3],
+    /// Velocity at the start [m/s].
+    pub velocity: [f64; 3],
+    /// Gauge pressure at the start, without its hydrostatic part [Pa].
+    pub pressure: f64,
+    /// Largest speed that the user expects [m/s]; a fluid checks its Mach number against it.
+    pub expected_speed: Option<f64>,
+    /// Points in the fluid [m]: there is fluid only where a way leads to one of them. Without any,
+    /// everything that is not solid is fluid.
+    pub inside: Vec<[f64; 3]>,
+    /// Points that no way may lead to [m]: a fluid that reaches one leaks, and is refused.
+    pub outside: Vec<[f64; 3]>,
+}
+
+impl FluidMaterial {
+    /// A fluid at rest that nothing drives, wherever there is space.
+    pub fn at_rest(density: f64, viscosity: f64) -> Self {
+        Self {
+            density,
+            viscosity,
+            acceleration: [0.0; 3],
+            velocity: [0.0; 3],
+            pressure: 0.0,
+            expected_speed: None,
+            inside: Vec::new(),
+            outside: Vec::new(),
+        }
+    }
+}
+
+/// A plane wall; bodies are on the side to which the normal points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plane {
+    /// A point on the plane [m].
+    pub point: [f64; 3],
+    /// Unit normal, into the space of the bodies.
+    pub normal: [f64; 3],
+    /// Its material, for contacts.
+    pub material: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_course_is_linear_between_its_points_and_constant_outside() {
+        assert_eq!(Course::default().at(7.0), 1.0);
+        let course = Course(vec![[1.0, 0.0], [3.0, 4.0]]);
+        let at: Vec<f64> = [0.0, 1.0, 2.0, 3.0, 9.0].map(|t| course.at(t)).to_vec();
+        assert_eq!(at, [0.0, 0.0, 2.0, 4.0, 4.0]);
+    }
+}

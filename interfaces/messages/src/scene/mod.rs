@@ -1,0 +1,64 @@
+//! The scene: geometry, materials, boundaries, bodies. One description, read by all components.
+//!
+//! All numbers are SI; the manifest's units were resolved before.
+
+mod bodies;
+mod contacts;
+mod domain;
+mod parts;
+mod probes;
+
+pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
+pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
+pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
+pub use parts::{Geometry, Part, PartBoundary, Pose};
+pub use probes::{Probe, ProbeShape};
+
+use serde::{Deserialize, Serialize};
+
+/// What is simulated, independent of how.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Acceleration of gravity [m/s²]. Grains apply it to their mass; a fluid includes buoyancy.
+    pub gravity: [f64; 3],
+    /// The box in which everything happens.
+    pub domain: Domain,
+    /// The fluid's material; `None` for a dry run.
+    pub fluid: Option<FluidMaterial>,
+    /// Plane walls besides the domain's faces, seen by grains; a fluid that cannot honour them refuses.
+    pub planes: Vec<Plane>,
+    /// Surfaces of rigid parts: walls, things that move, regions with boundary conditions.
+    pub parts: Vec<Part>,
+    /// Spheres, in sets of one material and motion.
+    pub bodies: Vec<BodySet>,
+    /// Contact laws, one for each pair of materials that may touch.
+    pub contacts: Vec<PairLaw>,
+    /// Where the run measures.
+    pub probes: Vec<Probe>,
+}
+
+impl Scene {
+    /// An empty dry box without weight.
+    pub fn empty(domain: Domain) -> Self {
+        Self {
+            gravity: [0.0; 3],
+            domain,
+            fluid: None,
+            planes: Vec::new(),
+            parts: Vec::new(),
+            bodies: Vec::new(),
+            contacts: Vec::new(),
+            probes: Vec::new(),
+        }
+    }
+
+    /// The contact law between two materials, in either order.
+    pub fn law(&self, one: &str, other: &str) -> Option<&ContactLaw> {
+        let of = |pair: &&PairLaw| {
+            let [a, b] = &pair.between;
+            (a == one && b == other) || (a == other && b == one)
+        };
+        self.contacts.iter().find(of).map(|pair| &pair.law)
+    }
+}

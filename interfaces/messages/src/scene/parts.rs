@@ -1,0 +1,94 @@
+//! Rigid parts with triangulated surfaces.
+
+use super::{Course, Motion};
+use serde::{Deserialize, Serialize};
+
+/// A rigid part: a closed surface, put somewhere.
+///
+/// A fixed part is known to all components from the scene alone. One that moves is a body besides:
+/// the component that moves the bodies announces it, and its pose is that of the body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Name, unique among the parts of the scene.
+    pub name: String,
+    /// Its surface, in a frame of its own.
+    pub geometry: Geometry,
+    /// Where that frame is at the start.
+    pub pose: Pose,
+    /// Whether the space inside the surface is free and that outside solid; else the other way round.
+    pub cavity: bool,
+    /// Its material, for contacts.
+    pub material: String,
+    /// How it moves, about the origin of its frame.
+    pub motion: Motion,
+    /// What it is to the fluid.
+    pub boundary: PartBoundary,
+}
+
+/// A closed surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Geometry {
+    /// Triangles from a file, STL (binary or text) or OBJ.
+    File {
+        /// Its path, absolute.
+        path: String,
+        /// What one unit of the file is [m].
+        unit: f64,
+    },
+    /// A box about the origin.
+    Box {
+        /// Edge lengths [m].
+        size: [f64; 3],
+    },
+    /// A cylinder about the z axis, its middle at the origin.
+    Cylinder {
+        /// Radius [m].
+        radius: f64,
+        /// Length along z [m].
+        length: f64,
+    },
+    /// A sphere about the origin.
+    Sphere {
+        /// Radius [m].
+        radius: f64,
+    },
+}
+
+/// Position and orientation of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Its origin [m].
+    pub position: [f64; 3],
+    /// Unit quaternion `(x, y, z, w)` from it to the world.
+    pub orientation: [f64; 4],
+}
+
+impl Pose {
+    /// The world's frame.
+    pub const IDENTITY: Self = Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
+}
+
+/// What a part is to the fluid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PartBoundary {
+    /// A wall without slip, at the part's velocity.
+    Wall,
+    /// The fluid leaves the part's surface with a velocity.
+    Velocity {
+        /// Velocity [m/s].
+        velocity: [f64; 3],
+        /// How it changes with time.
+        course: Course,
+    },
+    /// The fluid comes and goes through the part's surface at a gauge pressure.
+    Pressure {
+        /// Gauge pressure, without its hydrostatic part [Pa].
+        pressure: f64,
+        /// How it changes with time.
+        course: Course,
+    },
+}

@@ -1,0 +1,47 @@
+//! Where a run measures the flow.
+
+use serde::{Deserialize, Serialize};
+
+/// A place whose values are signals of the fluid, named `probe.value`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name, unique in the scene: letters, digits, `_`.
+    pub name: String,
+    /// Where.
+    pub shape: ProbeShape,
+}
+
+/// Where a probe measures. Means are over the fluid cells there; none counts that a body covers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ProbeShape {
+    /// At a point [m], interpolated between cells: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`.
+    Point([f64; 3]),
+    /// Mean along a line: the same values.
+    Line {
+        /// One end [m].
+        from: [f64; 3],
+        /// The other [m].
+        to: [f64; 3],
+    },
+    /// A rectangle across an axis: `flow_rate` [m³/s] along the axis, and mean `pressure`.
+    Section {
+        /// The axis: 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Where on the axis [m].
+        position: f64,
+        /// Lower corner; the entry along the axis has no meaning [m].
+        min: [f64; 3],
+        /// Upper corner [m].
+        max: [f64; 3],
+    },
+    /// Mean over a box: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`, and `solid_fraction`, the
+    /// part of its cells that moving bodies cover.
+    Region {
+        /// Lower corner [m].
+        min: [f64; 3],
+        /// Upper corner [m].
+        max: [f64; 3],
+    },
+}
