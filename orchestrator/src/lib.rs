@@ -3,7 +3,8 @@
 //! A run goes through these rooms: [`manifest`] reads what the user wants; [`introduction`] starts the
 //! components ([`launch`]) and asks each what it is; [`plan`] assigns steps and [`schedule`] the order of
 //! work; [`mod@run`] hands out the assignments; [`drive`] lets the windows go by over [`control`], with
-//! [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
+//! [`monitor`] watching; [`outputs`] keeps what a user reads afterwards. [`validation`] makes
+//! runs whose results are known.
 
 pub mod cli;
 pub mod commands;
@@ -21,3 +22,4 @@ pub mod run;
 pub mod schedule;
 pub mod stop;
 pub mod terminal;
+pub mod validation;

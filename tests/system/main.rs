@@ -8,5 +8,5 @@ mod examples;
 mod faults;
 mod observers;
 mod same_bits;
-mod ten_cate;
 mod tremie;
+mod validation;

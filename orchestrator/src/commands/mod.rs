@@ -5,10 +5,12 @@
 
 mod run;
 mod simple;
+mod validate;
 mod view;
 
 pub use run::{check, run};
 pub use simple::{clean, component, components, conform, schema};
+pub use validate::validate;
 pub use view::view;
 
 use crate::manifest::{Manifest, ManifestErrors};
