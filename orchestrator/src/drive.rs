@@ -17,6 +17,7 @@ use tremie_messages::Role;
 use tremie_messages::control::Credit;
 use tremie_messages::frame::LogHeader;
 use tremie_messages::start::{Clock, Description, Fault, FaultKind, Reply};
+use tremie_messages::units;
 
 /// How often the orchestrator looks at reports. Physics does not wait for it: credit runs ahead.
 const LOOK: Duration = Duration::from_millis(1);
@@ -228,7 +229,7 @@ impl<S: Between> Drive<'_, S> {
                 return Ok(());
             }
             // Later than the components' own deadline: a peer that waits names both sides.
-            let deadline = Duration::from_secs_f64(1.2 * self.deadline + 0.1);
+            let deadline = units::wait(1.2 * self.deadline + 0.1);
             let lost = self.monitor.lost_message();
             let granted = course.granted.unwrap_or(0);
             if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {

@@ -2,10 +2,10 @@
 
 use crate::context::Context;
 use crate::stop::Stop;
-use std::time::Duration;
 use tremie_channels::{Between, ChannelError, ChannelSpec, Ringer, Sender};
 use tremie_messages::frame::{BodySample, SliceHeader, SliceNode};
 use tremie_messages::start::{FrameContent, FrameStream, Reply};
+use tremie_messages::units::wait;
 use tremie_messages::{BodyEvent, BodyState, Stamp};
 
 /// A stream of frames to one observer.
@@ -52,7 +52,7 @@ impl<S: Between> Frames<S> {
     pub fn open(context: &Context<S>) -> Result<Self, Stop> {
         // A share of the deadline: an observer that takes nothing is given up before the component
         // that waits for it counts as hung itself.
-        let patience = Duration::from_secs_f64(context.assignment.transport.deadline / 4.0);
+        let patience = wait(context.assignment.transport.deadline / 4.0);
         let open = &context.attachment;
         let mine = |plan: &&FrameStream| plan.from == context.component;
         let mut outlets = Vec::new();
