@@ -1,6 +1,6 @@
 //! Wrong input: one clear error that points at the line, before anything starts.
 
-use crate::tremie::{SMALL, run_text, tremie};
+use crate::tremie::{SMALL, description, run_text, script, tremie};
 
 /// Changes one place of the small manifest and expects an error that holds all of `expected`.
 #[track_caller]
@@ -80,14 +80,9 @@ fn a_fixed_ratio_that_cannot_be_is_refused_with_what_would_do() {
 
 #[test]
 fn a_component_of_another_interface_version_is_refused() {
-    // A program that describes itself with interface version 999, whatever it is asked.
     let home = tempfile::tempdir().unwrap();
-    let program = home.path().join("old-fluid");
-    let reply = r#"{"description":{"interface":999,"program":"old","step":null,"bodies":0,"signals":[],"slices":[],"work":"","notes":[],"warnings":[],"resolution":{}}}"#;
-    std::fs::write(&program, format!("#!/bin/sh\nread line\necho '{reply}'\nread line\n")).unwrap();
-    let mut permissions = std::fs::metadata(&program).unwrap().permissions();
-    std::os::unix::fs::PermissionsExt::set_mode(&mut permissions, 0o755);
-    std::fs::set_permissions(&program, permissions).unwrap();
+    let lines = format!("read line\necho '{}'\nread line", description(999));
+    let program = script(home.path(), "old-fluid", &lines);
     let named = format!("fluid = {program:?}");
     refused("fluid = \"fluid-lbm\"", &named, &["999", "interface version"]);
 }
