@@ -15,16 +15,25 @@ pub(super) const STOP_AHEAD: u64 = 64;
 impl<S: Between> Drive<'_, S> {
     /// Ends in order if the user asks for it, at once if asked again.
     pub(super) fn heed_user(&mut self, course: &mut Course) -> Result<(), Trouble> {
-        match self.interrupts.load(Ordering::Relaxed) {
-            0 => return Ok(()),
-            1 if course.last.is_some() => return Ok(()),
-            1 => {}
-            _ => return Err(Trouble::Impatience),
+        let asked = self.interrupts.load(Ordering::Relaxed);
+        let before = std::mem::replace(&mut course.asked, asked);
+        match (asked, course.last) {
+            (0, _) => Ok(()),
+            (1, None) => {
+                self.note(Level::Info, ORCHESTRATOR, "the user asked for the end")?;
+                self.terminal.say("ending in order, with whole outputs; once more to end at once");
+                let last = course.granted.unwrap_or(0);
+                self.ask_to_finish(course, last, Ending::Interrupted)
+            }
+            (1, Some(last)) => {
+                if before == 0 {
+                    let text = format!("already ending at window {last}; once more to end at once");
+                    self.terminal.say(&text);
+                }
+                Ok(())
+            }
+            _ => Err(Trouble::Impatience),
         }
-        self.note(Level::Info, ORCHESTRATOR, "the user asked for the end")?;
-        self.terminal.say("ending in order, with whole outputs; once more to end at once");
-        let last = course.granted.unwrap_or(0);
-        self.ask_to_finish(course, last, Ending::Interrupted)
     }
 
     /// Makes `last` the last window of the run.

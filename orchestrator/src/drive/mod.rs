@@ -87,6 +87,8 @@ struct Course {
     /// Last window of the run, once the end was asked for early.
     last: Option<u64>,
     reason: Option<Ending>,
+    /// How often the user had asked for the end at the last look.
+    asked: usize,
     /// When the start exchange was over.
     begun: Option<Instant>,
     finished: Vec<bool>,
@@ -107,6 +109,7 @@ impl Course {
             granted: None,
             last: None,
             reason: None,
+            asked: 0,
             begun: None,
             finished: vec![false; peers],
             not_watching: lossless.to_vec(),
