@@ -1,9 +1,12 @@
 //! How runs end: by the plan, by a condition, by the user, and after a kill.
 
 use crate::running::{Running, children_of, is_alive, until};
-use crate::tremie::{SMALL, run_text, tremie};
+use crate::tremie::{Ran, SMALL, run_text, tremie};
+use std::collections::HashMap;
+use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
+use tremie_recorder::{Item, Recording};
 
 #[test]
 fn a_run_ends_in_time_with_all_outputs() {
@@ -43,10 +46,46 @@ fn a_condition_ends_a_run_at_the_same_window_every_time() {
     assert_eq!(first.signals_text(), second.signals_text());
 }
 
+/// Windows of the last frames in a recording, one for each kind of frame.
+fn last_frames(out: &Path) -> Vec<u64> {
+    let mut items = Recording::open(&out.join("run.mcap")).unwrap().items();
+    let mut last = HashMap::new();
+    for item in items.by_ref().map(Result::unwrap) {
+        if !matches!(item, Item::Log { .. }) {
+            last.insert(std::mem::discriminant(&item), item.window());
+        }
+    }
+    assert!(items.end().complete);
+    last.into_values().collect()
+}
+
+#[test]
+fn a_recording_holds_the_last_window_however_the_run_ends() {
+    let recorded = SMALL.replace("record = false", "frames = \"3 ms\"");
+    let stopping = "[[stop_when]]\nsignal = \"grains.max_speed\"\nabove = 0.01\n";
+    let [planned, stopped, again] = [
+        run_text(&recorded, &[]).succeeded(),
+        run_text(&format!("{recorded}\n{stopping}"), &["--until", "1 s"]).succeeded(),
+        run_text(&format!("{recorded}\n{stopping}"), &["--until", "1 s"]).succeeded(),
+    ];
+    for ran in [&planned, &stopped] {
+        let window = ran.summary()["windows"].as_u64().unwrap();
+        assert_eq!(last_frames(&ran.out), [window; 3], "{}", ran.errors());
+    }
+    let file = |ran: &Ran| std::fs::read(ran.out.join("run.mcap")).unwrap();
+    assert!(file(&stopped) == file(&again), "two recordings of one run differ");
+}
+
 /// A run long enough to be disturbed; returns once windows go by.
 fn long_run(home: &std::path::Path) -> Running {
     let manifest = home.join("manifest.toml");
-    std::fs::write(&manifest, SMALL.replace("until = \"0.02 s\"", "until = \"100 s\"")).unwrap();
+    std::fs::write(
+        &manifest,
+        SMALL
+            .replace("until = \"0.02 s\"", "until = \"100 s\"")
+            .replace("record = false", "frames = \"1 s\""),
+    )
+    .unwrap();
     let mut command = tremie();
     command.args(["run", "--json", "--out"]).arg(home.join("out")).arg(&manifest);
     let mut running = Running::start(command.stdout(Stdio::piped()).stderr(Stdio::piped()));
@@ -67,6 +106,7 @@ fn ctrl_c_ends_a_run_with_whole_outputs() {
     let last: u64 =
         table.trim().lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert_eq!(Some(last), summary["windows"].as_u64());
+    assert_eq!(last_frames(&home.path().join("out")), [last; 3]);
 }
 
 #[test]

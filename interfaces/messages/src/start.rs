@@ -247,7 +247,7 @@ pub struct FrameStream {
     pub to: String,
     /// What a frame holds.
     pub content: FrameContent,
-    /// A frame every so many windows, and one of the start exchange.
+    /// A frame every so many windows, one of the start exchange, and one of the run's last window.
     pub every: u64,
     /// `true`: the sender waits (boundedly) for room; `false`: the oldest frame gives way.
     pub lossless: bool,
