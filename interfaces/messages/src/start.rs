@@ -79,6 +79,9 @@ pub enum Reply {
         /// What failed.
         why: String,
     },
+    /// An observer that was told to finish is still at it: it has taken frames since it last spoke,
+    /// or begins to close its outputs. One that says nothing for some seconds counts as hung.
+    Busy {},
     /// The wait of the last [`Reply::Waiting`] is over.
     Resumed {},
     /// The last window is done and every message sent.

@@ -95,6 +95,8 @@ struct Course {
     /// Lossless observers that have not yet taken a first frame of each stream.
     not_watching: Vec<usize>,
     words: Vec<String>,
+    /// When each observer last showed progress, once it was told to finish.
+    heard: Vec<Instant>,
     notes: BTreeMap<String, String>,
     /// Window and time of the last measurement of the rate, and the rate.
     mark: (u64, Instant),
@@ -114,6 +116,7 @@ impl Course {
             finished: vec![false; peers],
             not_watching: lossless.to_vec(),
             words: vec![String::new(); peers],
+            heard: vec![now; peers],
             notes: BTreeMap::new(),
             mark: (0, now),
             rate: 0.0,

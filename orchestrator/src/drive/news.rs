@@ -77,6 +77,7 @@ impl<S: Between> Drive<'_, S> {
                 course.notes.insert(self.peers[index].name.clone(), note);
             }
             Reply::Fault(fault) => self.lose_observer(course, index, &fault.message)?,
+            Reply::Busy {} => course.heard[index] = Instant::now(),
             Reply::Watching {} => course.not_watching.retain(|other| *other != index),
             _ => {}
         }

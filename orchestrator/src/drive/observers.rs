@@ -2,14 +2,16 @@
 
 use super::{Course, Drive};
 use crate::outputs::{Level, OutputError};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use tremie_channels::Between;
 use tremie_messages::control::Credit;
+use tremie_messages::units;
 
 /// Longest time for a lossless observer to take the frames of the start exchange.
 const FIRST_FRAMES: Duration = Duration::from_secs(10);
-/// Longest time for observers to finish their outputs.
-const OBSERVERS_FINISH: Duration = Duration::from_secs(5);
+/// An observer that shows no progress for so long, once all is sent, has hung.
+const SILENCE: Duration = Duration::from_secs(5);
 
 impl<S: Between> Drive<'_, S> {
     /// An observer failed: a warning, and nobody waits for it any longer.
@@ -62,7 +64,8 @@ impl<S: Between> Drive<'_, S> {
         }
     }
 
-    /// Tells observers that all is sent, and waits until they have written it.
+    /// Tells observers that all is sent, and waits until they have written it: as long as each shows
+    /// progress, but no longer than the deadline.
     pub(super) fn finish_observers(&mut self, course: &mut Course, window: u64) {
         let observers: Vec<usize> = (0..self.peers.len())
             .filter(|index| !self.physics.contains(index) && !course.finished[*index])
@@ -70,16 +73,34 @@ impl<S: Between> Drive<'_, S> {
         for index in &observers {
             let _ = self.control.say(*index, Credit::FINISH, window);
         }
-        let deadline = Instant::now() + OBSERVERS_FINISH;
-        while observers.iter().any(|index| !course.finished[*index]) && Instant::now() < deadline {
+        let begin = Instant::now();
+        course.heard.fill(begin);
+        while observers.iter().any(|index| !course.finished[*index]) {
+            for index in &observers {
+                if let Some(why) = self.waited_enough(course, *index, begin) {
+                    let _ = self.lose_observer(course, *index, &why);
+                }
+            }
             // The physics is over: what goes wrong now concerns observers only.
             let _ = self.hear_news(course, Duration::from_millis(5));
         }
-        for index in observers {
-            if !course.finished[index] {
-                let why = format!("it did not finish within {} s", OBSERVERS_FINISH.as_secs());
-                let _ = self.lose_observer(course, index, &why);
-            }
+    }
+
+    /// Why observer `index`, told to finish at `begin`, is waited for no longer.
+    fn waited_enough(&self, course: &Course, index: usize, begin: Instant) -> Option<String> {
+        // A deadline that is short for physics still leaves a moment to close files.
+        let most = units::wait(self.deadline).max(SILENCE);
+        if course.finished[index] {
+            None
+        } else if self.interrupts.load(Ordering::Relaxed) > course.asked {
+            Some("the user did not want to wait for it".into())
+        } else if course.heard[index].elapsed() > SILENCE {
+            Some(format!("it did not finish: no progress within {} s", SILENCE.as_secs()))
+        } else if begin.elapsed() > most {
+            let seconds = most.as_secs_f64();
+            Some(format!("it did not finish within {seconds} s (run.deadline)"))
+        } else {
+            None
         }
     }
 }
