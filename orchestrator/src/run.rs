@@ -3,7 +3,7 @@
 use crate::control::Control;
 use crate::drive::{Drive, Driven};
 use crate::introduction::{NotIntroduced, find_programs, introduce, start_all};
-use crate::launch::{Launcher, Peer, Post, end_all};
+use crate::launch::{Launcher, News, Peer, Post, end_all};
 use crate::manifest::Manifest;
 use crate::monitor::{Monitor, Watched};
 use crate::outputs::{
@@ -93,6 +93,7 @@ pub struct Ended {
     pub summary: Summary,
     /// All components; those that were ended are ended.
     peers: Vec<Peer>,
+    news: Receiver<Post>,
     _places: Option<RunPlaces>,
 }
 
@@ -269,7 +270,7 @@ impl Prepared {
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
         let summary = self.summarise(driven)?;
         summary.write(&at(outputs::SUMMARY))?;
-        Ok(Ended { summary, peers: self.peers, _places: self.places })
+        Ok(Ended { summary, peers: self.peers, news: self.news, _places: self.places })
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.
@@ -383,7 +384,11 @@ fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
 
 impl Ended {
     /// Whether the observer of that name is still there, serving what it shows.
-    pub fn is_serving(&self, name: &str) -> bool {
+    pub fn is_serving(&mut self, name: &str) -> bool {
+        // Not all that ever comes: one that never stops talking must not hold up its user.
+        for (index, news) in self.news.try_iter().take(1000) {
+            self.peers[index].closed |= matches!(news, News::Closed);
+        }
         self.peers.iter().any(|peer| peer.name == name && !peer.closed)
     }
 

@@ -5,12 +5,12 @@ use super::{refuse, refuse_text};
 use crate::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::manifest::{self, Manifest};
 use crate::outputs::{self, Ending, Summary, choose_folder};
-use crate::run::{Execution, Prepared, RunError, prepare};
+use crate::run::{Ended, Execution, Prepared, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 /// `tremie check`: everything up to the plan.
@@ -84,22 +84,32 @@ fn run_checked(
     if executed.as_ref().is_err_and(|error| !error.had_begun()) {
         out.clear();
     }
-    let ended = executed?;
+    let mut ended = executed?;
     for (name, note) in ended.summary.observers.iter().filter(|(_, note)| !note.is_empty()) {
         terminal.say(&format!("{name}: {note}"));
     }
     terminal.end(&last_line(&ended.summary, out.path()), details(&ended.summary));
-    if arguments.view == View::Web
-        && ended.is_serving("viewer")
-        && interrupts.load(Ordering::Relaxed) == 0
-    {
-        terminal.say("the viewer stays up; Ctrl-C ends it");
-        while interrupts.load(Ordering::Relaxed) == 0 {
-            std::thread::sleep(Duration::from_millis(50));
-        }
+    if arguments.view == View::Web {
+        linger(&mut ended, terminal, &interrupts);
     }
     let summary = ended.close();
     Ok(ExitCode::from(summary.ending.exit_code()))
+}
+
+/// Lets the viewer serve the run until the user has seen enough, or the viewer is gone.
+fn linger(ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
+    let wanted = || interrupts.load(Ordering::Relaxed) == 0;
+    if !wanted() || !ended.is_serving("viewer") {
+        return;
+    }
+    terminal.say("the viewer stays up; Ctrl-C ends it");
+    while wanted() {
+        if !ended.is_serving("viewer") {
+            terminal.warn("the viewer has ended by itself: nothing is shown any longer");
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
 }
 
 /// A folder for outputs that is removed again if nothing comes of the run: a wrong manifest leaves
