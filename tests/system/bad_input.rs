@@ -102,3 +102,37 @@ fn check_finds_the_same_and_runs_nothing() {
         assert!(said.contains(word), "expected \"{word}\" in the plan:\n{said}");
     }
 }
+
+/// Runs `tremie COMMAND --json` and expects that all it says is one event of this kind.
+#[track_caller]
+fn says_one_event(arguments: &[&str], code: i32, kind: &str) -> serde_json::Value {
+    let output = tremie().args(arguments).arg("--json").output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    assert_eq!(output.status.code(), Some(code));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let events: Vec<serde_json::Value> =
+        said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(events.len(), 1, "{said}");
+    assert_eq!(events[0]["event"], kind, "{said}");
+    events[0].clone()
+}
+
+#[test]
+fn errors_are_events_where_a_program_listens() {
+    let home = tempfile::tempdir().unwrap();
+    let (manifest, out) = (home.path().join("manifest.toml"), home.path().join("out"));
+    let [manifest, out] = [&manifest, &out].map(|path| path.to_str().unwrap());
+    for command in ["check", "run"] {
+        std::fs::write(manifest, SMALL.replacen("viscosity =", "viscocity =", 1)).unwrap();
+        let event = says_one_event(&[command, manifest], 2, "problem");
+        assert_eq!(event["line"], 13);
+        std::fs::write(manifest, SMALL.replacen("cell =", "cel =", 1)).unwrap();
+        let event = says_one_event(&[command, manifest], 2, "problem");
+        assert!(event["key"].as_str().unwrap().ends_with("cel"), "{event}");
+    }
+    std::fs::write(manifest, SMALL).unwrap();
+    std::fs::create_dir(out).unwrap();
+    std::fs::write(home.path().join("out/taken"), "").unwrap();
+    let event = says_one_event(&["run", manifest, "--out", out], 1, "error");
+    assert!(event["text"].as_str().unwrap().contains("holds something already"), "{event}");
+}

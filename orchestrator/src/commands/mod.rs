@@ -49,7 +49,7 @@ fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &mut Term
             ExitCode::from(INTERRUPTED)
         }
         other => {
-            eprintln!("error: {other}");
+            terminal.fail(&other.to_string());
             ExitCode::FAILURE
         }
     }
