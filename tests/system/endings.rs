@@ -77,7 +77,7 @@ fn a_recording_holds_the_last_window_however_the_run_ends() {
 }
 
 /// A run long enough to be disturbed; returns once windows go by.
-fn long_run(home: &std::path::Path) -> Running {
+fn long_run(home: &Path) -> Running {
     let manifest = home.join("manifest.toml");
     std::fs::write(
         &manifest,
