@@ -1,7 +1,7 @@
 //! The orchestrator: from a manifest to a validated plan, a schedule, and supervised components.
 //!
 //! A run goes through these rooms: [`manifest`] reads what the user wants; [`introduction`] starts the
-//! components ([`launch`]) and asks each what it is; [`plan`] assigns steps and [`schedule`] the order of
+//! components ([`launch`]) and asks each what it is, in a [`round`]; [`plan`] assigns steps and [`schedule`] the order of
 //! work; [`mod@run`] hands out the assignments; [`drive`] lets the windows go by over [`control`], with
 //! [`monitor`] watching; [`outputs`] keeps what a user reads afterwards. [`validation`] makes
 //! runs whose results are known.
@@ -18,6 +18,7 @@ pub mod monitor;
 pub mod outputs;
 pub mod plan;
 pub mod registry;
+pub mod round;
 pub mod run;
 pub mod schedule;
 pub mod stop;

@@ -7,6 +7,8 @@ mod endings;
 mod examples;
 mod faults;
 mod observers;
+mod running;
 mod same_bits;
+mod starting;
 mod tremie;
 mod validation;

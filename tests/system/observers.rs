@@ -1,5 +1,6 @@
 //! Observers: what they leave, and that they never disturb a run.
 
+use crate::running::{Running, children_of, send};
 use crate::tremie::{SMALL, run, run_text, tremie};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -21,6 +22,39 @@ fn a_finished_run_can_be_viewed() {
     let output = tremie().arg("view").arg(&ran.out).arg("--view").arg(&file).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(std::fs::read(&file).unwrap().starts_with(b"RRF"));
+}
+
+#[test]
+fn a_viewer_that_dies_after_the_run_is_not_waited_for() {
+    let home = tempfile::tempdir().unwrap();
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, SMALL).unwrap();
+    let mut command = tremie();
+    command.args([
+        "run",
+        "--json",
+        "--view",
+        "web",
+        "--set",
+        "settings.viewer.open=false",
+        "--out",
+    ]);
+    command.arg(home.path().join("out")).arg(&manifest).stdout(Stdio::piped());
+    let mut running = Running::start(&mut command);
+    running.says("the viewer stays up");
+    let viewer = component(running.id(), "viewer").unwrap();
+    send(viewer, "-KILL");
+    running.says("the viewer has ended by itself");
+    assert_eq!(running.wait(Duration::from_secs(10)), Some(0));
+}
+
+/// The process that is the component `name` of an orchestrator.
+fn component(orchestrator: u32, name: &str) -> Option<u32> {
+    children_of(orchestrator).into_iter().find(|id| {
+        let line = std::fs::read_to_string(format!("/proc/{id}/cmdline")).unwrap_or_default();
+        // Not the orchestrator's own line, which a child bears until it becomes the component.
+        line.contains(&format!("component\0{name}\0"))
+    })
 }
 
 #[test]

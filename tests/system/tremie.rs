@@ -44,6 +44,27 @@ pub fn run_text(text: &str, options: &[&str]) -> Ran {
     ran
 }
 
+/// A program in `folder` that is a shell script of these lines.
+pub fn script(folder: &Path, name: &str, lines: &str) -> PathBuf {
+    let program = folder.join(name);
+    std::fs::write(&program, format!("#!/bin/sh\n{lines}\n")).unwrap();
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(&program, mode).unwrap();
+    program
+}
+
+/// The small manifest with another program as its fluid.
+pub fn small_with_fluid(program: &Path) -> String {
+    SMALL.replace("fluid = \"fluid-lbm\"", &format!("fluid = {program:?}"))
+}
+
+/// A line in which a fluid that needs nothing describes itself.
+pub fn description(interface: u32) -> String {
+    format!(
+        r#"{{"description":{{"interface":{interface},"program":"script","step":null,"bodies":0,"signals":[],"slices":[],"work":"","notes":[],"warnings":[],"resolution":{{}}}}}}"#
+    )
+}
+
 impl Ran {
     pub fn errors(&self) -> String {
         String::from_utf8_lossy(&self.output.stderr).into_owned()

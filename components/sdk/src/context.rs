@@ -8,6 +8,7 @@ use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::schedule::Edge;
 use tremie_messages::start::{Assignment, Fault, FaultKind, Injection, InjectionKind, Reply};
+use tremie_messages::units;
 
 /// A wait longer than this is told to the orchestrator, which sees when all wait for each other.
 const LONG_WAIT: Duration = Duration::from_millis(60);
@@ -83,9 +84,9 @@ impl<S: Between> Context<S> {
     ) -> Result<(Attachment<S>, Bell<S>, Receiver<S, Stamp, Credit>, Sender<S, Report, f64>), Stop>
     {
         let transport = &assignment.transport;
-        let patience = Duration::from_secs_f64(transport.deadline);
+        let patience = units::wait(transport.deadline);
         let attachment = Attachment::open(&transport.root, &transport.prefix, component, patience)?;
-        let bell = Bell::hang(&attachment, component, Duration::from_secs_f64(transport.poll))?;
+        let bell = Bell::hang(&attachment, component, units::wait(transport.poll))?;
         let credit = attachment.receiver(credit_spec(&transport.credit_service))?;
         let report = attachment.sender(ChannelSpec {
             service: &transport.report_service,
@@ -158,7 +159,7 @@ impl<S: Between> Context<S> {
             return Ok(found);
         }
         let begin = Instant::now();
-        let deadline = begin + Duration::from_secs_f64(self.assignment.transport.deadline);
+        let deadline = begin + units::wait(self.assignment.transport.deadline);
         let Self { bell, credit, granted, finish, line, component, window, .. } = self;
         let mut told: Option<Instant> = None;
         let since = clock();

@@ -1,0 +1,49 @@
+//! The lines of a component that is a process: each pipe has a thread of its own, so that nothing
+//! that a component does, or leaves undone, holds up the orchestrator.
+
+use super::{News, Post};
+use std::io::{BufRead, Write};
+use std::sync::mpsc::{Receiver, Sender};
+use tremie_messages::start::Request;
+
+/// Writes requests to a component, which may be slow to read them, or never do. Ends when the
+/// orchestrator hangs up, which closes the line, or when the component is gone.
+pub(super) fn write_requests(mut to: impl Write, requests: Receiver<Request>) {
+    for request in requests {
+        let Ok(mut text) = serde_json::to_string(&request) else { continue };
+        text.push('\n');
+        if to.write_all(text.as_bytes()).and_then(|()| to.flush()).is_err() {
+            return;
+        }
+    }
+}
+
+/// Passes on what a component writes to its standard output.
+pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &Sender<Post>) {
+    for line in lines(output) {
+        let news = match serde_json::from_str(&line) {
+            Ok(reply) => News::Reply(Box::new(reply)),
+            Err(_) => News::Garbage(line),
+        };
+        let _ = post.send((index, news));
+    }
+    let _ = post.send((index, News::Closed));
+}
+
+/// Passes on what a component writes to its standard error.
+pub(super) fn forward_log(errors: impl BufRead, index: usize, post: &Sender<Post>) {
+    for line in lines(errors) {
+        let _ = post.send((index, News::Log(line)));
+    }
+}
+
+/// Lines of text, whatever bytes are in them: a component's pipe must be read to its end.
+fn lines(mut from: impl BufRead) -> impl Iterator<Item = String> {
+    std::iter::from_fn(move || {
+        let mut bytes = Vec::new();
+        match from.read_until(b'\n', &mut bytes) {
+            Ok(0) | Err(_) => None,
+            Ok(_) => Some(String::from_utf8_lossy(&bytes).trim_end().to_string()),
+        }
+    })
+}
