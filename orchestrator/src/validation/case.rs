@@ -115,6 +115,8 @@ fn one() -> f64 {
 pub struct Measure {
     /// The signal, `component.name`.
     pub signal: String,
+    /// A signal that is taken away from it first.
+    pub minus: Option<String>,
     /// What of it.
     pub take: Take,
     /// Time from which on it counts [s].

@@ -8,8 +8,11 @@ use super::signals::Signals;
 /// # Errors
 /// A sentence, if the signal is not there or too short for it.
 pub fn take(measure: &Measure, signals: &Signals) -> Result<f64, String> {
-    let column = signals.column(&measure.signal)?;
-    let points: Vec<(f64, f64)> = (signals.times.iter().copied().zip(column.iter().copied()))
+    let mut column = signals.column(&measure.signal)?.to_vec();
+    if let Some(other) = &measure.minus {
+        column.iter_mut().zip(signals.column(other)?).for_each(|(value, other)| *value -= other);
+    }
+    let points: Vec<(f64, f64)> = (signals.times.iter().copied().zip(column))
         .filter(|(time, _)| (measure.from..=measure.until).contains(time))
         .collect();
     let value = of_points(measure.take, &points).ok_or_else(|| {
@@ -75,7 +78,8 @@ mod tests {
     }
 
     fn measured(kind: Take, from: f64, until: f64) -> Result<f64, String> {
-        let measure = Measure { signal: "a.b".into(), take: kind, from, until, scale: 2.0 };
+        let (signal, minus) = ("a.b".into(), None);
+        let measure = Measure { signal, minus, take: kind, from, until, scale: 2.0 };
         take(&measure, &wave())
     }
 
@@ -92,6 +96,14 @@ mod tests {
         near(Take::PeakToPeak, 2.0);
         near(Take::TimeOfMax, 0.1);
         near(Take::Last, 1.0);
+    }
+
+    #[test]
+    fn a_signal_can_be_taken_from_another() {
+        let (signal, minus) = ("a.b".into(), Some("a.b".into()));
+        let (from, until) = (0.0, f64::INFINITY);
+        let measure = Measure { signal, minus, take: Take::MaxAbs, from, until, scale: 1.0 };
+        assert_eq!(take(&measure, &wave()), Ok(0.0));
     }
 
     #[test]
