@@ -11,6 +11,7 @@ pub mod commands;
 pub mod conform;
 pub mod control;
 pub mod drive;
+pub mod early;
 pub mod introduction;
 pub mod launch;
 pub mod manifest;

@@ -1,5 +1,6 @@
 //! A round of questions: every component was asked something, and each answers in its own time.
 
+use crate::early::EarlyLog;
 use crate::launch::{News, Peer, Post};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -8,9 +9,6 @@ use tremie_messages::start::Reply;
 
 /// How often the wait for answers looks whether the user has asked for the end.
 const LOOK: Duration = Duration::from_millis(20);
-
-/// Lines that components wrote to standard error before windows go by: component, text.
-pub type EarlyLog = Vec<(usize, String)>;
 
 /// Components that were asked something, and what bounds the wait for their answers.
 pub struct Round<'a> {
@@ -89,7 +87,7 @@ impl Round<'_> {
             },
             News::Log(text) => {
                 answers.words[index].clone_from(&text);
-                self.early.push((index, text));
+                self.early.push(index, text);
             }
             News::Garbage(text) => answers.fail(
                 index,

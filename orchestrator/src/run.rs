@@ -2,6 +2,7 @@
 
 use crate::control::Control;
 use crate::drive::{Drive, Driven};
+use crate::early::EarlyLog;
 use crate::introduction::{NotIntroduced, find_programs, introduce, start_all};
 use crate::launch::{Launcher, News, Peer, Post, end_all};
 use crate::manifest::Manifest;
@@ -10,7 +11,7 @@ use crate::outputs::{
     self, ComponentSummary, Ending, OutputError, RunLog, SignalTable, Statistics, Summary,
 };
 use crate::plan::{self, Plan};
-use crate::round::{EarlyLog, Round, Unanswered};
+use crate::round::{Round, Unanswered};
 use crate::stop::StopWatch;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
@@ -131,7 +132,7 @@ pub fn prepare(
     let (launcher, news) = Launcher::new(execution.in_process);
     let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
     let run = random_id();
-    let mut early = EarlyLog::new();
+    let mut early = EarlyLog::default();
     let mut round = Round {
         peers: &mut peers,
         news: &news,

@@ -84,6 +84,21 @@ pub fn is_alive(id: u32) -> bool {
     !status.is_empty() && !status.contains(") Z ")
 }
 
+/// The processor's ticks from the machine's start until now, by which processes count their own.
+pub fn now() -> u64 {
+    let text = std::fs::read_to_string("/proc/uptime").unwrap();
+    let seconds: f64 = text.split(' ').next().unwrap().parse().unwrap();
+    // Linux counts a hundred of them a second, whatever the kernel's own rate.
+    (100.0 * seconds) as u64
+}
+
+/// When a process started, in ticks from the machine's start; `None` if there is no such process.
+pub fn started(id: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    // The name before may hold anything; the state after it is the third field, the start the 22nd.
+    status.rsplit(") ").next()?.split(' ').nth(22 - 3)?.parse().ok()
+}
+
 /// Waits, long enough for any machine, until something holds.
 #[track_caller]
 pub fn until(what: &str, holds: impl Fn() -> bool) {

@@ -79,6 +79,25 @@ fn ctrl_c_ends_a_run_whose_component_never_stops_talking() {
     is_interrupted(running, home.path());
 }
 
+#[test]
+fn ctrl_c_ends_a_run_in_order_although_a_component_never_stops_talking() {
+    let home = tempfile::tempdir().unwrap();
+    let tremie = env!("CARGO_BIN_EXE_tremie");
+    let lines = format!("yes noise >&2 &\nexec {tremie:?} component fluid-lbm");
+    let program = script(home.path(), "loud-fluid", &lines);
+    let set = format!("components.fluid={{ program = {program:?}, settings.cell = \"0.5 mm\" }}");
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, SMALL).unwrap();
+    let mut command = self::tremie();
+    command.args(["run", "--json", "--until", "100 s", "--set", &set, "--out"]);
+    command.arg(home.path().join("out")).arg(&manifest).stdout(Stdio::piped());
+    let mut running = Running::start(&mut command);
+    running.says("\"progress\"");
+    running.send("-INT");
+    assert_eq!(running.wait(Duration::from_secs(10)), Some(130));
+    assert!(home.path().join("out/summary.json").exists());
+}
+
 /// A small manifest with so many bodies that a hello exceeds the buffer of a pipe (64 KiB).
 fn with_many_bodies(program: PathBuf) -> String {
     let text = small_with_fluid(&program);

@@ -1,6 +1,7 @@
 //! What every step of a component's loop needs: who it is, how far it may go, how long it waited.
 
 use crate::line::Line;
+use crate::physics::SolverError;
 use crate::stop::Stop;
 use std::time::{Duration, Instant, SystemTime};
 use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, Wait};
@@ -142,6 +143,11 @@ impl<S: Between> Context<S> {
             window: self.window,
             message,
         })
+    }
+
+    /// This component's own solver failed in the present window.
+    pub fn solver_failed(&self, error: &SolverError) -> Stop {
+        self.fault(FaultKind::Solver, &self.component, error.to_string())
     }
 
     /// Waits until `check` gives something; ends at the deadline, or at once when aborted.

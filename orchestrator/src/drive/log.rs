@@ -14,7 +14,7 @@ impl<S: Between> Drive<'_, S> {
         let (windows, window) = (self.windows, self.clock.window());
         let text = format!("{windows} windows of {window:.4e} s begin, with {bodies} bodies");
         self.note_at(0, Level::Info, ORCHESTRATOR, &text)?;
-        for (index, text) in std::mem::take(&mut self.early) {
+        for (index, text) in std::mem::take(&mut self.early).into_lines() {
             self.hear_log(course, index, &text)?;
         }
         Ok(())

@@ -10,10 +10,10 @@ mod trouble;
 mod windows;
 
 use crate::control::Control;
+use crate::early::EarlyLog;
 use crate::launch::{Peer, Post};
 use crate::monitor::{Monitor, Totals};
 use crate::outputs::{Ending, OutputError, RunLog, SignalTable};
-use crate::round::EarlyLog;
 use crate::stop::StopWatch;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;

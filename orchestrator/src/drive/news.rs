@@ -9,17 +9,23 @@ use std::time::{Duration, Instant};
 use tremie_channels::Between;
 use tremie_messages::start::{Fault, FaultKind, Reply};
 
+/// Most news that are heard in one look: a component that never stops talking must not keep reports,
+/// deadlines and Ctrl-C from being heeded.
+const BATCH: usize = 256;
+
 impl<S: Between> Drive<'_, S> {
-    /// Takes what components said since the last look; sleeps a little if they said nothing.
+    /// Takes what components said since the last look, but not more than [`BATCH`]; sleeps a little
+    /// if they said nothing.
     pub(super) fn hear_news(&mut self, course: &mut Course, nap: Duration) -> Result<(), Trouble> {
         let mut nap = nap;
-        loop {
+        for _ in 0..BATCH {
             match self.news.recv_timeout(nap) {
                 Ok((index, news)) => self.hear(course, index, news)?,
-                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return Ok(()),
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => break,
             }
             nap = Duration::ZERO;
         }
+        Ok(())
     }
 
     fn hear(&mut self, course: &mut Course, index: usize, news: News) -> Result<(), Trouble> {

@@ -13,7 +13,7 @@ use peer::Body;
 use std::io::BufReader;
 use std::os::unix::process::CommandExt;
 use std::process::{Command, Stdio};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use tremie_messages::start::{INTERFACE_VARIABLE, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Role};
 use tremie_sdk::Line;
@@ -34,16 +34,20 @@ pub enum News {
 /// News of a component, by its index in the list of peers.
 pub type Post = (usize, News);
 
+/// Most news under way. A component that says more than the orchestrator hears waits, as it would
+/// for a slow terminal.
+const NEWS_DEPTH: usize = 1024;
+
 /// Starts components and collects their news in one place.
 pub struct Launcher {
-    post: Sender<Post>,
+    post: SyncSender<Post>,
     in_process: bool,
 }
 
 impl Launcher {
     /// A launcher of processes, or of threads of this one, and where news arrive.
     pub fn new(in_process: bool) -> (Self, Receiver<Post>) {
-        let (post, news) = channel();
+        let (post, news) = sync_channel(NEWS_DEPTH);
         (Self { post, in_process }, news)
     }
 
