@@ -1,6 +1,7 @@
 //! A whole run, from a checked manifest to closed outputs.
 
 use crate::control::Control;
+use crate::doctor::{self, Judged, Machine};
 use crate::drive::{Drive, Driven};
 use crate::early::EarlyLog;
 use crate::introduction::{NotIntroduced, find_programs, introduce, start_all};
@@ -106,6 +107,8 @@ pub struct Prepared {
     pub descriptions: Vec<Description>,
     /// What they shall do.
     pub plan: Plan,
+    /// What the numbers of the run mean for its results.
+    pub findings: Vec<Judged>,
     news: Receiver<Post>,
     early: EarlyLog,
     run: u64,
@@ -145,7 +148,9 @@ pub fn prepare(
     );
     match planned {
         Ok((plan, descriptions)) => {
-            Ok(Prepared { peers, descriptions, plan, news, early, run, places: None })
+            let machine = Machine::ask(output);
+            let findings = doctor::examine(&manifest.spec, &plan, &descriptions, &machine);
+            Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
         }
         Err(error) => {
             end_all(&mut peers, QUIT_GRACE);
@@ -372,6 +377,7 @@ impl Prepared {
             observers,
             signals,
             warnings: self.plan.warnings.clone(),
+            findings: self.findings.clone(),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! The lattice fluid as a component of a run.
 
+use crate::findings::findings;
 use crate::{FluidLbm, Ledger, Parameters, SliceNode};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader};
@@ -108,6 +109,8 @@ impl Fluid for LatticeFluid {
             slices: vec![SliceSpec { name: CUT.into(), nodes: plane[0] * plane[1] }],
             work: "cell updates".into(),
             notes,
+            findings: findings(&parameters, scene, &resolution),
+            memory: resolution.memory_bytes,
             warnings: resolution.warnings,
             resolution: numbers,
             ..Description::default()

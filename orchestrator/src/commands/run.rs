@@ -3,6 +3,7 @@
 use super::interrupts::count_interrupts;
 use super::{refuse, refuse_text};
 use crate::cli::{CheckArgs, ManifestArgs, RunArgs, View};
+use crate::doctor::{self, Judged};
 use crate::manifest::{self, Manifest};
 use crate::outputs::{self, Ending, Summary, choose_folder};
 use crate::run::{Ended, Execution, Prepared, RunError, prepare};
@@ -12,8 +13,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
+use tremie_messages::Verdict;
 
-/// `tremie check`: everything up to the plan.
+/// `tremie check`: everything up to the plan, and what its numbers mean.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
     let mut terminal = Terminal::new(style(&arguments.manifest));
     let json = arguments.manifest.json;
@@ -24,22 +26,30 @@ pub fn check(arguments: &CheckArgs) -> ExitCode {
         };
     add_observers(&mut manifest, &View::None);
     match check_components(&manifest, arguments, &terminal) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(wrong) => ExitCode::from(u8::from(wrong > 0)),
         Err(error) => refuse(&error, &manifest, json, &mut terminal),
     }
 }
 
+/// The number of findings that are wrong.
 fn check_components(
     manifest: &Manifest,
     arguments: &CheckArgs,
     terminal: &Terminal,
-) -> Result<(), RunError> {
+) -> Result<usize, RunError> {
     let interrupts = count_interrupts().map_err(RunError::Signals)?;
     let folder = folder_of(&arguments.manifest.manifest);
-    let prepared = prepare(manifest, &folder, Path::new(""), &Execution::default(), &interrupts)?;
+    let execution = Execution::default();
+    let mut prepared = prepare(manifest, &folder, Path::new(""), &execution, &interrupts)?;
+    if arguments.measure {
+        let windows = prepared.plan.windows;
+        let time = doctor::measure::wall_time(manifest, &folder, windows, &interrupts)?;
+        prepared.findings.push(time);
+    }
     show_plan(manifest, &prepared, terminal);
+    let wrong = doctor::count(&prepared.findings, Verdict::Wrong);
     prepared.dismiss();
-    Ok(())
+    Ok(wrong)
 }
 
 /// `tremie run`.
@@ -209,7 +219,31 @@ fn show_plan(manifest: &Manifest, prepared: &Prepared, terminal: &Terminal) {
     for warning in &prepared.plan.warnings {
         terminal.warn(warning);
     }
-    terminal.event(json!({"event": "plan", "lines": lines, "warnings": prepared.plan.warnings}));
+    if !terminal.speaks_json() {
+        show_findings(&prepared.findings, terminal);
+    }
+    terminal.event(json!({
+        "event": "plan",
+        "plan": prepared.plan.document(),
+        "lines": lines,
+        "notes": manifest.notes,
+        "warnings": prepared.plan.warnings,
+        "findings": prepared.findings,
+    }));
+}
+
+/// A table of all findings, and sentences about those that are not ok.
+fn show_findings(findings: &[Judged], terminal: &Terminal) {
+    for line in doctor::table(findings) {
+        terminal.say(&line);
+    }
+    for sentence in doctor::sentences(findings, Verdict::Doubtful) {
+        terminal.say(&sentence);
+    }
+    for sentence in doctor::sentences(findings, Verdict::Wrong) {
+        terminal.warn(&sentence);
+    }
+    terminal.say(&doctor::total(findings));
 }
 
 fn details(summary: &Summary) -> Value {

@@ -110,8 +110,14 @@ mod tests {
     fn what_cannot_be_measured_is_said() {
         assert!(measured(Take::Frequency, 0.0, 0.3).unwrap_err().contains("too few"));
         assert!(measured(Take::Mean, 9.0, 10.0).unwrap_err().contains("between 9"));
-        let other =
-            Measure { signal: "a.c".into(), take: Take::Last, from: 0.0, until: 1.0, scale: 1.0 };
+        let other = Measure {
+            signal: "a.c".into(),
+            minus: None,
+            take: Take::Last,
+            from: 0.0,
+            until: 1.0,
+            scale: 1.0,
+        };
         assert!(take(&other, &wave()).unwrap_err().contains("did you mean \"a.b\""));
     }
 }
