@@ -1,7 +1,8 @@
 //! Everything that can be wrong with a scene, as the grains see it.
 
 use crate::{
-    Parameters, Vec3, bodies::Ball, overlaps::TOUCHING, packing, periodic::PeriodicBox, walls,
+    Parameters, Vec3, bodies::Ball, encounters::Population, laws, overlaps::TOUCHING, packing,
+    periodic::PeriodicBox, walls,
 };
 use tremie_messages::{
     Problem,
@@ -73,6 +74,12 @@ fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
         let message = format!("is {steps}, expected at least {MIN_STEPS_PER_CONTACT}");
         let help = "15 give a few per cent of error in flows, 50 are for validation";
         problems.push(Problem::of_parameter("steps_per_contact", message).help(help));
+    }
+    if let Some(speed) = parameters.expected_speed
+        && !is_positive(speed.0)
+    {
+        let message = format!("is {} m/s, expected a positive speed", speed.0);
+        problems.push(Problem::of_parameter("expected_speed", message));
     }
     let skin = parameters.skin_fraction();
     if !(skin > 0.0 && skin <= 1.0) {
@@ -148,10 +155,11 @@ fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &m
     if set.motion != Motion::Free {
         return;
     }
+    let surfaces = laws::surfaces(scene);
     for (index, wall) in walls::of_scene(scene).iter().enumerate() {
         let overlap = wall.overlap(&ball);
         if overlap > TOUCHING * ball.radius {
-            let name = walls::name(&scene.domain, index);
+            let name = &surfaces[index].name;
             let message = format!("puts the sphere {overlap:.3e} m into {name}");
             problems.push(Problem::new(key.as_str(), message));
         }
@@ -227,21 +235,24 @@ fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> O
 }
 
 fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
-    let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
-        problems.push(Problem::new(format!("{key}.spring"), "only linear springs are known"));
-        return;
-    };
-    if !is_positive(normal_stiffness) {
-        problems.push(not_positive(format!("{key}.normal_stiffness"), normal_stiffness));
-    }
     let mut not_negative = |name: &str, value: f64| {
         if !(value >= 0.0 && value.is_finite()) {
             let message = format!("is {value}, expected 0 or more");
             problems.push(Problem::new(format!("{key}.{name}"), message));
         }
     };
-    not_negative("tangential_stiffness", tangential_stiffness);
+    let stiffest = match law.spring {
+        Spring::Linear { normal_stiffness, tangential_stiffness } => {
+            not_negative("tangential_stiffness", tangential_stiffness);
+            ("normal_stiffness", normal_stiffness)
+        }
+        Spring::Hertz { effective_modulus, effective_shear_modulus } => {
+            not_negative("effective_shear_modulus", effective_shear_modulus);
+            ("effective_modulus", effective_modulus)
+        }
+    };
     not_negative("friction", law.friction);
+    not_negative("rolling_friction", law.rolling_friction);
     match law.damping {
         Damping::Coefficients { normal, tangential } => {
             not_negative("damping.coefficients.normal", normal);
@@ -254,11 +265,21 @@ fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
             }
         }
     }
+    let (name, value) = stiffest;
+    if !is_positive(value) {
+        problems.push(not_positive(format!("{key}.{name}"), value));
+    }
+    let hertz = matches!(law.spring, Spring::Hertz { .. });
+    if hertz && matches!(law.damping, Damping::Coefficients { .. }) {
+        let message = "gives dashpots by coefficients, which goes with linear springs only";
+        let help = "give the restitution of Hertz's springs";
+        problems.push(Problem::new(format!("{key}.damping"), message).help(help));
+    }
 }
 
 /// What concerns the scene as a whole, once its parts are valid.
 fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
-    let (mut bodies, mut largest) = (0, 0.0f64);
+    let mut largest = 0.0f64;
     for (i, set) in scene.bodies.iter().enumerate() {
         let diameters = packing::diameters_of(set);
         if diameters.is_empty() {
@@ -266,14 +287,9 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
             let help = "raise the fraction or enlarge the region: half a sphere is too little";
             problems.push(Problem::new(format!("scene.bodies[{i}].placement"), message).help(help));
         }
-        bodies += diameters.len();
         largest = diameters.iter().fold(largest, |a, &d| a.max(d));
     }
-    let has_walls = !walls::of_scene(scene).is_empty();
-    if scene.contacts.is_empty() && (bodies > 1 || (bodies == 1 && has_walls)) {
-        let message = "is missing, but bodies may touch each other or a wall";
-        problems.push(Problem::new("scene.contacts", message));
-    }
+    problems.extend(Population::of(scene).problems());
     let needed = 2.0 * largest * (1.0 + parameters.skin_fraction());
     for axis in 0..3 {
         let size = scene.domain.size()[axis];

@@ -17,26 +17,32 @@
 mod bodies;
 mod cells;
 mod check;
+mod collect;
 #[cfg(feature = "component")]
 pub mod component;
 mod contact;
-mod contact_list;
 mod damping;
 mod diagnostics;
+mod encounters;
 mod error;
 mod forces;
 mod integrate;
 mod law;
+mod laws;
 mod overlaps;
 mod packing;
+mod pairs;
 mod parameters;
 mod periodic;
 mod placement;
 mod random;
 mod resolve;
+mod rows;
 mod search;
 mod solver;
 mod stability;
+mod tally;
+mod wall_contacts;
 mod walls;
 
 pub use damping::{damping_ratio, restitution};

@@ -3,8 +3,8 @@
 use crate::{
     bodies::{Ball, Mobility, PlacedSphere},
     cells::Cells,
-    contact_list::{ContactList, near_bodies},
     periodic::PeriodicBox,
+    rows::Rows,
 };
 use tremie_messages::{
     Problem,
@@ -43,13 +43,8 @@ fn deepest_overlap(
     }
     let mut cells = Cells::new(bounds.clone(), largest, balls.len());
     cells.sort(&balls);
-    let mut list = ContactList::default();
-    list.refill(
-        &ContactList::default(),
-        balls.len(),
-        |i, out| near_bodies(&cells, &bounds.shifts, &balls, &mobility, 0.0, i, out),
-        |_, _| 0.0,
-    );
+    let mut list = Rows::default();
+    list.fill(&cells, &bounds.shifts, &balls, &mobility, 0.0);
     let (mut worst, mut count) = (None::<(usize, usize, f64)>, 0);
     for i in 0..balls.len() {
         for k in list.row(i) {
@@ -61,7 +56,7 @@ fn deepest_overlap(
             }
             count += 1;
             if worst.is_none_or(|(_, _, most)| overlap > most) {
-                worst = Some((i, j, overlap));
+                worst = Some((i.min(j), i.max(j), overlap));
             }
         }
     }

@@ -17,7 +17,7 @@ fn falling() -> Scene {
 
 fn run(skin: f64, windows: u32, substeps: u32) -> Vec<BodyState> {
     let parameters = Parameters { skin: Some(skin), ..Parameters::default() };
-    let mut dem = GrainsDem::new(&falling(), &parameters, 1e-6).unwrap();
+    let mut dem = GrainsDem::new(&falling(), &parameters, 1e-6, 1).unwrap();
     for _ in 0..windows {
         dem.advance(substeps, &[]).unwrap();
     }

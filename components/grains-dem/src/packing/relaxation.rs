@@ -10,7 +10,7 @@ use crate::{
     Vec3,
     bodies::{Ball, Mobility},
     cells::Cells,
-    contact_list::{ContactList, near_bodies},
+    rows::Rows,
 };
 
 /// Sweeps before the fraction is called out of reach.
@@ -56,7 +56,7 @@ struct Crowd<'a> {
     mobility: Vec<Mobility>,
     skin: f64,
     cells: Cells,
-    list: ContactList,
+    list: Rows,
     reference: Vec<Vec3>,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Crowd<'a> {
             free: radii.len(),
             skin,
             cells: Cells::new(region.bounds(), largest + skin, balls.len()),
-            list: ContactList::default(),
+            list: Rows::default(),
             reference: Vec::new(),
             balls,
             mobility,
@@ -92,18 +92,13 @@ impl<'a> Crowd<'a> {
         let (cells, balls, mobility) = (&mut self.cells, &self.balls, &self.mobility);
         cells.sort(balls);
         let still = [Vec3::zeros(); 27];
-        self.list.refill(
-            &ContactList::default(),
-            balls.len(),
-            |i, out| near_bodies(cells, &still, balls, mobility, self.skin, i, out),
-            |_, _| 0.0,
-        );
+        self.list.fill(cells, &still, balls, mobility, self.skin);
         self.reference.clear();
         self.reference.extend(balls.iter().map(|ball| ball.x));
     }
 
     fn sweep(&mut self) {
-        for i in 0..self.free {
+        for i in 0..self.balls.len() {
             for k in self.list.row(i) {
                 self.push_apart(i, self.list.neighbours[k].other as usize);
             }
@@ -131,7 +126,11 @@ impl<'a> Crowd<'a> {
         let distance = square.sqrt();
         // Two spheres in one place have no line of centres; any will do.
         let line = if distance > 0.0 { d / distance } else { Vec3::x() };
-        let (share_i, share_j) = if j < self.free { (0.5, 0.5) } else { (1.0, 0.0) };
+        let (share_i, share_j) = match (i < self.free, j < self.free) {
+            (true, true) => (0.5, 0.5),
+            (true, false) => (1.0, 0.0),
+            _ => (0.0, 1.0),
+        };
         let push = line * (reach - distance);
         self.balls[i].x -= push * share_i;
         self.balls[j].x += push * share_j;
@@ -153,13 +152,15 @@ impl<'a> Crowd<'a> {
     }
 
     fn is_free(&self) -> bool {
-        let mut spheres = self.balls[..self.free].iter().enumerate();
-        spheres.all(|(i, ball)| {
+        let balls = &self.balls;
+        (0..balls.len()).all(|i| {
             self.list.row(i).all(|k| {
-                let other = &self.balls[self.list.neighbours[k].other as usize];
-                let reach = (ball.radius + other.radius) * (1.0 - CLEAR);
-                (other.x - ball.x).norm_squared() >= reach * reach
-            }) && self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
+                let other = &balls[self.list.neighbours[k].other as usize];
+                let reach = (balls[i].radius + other.radius) * (1.0 - CLEAR);
+                (other.x - balls[i].x).norm_squared() >= reach * reach
+            })
+        }) && balls[..self.free].iter().all(|ball| {
+            self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
         })
     }
 }
