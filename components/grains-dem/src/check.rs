@@ -1,14 +1,21 @@
 //! Everything that can be wrong with a scene, as the grains see it.
 
 use crate::{
-    Parameters, Vec3, bodies::Ball, encounters::Population, laws, overlaps::TOUCHING, packing,
-    periodic::PeriodicBox, walls,
+    Parameters, Vec3,
+    bodies::Ball,
+    check_sizes,
+    encounters::Population,
+    laws,
+    overlaps::TOUCHING,
+    packing::{self, Sizes},
+    periodic::PeriodicBox,
+    walls,
 };
 use tremie_messages::{
     Problem,
     scene::{
-        BodySet, ContactLaw, Damping, Diameters, Domain, Motion, Packing, Placement, Plane, Scene,
-        Sphere, Spring,
+        BodySet, ContactLaw, Damping, Domain, Motion, Packing, Placement, Plane, Scene, Sphere,
+        Spring,
     },
 };
 
@@ -172,11 +179,13 @@ fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Pro
         let message = format!("is {}, expected a solid fraction in (0, 0.74)", packing.fraction);
         problems.push(Problem::new(key("fraction"), message));
     }
-    let Some(largest) = diameters(&key("diameters"), &packing.diameters, problems) else {
+    let Some(largest) = check_sizes::diameters(&key("diameters"), &packing.diameters, problems)
+    else {
         return;
     };
     let size = Vec3::from(packing.max) - Vec3::from(packing.min);
-    let spheres = packing.fraction * size.x * size.y * size.z / (largest * largest * largest);
+    let spheres =
+        packing.fraction * size.x * size.y * size.z / Sizes::new(&packing.diameters).mean_volume();
     if spheres > MOST_SPHERES {
         let message = format!("asks for more than {spheres:.1e} spheres");
         problems.push(Problem::new(key("fraction"), message).help("use fewer or larger ones"));
@@ -198,38 +207,6 @@ fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Pro
         }
         if high > domain.max[axis] + tolerance {
             problems.push(Problem::new(key("max"), format!("is outside the domain in {name}")));
-        }
-    }
-}
-
-/// The largest diameter, if all are valid.
-fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> Option<f64> {
-    let before = problems.len();
-    match diameters {
-        Diameters::Uniform { min, max } => {
-            if !is_positive(*min) {
-                problems.push(not_positive(format!("{key}.uniform.min"), *min));
-            }
-            if !(max >= min && max.is_finite()) {
-                let message = format!("is {max} m, less than the smallest, {min} m");
-                problems.push(Problem::new(format!("{key}.uniform.max"), message));
-            }
-            (problems.len() == before).then_some(*max)
-        }
-        Diameters::Normal { .. } | Diameters::LogNormal { .. } | Diameters::Sieve(_) => {
-            problems.push(Problem::new(key, "this distribution is not known yet"));
-            None
-        }
-        Diameters::Listed(list) => {
-            if list.is_empty() {
-                problems.push(Problem::new(format!("{key}.listed"), "is empty"));
-            }
-            for (i, &d) in list.iter().enumerate() {
-                if !is_positive(d) {
-                    problems.push(not_positive(format!("{key}.listed[{i}]"), d));
-                }
-            }
-            (problems.len() == before).then(|| list.iter().fold(0.0, |a: f64, &b| a.max(b)))
         }
     }
 }
@@ -305,7 +282,7 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     }
 }
 
-fn is_positive(x: f64) -> bool {
+pub(crate) fn is_positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 
@@ -313,6 +290,6 @@ fn all_finite(v: &[f64; 3]) -> bool {
     v.iter().all(|x| x.is_finite())
 }
 
-fn not_positive(key: String, value: f64) -> Problem {
+pub(crate) fn not_positive(key: String, value: f64) -> Problem {
     Problem::new(key, format!("is {value}, expected a positive number"))
 }

@@ -17,6 +17,7 @@
 mod bodies;
 mod cells;
 mod check;
+mod check_sizes;
 mod collect;
 #[cfg(feature = "component")]
 pub mod component;

@@ -2,6 +2,9 @@
 
 mod insertion;
 mod relaxation;
+mod sizes;
+
+pub(crate) use sizes::{LEAST_PART, Sizes};
 
 use crate::{
     Vec3,
@@ -12,7 +15,7 @@ use crate::{
     walls::{self, Wall},
 };
 use core::f64::consts::PI;
-use tremie_messages::scene::{BodySet, Diameters, Domain, Face, Packing, Placement};
+use tremie_messages::scene::{BodySet, Domain, Face, Packing, Placement};
 
 /// Up to this solid fraction spheres are inserted one after the other; above, insertion slows
 /// down (it ends for good at 0.38) and a crowded start is relaxed instead.
@@ -56,10 +59,11 @@ pub(crate) fn diameters_of(set: &BodySet) -> Vec<f64> {
 fn diameters(packing: &Packing) -> Vec<f64> {
     let size = Vec3::from(packing.max) - Vec3::from(packing.min);
     let wanted = packing.fraction * size.x * size.y * size.z;
+    let sizes = Sizes::new(&packing.diameters);
     let mut volume = 0.0;
     let mut drawn = Vec::new();
     for index in 0.. {
-        let d = draw(&packing.diameters, Random::new(packing.seed, index).unit());
+        let d = sizes.at(Random::new(packing.seed, index).unit());
         let more = PI / 6.0 * d * d * d;
         if volume + 0.5 * more > wanted {
             break;
@@ -68,15 +72,6 @@ fn diameters(packing: &Packing) -> Vec<f64> {
         drawn.push(d);
     }
     drawn
-}
-
-fn draw(diameters: &Diameters, unit: f64) -> f64 {
-    match diameters {
-        Diameters::Uniform { min, max } => min + (max - min) * unit,
-        Diameters::Normal { min, .. } | Diameters::LogNormal { min, .. } => *min,
-        Diameters::Sieve(points) => points[0].size,
-        Diameters::Listed(list) => list[(unit * list.len() as f64) as usize],
-    }
 }
 
 /// Makes a packing; its spheres are ordered by place, so that neighbours have near numbers.
