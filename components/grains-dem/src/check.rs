@@ -1,7 +1,7 @@
 //! Everything that can be wrong with a scene, as the grains see it.
 
 use crate::{
-    Parameters, Vec3,
+    Lubrication, Parameters, Vec3,
     bodies::Ball,
     check_sizes,
     encounters::Population,
@@ -30,6 +30,11 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     if !all_finite(&scene.gravity) {
         problems.push(Problem::new("scene.gravity", "is not finite"));
     }
+    if parameters.lubrication.is_some() && scene.fluid.is_none() {
+        let message = "is set, but the scene has no fluid, whose viscosity it needs";
+        let help = "give the scene a fluid, or leave lubrication unset";
+        problems.push(Problem::of_parameter("lubrication", message).help(help));
+    }
     let before = problems.len();
     domain(&scene.domain, &mut problems);
     let domain_is_valid = problems.len() == before;
@@ -37,8 +42,12 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
         plane(&format!("scene.planes[{i}]"), p, &scene.domain, &mut problems);
     }
     let planes_are_valid = problems.len() == before;
+    for (i, part) in scene.parts.iter().enumerate() {
+        motion(&format!("scene.parts[{i}].motion"), &part.motion, &mut problems);
+    }
     for (i, set) in scene.bodies.iter().enumerate() {
         let key = format!("scene.bodies[{i}]");
+        motion(&format!("{key}.motion"), &set.motion, &mut problems);
         if !is_positive(set.density) {
             problems.push(not_positive(format!("{key}.density"), set.density));
         }
@@ -66,6 +75,22 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     problems
 }
 
+fn motion(key: &str, motion: &Motion, problems: &mut Vec<Problem>) {
+    let Motion::Prescribed(points) = motion else { return };
+    for (i, point) in points.iter().enumerate() {
+        let finite = all_finite(&point.velocity) && all_finite(&point.angular_velocity);
+        if !(finite && point.time.is_finite()) {
+            let problem = Problem::new(format!("{key}.prescribed[{i}]"), "is not finite");
+            problems.push(problem);
+        }
+        if i > 0 && point.time <= points[i - 1].time {
+            let (before, found) = (points[i - 1].time, point.time);
+            let message = format!("is {found} s, not later than the point before, {before} s");
+            problems.push(Problem::new(format!("{key}.prescribed[{i}].time"), message));
+        }
+    }
+}
+
 fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
     let mut problems = Vec::new();
     if let Some(step) = parameters.time_step
@@ -87,6 +112,15 @@ fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
     {
         let message = format!("is {} m/s, expected a positive speed", speed.0);
         problems.push(Problem::of_parameter("expected_speed", message));
+    }
+    if let Some(Lubrication { cutoff, roughness }) = parameters.lubrication {
+        if !(roughness.0 > 0.0 && roughness.0 < cutoff.0 && cutoff.0.is_finite()) {
+            let (roughness, cutoff) = (roughness.0, cutoff.0);
+            let message = format!(
+                "is {roughness} m, expected more than 0 and less than the cut-off, {cutoff} m"
+            );
+            problems.push(Problem::of_parameter("lubrication.roughness", message));
+        }
     }
     let skin = parameters.skin_fraction();
     if !(skin > 0.0 && skin <= 1.0) {
@@ -267,7 +301,8 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
         largest = diameters.iter().fold(largest, |a, &d| a.max(d));
     }
     problems.extend(Population::of(scene).problems());
-    let needed = 2.0 * largest * (1.0 + parameters.skin_fraction());
+    let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    let needed = 2.0 * (largest * (1.0 + parameters.skin_fraction()) + reach);
     for axis in 0..3 {
         let size = scene.domain.size()[axis];
         if scene.domain.is_periodic(axis) && size < needed {

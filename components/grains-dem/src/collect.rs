@@ -3,7 +3,7 @@
 use crate::{
     bodies::Wrench,
     pairs::{ACTING, Pairs},
-    wall_contacts::WallContacts,
+    search::Contacts,
 };
 
 /// So many contacts of a body are looked at together.
@@ -12,19 +12,47 @@ const TOGETHER: usize = 32;
 /// Where the bodies of one block collect their forces, one body after the other.
 pub(crate) struct Collector<'a> {
     pairs: &'a Pairs,
-    walls: &'a WallContacts,
-    at_walls: std::ops::Range<usize>,
+    surfaces: [Few<'a>; 2],
+}
+
+/// Forces of surfaces on few of the bodies of a block.
+struct Few<'a> {
+    bodies: &'a [u32],
+    wrench: &'a [Wrench],
+}
+
+impl<'a> Few<'a> {
+    fn of_block(bodies: &'a [u32], wrench: &'a [Wrench], bounds: &[u32], b: usize) -> Self {
+        let own = bounds[b] as usize..bounds[b + 1] as usize;
+        Self { bodies: &bodies[own.clone()], wrench: &wrench[own] }
+    }
+
+    /// The force on body `i`, later than all asked for before.
+    #[inline(always)]
+    fn on(&mut self, i: usize) -> Option<&'a Wrench> {
+        let (&first, bodies) = self.bodies.split_first()?;
+        if first as usize != i {
+            return None;
+        }
+        let (wrench, rest) = self.wrench.split_first()?;
+        (self.bodies, self.wrench) = (bodies, rest);
+        Some(wrench)
+    }
 }
 
 impl<'a> Collector<'a> {
     /// The forces of block `b`.
-    pub fn new(pairs: &'a Pairs, walls: &'a WallContacts, b: usize) -> Self {
-        let at_walls = walls.bounds[b] as usize..walls.bounds[b + 1] as usize;
-        Self { pairs, walls, at_walls }
+    pub fn new(contacts: Contacts<'a>, b: usize) -> Self {
+        let (walls, parts) = (contacts.walls, contacts.parts);
+        let surfaces = [
+            Few::of_block(&walls.bodies, &walls.wrench, &walls.bounds, b),
+            Few::of_block(&parts.bodies, &parts.wrench, &parts.bounds, b),
+        ];
+        Self { pairs: contacts.pairs, surfaces }
     }
 
-    /// Contact force and torque on body `i` of the block, later than all asked for before: first
-    /// those of bodies, in the order of their ids, then those of walls.
+    /// Contact force and torque on body `i` of the block, each in its turn: first those of
+    /// bodies, in the order of their ids, then those of walls, then those of parts.
     #[inline(always)]
     pub fn on(&mut self, i: usize, radius: f64) -> Wrench {
         let mut sum = Wrench::zero();
@@ -49,15 +77,11 @@ impl<'a> Collector<'a> {
                 }
             }
         }
-        while self.at_walls.start < self.at_walls.end
-            && self.walls.bodies[self.at_walls.start] as usize <= i
-        {
-            let wrench = &self.walls.wrench[self.at_walls.start];
-            if self.walls.bodies[self.at_walls.start] as usize == i {
+        for few in &mut self.surfaces {
+            if let Some(wrench) = few.on(i) {
                 sum.force += wrench.force;
                 sum.torque += wrench.torque;
             }
-            self.at_walls.start += 1;
         }
         sum
     }

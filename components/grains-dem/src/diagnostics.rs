@@ -107,10 +107,11 @@ pub(crate) fn add_walls(
     for (p, &i) in list.bodies.iter().enumerate() {
         let (ball, twist) = (&at.bodies.balls[i as usize], &at.bodies.predicted[i as usize]);
         for entry in &list.entries[list.start[p] as usize..list.start[p + 1] as usize] {
-            if let Some(touch) = touch_of_wall(ball, twist, &walls[entry.wall as usize]) {
+            let (contact, _) = touch_of_wall(ball, twist, &walls[entry.wall as usize]);
+            if contact.overlap > 0.0 {
                 let (law, pair) = (&at.laws[entry.law as usize], entry.reduced);
                 out.elastic_energy +=
-                    elastic_energy(law, pair, &touch.contact, &entry.memory, at.steps.after);
+                    elastic_energy(law, pair, &contact, &entry.memory, at.steps.after);
             }
         }
     }

@@ -4,7 +4,8 @@ use crate::{
     Vec3,
     bodies::{Ball, Bodies, Twist, Wrench},
     contact::{self, Contact, Steps},
-    law::Law,
+    law::{Law, Reduced},
+    lubrication::Squeeze,
     pairs::{ACTING, BLOCK, Hit, Pairs, Record, Rolling, TOUCHING},
     tally::{Deepest, Other, Tally},
     wall_contacts::{WallContacts, WallEntry},
@@ -12,14 +13,8 @@ use crate::{
 };
 use tremie_team::{Cut, Team};
 
-/// A contact and the distances of its point from the centres along the normal.
-pub(crate) struct Touch {
-    pub contact: Contact,
-    pub arm_i: f64,
-}
-
-/// The contact of two spheres with centres `d` apart, that overlap. Its point lies half way
-/// between the two surfaces.
+/// The contact of two spheres with centres `d` apart. Its point lies half way between the two
+/// surfaces; the overlap is negative where they do not touch.
 #[inline(always)]
 pub(crate) fn touch_of_balls(
     d: Vec3,
@@ -41,23 +36,20 @@ pub(crate) fn touch_of_balls(
     }
 }
 
-/// The contact of a sphere with a wall, if they overlap.
+/// The contact of a sphere with a wall, and the distance of its point from the centre.
 #[inline(always)]
-pub(crate) fn touch_of_wall(ball: &Ball, twist: &Twist, wall: &Wall) -> Option<Touch> {
+pub(crate) fn touch_of_wall(ball: &Ball, twist: &Twist, wall: &Wall) -> (Contact, f64) {
     let overlap = wall.overlap(ball);
-    if overlap <= 0.0 {
-        return None;
-    }
     let normal = -wall.normal;
-    let arm_i = ball.radius - 0.5 * overlap;
+    let arm = ball.radius - 0.5 * overlap;
     let contact = Contact {
         normal,
         overlap,
-        velocity: (twist.v - wall.velocity) + twist.w.cross(&normal) * arm_i,
+        velocity: (twist.v - wall.velocity) + twist.w.cross(&normal) * arm,
         twist: 0.5 * twist.w.dot(&normal),
         rolling: twist.w,
     };
-    Some(Touch { contact, arm_i })
+    (contact, arm)
 }
 
 /// What the forces between bodies are made from, besides the list.
@@ -73,9 +65,24 @@ pub(crate) struct Scenery<'a> {
     pub crossed: bool,
     /// Lengths of steps.
     pub steps: Steps,
+    /// Lubrication, if there is any.
+    pub squeeze: Option<Squeeze>,
 }
 
 impl Scenery<'_> {
+    /// Gap up to which surfaces feel each other [m].
+    #[inline(always)]
+    pub fn reach(&self) -> f64 {
+        self.squeeze.map_or(0.0, |squeeze| squeeze.cutoff)
+    }
+
+    /// Normal force of lubrication [N].
+    #[inline(always)]
+    pub fn lubrication(&self, contact: &Contact, pair: Reduced) -> f64 {
+        let Some(squeeze) = self.squeeze else { return 0.0 };
+        squeeze.resistance(-contact.overlap, pair.radius) * contact.velocity.dot(&contact.normal)
+    }
+
     /// From centre to centre of a pair.
     #[inline(always)]
     pub fn between(&self, i: usize, j: usize, image: u16) -> Vec3 {
@@ -107,7 +114,7 @@ pub(crate) fn between_bodies(
         Cut::every(tallies, 1),
     );
     let (start, entries, reduced) = (&pairs.start, &pairs.entries, &pairs.reduced);
-    let balls = &scenery.bodies.balls;
+    let (balls, gap) = (&scenery.bodies.balls, scenery.reach());
     team.for_pieces(pieces, |b, (state, hits, xi, records, rolling, tally)| {
         let bodies = b * BLOCK..balls.len().min((b + 1) * BLOCK);
         let first = bounds[b] as usize;
@@ -117,7 +124,7 @@ pub(crate) fn between_bodies(
             let row = start[i] as usize..start[i + 1] as usize;
             for (k, entry) in row.clone().zip(&entries[row]) {
                 let j = entry.other as usize;
-                let reach = radius + balls[j].radius;
+                let reach = radius + balls[j].radius + gap;
                 let touches = scenery.between(i, j, entry.image).norm_squared() < reach * reach;
                 // Without a branch: which pairs of a list touch cannot be foretold.
                 hits[found] = Hit { body: i as u32, entry: k as u32 };
@@ -134,7 +141,16 @@ pub(crate) fn between_bodies(
             let predicted = &scenery.bodies.predicted;
             let d = scenery.between(i, j, entry.image);
             let contact = touch_of_balls(d, a.radius, b.radius, &predicted[i], &predicted[j]);
-            let record = &mut records[k];
+            let (record, pair) = (&mut records[k], reduced[first + k]);
+            let squeezed = scenery.lubrication(&contact, pair);
+            if contact.overlap <= 0.0 {
+                state[k] = ACTING;
+                *record = Record::at_a_distance(&contact, squeezed);
+                if let Some(rolling) = rolling.get_mut(k) {
+                    *rolling = Rolling::NONE;
+                }
+                continue;
+            }
             let mut memory = contact::Memory {
                 xi: xi[k],
                 rolling: rolling.get(k).map_or(Vec3::zeros(), |r| r.displacement),
@@ -144,13 +160,12 @@ pub(crate) fn between_bodies(
             let touching = state[k] & TOUCHING != 0;
             state[k] = ACTING | TOUCHING;
             let law = &scenery.laws[entry.law as usize];
-            let pair = reduced[first + k];
             let force = contact::force(law, pair, &contact, &mut memory, touching, scenery.steps);
             xi[k] = memory.xi;
             *record = Record {
                 normal: contact.normal,
                 tangential: force.tangential,
-                force: force.normal,
+                force: force.normal + squeezed,
                 overlap: contact.overlap,
             };
             if let Some(rolling) = rolling.get_mut(k) {
@@ -201,15 +216,19 @@ fn of_wall(
     tally: &mut Tally,
 ) {
     let ball = &scenery.bodies.balls[i];
-    let touch = touch_of_wall(ball, &scenery.bodies.predicted[i], &walls[entry.wall as usize]);
-    let touched = std::mem::replace(&mut entry.touching, touch.is_some());
-    let Some(Touch { contact, arm_i }) = touch else { return };
+    let predicted = &scenery.bodies.predicted[i];
+    let (contact, arm) = touch_of_wall(ball, predicted, &walls[entry.wall as usize]);
+    let touched = std::mem::replace(&mut entry.touching, contact.overlap > 0.0);
+    let n = contact.normal;
+    wrench.force -= n * scenery.lubrication(&contact, entry.reduced);
+    if contact.overlap <= 0.0 {
+        return;
+    }
     let law = &scenery.laws[entry.law as usize];
     let (memory, steps) = (&mut entry.memory, scenery.steps);
     let f = contact::force(law, entry.reduced, &contact, memory, touched, steps);
-    let n = contact.normal;
     wrench.force += f.tangential - n * f.normal;
-    wrench.torque += n.cross(&f.tangential) * arm_i + f.rolling;
+    wrench.torque += n.cross(&f.tangential) * arm + f.rolling;
     let other = Other::Wall(entry.wall);
     tally.add(Deepest { overlap: contact.overlap, radius: ball.radius, body: i as u32, other });
 }

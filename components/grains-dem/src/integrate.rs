@@ -13,17 +13,16 @@ use crate::{
     Vec3,
     bodies::{Ball, Bodies, Mobility, Twist, Wrench},
     collect::Collector,
-    pairs::{BLOCK, Pairs},
+    pairs::BLOCK,
     periodic::PeriodicBox,
-    wall_contacts::WallContacts,
+    search::Contacts,
 };
 use tremie_team::{Cut, Team};
 
 /// What moves bodies.
 #[derive(Clone, Copy)]
 pub(crate) struct Forces<'a> {
-    pub pairs: &'a Pairs,
-    pub walls: &'a WallContacts,
+    pub contacts: Contacts<'a>,
     /// Whether the fluid loads of the bodies are anything but zero.
     pub loaded: bool,
     /// Acceleration of weight [m/s²].
@@ -107,7 +106,7 @@ pub(crate) fn first_half(
             &mut [i32],
             &mut [Reach],
         ) = pieces;
-        let mut collector = Collector::new(forces.pairs, forces.walls, b);
+        let mut collector = Collector::new(forces.contacts, b);
         let (mut farthest, mut any_crossed) = (0.0, false);
         let first = b * BLOCK;
         // Slices of equal length spare the loop its bounds checks.
@@ -150,7 +149,7 @@ pub(crate) fn first_half(
 pub(crate) fn second_half(team: &mut Team, bodies: &mut Bodies, forces: Forces<'_>, dt: f64) {
     let (balls, load, mobility) = (&bodies.balls, &bodies.load, &bodies.mobility);
     team.for_pieces(Cut::every(&mut bodies.twists, BLOCK), |b, twists: &mut [Twist]| {
-        let mut collector = Collector::new(forces.pairs, forces.walls, b);
+        let mut collector = Collector::new(forces.contacts, b);
         for (i, twist) in (b * BLOCK..).zip(twists) {
             let contact = collector.on(i, balls[i].radius);
             let load = forces.loaded.then_some(&load[i]);

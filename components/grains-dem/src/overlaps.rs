@@ -3,6 +3,7 @@
 use crate::{
     bodies::{Ball, Mobility, PlacedSphere},
     cells::Cells,
+    parts::PlacedPart,
     periodic::PeriodicBox,
     rows::Rows,
 };
@@ -28,6 +29,34 @@ pub(crate) fn check(scene: &Scene, spheres: &[PlacedSphere]) -> Result<(), Vec<P
     let key = format!("scene.bodies[{}].placement", spheres[b].set);
     Err(vec![Problem::new(key, message)])
 }
+
+/// Checks that no free body stands in a part at the start.
+pub(crate) fn check_parts(
+    scene: &Scene,
+    spheres: &[PlacedSphere],
+    parts: &[PlacedPart],
+) -> Result<(), Vec<Problem>> {
+    let mut problems = Vec::new();
+    let free = spheres.iter().enumerate().filter(|(_, sphere)| sphere.mobility().is_free());
+    for (id, sphere) in free {
+        for (part, placed) in scene.parts.iter().zip(parts) {
+            let overlap = sphere.ball.radius - placed.clearance(sphere.ball.x).0;
+            if overlap > TOUCHING * sphere.ball.radius {
+                let message = format!(
+                    "puts body {id} (of \"{}\") {overlap:.3e} m into part \"{}\"",
+                    scene.bodies[sphere.set].name, part.name
+                );
+                let key = format!("scene.bodies[{}].placement", sphere.set);
+                problems.push(Problem::new(key, message));
+            }
+        }
+    }
+    problems.truncate(MOST_PROBLEMS);
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}
+
+/// More bodies in parts are not listed one by one.
+const MOST_PROBLEMS: usize = 20;
 
 /// The pair with the deepest overlap beyond touching, its overlap, and how many there are.
 fn deepest_overlap(

@@ -9,7 +9,7 @@ use crate::{
     Vec3,
     bodies::{Bodies, Wrench},
     cells::Cells,
-    contact::Memory,
+    contact::{Contact, Memory},
     law::Reduced,
     laws::Laws,
     rows::near,
@@ -52,6 +52,12 @@ impl Record {
         overlap: 0.0,
     };
 
+    /// Of bodies that do not touch: a normal force alone.
+    #[inline(always)]
+    pub fn at_a_distance(contact: &Contact, force: f64) -> Self {
+        Self { normal: contact.normal, force, overlap: contact.overlap, ..Self::NONE }
+    }
+
     /// What it does to a body of `radius`, of whose row it is or not (then `sign` is -1).
     #[inline(always)]
     pub fn on(&self, sign: f64, radius: f64) -> Wrench {
@@ -73,7 +79,7 @@ pub(crate) struct Rolling {
 }
 
 impl Rolling {
-    const NONE: Self =
+    pub const NONE: Self =
         Self { displacement: Vec3::new(0.0, 0.0, 0.0), torque: Vec3::new(0.0, 0.0, 0.0) };
 }
 

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tremie_messages::units::{Time, Velocity};
+use tremie_messages::units::{Length, Time, Velocity};
 
 /// Numerical parameters of the grains; everything physical stands in the scene.
 #[derive(Serialize, Deserialize, JsonSchema, Clone, Debug, PartialEq)]
@@ -20,6 +20,20 @@ pub struct Parameters {
     /// How far beyond touching neighbours are listed, as a fraction of the largest diameter. More
     /// makes the list longer, less makes it due more often. Results depend on it only by rounding.
     pub skin: Option<f64>,
+    /// Lubrication between bodies, and between bodies and walls or parts, at gaps that the fluid does
+    /// not resolve. Unset: none. A lattice fluid gives what it resolves of this force itself: the
+    /// cut-off must not be larger than the gap below which it stops to do so, about one cell.
+    pub lubrication: Option<Lubrication>,
+}
+
+/// Forces of the fluid squeezed out of narrow gaps.
+#[derive(Serialize, Deserialize, JsonSchema, Clone, Copy, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Lubrication {
+    /// Gap from which on there is no such force.
+    pub cutoff: Length,
+    /// Height of asperities: at smaller gaps the force grows no more.
+    pub roughness: Length,
 }
 
 impl Parameters {
@@ -34,6 +48,12 @@ impl Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { time_step: None, steps_per_contact: 20.0, expected_speed: None, skin: None }
+        Self {
+            time_step: None,
+            steps_per_contact: 20.0,
+            expected_speed: None,
+            skin: None,
+            lubrication: None,
+        }
     }
 }

@@ -98,9 +98,14 @@ impl PeriodicBox {
 
     /// Displacements of all images of a body, its own place included.
     pub fn images(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.numbered_images().map(|(_, shift)| shift)
+    }
+
+    /// All images of a body, its own place included: number and displacement.
+    pub fn numbered_images(&self) -> impl Iterator<Item = (u32, Vec3)> + '_ {
         let step = |a: usize| if self.periodic[a] { -1..=1 } else { 0..=0 };
         let offsets = move |z| step(1).flat_map(move |y| step(0).map(move |x| [x, y, z]));
-        step(2).flat_map(offsets).map(|offset| self.shifts[image(offset) as usize])
+        step(2).flat_map(offsets).map(image).map(|image| (image, self.shifts[image as usize]))
     }
 
     /// Whether `x` lies in the closed box; not so for numbers that are not finite.

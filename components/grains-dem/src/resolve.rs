@@ -6,7 +6,8 @@ use crate::{
     damping::restitution,
     encounters::{Encounter, Population, contact_time, damping_ratio, largest_overlap},
     law::{Law, Reduced},
-    overlaps, placement,
+    lubrication::Squeeze,
+    overlaps, parts, placement,
     stability::Stability,
 };
 use serde::Serialize;
@@ -83,12 +84,14 @@ impl Parameters {
         if !problems.is_empty() {
             return Err(problems);
         }
-        overlaps::check(scene, &placement::listed(scene))?;
+        let (listed, parts) = (placement::listed(scene), parts::load(scene)?);
+        overlaps::check(scene, &listed)?;
+        overlaps::check_parts(scene, &listed, &parts)?;
         let population = Population::of(scene);
         let encounters = population.encounters();
         let speed = self.speed(scene, &population);
         let pairs = encounters.iter().flat_map(|e| extremes(e, speed)).collect::<Vec<_>>();
-        let limits = limits(&encounters, speed);
+        let limits = limits(&encounters, speed, Squeeze::of(scene, self));
         let finite = |dt: f64| dt.is_finite().then_some(dt);
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
         let given = self.time_step.map(|step| step.0);
@@ -178,7 +181,7 @@ fn pair_damping(pair: String, law: &ContactLaw, reduced: Reduced, speed: f64) ->
 /// Bounds on the time step. The dense bound takes the worst law between bodies and that with
 /// surfaces together; tangent stiffnesses of Hertz's law are those of the deepest overlap in a
 /// collision at `speed`.
-fn limits(encounters: &[Encounter<'_>], speed: f64) -> Limits {
+fn limits(encounters: &[Encounter<'_>], speed: f64, squeeze: Option<Squeeze>) -> Limits {
     let (mut single, mut between, mut at_walls) =
         (Stability::default(), Stability::default(), Stability::default());
     let mut contact = f64::INFINITY;
@@ -190,7 +193,11 @@ fn limits(encounters: &[Encounter<'_>], speed: f64) -> Limits {
             Spring::Linear { .. } => 0.0,
             Spring::Hertz { .. } => largest_overlap(encounter.law, pair, speed),
         };
-        let of = |contacts| Stability::of(&law, pair, inverse_mass, overlap, contacts);
+        let lubrication = squeeze.map_or(0.0, |squeeze| squeeze.largest(pair.radius));
+        let of = |contacts| {
+            Stability::of(&law, pair, inverse_mass, overlap, contacts)
+                .and(Stability::of_dashpot(lubrication * inverse_mass, contacts))
+        };
         single = single.or(of(1.0));
         let dense = of(encounter.contacts);
         if encounter.with_surface {

@@ -6,6 +6,8 @@ use crate::{
     cells::Cells,
     laws::Laws,
     pairs::{BLOCK, Nearness, Pairs, PairsMaker},
+    part_contacts::PartContacts,
+    parts::PlacedPart,
     periodic::PeriodicBox,
     wall_contacts::WallContacts,
     walls::{Wall, WallLaws},
@@ -18,17 +20,22 @@ const LISTS_PER_ORDER: u64 = 16;
 
 /// Neighbour lists and what it takes to make them.
 pub(crate) struct Search {
-    /// How far beyond touching neighbours are listed [m].
+    /// How far beyond feeling each other neighbours are listed [m].
     pub skin: f64,
+    /// That, and the gap at which bodies feel each other.
+    gap: f64,
     cells: Cells,
     /// Contacts between bodies.
     pub pairs: Pairs,
     /// Contacts of bodies with walls.
     pub walls: WallContacts,
+    /// Contacts of bodies with parts.
+    pub parts: PartContacts,
     /// How often lists were made.
     pub rebuilds: u64,
     maker: PairsMaker,
     spare_walls: WallContacts,
+    spare_parts: PartContacts,
     order: Vec<u32>,
     keys: Vec<(u64, u32)>,
 }
@@ -43,28 +50,49 @@ pub(crate) struct Surroundings {
     pub walls: Vec<Wall>,
     /// Their laws.
     pub wall_laws: WallLaws,
+    /// The parts.
+    pub parts: Vec<PlacedPart>,
+    /// Numbers of their materials.
+    pub part_materials: Vec<u16>,
+}
+
+/// The contacts of all bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Contacts<'a> {
+    pub pairs: &'a Pairs,
+    pub walls: &'a WallContacts,
+    pub parts: &'a PartContacts,
 }
 
 impl Search {
     pub fn new(bounds: PeriodicBox, largest: f64, parameters: &Parameters, bodies: usize) -> Self {
+        let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
         let skin = parameters.skin_fraction() * largest;
         // A domain without bodies still needs a cell size.
-        let range = if bodies > 0 { largest + skin } else { bounds.size.max() };
+        let range = if bodies > 0 { largest + reach + skin } else { bounds.size.max() };
         Self {
             skin,
+            gap: reach + skin,
             cells: Cells::new(bounds, range, bodies),
             pairs: Pairs::default(),
             walls: WallContacts::default(),
+            parts: PartContacts::default(),
             rebuilds: 0,
             maker: PairsMaker::default(),
             spare_walls: WallContacts::default(),
+            spare_parts: PartContacts::default(),
             order: Vec::with_capacity(bodies),
             keys: Vec::with_capacity(bodies),
         }
     }
 
+    /// The lists.
+    pub fn contacts(&self) -> Contacts<'_> {
+        Contacts { pairs: &self.pairs, walls: &self.walls, parts: &self.parts }
+    }
+
     /// Makes the lists anew; contacts keep their history.
-    pub fn rebuild(&mut self, team: &mut Team, bodies: &mut Bodies, around: &Surroundings) {
+    pub fn rebuild(&mut self, team: &mut Team, bodies: &mut Bodies, around: &mut Surroundings) {
         self.cells.sort(&bodies.balls);
         if self.rebuilds % LISTS_PER_ORDER == 0 {
             self.cells.curve(&mut self.keys, &mut self.order);
@@ -78,14 +106,19 @@ impl Search {
         let near = Nearness {
             cells: &self.cells,
             shifts: &around.bounds.shifts,
-            gap: self.skin,
+            gap: self.gap,
             laws: &around.laws,
             previous: &self.order,
         };
         self.maker.make(&mut self.pairs, team, bodies, &near);
         std::mem::swap(&mut self.walls, &mut self.spare_walls);
         let (before, laws) = (&self.spare_walls, &around.wall_laws);
-        self.walls.make(before, &self.order, bodies, &around.walls, laws, self.skin);
+        self.walls.make(before, &self.order, bodies, &around.walls, laws, self.gap);
+        std::mem::swap(&mut self.parts, &mut self.spare_parts);
+        let (before, laws) = (&self.spare_parts, (&around.laws, &around.part_materials[..]));
+        let reach = (&around.bounds, self.gap);
+        self.parts.make(before, &self.order, bodies, &around.parts, laws, reach);
+        around.parts.iter_mut().for_each(|part| part.moved = 0.0);
         self.rebuilds += 1;
     }
 }

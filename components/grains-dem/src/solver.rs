@@ -5,11 +5,14 @@ use crate::{
     bodies::{Bodies, PlacedSphere, Wrench},
     contact::Steps,
     diagnostics,
+    driven::Driven,
     forces::{self, Scenery},
     integrate::{self, Forces, Reach},
     laws::{self, Laws},
+    lubrication::Squeeze,
     overlaps,
     pairs::BLOCK,
+    parts::{self, PlacedPart},
     periodic::PeriodicBox,
     placement,
     search::{Search, Surroundings},
@@ -37,6 +40,10 @@ pub struct GrainsDem {
     events: Vec<BodyEvent>,
     search: Search,
     team: Team,
+    squeeze: Option<Squeeze>,
+    driven: Driven,
+    /// Substeps since the start.
+    steps: u64,
     loaded: bool,
     crossed: bool,
     /// What each block of bodies saw at the last evaluation, and how far it went.
@@ -62,23 +69,25 @@ impl GrainsDem {
     ) -> Result<Self, Vec<Problem>> {
         let resolution = parameters.resolve(scene)?;
         resolution.check_time_step(time_step).map_err(|problem| vec![problem])?;
-        let spheres = placement::place(scene)?;
+        let parts = parts::load(scene)?;
+        let spheres = placement::place(scene, &parts)?;
         overlaps::check(scene, &spheres)?;
+        overlaps::check_parts(scene, &spheres, &parts)?;
         let team = Team::new("grains", threads).map_err(|error| {
             let message = format!("the system does not give {threads} threads: {error}");
             vec![Problem::new("threads", message)]
         })?;
-        let mut solver = Self::of_spheres(scene, parameters, time_step, &spheres, team);
+        let mut solver = Self::of_bodies(scene, parameters, time_step, (&spheres, parts), team);
         solver.rebuild_lists();
         solver.evaluate_forces(0.0);
         Ok(solver)
     }
 
-    fn of_spheres(
+    fn of_bodies(
         scene: &Scene,
         parameters: &Parameters,
         dt: f64,
-        spheres: &[PlacedSphere],
+        (spheres, parts): (&[PlacedSphere], Vec<PlacedPart>),
         team: Team,
     ) -> Self {
         let bounds = PeriodicBox::new(&scene.domain);
@@ -95,11 +104,21 @@ impl GrainsDem {
             surface_names: laws::surfaces(scene).into_iter().map(|s| s.name).collect(),
             gravity: scene.gravity.into(),
             dt,
-            events: (0..).zip(spheres).map(|(id, s)| added(id, s)).collect(),
+            events: events(spheres, &parts),
             search: Search::new(bounds.clone(), largest, parameters, spheres.len()),
-            around: Surroundings { bounds, laws, walls: walls::of_scene(scene), wall_laws },
+            around: Surroundings {
+                bounds,
+                part_materials: scene.parts.iter().map(|p| laws.material(&p.material)).collect(),
+                laws,
+                walls: walls::of_scene(scene),
+                wall_laws,
+                parts,
+            },
             bodies,
             team,
+            squeeze: Squeeze::of(scene, parameters),
+            driven: Driven::of_scene(scene, spheres),
+            steps: 0,
             loaded: false,
             crossed: false,
             tallies: vec![Tally::default(); blocks],
@@ -116,12 +135,19 @@ impl GrainsDem {
         &self.events
     }
 
-    /// Number of bodies.
+    /// Number of bodies: spheres, and after them the parts that move.
     pub fn body_count(&self) -> usize {
-        self.bodies.len()
+        self.events.len()
     }
 
-    /// Radii [m], by ascending id.
+    /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
+    /// of the last substep.
+    pub fn part_loads(&self) -> impl ExactSizeIterator<Item = ([f64; 3], [f64; 3])> + '_ {
+        let parts = self.around.parts.iter();
+        parts.map(|part| (part.wrench.force.into(), part.wrench.torque.into()))
+    }
+
+    /// Radii of the spheres [m], by ascending id.
     pub fn radii(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         self.bodies.slot.iter().map(|&slot| self.bodies.balls[slot as usize].radius)
     }
@@ -131,13 +157,32 @@ impl GrainsDem {
         self.dt
     }
 
+    fn time(&self) -> f64 {
+        self.time_after(0)
+    }
+
+    fn time_after(&self, steps: u64) -> f64 {
+        (self.steps + steps) as f64 * self.dt
+    }
+
     /// Writes pose and velocity of each body, by ascending id; positions lie in the domain.
     ///
     /// # Panics
     /// If `out` does not have [`body_count`](Self::body_count) entries.
     pub fn write_state(&self, out: &mut [BodyState]) {
         assert_eq!(out.len(), self.body_count(), "one state for each body");
-        for ((id, state), &slot) in (0..).zip(out).zip(&self.bodies.slot) {
+        let (spheres, parts) = out.split_at_mut(self.bodies.len());
+        let moving = self.around.parts.iter().filter(|part| part.moves());
+        for ((id, state), part) in (self.bodies.len() as u64..).zip(parts).zip(moving) {
+            *state = BodyState {
+                id,
+                position: part.pose.position,
+                orientation: part.pose.orientation,
+                velocity: part.twist.v.into(),
+                angular_velocity: part.twist.w.into(),
+            };
+        }
+        for ((id, state), &slot) in (0..).zip(spheres).zip(&self.bodies.slot) {
             let slot = slot as usize;
             let twist = &self.bodies.twists[slot];
             *state = BodyState {
@@ -164,8 +209,7 @@ impl GrainsDem {
         }
         if substeps > 0 {
             let forces = Forces {
-                pairs: &self.search.pairs,
-                walls: &self.search.walls,
+                contacts: self.search.contacts(),
                 loaded: self.loaded,
                 gravity: self.gravity,
             };
@@ -190,9 +234,11 @@ impl GrainsDem {
             bodies: &self.bodies,
             crossed: self.crossed,
             steps: Steps { before: self.dt, after: self.dt },
+            squeeze: self.squeeze,
         };
         diagnostics::add_bodies(&mut out, &self.bodies, &self.domain, self.gravity);
         diagnostics::add_pairs(&mut out, &self.search.pairs, scenery);
+        out.elastic_energy += self.search.parts.elastic_energy(scenery.laws);
         diagnostics::add_walls(&mut out, &self.search.walls, &self.around.walls, scenery);
         out
     }
@@ -217,20 +263,25 @@ impl GrainsDem {
 
     /// Moves the bodies to the end of a substep, and lists neighbours anew where they moved far.
     fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
-        let forces = Forces {
-            pairs: &self.search.pairs,
-            walls: &self.search.walls,
-            loaded: self.loaded,
-            gravity: self.gravity,
-        };
+        let (from, to) = (self.time(), self.time_after(1));
+        self.driven.begin(&mut self.bodies, from, to);
+        let forces =
+            Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };
         let (team, bodies) = (&mut self.team, &mut self.bodies);
         let bounds = &self.around.bounds;
         let step = (self.dt, finish);
         integrate::first_half(team, bodies, bounds, forces, step, &mut self.reaches);
         let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
         self.crossed |= reach.crossed;
+        self.driven.end(&mut self.bodies, to);
+        let mut wrapped = false;
+        for part in &mut self.around.parts {
+            wrapped |= part.advance(from, to, &self.around.bounds);
+        }
+        self.steps += 1;
         let limit = 0.5 * self.search.skin;
-        if reach.farthest >= limit * limit || reach.farthest.is_nan() {
+        let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
+        if far || reach.farthest >= limit * limit || reach.farthest.is_nan() {
             self.check_inside()?;
             self.rebuild_lists();
         }
@@ -246,18 +297,21 @@ impl GrainsDem {
             bodies: &self.bodies,
             crossed: self.crossed,
             steps: Steps { before, after: self.dt },
+            squeeze: self.squeeze,
         };
         let (team, search) = (&mut self.team, &mut self.search);
         forces::between_bodies(team, &mut search.pairs, scenery, &mut self.tallies);
         let walls = &self.around.walls;
         forces::of_walls(team, &mut search.walls, walls, scenery, &mut self.tallies);
+        let parts = &mut self.around.parts;
+        search.parts.evaluate(team, parts, scenery, &mut self.tallies);
         self.tally = Tally::sum(&self.tallies);
         self.deep_overlaps += self.tally.deep;
         self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio());
     }
 
     fn rebuild_lists(&mut self) {
-        self.search.rebuild(&mut self.team, &mut self.bodies, &self.around);
+        self.search.rebuild(&mut self.team, &mut self.bodies, &mut self.around);
         self.crossed = false;
     }
 
@@ -270,6 +324,9 @@ impl GrainsDem {
         let (mut body, other) = (id(deepest.body), deepest.other);
         let other = match other {
             Other::Wall(wall) => self.surface_names[wall as usize].clone(),
+            Other::Part(part) => {
+                self.surface_names[self.around.walls.len() + part as usize].clone()
+            }
             Other::Body(other) => {
                 let (low, high) = (body.min(id(other)), body.max(id(other)));
                 body = low;
@@ -308,6 +365,24 @@ fn check_loads(loads: &[Load], bodies: usize) -> Result<(), GrainsError> {
         }
     }
     Ok(())
+}
+
+/// Spheres by their order, then the parts that move.
+fn events(spheres: &[PlacedSphere], parts: &[PlacedPart]) -> Vec<BodyEvent> {
+    let mut events: Vec<BodyEvent> = (0..).zip(spheres).map(|(id, s)| added(id, s)).collect();
+    for (table, part) in (0..).zip(parts).filter(|(_, part)| part.moves()) {
+        events.push(BodyEvent {
+            id: events.len() as u64,
+            kind: BodyEvent::ADDED,
+            shape: BodyEvent::PART,
+            motion: BodyEvent::PRESCRIBED,
+            set: 0,
+            mass: 0.0,
+            size: [part.bounding_radius(), 0.0, 0.0],
+            table,
+        });
+    }
+    events
 }
 
 fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {

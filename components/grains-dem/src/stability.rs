@@ -25,6 +25,11 @@ impl Stability {
         }
     }
 
+    /// A body between `contacts` normal dashpots that slow it at a rate each [1/s].
+    pub fn of_dashpot(rate: f64, contacts: f64) -> Self {
+        Self { frequency_squared: 0.0, decay: rate * (contacts / 3.0).max(1.0) }
+    }
+
     /// The contacts of a body under two laws.
     pub fn and(self, more: Self) -> Self {
         Self {

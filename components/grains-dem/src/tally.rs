@@ -32,6 +32,7 @@ pub(crate) struct Deepest {
 pub(crate) enum Other {
     Body(u32),
     Wall(u32),
+    Part(u32),
 }
 
 impl Default for Deepest {

@@ -31,7 +31,7 @@ const SKIN: f64 = 0.15;
 const CLEAR: f64 = 1e-12;
 
 /// Spheres of the given radii without overlap; or the factor on all radii at which they came free.
-pub(super) fn relax(region: &Region, radii: &[f64], seed: u64) -> Result<Vec<Ball>, f64> {
+pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec<Ball>, f64> {
     let mut crowd = Crowd::new(region, radii, seed);
     if crowd.comes_free(SWEEPS) {
         crowd.balls.truncate(radii.len());
@@ -50,7 +50,7 @@ pub(super) fn relax(region: &Region, radii: &[f64], seed: u64) -> Result<Vec<Bal
 
 /// The spheres of the packing, then the obstacles.
 struct Crowd<'a> {
-    region: &'a Region,
+    region: &'a Region<'a>,
     free: usize,
     balls: Vec<Ball>,
     mobility: Vec<Mobility>,
@@ -58,10 +58,12 @@ struct Crowd<'a> {
     cells: Cells,
     list: Rows,
     reference: Vec<Vec3>,
+    /// Where each sphere was last seen, and by how much it was clear of parts.
+    clear: Vec<(Vec3, f64)>,
 }
 
 impl<'a> Crowd<'a> {
-    fn new(region: &'a Region, radii: &[f64], seed: u64) -> Self {
+    fn new(region: &'a Region<'a>, radii: &[f64], seed: u64) -> Self {
         let mut balls: Vec<Ball> = (0..radii.len())
             .map(|index| Ball {
                 x: region.random_centre(radii[index], &mut place_stream(seed, index)),
@@ -81,6 +83,7 @@ impl<'a> Crowd<'a> {
             cells: Cells::new(region.bounds(), largest + skin, balls.len()),
             list: Rows::default(),
             reference: Vec::new(),
+            clear: vec![(Vec3::zeros(), 0.0); radii.len()],
             balls,
             mobility,
         };
@@ -109,10 +112,27 @@ impl<'a> Crowd<'a> {
                 ball.x += wall.normal * depth.max(0.0);
             }
         }
+        self.leave_parts();
         let limit = 0.25 * self.skin * self.skin;
         let mut moved = self.balls.iter().zip(&self.reference);
         if moved.any(|(ball, x)| (ball.x - x).norm_squared() >= limit) {
             self.list_neighbours();
+        }
+    }
+
+    /// Takes spheres out of parts. Who was clear by some length is looked at again after moving it.
+    fn leave_parts(&mut self) {
+        if self.region.parts.is_empty() {
+            return;
+        }
+        for (ball, (seen, clear)) in self.balls[..self.free].iter_mut().zip(&mut self.clear) {
+            if (ball.x - *seen).norm_squared() < *clear * *clear {
+                continue;
+            }
+            let (depth, direction) = self.region.depth_in_parts(ball);
+            let depth = depth + SLACK * ball.radius;
+            ball.x += direction * depth.max(0.0);
+            (*seen, *clear) = (ball.x, (-depth).max(0.0));
         }
     }
 
@@ -145,6 +165,15 @@ impl<'a> Crowd<'a> {
         })
     }
 
+    fn is_out_of_parts(&self) -> bool {
+        let mut spheres = self.balls[..self.free].iter().zip(&self.clear);
+        self.region.parts.is_empty()
+            || spheres.all(|(ball, (seen, clear))| {
+                (ball.x - seen).norm_squared() < clear * clear
+                    || self.region.depth_in_parts(ball).0 <= CLEAR * ball.radius
+            })
+    }
+
     fn shrink(&mut self) {
         for ball in &mut self.balls[..self.free] {
             ball.radius *= SHRINK;
@@ -161,6 +190,6 @@ impl<'a> Crowd<'a> {
             })
         }) && balls[..self.free].iter().all(|ball| {
             self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
-        })
+        }) && self.is_out_of_parts()
     }
 }
