@@ -42,8 +42,8 @@ fn the_skin_does_not_enter_the_arithmetic() {
 
 /// Grains that fall through periodic sides onto a floor with a turning part, several blocks of them.
 fn crowd() -> Scene {
-    let mut scene = scene([14e-3, 14e-3, 30e-3], FLOOR, law(1e4, 0.5, Damping::Restitution(0.6)));
-    scene.gravity = [3.0, 1.0, -9.81];
+    let mut scene = scene([14e-3, 14e-3, 30e-3], FLOOR, law(1e3, 0.5, Damping::Restitution(0.6)));
+    scene.gravity = [10.0, 3.0, -100.0];
     scene.bodies = vec![packed([0.0; 3], [14e-3, 14e-3, 6e-3], 0.4, (0.7e-3, 0.9e-3), 2)];
     scene.parts = vec![Part {
         name: "paddle".into(),
@@ -63,11 +63,14 @@ fn crowd() -> Scene {
 
 fn run_crowd(scene: &Scene, skin: f64, threads: usize) -> (Vec<BodyState>, usize) {
     let parameters = Parameters { skin: Some(skin), ..Parameters::default() };
-    let mut dem = GrainsDem::new(scene, &parameters, 1e-6, threads).unwrap();
-    for _ in 0..20 {
-        dem.advance(100, &[]).unwrap();
+    let mut dem = GrainsDem::new(scene, &parameters, 4e-6, threads).unwrap();
+    for _ in 0..10 {
+        dem.advance(120, &[]).unwrap();
     }
-    assert!(dem.diagnostics().list_rebuilds > 2 && dem.diagnostics().contacts > 500);
+    let seen = dem.diagnostics();
+    assert!(seen.list_rebuilds > 2 && seen.contacts > 500, "{seen:?}");
+    let (force, _) = dem.part_loads().next().unwrap();
+    assert!(force[0] != 0.0);
     let spheres = dem.radii().len();
     (state(&dem), spheres)
 }
