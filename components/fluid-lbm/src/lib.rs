@@ -35,7 +35,6 @@ mod resolution;
 mod scene_check;
 mod solver;
 mod sphere;
-mod team;
 mod units;
 mod walls;
 

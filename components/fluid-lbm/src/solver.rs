@@ -12,11 +12,11 @@ use crate::links::{self, After, Exchange};
 use crate::owners::{Owners, Vacated};
 use crate::parameters::{Collision, Parameters};
 use crate::refill::{Before, Content};
-use crate::team::Team;
 use crate::units::Units;
 use crate::walls::{self, Wall};
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_team::Team;
 
 /// Cells of the block of rows that is one item of work of the collision. Blocks are added up in
 /// their order.
@@ -108,7 +108,7 @@ impl<T: Collides> Solver<T> {
             Collision::Bgk => Relaxation::single(tau, acceleration),
             Collision::Trt => Relaxation::with_magic(tau, parameters.magic, acceleration),
         };
-        let team = Team::new(threads).map_err(|error| {
+        let team = Team::new("fluid", threads).map_err(|error| {
             vec![Problem::new(
                 "threads",
                 format!("the system does not give {threads} threads: {error}"),

@@ -60,7 +60,9 @@ impl Grains for SoftSpheres {
 
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
-        let grains = GrainsDem::new(&setup.hello.scene, &parameters, setup.assigned()?.step)?;
+        let (scene, step) = (&setup.hello.scene, setup.assigned()?.step);
+        let threads = setup.hello.threads.max(1) as usize;
+        let grains = GrainsDem::new(scene, &parameters, step, threads)?;
         let events = grains.initial_events().to_vec();
         let few = if events.len() <= FEW { events.len() } else { 0 };
         Ok(Self { grains, events, tracked: vec![BodyState::at_rest(0, [0.0; 3]); few] })

@@ -122,7 +122,7 @@ fn own_parameters() {
     assert_eq!(key(|_, p| p.skin = Some(0.0)), "@skin");
     let found = problems(|_, p| p.time_step = Some(Time(1e-4)));
     assert!(found[0].help.as_ref().unwrap().contains("use"), "says what would do");
-    assert!(GrainsDem::new(&good(), &Parameters::default(), 1e-3).is_err());
+    assert!(GrainsDem::new(&good(), &Parameters::default(), 1e-3, 1).is_err());
 }
 
 #[test]
