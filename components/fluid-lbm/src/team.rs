@@ -120,16 +120,43 @@ impl Team {
         Ok(team)
     }
 
+    /// Threads of the team, the caller's included.
+    pub fn threads(&self) -> usize {
+        1 + self.workers.len()
+    }
+
     /// Calls `work` once for each item, on any thread, in any order; returns when all are done.
     ///
     /// # Panics
     /// If `work` panicked on any thread.
     pub fn for_each<T: Send>(&mut self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+        // Rooms of no size: an array of them takes no memory.
+        let mut rooms = [(); ACTIVE as usize];
+        self.for_each_with(items, &mut rooms, |(), k, item| work(k, item));
+    }
+
+    /// As [`Team::for_each`], with room for each thread to work in, one for each of
+    /// [`Team::threads`]. What stands in a room depends on chance.
+    ///
+    /// # Panics
+    /// If `work` panicked on any thread, or there are fewer rooms than threads.
+    pub fn for_each_with<T: Send, R: Send>(
+        &mut self,
+        items: &mut [T],
+        rooms: &mut [R],
+        work: impl Fn(&mut R, usize, &mut T) + Sync,
+    ) {
+        assert!(rooms.len() >= self.threads());
         let next = AtomicUsize::new(0);
+        let thread = AtomicUsize::new(0);
         let count = items.len();
         let items = Items(items.as_mut_ptr());
+        let rooms = Items(rooms.as_mut_ptr());
         let take = || {
-            let items = &items;
+            let (items, rooms) = (&items, &rooms);
+            // SAFETY: each thread of the team calls this once a job, so that the number is inside
+            // the slice and no other thread has it; the slice is borrowed for the whole call.
+            let room = unsafe { &mut *rooms.0.add(thread.fetch_add(1, Relaxed)) };
             loop {
                 let k = next.fetch_add(1, Relaxed);
                 if k >= count {
@@ -138,7 +165,7 @@ impl Team {
                 // SAFETY: `k` is inside the slice and handed out once, so the reference is the only
                 // one to this item; the slice is borrowed for the whole call, which outlives the
                 // job.
-                work(k, unsafe { &mut *items.0.add(k) });
+                work(room, k, unsafe { &mut *items.0.add(k) });
             }
         };
         if self.workers.is_empty() || count < 2 { take() } else { self.run(&take) }
@@ -207,6 +234,20 @@ mod tests {
             }
             assert!(items.iter().all(|&n| n == 200));
         }
+    }
+
+    #[test]
+    fn each_thread_has_a_room_of_its_own() {
+        let mut team = Team::new(3).unwrap();
+        let mut items = vec![0_u32; 1000];
+        let mut rooms = vec![0_u32; team.threads()];
+        for _ in 0..50 {
+            team.for_each_with(&mut items, &mut rooms, |room, _, item| {
+                *room += 1;
+                *item += 1;
+            });
+        }
+        assert_eq!(rooms.iter().sum::<u32>(), 50_000);
     }
 
     #[test]
