@@ -3,6 +3,7 @@
 use crate::error::FluidError;
 use crate::grid::Grid;
 use crate::lattice::cross;
+use crate::layout::Layout;
 use crate::sphere::Spans;
 use crate::units::Units;
 use tremie_messages::{BodyEvent, BodyState};
@@ -98,30 +99,30 @@ impl Body {
     }
 
     /// Finds the cells inside at the new position, and which were left and entered.
-    pub fn cover(&mut self, grid: &Grid) {
+    pub fn cover(&mut self, layout: &Layout) {
         std::mem::swap(&mut self.spans, &mut self.previous);
-        self.spans.fit(grid, self.position, self.radius);
-        let place = |[x, y, z]: [i32; 3]| {
-            grid.index([grid.wrap(0, x), grid.wrap(1, y), grid.wrap(2, z)]) as u32
-        };
+        self.spans.fit(&layout.grid, self.position, self.radius);
         let (left, entered) = (&mut self.left, &mut self.entered);
         left.clear();
         entered.clear();
-        self.previous.minus(&self.spans, |at| left.push(place(at)));
-        self.spans.minus(&self.previous, |at| entered.push(place(at)));
+        self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
+        self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
     }
 
     /// Leaves all its cells.
-    fn leave(&mut self, grid: &Grid) {
+    fn leave(&mut self, layout: &Layout) {
         self.previous.clear();
         std::mem::swap(&mut self.spans, &mut self.previous);
         let (left, previous, spans) = (&mut self.left, &self.previous, &self.spans);
         left.clear();
         self.entered.clear();
-        previous.minus(spans, |[x, y, z]| {
-            left.push(grid.index([grid.wrap(0, x), grid.wrap(1, y), grid.wrap(2, z)]) as u32);
-        });
+        previous.minus(spans, |at| left.extend(stored(layout, at)));
     }
+}
+
+/// The stored cell at coordinates that may lie beyond a periodic face.
+fn stored(layout: &Layout, at: [i32; 3]) -> Option<u32> {
+    layout.cell(std::array::from_fn(|a| layout.grid.wrap(a, at[a])))
 }
 
 /// All bodies.
@@ -162,11 +163,11 @@ impl Bodies {
         &mut self,
         events: &[BodyEvent],
         units: &Units,
-        grid: &Grid,
+        layout: &Layout,
     ) -> Result<(), FluidError> {
         let mut ids: Vec<u64> = self.living.iter().map(|b| b.id).collect();
         for event in events {
-            check(event, &mut ids, units, grid)?;
+            check(event, &mut ids, units, &layout.grid)?;
         }
         for event in events {
             let place = self.living.partition_point(|b| b.id < event.id);
@@ -179,7 +180,7 @@ impl Bodies {
                 self.living.insert(place, Body::new(event.id, handle, radius));
             } else {
                 let mut body = self.living.remove(place);
-                body.leave(grid);
+                body.leave(layout);
                 self.leaving.push(body);
             }
         }

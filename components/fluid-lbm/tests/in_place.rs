@@ -162,6 +162,7 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
     case.velocity = [0.02, 0.01, -0.01];
     let mut vector = |most: f64| std::array::from_fn(|_| dice.between(-most, most));
     let lid = [0.03, -0.02, 0.0];
+    case.lid = (2, lid);
     let mut spheres: Vec<Sphere> = (0..6)
         .map(|id| {
             let offset: [f64; 3] = vector(0.5);
@@ -178,9 +179,6 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
     let events: Vec<_> = spheres.iter().map(|s| added(s.state.id, s.radius)).collect();
     let states: Vec<_> = spheres.iter().map(|s| s.state).collect();
     let mut loads = loads_of(&states);
-    if faces[2] == WALL {
-        fluid.set_face_velocity(2, 1, lid);
-    }
     fluid.apply_events(&events).unwrap();
     fluid.start(&states, &mut loads).unwrap();
 

@@ -125,6 +125,11 @@ impl Team {
         Ok(team)
     }
 
+    /// Threads of the team, the caller's included.
+    pub fn threads(&self) -> usize {
+        1 + self.workers.len()
+    }
+
     /// Calls `work` once for each item, on any thread, in any order; returns when all are done.
     ///
     /// # Panics
@@ -133,14 +138,46 @@ impl Team {
         self.for_pieces(Cut::every(items, 1), |k, item: &mut [T]| work(k, &mut item[0]));
     }
 
+    /// As [`Team::for_each`], with room for each thread to work in, one for each of
+    /// [`Team::threads`]. What stands in a room depends on chance.
+    ///
+    /// # Panics
+    /// If `work` panicked on any thread, or there are fewer rooms than threads.
+    pub fn for_each_with<T: Send, R: Send>(
+        &mut self,
+        items: &mut [T],
+        rooms: &mut [R],
+        work: impl Fn(&mut R, usize, &mut T) + Sync,
+    ) {
+        let items = Cut::every(items, 1);
+        self.for_pieces_with(items, rooms, |room, k, item: &mut [T]| work(room, k, &mut item[0]));
+    }
+
     /// Calls `work` once for each piece, on any thread, in any order; returns when all are done.
     ///
     /// # Panics
     /// If `work` panicked on any thread.
     pub fn for_pieces<P: Pieces>(&mut self, pieces: P, work: impl Fn(usize, P::Piece) + Sync) {
+        // Rooms of no size: an array of them takes no memory.
+        let mut rooms = [(); ACTIVE as usize];
+        self.for_pieces_with(pieces, &mut rooms, |(), k, piece| work(k, piece));
+    }
+
+    fn for_pieces_with<P: Pieces, R: Send>(
+        &mut self,
+        pieces: P,
+        rooms: &mut [R],
+        work: impl Fn(&mut R, usize, P::Piece) + Sync,
+    ) {
+        assert!(rooms.len() >= self.threads());
         let next = AtomicUsize::new(0);
         let count = pieces.count();
+        let thread = AtomicUsize::new(0);
+        let rooms = Cut::every(rooms, 1);
         let take = || {
+            // SAFETY: each thread of the team calls this once a job, so that the number is one of the
+            // rooms and no other thread has it; the rooms are borrowed for the whole call.
+            let room = &mut unsafe { rooms.piece(thread.fetch_add(1, Relaxed)) }[0];
             loop {
                 let k = next.fetch_add(1, Relaxed);
                 if k >= count {
@@ -148,7 +185,7 @@ impl Team {
                 }
                 // SAFETY: `k` is one of the pieces and handed out once; what the pieces are of is
                 // borrowed for the whole call, which outlives the job.
-                work(k, unsafe { pieces.piece(k) });
+                work(room, k, unsafe { pieces.piece(k) });
             }
         };
         if self.workers.is_empty() || count < 2 { take() } else { self.run(&take) }
@@ -211,6 +248,20 @@ mod tests {
             }
             assert!(items.iter().all(|&n| n == 200));
         }
+    }
+
+    #[test]
+    fn each_thread_has_a_room_of_its_own() {
+        let mut team = Team::new("test", 3).unwrap();
+        let mut items = vec![0_u32; 1000];
+        let mut rooms = vec![0_u32; team.threads()];
+        for _ in 0..50 {
+            team.for_each_with(&mut items, &mut rooms, |room, _, item| {
+                *room += 1;
+                *item += 1;
+            });
+        }
+        assert_eq!(rooms.iter().sum::<u32>(), 50_000);
     }
 
     #[test]
