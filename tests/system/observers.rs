@@ -110,7 +110,8 @@ fn a_stopped_viewer_stops_nothing_and_changes_nothing() {
 
 #[test]
 fn a_stopped_recorder_is_given_up_in_time_and_changes_nothing() {
-    let window = ["--until", "0.2 s", "--set", "run.deadline=0.4 s"];
+    // Long enough to be stopped in the middle; a recorder that is only slow has a share of 8 s.
+    let window = ["--until", "0.4 s", "--set", "run.deadline=8 s"];
     let alone = run_text(SMALL, &window).succeeded().signals_text();
     let home = tempfile::tempdir().unwrap();
     let record = ["--set", "outputs.record=true", "--set", "outputs.frames=1 us"];

@@ -7,6 +7,9 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 use tremie_sdk::messages::INTERFACE_VERSION;
 
+/// Lines of a script that talks without end on standard error, with standard output left open.
+const TALKS: &str = "exec 3>&1\nexec yes noise >&2";
+
 /// What Ctrl-C may take, on a busy machine.
 const SOON: Duration = Duration::from_secs(2);
 
@@ -74,7 +77,7 @@ fn ctrl_c_ends_a_run_whose_component_never_gets_ready() {
 fn ctrl_c_ends_a_run_whose_component_never_stops_talking() {
     let home = tempfile::tempdir().unwrap();
     let begun = home.path().join("begun");
-    let running = start(home.path(), "run", &format!("touch {begun:?}\nexec yes noise >&2"));
+    let running = start(home.path(), "run", &format!("touch {begun:?}\n{TALKS}"));
     until("the component starts", || begun.exists());
     is_interrupted(running, home.path());
 }
@@ -114,7 +117,7 @@ fn with_many_bodies(program: PathBuf) -> String {
 #[test]
 fn a_component_that_does_not_even_read_is_given_up() {
     let home = tempfile::tempdir().unwrap();
-    for lines in ["exec sleep 1000", "exec yes noise >&2"] {
+    for lines in ["exec sleep 1000", TALKS] {
         let text = with_many_bodies(script(home.path(), "script-fluid", lines));
         let begin = Instant::now();
         let ran = run_text(&text, &["--set", "run.start_within=1 s"]);
