@@ -117,11 +117,12 @@ impl Parameters {
         }
     }
 
-    /// Smallest relaxation time that is accepted; below it rounding changes the viscosity.
+    /// Smallest relaxation time that is accepted; below it the collision amplifies rounding errors.
+    /// A closure for turbulence damps them, so that the limit is then what the numbers resolve.
     pub fn smallest_tau(&self) -> f64 {
-        match self.precision {
-            Precision::F64 => 0.5 + 1e-9,
-            Precision::F32 => 0.5 + 1e-6,
+        match (self.smagorinsky > 0.0, self.precision) {
+            (true, _) => 0.500001,
+            (false, _) => self.trusted_tau(),
         }
     }
 
