@@ -1,8 +1,7 @@
 //! A batch of links of one body: geometry, populations, forces, each in one loop.
 //!
 //! See `links` for the formulae. A link costs the numbers below, some 200 bytes that stay in the
-//! first-level cache, and at most four places of the field; its cell costs the other populations
-//! once, for the density.
+//! first-level cache, three places of the field, and the density, which the collision left.
 
 use crate::bodies::Body;
 use crate::field::Real;
@@ -64,9 +63,10 @@ pub struct Batch {
     slots: [u16; LINKS],
     /// Whether the other population is that of the cell behind.
     behind: [bool; LINKS],
+    /// Places of `g_i`, of the other population, and of the result.
+    places: [[u32; 3]; LINKS],
     links: usize,
     cells: [u32; CELLS],
-    rho: [f64; CELLS],
     used: usize,
     sums: [[f64; LANES]; 10],
     exchange: Exchange,
@@ -93,9 +93,9 @@ impl Default for Batch {
             mirrors: [0; LINKS],
             slots: [0; LINKS],
             behind: [false; LINKS],
+            places: [[0; 3]; LINKS],
             links: 0,
             cells: [0; CELLS],
-            rho: [0.0; CELLS],
             used: 0,
             sums: [[0.0; LANES]; 10],
             exchange: Exchange::default(),
@@ -163,23 +163,10 @@ impl Batch {
         self.links += 1;
     }
 
-    /// Asks memory for the populations of the cells whose bits are set.
-    #[inline]
-    pub fn ask<T: Real>(&self, after: &After<T>, mut used: u32, slots: &[u16; CHUNK as usize]) {
-        while used != 0 {
-            let cell = self.number(slots[used.trailing_zeros() as usize]);
-            used &= used - 1;
-            for i in 0..Q {
-                after.field.prefetch(after.layout.place(after.parity, cell, i));
-            }
-        }
-    }
-
     /// Reflects all links of the batch and empties it.
     pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
         self.locate(body);
-        self.ask_for_ends(after);
-        self.densities(after);
+        self.ask(after);
         self.reflect(after);
         self.add_up(body);
         self.exchange.links += self.links;
@@ -221,56 +208,37 @@ impl Batch {
         }
     }
 
-    /// Asks memory for the places that the next step reads.
-    fn ask_for_ends<T: Real>(&self, after: &After<T>) {
-        let next = after.parity.flipped();
+    /// Finds the places of each link and asks memory for them.
+    fn ask<T: Real>(&mut self, after: &After<T>) {
+        let (parity, next) = (after.parity, after.parity.flipped());
         for k in 0..self.links {
             let (cell, i) = (self.number(self.slots[k]), self.dirs[k] as usize);
-            after.field.prefetch(after.layout.place(next, cell, OPPOSITE[i]));
-            if self.behind[k] {
-                after.field.prefetch(after.layout.place(next, cell, i));
+            let of = |parity, i| after.layout.place(parity, cell, i);
+            let other = of(if self.behind[k] { next } else { parity }, i);
+            let places = [of(parity, OPPOSITE[i]), other, of(next, OPPOSITE[i])];
+            for place in places {
+                after.field.prefetch(place);
             }
-        }
-    }
-
-    /// Densities of the cells at which links begin.
-    fn densities<T: Real>(&mut self, after: &After<T>) {
-        let mut last = usize::MAX;
-        for k in 0..self.links {
-            let slot = self.slots[k] as usize;
-            if slot != last {
-                self.rho[slot] = 0.0;
-                last = slot;
-            }
-        }
-        for k in 0..self.links {
-            let slot = self.slots[k] as usize;
-            if self.rho[slot] == 0.0 {
-                self.rho[slot] = crate::links::density(&after.post(self.cells[slot]));
-            }
+            after.drho.prefetch(cell as usize);
+            self.places[k] = places.map(|place| place as u32);
         }
     }
 
     /// Reads, interpolates and writes populations.
     fn reflect<T: Real>(&mut self, after: &After<T>) {
         let s = &mut *self.columns;
-        let (parity, next) = (after.parity, after.parity.flipped());
         for k in 0..self.links {
-            let (slot, i) = (self.slots[k] as usize, self.dirs[k] as usize);
-            let cell = self.cells[slot];
-            let g = after.post_one(cell, i);
-            let push = s.push[k] * self.rho[slot];
-            let f = if !self.behind[k] {
-                let other = after.field.get(after.layout.place(parity, cell, i));
-                s.own[k] * g + s.other[k] * other - push
-            } else if after.has_behind(cell, i) {
-                let other = after.field.get(after.layout.place(next, cell, i));
-                s.own[k] * g + s.other[k] * other - push
+            let [own, other, result] = self.places[k].map(|place| place as usize);
+            let cell = self.cells[self.slots[k] as usize];
+            let g = after.field.get(own);
+            let push = s.push[k] * (1.0 + after.drho.get(cell as usize));
+            let f = if !self.behind[k] || after.has_behind(cell, self.dirs[k] as usize) {
+                s.own[k] * g + s.other[k] * after.field.get(other) - push
             } else {
                 self.exchange.fallbacks += 1;
                 g - push
             };
-            let f = after.field.set(after.layout.place(next, cell, OPPOSITE[i]), f);
+            let f = after.field.set(result, f);
             (s.sum[k], s.gain[k]) = (g + f, f - g);
         }
     }
@@ -343,7 +311,7 @@ impl<T: Real> After<'_, T> {
         let stride = self.layout.places.stride();
         let place = self.layout.places.odd(cell, i);
         if place == i * stride + cell as usize {
-            return false;
+            return self.layout.sees_itself(cell, OPPOSITE[i]);
         }
         let plain = OPPOSITE[i] * stride;
         let behind =

@@ -6,6 +6,7 @@ use crate::lattice::cross;
 use crate::layout::Layout;
 use crate::sphere::Spans;
 use crate::units::Units;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_messages::{BodyEvent, BodyState};
 
 /// A sphere in the fluid; lattice units.
@@ -109,6 +110,39 @@ impl Body {
         self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
     }
 
+    /// Wants the densities of all lines of `line` cells in which links to it can begin.
+    pub fn want(&self, layout: &Layout, line: usize, lines: &[AtomicU8]) {
+        let grid = &layout.grid;
+        // Links are at most the square root of 2 long.
+        let reach = self.radius + 1.5;
+        let side = self.spans.shell_side();
+        for k in 0..side * side {
+            let [y, z] = self.spans.shell_row(k % side, k / side);
+            let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
+            let d = [f64::from(y) + 0.5 - self.position[1], f64::from(z) + 0.5 - self.position[2]];
+            let square = reach * reach - (d[0] * d[0] + d[1] * d[1]);
+            if square <= 0.0 || !grid.contains([0, real_y, real_z]) {
+                continue;
+            }
+            let half = square.sqrt();
+            let first = (self.position[0] - half).floor() as i32;
+            let last = (self.position[0] + half).floor() as i32;
+            if !grid.periodic[0] {
+                want_range(
+                    layout,
+                    line,
+                    lines,
+                    [first.max(0), last.min(grid.n[0] - 1)],
+                    [real_y, real_z],
+                );
+            } else if first < 0 || last >= grid.n[0] {
+                want_range(layout, line, lines, [0, grid.n[0] - 1], [real_y, real_z]);
+            } else {
+                want_range(layout, line, lines, [first, last], [real_y, real_z]);
+            }
+        }
+    }
+
     /// Leaves all its cells.
     fn leave(&mut self, layout: &Layout) {
         self.previous.clear();
@@ -117,6 +151,22 @@ impl Body {
         left.clear();
         self.entered.clear();
         previous.minus(spans, |at| left.extend(stored(layout, at)));
+    }
+}
+
+/// Wants the lines of the stored cells from `first` to `last` of a row.
+fn want_range(
+    layout: &Layout,
+    line: usize,
+    lines: &[AtomicU8],
+    [first, last]: [i32; 2],
+    [y, z]: [i32; 2],
+) {
+    let mut stored = (first..=last).filter_map(|x| layout.cell([x, y, z]));
+    let Some(begin) = stored.next() else { return };
+    let end = stored.next_back().unwrap_or(begin);
+    for wanted in &lines[begin as usize / line..=end as usize / line] {
+        wanted.store(1, Relaxed);
     }
 }
 

@@ -3,6 +3,7 @@
 //! Only cells that no static solid covers are stored. They have numbers in the order of the box, x
 //! running fastest; everything that is kept for cells is an array over these numbers.
 
+use crate::field::prefetch;
 use crate::grid::{Grid, Reach};
 use crate::lattice::C;
 
@@ -116,6 +117,12 @@ impl Cells {
     #[inline(always)]
     pub fn number(&self, index: usize) -> u32 {
         self.numbers[index]
+    }
+
+    /// Asks memory for the number of the cell with an index in the box.
+    #[inline(always)]
+    pub fn prefetch(&self, index: usize) {
+        prefetch(self.numbers.as_ptr().wrapping_add(index));
     }
 
     /// Number of a cell of the box, if it is stored.

@@ -85,7 +85,12 @@ unsafe impl<T: Real> Sync for Field<T> {}
 impl<T: Real> Field<T> {
     /// A fluid at rest in planes of `stride` numbers.
     pub fn new(stride: usize) -> Self {
-        let bytes = Self::bytes(stride as u64) as usize;
+        Self::zeros(stride * Q)
+    }
+
+    /// Room for `count` numbers, all zero.
+    pub fn zeros(count: usize) -> Self {
+        let bytes = (count * (64 / T::LINE)).max(1).next_multiple_of(LARGE_PAGE);
         let layout = Layout::from_size_align(bytes, LARGE_PAGE)
             .expect("a lattice that was resolved fits in memory");
         // SAFETY: the layout is not empty.

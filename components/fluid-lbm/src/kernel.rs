@@ -13,6 +13,7 @@ use crate::lanes::{Lanes, Portable, Variant};
 use crate::lattice::{OPPOSITE, Q};
 use crate::places::{Parity, Places};
 use crate::tally::Tally;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 /// Sums over the fluid cells of a block of lines, before their collision.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +82,28 @@ pub struct Sweep<'a, T: Real> {
     pub relaxation: &'a Relaxation,
     /// Reflecting links.
     pub tally: &'a Tally,
+    /// Lines whose densities somebody wants to know, and room for these.
+    pub wanted: &'a Wanted<T>,
+}
+
+/// Densities that the links of bodies will need.
+pub struct Wanted<T: Real> {
+    /// For each line whether it is wanted; empty if none is.
+    pub lines: Vec<AtomicU8>,
+    /// For each cell of a wanted line the density minus 1 before the last collision, which keeps it.
+    pub drho: Field<T>,
+}
+
+impl<T: Real> Wanted<T> {
+    /// Where the densities of a line go; nowhere if nobody wants them.
+    #[inline(always)]
+    fn room(&self, line: usize) -> *mut T {
+        if self.lines.get(line).is_some_and(|wanted| wanted.load(Relaxed) != 0) {
+            self.drho.base().wrapping_add(line * T::LINE)
+        } else {
+            std::ptr::null_mut()
+        }
+    }
 }
 
 /// A kernel: collides and streams a block, the `usize`th of all, then adds up what its links reflect.
@@ -101,7 +124,13 @@ pub trait Collides: Real {
 
 /// Collides the line at `places`, see [`collide_line`]; one function for each variant, with and
 /// without an acceleration and a closure.
-type LineKernel<V> = unsafe fn(&[*mut <V as Lanes>::Scalar; Q], u32, &Constants<V>, &mut Sums<V>);
+type LineKernel<V> = unsafe fn(
+    &[*mut <V as Lanes>::Scalar; Q],
+    u32,
+    &Constants<V>,
+    &mut Sums<V>,
+    *mut <V as Lanes>::Scalar,
+);
 
 macro_rules! kernels {
     ($real:ty, $portable:ty, $avx2:ty, $avx512:ty) => {
@@ -147,9 +176,10 @@ macro_rules! kernels {
             bits: u32,
             constants: &Constants<$lanes>,
             sums: &mut Sums<$lanes>,
+            drho: *mut <$lanes as Lanes>::Scalar,
         ) {
             // SAFETY: by contract.
-            unsafe { collide_line::<$lanes, FORCED, LES>(places, bits, constants, sums) }
+            unsafe { collide_line::<$lanes, FORCED, LES>(places, bits, constants, sums, drho) }
         }
     };
     (choose, $relaxation:expr) => {
@@ -204,17 +234,23 @@ unsafe fn sweep_lines<V: Lanes>(
                     places[i] = planes[i].wrapping_add(first);
                     i += 1;
                 }
+                let drho = sweep.wanted.room(line);
                 // SAFETY: these are the line's own places in even steps.
-                unsafe { collide_line(&places, bits, &constants, &mut sums) };
+                unsafe { collide_line(&places, bits, &constants, &mut sums, drho) };
             }
         }
     } else {
         let mut scratch = Scratch([[V::Scalar::from_f64(0.0); 16]; Q]);
+        let end = lines.end;
         for line in lines {
+            if line + AHEAD < end {
+                ask_for_pieces(sweep, line + AHEAD);
+            }
             let bits = line_bits::<V>(sweep.fluid, line);
             if bits == 0 {
                 continue;
             }
+            let drho = sweep.wanted.room(line);
             let entries = &sweep.places.lines()[line];
             let mut places = [base.wrapping_add(line * V::Scalar::LINE); Q];
             let mut i = 1;
@@ -226,10 +262,10 @@ unsafe fn sweep_lines<V: Lanes>(
             // in the scratch and written back, lane by lane where they are.
             unsafe {
                 if entries[0] == 0 {
-                    collide_line(&places, bits, &constants, &mut sums);
+                    collide_line(&places, bits, &constants, &mut sums, drho);
                 } else {
                     gather::<V>(sweep, entries, &mut places, &mut scratch);
-                    collide_line(&places, bits, &constants, &mut sums);
+                    collide_line(&places, bits, &constants, &mut sums, drho);
                     scatter::<V>(sweep, entries, &scratch);
                 }
             }
@@ -242,6 +278,25 @@ unsafe fn sweep_lines<V: Lanes>(
 /// Room for a line in each direction.
 #[repr(align(64))]
 struct Scratch<T>([[T; 16]; Q]);
+
+/// Asks memory for what a line will collect from pieces. Lines in one piece need no such help: the
+/// line before asks for what follows its own places.
+#[inline(always)]
+fn ask_for_pieces<T: Real>(sweep: &Sweep<T>, line: usize) {
+    let entries = &sweep.places.lines()[line];
+    let mut mixed = entries[0];
+    while mixed != 0 {
+        let i = mixed.trailing_zeros() as usize;
+        mixed &= mixed - 1;
+        for piece in &sweep.places.pieces()[entries[i] as usize..] {
+            let lane = piece.lanes.trailing_zeros() as usize;
+            prefetch(sweep.field.base().wrapping_add(piece.place as usize + lane));
+            if piece.last {
+                break;
+            }
+        }
+    }
+}
 
 /// Collects the directions of a line that are in pieces, and lets their places point there.
 ///
@@ -262,7 +317,6 @@ unsafe fn gather<V: Lanes>(
         mixed &= mixed - 1;
         places[i] = scratch.0[i].as_mut_ptr();
         let pieces = &sweep.places.pieces()[entries[i] as usize..];
-        prefetch(base.wrapping_add(pieces[0].place as usize + AHEAD * V::Scalar::LINE));
         let mut x = 0;
         while x < V::Scalar::LINE {
             // SAFETY: by contract; the lanes of a piece are places of the field.
@@ -324,13 +378,14 @@ unsafe fn scatter<V: Lanes>(
 ///
 /// # Safety
 /// As for [`Kernel`]; `LINE` numbers may be read and written at each place, and in lanes of cells
-/// these belong to the line.
+/// these belong to the line; `drho` is null or has room for a line.
 #[inline(always)]
 unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool>(
     places: &[*mut V::Scalar; Q],
     bits: u32,
     constants: &Constants<V>,
     sums: &mut Sums<V>,
+    drho: *mut V::Scalar,
 ) {
     let all = u32::MAX >> (32 - V::N);
     let mut x = 0;
@@ -366,6 +421,9 @@ unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool>(
                     i += 1;
                 }
                 sums.add::<LES>(x, &moments);
+                if !drho.is_null() {
+                    moments.drho.store(drho.add(x));
+                }
             }
         }
         x += V::N;

@@ -1,9 +1,9 @@
 //! Box, stored cells and places of populations, together.
 
 use crate::cells::{Cells, Obstacles};
-use crate::grid::{Grid, Reach};
+use crate::grid::{Grid, Reach, Side};
 use crate::lattice::C;
-use crate::places::{Blocked, Parity, Places, Survey};
+use crate::places::{Parity, Places, Survey};
 
 /// Box, stored cells and places of populations.
 #[derive(Clone, Debug)]
@@ -55,11 +55,13 @@ impl Layout {
         self.places.of(parity, cell, i)
     }
 
-    /// The stored cell at `d` cells from `at`, up to one cell beyond a face, through periodic faces
-    /// and mirrors.
-    pub fn near(&self, at: [i32; 3], d: [i32; 3]) -> Option<u32> {
+    /// The stored cell at `d` cells from `at`, through periodic faces and mirrors, and the axes at
+    /// which the way was mirrored.
+    pub fn near(&self, at: [i32; 3], d: [i32; 3]) -> Option<(u32, u8)> {
         match self.grid.reach(std::array::from_fn(|a| at[a] + d[a])) {
-            Reach::Cell { at, .. } if self.grid.contains(at) => self.cell(at),
+            Reach::Cell { at, mirrors } if self.grid.contains(at) => {
+                self.cell(at).map(|cell| (cell, mirrors))
+            }
             _ => None,
         }
     }
@@ -70,8 +72,17 @@ impl Layout {
         self.places.neighbour(cell, i)
     }
 
-    /// The link that is blocked, as coordinates of its beginning and direction.
-    pub fn link_of(&self, blocked: &Blocked) -> ([i32; 3], [i32; 3]) {
-        (self.at(blocked.cell), C[blocked.dir as usize])
+    /// Whether the link along `i` leads straight into a mirror, and so back to the cell itself.
+    pub fn sees_itself(&self, cell: u32, i: usize) -> bool {
+        let at = self.at(cell);
+        (0..3).all(|a| match C[i][a] {
+            0 => true,
+            c => {
+                let side = usize::from(c > 0);
+                C[i].iter().map(|c| c.abs()).sum::<i32>() == 1
+                    && self.grid.sides[a][side] == Side::Symmetry
+                    && at[a] == [0, self.grid.n[a] - 1][side]
+            }
+        })
     }
 }

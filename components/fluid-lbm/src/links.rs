@@ -114,6 +114,8 @@ pub struct After<'a, T: Real> {
     pub owners: &'a Owners,
     /// Parity of the collision just done.
     pub parity: Parity,
+    /// Densities of the lines near bodies.
+    pub drho: &'a Field<T>,
 }
 
 impl<T: Real> After<'_, T> {
@@ -219,7 +221,8 @@ impl<T: Real> After<'_, T> {
         // Fluid cells of the chunk, and the batch's slot of each.
         let (mut fluid, mut slots) = (0_u32, [0; CHUNK as usize]);
         for x in first..=last {
-            let number = cells.number(row.base + grid.wrap(0, x) as usize);
+            let index = row.base + grid.wrap(0, x) as usize;
+            let number = if cells.are_all() { index as u32 } else { cells.number(index) };
             if number != crate::cells::NONE && self.owners.is_fluid(number) {
                 fluid |= 1 << (x - first);
                 slots[(x - first) as usize] = batch.cell(number);
@@ -244,7 +247,10 @@ impl<T: Real> After<'_, T> {
                 }
             }
         }
-        batch.ask(self, used, &slots);
+        while used != 0 {
+            self.layout.places.prefetch(batch.number(slots[used.trailing_zeros() as usize]));
+            used &= used - 1;
+        }
     }
 
     /// The link `i` of a cell at `x` of a row.

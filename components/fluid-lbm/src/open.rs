@@ -116,7 +116,7 @@ impl OpenCells {
             };
             own.cells.push(OpenCell {
                 cell: links[0].cell,
-                inner: layout.near(at, normal).unwrap_or(crate::cells::NONE),
+                inner: layout.near(at, normal).map_or(crate::cells::NONE, |(cell, _)| cell),
                 unknown,
                 face: (2 * axis + side) as u8,
                 plain: unknown == across && open.len() == 1,

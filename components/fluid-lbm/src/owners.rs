@@ -177,7 +177,9 @@ impl Owners {
     /// Whether any neighbour is fluid or will be.
     fn is_open(&self, layout: &Layout, cell: u32) -> bool {
         let mut neighbours = (1..Q).filter_map(|i| layout.neighbour(cell, i));
+        // A cell at a mirror has itself for a neighbour.
         neighbours.any(|n| n != cell && matches!(self.of(n), FLUID | VACATED))
+            || (1..Q).any(|i| layout.sees_itself(cell, i))
     }
 
     /// After all releases and claims: decides which cells are isolated. Afterwards `vacated`,

@@ -7,7 +7,7 @@
 
 use crate::bodies::Body;
 use crate::field::{Field, Real};
-use crate::lattice::{C_F64, Q, dot, equilibrium};
+use crate::lattice::{C, C_F64, Q, dot, equilibrium, mirrored};
 use crate::layout::Layout;
 use crate::owners::Owners;
 use crate::places::Parity;
@@ -79,7 +79,7 @@ impl<T: Real> Before<'_, T> {
         let (drho, u) = (drho.unwrap_or(0.0), body.velocity_at(arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
         if let Some(donor) = self.donor(owners, cell, arm) {
-            let of_donor = self.populations(donor);
+            let of_donor = donor;
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);
             for i in 0..Q {
@@ -94,29 +94,31 @@ impl<T: Real> Before<'_, T> {
     /// of cells up to `reach` away beyond. `None` if there is no fluid.
     fn mean_around(&self, owners: &Owners, cell: u32, reach: i32) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
-        let side = 2 * reach + 1;
-        let at = self.layout.at(cell);
-        for k in 0..side * side * side {
-            let d = [k % side - reach, k / side % side - reach, k / (side * side) - reach];
-            let is_link = (1..=2).contains(&(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-            if reach == 1 && !is_link {
-                continue;
-            }
-            if let Some(neighbour) = self.layout.near(at, d)
-                && neighbour != cell
-                && owners.is_fluid(neighbour)
-            {
+        let mut add = |neighbour: u32| {
+            if neighbour != cell && owners.is_fluid(neighbour) {
                 for i in 0..Q {
                     sum += self.field.get(self.layout.place(self.parity, neighbour, i));
                 }
                 count += 1;
             }
+        };
+        if reach == 1 {
+            (1..Q).filter_map(|i| self.layout.neighbour(cell, i)).for_each(&mut add);
+        } else {
+            let (at, side) = (self.layout.at(cell), 2 * reach + 1);
+            for k in 0..side * side * side {
+                let d = [k % side - reach, k / side % side - reach, k / (side * side) - reach];
+                if let Some((neighbour, _)) = self.layout.near(at, d) {
+                    add(neighbour);
+                }
+            }
         }
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// The neighbour in the direction closest to `normal`, if it is fluid.
-    fn donor(&self, owners: &Owners, cell: u32, normal: [f64; 3]) -> Option<u32> {
+    /// Populations of the neighbour in the direction closest to `normal`, if it is fluid; mirrored,
+    /// if it is seen in a mirror.
+    fn donor(&self, owners: &Owners, cell: u32, normal: [f64; 3]) -> Option<[f64; Q]> {
         let (mut best, mut cosine) = (None, 0.0);
         for i in 1..Q {
             let c = dot(C_F64[i], normal) / dot(C_F64[i], C_F64[i]).sqrt();
@@ -124,7 +126,13 @@ impl<T: Real> Before<'_, T> {
                 (best, cosine) = (Some(i), c);
             }
         }
-        let donor = self.layout.neighbour(cell, best?)?;
-        (donor != cell && owners.is_fluid(donor)).then_some(donor)
+        let best = best?;
+        let donor = self.layout.neighbour(cell, best)?;
+        if donor == cell || !owners.is_fluid(donor) {
+            return None;
+        }
+        let (_, mirrors) = self.layout.near(self.layout.at(cell), C[best])?;
+        let h = self.populations(donor);
+        Some(std::array::from_fn(|i| h[mirrored(i, mirrors)]))
     }
 }

@@ -8,7 +8,7 @@ use crate::course::Now;
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
-use crate::kernel::{Block, Collides, Kernel, Survey, Sweep};
+use crate::kernel::{Block, Collides, Kernel, Survey, Sweep, Wanted};
 use crate::lanes::Variant;
 use crate::layout::Layout;
 use crate::ledger::{Ledger, add_scaled};
@@ -21,6 +21,7 @@ use crate::refill::{Before, Content};
 use crate::surroundings::Surroundings;
 use crate::tally::Tally;
 use crate::units::Units;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_team::Team;
@@ -55,6 +56,7 @@ pub struct Solver<T: Collides> {
     pub(crate) layout: Layout,
     pub(crate) field: Field<T>,
     pub(crate) owners: Owners,
+    wanted: Wanted<T>,
     pub(crate) bodies: Bodies,
     pub(crate) relaxation: Relaxation,
     /// Parity of the next collision.
@@ -147,6 +149,7 @@ impl<T: Collides> Solver<T> {
             units,
             field: Field::new(built.layout.places.stride()),
             owners: Owners::new(built.layout.cells.len()),
+            wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
             bodies: Bodies::default(),
             relaxation,
             parity: Parity::Even,
@@ -190,6 +193,11 @@ impl<T: Collides> Solver<T> {
             return Ok(());
         }
         self.bodies.apply(events, &self.units, &self.layout)?;
+        if self.wanted.lines.is_empty() {
+            let lines = self.layout.places.lines().len();
+            self.wanted.lines.resize_with(lines, AtomicU8::default);
+            self.wanted.drho = Field::zeros(lines * T::LINE);
+        }
         self.link_items = links::items(&self.bodies);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.spans.shell_side() * b.spans.shell_side()) as usize;
@@ -235,8 +243,14 @@ impl<T: Collides> Solver<T> {
         if !self.bodies.take(states, &self.units, &self.layout.grid) {
             return;
         }
-        let layout = &self.layout;
-        self.team.for_each(&mut self.bodies.living, |_, body| body.cover(layout));
+        let (layout, lines) = (&self.layout, &self.wanted.lines);
+        for line in lines {
+            line.store(0, Relaxed);
+        }
+        self.team.for_each(&mut self.bodies.living, |_, body| {
+            body.cover(layout);
+            body.want(layout, T::LINE, lines);
+        });
         for body in self.bodies.leaving.iter().chain(&self.bodies.living) {
             for &cell in &body.left {
                 self.owners.release(cell, body.handle);
@@ -303,6 +317,7 @@ impl<T: Collides> Solver<T> {
             parity: self.parity,
             relaxation: &self.relaxation,
             tally: &self.tally,
+            wanted: &self.wanted,
         };
         let kernel = self.kernel;
         self.team.for_each(&mut self.blocks, |number, block| {
@@ -311,6 +326,12 @@ impl<T: Collides> Solver<T> {
             // runs.
             unsafe { kernel(&sweep, number, block) };
         });
+        let (field, fluid, tally) = (&self.field, self.owners.fluid_bits(), &self.tally);
+        if tally.has_mirrors() {
+            self.team.for_each(&mut self.blocks, |number, block| {
+                tally.sum_mirrors(field, fluid, number, &mut block.reflected);
+            });
+        }
         self.join_surveys();
     }
 
@@ -330,6 +351,7 @@ impl<T: Collides> Solver<T> {
             layout: &self.layout,
             owners: &self.owners,
             parity: self.parity,
+            drho: &self.wanted.drho,
         };
         let bodies = &self.bodies;
         self.team.for_each_with(&mut self.link_items, &mut self.batches, |batch, _, item| {

@@ -2,8 +2,9 @@
 //!
 //! Reflection half-way and at mirrors costs no work: the places of the populations see to it. The
 //! momentum that it takes is `2 c_i f_i` at a wall and `(c_i - c_m(i)) f_i` at a mirror for each
-//! reflected population `f_i`, in deviations from the fluid at rest. The populations are added up
-//! by block of cells, directly after the block's collision.
+//! reflected population `f_i`, in deviations from the fluid at rest. The populations that walls
+//! reflect are added up by block of cells, directly after the block's collision; those at mirrors,
+//! which another block's collision may leave, when all blocks are done.
 
 use crate::cells::Fixture;
 use crate::field::{Field, Real};
@@ -30,7 +31,7 @@ pub struct Run {
 struct Item {
     place: u32,
     line: u32,
-    /// First cell of the place's plane that takes part; the line's own first cell at a wall.
+    /// The cell in whose plane the place of the first lane is: the line's own first at a wall.
     other: i32,
     lanes: u16,
 }
@@ -86,13 +87,18 @@ impl Tally {
         });
     }
 
+    /// Whether any link is mirrored.
+    pub fn has_mirrors(&self) -> bool {
+        self.runs.iter().any(|run| run.is_mirror)
+    }
+
     /// The runs of a block.
     pub fn runs(&self, block: usize) -> &[Run] {
         &self.runs[self.blocks[block].clone()]
     }
 
-    /// Adds up the reflected populations of each run of a block, as deviations from rest, of cells
-    /// that are fluid.
+    /// Adds up the populations that walls reflect, for each run of a block, as deviations from rest,
+    /// of cells that are fluid.
     ///
     /// # Safety
     /// The processor has the variant's instructions; field and bits are those of the cells that the
@@ -106,13 +112,13 @@ impl Tally {
         sums: &mut [f64],
     ) {
         for (run, sum) in self.runs(block).iter().zip(sums) {
+            if run.is_mirror {
+                continue;
+            }
             let mut lanes_sum = [0.0; 16];
             for item in &self.items[run.items.clone()] {
                 let line = item.line as usize * V::Scalar::LINE;
-                let mut lanes = u32::from(item.lanes) & bits_at::<V>(fluid, line as i32);
-                if run.is_mirror {
-                    lanes &= bits_at::<V>(fluid, item.other);
-                }
+                let lanes = u32::from(item.lanes) & bits_at::<V::Scalar>(fluid, line as i32);
                 let mut x = 0;
                 while x < V::Scalar::LINE {
                     // SAFETY: by contract; the lanes of an item are places of the field.
@@ -125,6 +131,28 @@ impl Tally {
                 }
             }
             *sum = lanes_sum.iter().sum();
+        }
+    }
+
+    /// The same for mirrors, once all cells have collided.
+    pub fn sum_mirrors<T: Real>(
+        &self,
+        field: &Field<T>,
+        fluid: &[u8],
+        block: usize,
+        sums: &mut [f64],
+    ) {
+        for (run, sum) in self.runs(block).iter().zip(sums).filter(|(run, _)| run.is_mirror) {
+            *sum = 0.0;
+            for item in &self.items[run.items.clone()] {
+                let line = (item.line as usize * T::LINE) as i32;
+                let both = bits_at::<T>(fluid, line) & bits_at::<T>(fluid, item.other);
+                let mut lanes = u32::from(item.lanes) & both;
+                while lanes != 0 {
+                    *sum += field.get(item.place as usize + lanes.trailing_zeros() as usize);
+                    lanes &= lanes - 1;
+                }
+            }
         }
     }
 
@@ -151,9 +179,9 @@ impl Tally {
 
 /// Which of the `LINE` cells from `cell` on are fluid.
 #[inline(always)]
-fn bits_at<V: Lanes>(fluid: &[u8], cell: i32) -> u32 {
+fn bits_at<T: Real>(fluid: &[u8], cell: i32) -> u32 {
     let byte = |k: usize| fluid.get(k).map_or(0, |&b| u32::from(b));
     let (first, before) = (cell.max(0) as usize, (-cell).max(0));
     let bits = byte(first / 8) | byte(first / 8 + 1) << 8 | byte(first / 8 + 2) << 16;
-    bits >> (first % 8) << before & (u32::MAX >> (32 - V::Scalar::LINE))
+    bits >> (first % 8) << before & (u32::MAX >> (32 - T::LINE))
 }

@@ -9,6 +9,7 @@ use tremie_messages::{BodyEvent, BodyState, Load};
 
 pub const PERIODIC: Face = Face::Periodic;
 pub const WALL: Face = Face::WALL;
+pub const SYMMETRY: Face = Face::Symmetry;
 
 /// A fluid to be made.
 #[derive(Clone, Debug)]
