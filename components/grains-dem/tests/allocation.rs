@@ -45,9 +45,9 @@ fn a_substep_allocates_nothing() {
         motion: Motion::Fixed,
         boundary: PartBoundary::Wall,
     }];
-    let mut dem = GrainsDem::new(&scene, &Parameters::default(), 4e-6, 2).unwrap();
+    let mut dem = GrainsDem::new(&scene, &Parameters::default(), 2e-6, 2).unwrap();
     assert!(dem.body_count() > 512);
-    dem.advance(6_000, &[]).unwrap();
+    dem.advance(8_000, &[]).unwrap();
     let mut loads = vec![tremie_messages::Load::default(); dem.body_count()];
     for (id, load) in (0..).zip(&mut loads) {
         load.id = id;
