@@ -172,8 +172,8 @@ impl Cells {
 /// The lowest 21 bits of `x`, each followed by two zeros.
 fn interleave(x: u32) -> u64 {
     let mut x = u64::from(x) & 0x1f_ffff;
-    x = (x | x << 32) & 0x1f00_0000_00ff_ff;
-    x = (x | x << 16) & 0x1f00_00ff_0000_ff;
+    x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
     x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
     x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
     (x | x << 2) & 0x1249_2492_4924_9249

@@ -17,6 +17,7 @@ use tremie_messages::{
         BodySet, ContactLaw, Damping, Domain, Motion, Packing, Placement, Plane, Scene, Sphere,
         Spring,
     },
+    units::Length,
 };
 
 /// More spheres than memory holds: a slip in a unit.
@@ -113,14 +114,13 @@ fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
         let message = format!("is {} m/s, expected a positive speed", speed.0);
         problems.push(Problem::of_parameter("expected_speed", message));
     }
-    if let Some(Lubrication { cutoff, roughness }) = parameters.lubrication {
-        if !(roughness.0 > 0.0 && roughness.0 < cutoff.0 && cutoff.0.is_finite()) {
-            let (roughness, cutoff) = (roughness.0, cutoff.0);
-            let message = format!(
-                "is {roughness} m, expected more than 0 and less than the cut-off, {cutoff} m"
-            );
-            problems.push(Problem::of_parameter("lubrication.roughness", message));
-        }
+    if let Some(Lubrication { cutoff: Length(cutoff), roughness: Length(roughness) }) =
+        parameters.lubrication
+        && !(roughness > 0.0 && roughness < cutoff && cutoff.is_finite())
+    {
+        let message =
+            format!("is {roughness} m, expected more than 0 and less than the cut-off, {cutoff} m");
+        problems.push(Problem::of_parameter("lubrication.roughness", message));
     }
     let skin = parameters.skin_fraction();
     if !(skin > 0.0 && skin <= 1.0) {

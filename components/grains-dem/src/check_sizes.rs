@@ -58,7 +58,7 @@ pub(crate) fn diameters(
         return None;
     }
     let part = Sizes::new(diameters).part_between_bounds();
-    if !(part >= LEAST_PART) {
+    if part < LEAST_PART || part.is_nan() {
         let message = format!("has only {part:.1e} of the distribution between its bounds");
         let help = "move the bounds to where the distribution is";
         problems.push(Problem::new(key, message).help(help));

@@ -5,8 +5,9 @@ use crate::{
     bodies::{Ball, Bodies, Twist, Wrench},
     contact::{self, Contact, Steps},
     law::{Law, Reduced},
+    linear::LinearLaw,
     lubrication::Squeeze,
-    pairs::{ACTING, BLOCK, Hit, Pairs, Record, Rolling, TOUCHING},
+    pairs::{ACTING, BLOCK, Entry, Hit, Pairs, Record, Rolling, TOUCHING},
     tally::{Deepest, Other, Tally},
     wall_contacts::{WallContacts, WallEntry},
     walls::Wall,
@@ -65,6 +66,8 @@ pub(crate) struct Scenery<'a> {
     pub crossed: bool,
     /// Lengths of steps.
     pub steps: Steps,
+    /// The law of all contacts between bodies, where it is one and linear.
+    pub one_law: Option<LinearLaw>,
     /// Lubrication, if there is any.
     pub squeeze: Option<Squeeze>,
 }
@@ -114,71 +117,121 @@ pub(crate) fn between_bodies(
         Cut::every(tallies, 1),
     );
     let (start, entries, reduced) = (&pairs.start, &pairs.entries, &pairs.reduced);
-    let (balls, gap) = (&scenery.bodies.balls, scenery.reach());
     team.for_pieces(pieces, |b, (state, hits, xi, records, rolling, tally)| {
-        let bodies = b * BLOCK..balls.len().min((b + 1) * BLOCK);
-        let first = bounds[b] as usize;
+        let own = bounds[b] as usize..bounds[b + 1] as usize;
+        let mut block = Block {
+            scenery: &scenery,
+            first: own.start,
+            entries: &entries[own.clone()],
+            reduced: &reduced[own],
+            state,
+            xi,
+            records,
+            rolling,
+            tally: &mut tally[0],
+        };
+        let found = block.find(b, start, hits);
+        match scenery.one_law {
+            Some(law) => block.side_by_side(law, &hits[..found]),
+            None => hits[..found].iter().for_each(|&hit| block.one_by_one(hit)),
+        }
+    });
+}
+
+/// The contacts of a block of bodies.
+pub(crate) struct Block<'a> {
+    pub scenery: &'a Scenery<'a>,
+    /// Index of the first entry in the whole list.
+    first: usize,
+    entries: &'a [Entry],
+    pub reduced: &'a [Reduced],
+    pub state: &'a mut [u8],
+    pub xi: &'a mut [Vec3],
+    pub records: &'a mut [Record],
+    rolling: &'a mut [Rolling],
+    pub tally: &'a mut Tally,
+}
+
+impl Block<'_> {
+    /// Writes to `hits` the entries whose bodies feel each other, and says how many they are; the
+    /// others forget that they touched.
+    #[inline(always)]
+    fn find(&mut self, b: usize, start: &[u32], hits: &mut [Hit]) -> usize {
+        let scenery = self.scenery;
+        let (balls, gap) = (&scenery.bodies.balls, scenery.reach());
         let mut found = 0;
-        for i in bodies {
+        for i in b * BLOCK..balls.len().min((b + 1) * BLOCK) {
             let radius = balls[i].radius;
-            let row = start[i] as usize..start[i + 1] as usize;
-            for (k, entry) in row.clone().zip(&entries[row]) {
+            let row = start[i] as usize - self.first..start[i + 1] as usize - self.first;
+            for (k, entry) in row.clone().zip(&self.entries[row]) {
                 let j = entry.other as usize;
                 let reach = radius + balls[j].radius + gap;
                 let touches = scenery.between(i, j, entry.image).norm_squared() < reach * reach;
                 // Without a branch: which pairs of a list touch cannot be foretold.
                 hits[found] = Hit { body: i as u32, entry: k as u32 };
                 found += usize::from(touches);
-                state[k - first] &= u8::from(touches).wrapping_neg();
+                self.state[k] &= u8::from(touches).wrapping_neg();
             }
         }
-        for hit in &hits[..found] {
-            let (i, k) = (hit.body as usize, hit.entry as usize);
-            let entry = entries[k];
-            let k = k - first;
-            let j = entry.other as usize;
-            let (a, b) = (&balls[i], &balls[j]);
-            let predicted = &scenery.bodies.predicted;
-            let d = scenery.between(i, j, entry.image);
-            let contact = touch_of_balls(d, a.radius, b.radius, &predicted[i], &predicted[j]);
-            let (record, pair) = (&mut records[k], reduced[first + k]);
-            let squeezed = scenery.lubrication(&contact, pair);
-            if contact.overlap <= 0.0 {
-                state[k] = ACTING;
-                *record = Record::at_a_distance(&contact, squeezed);
-                if let Some(rolling) = rolling.get_mut(k) {
-                    *rolling = Rolling::NONE;
-                }
-                continue;
+        found
+    }
+
+    /// Bodies of a hit, from centre to centre.
+    #[inline(always)]
+    pub fn pair(&self, hit: Hit) -> (usize, usize, Vec3) {
+        let (i, entry) = (hit.body as usize, self.entries[hit.entry as usize]);
+        let j = entry.other as usize;
+        (i, j, self.scenery.between(i, j, entry.image))
+    }
+
+    /// Index of the other body of a hit.
+    #[inline(always)]
+    pub fn other(&self, hit: Hit) -> u32 {
+        self.entries[hit.entry as usize].other
+    }
+
+    fn one_by_one(&mut self, hit: Hit) {
+        let (scenery, k) = (self.scenery, hit.entry as usize);
+        let (i, j, d) = self.pair(hit);
+        let (a, b) = (&scenery.bodies.balls[i], &scenery.bodies.balls[j]);
+        let predicted = &scenery.bodies.predicted;
+        let contact = touch_of_balls(d, a.radius, b.radius, &predicted[i], &predicted[j]);
+        let (record, pair) = (&mut self.records[k], self.reduced[k]);
+        let squeezed = scenery.lubrication(&contact, pair);
+        let touching = std::mem::replace(&mut self.state[k], ACTING) & TOUCHING != 0;
+        if contact.overlap <= 0.0 {
+            *record = Record::at_a_distance(&contact, squeezed);
+            if let Some(rolling) = self.rolling.get_mut(k) {
+                *rolling = Rolling::NONE;
             }
-            let mut memory = contact::Memory {
-                xi: xi[k],
-                rolling: rolling.get(k).map_or(Vec3::zeros(), |r| r.displacement),
-                normal: record.normal,
-                overlap: record.overlap,
-            };
-            let touching = state[k] & TOUCHING != 0;
-            state[k] = ACTING | TOUCHING;
-            let law = &scenery.laws[entry.law as usize];
-            let force = contact::force(law, pair, &contact, &mut memory, touching, scenery.steps);
-            xi[k] = memory.xi;
-            *record = Record {
-                normal: contact.normal,
-                tangential: force.tangential,
-                force: force.normal + squeezed,
-                overlap: contact.overlap,
-            };
-            if let Some(rolling) = rolling.get_mut(k) {
-                *rolling = Rolling { displacement: memory.rolling, torque: force.rolling };
-            }
-            tally[0].add(Deepest {
-                overlap: contact.overlap,
-                radius: a.radius.min(b.radius),
-                body: i as u32,
-                other: Other::Body(j as u32),
-            });
+            return;
         }
-    });
+        self.state[k] = ACTING | TOUCHING;
+        let mut memory = contact::Memory {
+            xi: self.xi[k],
+            rolling: self.rolling.get(k).map_or(Vec3::zeros(), |r| r.displacement),
+            normal: record.normal,
+            overlap: record.overlap,
+        };
+        let law = &scenery.laws[self.entries[k].law as usize];
+        let force = contact::force(law, pair, &contact, &mut memory, touching, scenery.steps);
+        self.xi[k] = memory.xi;
+        *record = Record {
+            normal: contact.normal,
+            tangential: force.tangential,
+            force: force.normal + squeezed,
+            overlap: contact.overlap,
+        };
+        if let Some(rolling) = self.rolling.get_mut(k) {
+            *rolling = Rolling { displacement: memory.rolling, torque: force.rolling };
+        }
+        self.tally.add(Deepest {
+            overlap: contact.overlap,
+            radius: a.radius.min(b.radius),
+            body: i as u32,
+            other: Other::Body(j as u32),
+        });
+    }
 }
 
 /// Evaluates the contacts with walls, and adds what each block saw to `tallies`.

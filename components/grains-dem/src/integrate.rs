@@ -96,16 +96,17 @@ pub(crate) fn first_half(
     );
     let (load, mobility) = (&bodies.load, &bodies.mobility);
     let half = 0.5 * dt;
-    let work = |b: usize, pieces| {
-        let (balls, twists, predicted, orientation, reference, crossed, reach): (
-            &mut [Ball],
-            &mut [Twist],
-            &mut [Twist],
-            &mut [[f64; 4]],
-            &mut [Vec3],
-            &mut [i32],
-            &mut [Reach],
-        ) = pieces;
+    type Arrays<'a> = (
+        &'a mut [Ball],
+        &'a mut [Twist],
+        &'a mut [Twist],
+        &'a mut [[f64; 4]],
+        &'a mut [Vec3],
+        &'a mut [i32],
+        &'a mut [Reach],
+    );
+    let work = |b: usize, arrays: Arrays<'_>| {
+        let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
         let mut collector = Collector::new(forces.contacts, b);
         let (mut farthest, mut any_crossed) = (0.0, false);
         let first = b * BLOCK;

@@ -128,6 +128,17 @@ impl Law {
         Self { mu: 0.0, mu_rolling: 0.0, ..*self }
     }
 
+    /// Normal and tangential dashpot as `[fixed, per sqrt(m*)]`.
+    pub fn dashpots(&self) -> ([f64; 2], [f64; 2]) {
+        let of = |dashpot: Dashpot| [dashpot.fixed, dashpot.per_root_mass];
+        (of(self.gamma_n), of(self.gamma_t))
+    }
+
+    /// `1/k_t` of linear springs, or 0 without one [m/N].
+    pub fn inverse_k_t(&self) -> f64 {
+        self.inverse_k_t
+    }
+
     /// Springs and dashpots at an overlap, after `before` at the last evaluation [m].
     ///
     /// Under Mindlin's law the tangential force of a growing overlap does not grow with the spring,

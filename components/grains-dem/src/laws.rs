@@ -1,6 +1,6 @@
 //! The contact laws of a scene as a table by materials.
 
-use crate::law::Law;
+use crate::{law::Law, linear::LinearLaw};
 use tremie_messages::scene::{Face, Scene};
 
 /// Materials of a scene by number, and the law of each pair of them.
@@ -73,6 +73,15 @@ impl Laws {
     /// The laws by number.
     pub fn laws(&self) -> &[Law] {
         &self.laws
+    }
+
+    /// The law between bodies of these materials, if it is one for all, and linear.
+    pub fn only(&self, materials: &[u16]) -> Option<LinearLaw> {
+        let first = *materials.first()?;
+        let only = self.between(first, first);
+        let mut pairs = materials.iter().flat_map(|&a| materials.iter().map(move |&b| (a, b)));
+        let same = pairs.all(|(a, b)| self.between(a, b) == only);
+        same.then(|| LinearLaw::of(&self.laws[only as usize])).flatten()
     }
 
     /// Number of a law that is `law` without friction, added at the end.

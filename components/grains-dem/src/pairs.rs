@@ -45,7 +45,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         normal: Vec3::new(0.0, 0.0, 0.0),
         tangential: Vec3::new(0.0, 0.0, 0.0),
         force: 0.0,

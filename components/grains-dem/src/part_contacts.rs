@@ -62,7 +62,7 @@ impl PartContacts {
     ) {
         self.clear();
         for i in 0..bodies.len() {
-            if i % BLOCK == 0 {
+            if i.is_multiple_of(BLOCK) {
                 self.end_block();
             }
             if !bodies.mobility[i].is_free() {

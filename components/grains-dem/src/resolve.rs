@@ -29,9 +29,13 @@ pub struct Resolution {
     pub contact_time: Option<f64>,
     /// Relative speed for which collisions under Hertz's law are resolved [m/s].
     pub expected_speed: f64,
-    /// Number of bodies.
+    /// Whether any collision is under Hertz's law.
+    pub hertz: bool,
+    /// Number of bodies: spheres and parts that move.
     pub bodies: usize,
-    /// Number of bodies that move under forces.
+    /// Number of spheres.
+    pub spheres: usize,
+    /// Number of spheres that move under forces.
     pub free_bodies: usize,
     /// Smallest diameter [m]; 0 without bodies.
     pub smallest_diameter: f64,
@@ -101,7 +105,9 @@ impl Parameters {
             stable_time_step: finite(limits.dense),
             contact_time: finite(limits.contact),
             expected_speed: speed,
-            bodies: population.bodies(),
+            hertz: encounters.iter().any(|e| matches!(e.law.spring, Spring::Hertz { .. })),
+            bodies: population.bodies() + parts.iter().filter(|part| part.moves()).count(),
+            spheres: population.bodies(),
             free_bodies: population.free(),
             smallest_diameter,
             largest_diameter,

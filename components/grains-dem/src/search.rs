@@ -94,7 +94,7 @@ impl Search {
     /// Makes the lists anew; contacts keep their history.
     pub fn rebuild(&mut self, team: &mut Team, bodies: &mut Bodies, around: &mut Surroundings) {
         self.cells.sort(&bodies.balls);
-        if self.rebuilds % LISTS_PER_ORDER == 0 {
+        if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
             self.cells.curve(&mut self.keys, &mut self.order);
             bodies.reorder(&self.order);
             self.cells.sort(&bodies.balls);

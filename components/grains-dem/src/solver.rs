@@ -9,6 +9,7 @@ use crate::{
     forces::{self, Scenery},
     integrate::{self, Forces, Reach},
     laws::{self, Laws},
+    linear::LinearLaw,
     lubrication::Squeeze,
     overlaps,
     pairs::BLOCK,
@@ -40,6 +41,7 @@ pub struct GrainsDem {
     events: Vec<BodyEvent>,
     search: Search,
     team: Team,
+    one_law: Option<LinearLaw>,
     squeeze: Option<Squeeze>,
     driven: Driven,
     /// Substeps since the start.
@@ -98,6 +100,12 @@ impl GrainsDem {
             ball.x = bounds.wrap(ball.x);
         }
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
+        let squeeze = Squeeze::of(scene, parameters);
+        // Where no wall resists rolling either there is no room for its history.
+        let plain = squeeze.is_none() && !laws.resist_rolling();
+        let materials: Vec<u16> =
+            scene.bodies.iter().map(|set| laws.material(&set.material)).collect();
+        let one_law = if plain { laws.only(&materials) } else { None };
         let blocks = spheres.len().div_ceil(BLOCK);
         Self {
             domain: scene.domain.clone(),
@@ -116,7 +124,8 @@ impl GrainsDem {
             },
             bodies,
             team,
-            squeeze: Squeeze::of(scene, parameters),
+            one_law,
+            squeeze,
             driven: Driven::of_scene(scene, spheres),
             steps: 0,
             loaded: false,
@@ -234,6 +243,7 @@ impl GrainsDem {
             bodies: &self.bodies,
             crossed: self.crossed,
             steps: Steps { before: self.dt, after: self.dt },
+            one_law: self.one_law,
             squeeze: self.squeeze,
         };
         diagnostics::add_bodies(&mut out, &self.bodies, &self.domain, self.gravity);
@@ -297,6 +307,7 @@ impl GrainsDem {
             bodies: &self.bodies,
             crossed: self.crossed,
             steps: Steps { before, after: self.dt },
+            one_law: self.one_law,
             squeeze: self.squeeze,
         };
         let (team, search) = (&mut self.team, &mut self.search);

@@ -54,7 +54,7 @@ impl WallContacts {
     ) {
         self.clear();
         for i in 0..bodies.len() {
-            if i % BLOCK == 0 {
+            if i.is_multiple_of(BLOCK) {
                 self.end_block();
             }
             let (ball, mobility) = (&bodies.balls[i], bodies.mobility[i]);

@@ -5,7 +5,10 @@ use common::*;
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::{
     body::BodyState,
-    scene::{Damping, Geometry, Motion, MotionPoint, Part, PartBoundary, Pose, Scene},
+    scene::{
+        ContactLaw, Damping, Geometry, Motion, MotionPoint, PairLaw, Part, PartBoundary, Pose,
+        Scene, Spring,
+    },
 };
 
 fn falling() -> Scene {
@@ -93,4 +96,23 @@ fn a_body_far_away_changes_no_bit() {
     let (alone, spheres) = run_crowd(&crowd(), 0.1, 2);
     let (with, _) = run_crowd(&more, 0.1, 2);
     assert_eq!(alone[..spheres], with[..spheres]);
+}
+
+/// One linear law is computed for several contacts at once; a body of another law, far away, has all
+/// contacts computed one by one.
+#[test]
+fn contacts_side_by_side_give_the_bits_of_contacts_one_by_one() {
+    let mut more = crowd();
+    let mut far = set(Motion::Free, vec![sphere([7e-3, 7e-3, 28e-3], 0.8e-3, [0.0; 3])]);
+    far.material = "glass".into();
+    more.bodies.push(far);
+    for other in ["glass", "grains", "wall"] {
+        let between = ["glass".to_string(), other.to_string()];
+        let spring = Spring::Hertz { effective_modulus: 1e6, effective_shear_modulus: 3e5 };
+        let law = ContactLaw { spring, ..law(1e3, 0.5, Damping::Restitution(0.6)) };
+        more.contacts.push(PairLaw { between, law });
+    }
+    let (side_by_side, spheres) = run_crowd(&crowd(), 0.1, 1);
+    let (one_by_one, _) = run_crowd(&more, 0.1, 1);
+    assert_eq!(side_by_side[..spheres], one_by_one[..spheres]);
 }

@@ -48,6 +48,24 @@ pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec
     Err(0.0)
 }
 
+/// A sphere at the first of its random places whose centre is in no part. One that began in a part
+/// could be driven out through a face behind which there is no room.
+fn start(region: &Region<'_>, radius: f64, seed: u64, index: usize) -> Ball {
+    let mut random = place_stream(seed, index);
+    let mut place = || Ball { x: region.random_centre(radius, &mut random), radius };
+    let mut ball = place();
+    for _ in 0..TRIES {
+        if region.depth_in_parts(&ball).0 <= radius {
+            break;
+        }
+        ball = place();
+    }
+    ball
+}
+
+/// Places tried for a sphere that begins in a part.
+const TRIES: usize = 1000;
+
 /// The spheres of the packing, then the obstacles.
 struct Crowd<'a> {
     region: &'a Region<'a>,
@@ -64,12 +82,8 @@ struct Crowd<'a> {
 
 impl<'a> Crowd<'a> {
     fn new(region: &'a Region<'a>, radii: &[f64], seed: u64) -> Self {
-        let mut balls: Vec<Ball> = (0..radii.len())
-            .map(|index| Ball {
-                x: region.random_centre(radii[index], &mut place_stream(seed, index)),
-                radius: radii[index],
-            })
-            .collect();
+        let mut balls: Vec<Ball> =
+            (0..radii.len()).map(|index| start(region, radii[index], seed, index)).collect();
         balls.extend(&region.obstacles);
         let mobile = Mobility { inverse_mass: 1.0, inverse_inertia: 1.0 };
         let mut mobility = vec![mobile; radii.len()];
