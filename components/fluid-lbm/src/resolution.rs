@@ -99,7 +99,9 @@ impl Parameters {
                         self.smallest_tau()
                     ),
                 )
-                .help(format!("take a time step of at least {least:.4e} s, or a smaller cell")),
+                .help(format!(
+                    "take a time step of at least {least:.4e} s, or a smaller cell, or a turbulence model (smagorinsky)"
+                )),
             );
         }
         let Some(speed) = fluid.expected_speed else {
