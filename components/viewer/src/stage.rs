@@ -5,7 +5,7 @@ use rerun::components::{AlbedoFactor, MeshFaceRendering, Radius};
 use rerun::{
     LineStrips3D, MediaType, Mesh3D, RecordingStream, RecordingStreamResult, TextDocument,
 };
-use tremie_messages::scene::{BodySet, Diameters, Domain, Face, Motion, Placement, Plane, Scene};
+use tremie_messages::scene::{BodySet, Domain, Face, Motion, Placement, Plane, Scene};
 use tremie_messages::start::Assignment;
 
 const EDGE: u32 = 0xA8B0_B8FF;
@@ -158,11 +158,8 @@ fn describe_set(set: &BodySet) -> String {
             (format!("{} spheres", list.len()), span(list.iter().map(|s| s.diameter)))
         }
         Placement::Packed(packing) => {
-            let all = match &packing.diameters {
-                Diameters::Uniform { min, max } => vec![*min, *max],
-                Diameters::Listed(list) => list.clone(),
-            };
-            (format!("{} % packing", number(100.0 * packing.fraction)), span(all.into_iter()))
+            let extremes = packing.diameters.extremes();
+            (format!("{} % packing", number(100.0 * packing.fraction)), span(extremes.into_iter()))
         }
     };
     format!("{how_many} of {diameters}, {} kg/m³{motion}", number(set.density))

@@ -123,6 +123,23 @@ pub enum Diameters {
     Listed(Vec<f64>),
 }
 
+impl Diameters {
+    /// The smallest and the largest diameter that may be drawn [m]: infinity and zero where there
+    /// is none.
+    pub fn extremes(&self) -> [f64; 2] {
+        let of = |sizes: &mut dyn Iterator<Item = f64>| {
+            sizes.fold([f64::INFINITY, 0.0], |[low, high], d| [d.min(low), d.max(high)])
+        };
+        match self {
+            Self::Uniform { min, max }
+            | Self::Normal { min, max, .. }
+            | Self::LogNormal { min, max, .. } => [*min, *max],
+            Self::Sieve(points) => of(&mut points.iter().map(|point| point.size)),
+            Self::Listed(list) => of(&mut list.iter().copied()),
+        }
+    }
+}
+
 /// A point of a sieve curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -96,7 +96,8 @@ fn packing(table: &PackingTable, at: &str, findings: &mut Findings) -> Option<Pa
     let diameters = diameters(table, at, findings);
     let (min, max) = (min?.map(|x| x.0), max?.map(|x| x.0));
     let diameters = diameters?;
-    region_holds(&min, &max, largest(&diameters), at, findings);
+    let [_, largest] = diameters.extremes();
+    region_holds(&min, &max, largest, at, findings);
     // Without a seed of its own, a packing takes the run's, which may be the one that is wrong.
     Some(Packing { min, max, fraction: fraction?, diameters, seed: table.seed? })
 }
@@ -116,13 +117,6 @@ fn region_holds(min: &[f64; 3], max: &[f64; 3], diameter: f64, at: &str, finding
         let message =
             format!("the region is {narrowest} m wide, too narrow for spheres of {diameter} m");
         findings.problem(&key, message);
-    }
-}
-
-fn largest(diameters: &Diameters) -> f64 {
-    match diameters {
-        Diameters::Uniform { max, .. } => *max,
-        Diameters::Listed(list) => list.iter().copied().fold(0.0, f64::max),
     }
 }
 
