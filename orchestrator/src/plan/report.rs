@@ -88,6 +88,7 @@ fn frame_row(stream: &FrameStream) -> Vec<String> {
     let content = match &stream.content {
         FrameContent::Bodies => "bodies".to_string(),
         FrameContent::Slice(name) => format!("slice {name}"),
+        FrameContent::Volume(grid) => format!("volume {}", grid.name),
         FrameContent::Signals(_) => "signals".to_string(),
         FrameContent::Log => "log".to_string(),
     };
@@ -119,6 +120,9 @@ fn frame_memory(stream: &FrameStream) -> u64 {
     let (header, value) = match stream.content {
         FrameContent::Bodies => (size_of::<Stamp>(), size_of::<frame::BodySample>()),
         FrameContent::Slice(_) => (size_of::<frame::SliceHeader>(), size_of::<frame::SliceNode>()),
+        FrameContent::Volume(_) => {
+            (size_of::<frame::VolumeHeader>(), size_of::<frame::SliceNode>())
+        }
         FrameContent::Signals(_) => (size_of::<Stamp>(), size_of::<f64>()),
         FrameContent::Log => (size_of::<frame::LogHeader>(), size_of::<u8>()),
     };
@@ -129,7 +133,7 @@ fn memory(header: usize, value: usize, capacity: u64, depth: u64) -> u64 {
     (header as u64 + value as u64 * capacity) * (depth + 1)
 }
 
-fn bytes(count: u64) -> String {
+pub(super) fn bytes(count: u64) -> String {
     match count {
         0..1_000 => format!("{count} B"),
         1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
