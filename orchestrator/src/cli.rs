@@ -67,6 +67,9 @@ pub struct CheckArgs {
     /// Which manifest.
     #[command(flatten)]
     pub manifest: ManifestArgs,
+    /// Run some windows, throw them away, and tell how long the run will take
+    #[arg(long)]
+    pub measure: bool,
 }
 
 /// Arguments of `tremie run`.

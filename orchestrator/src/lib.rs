@@ -2,13 +2,14 @@
 //!
 //! A run goes through these rooms: [`manifest`] reads what the user wants; [`introduction`] starts the
 //! components ([`launch`]) and asks each what it is; [`plan`] assigns steps and [`schedule`] the order of
-//! work; [`mod@run`] hands out the assignments; [`drive`] lets the windows go by over [`control`], with
+//! work; [`doctor`] says which numbers are doubtful; [`mod@run`] hands out the assignments; [`drive`] lets the windows go by over [`control`], with
 //! [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
 
 pub mod cli;
 pub mod commands;
 pub mod conform;
 pub mod control;
+pub mod doctor;
 pub mod drive;
 pub mod introduction;
 pub mod launch;

@@ -1,6 +1,7 @@
 //! A whole run, from a checked manifest to closed outputs.
 
 use crate::control::Control;
+use crate::doctor::{self, Judged, Machine};
 use crate::drive::{Drive, Driven};
 use crate::introduction::{EarlyLog, collect, find_programs, introduce, start_all};
 use crate::launch::{Launcher, Peer, Post};
@@ -78,6 +79,8 @@ pub struct Prepared {
     pub descriptions: Vec<Description>,
     /// What they shall do.
     pub plan: Plan,
+    /// What the numbers of the run mean for its results.
+    pub findings: Vec<Judged>,
     news: Receiver<Post>,
     early: EarlyLog,
     run: u64,
@@ -109,7 +112,8 @@ pub fn prepare(
         peers.iter().map(|peer| peer.name.clone()).zip(descriptions.iter().cloned()).collect();
     let options = plan::Options { injections: execution.inject.clone() };
     let plan = plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)?;
-    Ok(Prepared { peers, descriptions, plan, news, early, run, places: None })
+    let findings = doctor::examine(&manifest.spec, &plan, &descriptions, &Machine::ask(output));
+    Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
 }
 
 /// Faults of a process cannot be committed by a thread: they would end or hold up this program.
@@ -302,6 +306,7 @@ impl Prepared {
             observers,
             signals,
             warnings: self.plan.warnings.clone(),
+            findings: self.findings.clone(),
         })
     }
 }

@@ -58,6 +58,11 @@ impl Terminal {
         std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
     }
 
+    /// Whether a program listens, and not a person.
+    pub fn speaks_json(&self) -> bool {
+        self.style == Style::Json
+    }
+
     /// Something that a user wants to read.
     pub fn say(&self, text: &str) {
         match self.style {

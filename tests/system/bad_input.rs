@@ -42,11 +42,20 @@ fn a_negative_viscosity_is_refused() {
 }
 
 #[test]
-fn a_relaxation_time_too_close_to_one_half_is_refused() {
+fn a_relaxation_time_of_one_half_is_refused() {
     refused(
         "cell = \"0.5 mm\"",
-        "cell = \"0.5 mm\"\nrelaxation_time = 0.5001",
-        &["relaxation", "0.5001"],
+        "cell = \"0.5 mm\"\nrelaxation_time = 0.5",
+        &["relaxation", "0.5"],
+    );
+}
+
+#[test]
+fn contacts_in_the_form_of_old_manifests_come_with_the_new_form() {
+    refused(
+        "[[scene.contacts]]\nnormal_stiffness = \"50 N/m\"\ntangential_stiffness = \"40 N/m\"\nfriction = 0.3\nrestitution = 0.5",
+        "[scene.contacts]\nbody_body = { normal_stiffness = \"50 N/m\", tangential_stiffness = \"40 N/m\", friction = 0.3, restitution = 0.5 }",
+        &["scene.contacts", "[[scene.contacts]]", "body_wall"],
     );
 }
 

@@ -1,8 +1,10 @@
 //! Whole runs of the `tremie` program, by scenario.
 
+mod alone;
 mod bad_input;
 mod conform;
 mod coupling;
+mod doctor;
 mod endings;
 mod examples;
 mod faults;

@@ -108,8 +108,11 @@ spheres = [
     { position = ["4.5 mm", "4 mm", "9 mm"], diameter = "3 mm" },
 ]
 
-[scene.contacts]
-body_body = { normal_stiffness = "50 N/m", tangential_stiffness = "40 N/m", friction = 0.3, restitution = 0.5 }
+[[scene.contacts]]
+normal_stiffness = "50 N/m"
+tangential_stiffness = "40 N/m"
+friction = 0.3
+restitution = 0.5
 
 [components]
 fluid = "fluid-lbm"

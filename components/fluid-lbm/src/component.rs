@@ -1,5 +1,6 @@
 //! The lattice fluid as a component of a run.
 
+use crate::findings::findings;
 use crate::{FluidLbm, Ledger, Parameters, SliceNode};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
@@ -116,6 +117,8 @@ impl Fluid for LatticeFluid {
             }],
             work: "cell updates".into(),
             notes,
+            findings: findings(&parameters, scene, &resolution),
+            memory: resolution.memory_bytes,
             warnings: resolution.warnings,
             resolution: numbers,
             ..Description::default()

@@ -19,6 +19,7 @@ mod collision;
 pub mod component;
 mod error;
 mod field;
+mod findings;
 mod fluid;
 mod grid;
 mod kernel;
@@ -39,6 +40,7 @@ mod units;
 mod walls;
 
 pub use error::FluidError;
+pub use findings::findings;
 pub use fluid::FluidLbm;
 pub use lanes::Variant;
 pub use ledger::Ledger;

@@ -98,8 +98,17 @@ impl Parameters {
         }
     }
 
-    /// Smallest relaxation time that is accepted; below it the collision amplifies rounding errors.
+    /// Smallest relaxation time that is accepted; below it rounding changes the viscosity.
     pub fn smallest_tau(&self) -> f64 {
+        match self.precision {
+            Precision::F64 => 0.5 + 1e-9,
+            Precision::F32 => 0.5 + 1e-6,
+        }
+    }
+
+    /// Smallest relaxation time that is trusted without a turbulence model; below it the collision
+    /// damps neither rounding nor waves.
+    pub fn trusted_tau(&self) -> f64 {
         match self.precision {
             Precision::F64 => 0.5005,
             Precision::F32 => 0.502,

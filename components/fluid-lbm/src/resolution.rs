@@ -71,7 +71,7 @@ impl Parameters {
             expected_mach: fluid.expected_speed.map(|speed| self.mach_of(speed, time_step)),
             cells_per_smallest_sphere: smallest,
             memory_bytes,
-            warnings: warnings(tau, smallest, memory_bytes),
+            warnings: warnings(memory_bytes),
         })
     }
 
@@ -197,25 +197,10 @@ fn smallest_diameter(scene: &Scene) -> Option<f64> {
     scene.bodies.iter().filter_map(|set| of_set(&set.placement)).reduce(f64::min)
 }
 
-/// What a user should know before trusting results.
-fn warnings(tau: f64, cells_per_sphere: Option<f64>, memory_bytes: u64) -> Vec<String> {
+/// What a user should know before trusting results; numbers with a verdict are in
+/// [`crate::findings`].
+fn warnings(memory_bytes: u64) -> Vec<String> {
     let mut warnings = Vec::new();
-    if let Some(cells) = cells_per_sphere {
-        if cells < 2.0 {
-            warnings.push(format!(
-                "the smallest sphere is {cells:.2} cells wide; below 2 cells it may cover no node at all and feel no fluid"
-            ));
-        } else if cells < 8.0 {
-            warnings.push(format!(
-                "the smallest sphere is {cells:.2} cells wide; its drag is trusted to a few percent from 8 cells on"
-            ));
-        }
-    }
-    if tau > 2.0 {
-        warnings.push(format!(
-            "the relaxation time is {tau:.2}; above 2 the flow lags behind changes, a shorter time step helps"
-        ));
-    }
     if memory_bytes > 16 << 30 {
         warnings.push(format!(
             "the fluid takes {:.1} GiB of memory",

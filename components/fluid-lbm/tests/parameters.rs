@@ -3,10 +3,10 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Collision, FluidError, FluidLbm, Parameters, Precision};
+use tremie_fluid_lbm::{Collision, FluidError, FluidLbm, Parameters, Precision, findings};
 use tremie_messages::scene::{BodySet, Motion, Placement, Plane, Scene, Sphere};
 use tremie_messages::units::Time;
-use tremie_messages::{BodyEvent, BodyState, Problem};
+use tremie_messages::{BodyEvent, BodyState, Problem, Verdict};
 
 /// Water in a box of 20 x 10 x 10 mm.
 fn water() -> Scene {
@@ -127,8 +127,8 @@ fn a_lattice_beyond_memory_is_refused() {
 }
 
 #[test]
-fn small_spheres_are_warned_of() {
-    for (diameter, expected) in [(0.6e-3, "no node at all"), (2e-3, "a few percent")] {
+fn small_spheres_are_found() {
+    for (diameter, expected) in [(0.6e-3, Verdict::Wrong), (2e-3, Verdict::Doubtful)] {
         let mut scene = water();
         scene.bodies.push(BodySet {
             name: "grains".into(),
@@ -142,9 +142,12 @@ fn small_spheres_are_warned_of() {
                 angular_velocity: [0.0; 3],
             }]),
         });
-        let resolution = Parameters::with_cell(0.5e-3).resolve(&scene).unwrap();
+        let parameters = Parameters::with_cell(0.5e-3);
+        let resolution = parameters.resolve(&scene).unwrap();
         assert!((resolution.cells_per_smallest_sphere.unwrap() - diameter / 0.5e-3).abs() < 1e-9);
-        assert!(resolution.warnings[0].contains(expected), "{:?}", resolution.warnings);
+        let findings = findings(&parameters, &scene, &resolution);
+        let sphere = findings.iter().find(|f| f.quantity == "cells across the smallest sphere");
+        assert_eq!(sphere.unwrap().verdict, expected, "{findings:?}");
     }
 }
 
@@ -155,7 +158,7 @@ fn an_assigned_step_may_be_shorter_but_not_too_short() {
     let fluid = FluidLbm::new(&water(), &parameters, 0.5 * step, 1).unwrap();
     assert!((fluid.tau() - 0.65).abs() < 1e-12);
     assert_eq!(fluid.time_step(), 0.5 * step);
-    for wrong in [1e-6 * step, 0.0, -step, f64::NAN] {
+    for wrong in [1e-9 * step, 0.0, -step, f64::NAN] {
         assert!(FluidLbm::new(&water(), &parameters, wrong, 1).is_err());
     }
 }

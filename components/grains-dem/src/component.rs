@@ -1,5 +1,6 @@
 //! The discrete elements as a component of a run.
 
+use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::start::{Description, Signal};
@@ -50,6 +51,7 @@ impl Grains for SoftSpheres {
             signals: signals(resolution.bodies),
             work: "grain steps".into(),
             notes: notes(&resolution),
+            findings: findings(&setup.hello.scene, &resolution),
             warnings: resolution.warnings.clone(),
             resolution: numbers(&resolution),
             ..Description::default()

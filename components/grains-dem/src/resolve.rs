@@ -96,7 +96,7 @@ impl Parameters {
             free_bodies: population.free,
             smallest_diameter: population.smallest,
             largest_diameter: population.largest,
-            warnings: warnings(given, derived, &limits, &pairs),
+            warnings: warnings(given, derived, &limits),
             pairs,
             limits,
         };
@@ -241,21 +241,9 @@ fn pair_damping(pair: String, law: &ContactLaw, reduced_mass: f64) -> PairDampin
     }
 }
 
-fn warnings(
-    given: Option<f64>,
-    derived: f64,
-    limits: &Limits,
-    pairs: &[PairDamping],
-) -> Vec<String> {
+fn warnings(given: Option<f64>, derived: f64, limits: &Limits) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(step) = given {
-        let steps = limits.contact / step;
-        if steps < ACCURATE_STEPS {
-            warnings.push(format!(
-                "the time step leaves {steps:.1} steps for the shortest collision; \
-                 {ACCURATE_STEPS} or more are accurate to a few per cent"
-            ));
-        }
         if step > limits.dense {
             warnings.push(format!(
                 "the time step is stable for isolated contacts only; a dense packing needs \
@@ -267,12 +255,6 @@ fn warnings(
         warnings.push(format!(
             "stability in a dense packing, not the steps per contact, sets the time step \
              {derived:.3e} s"
-        ));
-    }
-    for pair in pairs.iter().filter(|pair| pair.damping_ratio >= 1.0) {
-        warnings.push(format!(
-            "the {} pair is overdamped (damping ratio {:.2}): its restitution is {:.3}",
-            pair.pair, pair.damping_ratio, pair.restitution
         ));
     }
     warnings

@@ -7,6 +7,7 @@
 
 pub mod body;
 pub mod control;
+pub mod finding;
 pub mod frame;
 pub mod problem;
 pub mod role;
@@ -17,6 +18,7 @@ pub mod start;
 pub mod units;
 
 pub use body::{BodyEvent, BodyState, Load};
+pub use finding::{Finding, Verdict};
 pub use problem::Problem;
 pub use role::Role;
 pub use stamp::Stamp;

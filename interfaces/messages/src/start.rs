@@ -19,7 +19,7 @@
 //! End of input at any time means that the orchestrator is gone: the component ends at once.
 
 use crate::schedule::{Edge, Script};
-use crate::{Problem, Role, scene::Scene};
+use crate::{Finding, Problem, Role, scene::Scene};
 use serde::{Deserialize, Serialize};
 
 /// Environment variable that tells a program that it was started as a component; its value is the
@@ -139,8 +139,14 @@ pub struct Description {
     pub work: String,
     /// Lines for the plan: resolution, dimensionless numbers, memory.
     pub notes: Vec<String>,
-    /// Doubtful things, with the remedy.
+    /// Doubtful things, with the remedy, that are no matter of a number.
     pub warnings: Vec<String>,
+    /// Numbers that say how far the results can be trusted, each with a verdict.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
+    /// Memory that the component expects to take [bytes]; 0 where it does not know.
+    #[serde(default)]
+    pub memory: u64,
     /// Resolution, for the summary: name and value, as `cells per diameter = 16`.
     pub resolution: std::collections::BTreeMap<String, f64>,
 }

@@ -24,6 +24,9 @@ fn to_uom_spelling(unit: &str) -> String {
         }
         previous = c;
     }
+    if out == "deg" {
+        return "°".into();
+    }
     match out.strip_prefix('u') {
         Some(rest) if !rest.is_empty() => format!("µ{rest}"),
         _ => out,
@@ -122,6 +125,10 @@ quantities! {
     Stiffness, SurfaceTension, "a stiffness", "1e5 N/m", "N/m";
     /// The coefficient of a dashpot [kg/s].
     Dashpot, MassRate, "a dashpot coefficient", "3 kg/s", "kg/s";
+    /// A pressure, or a modulus of elasticity [Pa].
+    Pressure, Pressure, "a pressure", "2 kPa", "Pa";
+    /// An angle [rad].
+    Angle, Angle, "an angle", "90 deg", "rad";
     /// A frequency [1/s].
     Frequency, Frequency, "a frequency", "30 Hz", "Hz";
 }
@@ -182,6 +189,9 @@ mod tests {
         assert_eq!("3 kg/s".parse::<Dashpot>().unwrap().0, 3.0);
         assert_eq!("2 min".parse::<Time>().unwrap().0, 120.0);
         assert_eq!("100 Hz".parse::<Frequency>().unwrap().0, 100.0);
+        assert_eq!("70 GPa".parse::<Pressure>().unwrap().0, 70e9);
+        assert_eq!("1 bar".parse::<Pressure>().unwrap().0, 1e5);
+        assert_eq!("180 deg".parse::<Angle>().unwrap().0, core::f64::consts::PI);
         assert_eq!("1 rad/s".parse::<AngularVelocity>().unwrap().0, 1.0);
     }
 

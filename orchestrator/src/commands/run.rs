@@ -2,6 +2,7 @@
 
 use super::{refuse, refuse_text};
 use crate::cli::{CheckArgs, ManifestArgs, RunArgs, View};
+use crate::doctor::{self, Judged};
 use crate::manifest::{self, Manifest};
 use crate::outputs::{Ending, Summary, choose_folder};
 use crate::run::{Execution, Prepared, RunError, prepare};
@@ -12,8 +13,9 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
+use tremie_messages::Verdict;
 
-/// `tremie check`: everything up to the plan.
+/// `tremie check`: everything up to the plan, and what its numbers mean.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
     let terminal = Terminal::new(style(&arguments.manifest));
     let json = arguments.manifest.json;
@@ -25,10 +27,18 @@ pub fn check(arguments: &CheckArgs) -> ExitCode {
     add_observers(&mut manifest, &View::None);
     let folder = folder_of(&arguments.manifest.manifest);
     match prepare(&manifest, &folder, Path::new(""), &Execution::default()) {
-        Ok(prepared) => {
+        Ok(mut prepared) => {
+            if arguments.measure {
+                let windows = prepared.plan.windows;
+                match doctor::measure::wall_time(&manifest, &folder, windows) {
+                    Ok(time) => prepared.findings.push(time),
+                    Err(error) => return refuse(&error, &manifest, json, &terminal),
+                }
+            }
             show_plan(&manifest, &prepared, &terminal);
+            let wrong = doctor::count(&prepared.findings, Verdict::Wrong);
             prepared.dismiss();
-            ExitCode::SUCCESS
+            ExitCode::from(u8::from(wrong > 0))
         }
         Err(error) => refuse(&error, &manifest, json, &terminal),
     }
@@ -210,7 +220,31 @@ fn show_plan(manifest: &Manifest, prepared: &Prepared, terminal: &Terminal) {
     for warning in &prepared.plan.warnings {
         terminal.warn(warning);
     }
-    terminal.event(json!({"event": "plan", "lines": lines, "warnings": prepared.plan.warnings}));
+    if !terminal.speaks_json() {
+        show_findings(&prepared.findings, terminal);
+    }
+    terminal.event(json!({
+        "event": "plan",
+        "plan": prepared.plan.document(),
+        "lines": lines,
+        "notes": manifest.notes,
+        "warnings": prepared.plan.warnings,
+        "findings": prepared.findings,
+    }));
+}
+
+/// A table of all findings, and sentences about those that are not ok.
+fn show_findings(findings: &[Judged], terminal: &Terminal) {
+    for line in doctor::table(findings) {
+        terminal.say(&line);
+    }
+    for sentence in doctor::sentences(findings, Verdict::Doubtful) {
+        terminal.say(&sentence);
+    }
+    for sentence in doctor::sentences(findings, Verdict::Wrong) {
+        terminal.warn(&sentence);
+    }
+    terminal.say(&doctor::total(findings));
 }
 
 fn details(summary: &Summary) -> Value {

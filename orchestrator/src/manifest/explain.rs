@@ -19,7 +19,23 @@ pub(super) fn explain(at: &str, message: &str) -> (Problem, Option<String>) {
         let message = format!("found \"{unknown}\", expected {}", list(&valid));
         return (suggest(Problem::new(at, message), unknown, &valid, false), None);
     }
-    (Problem::new(at, plain(message)), None)
+    let problem = Problem::new(at, plain(message));
+    if message.starts_with("invalid type: map, expected a sequence") {
+        return (problem.help(as_list(at)), None);
+    }
+    (problem, None)
+}
+
+/// How to write a list of tables, where a single table was found.
+fn as_list(at: &str) -> String {
+    let plain = format!("write [[{at}]] in place of [{at}]");
+    match at {
+        "scene.contacts" => format!(
+            "{plain}, with the keys of a law below it in place of body_body; a law with walls of its own (body_wall) is \
+             a second [[{at}]] with between = [\"NAME\", \"wall\"], NAME the material of the bodies"
+        ),
+        _ => plain,
+    }
 }
 
 /// The word that is unknown and those that are known.
@@ -52,12 +68,13 @@ fn plain(message: &str) -> String {
         .replace("invalid value: ", "found ")
         .replace("invalid length ", "found a list of length ")
         .replace('`', "");
-    const WORDS: [(&str, &str); 8] = [
+    const WORDS: [(&str, &str); 9] = [
         ("a nonzero u32", "a whole number from 1 to 4294967295"),
         ("u32", "a whole number from 0 to 4294967295"),
         ("u64", "a whole number, not negative"),
         ("f64", "a number"),
         ("an array of length", "a list of length"),
+        ("a tuple of size", "a list of length"),
         ("a sequence", "a list"),
         ("a map", "a table"),
         ("struct ", "a table: "),
@@ -94,6 +111,17 @@ mod tests {
             explain("scene", "unknown field `xyz`, expected one of `fluid`, `planes`");
         assert_eq!(problem.key, "scene.xyz");
         assert_eq!(problem.help.as_deref(), Some("valid keys: fluid, planes"));
+    }
+
+    #[test]
+    fn a_table_in_place_of_a_list_of_tables_comes_with_the_way_to_write_it() {
+        let help = |at: &str| {
+            let (problem, _) = explain(at, "invalid type: map, expected a sequence");
+            assert_eq!(problem.message, "found a table, expected a list");
+            problem.help.unwrap()
+        };
+        assert_eq!(help("scene.probes"), "write [[scene.probes]] in place of [scene.probes]");
+        assert!(help("scene.contacts").contains("body_wall"));
     }
 
     #[test]

@@ -72,7 +72,8 @@ pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Manifest, Manifest
     }
 }
 
-/// Reads a manifest from `text`; `file` is what messages call it.
+/// Reads a manifest from `text`; `file` is what messages call it, and paths in the manifest are
+/// relative to its folder.
 ///
 /// # Errors
 /// As [`load`].
@@ -90,7 +91,7 @@ pub fn parse(
     }
     overrides::apply(&mut tree, sets, &mut source, &mut problems);
     let (mut document, mut findings) = read::read(tree);
-    document.fill();
+    document.fill(file.parent().unwrap_or(Path::new("")));
     let spec = check::check(&document, &mut findings);
     problems.extend(findings.into_problems());
     match spec {

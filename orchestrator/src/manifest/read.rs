@@ -23,6 +23,11 @@ impl Findings {
         self.problems.push(problem);
     }
 
+    /// Notes that the value of `key` is wrong: others that need it shall not tell so again.
+    pub fn spoil(&mut self, key: String) {
+        self.unreadable.push(key);
+    }
+
     /// Whether something at, above or below `key` could not be read.
     pub fn is_unreadable(&self, key: &str) -> bool {
         let touches = |other: &String| path::is_within(other, key) || path::is_within(key, other);

@@ -1,10 +1,16 @@
 //! Defaults filled in, and the manifest written out again as it was understood.
 
-use super::document::{ComponentEntry, ContactTable, Document, FaceName, MotionName};
+use super::document::{
+    AxisEntry, BodiesTable, ComponentEntry, Document, DomainTable, FaceEntry, FaceName,
+    MaterialTable, MotionName, MotionPointTable, PartTable,
+};
 use super::spec::is_lossless_by_default;
 use super::{Manifest, spec};
+use std::collections::BTreeMap;
+use std::path::Path;
 use tremie_messages::Role;
-use tremie_messages::units::{Acceleration, AngularVelocity, Length, Time, Velocity};
+use tremie_messages::scene::{Domain, Profile};
+use tremie_messages::units::{Acceleration, AngularVelocity, Length, Pressure, Time, Velocity};
 
 /// Frames that a run gives to observers unless told otherwise.
 const FRAMES: f64 = 200.0;
@@ -51,10 +57,10 @@ fn drop_null(schema: &mut serde_json::Value) {
 }
 
 impl Document {
-    /// Fills in what the user left open.
-    pub(super) fn fill(&mut self) {
+    /// Fills in what the user left open. Paths of files are relative to `folder`.
+    pub(super) fn fill(&mut self, folder: &Path) {
         self.fill_run();
-        self.fill_scene();
+        self.fill_scene(folder);
         for (name, entry) in &mut self.components {
             fill_component(name, entry);
         }
@@ -75,41 +81,90 @@ impl Document {
         }
     }
 
-    fn fill_scene(&mut self) {
+    fn fill_scene(&mut self, folder: &Path) {
         let scene = &mut self.scene;
         scene.gravity.get_or_insert([Acceleration(0.0); 3]);
-        scene.domain.origin.get_or_insert([Length(0.0); 3]);
-        let domain = &mut scene.domain;
-        for face in [&mut domain.x, &mut domain.y, &mut domain.z] {
-            face.get_or_insert(FaceName::default());
-        }
+        fill_domain(&mut scene.domain);
         if let Some(fluid) = &mut scene.fluid {
             fluid.acceleration.get_or_insert([Acceleration(0.0); 3]);
             fluid.velocity.get_or_insert([Velocity(0.0); 3]);
+            fluid.pressure.get_or_insert(Pressure(0.0));
+        }
+        for plane in &mut scene.planes {
+            plane.material = plane.material.take().or_else(|| scene.domain.material.clone());
+        }
+        for part in &mut scene.parts {
+            part.material = part.material.take().or_else(|| scene.domain.material.clone());
+            fill_part(part, folder);
         }
         for set in &mut scene.bodies {
-            set.motion.get_or_insert(MotionName::default());
-            for sphere in set.spheres.iter_mut().flatten() {
-                sphere.velocity.get_or_insert([Velocity(0.0); 3]);
-                sphere.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
-            }
-            if let (Some(packing), Some(seed)) = (&mut set.packing, self.run.seed) {
-                packing.seed.get_or_insert(seed);
-            }
+            fill_bodies(set, self.run.seed, &scene.materials);
         }
-        if let Some(contacts) = &mut scene.contacts {
-            if contacts.body_wall.is_none() {
-                contacts.body_wall = contacts.body_body.clone();
-            }
-            contacts.body_body.iter_mut().for_each(fill_contact);
-            contacts.body_wall.iter_mut().for_each(fill_contact);
+        for law in &mut scene.contacts {
+            law.hertz.get_or_insert(false);
+            law.friction.get_or_insert(0.0);
+            law.rolling_friction.get_or_insert(0.0);
+            law.tension.get_or_insert(false);
         }
     }
 }
 
-fn fill_contact(law: &mut ContactTable) {
-    law.friction.get_or_insert(0.0);
-    law.tension.get_or_insert(false);
+fn fill_domain(domain: &mut DomainTable) {
+    domain.origin.get_or_insert([Length(0.0); 3]);
+    domain.material.get_or_insert_with(|| Domain::MATERIAL.into());
+    for axis in [&mut domain.x, &mut domain.y, &mut domain.z] {
+        let AxisEntry::Sides(sides) = axis.get_or_insert(AxisEntry::Both(FaceName::Wall)) else {
+            continue;
+        };
+        for face in [&mut sides.lower, &mut sides.upper] {
+            let face = face.get_or_insert(FaceEntry::Name(FaceName::Wall));
+            if let FaceEntry::Table(table) = face
+                && table.velocity.is_some()
+            {
+                table.profile.get_or_insert(Profile::Uniform);
+            }
+        }
+    }
+}
+
+fn fill_part(part: &mut PartTable, folder: &Path) {
+    part.position.get_or_insert([Length(0.0); 3]);
+    part.cavity.get_or_insert(false);
+    part.motion.get_or_insert(MotionName::Fixed);
+    if let Some(file) = &mut part.file {
+        // The resolved manifest is read back from another folder.
+        let full = folder.join(&*file);
+        *file = std::path::absolute(&full).unwrap_or(full).to_string_lossy().into_owned();
+    }
+    fill_course(&mut part.course);
+}
+
+fn fill_bodies(
+    set: &mut BodiesTable,
+    seed: Option<u64>,
+    materials: &BTreeMap<String, MaterialTable>,
+) {
+    set.motion.get_or_insert(MotionName::Free);
+    set.material = set.material.take().or_else(|| set.name.clone());
+    let material = set.material.as_ref().and_then(|name| materials.get(name));
+    // Of a wrong density its material is told, not each set of it.
+    let density = material.and_then(|material| material.density).filter(|density| density.0 > 0.0);
+    set.density = set.density.or(density);
+    for sphere in set.spheres.iter_mut().flatten() {
+        sphere.velocity.get_or_insert([Velocity(0.0); 3]);
+        sphere.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
+    }
+    if let (Some(packing), Some(seed)) = (&mut set.packing, seed) {
+        packing.seed.get_or_insert(seed);
+    }
+    fill_course(&mut set.course);
+}
+
+fn fill_course(course: &mut Option<Vec<MotionPointTable>>) {
+    for point in course.iter_mut().flatten() {
+        point.velocity.get_or_insert([Velocity(0.0); 3]);
+        point.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
+    }
 }
 
 fn fill_component(name: &str, entry: &mut ComponentEntry) {

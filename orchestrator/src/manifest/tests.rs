@@ -2,6 +2,10 @@ use super::*;
 use tremie_messages::Role;
 use tremie_messages::scene::{Damping, Diameters, Face, Motion, Placement};
 
+mod contacts;
+mod faces;
+mod parts;
+
 /// A manifest that is right; tests break one line of it.
 const GOOD: &str = r#"[run]
 until = "1.5 s"
@@ -31,8 +35,11 @@ name = "bed"
 density = "2500 kg/m3"
 packing = { min = ["0 mm", "0 mm", "2 mm"], max = ["1 cm", "1 cm", "1 cm"], fraction = 0.1, diameter = ["1 mm", "1.5 mm"] }
 
-[scene.contacts]
-body_body = { normal_stiffness = "1e4 N/m", tangential_stiffness = "8e3 N/m", friction = 0.3, restitution = 0.8 }
+[[scene.contacts]]
+normal_stiffness = "1e4 N/m"
+tangential_stiffness = "8e3 N/m"
+friction = 0.3
+restitution = 0.8
 
 [components]
 fluid = "fluid-lbm"
@@ -72,6 +79,28 @@ fn broken(old: &str, new: &str, words: &[&str]) {
     for word in words {
         assert!(rendered.contains(word), "\"{word}\" is not in: {rendered}");
     }
+}
+
+/// Expects exactly one problem of the text, with all of `words` in its rendering.
+#[track_caller]
+fn one_problem(text: &str, words: &[&str]) {
+    let errors = read(text).map(|manifest| manifest.spec).expect_err(text);
+    let rendered = errors.render(false);
+    assert_eq!(errors.problems.len(), 1, "{rendered}");
+    for word in words {
+        assert!(rendered.contains(word), "\"{word}\" is not in: {rendered}");
+    }
+}
+
+/// Expects that the resolved manifest of the text says the same, and the same again.
+#[track_caller]
+fn reads_back(text: &str) {
+    let manifest = read(text).unwrap_or_else(|errors| panic!("{errors}"));
+    let resolved = manifest.resolved();
+    let again = parse(Path::new("elsewhere/again.toml"), resolved.clone(), &[])
+        .unwrap_or_else(|errors| panic!("{errors}\n{resolved}"));
+    assert_eq!(again.spec, manifest.spec);
+    assert_eq!(again.resolved(), resolved);
 }
 
 #[test]
@@ -124,7 +153,7 @@ fn one_wrong_value_is_one_problem_in_its_line() {
     broken("\"1e4 N/m\"", "\"-1e4 N/m\"", &["normal_stiffness"]);
     broken("restitution = 0.8", "restitution = 1.2", &["at most 1"]);
     broken("restitution = 0.8", "restitution = 0.0", &["more than 0"]);
-    broken("restitution = 0.8", "restitution = 0.8, normal_damping = \"1 kg/s\"", &["either"]);
+    broken("restitution = 0.8", "restitution = 0.8\nnormal_damping = \"1 kg/s\"", &["either"]);
     broken("friction = 0.3", "friction = -0.3", &["zero or more"]);
     broken("fraction = 0.1", "fraction = 0.8", &["densest"]);
     broken("[\"1 mm\", \"1.5 mm\"]", "[\"2 mm\", \"1.5 mm\"]", &["smaller one first"]);
@@ -149,7 +178,11 @@ fn one_wrong_key_is_one_problem_with_the_nearest() {
 fn what_is_missing_is_said_at_its_table() {
     broken("[run]\nuntil = \"1.5 s\"", "[run]", &["run.until: missing"]);
     broken("[scene.fluid]\ndensity = \"970 kg/m3\"", "[scene.fluid]", &["scene.fluid.density"]);
-    broken(", restitution = 0.8", "", &["missing: damping"]);
+    broken(
+        "[[scene.contacts]]\nnormal_stiffness = \"1e4 N/m\"\ntangential_stiffness = \"8e3 N/m\"\nfriction = 0.3\nrestitution = 0.8",
+        "[[scene.contacts]]\nnormal_stiffness = \"1e4 N/m\"\ntangential_stiffness = \"8e3 N/m\"",
+        &["missing: damping"],
+    );
     broken(
         "[[stop_when]]\nsignal = \"grains.max_speed\"\nbelow = 1e-4",
         "[[stop_when]]\nsignal = \"grains.v\"",
@@ -344,7 +377,7 @@ fn a_missing_file_is_said() {
 #[test]
 fn the_schema_names_every_table_and_no_null() {
     let schema = schema_text();
-    for word in ["until", "viscosity", "body_wall", "sync_iter", "stop_when", "0.3 mm"] {
+    for word in ["until", "viscosity", "between", "sync_iter", "stop_when", "0.3 mm"] {
         assert!(schema.contains(word), "{word}");
     }
     assert!(!schema.contains("null"), "{schema}");

@@ -2,6 +2,7 @@
 
 use super::folder::OutputError;
 use super::signals::Statistics;
+use crate::doctor::Judged;
 use crate::monitor::Totals;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -107,6 +108,8 @@ pub struct Summary {
     pub signals: BTreeMap<String, Statistics>,
     /// Doubtful things about the plan.
     pub warnings: Vec<String>,
+    /// Numbers known before the run, with verdicts and remedies.
+    pub findings: Vec<Judged>,
 }
 
 impl Summary {

@@ -11,6 +11,9 @@ mod streams;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use report::{bytes, columns};
+pub(crate) use steps::short;
+
 use crate::manifest::{ComponentSpec, Spec};
 use crate::schedule::{self, Wiring};
 use steps::{Steps, Wish};

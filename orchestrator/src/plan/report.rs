@@ -2,6 +2,7 @@
 
 use super::steps::short;
 use super::{Plan, PlannedComponent};
+use serde_json::{Value, json};
 use std::fmt;
 use tremie_messages::schedule::{Content, Edge, Schedule};
 use tremie_messages::start::{FrameContent, FrameStream};
@@ -12,7 +13,7 @@ impl Plan {
     /// [`Plan::warnings`].
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.time()];
-        lines.extend(table(
+        lines.extend(columns(
             &["component", "role", "program", "substeps", "step", "threads"],
             self.components.iter().map(row).collect(),
         ));
@@ -20,17 +21,39 @@ impl Plan {
             lines
                 .extend(component.notes.iter().map(|note| format!("  {}: {note}", component.name)));
         }
-        lines.extend(table(
+        lines.extend(columns(
             &["edge", "values", "depth", "memory"],
             self.edges.iter().map(edge_row).collect(),
         ));
-        lines.extend(table(
+        lines.extend(columns(
             &["frames", "every", "values", "depth", "kept", "memory"],
             self.frames.iter().map(frame_row).collect(),
         ));
         lines.push(format!("shared memory: {}", bytes(self.shared_memory())));
         lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
         lines
+    }
+
+    /// The plan for programs.
+    pub fn document(&self) -> Value {
+        let component = |c: &PlannedComponent| {
+            json!({
+                "name": c.name, "role": c.role, "program": c.program, "substeps": c.substeps,
+                "step": c.step, "largest_step": c.largest_step, "threads": c.threads, "notes": c.notes,
+            })
+        };
+        json!({
+            "window": self.window,
+            "windows": self.windows,
+            "tick": self.clock.tick,
+            "ticks_per_window": self.clock.ticks_per_window,
+            "schedule": self.schedule,
+            "frames_every": self.frames_every,
+            "signal_rows_every": self.signal_rows_every,
+            "shared_memory": self.shared_memory(),
+            "components": self.components.iter().map(component).collect::<Vec<_>>(),
+            "notes": self.notes,
+        })
     }
 
     /// Payload of all channels in shared memory, in bytes: what is under way, and one more message
@@ -133,7 +156,8 @@ fn memory(header: usize, value: usize, capacity: u64, depth: u64) -> u64 {
     (header as u64 + value as u64 * capacity) * (depth + 1)
 }
 
-pub(super) fn bytes(count: u64) -> String {
+/// A number of bytes as a person would write it.
+pub(crate) fn bytes(count: u64) -> String {
     match count {
         0..1_000 => format!("{count} B"),
         1_000..1_000_000 => format!("{:.1} kB", count as f64 / 1e3),
@@ -143,7 +167,7 @@ pub(super) fn bytes(count: u64) -> String {
 }
 
 /// Rows below their titles, in columns; nothing if there are no rows.
-fn table(titles: &[&str], rows: Vec<Vec<String>>) -> Vec<String> {
+pub(crate) fn columns(titles: &[&str], rows: Vec<Vec<String>>) -> Vec<String> {
     if rows.is_empty() {
         return Vec::new();
     }

@@ -192,7 +192,7 @@ fn greatest_common_divisor(a: u64, b: u64) -> u64 {
 }
 
 /// A number with at most six digits, as a person would write it.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
         format!("{rounded}")

@@ -1,5 +1,6 @@
 //! The box, what its faces are, and the fluid in it.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box and what its six faces are.
@@ -88,7 +89,7 @@ pub struct OpenVelocity {
 }
 
 /// How a velocity varies over a face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
     /// Not at all.

@@ -3,8 +3,10 @@
 use super::super::document::{BodiesTable, PackingTable, SphereTable};
 use super::super::path;
 use super::super::read::Findings;
+use super::course::motion;
+use super::diameters::diameters;
 use std::collections::BTreeSet;
-use tremie_messages::scene::{BodySet, Diameters, Packing, Placement, Sphere};
+use tremie_messages::scene::{BodySet, Motion, Packing, Placement, Sphere};
 
 /// Spheres of one size fill no more than this of a space (Kepler); random ones far less.
 const DENSEST: f64 = 0.7405;
@@ -32,15 +34,52 @@ fn body_set(
             format!("a second set of bodies with the name \"{name}\""),
         );
     }
-    let density = findings.positive(&table.density, at, "density");
+    let density = density(table, at, findings);
+    let motion = motion(table.motion?, table.course.as_deref(), at, findings);
     let placement = placement(table, at, findings);
+    one_velocity(&motion, &placement, at, findings);
     Some(BodySet {
-        material: name.clone()?,
+        material: table.material.clone().or_else(|| name.clone())?,
         name: name?,
         density: density?,
-        motion: table.motion?.into(),
+        motion: motion?,
         placement: placement?,
     })
+}
+
+/// The density of a set; where it has none of its own, that of its material was filled in before.
+fn density(table: &BodiesTable, at: &str, findings: &mut Findings) -> Option<f64> {
+    if table.density.is_some() {
+        return findings.positive(&table.density, at, "density");
+    }
+    let material = table.material.as_deref().unwrap_or_default();
+    let source = path::join(&path::join("scene.materials", material), "density");
+    let key = path::join(at, "density");
+    if !findings.is_unreadable(&key) && !findings.is_unreadable(&source) {
+        let message = format!("missing: {at} needs a key \"density\"");
+        let help = format!("add it here or to [scene.materials.{material}]");
+        findings.problem_with_help(&key, message, help);
+    }
+    None
+}
+
+/// A course says how fast bodies are: they cannot be placed with another velocity.
+fn one_velocity(
+    motion: &Option<Motion>,
+    placement: &Option<Placement>,
+    at: &str,
+    findings: &mut Findings,
+) {
+    let (Some(Motion::Prescribed(points)), Some(Placement::Listed(spheres))) = (motion, placement)
+    else {
+        return;
+    };
+    let moves = |s: &Sphere| s.velocity != [0.0; 3] || s.angular_velocity != [0.0; 3];
+    if let Some(i) = spheres.iter().position(moves).filter(|_| !points.is_empty()) {
+        let message =
+            "found a velocity, but the set has a course, which says how fast its bodies are";
+        findings.problem(&path::item(&path::join(at, "spheres"), i), message);
+    }
 }
 
 fn placement(table: &BodiesTable, at: &str, findings: &mut Findings) -> Option<Placement> {
@@ -117,49 +156,5 @@ fn region_holds(min: &[f64; 3], max: &[f64; 3], diameter: f64, at: &str, finding
         let message =
             format!("the region is {narrowest} m wide, too narrow for spheres of {diameter} m");
         findings.problem(&key, message);
-    }
-}
-
-fn diameters(table: &PackingTable, at: &str, findings: &mut Findings) -> Option<Diameters> {
-    match (&table.diameter, &table.diameters) {
-        (Some(entry), None) => {
-            let key = path::join(at, "diameter");
-            let [min, max] = entry.bounds();
-            if !findings.above_zero(min, &key) {
-                return None;
-            }
-            if max < min {
-                findings
-                    .problem(&key, format!("found {min} to {max}, expected the smaller one first"));
-                return None;
-            }
-            Some(Diameters::Uniform { min: min.0, max: max.0 })
-        }
-        (None, Some(list)) => {
-            let key = path::join(at, "diameters");
-            let wrong = list.iter().enumerate().find(|(_, d)| d.0 <= 0.0);
-            if let Some((i, diameter)) = wrong {
-                findings.above_zero(*diameter, &path::item(&key, i));
-                return None;
-            }
-            if list.is_empty() {
-                findings.problem(&key, "found an empty list, expected a diameter");
-                return None;
-            }
-            Some(Diameters::Listed(list.iter().map(|d| d.0).collect()))
-        }
-        (Some(_), Some(_)) => {
-            findings.problem(
-                &path::join(at, "diameters"),
-                "found both diameter and diameters, expected one of them",
-            );
-            None
-        }
-        (None, None) => {
-            if !findings.is_unreadable(&path::join(at, "diameters")) {
-                findings.missing(at, "diameter");
-            }
-            None
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Checks of `[components]` and their settings.
 
-use super::super::document::{ComponentTable, Document};
+use super::super::document::{ComponentTable, Document, MotionName, PartTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::super::spec::{ComponentSpec, MOST_SUBSTEPS, stem};
@@ -107,6 +107,24 @@ fn sync_iter(table: &ComponentTable, at: &str, findings: &mut Findings) -> Optio
     }
 }
 
+/// Whether there are grains where parts move: they announce the parts and say where they are.
+fn moved(document: &Document, grains: bool, findings: &mut Findings) -> bool {
+    if grains || findings.is_unreadable("components") {
+        return true;
+    }
+    let moves = |part: &PartTable| part.motion == Some(MotionName::Prescribed);
+    let first = document.scene.parts.iter().position(moves);
+    if let Some(i) = first {
+        let key = path::join(&path::item("scene.parts", i), "motion");
+        findings.problem_with_help(
+            &key,
+            "nobody moves this part: there is no component with the role grains",
+            "add grains = \"grains-dem\" to [components]",
+        );
+    }
+    first.is_none()
+}
+
 /// What only all components together can have wrong.
 fn together(components: &[ComponentSpec], document: &Document, findings: &mut Findings) -> bool {
     let of = |role| components.iter().filter(move |component| component.role == role);
@@ -133,6 +151,7 @@ fn together(components: &[ComponentSpec], document: &Document, findings: &mut Fi
         );
         right = false;
     }
+    right &= moved(document, of(Role::Grains).next().is_some(), findings);
     let physics = components.iter().any(|component| component.role != Role::Observer);
     if !physics && !findings.is_unreadable("components") {
         findings.problem_with_help(

@@ -5,15 +5,25 @@
 mod bodies;
 mod components;
 mod contacts;
+mod course;
+mod diameters;
+mod domain;
+mod materials;
+mod parts;
 mod placement;
+mod probes;
 mod run;
 mod scene;
+mod surfaces;
 
 use super::document::Document;
 use super::path;
 use super::read::Findings;
 use super::spec::Spec;
-use tremie_messages::units::{Dashpot, Density, Length, Stiffness, Time, Velocity, Viscosity};
+use tremie_messages::scene::Domain;
+use tremie_messages::units::{
+    Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity,
+};
 use tremie_messages::{Problem, Role};
 
 /// Checks a document with its defaults filled in.
@@ -45,6 +55,9 @@ pub(super) fn notes(spec: &Spec) -> Vec<String> {
     if spec.scene.fluid.is_some() && !has(Role::Fluid) {
         notes.push("scene.fluid is not used: no component has the role fluid".into());
     }
+    if !spec.scene.probes.is_empty() && !has(Role::Fluid) {
+        notes.push("scene.probes are not used: no component has the role fluid".into());
+    }
     if !spec.scene.bodies.is_empty() && !has(Role::Grains) {
         notes.push("scene.bodies are not used: no component has the role grains".into());
     }
@@ -66,7 +79,12 @@ macro_rules! quantities {
     )+};
 }
 
-quantities!(Dashpot, Density, Length, Stiffness, Time, Velocity, Viscosity);
+quantities!(Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity);
+
+/// A domain's corners, for messages.
+fn extent(domain: &Domain) -> String {
+    format!("{:?} m to {:?} m", domain.min, domain.max)
+}
 
 impl Quantity for f64 {
     fn si(self) -> f64 {
@@ -103,6 +121,32 @@ impl Findings {
         let full = path::join(at, key);
         if !self.is_unreadable(&full) {
             self.problem(&full, format!("missing: {at} needs a key \"{key}\""));
+        }
+    }
+
+    /// The one key of the table `at` that is there; a problem if none is, or more than one. `what`
+    /// they say completes the sentence "missing: ...".
+    fn only_one(
+        &mut self,
+        keys: &[(&'static str, bool)],
+        what: &str,
+        at: &str,
+    ) -> Option<&'static str> {
+        let mut there = keys.iter().filter(|(_, is_there)| *is_there).map(|(key, _)| *key);
+        match (there.next(), there.next()) {
+            (Some(one), None) => Some(one),
+            (Some(one), Some(other)) => {
+                let message = format!("found both {one} and {other}, expected one of them");
+                self.problem(&path::join(at, other), message);
+                None
+            }
+            (None, _) => {
+                if !keys.iter().any(|(key, _)| self.is_unreadable(&path::join(at, key))) {
+                    let names: Vec<&str> = keys.iter().map(|(key, _)| *key).collect();
+                    self.problem(at, format!("missing: {what}, as one of {}", names.join(", ")));
+                }
+                None
+            }
         }
     }
 

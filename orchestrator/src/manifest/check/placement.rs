@@ -6,6 +6,7 @@
 
 use super::super::path;
 use super::super::read::Findings;
+use super::extent;
 use tremie_messages::scene::{BodySet, Domain, Motion, Placement, Plane, Sphere};
 
 /// Overlap that a contact law may start from, as a fraction of the smaller diameter.
@@ -55,10 +56,6 @@ pub(super) fn check(
         before(body, planes, findings);
     }
     apart(&placed, domain, findings);
-}
-
-fn extent(domain: &Domain) -> String {
-    format!("{:?} m to {:?} m", domain.min, domain.max)
 }
 
 fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {

@@ -1,48 +1,43 @@
-//! Checks of `[scene]`: domain, fluid, planes.
+//! Checks of `[scene]`: what belongs to no list of its own, and how the lists go together.
 
-use super::super::document::{BodiesTable, DomainTable, FluidTable, PlaneTable, SceneTable};
+use super::super::document::{FluidTable, PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
-use super::{bodies, contacts, placement};
-use tremie_messages::scene::{ContactLaw, Domain, FluidMaterial, PairLaw, Plane, Scene};
+use super::contacts::{Surroundings, contacts};
+use super::{bodies, domain, materials, parts, placement, probes, surfaces};
+use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Part, Plane, Scene};
 
 pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene> {
-    let domain = domain(&table.domain, findings);
-    let fluid = table.fluid.as_ref().map(|fluid| material(fluid, findings));
+    let domain = domain::domain(&table.domain, findings);
+    let fluid = table.fluid.as_ref().map(|fluid| material(fluid, domain.as_ref(), findings));
+    materials::materials(table, findings);
     let planes = planes(&table.planes, findings);
+    let parts = parts::parts(&table.parts, findings);
     let bodies = bodies::bodies(&table.bodies, findings);
-    let contacts = table.contacts.as_ref().map(|contacts| contacts::contacts(contacts, findings));
+    let probes = probes::probes(&table.probes, domain.as_ref(), findings);
     if let Some(domain) = &domain {
         placement::check(domain, planes.as_deref().unwrap_or(&[]), &bodies, findings);
+        surfaces::check(domain, &parts, findings);
     }
+    let parts: Option<Vec<Part>> = parts.into_iter().collect();
+    let bodies: Option<Vec<BodySet>> = bodies.into_iter().collect();
+    let around = match (&domain, &planes, &parts, &bodies) {
+        (Some(domain), Some(planes), Some(parts), Some(bodies)) => {
+            Some(Surroundings { domain, planes, parts, bodies })
+        }
+        _ => None,
+    };
+    let contacts = contacts(table, around.as_ref(), findings);
     Some(Scene {
         gravity: table.gravity?.map(|g| g.0),
-        domain: domain?,
         fluid: flatten(fluid)?,
-        parts: Vec::new(),
-        probes: Vec::new(),
+        contacts: contacts?,
+        domain: domain?,
         planes: planes?,
-        contacts: pair_laws(&table.bodies, flatten(contacts)?),
-        bodies: bodies.into_iter().collect::<Option<_>>()?,
+        parts: parts?,
+        bodies: bodies?,
+        probes: probes?,
     })
-}
-
-/// The two laws for every pair of materials.
-fn pair_laws(sets: &[BodiesTable], laws: Option<[ContactLaw; 2]>) -> Vec<PairLaw> {
-    let Some([body_body, body_wall]) = laws else { return Vec::new() };
-    let names: Vec<&String> = sets.iter().filter_map(|set| set.name.as_ref()).collect();
-    let mut pairs = Vec::new();
-    for (i, one) in names.iter().enumerate() {
-        for other in &names[i..] {
-            pairs.push(PairLaw {
-                between: [one.to_string(), other.to_string()],
-                law: body_body.clone(),
-            });
-        }
-        let between = [one.to_string(), Domain::MATERIAL.to_string()];
-        pairs.push(PairLaw { between, law: body_wall.clone() });
-    }
-    pairs
 }
 
 /// `None` only where something is there and wrong.
@@ -54,37 +49,43 @@ fn flatten<T>(value: Option<Option<T>>) -> Option<Option<T>> {
     }
 }
 
-fn domain(table: &DomainTable, findings: &mut Findings) -> Option<Domain> {
-    let size = findings.required(&table.size, "scene.domain", "size")?;
-    let mut right = true;
-    for (axis, length) in size.iter().enumerate() {
-        right &= findings.above_zero(*length, &path::item("scene.domain.size", axis));
-    }
-    let min = table.origin?.map(|length| length.0);
-    let faces = [table.x?, table.y?, table.z?].map(|name| [name.into(), name.into()]);
-    right.then(|| Domain::new(min, std::array::from_fn(|a| min[a] + size[a].0), faces))
-}
-
-fn material(table: &FluidTable, findings: &mut Findings) -> Option<FluidMaterial> {
+fn material(
+    table: &FluidTable,
+    domain: Option<&Domain>,
+    findings: &mut Findings,
+) -> Option<FluidMaterial> {
     let at = "scene.fluid";
     let density = findings.positive(&table.density, at, "density");
     let viscosity = findings.positive(&table.viscosity, at, "viscosity");
     let expected =
         table.expected_speed.map(|speed| findings.above_zero(speed, "scene.fluid.expected_speed"));
+    for (key, points) in [("inside", &table.inside), ("outside", &table.outside)] {
+        for (i, point) in points.iter().enumerate() {
+            let key = path::item(&path::join(at, key), i);
+            if let Some(domain) = domain {
+                probes::inside(&point.map(|x| x.0), domain, &key, findings);
+            }
+        }
+    }
+    let points = |list: &[[_; 3]]| list.iter().map(|point| point.map(metres)).collect();
     Some(FluidMaterial {
         density: density?,
         viscosity: viscosity?,
         acceleration: table.acceleration?.map(|a| a.0),
         velocity: table.velocity?.map(|v| v.0),
-        pressure: 0.0,
-        inside: Vec::new(),
-        outside: Vec::new(),
+        pressure: table.pressure?.0,
+        inside: points(&table.inside),
+        outside: points(&table.outside),
         expected_speed: if expected == Some(false) {
             return None;
         } else {
             table.expected_speed.map(|v| v.0)
         },
     })
+}
+
+fn metres(length: tremie_messages::units::Length) -> f64 {
+    length.0
 }
 
 fn planes(tables: &[PlaneTable], findings: &mut Findings) -> Option<Vec<Plane>> {
@@ -108,6 +109,6 @@ fn plane(table: &PlaneTable, at: &str, findings: &mut Findings) -> Option<Plane>
     Some(Plane {
         point: point?.map(|p| p.0),
         normal: normal.map(|n| n / length),
-        material: Domain::MATERIAL.into(),
+        material: table.material.clone().unwrap_or_else(|| Domain::MATERIAL.into()),
     })
 }

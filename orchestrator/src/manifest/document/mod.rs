@@ -3,11 +3,22 @@
 //! Keys are optional here even where a run needs them, so that a value that cannot be read can be
 //! left out and the rest still be checked; the check says which required keys are missing.
 
+mod bodies;
+mod contacts;
+mod domain;
+mod forms;
+mod parts;
+mod probes;
 mod scene;
 mod values;
 
+pub(super) use bodies::*;
+pub(super) use contacts::*;
+pub(super) use domain::*;
+pub(super) use parts::*;
+pub(super) use probes::*;
 pub(super) use scene::*;
-pub(super) use values::ComponentEntry;
+pub(super) use values::{ComponentEntry, DiameterEntry};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,11 +1,9 @@
-//! Values with a short and a long form. They are read by hand: serde's untagged enums forget
-//! which key inside them was wrong.
+//! Values with a short and a long form.
 
 use super::ComponentTable;
+use super::forms::{Form, Never, read};
 use schemars::JsonSchema;
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, de};
-use std::fmt;
 use tremie_messages::units::Length;
 
 /// A component: its program, or all about it.
@@ -32,24 +30,12 @@ impl ComponentEntry {
 
 impl<'de> Deserialize<'de> for ComponentEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl<'de> de::Visitor<'de> for Visitor {
-            type Value = ComponentEntry;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the name of a program or a table")
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<ComponentEntry, E> {
-                Ok(ComponentEntry::Program(text.to_string()))
-            }
-
-            fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<ComponentEntry, A::Error> {
-                ComponentTable::deserialize(MapAccessDeserializer::new(map))
-                    .map(ComponentEntry::Table)
-            }
-        }
-        deserializer.deserialize_any(Visitor)
+        let form: Form<_, Never, _> = read(deserializer, "the name of a program or a table")?;
+        Ok(match form {
+            Form::Word(program) => Self::Program(program),
+            Form::Table(table) => Self::Table(table),
+            Form::List(never) => match never {},
+        })
     }
 }
 
@@ -75,25 +61,48 @@ impl DiameterEntry {
 
 impl<'de> Deserialize<'de> for DiameterEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl<'de> de::Visitor<'de> for Visitor {
-            type Value = DiameterEntry;
+        let form: Form<_, _, Never> = read(
+            deserializer,
+            "a length with a unit, as \"1 mm\", or two of them, as [\"1 mm\", \"2 mm\"]",
+        )?;
+        Ok(match form {
+            Form::Word(one) => Self::One(one),
+            Form::List(bounds) => Self::Between(bounds),
+            Form::Table(never) => match never {},
+        })
+    }
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(
-                    "a length with a unit, as \"1 mm\", or two of them, as [\"1 mm\", \"2 mm\"]",
-                )
-            }
+/// What one unit of a file is: `"mm"`, or a length as `"25.4 mm"`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub(in super::super) struct FileUnit(pub Length);
 
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<DiameterEntry, E> {
-                text.parse().map(DiameterEntry::One).map_err(E::custom)
-            }
+impl<'de> Deserialize<'de> for FileUnit {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let expecting = "a unit of length, as \"mm\", or a length, as \"25.4 mm\"";
+        let form: Form<String, Never, Never> = read(deserializer, expecting)?;
+        let text = match form {
+            Form::Word(text) => text,
+            Form::List(never) | Form::Table(never) => match never {},
+        };
+        let length = text.parse().or_else(|_| format!("1 {}", text.trim()).parse());
+        length
+            .map(Self)
+            .map_err(|_| de::Error::custom(format!("found \"{text}\", expected {expecting}")))
+    }
+}
 
-            fn visit_seq<A: de::SeqAccess<'de>>(self, seq: A) -> Result<DiameterEntry, A::Error> {
-                <[Length; 2]>::deserialize(SeqAccessDeserializer::new(seq))
-                    .map(DiameterEntry::Between)
-            }
-        }
-        deserializer.deserialize_any(Visitor)
+impl JsonSchema for FileUnit {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "FileUnit".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "type": "string",
+            "description": "a unit of length, or a length",
+            "examples": ["mm", "m", "25.4 mm"],
+        })
     }
 }

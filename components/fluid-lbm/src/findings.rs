@@ -1,0 +1,271 @@
+//! Numbers of the lattice, judged before the run.
+
+use crate::lattice::CS2;
+use crate::parameters::{Parameters, Precision};
+use crate::resolution::Resolution;
+use core::f64::consts::PI;
+use tremie_messages::Finding;
+use tremie_messages::scene::{
+    BodySet, Face, FluidMaterial, Motion, PartBoundary, Placement, Scene,
+};
+
+/// Cells across a sphere from which its drag is trusted to a few per cent.
+const RESOLVED: f64 = 8.0;
+/// Cells across a sphere below which it may cover no cell at all.
+const UNSEEN: f64 = 2.0;
+/// Relaxation time below which rounding and waves are damped too little to be safe.
+const LOW_TAU: f64 = 0.505;
+/// Relaxation time above which the flow lags behind changes.
+const HIGH_TAU: f64 = 2.0;
+/// Mach number up to which the lattice's error, of its square, is about a per cent.
+const LOW_MACH: f64 = 0.1;
+/// Weight of the grains over the lattice's stiffness that is still small, and the one at which the
+/// fluid was measured to give way under the bed.
+const SOFT: [f64; 2] = [0.05, 0.1];
+
+/// What is known of a lattice before it runs, each number with a verdict.
+pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
+    let Some(fluid) = &scene.fluid else { return Vec::new() };
+    let lattice = Lattice { parameters, resolution, fluid, scene };
+    let mut findings = vec![lattice.relaxation_time(), lattice.speed()];
+    findings.extend(lattice.mach());
+    findings.extend(resolution.cells_per_smallest_sphere.map(|cells| lattice.sphere(cells)));
+    findings.extend(lattice.pressure_noise());
+    findings.extend(lattice.softness());
+    findings
+}
+
+struct Lattice<'a> {
+    parameters: &'a Parameters,
+    resolution: &'a Resolution,
+    fluid: &'a FluidMaterial,
+    scene: &'a Scene,
+}
+
+impl Lattice<'_> {
+    /// Cell over time step [m/s].
+    fn unit_speed(&self) -> f64 {
+        self.resolution.cell / self.resolution.time_step
+    }
+
+    /// Gauge pressure of a relative change of density of one, `rho c_s^2` [Pa].
+    fn stiffness(&self) -> f64 {
+        self.fluid.density * CS2 * self.unit_speed() * self.unit_speed()
+    }
+
+    fn relaxation_time(&self) -> Finding {
+        let Resolution { tau, time_step, cell, .. } = *self.resolution;
+        let nu = self.fluid.viscosity / self.fluid.density;
+        let trusted = self.parameters.trusted_tau();
+        let step = self.parameters.time_step_of(LOW_TAU, nu);
+        // At the same lattice speed tau - 1/2 grows as 1/cell.
+        let finer = cell * (tau - 0.5) / (LOW_TAU - 0.5);
+        let remedy = format!(
+            "{LOW_TAU} takes a time step of {step:.3e} s (now {time_step:.3e} s) with this cell, or a cell of {finer:.3e} m \
+             (now {cell:.3e} m) with this lattice speed, or a larger viscosity, or a turbulence model"
+        );
+        let why = "the collision is all but reversible: waves and rounding are damped too little, and the run may \
+                   blow up or ring";
+        Finding::new("relaxation time", tau, "1")
+            .wrong_if(tau < trusted, format!("below {trusted} {why}"), &remedy)
+            .doubtful_if(tau < LOW_TAU, format!("below {LOW_TAU} {why}"), remedy)
+            .doubtful_if(
+                tau > HIGH_TAU,
+                format!("above {HIGH_TAU} the flow lags behind changes"),
+                format!("a time step of {:.3e} s gives 1", self.parameters.time_step_of(1.0, nu)),
+            )
+    }
+
+    fn speed(&self) -> Finding {
+        let speed = self.unit_speed();
+        let sound = speed * CS2.sqrt();
+        Finding::new("lattice speed", speed, "m/s")
+            .because(format!("a cell in a time step; sound travels at {sound:.3e} m/s"))
+    }
+
+    fn mach(&self) -> Option<Finding> {
+        let mach = self.resolution.expected_mach?;
+        let finding = Finding::new("Mach number", mach, "1");
+        let step = self.resolution.time_step * LOW_MACH / mach;
+        Some(finding.because("at the expected speed").doubtful_if(
+            mach > LOW_MACH * (1.0 + 1e-9),
+            format!(
+                "above {LOW_MACH} the lattice's compressibility is more than a per cent of the flow"
+            ),
+            format!("a time step of {step:.3e} s gives {LOW_MACH}"),
+        ))
+    }
+
+    fn sphere(&self, cells: f64) -> Finding {
+        let diameter = cells * self.resolution.cell;
+        let remedy = format!("a cell of {:.3e} m makes it {RESOLVED}", diameter / RESOLVED);
+        Finding::new("cells across the smallest sphere", cells, "1")
+            .wrong_if(
+                cells < UNSEEN,
+                format!("below {UNSEEN} it may cover no cell at all and feel no fluid"),
+                &remedy,
+            )
+            .doubtful_if(
+                cells < RESOLVED,
+                format!("its drag is trusted to a few per cent from {RESOLVED} on"),
+                remedy,
+            )
+    }
+
+    /// Rounding of the pressure: populations hold deviations from rest, of the order of speed and
+    /// pressure, so their rounding is a part of that.
+    fn pressure_noise(&self) -> Option<Finding> {
+        let speed = self.fluid.expected_speed.unwrap_or(0.0);
+        let pressure = self.expected_pressure().max(self.fluid.density * speed * speed);
+        if pressure == 0.0 {
+            return None;
+        }
+        let rounding = match self.parameters.precision {
+            Precision::F64 => f64::EPSILON,
+            Precision::F32 => f64::from(f32::EPSILON),
+        };
+        let deviation = (speed / (CS2 * self.unit_speed())).max(pressure / self.stiffness());
+        let noise = rounding * deviation * self.stiffness();
+        let finding = Finding::new("pressure resolution", noise, "Pa");
+        Some(finding.because(format!("of {pressure:.3e} Pa that are expected")).doubtful_if(
+            noise > 1e-3 * pressure,
+            format!(
+                "rounding is more than a thousandth of the {pressure:.3e} Pa that are expected"
+            ),
+            "precision = \"f64\", or a longer time step",
+        ))
+    }
+
+    /// The largest pressure that the scene gives [Pa].
+    fn expected_pressure(&self) -> f64 {
+        let faces = self.scene.domain.faces.iter().flatten().filter_map(|face| match face {
+            Face::Pressure { pressure, .. } => Some(*pressure),
+            _ => None,
+        });
+        let parts = self.scene.parts.iter().filter_map(|part| match part.boundary {
+            PartBoundary::Pressure { pressure, .. } => Some(pressure),
+            _ => None,
+        });
+        faces.chain(parts).chain([self.fluid.pressure]).fold(0.0, |most, p| most.max(p.abs()))
+    }
+
+    /// Excess weight of the free grains on the floor over the lattice's stiffness. The fluid carries
+    /// the grains; where its pressure is not small beside `rho c_s^2` it is compressed as a spring.
+    fn softness(&self) -> Option<Finding> {
+        let gravity = self.scene.gravity;
+        let down = (0..3).max_by(|a, b| gravity[*a].abs().total_cmp(&gravity[*b].abs()))?;
+        let size = self.scene.domain.size();
+        let floor: f64 = (0..3).filter(|a| *a != down).map(|a| size[a]).product();
+        let free = self.scene.bodies.iter().filter(|set| set.motion == Motion::Free);
+        let weight: f64 = free
+            .map(|set| (set.density - self.fluid.density).abs() * volume(set) * gravity[down].abs())
+            .sum();
+        if weight == 0.0 || self.scene.domain.is_periodic(down) {
+            return None;
+        }
+        let pressure = weight / floor;
+        let softness = pressure / self.stiffness();
+        let [doubtful, wrong] = SOFT;
+        let step = self.resolution.time_step * (0.4 * doubtful / softness).sqrt();
+        let why = format!(
+            "the grains' excess weight is {pressure:.3e} Pa on the floor, the lattice's stiffness {:.3e} Pa; above {doubtful} \
+             the grains bounce on the fluid, near {wrong} a bed was measured to fail",
+            self.stiffness()
+        );
+        let remedy = format!(
+            "a time step of {step:.3e} s makes it {:.2}; so does an expected speed {:.1} times as large, where that sets the step",
+            0.4 * doubtful,
+            self.resolution.time_step / step
+        );
+        let finding = Finding::new("weight of the grains over lattice stiffness", softness, "1");
+        Some(finding.wrong_if(softness > wrong, &why, &remedy).doubtful_if(
+            softness > doubtful,
+            why,
+            remedy,
+        ))
+    }
+}
+
+/// Volume of the spheres of a set [m³].
+fn volume(set: &BodySet) -> f64 {
+    match &set.placement {
+        Placement::Listed(spheres) => {
+            spheres.iter().map(|s| PI / 6.0 * s.diameter * s.diameter * s.diameter).sum()
+        }
+        Placement::Packed(packing) => {
+            let region: f64 = (0..3).map(|a| packing.max[a] - packing.min[a]).product();
+            packing.fraction * region
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_messages::Verdict;
+    use tremie_messages::scene::{Domain, Sphere};
+    use tremie_messages::units::Time;
+
+    fn scene(diameter: f64, gravity: f64) -> Scene {
+        let domain = Domain::new([0.0; 3], [0.012; 3], Face::WALLS);
+        let sphere = Sphere {
+            position: [0.006; 3],
+            diameter,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        };
+        Scene {
+            gravity: [0.0, 0.0, -gravity],
+            fluid: Some(FluidMaterial::at_rest(1000.0, 1e-3)),
+            bodies: vec![BodySet {
+                name: "grains".into(),
+                density: 2500.0,
+                material: "grains".into(),
+                motion: Motion::Free,
+                placement: Placement::Listed(vec![sphere]),
+            }],
+            ..Scene::empty(domain)
+        }
+    }
+
+    fn judge(scene: &Scene, cell: f64, step: f64, quantity: &str) -> Finding {
+        let parameters = Parameters { time_step: Some(Time(step)), ..Parameters::with_cell(cell) };
+        let resolution = parameters.resolve(scene).unwrap();
+        let all = findings(&parameters, scene, &resolution);
+        all.into_iter().find(|finding| finding.quantity == quantity).unwrap()
+    }
+
+    #[test]
+    fn the_numbers_of_a_published_valve_are_doubted() {
+        let scene = scene(0.8e-3, 9.81);
+        let judge = |quantity: &str| judge(&scene, 3e-4, 1.2e-7, quantity);
+        let tau = judge("relaxation time");
+        assert_eq!(tau.verdict, Verdict::Wrong);
+        assert!((tau.value - 0.500004).abs() < 1e-9);
+        assert!(tau.remedy.contains("turbulence"), "{}", tau.remedy);
+        let cells = judge("cells across the smallest sphere");
+        assert_eq!(cells.verdict, Verdict::Doubtful);
+        assert!((cells.value - 8.0 / 3.0).abs() < 1e-9);
+        assert!(cells.remedy.contains("1.000e-4 m"), "{}", cells.remedy);
+        assert!((judge("lattice speed").value - 2500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_lattice_too_soft_for_its_grains_is_wrong() {
+        // The sphere's excess weight over the floor's area, over rho c_s^2, by hand.
+        let softness = 1500.0 * 9.81 * PI / 6.0 * 4e-3_f64.powi(3) / 1.44e-4;
+        let at = |speed: f64| {
+            let cell = 0.5e-3;
+            judge(
+                &scene(4e-3, 9.81),
+                cell,
+                cell / speed,
+                "weight of the grains over lattice stiffness",
+            )
+        };
+        let stiff = at(1.0);
+        assert!((stiff.value / (softness / (1000.0 / 3.0)) - 1.0).abs() < 1e-12);
+        assert_eq!(stiff.verdict, Verdict::Ok);
+        assert_eq!(at(0.25).verdict, Verdict::Wrong);
+    }
+}

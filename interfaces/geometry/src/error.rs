@@ -1,0 +1,250 @@
+//! What can be wrong with a part's surface.
+
+use crate::{Bounds, Vec3};
+use std::fmt::Display;
+use tremie_messages::Problem;
+
+/// No usable surface could be made of a part's geometry.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GeometryError {
+    /// The file could not be read.
+    #[error("cannot read {path}: {why}")]
+    Read {
+        /// The file.
+        path: String,
+        /// The system's reason.
+        why: String,
+    },
+    /// The file is not what its name says.
+    #[error("{path} is no {format} file: {why}")]
+    Format {
+        /// The file.
+        path: String,
+        /// The expected format.
+        format: &'static str,
+        /// What was found.
+        why: String,
+    },
+    /// The file could not be written.
+    #[error("cannot write the surface: {why}")]
+    Write {
+        /// The reason.
+        why: String,
+    },
+    /// A length that should be finite and greater than zero is not.
+    #[error("{what} is {found}, but must be a finite length greater than zero")]
+    Length {
+        /// Which length.
+        what: &'static str,
+        /// Its value [m].
+        found: f64,
+    },
+    /// A corner has a coordinate that is infinite or no number.
+    #[error("triangle {triangle} has a corner at {found:?}, which is no point")]
+    NotFinite {
+        /// Number of the triangle, from zero.
+        triangle: usize,
+        /// The corner [m].
+        found: Vec3,
+    },
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} names vertex {found}, but there are only {vertices}")]
+    Index {
+        /// Number of the triangle, from zero.
+        triangle: usize,
+        /// The vertex.
+        found: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// There are more triangles or vertices than 32-bit numbers can tell apart.
+    #[error("the surface has {found} triangles; at most {limit} can be used")]
+    TooMany {
+        /// How many were found.
+        found: usize,
+        /// How many are possible.
+        limit: usize,
+    },
+    /// There is no triangle with an area.
+    #[error("the surface has no triangle with an area (of {found} triangles)")]
+    Empty {
+        /// Triangles before those without area were dropped.
+        found: usize,
+    },
+    /// The triangles do not make a closed surface.
+    #[error("{}", sentences(.0))]
+    Faults(Vec<Fault>),
+}
+
+/// One way in which triangles fail to make a closed surface with an inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// Edges with a triangle on one side only: holes.
+    Open {
+        /// How many edges.
+        edges: usize,
+        /// How many holes they make.
+        holes: usize,
+        /// Ends of the first edge [m].
+        first: [Vec3; 2],
+        /// The box around the first edge's hole [m].
+        hole: Bounds,
+    },
+    /// Edges with more than two triangles.
+    Crowded {
+        /// How many edges.
+        edges: usize,
+        /// How many triangles share the first.
+        triangles: usize,
+        /// Ends of the first edge [m].
+        first: [Vec3; 2],
+    },
+    /// A surface with one side only, such as a Moebius strip or a Klein bottle.
+    OneSided {
+        /// Ends of an edge across which the sides disagree [m].
+        at: [Vec3; 2],
+    },
+    /// Triangles wind in opposite ways. [`mend`](crate::mend) repairs this.
+    Winding {
+        /// How many edges have neighbours that disagree.
+        edges: usize,
+        /// Ends of the first edge [m].
+        first: [Vec3; 2],
+    },
+    /// A closed surface whose normals point inward. [`mend`](crate::mend) repairs this.
+    Inward {
+        /// Its number of triangles.
+        triangles: usize,
+        /// The box around it [m].
+        bounds: Bounds,
+    },
+    /// A closed shell without volume.
+    Flat {
+        /// Its number of triangles.
+        triangles: usize,
+        /// The box around it [m].
+        bounds: Bounds,
+    },
+}
+
+impl GeometryError {
+    /// The problems of the manifest's key `key` that this error means, one for each fault.
+    pub fn problems(&self, key: &str) -> Vec<Problem> {
+        match self {
+            Self::Faults(faults) => faults
+                .iter()
+                .map(|fault| Problem::new(key, fault.to_string()).help(fault.help()))
+                .collect(),
+            other => vec![Problem::new(key, other.to_string())],
+        }
+    }
+}
+
+fn sentences(faults: &[Fault]) -> String {
+    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+impl Fault {
+    /// What to do about it.
+    pub fn help(&self) -> &'static str {
+        match self {
+            Self::Open { .. } => {
+                "export the part as one closed solid; most mesh editors have a command that fills holes"
+            }
+            Self::Crowded { .. } => {
+                "unite solids that touch along an edge or face, or remove doubled triangles, and export again"
+            }
+            Self::OneSided { .. } => "give the surface a thickness, so that it has an inside",
+            Self::Winding { .. } | Self::Inward { .. } => {
+                "let the surface be mended, which turns triangles round"
+            }
+            Self::Flat { .. } => "remove the sheet, or give it a thickness",
+        }
+    }
+}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Open { edges, holes, first, hole } => write!(
+                f,
+                "the surface is not closed: {} in {}; the first is {}, in a hole within {}",
+                counted(*edges, "open edge"),
+                counted(*holes, "hole"),
+                Edge(first),
+                Box(hole)
+            ),
+            Self::Crowded { edges, triangles, first } => write!(
+                f,
+                "{} shared by more than two triangles; the first is {}, shared by {triangles}",
+                if *edges == 1 { "1 edge is".to_string() } else { format!("{edges} edges are") },
+                Edge(first)
+            ),
+            Self::OneSided { at } => {
+                write!(
+                    f,
+                    "the surface has one side only; its sides disagree at the edge {}",
+                    Edge(at)
+                )
+            }
+            Self::Winding { edges, first } => write!(
+                f,
+                "triangles wind in opposite ways across {}; the first is {}",
+                counted(*edges, "edge"),
+                Edge(first)
+            ),
+            Self::Inward { triangles, bounds } => write!(
+                f,
+                "the normals of a surface of {} point inward; it lies within {}",
+                counted(*triangles, "triangle"),
+                Box(bounds)
+            ),
+            Self::Flat { triangles, bounds } => write!(
+                f,
+                "a shell of {} has no volume; it lies within {}",
+                counted(*triangles, "triangle"),
+                Box(bounds)
+            ),
+        }
+    }
+}
+
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
+struct Edge<'a>(&'a [Vec3; 2]);
+
+impl Display for Edge<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [a, b] = self.0;
+        write!(f, "from {} to {}", Place(a), Place(b))
+    }
+}
+
+struct Box<'a>(&'a Bounds);
+
+impl Display for Box<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} .. {}", Place(&self.0.min), Place(&self.0.max))
+    }
+}
+
+struct Place<'a>(&'a Vec3);
+
+impl Display for Place<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [x, y, z] = self.0.map(six_digits);
+        write!(f, "({x}, {y}, {z}) m")
+    }
+}
+
+/// As many digits as a person needs to find the place.
+fn six_digits(x: f64) -> String {
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}

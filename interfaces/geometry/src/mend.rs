@@ -1,0 +1,72 @@
+//! From the triangles of a file to a closed surface with normals outward.
+
+use crate::caps::flip_caps;
+use crate::edges::pair;
+use crate::nesting::orient_shells;
+use crate::orient::agree_on_sides;
+use crate::weld::{drop_collapsed, weld_equal, weld_near};
+use crate::{GeometryError, Mesh};
+
+/// What was done to a mesh to make it a closed surface with normals outward.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Repairs {
+    /// Vertices that were united with another at the very same place. An STL file has about five
+    /// for each that remains.
+    pub welded: usize,
+    /// Vertices that were united with another nearby.
+    pub welded_near: usize,
+    /// How near: the tolerance [m], zero where none was needed.
+    pub tolerance: f64,
+    /// Triangles that were dropped because two of their corners were one.
+    pub dropped: usize,
+    /// Triangles with hardly any height whose longest edge was exchanged for the other diagonal.
+    pub flipped: usize,
+    /// Triangles that were turned round.
+    pub turned: usize,
+    /// Connected pieces of surface.
+    pub shells: usize,
+}
+
+/// Vertices may differ by this part of the largest coordinate and still be meant as one: four
+/// roundings to single precision, in which STL files store them.
+const NEAR: f64 = 4.0 / (1u64 << 23) as f64;
+
+/// Makes a closed surface of triangles: unites vertices, drops triangles without area, turns
+/// triangles so that normals point outward.
+///
+/// Vertices are united where they are equal; if that leaves open edges, also where they are within
+/// 5e-7 of the largest coordinate. Windings are made to agree across edges; then each shell is
+/// turned outward, or inward if an odd number of other shells holds all its vertices.
+///
+/// # Errors
+/// [`GeometryError::Faults`] for a surface with holes, with edges of more than two triangles, with
+/// one side, or without volume; and numbers that are no points.
+pub fn mend(mut mesh: Mesh) -> Result<(Mesh, Repairs), GeometryError> {
+    mesh.check_numbers()?;
+    let mut repairs = Repairs::default();
+    let found = mesh.triangles.len();
+    repairs.welded = weld_equal(&mut mesh);
+    repairs.dropped = drop_collapsed(&mut mesh);
+    let tolerance = NEAR * mesh.bounds().magnitude();
+    let mut edges = pair(&mesh.triangles);
+    if !edges.open.is_empty() {
+        repairs.tolerance = tolerance;
+        repairs.welded_near = weld_near(&mut mesh, tolerance);
+        repairs.dropped += drop_collapsed(&mut mesh);
+        edges = pair(&mesh.triangles);
+    }
+    if mesh.triangles.is_empty() {
+        return Err(GeometryError::Empty { found });
+    }
+    let faults = edges.faults(&mesh);
+    if !faults.is_empty() {
+        return Err(GeometryError::Faults(faults));
+    }
+    let wound = mesh.triangles.clone();
+    let shells = agree_on_sides(&mut mesh, &edges)?;
+    repairs.shells = shells.count;
+    orient_shells(&mut mesh, &shells)?;
+    repairs.turned = wound.iter().zip(&mesh.triangles).filter(|(a, b)| a != b).count();
+    repairs.flipped = flip_caps(&mut mesh, tolerance);
+    Ok((mesh, repairs))
+}

@@ -1,0 +1,41 @@
+//! OBJ files: positions and faces of all objects, as one.
+
+use super::polygon::triangulate;
+use crate::{Mesh, Vec3};
+use tobj::{LoadError, LoadOptions};
+
+/// The triangles of a file, or why it is none. Materials, normals and textures are passed over, and
+/// so are lines and points.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
+    let options = LoadOptions { ignore_lines: true, ignore_points: true, ..LoadOptions::default() };
+    let no_materials = |_: &std::path::Path| Err(LoadError::OpenFileFailed);
+    let (models, _) =
+        tobj::load_obj_buf(&mut &*bytes, &options, no_materials).map_err(|e| e.to_string())?;
+    let mut mesh = Mesh::default();
+    for model in models {
+        append(&mut mesh, &model.mesh)?;
+    }
+    Ok(mesh)
+}
+
+/// Adds an object's faces. Objects share no vertices here; those at one place are welded later.
+fn append(mesh: &mut Mesh, object: &tobj::Mesh) -> Result<(), String> {
+    let points: Vec<Vec3> = object.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    let first = mesh.vertices.len();
+    u32::try_from(first + points.len())
+        .map_err(|_| "it has more vertices than 32-bit numbers can tell apart".to_string())?;
+    let mut rest = object.indices.as_slice();
+    let mut arities = object.face_arities.iter();
+    while !rest.is_empty() {
+        // No numbers of corners at all means three for each.
+        let corners = arities.next().map_or(3, |&n| n as usize).clamp(1, rest.len());
+        let (face, others) = rest.split_at(corners);
+        rest = others;
+        let places: Vec<Vec3> = face.iter().map(|&v| points[v as usize]).collect();
+        for triangle in triangulate(&places) {
+            mesh.triangles.push(triangle.map(|i| first as u32 + face[i]));
+        }
+    }
+    mesh.vertices.extend(points);
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! A closed surface, ready to be asked.
+
+use crate::edges::pair;
+use crate::features::Features;
+use crate::moments::signed_volume;
+use crate::tree::{Tree, Walk};
+use crate::{Bounds, EdgeKind, Fault, GeometryError, Mesh, Vec3, VertexKind, load};
+use tremie_messages::scene::Geometry;
+
+/// A closed surface in its part's frame, ready to be asked about points, segments, rows of points,
+/// and its triangles nearby.
+///
+/// Questions need no lock and, but for the room in the vectors given to them, no memory: threads may
+/// share a surface.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    pub(crate) mesh: Mesh,
+    pub(crate) tree: Tree,
+    pub(crate) features: Features,
+    bounding_radius: f64,
+}
+
+impl Surface {
+    /// The surface of a geometry, repaired as [`load`] does.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn of(geometry: &Geometry) -> Result<Self, GeometryError> {
+        Self::new(load(geometry)?.mesh)
+    }
+
+    /// The surface of a mesh that needs no repair: one from [`load`] or [`mend`](crate::mend).
+    ///
+    /// # Errors
+    /// [`GeometryError::Faults`] for a mesh that is not closed, whose triangles wind in opposite ways
+    /// or inward; and numbers that are no points.
+    pub fn new(mesh: Mesh) -> Result<Self, GeometryError> {
+        mesh.check_numbers()?;
+        if mesh.triangles.is_empty() {
+            return Err(GeometryError::Empty { found: 0 });
+        }
+        let edges = pair(&mesh.triangles);
+        let mut faults = edges.faults(&mesh);
+        faults.extend(edges.winding_fault(&mesh));
+        let bounds = mesh.bounds();
+        let corners = || (0..mesh.triangles.len()).map(|t| mesh.corners(t));
+        if faults.is_empty() && signed_volume(corners(), bounds.centre()) <= 0.0 {
+            faults.push(Fault::Inward { triangles: mesh.triangles.len(), bounds });
+        }
+        if !faults.is_empty() {
+            return Err(GeometryError::Faults(faults));
+        }
+        let tree = Tree::of(corners());
+        let features = Features::of(&mesh, edges.twins);
+        let bounding_radius = mesh.bounding_radius();
+        Ok(Self { mesh, tree, features, bounding_radius })
+    }
+
+    /// Its triangles.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The least box around it, in the part's frame.
+    pub fn bounds(&self) -> Bounds {
+        self.tree.bounds()
+    }
+
+    /// Distance of its farthest point from the origin of the part's frame [m].
+    pub fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
+    }
+
+    /// Puts into `out` the triangles whose boxes meet a box, ascending. Allocates only where `out`
+    /// has to grow.
+    pub fn triangles_near(&self, bounds: &Bounds, out: &mut Vec<u32>) {
+        out.clear();
+        self.tree.walk(
+            |b| b.meets(bounds),
+            |triangle, corners| {
+                if Bounds::of(*corners).meets(bounds) {
+                    out.push(triangle);
+                }
+                Walk::On
+            },
+        );
+        out.sort_unstable();
+    }
+
+    /// Outward unit normal of a triangle; zero for one without area.
+    pub fn normal(&self, triangle: u32) -> Vec3 {
+        self.features.normal(triangle)
+    }
+
+    /// Triangles across the three edges of a triangle; edge `i` runs from corner `i` to the next.
+    pub fn neighbours(&self, triangle: u32) -> [u32; 3] {
+        self.features.neighbours(triangle)
+    }
+
+    /// How the surface bends at the three edges of a triangle.
+    pub fn edge_kinds(&self, triangle: u32) -> [EdgeKind; 3] {
+        self.features.edge_kinds(triangle)
+    }
+
+    /// What a vertex of the mesh is to the surface.
+    pub fn vertex_kind(&self, vertex: u32) -> VertexKind {
+        self.features.vertex_kind(vertex)
+    }
+}

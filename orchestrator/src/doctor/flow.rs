@@ -1,0 +1,78 @@
+//! What flows in and out through the domain's faces.
+
+use tremie_messages::Finding;
+use tremie_messages::scene::{Face, OpenVelocity, PartBoundary, Profile, Scene};
+
+/// The net rate of flow through faces with a given velocity, where no pressure lets it balance.
+pub(super) fn findings(scene: &Scene) -> Option<Finding> {
+    scene.fluid.as_ref()?;
+    let faces = || scene.domain.faces.iter().flatten();
+    let balanced = faces().any(|face| matches!(face, Face::Pressure { .. }))
+        || scene.parts.iter().any(|part| part.boundary != PartBoundary::Wall);
+    let driven = faces().any(|face| matches!(face, Face::Velocity(_)));
+    if balanced || !driven {
+        return None;
+    }
+    let (mut net, mut gross) = (0.0, 0.0);
+    for axis in 0..3 {
+        for (side, inward) in [(0, 1.0), (1, -1.0)] {
+            if let Face::Velocity(open) = &scene.domain.faces[axis][side] {
+                let rate = inward * rate(scene, axis, open);
+                net += rate;
+                gross += rate.abs();
+            }
+        }
+    }
+    let finding = Finding::new("net flow into the domain", net, "m3/s");
+    Some(finding.wrong_if(
+        net.abs() > 1e-6 * gross,
+        "faces with a given velocity do not balance and no face has a pressure, so the pressure rises or falls without end",
+        "give one face a pressure, as { pressure = \"0 Pa\" }",
+    ))
+}
+
+/// Rate of flow along the axis through a face, at the course's factor 1 [m³/s].
+fn rate(scene: &Scene, axis: usize, open: &OpenVelocity) -> f64 {
+    let size = scene.domain.size();
+    let across = (0..3).filter(|a| *a != axis);
+    let mean = |a: usize| match open.profile {
+        // The mean of 4 s (1 - s).
+        Profile::Parabolic if !scene.domain.is_periodic(a) => 2.0 / 3.0,
+        _ => 1.0,
+    };
+    across.fold(open.velocity[axis], |rate, a| rate * mean(a) * size[a])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_messages::Verdict;
+    use tremie_messages::scene::{Course, Domain, FluidMaterial};
+
+    fn scene(lower: Face, upper: Face) -> Scene {
+        let domain = Domain::new(
+            [0.0; 3],
+            [1.0, 2.0, 3.0],
+            [[lower, upper], [Face::WALL, Face::WALL], [Face::Periodic, Face::Periodic]],
+        );
+        Scene { fluid: Some(FluidMaterial::at_rest(1e3, 1e-3)), ..Scene::empty(domain) }
+    }
+
+    fn open(velocity: f64, profile: Profile) -> Face {
+        let velocity = [velocity, 0.0, 0.0];
+        Face::Velocity(OpenVelocity { velocity, profile, course: Course::default() })
+    }
+
+    #[test]
+    fn what_flows_in_must_flow_out() {
+        let inflow = open(0.3, Profile::Parabolic);
+        let closed = findings(&scene(inflow.clone(), Face::WALL)).unwrap();
+        assert_eq!(closed.verdict, Verdict::Wrong);
+        assert!((closed.value - 0.3 * 2.0 / 3.0 * 6.0).abs() < 1e-12, "{}", closed.value);
+        let through = findings(&scene(inflow.clone(), open(0.2, Profile::Uniform))).unwrap();
+        assert_eq!(through.verdict, Verdict::Ok, "{through:?}");
+        let pressure = Face::Pressure { pressure: 0.0, course: Course::default() };
+        assert_eq!(findings(&scene(inflow, pressure)), None);
+        assert_eq!(findings(&scene(Face::WALL, Face::WALL)), None);
+    }
+}

@@ -1,0 +1,78 @@
+//! Whether memory and disk hold the run.
+
+use super::Machine;
+use crate::plan::{Plan, bytes};
+use tremie_messages::Finding;
+use tremie_messages::Role;
+use tremie_messages::frame::{BodySample, SliceNode};
+use tremie_messages::start::{Description, FrameContent};
+
+/// Part of what is free that a run may take without a doubt.
+const COMFORT: f64 = 0.8;
+/// Bytes of a number in the table of signals, with its comma; rarely more.
+const WRITTEN_NUMBER: u64 = 20;
+
+/// Memory, shared memory and disk that the run takes, as far as that is known.
+pub(super) fn findings(
+    plan: &Plan,
+    descriptions: &[Description],
+    machine: &Machine,
+) -> Vec<Finding> {
+    let components: u64 = descriptions.iter().map(|description| description.memory).sum();
+    let shared = plan.shared_memory();
+    let memory = within("memory", components + shared, machine.available).wrong_if(
+        machine.memory.is_some_and(|memory| components + shared > memory),
+        format!(
+            "the run takes {}, and the machine has {}",
+            bytes(components + shared),
+            bytes(machine.memory.unwrap_or(0))
+        ),
+        "a larger cell, a smaller domain, or precision = \"f32\" where the fluid offers it",
+    );
+    vec![
+        memory,
+        within("shared memory", shared, machine.shared),
+        within("disk, at most", disk(plan, descriptions), machine.disk),
+    ]
+}
+
+/// A number of bytes, judged by what there is room for.
+fn within(quantity: &str, need: u64, room: Option<u64>) -> Finding {
+    let finding = Finding::new(quantity, need as f64, "B");
+    let Some(room) = room else {
+        return finding.because(format!("{}; how much is free is not known", bytes(need)));
+    };
+    let tight = need as f64 > COMFORT * room as f64;
+    let remedy = match quantity {
+        "memory" => "close other programs, or take a larger cell or a smaller domain",
+        "shared memory" => "make /dev/shm larger, or send frames of fewer values",
+        _ => {
+            "make room, write fewer frames (outputs.frames) and rows (outputs.signals), or choose another --out"
+        }
+    };
+    finding.because(format!("{} of {} that are free", bytes(need), bytes(room))).doubtful_if(
+        tight,
+        format!("{}, and only {} are free", bytes(need), bytes(room)),
+        remedy,
+    )
+}
+
+/// Most bytes that outputs take: frames of lossless observers without compression, and the table of
+/// signals.
+fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
+    let frames = plan.frames.iter().filter(|stream| stream.lossless).map(|stream| {
+        let value = match stream.content {
+            FrameContent::Bodies => size_of::<BodySample>(),
+            FrameContent::Slice(_) => size_of::<SliceNode>(),
+            FrameContent::Signals(_) => size_of::<f64>(),
+            FrameContent::Log => 0,
+        };
+        let count = plan.windows / stream.every.max(1) + 1;
+        count.saturating_mul(stream.capacity.saturating_mul(value as u64))
+    });
+    let physics =
+        plan.components.iter().zip(descriptions).filter(|(c, _)| c.role != Role::Observer);
+    let columns: u64 = physics.map(|(_, description)| description.signals.len() as u64).sum();
+    let rows = plan.windows / plan.signal_rows_every.max(1) + 1;
+    frames.fold(rows.saturating_mul((columns + 2) * WRITTEN_NUMBER), u64::saturating_add)
+}

@@ -1,0 +1,46 @@
+//! Findings as a person reads them.
+
+use super::{Judged, count};
+use crate::plan::{bytes, columns};
+use tremie_messages::{Finding, Verdict};
+
+/// A table of all findings.
+pub fn table(findings: &[Judged]) -> Vec<String> {
+    let row = |judged: &Judged| {
+        let Judged { component, finding } = judged;
+        let remark = match finding.verdict {
+            Verdict::Ok => finding.why.clone(),
+            _ => "see below".into(),
+        };
+        let verdict = finding.verdict.name().to_string();
+        vec![component.clone(), finding.quantity.clone(), value(finding), verdict, remark]
+    };
+    let titles = ["of", "quantity", "value", "verdict", "remark"];
+    columns(&titles, findings.iter().map(row).collect())
+}
+
+/// Of each finding with a verdict, why, and what to do.
+pub fn sentences(findings: &[Judged], verdict: Verdict) -> Vec<String> {
+    let sentence = |judged: &Judged| {
+        let Judged { component, finding } = judged;
+        let Finding { quantity, why, remedy, .. } = finding;
+        let name = verdict.name();
+        let remedy =
+            if remedy.is_empty() { String::new() } else { format!("\n  remedy: {remedy}") };
+        format!("{name}: {component}: {quantity} is {}: {why}{remedy}", value(finding))
+    };
+    findings.iter().filter(|judged| judged.finding.verdict == verdict).map(sentence).collect()
+}
+
+/// How many of each verdict, in a line.
+pub fn total(findings: &[Judged]) -> String {
+    let of = |verdict: Verdict| format!("{} {}", count(findings, verdict), verdict.name());
+    format!("findings: {}, {}, {}", of(Verdict::Ok), of(Verdict::Doubtful), of(Verdict::Wrong))
+}
+
+fn value(finding: &Finding) -> String {
+    match finding.unit.as_str() {
+        "B" => bytes(finding.value as u64),
+        _ => finding.value_text(),
+    }
+}

@@ -1,0 +1,131 @@
+//! Checks of `[scene.domain]`: the box and its faces.
+
+use super::super::document::{AxisEntry, DomainTable, FaceEntry, FaceName, FaceTable};
+use super::super::path;
+use super::super::read::Findings;
+use super::course::course;
+use tremie_messages::scene::{Domain, Face, OpenVelocity, Profile};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+pub(super) fn domain(table: &DomainTable, findings: &mut Findings) -> Option<Domain> {
+    let size = findings.required(&table.size, "scene.domain", "size");
+    let mut right = true;
+    for (axis, length) in size.iter().flatten().enumerate() {
+        right &= findings.above_zero(*length, &path::item("scene.domain.size", axis));
+    }
+    let entries = [&table.x, &table.y, &table.z];
+    let faces: [Option<[Face; 2]>; 3] = std::array::from_fn(|axis| {
+        let at = path::join("scene.domain", AXES[axis]);
+        entries[axis].as_ref().and_then(|entry| faces(entry, axis, &at, findings))
+    });
+    let (size, min) = (size?, table.origin?.map(|length| length.0));
+    let [x, y, z] = faces;
+    let faces = [x?, y?, z?];
+    right.then(|| Domain {
+        min,
+        max: std::array::from_fn(|a| min[a] + size[a].0),
+        faces,
+        material: table.material.clone().unwrap_or_else(|| Domain::MATERIAL.into()),
+    })
+}
+
+fn faces(entry: &AxisEntry, axis: usize, at: &str, findings: &mut Findings) -> Option<[Face; 2]> {
+    let sides = match entry {
+        AxisEntry::Both(name) => return Some([named(*name), named(*name)]),
+        AxisEntry::Sides(sides) => sides,
+    };
+    let keys = [path::join(at, "lower"), path::join(at, "upper")];
+    let lower = sides.lower.as_ref().and_then(|entry| face(entry, axis, &keys[0], findings));
+    let upper = sides.upper.as_ref().and_then(|entry| face(entry, axis, &keys[1], findings));
+    let pair = [lower?, upper?];
+    let [lower_wraps, upper_wraps] = [0, 1].map(|side| pair[side] == Face::Periodic);
+    if lower_wraps != upper_wraps {
+        let name = AXES[axis];
+        let message = "found \"periodic\" for one face, but it joins both";
+        let help = format!("write {name} = \"periodic\", or give this face another kind");
+        findings.problem_with_help(&keys[usize::from(upper_wraps)], message, help);
+        return None;
+    }
+    Some(pair)
+}
+
+fn named(name: FaceName) -> Face {
+    match name {
+        FaceName::Wall => Face::WALL,
+        FaceName::Periodic => Face::Periodic,
+        FaceName::Symmetry => Face::Symmetry,
+    }
+}
+
+fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Option<Face> {
+    let table = match entry {
+        FaceEntry::Name(name) => return Some(named(*name)),
+        FaceEntry::Table(table) => table,
+    };
+    let kinds = [
+        ("wall", table.wall.is_some()),
+        ("velocity", table.velocity.is_some()),
+        ("pressure", table.pressure.is_some()),
+    ];
+    match findings.only_one(&kinds, "what the face is", at)? {
+        "wall" => moving_wall(table, axis, at, findings),
+        "velocity" => open_velocity(table, axis, at, findings),
+        _ => {
+            if table.profile.is_some() {
+                let message = "a pressure is the same all over the face, and has no profile";
+                findings.problem(&path::join(at, "profile"), message);
+            }
+            let course = course(table.ramp, table.course.as_deref(), at, findings);
+            Some(Face::Pressure { pressure: table.pressure?.0, course: course? })
+        }
+    }
+}
+
+fn moving_wall(table: &FaceTable, axis: usize, at: &str, findings: &mut Findings) -> Option<Face> {
+    for (key, is_there) in [
+        ("profile", table.profile.is_some()),
+        ("ramp", table.ramp.is_some()),
+        ("course", table.course.is_some()),
+    ] {
+        if is_there {
+            findings.problem(&path::join(at, key), "a moving wall has none");
+        }
+    }
+    let at = path::join(at, "wall");
+    let velocity = findings.required(&table.wall.as_ref()?.velocity, &at, "velocity")?;
+    let velocity = velocity.map(|v| v.0);
+    if velocity[axis] != 0.0 {
+        let (name, normal) = (AXES[axis], velocity[axis]);
+        findings.problem_with_help(
+            &path::join(&at, "velocity"),
+            format!(
+                "found {normal} m/s along {name}, but a face across {name} moves only along itself"
+            ),
+            "for a fluid that enters or leaves, write velocity without wall",
+        );
+        return None;
+    }
+    Some(Face::Wall { velocity })
+}
+
+fn open_velocity(
+    table: &FaceTable,
+    axis: usize,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Face> {
+    let velocity = table.velocity?.map(|v| v.0);
+    if velocity[axis] == 0.0 {
+        let name = AXES[axis];
+        findings.problem_with_help(
+            &path::join(at, "velocity"),
+            format!("found no velocity along {name}: nothing passes this face"),
+            "for a wall that moves along itself, write wall = { velocity = [...] }",
+        );
+        return None;
+    }
+    let profile = table.profile.unwrap_or(Profile::Uniform);
+    let course = course(table.ramp, table.course.as_deref(), at, findings)?;
+    Some(Face::Velocity(OpenVelocity { velocity, profile, course }))
+}

@@ -1,0 +1,188 @@
+//! Checks of `[[scene.parts]]`.
+
+use super::super::document::{BoundaryTable, MotionName, PartTable, RotationTable};
+use super::super::path;
+use super::super::read::Findings;
+use super::course::{course, motion};
+use std::collections::BTreeSet;
+use tremie_messages::scene::{Domain, Geometry, Motion, MotionPoint, Part, PartBoundary, Pose};
+
+pub(super) fn parts(tables: &[PartTable], findings: &mut Findings) -> Vec<Option<Part>> {
+    let mut names = BTreeSet::new();
+    (tables.iter().enumerate())
+        .map(|(i, table)| part(table, &path::item("scene.parts", i), &mut names, findings))
+        .collect()
+}
+
+fn part(
+    table: &PartTable,
+    at: &str,
+    names: &mut BTreeSet<String>,
+    findings: &mut Findings,
+) -> Option<Part> {
+    let name = name(table, at, names, findings);
+    let geometry = geometry(table, at, findings);
+    let orientation = match &table.rotation {
+        Some(rotation) => orientation(rotation, &path::join(at, "rotation"), findings),
+        None => Some(Pose::IDENTITY.orientation),
+    };
+    let motion = part_motion(table, at, findings);
+    let boundary = match &table.boundary {
+        Some(boundary) => part_boundary(boundary, &path::join(at, "boundary"), findings),
+        None => Some(PartBoundary::Wall),
+    };
+    Some(Part {
+        name: name?,
+        geometry: geometry?,
+        pose: Pose { position: table.position?.map(|x| x.0), orientation: orientation? },
+        cavity: table.cavity?,
+        material: table.material.clone().unwrap_or_else(|| Domain::MATERIAL.into()),
+        motion: motion?,
+        boundary: boundary?,
+    })
+}
+
+/// Names of parts become parts of the names of signals.
+fn name(
+    table: &PartTable,
+    at: &str,
+    names: &mut BTreeSet<String>,
+    findings: &mut Findings,
+) -> Option<String> {
+    let name = findings.required(&table.name, at, "name")?;
+    let key = path::join(at, "name");
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if name.is_empty() || !name.chars().all(plain) {
+        let message = format!("found \"{name}\", expected letters, digits, \"-\" and \"_\"");
+        findings.problem(&key, message);
+        return None;
+    }
+    if !names.insert(name.clone()) {
+        findings.problem(&key, format!("a second part with the name \"{name}\""));
+    }
+    Some(name)
+}
+
+fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geometry> {
+    let kinds = [
+        ("file", table.file.is_some()),
+        ("box", table.box_.is_some()),
+        ("cylinder", table.cylinder.is_some()),
+        ("sphere", table.sphere.is_some()),
+    ];
+    let kind = findings.only_one(&kinds, "the part's surface", at)?;
+    if kind != "file" && table.unit.is_some() {
+        let message = "only a file has a unit; lengths here have their own";
+        findings.problem(&path::join(at, "unit"), message);
+    }
+    let key = path::join(at, kind);
+    match kind {
+        "file" => {
+            let unit = table.unit.map(|unit| unit.0);
+            if unit.is_none() && !findings.is_unreadable(&path::join(at, "unit")) {
+                let message = "missing: what one unit of the file is; triangles are bare numbers";
+                let help = "add unit = \"mm\" where the file was drawn in millimetres";
+                findings.problem_with_help(&path::join(at, "unit"), message, help);
+            }
+            let unit = findings.positive(&Some(unit?), at, "unit")?;
+            Some(Geometry::File { path: table.file.clone()?, unit })
+        }
+        "box" => {
+            let size = findings.required(&table.box_.as_ref()?.size, &key, "size")?;
+            let key = path::join(&key, "size");
+            let right: Vec<bool> = (size.iter().enumerate())
+                .map(|(axis, edge)| findings.above_zero(*edge, &path::item(&key, axis)))
+                .collect();
+            right.iter().all(|right| *right).then(|| Geometry::Box { size: size.map(|x| x.0) })
+        }
+        "cylinder" => {
+            let cylinder = table.cylinder.as_ref()?;
+            let radius = findings.positive(&cylinder.radius, &key, "radius");
+            let length = findings.positive(&cylinder.length, &key, "length");
+            Some(Geometry::Cylinder { radius: radius?, length: length? })
+        }
+        _ => {
+            let radius = findings.positive(&table.sphere.as_ref()?.radius, &key, "radius");
+            Some(Geometry::Sphere { radius: radius? })
+        }
+    }
+}
+
+/// The unit quaternion `(x, y, z, w)` of a rotation by an angle about an axis. By `libm`, so that it
+/// has the same bits on every machine.
+fn orientation(table: &RotationTable, at: &str, findings: &mut Findings) -> Option<[f64; 4]> {
+    let axis = findings.required(&table.axis, at, "axis");
+    let angle = findings.required(&table.angle, at, "angle");
+    let axis = axis?;
+    let length = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+    if !(length.is_normal() && length.is_finite()) {
+        let message = format!("found {axis:?}, expected a direction, which has a length");
+        findings.problem(&path::join(at, "axis"), message);
+        return None;
+    }
+    let (sine, cosine) = libm::sincos(0.5 * angle?.0);
+    let [x, y, z] = axis.map(|a| sine * a / length);
+    Some([x, y, z, cosine])
+}
+
+fn part_motion(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Motion> {
+    let name = table.motion?;
+    let constant = table.velocity.is_some() || table.angular_velocity.is_some();
+    let key = path::join(at, "motion");
+    match name {
+        MotionName::Free => {
+            findings.problem_with_help(
+                &key,
+                "found \"free\", expected \"fixed\" or \"prescribed\": parts do not move under forces",
+                "give the part's velocity with motion = \"prescribed\"",
+            );
+            return None;
+        }
+        MotionName::Fixed if constant => {
+            let message = "found \"fixed\", but the part has a velocity";
+            findings.problem_with_help(&key, message, "write motion = \"prescribed\"");
+            return None;
+        }
+        MotionName::Prescribed if constant && table.course.is_some() => {
+            let message = "found a constant velocity too, expected one of them";
+            findings.problem(&path::join(at, "course"), message);
+            return None;
+        }
+        MotionName::Prescribed if !constant && table.course.is_none() => {
+            if !findings.is_unreadable(at) {
+                let message =
+                    "missing: how the part moves, as velocity and angular_velocity, or as course";
+                findings.problem(at, message);
+            }
+            return None;
+        }
+        _ => {}
+    }
+    if constant {
+        return Some(Motion::Prescribed(vec![MotionPoint {
+            time: 0.0,
+            velocity: table.velocity.unwrap_or_default().map(|v| v.0),
+            angular_velocity: table.angular_velocity.unwrap_or_default().map(|w| w.0),
+        }]));
+    }
+    let motion = motion(name, table.course.as_deref(), at, findings)?;
+    if matches!(&motion, Motion::Prescribed(points) if points.is_empty()) {
+        findings
+            .problem(&path::join(at, "course"), "found an empty list, expected a point in time");
+        return None;
+    }
+    Some(motion)
+}
+
+fn part_boundary(table: &BoundaryTable, at: &str, findings: &mut Findings) -> Option<PartBoundary> {
+    let kinds = [("velocity", table.velocity.is_some()), ("pressure", table.pressure.is_some())];
+    let kind = findings.only_one(&kinds, "what the part is to the fluid", at);
+    let course = course(table.ramp, table.course.as_deref(), at, findings);
+    match kind? {
+        "velocity" => {
+            let velocity = table.velocity?.map(|v| v.0);
+            Some(PartBoundary::Velocity { velocity, course: course? })
+        }
+        _ => Some(PartBoundary::Pressure { pressure: table.pressure?.0, course: course? }),
+    }
+}

@@ -1,0 +1,146 @@
+//! The manifest's tables of bodies: how they move, where they are, how large.
+
+use super::forms::{Form, Never, read};
+use super::values::DiameterEntry;
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize};
+use tremie_messages::units::{AngularVelocity, Density, Length, Time, Velocity};
+
+/// Bodies of one material and one kind of motion. Exactly one of `spheres` and `packing`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct BodiesTable {
+    /// Name, unique in the scene. Required.
+    pub name: Option<String>,
+    /// Density (default: the material's).
+    pub density: Option<Density>,
+    /// Their material, one of `[scene.materials]` (default: one of the set's own name).
+    pub material: Option<String>,
+    /// How they move (default: free).
+    pub motion: Option<MotionName>,
+    /// Velocities of a prescribed motion over time (default: those that they were placed with).
+    pub course: Option<Vec<MotionPointTable>>,
+    /// Each sphere given.
+    pub spheres: Option<Vec<SphereTable>>,
+    /// Spheres packed at random, without overlap.
+    pub packing: Option<PackingTable>,
+}
+
+/// How bodies or parts move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in super::super) enum MotionName {
+    /// Under forces.
+    Free,
+    /// Never.
+    Fixed,
+    /// With given velocities, whatever the forces.
+    Prescribed,
+}
+
+/// Velocities at a time; linear between points, constant before the first and after the last.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct MotionPointTable {
+    /// Time. Required.
+    pub time: Option<Time>,
+    /// Velocity (default: none).
+    pub velocity: Option<[Velocity; 3]>,
+    /// Angular velocity (default: none).
+    pub angular_velocity: Option<[AngularVelocity; 3]>,
+}
+
+/// A sphere at the start.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct SphereTable {
+    /// Centre. Required.
+    pub position: Option<[Length; 3]>,
+    /// Diameter. Required.
+    pub diameter: Option<Length>,
+    /// Velocity (default: at rest).
+    pub velocity: Option<[Velocity; 3]>,
+    /// Angular velocity (default: none).
+    pub angular_velocity: Option<[AngularVelocity; 3]>,
+}
+
+/// A random packing. Exactly one of `diameter` and `diameters`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct PackingTable {
+    /// Lower corner of the region; whole spheres lie inside. Required.
+    pub min: Option<[Length; 3]>,
+    /// Upper corner of the region. Required.
+    pub max: Option<[Length; 3]>,
+    /// Volume of the spheres over volume of the region. Required.
+    pub fraction: Option<f64>,
+    /// One diameter for all, or `[smallest, largest]` of a uniform distribution.
+    pub diameter: Option<DiameterEntry>,
+    /// Diameters to draw from, each equally likely, or a distribution.
+    pub diameters: Option<DiametersEntry>,
+    /// Seed of the random numbers (default: the run's).
+    pub seed: Option<u64>,
+}
+
+/// Diameters: a list to draw from, or a distribution.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(in super::super) enum DiametersEntry {
+    /// A list to draw from, each equally likely.
+    List(Vec<Length>),
+    /// A distribution.
+    Distribution(DistributionTable),
+}
+
+impl<'de> Deserialize<'de> for DiametersEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let expecting = "a list of lengths, or a table with normal, log_normal or sieve";
+        let form: Form<Never, _, _> = read(deserializer, expecting)?;
+        Ok(match form {
+            Form::List(list) => Self::List(list),
+            Form::Table(table) => Self::Distribution(table),
+            Form::Word(never) => match never {},
+        })
+    }
+}
+
+/// A distribution of diameters. Exactly one of its keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct DistributionTable {
+    /// Normal by number, cut at both ends.
+    pub normal: Option<NormalTable>,
+    /// Log-normal by number, cut at both ends.
+    pub log_normal: Option<LogNormalTable>,
+    /// A sieve curve by mass: size and the part of the mass that passes, from 0 to 1, as
+    /// `[["0.5 mm", 0.0], ["1 mm", 0.4], ["2 mm", 1.0]]`; linear in the logarithm of size.
+    pub sieve: Option<Vec<(Length, f64)>>,
+}
+
+/// A normal distribution by number, cut at both ends.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct NormalTable {
+    /// Mean of the uncut distribution. Required.
+    pub mean: Option<Length>,
+    /// Standard deviation of the uncut distribution. Required.
+    pub deviation: Option<Length>,
+    /// Smallest diameter. Required.
+    pub min: Option<Length>,
+    /// Largest diameter. Required.
+    pub max: Option<Length>,
+}
+
+/// A log-normal distribution by number, cut at both ends.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct LogNormalTable {
+    /// Median of the uncut distribution. Required.
+    pub median: Option<Length>,
+    /// Geometric standard deviation of the uncut distribution, more than 1. Required.
+    pub spread: Option<f64>,
+    /// Smallest diameter. Required.
+    pub min: Option<Length>,
+    /// Largest diameter. Required.
+    pub max: Option<Length>,
+}

@@ -1,0 +1,142 @@
+//! The manifest's tables of the domain, its faces, and the fluid.
+
+use super::forms::{Form, Never, read};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize};
+use tremie_messages::scene::Profile;
+use tremie_messages::units::{Acceleration, Density, Length, Pressure, Time, Velocity, Viscosity};
+
+/// The box in which everything happens.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct DomainTable {
+    /// Lower corner (default: zero).
+    pub origin: Option<[Length; 3]>,
+    /// Edge lengths. Required.
+    pub size: Option<[Length; 3]>,
+    /// What the two faces across x are (default: wall).
+    pub x: Option<AxisEntry>,
+    /// What the two faces across y are (default: wall).
+    pub y: Option<AxisEntry>,
+    /// What the two faces across z are (default: wall).
+    pub z: Option<AxisEntry>,
+    /// Material of the faces, for contacts of grains (default: "wall").
+    pub material: Option<String>,
+}
+
+/// The two faces of an axis: a name for both, or each by itself.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(in super::super) enum AxisEntry {
+    /// Both alike.
+    Both(FaceName),
+    /// Each by itself.
+    Sides(SidesTable),
+}
+
+/// The two faces of an axis, each by itself.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct SidesTable {
+    /// The face at the lower end (default: wall).
+    pub lower: Option<FaceEntry>,
+    /// The face at the upper end (default: wall).
+    pub upper: Option<FaceEntry>,
+}
+
+/// A face: a name, or one that moves or is open.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(in super::super) enum FaceEntry {
+    /// By its name.
+    Name(FaceName),
+    /// One that moves or is open.
+    Table(FaceTable),
+}
+
+/// What a face is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in super::super) enum FaceName {
+    /// No slip for the fluid, a plane for grains.
+    Wall,
+    /// Joined to the opposite face.
+    Periodic,
+    /// A mirror: no flow through it, no friction along it.
+    Symmetry,
+}
+
+/// A face that moves or is open. Exactly one of `wall`, `velocity` and `pressure`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct FaceTable {
+    /// A wall that moves along itself.
+    pub wall: Option<MovingWallTable>,
+    /// The fluid enters, or leaves, with this velocity.
+    pub velocity: Option<[Velocity; 3]>,
+    /// How the velocity varies over the face (default: uniform).
+    pub profile: Option<Profile>,
+    /// The fluid comes and goes at this gauge pressure, without its hydrostatic part.
+    pub pressure: Option<Pressure>,
+    /// Time in which velocity or pressure rise from zero (default: none).
+    pub ramp: Option<Time>,
+    /// Factor of velocity or pressure over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.
+    pub course: Option<Vec<(Time, f64)>>,
+}
+
+/// A wall that moves along itself.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct MovingWallTable {
+    /// Its velocity. Required.
+    pub velocity: Option<[Velocity; 3]>,
+}
+
+impl<'de> Deserialize<'de> for AxisEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let expecting = "\"wall\", \"periodic\", \"symmetry\", or a table with lower and upper";
+        let form: Form<_, Never, _> = read(deserializer, expecting)?;
+        Ok(match form {
+            Form::Word(name) => Self::Both(name),
+            Form::Table(sides) => Self::Sides(sides),
+            Form::List(never) => match never {},
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for FaceEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let expecting = "\"wall\", \"symmetry\", or a table with wall, velocity or pressure";
+        let form: Form<_, Never, _> = read(deserializer, expecting)?;
+        Ok(match form {
+            Form::Word(name) => Self::Name(name),
+            Form::Table(table) => Self::Table(table),
+            Form::List(never) => match never {},
+        })
+    }
+}
+
+/// A fluid's material, what drives it, and where it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct FluidTable {
+    /// Density. Required.
+    pub density: Option<Density>,
+    /// Dynamic viscosity. Required.
+    pub viscosity: Option<Viscosity>,
+    /// Acceleration that drives the fluid, besides gravity (default: none).
+    pub acceleration: Option<[Acceleration; 3]>,
+    /// Velocity at the start (default: at rest).
+    pub velocity: Option<[Velocity; 3]>,
+    /// Gauge pressure at the start, without its hydrostatic part (default: zero).
+    pub pressure: Option<Pressure>,
+    /// Largest speed that is expected; a fluid checks its resolution against it.
+    pub expected_speed: Option<Velocity>,
+    /// Points in the fluid: there is fluid only where a way leads to one of them (default: wherever
+    /// nothing is solid).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inside: Vec<[Length; 3]>,
+    /// Points that no way may lead to: a fluid that reaches one leaks, and is refused.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outside: Vec<[Length; 3]>,
+}

@@ -1,0 +1,94 @@
+//! The manifest's tables of rigid parts.
+
+use super::bodies::{MotionName, MotionPointTable};
+use super::values::FileUnit;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tremie_messages::units::{Angle, AngularVelocity, Length, Pressure, Time, Velocity};
+
+/// A rigid part with a closed surface. Exactly one of `file`, `box`, `cylinder` and `sphere`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct PartTable {
+    /// Name, unique among the parts: letters, digits, `-` and `_`. Required.
+    pub name: Option<String>,
+    /// A file of triangles, STL or OBJ; its path is relative to the manifest's folder.
+    pub file: Option<String>,
+    /// What one unit of the file is, as "mm". Required with a file.
+    pub unit: Option<FileUnit>,
+    /// A box about the origin of the part's frame.
+    #[serde(rename = "box")]
+    pub box_: Option<BoxTable>,
+    /// A cylinder about the z axis of the part's frame, its middle at the origin.
+    pub cylinder: Option<CylinderTable>,
+    /// A sphere about the origin of the part's frame.
+    pub sphere: Option<PartSphereTable>,
+    /// Where the origin of the part's frame is (default: at the world's).
+    pub position: Option<[Length; 3]>,
+    /// How the part's frame is turned (default: not).
+    pub rotation: Option<RotationTable>,
+    /// Whether the space inside the surface is free and that outside solid (default: false).
+    pub cavity: Option<bool>,
+    /// Its material, for contacts (default: the domain's).
+    pub material: Option<String>,
+    /// How it moves, about the origin of its frame: fixed or prescribed (default: fixed).
+    pub motion: Option<MotionName>,
+    /// Velocity of a prescribed motion (default: none).
+    pub velocity: Option<[Velocity; 3]>,
+    /// Angular velocity of a prescribed motion (default: none).
+    pub angular_velocity: Option<[AngularVelocity; 3]>,
+    /// Velocities of a prescribed motion over time, in place of constant ones.
+    pub course: Option<Vec<MotionPointTable>>,
+    /// What the part is to the fluid (default: a wall without slip).
+    pub boundary: Option<BoundaryTable>,
+}
+
+/// A box about the origin.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct BoxTable {
+    /// Edge lengths. Required.
+    pub size: Option<[Length; 3]>,
+}
+
+/// A cylinder about the z axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct CylinderTable {
+    /// Radius. Required.
+    pub radius: Option<Length>,
+    /// Length along z. Required.
+    pub length: Option<Length>,
+}
+
+/// A sphere about the origin.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct PartSphereTable {
+    /// Radius. Required.
+    pub radius: Option<Length>,
+}
+
+/// A rotation by the right-hand rule.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct RotationTable {
+    /// About this direction, of any length but zero. Required.
+    pub axis: Option<[f64; 3]>,
+    /// By this angle. Required.
+    pub angle: Option<Angle>,
+}
+
+/// What a part is to the fluid. Exactly one of `velocity` and `pressure`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct BoundaryTable {
+    /// The fluid leaves the part's surface with this velocity.
+    pub velocity: Option<[Velocity; 3]>,
+    /// The fluid comes and goes through the surface at this gauge pressure.
+    pub pressure: Option<Pressure>,
+    /// Time in which velocity or pressure rise from zero (default: none).
+    pub ramp: Option<Time>,
+    /// Factor of velocity or pressure over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.
+    pub course: Option<Vec<(Time, f64)>>,
+}

@@ -1,0 +1,67 @@
+//! The manifest's tables of probes.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tremie_messages::units::Length;
+
+/// A place where the run measures the flow. Exactly one of `point`, `line`, `section` and `region`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct ProbeTable {
+    /// Name, unique in the scene: letters, digits, `_`. Required.
+    pub name: Option<String>,
+    /// A point: pressure and velocity, interpolated.
+    pub point: Option<[Length; 3]>,
+    /// A line: their means along it.
+    pub line: Option<LineTable>,
+    /// A rectangle across an axis: rate of flow and mean pressure.
+    pub section: Option<SectionTable>,
+    /// A box: means of pressure, velocity and solid fraction.
+    pub region: Option<RegionTable>,
+}
+
+/// A straight line.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct LineTable {
+    /// One end. Required.
+    pub from: Option<[Length; 3]>,
+    /// The other. Required.
+    pub to: Option<[Length; 3]>,
+}
+
+/// A rectangle across an axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct SectionTable {
+    /// The axis. Required.
+    pub axis: Option<AxisName>,
+    /// Where on the axis. Required.
+    pub at: Option<Length>,
+    /// Lower corner; the entry along the axis has no meaning (default: the domain's).
+    pub min: Option<[Length; 3]>,
+    /// Upper corner (default: the domain's).
+    pub max: Option<[Length; 3]>,
+}
+
+/// An axis of the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in super::super) enum AxisName {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    Z,
+}
+
+/// A box.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct RegionTable {
+    /// Lower corner. Required.
+    pub min: Option<[Length; 3]>,
+    /// Upper corner. Required.
+    pub max: Option<[Length; 3]>,
+}

@@ -1,0 +1,134 @@
+//! Faces of the domain, the fluid, and probes.
+
+use super::*;
+use tremie_messages::scene::{Course, Face, OpenVelocity, ProbeShape, Profile};
+
+/// The good manifest with other lines for the domain's faces.
+fn with_faces(lines: &str) -> String {
+    GOOD.replace("x = \"periodic\"\n", &format!("{lines}\n"))
+}
+
+fn refused(lines: &str, words: &[&str]) {
+    let text = with_faces(lines);
+    one_problem(&text, words);
+}
+
+#[test]
+fn each_face_can_be_what_a_fluid_meets() {
+    let text = with_faces(
+        r#"
+x = { lower = "symmetry", upper = { wall = { velocity = ["0 m/s", "1 m/s", "0 m/s"] } } }
+y = "symmetry"
+z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", ramp = "0.1 s" }, upper = { pressure = "2 kPa", course = [["0 s", 0.0], ["1 s", 1.0]] } }
+"#,
+    );
+    let domain = read(&text).unwrap().spec.scene.domain;
+    let [x, y, z] = &domain.faces;
+    assert_eq!(*x, [Face::Symmetry, Face::Wall { velocity: [0.0, 1.0, 0.0] }]);
+    assert_eq!(*y, [Face::Symmetry, Face::Symmetry]);
+    let inflow = OpenVelocity {
+        velocity: [0.0, 0.0, 1.0],
+        profile: Profile::Parabolic,
+        course: Course(vec![[0.0, 0.0], [0.1, 1.0]]),
+    };
+    let course = Course(vec![[0.0, 0.0], [1.0, 1.0]]);
+    assert_eq!(*z, [Face::Velocity(inflow), Face::Pressure { pressure: 2000.0, course }]);
+    reads_back(&text);
+}
+
+#[test]
+fn a_face_that_is_left_out_is_a_wall() {
+    let text = with_faces("x = { upper = { pressure = \"0 Pa\" } }");
+    let faces = read(&text).unwrap().spec.scene.domain.faces;
+    assert_eq!(faces[0][0], Face::WALL);
+    assert_eq!(faces[0][1], Face::Pressure { pressure: 0.0, course: Course::default() });
+}
+
+#[test]
+fn a_wrong_face_is_one_problem() {
+    refused("x = 3", &["scene.domain.x", "found integer 3", "lower and upper"]);
+    refused("x = { lower = \"periodic\" }", &["x.lower", "joins both", "x = \"periodic\""]);
+    refused("x = { lowr = \"wall\" }", &["did you mean \"lower\"?"]);
+    refused("x = { lower = \"open\" }", &["found \"open\"", "\"symmetry\""]);
+    refused("x = { lower = {} }", &["what the face is", "wall, velocity, pressure"]);
+    let sliding = "x = { lower = { velocity = [\"0 m/s\", \"1 m/s\", \"0 m/s\"] } }";
+    refused(sliding, &["nothing passes", "wall = { velocity"]);
+    let pushing = "x = { lower = { wall = { velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"] } } }";
+    refused(pushing, &["moves only along itself"]);
+    let both =
+        "x = { lower = { pressure = \"1 Pa\", velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"] } }";
+    refused(both, &["found both velocity and pressure"]);
+    let pressure = |more: &str| format!("x = {{ lower = {{ pressure = \"1 Pa\", {more} }} }}");
+    refused(&pressure("profile = \"parabolic\""), &["has no profile"]);
+    refused(&pressure("ramp = \"0 s\""), &["x.lower.ramp", "more than zero"]);
+    refused(&pressure("ramp = \"1 s\", course = [[\"0 s\", 1.0]]"), &["both ramp and course"]);
+    refused(&pressure("course = []"), &["an empty list"]);
+    refused(&pressure("course = [[\"0 s\", 1]]").replace("1 Pa", "1 m"), &["a pressure"]);
+    refused(&pressure("course = [[\"1 s\", 0.0], [\"0 s\", 1.0]]"), &["course[1]", "ascend"]);
+    refused(&pressure("course = [[\"1 s\"]]"), &["a list of length 2"]);
+}
+
+#[test]
+fn a_fluid_has_a_pressure_and_places() {
+    let text = GOOD.replace(
+        "viscosity = \"0.373 Pa s\"",
+        "viscosity = \"0.373 Pa s\"\npressure = \"1 bar\"\ninside = [[\"1 mm\", \"1 mm\", \"1 mm\"]]\noutside = [[\"9 cm\", \"9 cm\", \"9 cm\"]]",
+    );
+    let fluid = read(&text).unwrap().spec.scene.fluid.unwrap();
+    assert_eq!(fluid.pressure, 1e5);
+    assert_eq!((fluid.inside, fluid.outside), (vec![[1e-3; 3]], vec![[0.09; 3]]));
+    reads_back(&text);
+    one_problem(&text.replace("[\"9 cm\"", "[\"19 cm\""), &["outside[0]", "not inside the domain"]);
+}
+
+#[test]
+fn probes_are_read_in_each_shape() {
+    let text = format!(
+        "{GOOD}{}",
+        r#"
+[[scene.probes]]
+name = "tap"
+point = ["1 mm", "2 mm", "3 mm"]
+
+[[scene.probes]]
+name = "axis"
+line = { from = ["0 mm", "0 mm", "0 mm"], to = ["0 mm", "0 mm", "100 mm"] }
+
+[[scene.probes]]
+name = "outlet"
+section = { axis = "z", at = "150 mm" }
+
+[[scene.probes]]
+name = "bed"
+region = { min = ["0 mm", "0 mm", "0 mm"], max = ["1 mm", "1 mm", "1 mm"] }
+"#
+    );
+    let scene = read(&text).unwrap().spec.scene;
+    let shapes: Vec<_> = scene.probes.iter().map(|probe| probe.shape.clone()).collect();
+    assert_eq!(shapes[0], ProbeShape::Point([1e-3, 2e-3, 3e-3]));
+    assert_eq!(shapes[1], ProbeShape::Line { from: [0.0; 3], to: [0.0, 0.0, 0.1] });
+    let (min, max) = (scene.domain.min, scene.domain.max);
+    assert_eq!(shapes[2], ProbeShape::Section { axis: 2, position: 0.15, min, max });
+    assert_eq!(shapes[3], ProbeShape::Region { min: [0.0; 3], max: [1e-3; 3] });
+    reads_back(&text);
+    for (from, to, words) in [
+        ("\"tap\"", "\"the tap\"", "letters, digits"),
+        ("\"tap\"", "\"bed\"", "a second probe"),
+        ("[\"1 mm\", \"2 mm\"", "[\"1 mm\", \"2 m\"", "not inside the domain"),
+        ("at = \"150 mm\"", "at = \"15 m\"", "outside the domain"),
+        ("axis = \"z\"", "axis = \"w\"", "\"x\", \"y\" or \"z\""),
+        (
+            "max = [\"1 mm\", \"1 mm\", \"1 mm\"] }\n",
+            "max = [\"0 mm\", \"1 mm\", \"1 mm\"] }\n",
+            "more than the lower corner",
+        ),
+        (
+            "name = \"tap\"\npoint = [\"1 mm\", \"2 mm\", \"3 mm\"]",
+            "name = \"tap\"",
+            "where the probe is",
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        one_problem(&text.replace(from, to), &[words]);
+    }
+}

@@ -1,0 +1,82 @@
+//! Parts.
+
+use super::*;
+use tremie_messages::scene::{Course, Geometry, MotionPoint, PartBoundary};
+
+fn with_part(lines: &str) -> String {
+    format!("{GOOD}\n[[scene.parts]]\nname = \"valve\"\n{lines}\n")
+}
+
+fn refused(lines: &str, words: &[&str]) {
+    one_problem(&with_part(lines), words);
+}
+
+/// A box in the middle of the domain.
+const BOX: &str = "box = { size = [\"10 mm\", \"20 mm\", \"30 mm\"] }\nposition = [\"50 mm\", \"50 mm\", \"60 mm\"]";
+
+#[test]
+fn a_part_is_a_wall_at_rest_unless_it_says_otherwise() {
+    let text = with_part(BOX);
+    let part = &read(&text).unwrap().spec.scene.parts[0];
+    assert_eq!(part.geometry, Geometry::Box { size: [0.01, 0.02, 0.03] });
+    assert_eq!(part.pose.position, [0.05, 0.05, 0.06]);
+    assert_eq!(part.pose.orientation, [0.0, 0.0, 0.0, 1.0]);
+    assert_eq!((part.cavity, part.material.as_str()), (false, "wall"));
+    assert_eq!((&part.motion, &part.boundary), (&Motion::Fixed, &PartBoundary::Wall));
+    reads_back(&text);
+}
+
+#[test]
+fn a_part_can_turn_move_and_drive_the_fluid() {
+    let text = with_part(&format!(
+        "{BOX}\nrotation = {{ axis = [0, 0, 2], angle = \"90 deg\" }}\nmotion = \"prescribed\"\nangular_velocity = [\"0 rad/s\", \"0 rad/s\", \"60 rpm\"]\nboundary = {{ pressure = \"5 bar\", ramp = \"1 ms\" }}"
+    ));
+    let part = &read(&text).unwrap().spec.scene.parts[0];
+    let root = std::f64::consts::FRAC_1_SQRT_2;
+    let [x, y, z, w] = part.pose.orientation;
+    assert_eq!((x, y), (0.0, 0.0));
+    assert!((z - root).abs() < 1e-15 && (w - root).abs() < 1e-15, "{z} {w}");
+    let Motion::Prescribed(points) = &part.motion else { panic!() };
+    let MotionPoint { time, velocity, angular_velocity } = points[0];
+    assert_eq!((points.len(), time, velocity), (1, 0.0, [0.0; 3]));
+    assert!((angular_velocity[2] - std::f64::consts::TAU).abs() < 1e-12);
+    let course = Course(vec![[0.0, 0.0], [1e-3, 1.0]]);
+    assert_eq!(part.boundary, PartBoundary::Pressure { pressure: 5e5, course });
+    reads_back(&text);
+}
+
+#[test]
+fn a_wrong_part_is_one_problem() {
+    refused("", &["the part's surface", "file, box, cylinder, sphere"]);
+    refused(&format!("{BOX}\nsphere = {{ radius = \"1 mm\" }}"), &["found both box and sphere"]);
+    refused(&BOX.replace("\"20 mm\"", "\"0 mm\""), &["box.size[1]", "more than zero"]);
+    refused(&format!("{BOX}\nunit = \"mm\""), &["only a file has a unit"]);
+    refused(&format!("{BOX}\nmotion = \"free\""), &["\"fixed\" or \"prescribed\""]);
+    refused(&format!("{BOX}\nmotion = \"prescribed\""), &["how the part moves"]);
+    refused(
+        &format!("{BOX}\nvelocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"]"),
+        &["found \"fixed\"", "motion = \"prescribed\""],
+    );
+    refused(
+        &format!("{BOX}\nrotation = {{ axis = [0, 0, 0], angle = \"1 rad\" }}"),
+        &["a direction"],
+    );
+    refused(&format!("{BOX}\nrotation = {{ axis = [0, 0, 1], angle = \"1 m\" }}"), &["an angle"]);
+    refused(&format!("{BOX}\nboundary = {{}}"), &["what the part is to the fluid"]);
+    refused(&format!("{BOX}\nmaterial = \"stone\""), &["no material \"stone\""]);
+    refused("cylinder = { radius = \"1 mm\" }", &["cylinder.length: missing"]);
+    one_problem(&with_part(BOX).replace("\"valve\"", "\"a.b\""), &["letters, digits"]);
+    let twice = format!("{}\n[[scene.parts]]\nname = \"valve\"\n{BOX}\n", with_part(BOX));
+    one_problem(&twice, &["a second part"]);
+}
+
+#[test]
+fn a_part_that_moves_needs_grains() {
+    let text = with_part(&format!(
+        "{BOX}\nmotion = \"prescribed\"\nvelocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"]"
+    ));
+    assert!(read(&text).is_ok());
+    let alone = text.replace("grains = { program = \"grains-dem\", sync_iter = 3 }\n", "");
+    let alone = alone.replace("grains.max_speed", "fluid.max_speed");
+    one_problem(&alone, &["scene.parts[0].motion", "the role grains"]);
+}

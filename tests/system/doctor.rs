@@ -1,0 +1,171 @@
+//! Numbers of a run before it begins, with verdicts and remedies.
+
+use crate::tremie::{SMALL, run_text, tremie};
+use serde_json::Value;
+
+/// Numbers of a published model of a valve in a slurry, with its grains in a plain box.
+const PUBLISHED: &str = r#"
+[run]
+until = "1 ms"
+
+[scene]
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+
+[scene.domain]
+size = ["12 mm", "12 mm", "12 mm"]
+
+[scene.fluid]
+density = "1000 kg/m3"
+viscosity = "1 mPa s"
+expected_speed = "6 m/s"
+
+[[scene.bodies]]
+name = "grains"
+density = "2500 kg/m3"
+packing = { min = ["0 mm", "0 mm", "0 mm"], max = ["12 mm", "12 mm", "12 mm"], fraction = 0.05, diameter = "0.8 mm" }
+
+[[scene.contacts]]
+normal_stiffness = "1e7 N/m"
+tangential_stiffness = "0.8e7 N/m"
+friction = 0.4
+normal_damping = "3 kg/s"
+tangential_damping = "0 kg/s"
+tension = true
+
+[components]
+fluid = "fluid-lbm"
+grains = "grains-dem"
+
+[settings.fluid-lbm]
+cell = "0.3 mm"
+time_step = "0.12 us"
+
+[settings.grains-dem]
+time_step = "0.05 us"
+
+[outputs]
+record = false
+"#;
+
+/// What `tremie check --json` says about a manifest: its exit code and the event of the plan.
+fn check(text: &str, options: &[&str]) -> (Option<i32>, Value) {
+    let home = tempfile::tempdir().unwrap();
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, text).unwrap();
+    let output = tremie().args(["check", "--json"]).arg(&manifest).args(options).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    let events: Vec<Value> = said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let plan = events.iter().find(|event| event["event"] == "plan");
+    let plan = plan
+        .unwrap_or_else(|| panic!("no plan: {said}{}", String::from_utf8_lossy(&output.stderr)));
+    (output.status.code(), plan.clone())
+}
+
+/// The finding of a component about a quantity.
+#[track_caller]
+fn finding<'a>(plan: &'a Value, component: &str, quantity: &str) -> &'a Value {
+    let findings = plan["findings"].as_array().unwrap();
+    let of = |f: &&Value| f["component"] == component && f["quantity"] == quantity;
+    findings.iter().find(of).unwrap_or_else(|| panic!("no {quantity} of {component}: {plan:#}"))
+}
+
+/// Expects a value to three digits, and a verdict that is not ok with a reason and a remedy.
+#[track_caller]
+fn is_pointed_out(finding: &Value, value: f64) {
+    let found = finding["value"].as_f64().unwrap();
+    assert!((found / value - 1.0).abs() < 2e-3, "{finding:#}");
+    assert_ne!(finding["verdict"], "ok", "{finding:#}");
+    for key in ["why", "remedy"] {
+        let sentence = finding[key].as_str().unwrap();
+        assert!(sentence.contains(|c: char| c.is_ascii_digit()) || key == "remedy", "{finding:#}");
+        assert!(sentence.len() > 20, "{finding:#}");
+    }
+}
+
+#[test]
+fn the_published_numbers_are_doubted_one_by_one() {
+    let (code, plan) = check(PUBLISHED, &[]);
+    assert_eq!(code, Some(1), "some of it is wrong");
+    is_pointed_out(finding(&plan, "fluid", "cells across the smallest sphere"), 2.667);
+    let tau = finding(&plan, "fluid", "relaxation time");
+    is_pointed_out(tau, 0.5);
+    assert!((tau["value"].as_f64().unwrap() - 0.500_004).abs() < 1e-9, "{tau:#}");
+    let ratio = finding(&plan, "run", "step ratio of grains");
+    is_pointed_out(ratio, 2.4);
+    assert!(ratio["why"].as_str().unwrap().contains("3 steps of 4e-8 s"), "{ratio:#}");
+    assert!(ratio["remedy"].as_str().unwrap().contains("1e-7 s"), "{ratio:#}");
+    is_pointed_out(finding(&plan, "grains", "damping ratio, lightest body-body"), 0.819);
+    is_pointed_out(finding(&plan, "grains", "steps in the shortest collision"), 11.5);
+    // The grain and the wall share the spring, and are damped less.
+    assert_eq!(finding(&plan, "grains", "damping ratio, lightest body-wall")["verdict"], "ok");
+    for quantity in ["memory", "shared memory", "disk, at most"] {
+        assert_eq!(finding(&plan, "run", quantity)["verdict"], "ok", "{plan:#}");
+    }
+}
+
+#[test]
+fn the_smallest_grain_counts() {
+    let spheres = "spheres = [{ position = [\"3 mm\", \"3 mm\", \"3 mm\"], diameter = \"0.727 mm\" }, { position = [\"6 mm\", \"3 mm\", \"3 mm\"], diameter = \"0.727 mm\" }, { position = [\"9 mm\", \"3 mm\", \"3 mm\"], diameter = \"0.8 mm\" }]";
+    let start = PUBLISHED.find("packing").unwrap();
+    let end = PUBLISHED[start..].find('\n').unwrap() + start;
+    let (_, plan) = check(&format!("{}{spheres}{}", &PUBLISHED[..start], &PUBLISHED[end..]), &[]);
+    is_pointed_out(finding(&plan, "fluid", "cells across the smallest sphere"), 2.423);
+    is_pointed_out(finding(&plan, "grains", "damping ratio, lightest body-body"), 0.946);
+}
+
+#[test]
+fn steps_that_fit_are_ok() {
+    let (_, plan) = check(PUBLISHED, &["--set", "settings.grains-dem.time_step=0.04 us"]);
+    let ratio = finding(&plan, "run", "step ratio of grains");
+    assert!((ratio["value"].as_f64().unwrap() - 3.0).abs() < 1e-9, "{ratio:#}");
+    assert_eq!(ratio["verdict"], "ok");
+}
+
+#[test]
+fn a_person_reads_a_table_and_the_remedies() {
+    let home = tempfile::tempdir().unwrap();
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, PUBLISHED).unwrap();
+    let output = tremie().arg("check").arg(&manifest).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    for words in
+        ["verdict", "0.500004", "doubtful: grains: damping ratio", "remedy: ", "findings: "]
+    {
+        assert!(said.contains(words), "expected \"{words}\" in:\n{said}");
+    }
+}
+
+#[test]
+fn a_run_keeps_its_findings_and_says_them() {
+    let ran = run_text(SMALL, &["--until", "2 ms"]).succeeded();
+    let summary = ran.summary();
+    let findings = summary["findings"].as_array().unwrap();
+    let cells = findings.iter().find(|f| f["quantity"] == "cells across the smallest sphere");
+    assert_eq!(cells.unwrap()["value"], 6.0);
+    assert!(ran.errors().contains("doubtful: fluid: cells across"), "{}", ran.errors());
+}
+
+#[test]
+fn a_lattice_too_soft_for_the_bed_is_wrong() {
+    let bed = "packing = { min = [\"0 mm\", \"0 mm\", \"0 mm\"], max = [\"12 mm\", \"12 mm\", \"16 mm\"], fraction = 0.3, diameter = \"4 mm\" }";
+    let start = SMALL.find("spheres").unwrap();
+    let end = SMALL.find("[[scene.contacts]]").unwrap();
+    let text = format!("{}{bed}\n\n{}", &SMALL[..start], &SMALL[end..]);
+    let quantity = "weight of the grains over lattice stiffness";
+    let (code, plan) = check(&text, &["--set", "settings.fluid-lbm.time_step=0.5 ms"]);
+    let soft = finding(&plan, "fluid", quantity);
+    // 0.3 (2500 - 1000) 9.81 0.016 Pa over 1000 (0.5e-3/0.5e-3)^2 / 3 Pa.
+    is_pointed_out(soft, 0.3 * 1500.0 * 9.81 * 0.016 / (1000.0 / 3.0));
+    assert_eq!((code, soft["verdict"].as_str()), (Some(1), Some("wrong")));
+    let (_, plan) = check(&text, &["--set", "settings.fluid-lbm.time_step=0.05 ms"]);
+    assert_eq!(finding(&plan, "fluid", quantity)["verdict"], "ok");
+}
+
+#[test]
+fn a_measured_run_tells_how_long_it_takes() {
+    let (code, plan) = check(SMALL, &["--measure"]);
+    let time = finding(&plan, "run", "wall time");
+    assert!(time["value"].as_f64().unwrap() > 0.0, "{time:#}");
+    assert!(time["why"].as_str().unwrap().contains("windows at"), "{time:#}");
+    assert_eq!(code, Some(0));
+}
