@@ -8,6 +8,7 @@ mod doctor;
 mod endings;
 mod examples;
 mod faults;
+mod fields;
 mod observers;
 mod same_bits;
 mod ten_cate;

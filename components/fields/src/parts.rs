@@ -69,9 +69,11 @@ impl Parts {
         document.array("velocity", 3, "m/s", self.parts.iter().flat_map(Placed::velocities));
         document.end();
         document.begin("CellData", "Scalars=\"part\"");
-        let numbers = self.parts.iter().enumerate().flat_map(|(k, part)| {
-            std::iter::repeat_n(k as u32, part.mesh.triangles.len())
-        });
+        let numbers = self
+            .parts
+            .iter()
+            .enumerate()
+            .flat_map(|(k, part)| std::iter::repeat_n(k as u32, part.mesh.triangles.len()));
         document.array("part", 1, "", numbers);
         document.end();
         document.begin("Points", "");

@@ -36,8 +36,7 @@ pub fn bodies(at: Moment, bodies: &[BodySample], compression: Compression) -> Do
     let spheres: Vec<_> = bodies.iter().filter(|body| body.shape == BodyEvent::SPHERE).collect();
     let all = || spheres.iter();
     let count = spheres.len() as i64;
-    let mut document =
-        Document::new("PolyData", "", compression).moment(at.time, at.stamp.window);
+    let mut document = Document::new("PolyData", "", compression).moment(at.time, at.stamp.window);
     document.begin(
         "Piece",
         &format!(

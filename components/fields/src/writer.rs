@@ -129,7 +129,8 @@ impl Observer for Fields {
                 && let Some(other) = bases.insert(base(&grid.name), &grid.name)
             {
                 let name = &grid.name;
-                let text = format!("files of the volumes \"{other}\" and \"{name}\" would be named alike");
+                let text =
+                    format!("files of the volumes \"{other}\" and \"{name}\" would be named alike");
                 return Err(ObserverError(text));
             }
         }

@@ -3,9 +3,7 @@
 use std::path::Path;
 use tremie_fields::Fields;
 use tremie_messages::frame::{BodySample, SliceNode, VolumeHeader};
-use tremie_messages::scene::{
-    Domain, Face, Geometry, Motion, Part, PartBoundary, Pose, Scene,
-};
+use tremie_messages::scene::{Domain, Face, Geometry, Motion, Part, PartBoundary, Pose, Scene};
 use tremie_messages::start::{
     Assignment, Clock, FrameContent, FrameStream, Hello, Transport, VolumeGrid,
 };
@@ -196,7 +194,8 @@ fn bodies_come_back() {
     written(home.path(), "none");
     let piece = poly(&home.path().join("fields/bodies_000010.vtp"));
     let sent = [sphere(3), sphere((1 << 40) + 10)];
-    let all = |of: &dyn Fn(&BodySample) -> Vec<f64>| -> Vec<f64> { sent.iter().flat_map(of).collect() };
+    let all =
+        |of: &dyn Fn(&BodySample) -> Vec<f64>| -> Vec<f64> { sent.iter().flat_map(of).collect() };
     assert_eq!(piece.points.cast_into::<f64>().unwrap(), all(&|b| b.state.position.into()));
     let point = &piece.data.point;
     let IOBuffer::U64(ids) = values(point, "id").0.data else { panic!("ids are UInt64") };
@@ -271,7 +270,10 @@ fn a_run_ends_at_its_last_common_window() {
     );
     let series = std::fs::read_to_string(home.path().join("fields/lattice.pvd")).unwrap();
     assert_eq!(series.matches("<DataSet").count(), 3);
-    assert!(series.contains("timestep=\"1e-2\" part=\"0\" file=\"lattice_000010.vti\""), "{series}");
+    assert!(
+        series.contains("timestep=\"1e-2\" part=\"0\" file=\"lattice_000010.vti\""),
+        "{series}"
+    );
 }
 
 #[test]

@@ -211,9 +211,8 @@ impl Fluid for LatticeFluid {
 
     fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
         let [across, deep, high] = grid.count;
-        let all = (0..high).flat_map(|k| {
-            (0..deep).flat_map(move |j| (0..across).map(move |i| [i, j, k]))
-        });
+        let all = (0..high)
+            .flat_map(|k| (0..deep).flat_map(move |j| (0..across).map(move |i| [i, j, k])));
         for (out, at) in nodes.iter_mut().zip(all) {
             *out = shown(&self.fluid.node(grid.lattice_node(at).map(|n| n as usize)));
         }

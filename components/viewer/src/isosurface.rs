@@ -88,15 +88,17 @@ impl Isosurface {
         let mesh = Mesh3D::new(places)
             .with_vertex_normals(normals)
             .with_triangle_indices(triangles)
-            .with_albedo_factor(AlbedoFactor(rerun::Rgba32::from_unmultiplied_rgba(r, g, b, ALPHA)));
+            .with_albedo_factor(AlbedoFactor(rerun::Rgba32::from_unmultiplied_rgba(
+                r, g, b, ALPHA,
+            )));
         stream.log(self.path.as_str(), &mesh)
     }
 
     /// Finds the surface, by surface nets (Gibson, MERL report TR99-24, 1999).
     fn find(&mut self, field: &Field<'_>) {
         let count = field.count();
-        self.found.reset(0);
         if count.iter().any(|n| *n < 2) {
+            // A layer has no surface; nothing was found before either.
             return;
         }
         fill(&mut self.values, field, self.level);

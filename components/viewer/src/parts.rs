@@ -25,9 +25,10 @@ pub struct Parts {
 
 /// A part's surface in its own frame, with flat shading: each triangle has corners of its own.
 fn surface(mesh: &Mesh) -> Mesh3D {
-    let corners = mesh.triangles.iter().flat_map(|corners| {
-        corners.map(|corner| single(mesh.vertices[corner as usize]))
-    });
+    let corners = mesh
+        .triangles
+        .iter()
+        .flat_map(|corners| corners.map(|corner| single(mesh.vertices[corner as usize])));
     let normals = mesh.triangles.iter().flat_map(|corners| {
         let [a, b, c] = corners.map(|corner| mesh.vertices[corner as usize]);
         [single(normal(a, b, c)); 3]
@@ -59,9 +60,7 @@ pub fn meshes(scene: &Scene) -> Result<Vec<Mesh>, Vec<Problem>> {
         problems.push(Problem::new(format!("scene.parts[{k}].geometry"), error.to_string()));
     };
     let meshes: Vec<Mesh> = (scene.parts.iter().enumerate())
-        .filter_map(|(k, part)| {
-            Mesh::of(&part.geometry).map_err(|error| problem(k, error)).ok()
-        })
+        .filter_map(|(k, part)| Mesh::of(&part.geometry).map_err(|error| problem(k, error)).ok())
         .collect();
     if problems.is_empty() { Ok(meshes) } else { Err(problems) }
 }

@@ -76,7 +76,8 @@ impl Patch {
 
     /// A field on the patch, with nodes as far apart as the field's. What is not fluid is solid.
     pub fn sample(&self, field: &Field<'_>) -> (SliceHeader, Vec<SliceNode>) {
-        let steps = self.sides.map(|side| (dot(side, side).sqrt() / field.spacing()).ceil().max(1.0));
+        let steps =
+            self.sides.map(|side| (dot(side, side).sqrt() / field.spacing()).ceil().max(1.0));
         let step: [Vector; 2] = std::array::from_fn(|k| self.sides[k].map(|x| x / steps[k]));
         let count = steps.map(|n| n as u64 + 1);
         let node = |i: u64, j: u64| {

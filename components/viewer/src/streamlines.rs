@@ -65,9 +65,8 @@ impl Streamlines {
                 colours.push(Color::from_u32(scale.colour((shade * scale.max()) as f32)));
             }
         }
-        let lines = LineStrips3D::new(strips)
-            .with_colors(colours)
-            .with_radii([Radius::new_ui_points(1.2)]);
+        let lines =
+            LineStrips3D::new(strips).with_colors(colours).with_radii([Radius::new_ui_points(1.2)]);
         stream.log(self.path.as_str(), &lines)
     }
 }

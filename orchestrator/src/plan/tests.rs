@@ -213,7 +213,8 @@ fn observers_get_what_they_want_when_they_want_it() {
         count: [10, 10, 20],
     }];
     let volumes = Some(VolumeWish { most_nodes: Some(300), ..Default::default() });
-    descriptions[3].1.watches = Watches { slices: false, log: false, volumes, ..Default::default() };
+    descriptions[3].1.watches =
+        Watches { slices: false, log: false, volumes, ..Default::default() };
     let whole = Watches {
         slices: false,
         signals: false,
