@@ -41,6 +41,12 @@ pub const BUILT_IN: &[BuiltIn] = &[
         about: "writes the run to an MCAP file",
         run: tremie_sdk::run_observer::<tremie_recorder::Recorder>,
     },
+    BuiltIn {
+        name: "fields",
+        role: Role::Observer,
+        about: "writes whole fields, bodies and parts for ParaView (VTK)",
+        run: tremie_sdk::run_observer::<tremie_fields::Fields>,
+    },
 ];
 
 /// The built-in component of that name.

@@ -8,6 +8,7 @@ mod doctor;
 mod endings;
 mod examples;
 mod faults;
+mod fields;
 mod observers;
 mod running;
 mod same_bits;

@@ -3,9 +3,9 @@
 use crate::findings::findings;
 use crate::{FluidLbm, Ledger, Parameters, SliceNode};
 use std::collections::BTreeMap;
-use tremie_sdk::messages::frame::{self, SliceHeader};
+use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::scene::{Placement, Scene};
-use tremie_sdk::messages::start::{Description, Signal, SliceSpec};
+use tremie_sdk::messages::start::{Description, Signal, SliceSpec, VolumeGrid, VolumeSpec};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::{Fluid, Setup, SolverError};
 
@@ -32,6 +32,8 @@ struct Cut {
 
 /// Name of the cut.
 const CUT: &str = "velocity";
+/// Name of the volume.
+const LATTICE: &str = "lattice";
 
 /// Signals, in the order in which they are pushed.
 const SIGNALS: [(&str, &str); 20] = [
@@ -107,6 +109,12 @@ impl Fluid for LatticeFluid {
             step: Some(resolution.time_step),
             signals: SIGNALS.iter().map(|(name, unit)| signal(name, unit)).collect(),
             slices: vec![SliceSpec { name: CUT.into(), nodes: plane[0] * plane[1] }],
+            volumes: vec![VolumeSpec {
+                name: LATTICE.into(),
+                origin: scene.domain.min.map(|x| x + 0.5 * resolution.cell),
+                step: [resolution.cell; 3],
+                count: resolution.cells.map(|n| n as u64),
+            }],
             work: "cell updates".into(),
             notes,
             findings: findings(&parameters, scene, &resolution),
@@ -189,11 +197,7 @@ impl Fluid for LatticeFluid {
         let Cut { axis, position } = self.cut;
         let count = self.fluid.slice(axis, position, &mut self.nodes);
         for (out, node) in nodes.iter_mut().zip(&self.nodes) {
-            *out = frame::SliceNode {
-                velocity: node.velocity.map(|v| v as f32),
-                pressure: node.pressure as f32,
-                solid: u32::from(node.solid),
-            };
+            *out = shown(node);
         }
         let [fast, slow] = self.cut.plane();
         let mut corner = self.fluid.centre([0; 3]);
@@ -203,6 +207,30 @@ impl Fluid for LatticeFluid {
         (step[0][fast], step[1][slow]) = (cell, cell);
         let count = count.map(|n| n as u64);
         SliceHeader { origin: corner, step, count, ..SliceHeader::default() }
+    }
+
+    fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [frame::SliceNode]) -> VolumeHeader {
+        let [across, deep, high] = grid.count;
+        let all = (0..high)
+            .flat_map(|k| (0..deep).flat_map(move |j| (0..across).map(move |i| [i, j, k])));
+        for (out, at) in nodes.iter_mut().zip(all) {
+            *out = shown(&self.fluid.node(grid.lattice_node(at).map(|n| n as usize)));
+        }
+        VolumeHeader {
+            origin: self.fluid.centre(grid.first.map(|n| n as usize)),
+            step: [self.cell * grid.stride as f64; 3],
+            count: grid.count,
+            ..VolumeHeader::default()
+        }
+    }
+}
+
+/// A node as observers see it, in single precision.
+fn shown(node: &SliceNode) -> frame::SliceNode {
+    frame::SliceNode {
+        velocity: node.velocity.map(|v| v as f32),
+        pressure: node.pressure as f32,
+        solid: u32::from(node.solid),
     }
 }
 

@@ -34,8 +34,8 @@ const BODY_FIELDS: [(&str, u32, NumericType); 22] = {
         ("wx", 88, Float64),
         ("wy", 96, Float64),
         ("wz", 104, Float64),
-        ("set_high", 132, Uint32),
-        ("motion_high", 140, Uint32),
+        ("shape", 132, Uint32),
+        ("part", 140, Uint32),
     ]
 };
 
@@ -92,8 +92,9 @@ pub fn encode_bodies(nanoseconds: u64, bodies: &[BodySample]) -> PointCloud {
             &[body.radius, body.mass],
         ];
         numbers.concat().iter().for_each(|x| data.extend(x.to_le_bytes()));
-        data.extend(body.set.to_le_bytes());
-        data.extend(body.motion.to_le_bytes());
+        [body.set, body.shape, body.motion, body.part]
+            .iter()
+            .for_each(|x| data.extend(x.to_le_bytes()));
         data.extend((norm(state.velocity) as f32).to_le_bytes());
     }
     cloud(nanoseconds, BODY, &BODY_FIELDS, data)
@@ -107,6 +108,7 @@ pub fn decode_bodies(cloud: &PointCloud) -> Option<Vec<BodySample>> {
 fn body(bytes: &[u8]) -> BodySample {
     let u = |word: usize| u64::from_le_bytes(take(bytes, 8 * word));
     let f = |word: usize| f64::from_bits(u(word));
+    let half = |at: usize| u32::from_le_bytes(take(bytes, at));
     BodySample {
         state: BodyState {
             id: u(0),
@@ -117,8 +119,10 @@ fn body(bytes: &[u8]) -> BodySample {
         },
         radius: f(14),
         mass: f(15),
-        set: u(16),
-        motion: u(17),
+        set: half(128),
+        shape: half(132),
+        motion: half(136),
+        part: half(140),
     }
 }
 

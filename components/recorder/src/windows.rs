@@ -36,7 +36,7 @@ impl Progress {
                 FrameContent::Bodies => Stream::Bodies(from),
                 FrameContent::Slice(name) => Stream::Cut(from, name.clone()),
                 FrameContent::Signals(_) => Stream::Signals(from),
-                FrameContent::Log => return None,
+                FrameContent::Log | FrameContent::Volume(_) => return None,
             };
             Some((stream, (frame.every.max(1), 0)))
         });

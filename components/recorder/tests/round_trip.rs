@@ -98,7 +98,9 @@ fn bodies(window: u64, count: u64) -> Item {
         radius: 1e-3,
         mass: 1e-6,
         set: 1,
+        shape: 1,
         motion: 0,
+        part: 3,
     };
     Item::Bodies {
         from: "grains".into(),

@@ -10,9 +10,9 @@ use crate::setup::Setup;
 use crate::stop::Stop;
 use std::time::Instant;
 use tremie_channels::{Between, Loan, Received};
-use tremie_messages::frame::{SliceHeader, SliceNode};
+use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::schedule::Content;
-use tremie_messages::start::FaultKind;
+use tremie_messages::start::{FaultKind, VolumeGrid};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem, Stamp};
 
 /// A fluid with its edges.
@@ -31,6 +31,10 @@ pub struct FluidPlayer<S: Between, F: Fluid> {
 impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
     fn slice(&mut self, name: &str, nodes: &mut [SliceNode]) -> SliceHeader {
         self.fluid.slice(name, nodes)
+    }
+
+    fn volume(&mut self, grid: &VolumeGrid, nodes: &mut [SliceNode]) -> VolumeHeader {
+        self.fluid.volume(grid, nodes)
     }
 }
 

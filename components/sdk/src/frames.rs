@@ -3,8 +3,8 @@
 use crate::context::Context;
 use crate::stop::Stop;
 use tremie_channels::{Between, ChannelError, ChannelSpec, Ringer, Sender};
-use tremie_messages::frame::{BodySample, SliceHeader, SliceNode};
-use tremie_messages::start::{FrameContent, FrameStream, Reply};
+use tremie_messages::frame::{BodySample, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::start::{FrameContent, FrameStream, Reply, VolumeGrid};
 use tremie_messages::units::wait;
 use tremie_messages::{BodyEvent, BodyState, Stamp};
 
@@ -12,6 +12,7 @@ use tremie_messages::{BodyEvent, BodyState, Stamp};
 enum Stream<S: Between> {
     Bodies(Sender<S, Stamp, BodySample>),
     Slice(String, Sender<S, SliceHeader, SliceNode>),
+    Volume(VolumeGrid, Sender<S, VolumeHeader, SliceNode>),
     Signals(Sender<S, Stamp, f64>),
 }
 
@@ -47,6 +48,10 @@ pub trait Shows {
     fn slice(&mut self, _name: &str, _nodes: &mut [SliceNode]) -> SliceHeader {
         SliceHeader::default()
     }
+    /// Nodes of a lattice.
+    fn volume(&mut self, _grid: &VolumeGrid, _nodes: &mut [SliceNode]) -> VolumeHeader {
+        VolumeHeader::default()
+    }
 }
 
 impl<S: Between> Frames<S> {
@@ -64,6 +69,9 @@ impl<S: Between> Frames<S> {
                 FrameContent::Bodies => Stream::Bodies(open.sender_with_patience(spec, patience)?),
                 FrameContent::Slice(name) => {
                     Stream::Slice(name.clone(), open.sender_with_patience(spec, patience)?)
+                }
+                FrameContent::Volume(grid) => {
+                    Stream::Volume(grid.clone(), open.sender_with_patience(spec, patience)?)
                 }
                 FrameContent::Signals(_) => {
                     Stream::Signals(open.sender_with_patience(spec, patience)?)
@@ -145,6 +153,11 @@ impl<S: Between> Outlet<S> {
                 let header = shown.slice(name, loan.values());
                 loan.send(SliceHeader { stamp, ..header })
             }
+            Stream::Volume(grid, sender) => {
+                let mut loan = sender.loan(self.plan.capacity as usize)?;
+                let header = shown.volume(grid, loan.values());
+                loan.send(VolumeHeader { stamp, ..header })
+            }
             Stream::Bodies(sender) => {
                 let (mut states, mut kinds) = (Vec::new(), Vec::new());
                 shown.bodies(&mut states, &mut kinds);
@@ -154,8 +167,10 @@ impl<S: Between> Outlet<S> {
                         state: *state,
                         radius: kind.size[0],
                         mass: kind.mass,
-                        set: u64::from(kind.set),
-                        motion: u64::from(kind.motion),
+                        set: kind.set,
+                        shape: kind.shape,
+                        motion: kind.motion,
+                        part: kind.table as u32,
                     };
                 }
                 loan.send(stamp)

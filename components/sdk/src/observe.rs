@@ -10,7 +10,7 @@ use crate::stop::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use tremie_channels::{Between, Receiver};
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::start::{
     Assignment, Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Hello, Reply,
 };
@@ -24,6 +24,7 @@ const PULSE: Duration = Duration::from_millis(500);
 enum Input<S: Between> {
     Bodies(Receiver<S, Stamp, BodySample>),
     Slice(Receiver<S, SliceHeader, SliceNode>),
+    Volume(Receiver<S, VolumeHeader, SliceNode>),
     Signals(Receiver<S, Stamp, f64>),
     Log(Receiver<S, LogHeader, u8>),
 }
@@ -141,6 +142,7 @@ fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> 
         let input = match &plan.content {
             FrameContent::Bodies => Input::Bodies(attachment.receiver(spec)?),
             FrameContent::Slice(_) => Input::Slice(attachment.receiver(spec)?),
+            FrameContent::Volume(_) => Input::Volume(attachment.receiver(spec)?),
             FrameContent::Signals(_) => Input::Signals(attachment.receiver(spec)?),
             FrameContent::Log => Input::Log(attachment.receiver(spec)?),
         };
@@ -189,6 +191,13 @@ impl<S: Between> Inlet<S> {
                 receiver.take()?.map(|message| {
                     let at = moment(clock, message.header().stamp);
                     (at.stamp, observer.slice(from, name, at, message.header(), message.values()))
+                })
+            }
+            (Input::Volume(receiver), FrameContent::Volume(grid)) => {
+                receiver.take()?.map(|message| {
+                    let (header, name) = (message.header(), &grid.name);
+                    let at = moment(clock, header.stamp);
+                    (at.stamp, observer.volume(from, name, at, header, message.values()))
                 })
             }
             (Input::Signals(receiver), FrameContent::Signals(names)) => {

@@ -1,7 +1,7 @@
 //! What an observer implements: a component without a role in the physics, which sees frames.
 
 use crate::setup::Setup;
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::start::{Description, Signal};
 use tremie_messages::{Problem, Stamp};
 
@@ -27,8 +27,9 @@ impl From<Vec<Problem>> for ObserverError {
 
 /// An observer: told of frames as they come, in order within a stream.
 ///
-/// Frames of several streams of one window come one after the other (`bodies` before `slice` before
-/// `signals`); a lossless observer may rely on each coming, a lossy one must not.
+/// Frames of several streams of one window come one after the other, in no order that could be relied
+/// on; a lossless observer may rely on each coming, a lossy one must not. Only what
+/// [`Description::watches`] asks for comes.
 pub trait Observer: Sized {
     /// Name and version of the program, for the log.
     const PROGRAM: &'static str;
@@ -56,6 +57,18 @@ pub trait Observer: Sized {
         header: &SliceHeader,
         nodes: &[SliceNode],
     ) -> Result<(), ObserverError>;
+
+    /// Nodes of a lattice. Comes only to observers that ask for volumes.
+    fn volume(
+        &mut self,
+        _from: &str,
+        _name: &str,
+        _at: Moment,
+        _header: &VolumeHeader,
+        _nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
 
     /// Signals of a component, in the order of `names`.
     fn signals(

@@ -1,8 +1,8 @@
 //! What a physics component implements: one trait a role, with as few methods as the physics allows.
 
 use crate::setup::Setup;
-use tremie_messages::frame::{SliceHeader, SliceNode};
-use tremie_messages::start::Description;
+use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::start::{Description, VolumeGrid};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 
 /// A solver failed: a sentence that says what, where, found, expected, what to do.
@@ -72,6 +72,11 @@ pub trait Fluid: Sized {
     /// Fills the cut `name` of the description.
     fn slice(&mut self, _name: &str, _nodes: &mut [SliceNode]) -> SliceHeader {
         SliceHeader::default()
+    }
+
+    /// Fills the nodes of `grid`, a part of a volume of the description.
+    fn volume(&mut self, _grid: &VolumeGrid, _nodes: &mut [SliceNode]) -> VolumeHeader {
+        VolumeHeader::default()
     }
 }
 

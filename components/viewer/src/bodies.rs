@@ -39,7 +39,8 @@ impl Bodies {
         scale: &SpeedScale,
     ) -> RecordingStreamResult<()> {
         for (k, set) in self.sets.iter_mut().enumerate() {
-            set.log(stream, bodies.iter().filter(|body| body.set == k as u64), scale)?;
+            let own = |body: &&BodySample| body.set == k as u32 && is_sphere(body);
+            set.log(stream, bodies.iter().filter(own), scale)?;
         }
         Ok(())
     }
@@ -49,13 +50,17 @@ impl Bodies {
 pub fn speeds(bodies: &[BodySample]) -> Vec<f32> {
     bodies
         .iter()
-        .filter(|body| !is_fixed(body))
+        .filter(|body| !is_fixed(body) && is_sphere(body))
         .map(|body| speed(single(body.state.velocity)))
         .collect()
 }
 
 fn is_fixed(body: &BodySample) -> bool {
-    body.motion == u64::from(BodyEvent::FIXED)
+    body.motion == BodyEvent::FIXED
+}
+
+fn is_sphere(body: &BodySample) -> bool {
+    body.shape == BodyEvent::SPHERE
 }
 
 impl Set {

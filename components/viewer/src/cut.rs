@@ -5,6 +5,7 @@ use crate::view::{Eye, Vector, along, cross, dot, facing, norm, part, single, un
 use rerun::components::Radius;
 use rerun::{Arrows3D, Color, Mesh3D, RecordingStream, RecordingStreamResult};
 use tremie_messages::frame::{SliceHeader, SliceNode};
+use tremie_messages::scene::Domain;
 
 /// A cut whose shape was drawn.
 pub struct Cut {
@@ -33,14 +34,16 @@ impl Shape {
         along(along(self.origin, i as f64, self.step[0]), j as f64, self.step[1])
     }
 
-    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
+    /// Triangles between nodes that `inside` accepts.
+    fn triangles(&self, inside: impl Fn(Vector) -> bool) -> Vec<[u32; 3]> {
         let [m, n] = self.count.map(|n| n as u32);
-        (0..n.saturating_sub(1)).flat_map(move |j| {
+        let all = (0..n.saturating_sub(1)).flat_map(move |j| {
             (0..m.saturating_sub(1)).flat_map(move |i| {
                 let k = i + m * j;
                 [[k, k + 1, k + m + 1], [k, k + m + 1, k + m]]
             })
-        })
+        });
+        all.filter(|corners| corners.iter().all(|k| inside(self.node(*k as usize)))).collect()
     }
 
     /// Nodes that carry an arrow: about `wanted` on a grid of equal spacing both ways; and that spacing [m].
@@ -69,12 +72,14 @@ impl Cut {
         header: &SliceHeader,
         wanted: u32,
         eye: Vector,
+        domain: &Domain,
     ) -> RecordingStreamResult<Self> {
         let shape = Shape::new(header);
         let path = format!("scene/cuts/{}/{}", part(from), part(name));
-        let (arrows, spacing) = shape.arrows(wanted);
+        let (mut arrows, spacing) = shape.arrows(wanted);
+        arrows.retain(|k| inside(domain, shape.node(*k)));
         let cut = Self { path, shape, arrows, reach: 1.6 * spacing };
-        cut.log_shape(stream, eye)?;
+        cut.log_shape(stream, eye, domain)?;
         Ok(cut)
     }
 
@@ -97,12 +102,17 @@ impl Cut {
         facing(self.shape.origin, [side(0), side(1)], up, towards)
     }
 
-    fn log_shape(&self, stream: &RecordingStream, eye: Vector) -> RecordingStreamResult<()> {
+    fn log_shape(
+        &self,
+        stream: &RecordingStream,
+        eye: Vector,
+        domain: &Domain,
+    ) -> RecordingStreamResult<()> {
         let shape = &self.shape;
         let nodes = (0..shape.count[0] * shape.count[1]).map(|k| single(shape.node(k)));
         let mesh = Mesh3D::update_fields()
             .with_vertex_positions(nodes)
-            .with_triangle_indices(shape.triangles());
+            .with_triangle_indices(shape.triangles(|point| inside(domain, point)));
         stream.log_static(self.path.as_str(), &mesh)?;
         let arrows = Arrows3D::update_fields()
             .with_origins(
@@ -148,6 +158,15 @@ impl Cut {
     }
 }
 
+/// Whether a point is in the box, up to rounding: the rectangle around an oblique cut reaches beyond.
+fn inside(domain: &Domain, point: Vector) -> bool {
+    let size = domain.size();
+    (0..3).all(|a| {
+        let slack = 1e-6 * size[a];
+        (domain.min[a] - slack..=domain.max[a] + slack).contains(&point[a])
+    })
+}
+
 /// A velocity as an arrow, no longer than what the end of the scale has.
 fn arrow(velocity: [f32; 3], stretch: f32, reach: f32) -> [f32; 3] {
     let length = speed(velocity) * stretch;
@@ -170,10 +189,12 @@ mod tests {
 
     #[test]
     fn triangles_cover_the_grid() {
-        let all: Vec<_> = shape([3, 2]).triangles().collect();
+        let all = shape([3, 2]).triangles(|_| true);
         assert_eq!(all.len(), 4);
         assert!(all.iter().flatten().all(|k| *k < 6));
-        assert_eq!(shape([1, 5]).triangles().count(), 0);
+        assert!(shape([1, 5]).triangles(|_| true).is_empty());
+        let right = shape([3, 2]).triangles(|point| point[0] > 0.5e-3);
+        assert_eq!(right, [[1, 2, 5], [1, 5, 4]]);
     }
 
     #[test]

@@ -1,17 +1,26 @@
 //! What is seen where.
 
-use crate::blueprint::{Container, View};
+use crate::blueprint::{Container, Part, View};
 use crate::legend::{HEIGHT, WIDTH};
 use crate::signals::Plot;
 use crate::view::{Eye, single};
-use rerun::blueprint::components::{BackgroundKind, ContainerKind, Corner2D, VisualBounds2D};
-use rerun::datatypes::Range2D;
+use rerun::blueprint::components::{
+    BackgroundKind, ContainerKind, Corner2D, TextLogColumn, VisualBounds2D,
+};
+use rerun::datatypes::{Range2D, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, LineGrid3D, PlotLegend, VisualBounds2D as Bounds,
+    Background, EyeControls3D, LineGrid3D, PlotLegend, TextLogColumns, TimeAxis,
+    VisualBounds2D as Bounds,
+};
+use rerun::external::re_sdk_types::blueprint::datatypes::{
+    TextLogColumn as Column, TextLogColumnKind,
 };
 
 /// Most plots that are seen at once; more would be too small to read.
 const PLOTS_AT_ONCE: usize = 4;
+
+/// Width of a plot over that of its curves: the rest is the legend's.
+const LEGEND_ROOM: f64 = 1.42;
 
 /// A cut and the eye that looks straight at it.
 pub struct CutView {
@@ -23,23 +32,52 @@ pub struct CutView {
     pub eye: Eye,
 }
 
-/// The scene at the left with the legend below; cuts, plots, log and words at the right.
-pub fn layout(overview: Eye, cuts: &[CutView], plots: &[Plot]) -> Container {
+/// What the layout is made of.
+pub struct Shown<'a> {
+    /// Eye that sees the whole domain.
+    pub overview: Eye,
+    /// Cuts seen so far.
+    pub cuts: &'a [CutView],
+    /// Whether there are streamlines.
+    pub streamlines: bool,
+    /// Plots of signals.
+    pub plots: &'a [Plot],
+    /// Simulated time that plots reach to [s]; as far as there are data, if it is not known.
+    pub end: Option<f64>,
+}
+
+/// The scene at the left with the legend below; cuts, words, plots and log at the right.
+pub fn layout(shown: &Shown<'_>) -> Container {
     let left = Container::new(ContainerKind::Vertical, "Scene")
-        .with(space("Scene", overview, vec!["/scene/**".into()]), 10.0)
+        .with(scenes(shown), 10.0)
         .with(legend(), 1.0);
-    let mut right = Container::new(ContainerKind::Vertical, "Run");
-    if !cuts.is_empty() {
-        right = right.with(tabs("Cuts", cuts.iter().map(cut)), 5.0);
-    }
-    for part in plot_parts(plots) {
+    let about = View::new("TextDocument", "About this run", "about");
+    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain([about]));
+    let mut right = Container::new(ContainerKind::Vertical, "Run").with(pictures, 5.0);
+    for part in plot_parts(shown.plots, shown.end) {
         right = right.with(part, 3.0);
     }
-    let words = Container::new(ContainerKind::Horizontal, "Words")
-        .with(View::new("TextLog", "Log", "log"), 1.0)
-        .with(View::new("TextDocument", "About this run", "about"), 1.0);
-    right = right.with(words, 3.0);
+    right = right.with(log(), 2.0);
     Container::new(ContainerKind::Horizontal, "Tremie").with(left, 3.0).with(right, 2.0)
+}
+
+/// The scene with cuts; behind it, where there are streamlines, the scene with them instead.
+fn scenes(shown: &Shown<'_>) -> Part {
+    let without = |what: &str| vec!["+ /scene/**".to_string(), format!("- /scene/{what}/**")];
+    let scene = space("Scene", shown.overview, without("streamlines"));
+    if !shown.streamlines {
+        return scene.into();
+    }
+    tabs("Scene", [scene, space("Streamlines", shown.overview, without("cuts"))]).into()
+}
+
+fn log() -> View {
+    let column = |kind| TextLogColumn(Column { kind, visible: true.into() });
+    let columns = TextLogColumns::new().with_text_log_columns([
+        column(TextLogColumnKind::LogLevel),
+        column(TextLogColumnKind::Body),
+    ]);
+    View::new("TextLog", "Log", "log").property("TextLogColumns", columns)
 }
 
 fn tabs(name: &str, views: impl IntoIterator<Item = View>) -> Container {
@@ -79,7 +117,8 @@ fn legend() -> View {
 }
 
 /// The first plots, two in a row, and the others in tabs behind the last.
-fn plot_parts(plots: &[Plot]) -> Vec<Container> {
+fn plot_parts(plots: &[Plot], end: Option<f64>) -> Vec<Container> {
+    let plot_view = |plot: &Plot| plot_view(plot, end);
     let (shown, hidden): (Vec<_>, Vec<_>) = plots.iter().partition(|plot| plot.first);
     let (shown, rest) = shown.split_at(shown.len().min(PLOTS_AT_ONCE));
     let behind: Vec<View> = rest.iter().chain(&hidden).map(|plot| plot_view(plot)).collect();
@@ -103,8 +142,14 @@ fn plot_parts(plots: &[Plot]) -> Vec<Container> {
     rows
 }
 
-fn plot_view(plot: &Plot) -> View {
-    View::new("TimeSeries", plot.title.as_str(), "signals")
+/// A plot whose time runs to the end of the run and on: so that the legend, which Rerun draws over the
+/// curves, has a place where there are none.
+fn plot_view(plot: &Plot, end: Option<f64>) -> View {
+    let view = View::new("TimeSeries", plot.title.as_str(), "signals")
         .contents(plot.paths.iter().map(|path| format!("/{path}")))
-        .property("PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop))
+        .property("PlotLegend", PlotLegend::new().with_corner(Corner2D::RightTop));
+    let Some(end) = end.filter(|end| *end > 0.0) else { return view };
+    let at = |seconds: f64| TimeRangeBoundary::Absolute(TimeInt((seconds * 1e9) as i64));
+    let range = TimeRange { start: at(0.0), end: at(LEGEND_ROOM * end) };
+    view.property("TimeAxis", TimeAxis::new().with_view_range(range))
 }

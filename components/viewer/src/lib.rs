@@ -5,10 +5,13 @@
 //!
 //! | entity | content | when |
 //! | --- | --- | --- |
-//! | `scene/domain/..` | edges of the box, walls, inner planes | static |
+//! | `scene/domain/..` | edges of the box, walls, open faces (blue: velocity, orange: pressure), inner planes | static |
 //! | `scene/bodies/<set>` | spheres of a body set, coloured by speed; grey if fixed | each frame |
 //! | `scene/cuts/<component>/<name>` | a cut through the fluid, coloured by speed; solid nodes grey | shape static, colours each frame |
 //! | `scene/cuts/<component>/<name>/arrows` | velocity on a readable number of its nodes | each frame |
+//! | `scene/streamlines/<component>/<volume>` | streamlines of the moment, coloured by speed | each frame |
+//! | `scene/isosurfaces/<component>/<volume>/..` | surfaces of equal speed or pressure, where asked for | each frame |
+//! | `scene/parts/<name>` | a rigid part, half transparent | shape static, pose where it moves |
 //! | `legend/..` | the colour scale and its numbers | when the scale changes |
 //! | `signals/<component>/<name>` | watched scalars, one plot per component and unit | each frame |
 //! | `log` | the run's log | each line |
@@ -19,6 +22,10 @@
 //!
 //! **Speed and colour.** Bodies and cuts share one scale of speed from zero to a round number that
 //! never falls while a run goes on ([`scale::SpeedScale`]); `max_speed` fixes it.
+//!
+//! **Fields.** Streamlines, cuts along any plane ([`Parameters::slices`]) and surfaces of equal speed or
+//! pressure come from a frame of the fluid's lattice, thinned to [`Parameters::volume_nodes`] nodes. The
+//! cut that is seen first is the fluid's own, at full resolution.
 //!
 //! **Where it goes.** [`Mode::Web`] serves a page and the data from this program, on loopback only;
 //! [`Mode::Native`] starts an installed `rerun`; [`Mode::File`] writes a recording. After a run the
@@ -31,17 +38,23 @@
 mod blueprint;
 mod bodies;
 mod cut;
+mod field;
+mod flow;
+mod isosurface;
 mod layout;
 mod legend;
 mod page;
 mod parameters;
+mod parts;
+mod patch;
 pub mod scale;
 mod session;
 mod signals;
 mod stage;
+mod streamlines;
 mod view;
 mod viewer;
 
-pub use parameters::{Mode, Parameters};
+pub use parameters::{Mode, Parameters, PlaneSetting};
 pub use session::Session;
 pub use viewer::Viewer;

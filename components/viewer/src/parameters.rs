@@ -5,7 +5,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use tremie_messages::Problem;
-use tremie_messages::units::Velocity;
+use tremie_messages::start::{VolumeWish, Watches};
+use tremie_messages::units::{Length, Pressure, Velocity};
 
 /// Where the run is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -18,6 +19,16 @@ pub enum Mode {
     Native,
     /// A recording that `rerun` opens later.
     File,
+}
+
+/// A plane.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaneSetting {
+    /// A point on it.
+    pub point: [Length; 3],
+    /// Its normal, of any length.
+    pub normal: [f64; 3],
 }
 
 /// Parameters of the viewer.
@@ -42,6 +53,19 @@ pub struct Parameters {
     pub cuts: bool,
     /// About how many arrows to draw on a cut; 0 for none.
     pub arrows: u32,
+    /// Planes along which to cut the flow, instead of the fluid's own cut.
+    pub slices: Vec<PlaneSetting>,
+    /// Number of streamlines; 0 for none.
+    pub streamlines: u32,
+    /// Plane on which streamlines begin; all over the fluid, if there is none.
+    pub seeds: Option<PlaneSetting>,
+    /// Draws the surface where the fluid has this speed.
+    pub iso_speed: Option<Velocity>,
+    /// Draws the surface where the fluid has this gauge pressure.
+    pub iso_pressure: Option<Pressure>,
+    /// Most nodes of the fluid that streamlines, slices and surfaces are made from; a finer lattice is
+    /// thinned.
+    pub volume_nodes: u64,
 }
 
 impl Default for Parameters {
@@ -56,6 +80,12 @@ impl Default for Parameters {
             max_speed: None,
             cuts: true,
             arrows: 400,
+            slices: Vec::new(),
+            streamlines: 120,
+            seeds: None,
+            iso_speed: None,
+            iso_pressure: None,
+            volume_nodes: 200_000,
         }
     }
 }
@@ -82,7 +112,35 @@ impl Parameters {
                 "is the port of the page too; the two must differ",
             ));
         }
+        let planes =
+            self.slices.iter().enumerate().map(|(k, plane)| (format!("slices[{k}]"), plane));
+        for (key, plane) in planes.chain(self.seeds.iter().map(|plane| ("seeds".into(), plane))) {
+            if !plane.normal.iter().all(|x| x.is_finite()) || plane.normal == [0.0; 3] {
+                let message = format!("found {:?}, expected a direction", plane.normal);
+                problems.push(Problem::of_parameter(&format!("{key}.normal"), message));
+            }
+        }
+        if self.iso_speed.is_some_and(|speed| speed.0 <= 0.0) {
+            problems.push(Problem::of_parameter("iso_speed", "must be positive"));
+        }
+        if self.volume_nodes == 0 {
+            problems.push(Problem::of_parameter("volume_nodes", "found 0, expected 1 or more"));
+        }
         if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+
+    /// What the viewer has to be sent for what it shall draw.
+    pub(crate) fn watches(&self) -> Watches {
+        let volumes = self.streamlines > 0
+            || !self.slices.is_empty()
+            || self.iso_speed.is_some()
+            || self.iso_pressure.is_some();
+        let wish = VolumeWish { most_nodes: Some(self.volume_nodes), ..VolumeWish::default() };
+        Watches {
+            slices: self.cuts && self.slices.is_empty(),
+            volumes: volumes.then_some(wish),
+            ..Watches::default()
+        }
     }
 
     /// Most memory that the server keeps.
@@ -117,5 +175,25 @@ mod tests {
         assert!(serde_json::from_str::<Parameters>(r#"{"mode": "web", "prot": 1}"#).is_err());
         let parameters: Parameters = serde_json::from_str(r#"{"mode": "file"}"#).unwrap();
         assert_eq!(parameters.recording("/out"), Path::new("/out/run.rrd"));
+    }
+
+    #[test]
+    fn only_what_is_drawn_is_asked_for() {
+        let of = |text: &str| serde_json::from_str::<Parameters>(text).unwrap().watches();
+        let usual = Parameters::default().watches();
+        assert!(usual.slices && usual.volumes.is_some());
+        assert!(of(r#"{"streamlines": 0}"#).volumes.is_none());
+        assert!(!of(r#"{"cuts": false}"#).slices);
+        let plane = r#"{"streamlines": 0, "slices": [{"point": ["1 mm", "0 m", "0 m"], "normal": [1, 0, 1]}]}"#;
+        let own = of(plane);
+        assert!(!own.slices && own.volumes.is_some());
+    }
+
+    #[test]
+    fn a_plane_needs_a_direction() {
+        let text = r#"{"slices": [{"point": ["0 m", "0 m", "0 m"], "normal": [0, 0, 0]}], "iso_speed": "0 m/s"}"#;
+        let parameters: Parameters = serde_json::from_str(text).unwrap();
+        let keys: Vec<_> = parameters.check().unwrap_err().into_iter().map(|p| p.key).collect();
+        assert_eq!(keys, ["@slices[0].normal", "@iso_speed"]);
     }
 }

@@ -57,6 +57,8 @@ pub fn plots(frames: &[FrameStream]) -> Vec<Plot> {
             }
         }
     }
+    // Pure numbers last: what has a unit says more of the flow.
+    plots.sort_by_key(|plot| !plot.title.ends_with(']'));
     plots
 }
 
@@ -114,6 +116,7 @@ mod tests {
                 "fluid",
                 vec![
                     signal("max_speed", "m/s"),
+                    signal("max_mach", "1"),
                     signal("mass", "kg"),
                     signal("mean_speed", "m/s"),
                     signal("momentum_gap", "N s"),
@@ -130,6 +133,7 @@ mod tests {
                 ("fluid [kg]", 1, false),
                 ("fluid [N s]", 1, false),
                 ("grains [m/s]", 1, true),
+                ("fluid", 1, true),
             ]
         );
     }

@@ -1,11 +1,15 @@
 //! What never moves: the box, its walls, inner planes, and the run in words.
 
-use crate::view::{Vector, along, coordinates, cross, dot, norm, single, unit};
+use crate::parts;
+use crate::patch::{corner, corner_pairs, polygon};
+use crate::view::{coordinates, norm, single};
 use rerun::components::{AlbedoFactor, MeshFaceRendering, Radius};
 use rerun::{
     LineStrips3D, MediaType, Mesh3D, RecordingStream, RecordingStreamResult, TextDocument,
 };
-use tremie_messages::scene::{BodySet, Domain, Face, Motion, Placement, Plane, Scene};
+use tremie_messages::scene::{
+    BodySet, Domain, Face, Motion, Part, PartBoundary, Placement, Plane, Scene,
+};
 use tremie_messages::start::Assignment;
 
 const EDGE: u32 = 0xA8B0_B8FF;
@@ -23,11 +27,14 @@ pub fn log(
     stream.log_static("scene/domain/edges", &edges(&scene.domain))?;
     for axis in 0..3 {
         for side in 0..2 {
-            if matches!(scene.domain.faces[axis][side], Face::Wall { .. }) {
-                let name =
-                    format!("scene/domain/wall_{}{}", ["x", "y", "z"][axis], ["0", "1"][side]);
-                stream.log_static(name, &wall(scene, axis, side))?;
-            }
+            let kind = match scene.domain.faces[axis][side] {
+                Face::Wall { .. } => "wall",
+                Face::Velocity(_) | Face::Pressure { .. } => "open",
+                Face::Periodic | Face::Symmetry => continue,
+            };
+            let (axis_name, side_name) = (["x", "y", "z"][axis], ["0", "1"][side]);
+            let name = format!("scene/domain/{kind}_{axis_name}{side_name}");
+            stream.log_static(name, &face(scene, axis, side))?;
         }
     }
     for (k, plane) in scene.planes.iter().enumerate() {
@@ -39,15 +46,6 @@ pub fn log(
     stream.log_static("about", &text)
 }
 
-/// Corner of the box whose side along axis `a` is the upper one if bit `a` of `k` is set.
-fn corner(domain: &Domain, k: usize) -> Vector {
-    std::array::from_fn(|a| if k >> a & 1 == 1 { domain.max[a] } else { domain.min[a] })
-}
-
-fn corner_pairs() -> impl Iterator<Item = (usize, usize)> {
-    (0..8).flat_map(|k| (0..3).map(move |a| (k, k | 1 << a))).filter(|(k, l)| k != l)
-}
-
 fn edges(domain: &Domain) -> LineStrips3D {
     let strip = |(k, l)| [single(corner(domain, k)), single(corner(domain, l))];
     LineStrips3D::new(corner_pairs().map(strip))
@@ -55,8 +53,8 @@ fn edges(domain: &Domain) -> LineStrips3D {
         .with_radii([Radius::new_ui_points(0.8)])
 }
 
-/// A face of the box, seen from inside only: walls between the eye and the scene stay out of sight.
-fn wall(scene: &Scene, axis: usize, side: usize) -> Mesh3D {
+/// A face of the box, seen from inside only: those between the eye and the scene stay out of sight.
+fn face(scene: &Scene, axis: usize, side: usize) -> Mesh3D {
     let domain = &scene.domain;
     let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
     let base = side << axis;
@@ -65,7 +63,12 @@ fn wall(scene: &Scene, axis: usize, side: usize) -> Mesh3D {
     // Counter-clockwise around the inward normal, which is +axis on the lower side.
     let triangles = if side == 0 { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
     let pull = scene.gravity[axis] * if side == 0 { -1.0 } else { 1.0 };
-    let colour = if pull > 0.0 { FLOOR } else { WALL };
+    let colour = match domain.faces[axis][side] {
+        Face::Velocity(_) => parts::VELOCITY,
+        Face::Pressure { .. } => parts::PRESSURE,
+        _ if pull > 0.0 => FLOOR,
+        _ => WALL,
+    };
     surface(positions, triangles, colour).with_face_rendering(MeshFaceRendering::Front)
 }
 
@@ -81,24 +84,8 @@ fn surface(
 
 /// The part of a plane that lies in the box; `None` if it misses the box.
 fn inner_plane(domain: &Domain, plane: &Plane) -> Option<Mesh3D> {
-    let height = |p: Vector| dot(along(p, -1.0, plane.point), plane.normal);
-    let mut points: Vec<Vector> = corner_pairs()
-        .filter_map(|(k, l)| {
-            let (p, q) = (corner(domain, k), corner(domain, l));
-            let (a, b) = (height(p), height(q));
-            (a * b < 0.0).then(|| along(p, a / (a - b), along(q, -1.0, p)))
-        })
-        .collect();
-    let count = points.len();
-    let middle = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0 / count as f64, *p));
-    let first = unit(along(*points.first()?, -1.0, middle));
-    let second = cross(plane.normal, first);
-    let angle = |p: &Vector| {
-        let r = along(*p, -1.0, middle);
-        dot(r, second).atan2(dot(r, first))
-    };
-    points.sort_by(|p, q| angle(p).total_cmp(&angle(q)));
-    let fan = (1..count as u32 - 1).map(|k| [0, k, k + 1]);
+    let points = polygon(domain, plane.point, plane.normal);
+    let fan = (1..(points.len() as u32).checked_sub(1)?).map(|k| [0, k, k + 1]);
     Some(surface(points.into_iter().map(single), fan, PLANE))
 }
 
@@ -123,6 +110,9 @@ fn about(scene: &Scene, assignment: Option<&Assignment>) -> String {
     rows.extend(
         scene.bodies.iter().map(|set| (format!("Bodies `{}`", set.name), describe_set(set))),
     );
+    rows.extend(
+        scene.parts.iter().map(|part| (format!("Part `{}`", part.name), describe_part(part))),
+    );
     if let Some(assignment) = assignment {
         let window = assignment.clock.window();
         rows.push(("Window".into(), format!("{} s", number(window))));
@@ -141,10 +131,39 @@ fn about(scene: &Scene, assignment: Option<&Assignment>) -> String {
 }
 
 fn faces(domain: &Domain) -> String {
-    let kind = |a: usize| {
-        if domain.is_periodic(a) { "periodic" } else { "walls" }
+    let axis = |a: usize| match domain.faces[a].each_ref().map(kind) {
+        [low, high] if low == high => format!("{low} both"),
+        [low, high] => format!("{low} to {high}"),
     };
-    format!("x {}, y {}, z {}", kind(0), kind(1), kind(2))
+    if (0..3).all(|a| domain.faces[a].each_ref().map(kind) == ["wall"; 2]) {
+        return "walls all around".into();
+    }
+    format!("x {}, y {}, z {}", axis(0), axis(1), axis(2))
+}
+
+fn kind(face: &Face) -> &'static str {
+    match face {
+        Face::Periodic => "periodic",
+        Face::Wall { velocity } if *velocity == [0.0; 3] => "wall",
+        Face::Wall { .. } => "moving wall",
+        Face::Symmetry => "symmetry",
+        Face::Velocity(_) => "velocity",
+        Face::Pressure { .. } => "pressure",
+    }
+}
+
+fn describe_part(part: &Part) -> String {
+    let motion = match part.motion {
+        Motion::Free => "free",
+        Motion::Fixed => "fixed",
+        Motion::Prescribed(_) => "driven",
+    };
+    let boundary = match part.boundary {
+        PartBoundary::Wall => "wall",
+        PartBoundary::Velocity { .. } => "velocity",
+        PartBoundary::Pressure { .. } => "pressure",
+    };
+    format!("{motion}, {boundary}{}", if part.cavity { ", fluid inside" } else { "" })
 }
 
 fn describe_set(set: &BodySet) -> String {
@@ -155,7 +174,8 @@ fn describe_set(set: &BodySet) -> String {
     };
     let (how_many, diameters) = match &set.placement {
         Placement::Listed(list) => {
-            (format!("{} spheres", list.len()), span(list.iter().map(|s| s.diameter)))
+            let plural = if list.len() == 1 { "" } else { "s" };
+            (format!("{} sphere{plural}", list.len()), span(list.iter().map(|s| s.diameter)))
         }
         Placement::Packed(packing) => {
             let extremes = packing.diameters.extremes();
@@ -223,7 +243,7 @@ mod tests {
         let scene = crate::view::tests::empty_scene([0.0; 3], [1.0, 1.0, 2.0]);
         let plane = Plane {
             point: [0.5, 0.5, 1.0],
-            normal: unit([0.0, 0.3, 1.0]),
+            normal: crate::view::unit([0.0, 0.3, 1.0]),
             material: "wall".into(),
         };
         assert_eq!(inner_plane(&scene.domain, &plane).unwrap().num_triangles(), 2);

@@ -2,8 +2,11 @@
 
 use crate::bodies::{self, Bodies};
 use crate::cut::{self, Cut};
-use crate::layout::{CutView, layout};
+use crate::field::Field;
+use crate::flow::Flow;
+use crate::layout::{CutView, Shown, layout};
 use crate::parameters::Parameters;
+use crate::parts::{self, Parts};
 use crate::scale::SpeedScale;
 use crate::session::Session;
 use crate::signals::Plot;
@@ -11,8 +14,9 @@ use crate::view::{Eye, Vector, overview, up_vector};
 use crate::{blueprint, legend, signals, stage};
 use rerun::{RecordingStream, RecordingStreamError, TextLog, TextLogLevel};
 use std::collections::{BTreeMap, BTreeSet};
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
-use tremie_messages::start::{Description, Signal};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::scene::Domain;
+use tremie_messages::start::{Description, FrameContent, Signal};
 use tremie_messages::{INTERFACE_VERSION, Problem};
 use tremie_sdk::{Moment, Observer, ObserverError, Setup};
 
@@ -23,6 +27,9 @@ const WINDOW: &str = "window";
 /// Frames after which the legend's numbers are sent again, for servers that drop the oldest frames.
 const REPEAT: u32 = 64;
 
+/// A run that ends before this share of its planned time has plots laid out anew.
+const EARLY: f64 = 0.8;
+
 /// Streams a run into Rerun. In web mode it serves the run until it is dropped, also after
 /// [`Observer::close`].
 pub struct Viewer {
@@ -31,8 +38,17 @@ pub struct Viewer {
     scale: SpeedScale,
     overview: Eye,
     up: Vector,
+    domain: Domain,
     bodies: Bodies,
+    parts: Parts,
     cuts: BTreeMap<(String, String), Cut>,
+    flows: BTreeMap<(String, String), Flow>,
+    /// Whether there is a view of streamlines.
+    streamlines: bool,
+    /// Simulated time at the end of the run, if that is known [s].
+    end: Option<f64>,
+    /// Simulated time of the newest frame [s].
+    now: f64,
     plots: Vec<Plot>,
     named: BTreeSet<String>,
     frames: u64,
@@ -53,7 +69,8 @@ impl Viewer {
         self.session.recording()
     }
 
-    fn set_time(&self, at: Moment) {
+    fn set_time(&mut self, at: Moment) {
+        self.now = self.now.max(at.time);
         let recording = self.recording();
         recording.set_duration_secs(TIME, at.time);
         recording.set_time_sequence(WINDOW, i64::try_from(at.stamp.window).unwrap_or(i64::MAX));
@@ -77,7 +94,29 @@ impl Viewer {
             eye: cut.eye(self.up, self.overview.position),
         };
         let cuts: Vec<_> = self.cuts.iter().map(view).collect();
-        drawn(blueprint::send(self.recording(), &layout(self.overview, &cuts, &self.plots), TIME))
+        let shown = Shown {
+            overview: self.overview,
+            cuts: &cuts,
+            streamlines: self.streamlines,
+            plots: &self.plots,
+            end: self.end,
+        };
+        drawn(blueprint::send(self.recording(), &layout(&shown), TIME))
+    }
+
+    /// Draws a cut through the flow.
+    fn draw_cut(
+        &mut self,
+        key: (String, String),
+        header: &SliceHeader,
+        nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        self.open_cut(&key, header)?;
+        self.follow(cut::speeds(nodes))?;
+        match self.cuts.get(&key) {
+            Some(cut) => drawn(cut.log(self.session.recording(), nodes, &self.scale)),
+            None => Ok(()),
+        }
     }
 
     /// Draws a cut's shape when it is seen first; the layout then has a view for it.
@@ -91,7 +130,8 @@ impl Viewer {
         }
         let (from, name) = key;
         let (arrows, eye) = (self.parameters.arrows, self.overview.position);
-        let cut = drawn(Cut::open(self.recording(), from, name, header, arrows, eye))?;
+        let cut =
+            drawn(Cut::open(self.recording(), from, name, header, arrows, eye, &self.domain))?;
         if self.cuts.insert(key.clone(), cut).is_none() {
             self.send_layout()?;
         }
@@ -103,10 +143,13 @@ impl Observer for Viewer {
     const PROGRAM: &'static str = concat!("viewer ", env!("CARGO_PKG_VERSION"));
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
-        setup.parameters::<Parameters>()?.check()?;
+        let parameters: Parameters = setup.parameters()?;
+        parameters.check()?;
+        parts::meshes(&setup.hello.scene)?;
         Ok(Description {
             interface: INTERFACE_VERSION,
             program: Self::PROGRAM.into(),
+            watches: parameters.watches(),
             ..Description::default()
         })
     }
@@ -115,20 +158,31 @@ impl Observer for Viewer {
         let parameters: Parameters = setup.parameters()?;
         parameters.check()?;
         let scene = &setup.hello.scene;
+        let meshes = parts::meshes(scene)?;
         let session = Session::open(&parameters, &setup.hello.output)?;
         let recording = session.recording();
         recording.set_log_time_enabled(false);
         recording.set_log_tick_enabled(false);
         drawn(stage::log(recording, scene, setup.assignment.as_ref()))?;
         drawn(legend::log_bar(recording))?;
+        recording.set_duration_secs(TIME, 0.0);
+        recording.set_time_sequence(WINDOW, 0);
+        let parts = drawn(Parts::open(recording, scene, &meshes))?;
         let frames = setup.assignment.as_ref().map_or(&[][..], |assignment| &assignment.frames);
         let expected = scene.fluid.as_ref().and_then(|fluid| fluid.expected_speed);
         let viewer = Self {
             scale: SpeedScale::new(parameters.max_speed.map(|speed| speed.0), expected),
             overview: overview(scene),
             up: up_vector(scene),
+            domain: scene.domain.clone(),
             bodies: Bodies::new(scene),
+            parts,
             cuts: BTreeMap::new(),
+            flows: BTreeMap::new(),
+            streamlines: parameters.streamlines > 0
+                && frames.iter().any(|stream| matches!(stream.content, FrameContent::Volume(_))),
+            end: setup.assignment.as_ref().map(|a| a.clock.window() * a.windows as f64),
+            now: 0.0,
             plots: signals::plots(frames),
             named: BTreeSet::new(),
             frames: 0,
@@ -148,6 +202,7 @@ impl Observer for Viewer {
     ) -> Result<(), ObserverError> {
         self.set_time(at);
         self.follow(bodies::speeds(bodies))?;
+        drawn(self.parts.log(self.session.recording(), bodies))?;
         drawn(self.bodies.log(self.session.recording(), bodies, &self.scale))
     }
 
@@ -163,11 +218,32 @@ impl Observer for Viewer {
             return Ok(());
         }
         self.set_time(at);
+        self.draw_cut((from.to_string(), name.to_string()), header, nodes)
+    }
+
+    fn volume(
+        &mut self,
+        from: &str,
+        name: &str,
+        at: Moment,
+        header: &VolumeHeader,
+        nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        let Some(field) = Field::new(header, nodes) else { return Ok(()) };
+        self.set_time(at);
         let key = (from.to_string(), name.to_string());
-        self.open_cut(&key, header)?;
-        self.follow(cut::speeds(nodes))?;
-        match self.cuts.get(&key) {
-            Some(cut) => drawn(cut.log(self.session.recording(), nodes, &self.scale)),
+        let make = || Flow::new(from, name, &self.domain, &self.parameters);
+        let flow = self.flows.entry(key).or_insert_with(make);
+        let cuts = flow.cuts(&field);
+        for (plane, header, nodes) in cuts {
+            self.draw_cut((from.to_string(), plane), &header, &nodes)?;
+        }
+        if self.cuts.is_empty() && !self.parameters.cuts {
+            self.follow(cut::speeds(nodes))?;
+        }
+        let key = (from.to_string(), name.to_string());
+        match self.flows.get_mut(&key) {
+            Some(flow) => drawn(flow.log(self.session.recording(), &field, &self.scale)),
             None => Ok(()),
         }
     }
@@ -198,6 +274,11 @@ impl Observer for Viewer {
 
     /// Sends what is under way. The page and its data are served until the viewer is dropped.
     fn close(&mut self, _last_common_window: u64) -> Result<String, ObserverError> {
+        if self.end.is_some_and(|end| self.now < EARLY * end) {
+            // The plots were laid out for a longer run.
+            self.end = Some(self.now);
+            self.send_layout()?;
+        }
         self.session.flush()?;
         Ok(format!("{} frames, {}", self.frames, self.session.note()))
     }

@@ -5,12 +5,13 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::scene::{
-    BodySet, Diameters, Domain, Face, FluidMaterial, Motion, Packing, Placement, Scene,
+    BodySet, Diameters, Domain, Face, FluidMaterial, Geometry, Motion, Packing, Part, PartBoundary,
+    Placement, Pose, Scene,
 };
 use tremie_messages::start::{
-    Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport,
+    Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport, VolumeGrid,
 };
 use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp};
 use tremie_sdk::{Moment, Observer, Setup};
@@ -157,8 +158,10 @@ fn bodies(count: usize, t: f64) -> Vec<BodySample> {
                 state: BodyState { velocity, ..BodyState::at_rest(k as u64, position) },
                 radius: 0.5 * DIAMETER,
                 mass: 1e-7,
-                set: u64::from(fixed),
-                motion: u64::from(motion),
+                set: u32::from(fixed),
+                shape: BodyEvent::SPHERE,
+                motion,
+                part: 0,
             }
         })
         .collect()
@@ -278,6 +281,91 @@ fn an_hour_stays_small() {
     let bytes = record(&folder.path().join("run.rrd"), 100, 5000, [160, 100]);
     println!("100 frames of 5,000 grains and 16,000 nodes: {:.2} MB", bytes as f64 / 1e6);
     assert!(bytes < 20_000_000, "{bytes}");
+}
+
+/// The flow on a lattice of 60 x 18 x 38 nodes.
+fn volume(t: f64) -> (VolumeHeader, Vec<SliceNode>) {
+    let count = [60, 18, 38];
+    let step: [f64; 3] = std::array::from_fn(|a| SIZE[a] / count[a] as f64);
+    let origin = step.map(|x| 0.5 * x);
+    let header = VolumeHeader { stamp: Stamp::default(), origin, step, count };
+    let node = |k: u64| {
+        let at = [k % 60, k / 60 % 18, k / (60 * 18)];
+        let p: [f64; 3] = std::array::from_fn(|a| origin[a] + at[a] as f64 * step[a]);
+        SliceNode {
+            velocity: flow(p[0], p[2], t).map(|v| v as f32),
+            pressure: p[0] as f32,
+            solid: u32::from((p[0] - 0.023).hypot(p[2] - 0.006) < 0.002),
+        }
+    };
+    (header, (0..60 * 18 * 38).map(node).collect())
+}
+
+/// A run with a gate that moves, recorded with these parameters.
+fn record_flow(path: &Path, frames: u64, parameters: serde_json::Value) -> u64 {
+    let mut setup = setup(path.parent().unwrap(), parameters);
+    setup.hello.scene.parts = vec![Part {
+        name: "gate".into(),
+        geometry: Geometry::Box { size: [0.002, 0.012, 0.02] },
+        pose: Pose { position: [0.03, 0.006, 0.01], ..Pose::IDENTITY },
+        cavity: false,
+        material: "steel".into(),
+        motion: Motion::Prescribed(Vec::new()),
+        boundary: PartBoundary::Wall,
+    }];
+    let grid = VolumeGrid { name: "lattice".into(), first: [0; 3], stride: 1, count: [60, 18, 38] };
+    let stream = setup.assignment.as_ref().unwrap().frames[0].clone();
+    let stream = FrameStream { content: FrameContent::Volume(grid), ..stream };
+    setup.assignment.as_mut().unwrap().frames.push(stream);
+    let mut viewer = Viewer::open(&setup).unwrap();
+    for frame in 0..frames {
+        let at = moment(frame);
+        let (header, nodes) = volume(at.time);
+        viewer.volume("fluid", "lattice", at, &header, &nodes).unwrap();
+        let lifted = BodyState::at_rest(9, [0.03, 0.006, 0.01 + 1e-4 * frame as f64]);
+        let gate = BodySample { state: lifted, shape: BodyEvent::PART, ..bodies(1, 0.0)[0] };
+        viewer.bodies("grains", at, &[gate]).unwrap();
+    }
+    viewer.close(10 * (frames - 1)).unwrap();
+    drop(viewer);
+    std::fs::metadata(path).unwrap().len()
+}
+
+#[test]
+fn what_is_made_from_a_volume_arrives() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.rrd");
+    let parameters = serde_json::json!({
+        "mode": "file",
+        "file": path,
+        "iso_speed": "0.01 m/s",
+        "slices": [{"point": ["20 mm", "6 mm", "12 mm"], "normal": [1.0, 0.0, 0.5]}],
+    });
+    record_flow(&path, 20, parameters);
+    let found = entities(&path);
+    for (entity, rows) in [
+        ("/scene/streamlines/fluid/lattice", 20),
+        ("/scene/cuts/fluid/plane\\ 1", 21),
+        // Its shape, its pose at the start, and each time it moved: not in the first frame.
+        ("/scene/parts/gate", 2 + 19),
+    ] {
+        let (count, _) =
+            found.get(entity).unwrap_or_else(|| panic!("no {entity} in {:?}", found.keys()));
+        assert_eq!(*count, rows, "{entity}");
+    }
+    let (surfaces, _) = &found["/scene/isosurfaces/fluid/lattice/speed"];
+    assert!((1..=20).contains(surfaces), "the flow starts from rest: {surfaces}");
+    assert!(!found.contains_key("/scene/isosurfaces/fluid/lattice/pressure"));
+}
+
+#[test]
+fn streamlines_of_an_hour_stay_small() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.rrd");
+    let bytes = record_flow(&path, 20, serde_json::json!({"mode": "file", "file": path}));
+    println!("20 frames of 120 streamlines: {:.2} MB", bytes as f64 / 1e6);
+    // 200 frames are what a run sends unless told otherwise.
+    assert!(bytes / 20 * 200 < 100_000_000, "{bytes}");
 }
 
 #[test]

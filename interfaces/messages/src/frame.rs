@@ -9,14 +9,18 @@ use crate::{BodyState, Message, Stamp};
 pub struct BodySample {
     /// Pose and velocity.
     pub state: BodyState,
-    /// Radius of a sphere [m].
+    /// Radius of a sphere; of a part, that about its reference point that holds it [m].
     pub radius: f64,
     /// Mass [kg].
     pub mass: f64,
     /// Index into the scene's body sets.
-    pub set: u64,
+    pub set: u32,
+    /// One of [`crate::BodyEvent`]'s shapes.
+    pub shape: u32,
     /// One of [`crate::BodyEvent`]'s motions.
-    pub motion: u64,
+    pub motion: u32,
+    /// Index into the scene's list of parts, for a part; else 0.
+    pub part: u32,
 }
 
 /// A plane cut through a field, sampled on a regular grid.
@@ -35,11 +39,28 @@ pub struct SliceHeader {
     pub count: [u64; 2],
 }
 
-/// A node of a slice.
+/// A field on a regular grid of nodes: a whole lattice, or every so many nodes of a box in it.
+///
+/// Node `(i, j, k)` of the payload, at index `i + count[0] * (j + count[1] * k)`, lies at
+/// `origin + (i * step[0], j * step[1], k * step[2])`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VolumeHeader {
+    /// When.
+    pub stamp: Stamp,
+    /// Position of node (0, 0, 0) [m].
+    pub origin: [f64; 3],
+    /// Step to the next node along each axis [m].
+    pub step: [f64; 3],
+    /// Number of nodes along each axis.
+    pub count: [u64; 3],
+}
+
+/// A node of a slice or a volume.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SliceNode {
-    /// Fluid velocity, or the body's where the node is solid [m/s].
+    /// Fluid velocity; of no meaning where the node is solid, and zero or the solid's there [m/s].
     pub velocity: [f32; 3],
     /// Pressure relative to the fluid at rest, without its hydrostatic part [Pa].
     pub pressure: f32,
@@ -66,13 +87,17 @@ impl LogHeader {
     pub const ERROR: u64 = 2;
 }
 
-// SAFETY: BodyState (112 bytes, align 8) and four words, no padding.
+// SAFETY: BodyState (112 bytes, align 8), two words of 8 bytes and four of 4, no padding.
 unsafe impl Message for BodySample {
-    const TYPE_NAME: &'static str = "tremie.BodySample.1";
+    const TYPE_NAME: &'static str = "tremie.BodySample.2";
 }
 // SAFETY: 40 bytes, then eleven words, no padding.
 unsafe impl Message for SliceHeader {
     const TYPE_NAME: &'static str = "tremie.SliceHeader.1";
+}
+// SAFETY: 40 bytes, then nine words, no padding.
+unsafe impl Message for VolumeHeader {
+    const TYPE_NAME: &'static str = "tremie.VolumeHeader.1";
 }
 // SAFETY: five words of 4 bytes, no padding.
 unsafe impl Message for SliceNode {

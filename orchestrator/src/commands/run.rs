@@ -171,10 +171,13 @@ fn folder_of(manifest: &Path) -> PathBuf {
     }
 }
 
-/// Adds the recorder and the viewer that the user asked for.
+/// Adds the recorder, the fields and the viewer that the user asked for.
 fn add_observers(manifest: &mut Manifest, view: &View) {
     if manifest.spec.outputs.record {
         manifest.spec.add_observer("recorder");
+    }
+    if manifest.spec.outputs.fields.is_some() {
+        manifest.spec.add_observer("fields");
     }
     let Some(settings) = viewer_settings(view) else { return };
     manifest.spec.add_observer("viewer");

@@ -63,7 +63,7 @@ fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
     let frames = plan.frames.iter().filter(|stream| stream.lossless).map(|stream| {
         let value = match stream.content {
             FrameContent::Bodies => size_of::<BodySample>(),
-            FrameContent::Slice(_) => size_of::<SliceNode>(),
+            FrameContent::Slice(_) | FrameContent::Volume(_) => size_of::<SliceNode>(),
             FrameContent::Signals(_) => size_of::<f64>(),
             FrameContent::Log => 0,
         };

@@ -185,7 +185,7 @@ fn role_by_name(name: &str) -> Option<Role> {
     match name {
         "fluid" => Some(Role::Fluid),
         "grains" => Some(Role::Grains),
-        "viewer" | "recorder" => Some(Role::Observer),
+        "viewer" | "recorder" | "fields" => Some(Role::Observer),
         _ => None,
     }
 }

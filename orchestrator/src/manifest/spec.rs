@@ -70,6 +70,8 @@ pub struct ComponentSpec {
 pub struct Outputs {
     /// Simulated time between frames to observers [s].
     pub frames: f64,
+    /// Simulated time between files of whole fields [s]; `None`: no such files.
+    pub fields: Option<f64>,
     /// Simulated time between rows of the signals' table [s]; `None`: every window, within reason.
     pub signals: Option<f64>,
     /// Whether the built-in recorder takes part.
@@ -116,6 +118,14 @@ impl Spec {
         self.components.iter().find(|component| component.name == name)
     }
 
+    /// Simulated time between frames to an observer [s].
+    pub fn interval(&self, observer: &ComponentSpec) -> f64 {
+        match self.outputs.fields {
+            Some(time) if observer.stem() == "fields" => time,
+            _ => self.outputs.frames,
+        }
+    }
+
     /// Adds a built-in observer under the name of its program, with the settings that the manifest
     /// has for it. Does nothing where one of that program, or anything of that name, takes part.
     pub fn add_observer(&mut self, program: &str) {
@@ -159,7 +169,7 @@ pub(super) fn stem(program: &str) -> &str {
     Path::new(program).file_stem().and_then(|stem| stem.to_str()).unwrap_or(program)
 }
 
-/// The recorder's file shall have every frame; a viewer shows the newest.
+/// Files shall have every frame; a viewer shows the newest.
 pub(super) fn is_lossless_by_default(program: &str) -> bool {
-    stem(program) == "recorder"
+    matches!(stem(program), "recorder" | "fields")
 }

@@ -44,7 +44,7 @@ pub struct Plan {
     pub windows: u64,
     /// How fluid and grains take turns.
     pub schedule: Schedule,
-    /// Frames go to observers every so many windows.
+    /// Frames go to most observers every so many windows; each stream of `frames` has its own word.
     pub frames_every: u64,
     /// The table of signals has a row every so many windows.
     pub signal_rows_every: u64,
@@ -186,7 +186,10 @@ fn assemble(
     let frames_every = windows_in(spec.outputs.frames, window, steps.windows);
     let substeps = substeps_of_all(described, &steps);
     let edges = edges(wiring, &substeps, body_capacity);
-    let frames = streams::streams(described, body_capacity, frames_every);
+    let frames = streams::streams(described, body_capacity, |observer| {
+        windows_in(spec.interval(observer), window, steps.windows)
+    });
+    let (volumes, no_nodes) = streams::notes(described, &frames, steps.windows);
     let component = |(index, (spec, description)): (usize, &Described<'_>)| PlannedComponent {
         name: spec.name.clone(),
         role: spec.role,
@@ -229,8 +232,8 @@ fn assemble(
         frames_every,
         signal_rows_every: signal_rows_every(spec, window, steps.windows),
         components: described.iter().enumerate().map(component).collect(),
-        warnings: described.iter().flat_map(warn).collect(),
-        notes: steps.notes,
+        warnings: described.iter().flat_map(warn).chain(no_nodes).collect(),
+        notes: steps.notes.into_iter().chain(volumes).collect(),
         edges,
         frames,
     }

@@ -111,6 +111,7 @@ fn frame_row(stream: &FrameStream) -> Vec<String> {
     let content = match &stream.content {
         FrameContent::Bodies => "bodies".to_string(),
         FrameContent::Slice(name) => format!("slice {name}"),
+        FrameContent::Volume(grid) => format!("volume {}", grid.name),
         FrameContent::Signals(_) => "signals".to_string(),
         FrameContent::Log => "log".to_string(),
     };
@@ -142,6 +143,9 @@ fn frame_memory(stream: &FrameStream) -> u64 {
     let (header, value) = match stream.content {
         FrameContent::Bodies => (size_of::<Stamp>(), size_of::<frame::BodySample>()),
         FrameContent::Slice(_) => (size_of::<frame::SliceHeader>(), size_of::<frame::SliceNode>()),
+        FrameContent::Volume(_) => {
+            (size_of::<frame::VolumeHeader>(), size_of::<frame::SliceNode>())
+        }
         FrameContent::Signals(_) => (size_of::<Stamp>(), size_of::<f64>()),
         FrameContent::Log => (size_of::<frame::LogHeader>(), size_of::<u8>()),
     };

@@ -1,56 +1,115 @@
 //! Frames: what observers are sent, by whom, how often.
 
+use super::Described;
 use crate::manifest::{ComponentSpec, ORCHESTRATOR};
 use tremie_messages::Role;
-use tremie_messages::start::{Description, FrameContent, FrameStream};
+use tremie_messages::frame::SliceNode;
+use tremie_messages::start::{
+    Description, FrameContent, FrameStream, VolumeGrid, VolumeWish, Watches,
+};
 
 /// Frames under way to an observer that must have each: room for a disk that is slow for a moment.
 const LOSSLESS_DEPTH: u64 = 8;
 /// Frames under way to an observer that shows the newest: one being read, one to come.
 const LOSSY_DEPTH: u64 = 2;
+/// Volumes under way: one being read, one to come. More would fill the memory.
+const VOLUME_DEPTH: u64 = 1;
 /// Lines of the log under way.
 const LOG_DEPTH: u64 = 256;
 /// Longest line of the log [bytes].
 const LOG_LINE: u64 = 4096;
 
-/// All streams to all observers; physics in the order of `components`, then the log.
+/// All streams that observers want; physics in the order of `components`, then the log. `every`:
+/// windows between frames to an observer.
 pub(super) fn streams(
-    components: &[(&ComponentSpec, &Description)],
+    components: &[Described<'_>],
     body_capacity: u64,
-    every: u64,
+    every: impl Fn(&ComponentSpec) -> u64,
 ) -> Vec<FrameStream> {
-    let is_observer = |c: &&(&ComponentSpec, &Description)| c.0.role == Role::Observer;
-    let observers: Vec<_> = components.iter().filter(is_observer).map(|(spec, _)| *spec).collect();
+    let is_observer = |c: &&Described<'_>| c.0.role == Role::Observer;
+    let observers: Vec<_> = components.iter().filter(is_observer).collect();
     let mut streams = Vec::new();
     for (spec, description) in components.iter().filter(|c| !is_observer(c)) {
-        for observer in &observers {
-            for (name, content, capacity) in contents(spec.role, description, body_capacity) {
+        for (observer, wishes) in &observers {
+            let contents = contents(spec.role, description, &wishes.watches, body_capacity);
+            for (name, content, capacity) in contents {
+                let every = every(observer);
                 streams.push(stream(&spec.name, observer, &name, content, every, capacity));
             }
         }
     }
-    for observer in observers {
-        let log = stream(ORCHESTRATOR, observer, "log", FrameContent::Log, 1, LOG_LINE);
-        streams.push(FrameStream { depth: LOG_DEPTH, ..log });
+    for (observer, _) in observers.iter().filter(|(_, wishes)| wishes.watches.log) {
+        streams.push(stream(ORCHESTRATOR, observer, "log", FrameContent::Log, 1, LOG_LINE));
     }
     streams
 }
 
-/// What a component sends: a part of the service's name, the content, most values in a frame.
+/// What becomes of volumes that an observer keeps: how much that is before the run, and wishes for
+/// nodes that are not there.
+pub(super) fn notes(
+    components: &[Described<'_>],
+    streams: &[FrameStream],
+    windows: u64,
+) -> (Vec<String>, Vec<String>) {
+    let (mut notes, mut warnings) = (Vec::new(), Vec::new());
+    for (observer, description) in components {
+        let Some(wish) = &description.watches.volumes else { continue };
+        for stream in streams.iter().filter(|s| s.to == observer.name && s.lossless) {
+            if let FrameContent::Volume(grid) = &stream.content {
+                notes.push(volume_note(stream, grid, windows));
+            }
+        }
+        for volume in components.iter().flat_map(|(_, physics)| &physics.volumes) {
+            if VolumeGrid::new(volume, wish).is_none() {
+                let VolumeWish { region, .. } = wish;
+                warnings.push(format!(
+                    "{}: no node of the volume \"{}\" lies in the region {region:?} m",
+                    observer.name, volume.name
+                ));
+            }
+        }
+    }
+    (notes, warnings)
+}
+
+fn volume_note(stream: &FrameStream, grid: &VolumeGrid, windows: u64) -> String {
+    let [nx, ny, nz] = grid.count;
+    // At the start, every so many windows, and at the end.
+    let frames = 1 + windows.div_ceil(stream.every);
+    let frame = grid.nodes() * size_of::<SliceNode>() as u64;
+    format!(
+        "{} takes {frames} frames of {nx} x {ny} x {nz} nodes from {}: {} each, {} in all before compression",
+        stream.to,
+        stream.from,
+        super::report::bytes(frame),
+        super::report::bytes(frame * frames),
+    )
+}
+
+/// What a component sends to an observer: a part of the service's name, the content, most values in
+/// a frame.
 fn contents(
     role: Role,
     description: &Description,
+    watches: &Watches,
     bodies: u64,
 ) -> Vec<(String, FrameContent, u64)> {
     let mut contents = Vec::new();
-    if role == Role::Grains {
+    if role == Role::Grains && watches.bodies {
         contents.push(("bodies".to_string(), FrameContent::Bodies, bodies.max(1)));
     }
-    for slice in &description.slices {
+    for slice in description.slices.iter().filter(|_| watches.slices) {
         let content = FrameContent::Slice(slice.name.clone());
         contents.push((format!("slice/{}", slice.name), content, slice.nodes.max(1)));
     }
-    if !description.signals.is_empty() {
+    for volume in &description.volumes {
+        let grid = watches.volumes.as_ref().and_then(|wish| VolumeGrid::new(volume, wish));
+        if let Some(grid) = grid {
+            let (name, nodes) = (format!("volume/{}", volume.name), grid.nodes());
+            contents.push((name, FrameContent::Volume(grid), nodes));
+        }
+    }
+    if !description.signals.is_empty() && watches.signals {
         let signals = description.signals.clone();
         let count = signals.len() as u64;
         contents.push(("signals".to_string(), FrameContent::Signals(signals), count));
@@ -66,6 +125,12 @@ fn stream(
     every: u64,
     capacity: u64,
 ) -> FrameStream {
+    let depth = match content {
+        FrameContent::Log => LOG_DEPTH,
+        FrameContent::Volume(_) => VOLUME_DEPTH,
+        _ if to.lossless => LOSSLESS_DEPTH,
+        _ => LOSSY_DEPTH,
+    };
     FrameStream {
         from: from.to_string(),
         to: to.name.clone(),
@@ -74,6 +139,6 @@ fn stream(
         lossless: to.lossless,
         service: format!("{from}/frames/{name}/{}", to.name),
         capacity,
-        depth: if to.lossless { LOSSLESS_DEPTH } else { LOSSY_DEPTH },
+        depth,
     }
 }

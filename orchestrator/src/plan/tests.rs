@@ -4,7 +4,9 @@ use crate::manifest;
 use proptest::prelude::*;
 use std::path::Path;
 use tremie_messages::schedule::Content;
-use tremie_messages::start::{FrameContent, InjectionKind, Signal, SliceSpec};
+use tremie_messages::start::{
+    FrameContent, InjectionKind, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches,
+};
 
 const MANIFEST: &str = r#"
 [run]
@@ -199,6 +201,66 @@ fn edges_and_frames_carry_what_is_needed() {
     assert_eq!(viewer.frames.len(), 5);
     assert_eq!(viewer.frames[4].content, FrameContent::Log);
     assert!(plan.shared_memory() > 40 * 112);
+}
+
+#[test]
+fn observers_get_what_they_want_when_they_want_it() {
+    let mut descriptions = descriptions();
+    descriptions[0].1.volumes = vec![VolumeSpec {
+        name: "lattice".into(),
+        origin: [0.0; 3],
+        step: [0.1; 3],
+        count: [10, 10, 20],
+    }];
+    let volumes = Some(VolumeWish { most_nodes: Some(300), ..Default::default() });
+    descriptions[3].1.watches =
+        Watches { slices: false, log: false, volumes, ..Default::default() };
+    let whole = Watches {
+        slices: false,
+        signals: false,
+        log: false,
+        volumes: Some(VolumeWish::default()),
+        ..Default::default()
+    };
+    descriptions.push(("fields".into(), Description { watches: whole, ..Default::default() }));
+    let mut spec = spec(&[("outputs.fields", "0.6 ms")]);
+    spec.add_observer("fields");
+    let plan = make(&spec, &descriptions, &Options::default()).unwrap();
+    let to = |observer: &str| -> Vec<_> {
+        let streams = plan.frames.iter().filter(|s| s.to == observer);
+        streams.map(|s| (s.service.as_str(), s.every, s.lossless, s.capacity, s.depth)).collect()
+    };
+    assert_eq!(
+        to("fields"),
+        [
+            ("fluid/frames/volume/lattice/fields", 5000, true, 2000, 1),
+            ("grains/frames/bodies/fields", 5000, true, 40, 8),
+        ]
+    );
+    assert_eq!(
+        to("viewer"),
+        [
+            ("fluid/frames/volume/lattice/viewer", 100, false, 5 * 5 * 10, 1),
+            ("fluid/frames/signals/viewer", 100, false, 1, 2),
+            ("grains/frames/bodies/viewer", 100, false, 40, 2),
+            ("grains/frames/signals/viewer", 100, false, 1, 2),
+        ]
+    );
+    let note = "fields takes 3 frames of 10 x 10 x 20 nodes from fluid: 40.0 kB each";
+    assert!(plan.notes.iter().any(|found| found.starts_with(note)), "{:?}", plan.notes);
+}
+
+#[test]
+fn a_region_without_nodes_is_a_warning() {
+    let mut descriptions = descriptions();
+    let count = [10; 3];
+    let (origin, step) = ([0.0; 3], [0.1; 3]);
+    descriptions[0].1.volumes = vec![VolumeSpec { name: "lattice".into(), origin, step, count }];
+    let region = Some([[5.0; 3], [6.0; 3]]);
+    descriptions[3].1.watches.volumes = Some(VolumeWish { region, ..Default::default() });
+    let plan = make(&spec(&[]), &descriptions, &Options::default()).unwrap();
+    let warning = plan.warnings.iter().find(|warning| warning.starts_with("viewer: no node"));
+    assert!(warning.is_some(), "{:?}", plan.warnings);
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
 
 /// What is right but may not be meant.
 pub(super) fn notes(spec: &Spec) -> Vec<String> {
-    let built_in_observers = ["viewer", "recorder"];
+    let built_in_observers = ["viewer", "recorder", "fields"];
     let is_used = |program: &str| spec.components.iter().any(|c| c.stem() == program);
     let mut notes: Vec<String> = (spec.settings.keys())
         .filter(|program| !is_used(program) && !built_in_observers.contains(&program.as_str()))

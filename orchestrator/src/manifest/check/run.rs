@@ -37,10 +37,12 @@ fn wait(value: &Option<Time>, key: &str, findings: &mut Findings) -> Option<f64>
 
 pub(super) fn outputs(table: &OutputsTable, findings: &mut Findings) -> Option<Outputs> {
     let frames = table.frames.filter(|time| findings.above_zero(*time, "outputs.frames"));
+    let fields = table.fields.filter(|time| findings.above_zero(*time, "outputs.fields"));
     let signals = table.signals.filter(|time| findings.above_zero(*time, "outputs.signals"));
     Some(Outputs {
         // Unset only where `run.until` is wrong: its default is a part of that.
         frames: frames?.0,
+        fields: fields.map(|time| time.0),
         signals: signals.map(|time| time.0),
         record: table.record?,
     })

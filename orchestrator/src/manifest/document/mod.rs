@@ -72,14 +72,14 @@ pub(super) struct RunTable {
 pub(super) struct ComponentTable {
     /// A built-in component, or the path of any other program. Required.
     pub program: Option<String>,
-    /// What it stands for (default: by name, where that is fluid, grains, viewer or recorder).
+    /// What it stands for (default: by name, where that is fluid, grains, viewer, recorder or fields).
     pub role: Option<Role>,
     /// Threads that it may use to compute (default: all cores for a fluid, else one).
     pub threads: Option<NonZeroU32>,
     /// Substeps in a coupling window, fixed (default: as few as are stable).
     pub sync_iter: Option<NonZeroU32>,
     /// For an observer: whether physics waits, boundedly, rather than lose a frame of it
-    /// (default: only for the program `recorder`).
+    /// (default: only for the programs `recorder` and `fields`).
     pub lossless: Option<bool>,
     /// Settings of this component, over those of its program.
     pub settings: Option<Map<String, Value>>,
@@ -91,6 +91,8 @@ pub(super) struct ComponentTable {
 pub(super) struct OutputsTable {
     /// Simulated time between frames to observers (default: a 200th of the run).
     pub frames: Option<Time>,
+    /// Simulated time between files of whole fields for ParaView, in OUT/fields (default: none).
+    pub fields: Option<Time>,
     /// Simulated time between rows of signals.csv (default: every window, but at most 20,000 rows).
     pub signals: Option<Time>,
     /// Whether the built-in recorder takes part (default: true).

@@ -1,0 +1,26 @@
+//! What lies in the folder, in words.
+
+use std::fmt::Write;
+use tremie_messages::scene::Scene;
+
+/// The text of `about.txt`.
+pub fn text(scene: &Scene) -> String {
+    let mut text = String::from(
+        "Open the .pvd files in ParaView: each is a series of the files beside it.\n\
+         World frame, SI units; _NNNNNN in a name is the coupling window.\n\n\
+         lattice  velocity [m/s], pressure [Pa] (gauge, without its hydrostatic part), solid (1 in a solid)\n\
+         bodies   id, set, motion (0 free, 1 fixed, 2 prescribed), radius [m], mass [kg], velocity [m/s],\n         \
+         angular_velocity [rad/s], orientation (unit quaternion x, y, z, w from body to world)\n         \
+         Spheres: filter Glyph, glyph type Sphere, scale array radius, scale factor 2.\n\
+         parts    velocity [m/s] of points, part (index) of cells\n",
+    );
+    let mut list = |title: &str, names: &mut dyn Iterator<Item = &String>| {
+        for (k, name) in names.enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{}{title} {k} = {name}\n", if k == 0 { "\n" } else { "" });
+        }
+    };
+    list("set", &mut scene.bodies.iter().map(|set| &set.name));
+    list("part", &mut scene.parts.iter().map(|part| &part.name));
+    text
+}

@@ -1,0 +1,117 @@
+//! A VTK file: XML that describes arrays, and the arrays behind it as raw bytes.
+
+use crate::encode::{Scalar, append, bytes};
+use crate::parameters::Compression;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// A VTK file being put together.
+pub struct Document {
+    text: String,
+    data: Vec<u8>,
+    compression: Compression,
+    open: Vec<&'static str>,
+}
+
+impl Document {
+    /// A file of a kind of data set, as `ImageData`, with the attributes of its element, at a moment.
+    pub fn new(kind: &'static str, attributes: &str, compression: Compression) -> Self {
+        let compressor = match compression {
+            Compression::None => "",
+            Compression::Lz4 => " compressor=\"vtkLZ4DataCompressor\"",
+        };
+        let text = format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" \
+             byte_order=\"LittleEndian\" header_type=\"UInt64\"{compressor}>\n"
+        );
+        let mut document = Self { text, data: Vec::new(), compression, open: Vec::new() };
+        document.begin(kind, attributes);
+        document
+    }
+
+    /// Notes when the data hold: ParaView reads `TimeValue`.
+    pub fn moment(mut self, time: f64, window: u64) -> Self {
+        self.begin("FieldData", "");
+        self.push::<f64>("TimeValue", "NumberOfTuples=\"1\"", "s", [time].into_iter());
+        self.push::<u64>("window", "NumberOfTuples=\"1\"", "", [window].into_iter());
+        self.end();
+        self
+    }
+
+    /// Begins an element; `attributes` as they stand in XML.
+    pub fn begin(&mut self, element: &'static str, attributes: &str) {
+        let space = if attributes.is_empty() { "" } else { " " };
+        let indent = "  ".repeat(self.open.len() + 1);
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.text, "{indent}<{element}{space}{attributes}>");
+        self.open.push(element);
+    }
+
+    /// Ends the element that was begun last.
+    pub fn end(&mut self) {
+        if let Some(element) = self.open.pop() {
+            let _ = writeln!(self.text, "{}</{element}>", "  ".repeat(self.open.len() + 1));
+        }
+    }
+
+    /// Adds an array of `components` numbers a tuple; `unit` is empty where there is none.
+    pub fn array<T: Scalar>(
+        &mut self,
+        name: &str,
+        components: usize,
+        unit: &str,
+        values: impl Iterator<Item = T>,
+    ) {
+        self.push(name, &format!("NumberOfComponents=\"{components}\""), unit, values);
+    }
+
+    fn push<T: Scalar>(
+        &mut self,
+        name: &str,
+        size: &str,
+        unit: &str,
+        values: impl Iterator<Item = T>,
+    ) {
+        let offset = self.data.len();
+        append(&mut self.data, &bytes(values), self.compression);
+        let indent = "  ".repeat(self.open.len() + 1);
+        let kind = T::NAME;
+        let _ = write!(
+            self.text,
+            "{indent}<DataArray type=\"{kind}\" Name=\"{name}\" {size} format=\"appended\" offset=\"{offset}\""
+        );
+        let _ = match unit {
+            "" => writeln!(self.text, "/>"),
+            _ => writeln!(
+                self.text,
+                ">\n{indent}  <InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>\n\
+                 {indent}</DataArray>"
+            ),
+        };
+    }
+
+    /// Writes the file; under its name it is whole. Returns its size [bytes].
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(mut self, path: &Path) -> io::Result<u64> {
+        while !self.open.is_empty() {
+            self.end();
+        }
+        let begun = path.with_extension("part");
+        let mut file = std::fs::File::create(&begun)?;
+        let parts: [&[u8]; 4] = [
+            self.text.as_bytes(),
+            b"  <AppendedData encoding=\"raw\">\n   _",
+            &self.data,
+            b"\n  </AppendedData>\n</VTKFile>\n",
+        ];
+        for part in parts {
+            file.write_all(part)?;
+        }
+        drop(file);
+        std::fs::rename(&begun, path)?;
+        Ok(parts.iter().map(|part| part.len() as u64).sum())
+    }
+}

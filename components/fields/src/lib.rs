@@ -1,0 +1,61 @@
+//! Writes whole fields, bodies and parts of a run as VTK files, for ParaView and everything else that
+//! is built on VTK.
+//!
+//! [`Fields`] is an observer; `outputs.fields = "10 ms"` in a manifest starts it. It fills `OUT/fields`:
+//!
+//! | file | data set | what it holds |
+//! | --- | --- | --- |
+//! | `<volume>_<window>.vti` | ImageData | nodes of a component's lattice |
+//! | `bodies_<window>.vtp` | PolyData | one point for each sphere |
+//! | `parts_<window>.vtp` | PolyData | triangles of the scene's parts, where they are |
+//! | `<volume>.pvd`, `bodies.pvd`, `parts.pvd` | collection | the files of a series by time: open these |
+//! | `about.txt` | text | arrays, units, names of sets and parts |
+//!
+//! The volume of the lattice-Boltzmann fluid is called `lattice`. `<window>` is the coupling window at
+//! whose end the data hold. Each file bears its time too (field data `TimeValue` [s], and `window`).
+//!
+//! # Arrays
+//!
+//! World frame, SI units; each array of a quantity bears its unit as VTK's `UNITS_LABEL`.
+//!
+//! | data set | array | type | unit | meaning |
+//! | --- | --- | --- | --- | --- |
+//! | lattice | `velocity` | 3 Float32 | m/s | fluid velocity; zero in solids |
+//! | | `pressure` | Float32 | Pa | gauge pressure without its hydrostatic part; zero in solids |
+//! | | `solid` | UInt8 | | 1 in a solid, else 0 |
+//! | bodies | points | 3 Float64 | m | centres |
+//! | | `id` | UInt64 | | id of the body |
+//! | | `set` | UInt32 | | index of its set in the scene |
+//! | | `motion` | UInt32 | | 0 free, 1 fixed, 2 prescribed |
+//! | | `radius` | Float64 | m | |
+//! | | `mass` | Float64 | kg | |
+//! | | `velocity` | 3 Float64 | m/s | |
+//! | | `angular_velocity` | 3 Float64 | rad/s | |
+//! | | `orientation` | 4 Float64 | | unit quaternion (x, y, z, w) from body to world |
+//! | parts | `velocity` (points) | 3 Float64 | m/s | |
+//! | | `part` (cells) | UInt32 | | index of the part in the scene |
+//!
+//! In ParaView, bodies become spheres by `Glyph` with scale array `radius` and factor 2.
+//!
+//! # Ends
+//!
+//! A file appears under its name when it is whole, and in its series after that: what a killed run
+//! leaves can be opened. The end of a run removes what lies beyond its last common window. No file
+//! depends on the wall clock or the run's id: identical runs give identical bytes.
+//!
+//! # Size
+//!
+//! 17 bytes a node and 144 a body, less what compression saves (LZ4, which VTK reads since version
+//! 8); `tremie check` says how much a run will write before compression.
+
+mod about;
+mod document;
+mod encode;
+mod parameters;
+mod parts;
+mod series;
+mod tables;
+mod writer;
+
+pub use parameters::{Compression, Parameters, Region};
+pub use writer::Fields;

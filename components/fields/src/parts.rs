@@ -1,0 +1,114 @@
+//! Surfaces of the scene's parts, where they are.
+
+use crate::document::Document;
+use crate::parameters::Compression;
+use tremie_geometry::{Frame, GeometryError, Mesh};
+use tremie_messages::BodyEvent;
+use tremie_messages::frame::BodySample;
+use tremie_messages::scene::{Part, Pose};
+use tremie_sdk::Moment;
+
+/// The parts of a scene.
+pub struct Parts {
+    parts: Vec<Placed>,
+}
+
+/// A part's triangles and how it moves now.
+struct Placed {
+    mesh: Mesh,
+    pose: Pose,
+    velocity: [f64; 3],
+    angular_velocity: [f64; 3],
+}
+
+impl Parts {
+    /// The parts at the start.
+    ///
+    /// # Errors
+    /// A part's surface that cannot be read: its index and why.
+    pub fn new(parts: &[Part]) -> Result<Self, (usize, GeometryError)> {
+        let place = |(k, part): (usize, &Part)| {
+            let mesh = Mesh::of(&part.geometry).map_err(|error| (k, error))?;
+            let (velocity, angular_velocity) = ([0.0; 3], [0.0; 3]);
+            Ok(Placed { mesh, pose: part.pose, velocity, angular_velocity })
+        };
+        Ok(Self { parts: parts.iter().enumerate().map(place).collect::<Result<_, _>>()? })
+    }
+
+    /// Takes the poses of parts that are among the bodies; returns whether any moved.
+    pub fn follow(&mut self, bodies: &[BodySample]) -> bool {
+        let mut moved = false;
+        for body in bodies.iter().filter(|body| body.shape == BodyEvent::PART) {
+            let Some(part) = self.parts.get_mut(body.part as usize) else { continue };
+            let state = &body.state;
+            let pose = Pose { position: state.position, orientation: state.orientation };
+            moved |= pose != part.pose
+                || state.velocity != part.velocity
+                || state.angular_velocity != part.angular_velocity;
+            part.pose = pose;
+            part.velocity = state.velocity;
+            part.angular_velocity = state.angular_velocity;
+        }
+        moved
+    }
+
+    /// All triangles as they are now.
+    pub fn document(&self, at: Moment, compression: Compression) -> Document {
+        let points: usize = self.parts.iter().map(|part| part.mesh.vertices.len()).sum();
+        let triangles: usize = self.parts.iter().map(|part| part.mesh.triangles.len()).sum();
+        let mut document =
+            Document::new("PolyData", "", compression).moment(at.time, at.stamp.window);
+        document.begin(
+            "Piece",
+            &format!(
+                "NumberOfPoints=\"{points}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
+                 NumberOfStrips=\"0\" NumberOfPolys=\"{triangles}\""
+            ),
+        );
+        document.begin("PointData", "Vectors=\"velocity\"");
+        document.array("velocity", 3, "m/s", self.parts.iter().flat_map(Placed::velocities));
+        document.end();
+        document.begin("CellData", "Scalars=\"part\"");
+        let numbers = self
+            .parts
+            .iter()
+            .enumerate()
+            .flat_map(|(k, part)| std::iter::repeat_n(k as u32, part.mesh.triangles.len()));
+        document.array("part", 1, "", numbers);
+        document.end();
+        document.begin("Points", "");
+        document.array("points", 3, "m", self.parts.iter().flat_map(Placed::points));
+        document.end();
+        document.begin("Polys", "");
+        let mut before = 0;
+        let corners = self.parts.iter().flat_map(|part| {
+            let first = before;
+            before += part.mesh.vertices.len() as i64;
+            part.mesh.triangles.iter().flatten().map(move |corner| first + i64::from(*corner))
+        });
+        document.array("connectivity", 1, "", corners);
+        document.array("offsets", 1, "", (1..=triangles as i64).map(|k| 3 * k));
+        document
+    }
+}
+
+impl Placed {
+    fn points(&self) -> impl Iterator<Item = f64> {
+        let frame = Frame::of(&self.pose);
+        self.mesh.vertices.iter().flat_map(move |vertex| frame.to_world(*vertex))
+    }
+
+    /// `v + omega x r` at each vertex.
+    fn velocities(&self) -> impl Iterator<Item = f64> {
+        let frame = Frame::of(&self.pose);
+        let (v, w) = (self.velocity, self.angular_velocity);
+        self.mesh.vertices.iter().flat_map(move |vertex| {
+            let r = frame.turn_to_world(*vertex);
+            [
+                v[0] + w[1] * r[2] - w[2] * r[1],
+                v[1] + w[2] * r[0] - w[0] * r[2],
+                v[2] + w[0] * r[1] - w[1] * r[0],
+            ]
+        })
+    }
+}

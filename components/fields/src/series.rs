@@ -1,0 +1,117 @@
+//! Files of a series by time: ParaView's collection, kept readable while it grows.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+const HEAD: &str = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" \
+                    byte_order=\"LittleEndian\">\n  <Collection>\n";
+const TAIL: &str = "  </Collection>\n</VTKFile>\n";
+
+/// A series of files, and its collection.
+pub struct Series {
+    path: PathBuf,
+    file: File,
+    entries: Vec<Entry>,
+    /// Length of the collection without its tail.
+    len: u64,
+}
+
+/// A moment of a series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Coupling window at whose end the data hold.
+    pub window: u64,
+    /// Simulated time [s].
+    pub time: f64,
+    /// Name of the file; several moments may share one.
+    pub file: String,
+}
+
+impl Series {
+    /// An empty series at `path`, a `.pvd` file.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        std::fs::write(path, format!("{HEAD}{TAIL}"))?;
+        let file = OpenOptions::new().write(true).open(path)?;
+        Ok(Self { path: path.into(), file, entries: Vec::new(), len: HEAD.len() as u64 })
+    }
+
+    /// Adds a moment: one write over the tail, so that the collection is whole before and after.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn push(&mut self, entry: Entry) -> io::Result<()> {
+        let line = line(&entry);
+        self.file.seek(SeekFrom::Start(self.len))?;
+        self.file.write_all(format!("{line}{TAIL}").as_bytes())?;
+        self.len += line.len() as u64;
+        self.entries.push(entry);
+        Ok(())
+    }
+
+    /// Moments so far.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// Takes out what is later than `window`, and removes files that nothing refers to any more.
+    ///
+    /// # Errors
+    /// If the collection cannot be written, or a file not removed.
+    pub fn cut(&mut self, window: u64) -> io::Result<()> {
+        let kept = self.entries.partition_point(|entry| entry.window <= window);
+        if kept == self.entries.len() {
+            return Ok(());
+        }
+        let late = self.entries.split_off(kept);
+        let text: String = self.entries.iter().map(line).collect();
+        std::fs::write(&self.path, format!("{HEAD}{text}{TAIL}"))?;
+        self.len = (HEAD.len() + text.len()) as u64;
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let mut removed: Option<&str> = None;
+        for entry in &late {
+            let is_used = self.entries.iter().any(|kept| kept.file == entry.file);
+            if !is_used && removed != Some(&entry.file) {
+                std::fs::remove_file(folder.join(&entry.file))?;
+                removed = Some(&entry.file);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn line(entry: &Entry) -> String {
+    format!("    <DataSet timestep=\"{:e}\" part=\"0\" file=\"{}\"/>\n", entry.time, entry.file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_collection_is_whole_after_each_moment_and_ends_where_it_is_cut() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bodies.pvd");
+        let mut series = Series::create(&path).unwrap();
+        let text = || std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text(), format!("{HEAD}{TAIL}"));
+        // The last three moments share a file.
+        for (window, file) in [(0, "a"), (5, "b"), (10, "c"), (15, "c"), (20, "c")] {
+            std::fs::write(folder.path().join(file), "x").unwrap();
+            series.push(Entry { window, time: window as f64, file: file.into() }).unwrap();
+            assert!(text().ends_with(&format!("file=\"{file}\"/>\n{TAIL}")), "{}", text());
+        }
+        assert_eq!(text().matches("<DataSet").count(), 5);
+        series.cut(10).unwrap();
+        assert_eq!(text().matches("<DataSet").count(), 3);
+        assert!(folder.path().join("c").exists(), "window 10 needs it");
+        series.cut(5).unwrap();
+        assert!(!folder.path().join("c").exists());
+        series.push(Entry { window: 10, time: 10.0, file: "d".into() }).unwrap();
+        assert_eq!(text().matches("<DataSet").count(), 3);
+        assert!(text().ends_with(TAIL));
+    }
+}

@@ -1,0 +1,222 @@
+//! The observer.
+
+use crate::document::Document;
+use crate::parameters::Parameters;
+use crate::parts::Parts;
+use crate::series::{Entry, Series};
+use crate::{about, tables};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::start::{Description, FrameContent, Signal, Watches};
+use tremie_messages::{INTERFACE_VERSION, Problem, Stamp};
+use tremie_sdk::{Moment, Observer, ObserverError, Setup};
+
+/// Series of the spheres.
+const BODIES: &str = "bodies";
+/// Series of the parts.
+const PARTS: &str = "parts";
+
+/// Writes fields, bodies and parts as VTK files.
+pub struct Fields {
+    folder: PathBuf,
+    parameters: Parameters,
+    /// Series by the base of their files' names.
+    series: BTreeMap<String, Series>,
+    parts: Option<Parts>,
+    /// Written so far [bytes].
+    size: u64,
+}
+
+fn failed(path: &Path, error: impl std::fmt::Display) -> ObserverError {
+    ObserverError(format!("{} cannot be written: {error}", path.display()))
+}
+
+/// The base of the names of a volume's files: its name, as far as that can stand in a file name.
+fn base(volume: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    match volume.chars().map(plain).collect::<String>() {
+        name if name.is_empty() || name == BODIES || name == PARTS => format!("volume_{name}"),
+        name => name,
+    }
+}
+
+/// All parts, or a problem of each one that cannot be read.
+fn read_parts(setup: &Setup) -> Result<Option<Parts>, Vec<Problem>> {
+    let parts = &setup.hello.scene.parts;
+    if parts.is_empty() {
+        return Ok(None);
+    }
+    Parts::new(parts).map(Some).map_err(|(k, error)| {
+        vec![Problem::new(format!("scene.parts[{k}].geometry"), error.to_string())]
+    })
+}
+
+impl Fields {
+    /// Writes a document as the moment `at` of a series.
+    fn keep(&mut self, base: &str, at: Moment, document: Document) -> Result<(), ObserverError> {
+        let ending = if base == BODIES || base == PARTS { "vtp" } else { "vti" };
+        let file = format!("{base}_{:06}.{ending}", at.stamp.window);
+        let path = self.folder.join(&file);
+        self.size += document.write(&path).map_err(|error| failed(&path, error))?;
+        self.note(base, at, file)
+    }
+
+    /// Adds a moment to a series, whose file is there.
+    fn note(&mut self, base: &str, at: Moment, file: String) -> Result<(), ObserverError> {
+        let path = self.folder.join(format!("{base}.pvd"));
+        if !self.series.contains_key(base) {
+            let series = Series::create(&path).map_err(|error| failed(&path, error))?;
+            self.series.insert(base.into(), series);
+        }
+        let Some(series) = self.series.get_mut(base) else { return Ok(()) };
+        let entry = Entry { window: at.stamp.window, time: at.time, file };
+        series.push(entry).map_err(|error| failed(&path, error))
+    }
+
+    /// Writes the parts where they are now; parts that rest need no file of their own.
+    fn keep_parts(&mut self, at: Moment, bodies: &[BodySample]) -> Result<(), ObserverError> {
+        let Some(parts) = &mut self.parts else { return Ok(()) };
+        let moved = parts.follow(bodies);
+        let before = self.series.get(PARTS).and_then(|series| series.entries().last());
+        match before.map(|entry| (entry.window, entry.file.clone())) {
+            // The parts at the start are there already; of the start's frame only what moves is new.
+            Some((window, _)) if window == at.stamp.window && !moved => Ok(()),
+            Some((window, file)) if window < at.stamp.window && !moved => {
+                self.note(PARTS, at, file)
+            }
+            Some((window, file)) if window == at.stamp.window => {
+                let path = self.folder.join(&file);
+                let document = parts.document(at, self.parameters.compression);
+                self.size += document.write(&path).map_err(|error| failed(&path, error))?;
+                Ok(())
+            }
+            _ => {
+                let document = parts.document(at, self.parameters.compression);
+                self.keep(PARTS, at, document)
+            }
+        }
+    }
+}
+
+impl Observer for Fields {
+    const PROGRAM: &'static str = concat!("fields ", env!("CARGO_PKG_VERSION"));
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        parameters.check()?;
+        read_parts(setup)?;
+        Ok(Description {
+            interface: INTERFACE_VERSION,
+            program: Self::PROGRAM.into(),
+            watches: Watches {
+                bodies: true,
+                volumes: Some(parameters.wish()),
+                slices: false,
+                signals: false,
+                log: false,
+            },
+            ..Description::default()
+        })
+    }
+
+    fn open(setup: &Setup) -> Result<Self, ObserverError> {
+        let parameters: Parameters = setup.parameters()?;
+        parameters.check()?;
+        let mut bases = BTreeMap::new();
+        for stream in &setup.assigned()?.frames {
+            if let FrameContent::Volume(grid) = &stream.content
+                && let Some(other) = bases.insert(base(&grid.name), &grid.name)
+            {
+                let name = &grid.name;
+                let text =
+                    format!("files of the volumes \"{other}\" and \"{name}\" would be named alike");
+                return Err(ObserverError(text));
+            }
+        }
+        let folder = parameters.path(&setup.hello.output);
+        std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
+        let words = folder.join("about.txt");
+        std::fs::write(&words, about::text(&setup.hello.scene))
+            .map_err(|error| failed(&words, error))?;
+        let parts = read_parts(setup)?;
+        let mut fields = Self { folder, parameters, series: BTreeMap::new(), parts, size: 0 };
+        if let Some(parts) = &fields.parts {
+            let at = Moment { stamp: Stamp::default(), time: 0.0 };
+            let document = parts.document(at, fields.parameters.compression);
+            fields.keep(PARTS, at, document)?;
+        }
+        Ok(fields)
+    }
+
+    fn bodies(
+        &mut self,
+        _from: &str,
+        at: Moment,
+        bodies: &[BodySample],
+    ) -> Result<(), ObserverError> {
+        self.keep(BODIES, at, tables::bodies(at, bodies, self.parameters.compression))?;
+        self.keep_parts(at, bodies)
+    }
+
+    fn slice(
+        &mut self,
+        _from: &str,
+        _name: &str,
+        _at: Moment,
+        _header: &SliceHeader,
+        _nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn volume(
+        &mut self,
+        _from: &str,
+        name: &str,
+        at: Moment,
+        header: &VolumeHeader,
+        nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        let document = tables::lattice(at, header, nodes, self.parameters.compression);
+        self.keep(&base(name), at, document)
+    }
+
+    fn signals(
+        &mut self,
+        _from: &str,
+        _at: Moment,
+        _names: &[Signal],
+        _values: &[f64],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn log(&mut self, _at: Moment, _header: &LogHeader, _text: &str) -> Result<(), ObserverError> {
+        Ok(())
+    }
+
+    fn close(&mut self, last_common_window: u64) -> Result<String, ObserverError> {
+        let mut counts = Vec::new();
+        for (base, series) in &mut self.series {
+            series.cut(last_common_window).map_err(|error| failed(&self.folder, error))?;
+            counts.push(format!("{} of {base}", series.entries().len()));
+        }
+        let megabytes = self.size as f64 * 1e-6;
+        let folder = self.parameters.folder.display();
+        Ok(format!("{folder}/: frames {}, {megabytes:.1} MB", counts.join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_volumes_become_names_of_files() {
+        assert_eq!(base("lattice"), "lattice");
+        assert_eq!(base("../a b"), "___a_b");
+        assert_eq!(base("bodies"), "volume_bodies");
+        assert_eq!(base(""), "volume_");
+    }
+}

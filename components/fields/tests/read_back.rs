@@ -1,0 +1,299 @@
+//! What is written is read back by an independent reader, and equals what was sent.
+
+use std::path::Path;
+use tremie_fields::Fields;
+use tremie_messages::frame::{BodySample, SliceNode, VolumeHeader};
+use tremie_messages::scene::{Domain, Face, Geometry, Motion, Part, PartBoundary, Pose, Scene};
+use tremie_messages::start::{
+    Assignment, Clock, FrameContent, FrameStream, Hello, Transport, VolumeGrid,
+};
+use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp};
+use tremie_sdk::{Moment, Observer, Setup};
+use vtkio::model::{Attribute, DataArray, DataSet, IOBuffer, Piece};
+
+fn scene() -> Scene {
+    let part = |name: &str, motion| Part {
+        name: name.into(),
+        geometry: Geometry::Box { size: [0.2, 0.1, 0.1] },
+        pose: Pose { position: [0.5, 0.5, 0.5], ..Pose::IDENTITY },
+        cavity: false,
+        material: "steel".into(),
+        motion,
+        boundary: PartBoundary::Wall,
+    };
+    Scene {
+        parts: vec![part("seat", Motion::Fixed), part("gate", Motion::Prescribed(Vec::new()))],
+        ..Scene::empty(Domain::new([0.0; 3], [1.0; 3], Face::WALLS))
+    }
+}
+
+fn setup(output: &Path, parameters: serde_json::Value) -> Setup {
+    let grid = VolumeGrid { name: "lattice".into(), first: [0; 3], stride: 1, count: [3, 2, 4] };
+    let stream = |from: &str, content| FrameStream {
+        from: from.into(),
+        to: "fields".into(),
+        content,
+        every: 5,
+        lossless: true,
+        service: String::new(),
+        capacity: 24,
+        depth: 1,
+    };
+    Setup {
+        hello: Hello {
+            interface: INTERFACE_VERSION,
+            run: 7,
+            component: "fields".into(),
+            role: Role::Observer,
+            scene: scene(),
+            parameters: serde_json::from_value(parameters).unwrap(),
+            threads: 1,
+            output: output.to_string_lossy().into_owned(),
+        },
+        assignment: Some(Assignment {
+            clock: Clock { tick: 1e-3, ticks_per_window: 1 },
+            windows: 20,
+            substeps: 1,
+            step: 1e-3,
+            body_capacity: 10,
+            edges: Vec::new(),
+            script: Default::default(),
+            frames: vec![
+                stream("fluid", FrameContent::Volume(grid)),
+                stream("grains", FrameContent::Bodies),
+            ],
+            transport: Transport {
+                between_processes: false,
+                root: String::new(),
+                prefix: String::new(),
+                credit_service: String::new(),
+                report_service: String::new(),
+                report_depth: 1,
+                deadline: 1.0,
+                poll: 0.0,
+            },
+            injections: Vec::new(),
+        }),
+    }
+}
+
+fn moment(window: u64) -> Moment {
+    let stamp = Stamp { run: 7, window, ticks: window, ..Stamp::default() };
+    Moment { stamp, time: 1e-3 * window as f64 }
+}
+
+fn header() -> VolumeHeader {
+    let (origin, step) = ([0.05, 0.1, -1e-9], [0.1, 0.25, 1.0 / 3.0]);
+    VolumeHeader { stamp: Stamp::default(), origin, step, count: [3, 2, 4] }
+}
+
+fn nodes(window: u64) -> Vec<SliceNode> {
+    let node = |k: u64| {
+        let x = (k + 100 * window) as f32 / 7.0;
+        SliceNode { velocity: [x, -x, 0.5 * x], pressure: 1e-6 * x, solid: u32::from(k % 5 == 0) }
+    };
+    (0..24).map(node).collect()
+}
+
+fn sphere(id: u64) -> BodySample {
+    let x = id as f64 / 3.0;
+    BodySample {
+        state: BodyState {
+            id,
+            position: [x, 0.1 * x, 1e-9],
+            orientation: [0.0, 0.6, 0.0, 0.8],
+            velocity: [0.25, x, -x],
+            angular_velocity: [x, 2.0, 3.0],
+        },
+        radius: 1e-3 * x,
+        mass: 1e-6,
+        set: 2,
+        shape: BodyEvent::SPHERE,
+        motion: BodyEvent::FREE,
+        part: 0,
+    }
+}
+
+/// The gate, lifted and turned a quarter about z, and lifting and turning on.
+fn gate(height: f64) -> BodySample {
+    let half = 0.5_f64.sqrt();
+    BodySample {
+        state: BodyState {
+            orientation: [0.0, 0.0, half, half],
+            velocity: [0.0, 0.0, 1.0],
+            angular_velocity: [0.0, 0.0, 2.0],
+            ..BodyState::at_rest(99, [0.5, 0.5, height])
+        },
+        shape: BodyEvent::PART,
+        part: 1,
+        ..sphere(0)
+    }
+}
+
+/// Feeds windows 0, 5, 10 and 15, of which 15 is beyond the last common one.
+fn written(folder: &Path, compression: &str) -> String {
+    let parameters = serde_json::json!({ "compression": compression });
+    let mut fields = Fields::open(&setup(folder, parameters)).unwrap();
+    for window in [0, 5, 10, 15] {
+        let at = moment(window);
+        let header = VolumeHeader { stamp: at.stamp, ..header() };
+        fields.volume("fluid", "lattice", at, &header, &nodes(window)).unwrap();
+        let bodies = [sphere(3), sphere((1 << 40) + window), gate(0.5 + 0.02 * window as f64)];
+        fields.bodies("grains", at, &bodies).unwrap();
+    }
+    fields.close(10).unwrap()
+}
+
+fn values(attributes: &[Attribute], name: &str) -> (DataArray, Vec<f64>) {
+    let found = attributes.iter().find_map(|attribute| match attribute {
+        Attribute::DataArray(array) if array.name == name => Some(array.clone()),
+        _ => None,
+    });
+    let array = found.unwrap_or_else(|| panic!("no array {name}"));
+    let values = array.data.clone().cast_into::<f64>().unwrap();
+    (array, values)
+}
+
+fn read(path: &Path) -> DataSet {
+    vtkio::Vtk::import(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).data
+}
+
+fn poly(path: &Path) -> vtkio::model::PolyDataPiece {
+    let DataSet::PolyData { mut pieces, .. } = read(path) else { panic!("no PolyData") };
+    let Piece::Inline(piece) = pieces.remove(0) else { panic!("no inline piece") };
+    *piece
+}
+
+#[test]
+fn a_lattice_comes_back() {
+    let home = tempfile::tempdir().unwrap();
+    written(home.path(), "none");
+    let DataSet::ImageData { origin, spacing, mut pieces, .. } =
+        read(&home.path().join("fields/lattice_000005.vti"))
+    else {
+        panic!("no ImageData")
+    };
+    assert_eq!(origin, header().origin.map(|x| x as f32));
+    assert_eq!(spacing, header().step.map(|x| x as f32));
+    let Piece::Inline(piece) = pieces.remove(0) else { panic!("no inline piece") };
+    let point = &piece.data.point;
+    let sent = nodes(5);
+    let (array, velocity) = values(point, "velocity");
+    assert!(matches!(array.data, IOBuffer::F32(_)) && array.num_comp() == 3);
+    let expected: Vec<f64> = sent.iter().flat_map(|node| node.velocity.map(f64::from)).collect();
+    assert_eq!(velocity, expected);
+    let expected: Vec<f64> = sent.iter().map(|node| node.pressure.into()).collect();
+    assert_eq!(values(point, "pressure").1, expected);
+    let expected: Vec<f64> = sent.iter().map(|node| node.solid.into()).collect();
+    assert_eq!(values(point, "solid").1, expected);
+}
+
+#[test]
+fn bodies_come_back() {
+    let home = tempfile::tempdir().unwrap();
+    written(home.path(), "none");
+    let piece = poly(&home.path().join("fields/bodies_000010.vtp"));
+    let sent = [sphere(3), sphere((1 << 40) + 10)];
+    let all =
+        |of: &dyn Fn(&BodySample) -> Vec<f64>| -> Vec<f64> { sent.iter().flat_map(of).collect() };
+    assert_eq!(piece.points.cast_into::<f64>().unwrap(), all(&|b| b.state.position.into()));
+    let point = &piece.data.point;
+    let IOBuffer::U64(ids) = values(point, "id").0.data else { panic!("ids are UInt64") };
+    assert_eq!(ids, [3, (1 << 40) + 10]);
+    for (name, expected) in [
+        ("radius", all(&|b| vec![b.radius])),
+        ("mass", all(&|b| vec![b.mass])),
+        ("set", all(&|_| vec![2.0])),
+        ("motion", all(&|_| vec![0.0])),
+        ("velocity", all(&|b| b.state.velocity.into())),
+        ("angular_velocity", all(&|b| b.state.angular_velocity.into())),
+        ("orientation", all(&|b| b.state.orientation.into())),
+    ] {
+        assert_eq!(values(point, name).1, expected, "{name}");
+    }
+}
+
+#[test]
+fn a_moving_part_is_where_its_body_is() {
+    let home = tempfile::tempdir().unwrap();
+    written(home.path(), "none");
+    let piece = poly(&home.path().join("fields/parts_000005.vtp"));
+    let points = piece.points.clone().cast_into::<f64>().unwrap();
+    assert_eq!(points.len(), 3 * 16);
+    let (seat, gate) = points.split_at(3 * 8);
+    let span = |points: &[f64], axis: usize| {
+        let along = points.chunks(3).map(|p| p[axis]);
+        [along.clone().fold(f64::MAX, f64::min), along.fold(f64::MIN, f64::max)]
+    };
+    let near = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    assert!(near(span(seat, 0), [0.4, 0.6]) && near(span(seat, 2), [0.45, 0.55]));
+    // Turned, its length lies along y; lifted by 0.1.
+    assert!(near(span(gate, 0), [0.45, 0.55]) && near(span(gate, 1), [0.4, 0.6]));
+    assert!(near(span(gate, 2), [0.55, 0.65]));
+    let (_, velocity) = values(&piece.data.point, "velocity");
+    assert!(velocity[..24].iter().all(|v| *v == 0.0));
+    for (point, v) in gate.chunks(3).zip(velocity[24..].chunks(3)) {
+        let expected = [-2.0 * (point[1] - 0.5), 2.0 * (point[0] - 0.5), 1.0];
+        assert!((0..3).all(|a| (v[a] - expected[a]).abs() < 1e-12), "{point:?} {v:?}");
+    }
+    let (_, part) = values(&piece.data.cell, "part");
+    assert_eq!(part, [[0.0; 12], [1.0; 12]].concat());
+}
+
+#[test]
+fn a_run_ends_at_its_last_common_window() {
+    let home = tempfile::tempdir().unwrap();
+    let note = written(home.path(), "lz4");
+    assert!(note.contains("3 of bodies, 3 of lattice, 3 of parts"), "{note}");
+    let mut names: Vec<_> = std::fs::read_dir(home.path().join("fields"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(
+        names,
+        [
+            "about.txt",
+            "bodies.pvd",
+            "bodies_000000.vtp",
+            "bodies_000005.vtp",
+            "bodies_000010.vtp",
+            "lattice.pvd",
+            "lattice_000000.vti",
+            "lattice_000005.vti",
+            "lattice_000010.vti",
+            "parts.pvd",
+            "parts_000000.vtp",
+            "parts_000005.vtp",
+            "parts_000010.vtp",
+        ]
+    );
+    let series = std::fs::read_to_string(home.path().join("fields/lattice.pvd")).unwrap();
+    assert_eq!(series.matches("<DataSet").count(), 3);
+    assert!(
+        series.contains("timestep=\"1e-2\" part=\"0\" file=\"lattice_000010.vti\""),
+        "{series}"
+    );
+}
+
+#[test]
+fn equal_runs_give_equal_bytes() {
+    let (one, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    written(one.path(), "lz4");
+    written(other.path(), "lz4");
+    for name in ["lattice_000005.vti", "bodies_000005.vtp", "parts_000005.vtp", "lattice.pvd"] {
+        let bytes = |home: &Path| std::fs::read(home.join("fields").join(name)).unwrap();
+        assert!(bytes(one.path()) == bytes(other.path()), "{name}");
+    }
+}
+
+#[test]
+fn a_part_that_cannot_be_read_is_named() {
+    let home = tempfile::tempdir().unwrap();
+    let mut setup = setup(home.path(), serde_json::json!({}));
+    setup.hello.scene.parts[1].geometry =
+        Geometry::File { path: "/nowhere/gate.stl".into(), unit: 1.0 };
+    let problems = Fields::describe(&setup).unwrap_err();
+    assert_eq!(problems[0].key, "scene.parts[1].geometry");
+    assert!(problems[0].message.contains("/nowhere/gate.stl"), "{:?}", problems[0]);
+}

@@ -1,0 +1,157 @@
+//! A field between its nodes.
+
+use crate::view::Vector;
+use tremie_messages::frame::{SliceNode, VolumeHeader};
+
+/// A frame of a volume, to be asked anywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'a> {
+    origin: Vector,
+    step: Vector,
+    count: [usize; 3],
+    nodes: &'a [SliceNode],
+}
+
+/// What a field is at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Velocity [m/s].
+    pub velocity: Vector,
+    /// Gauge pressure [Pa].
+    pub pressure: f64,
+}
+
+impl<'a> Field<'a> {
+    /// The field of a frame; `None` if the frame has no nodes, or not as many as it says.
+    pub fn new(header: &VolumeHeader, nodes: &'a [SliceNode]) -> Option<Self> {
+        let count = header.count.map(|n| n as usize);
+        let fits = !nodes.is_empty() && count.iter().product::<usize>() == nodes.len();
+        fits.then_some(Self { origin: header.origin, step: header.step, count, nodes })
+    }
+
+    /// Nodes along each axis.
+    pub fn count(&self) -> [usize; 3] {
+        self.count
+    }
+
+    /// The shortest step between nodes [m].
+    pub fn spacing(&self) -> f64 {
+        self.step.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// All nodes, `x` running fastest.
+    pub fn nodes(&self) -> &'a [SliceNode] {
+        self.nodes
+    }
+
+    /// Index of a node.
+    pub fn index(&self, [i, j, k]: [usize; 3]) -> usize {
+        i + self.count[0] * (j + self.count[1] * k)
+    }
+
+    /// A point given in steps from the first node [m].
+    pub fn position(&self, at: [f32; 3]) -> Vector {
+        std::array::from_fn(|a| self.origin[a] + f64::from(at[a]) * self.step[a])
+    }
+
+    /// Linear between the fluid nodes around `point`, constant over the last half step at the ends.
+    /// `None` beyond that, and where the nearest node is solid.
+    ///
+    /// Solid nodes around have no say: a body may move, and what a solid node says of velocity means
+    /// nothing.
+    pub fn at(&self, point: Vector) -> Option<Sample> {
+        let mut low = [0; 3];
+        let mut part = [0.0; 3];
+        for a in 0..3 {
+            let place = (point[a] - self.origin[a]) / self.step[a];
+            let last = (self.count[a] - 1) as f64;
+            // A little slack: the face of a box lies exactly half a step beyond the last node.
+            if !(-0.5 - 1e-6..=last + 0.5 + 1e-6).contains(&place) {
+                return None;
+            }
+            let place = place.clamp(0.0, last);
+            low[a] = (place as usize).min(self.count[a].saturating_sub(2));
+            part[a] = place - low[a] as f64;
+        }
+        let nearest = std::array::from_fn(|a| low[a] + usize::from(part[a] > 0.5));
+        if self.nodes[self.index(nearest)].solid != 0 {
+            return None;
+        }
+        Some(self.mix(low, part))
+    }
+
+    fn mix(&self, low: [usize; 3], part: Vector) -> Sample {
+        let mut sum = Sample { velocity: [0.0; 3], pressure: 0.0 };
+        let mut whole = 0.0;
+        for corner in 0..8_usize {
+            let upper = |a: usize| corner >> a & 1;
+            let weight: f64 =
+                (0..3).map(|a| if upper(a) == 1 { part[a] } else { 1.0 - part[a] }).product();
+            if weight == 0.0 {
+                continue;
+            }
+            let node = &self.nodes[self.index(std::array::from_fn(|a| low[a] + upper(a)))];
+            if node.solid == 0 {
+                whole += weight;
+                for a in 0..3 {
+                    sum.velocity[a] += weight * f64::from(node.velocity[a]);
+                }
+                sum.pressure += weight * f64::from(node.pressure);
+            }
+        }
+        Sample { velocity: sum.velocity.map(|v| v / whole), pressure: sum.pressure / whole }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use tremie_messages::Stamp;
+
+    /// Nodes at the centres of unit cells, valued by a function of the position.
+    pub(crate) fn volume(
+        count: [u64; 3],
+        value: impl Fn(Vector) -> SliceNode,
+    ) -> (VolumeHeader, Vec<SliceNode>) {
+        let header =
+            VolumeHeader { stamp: Stamp::default(), origin: [0.5; 3], step: [1.0; 3], count };
+        let [nx, ny, nz] = count;
+        let all = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
+        (header, all.map(|at| value(at.map(|n| n as f64 + 0.5))).collect())
+    }
+
+    fn linear([x, y, z]: Vector) -> [f64; 3] {
+        [1.0 + 2.0 * x - y, z, 0.5 * y]
+    }
+
+    #[test]
+    fn a_linear_field_is_met_everywhere_between_nodes() {
+        let (header, nodes) = volume([4, 5, 6], |p| SliceNode {
+            velocity: linear(p).map(|v| v as f32),
+            pressure: p[2] as f32,
+            solid: 0,
+        });
+        let field = Field::new(&header, &nodes).unwrap();
+        for p in [[0.5, 0.5, 0.5], [1.3, 2.9, 4.4], [3.5, 4.5, 5.5], [2.0, 1.0, 3.25]] {
+            let sample = field.at(p).unwrap();
+            let expected = linear(p);
+            assert!((0..3).all(|a| (sample.velocity[a] - expected[a]).abs() < 1e-6), "{sample:?}");
+            assert!((sample.pressure - p[2]).abs() < 1e-6);
+        }
+        assert_eq!(field.at([0.0, 2.0, 2.0]), field.at([0.5, 2.0, 2.0]));
+        assert!(field.at([-0.01, 2.0, 2.0]).is_none() && field.at([2.0, 2.0, 6.01]).is_none());
+    }
+
+    #[test]
+    fn solids_are_left_out() {
+        let (header, nodes) = volume([3, 3, 1], |p| SliceNode {
+            velocity: [1.0, 0.0, 0.0],
+            pressure: 0.0,
+            solid: u32::from(p[0] > 1.0 && p[0] < 2.0),
+        });
+        let field = Field::new(&header, &nodes).unwrap();
+        assert!(field.at([1.5, 1.0, 0.5]).is_none());
+        assert_eq!(field.at([0.9, 1.0, 0.5]).unwrap().velocity, [1.0, 0.0, 0.0]);
+        assert!(Field::new(&header, &nodes[1..]).is_none());
+    }
+}
