@@ -85,15 +85,30 @@ impl Terminal {
         }
     }
 
+    /// Why nothing came of what was asked; the last word, too.
+    pub fn fail(&mut self, text: &str) {
+        self.clear();
+        match self.style {
+            Style::Json => self.json(json!({"event": "error", "text": text})),
+            Style::Silent => {}
+            _ => self.print(&format!("error: {text}")),
+        }
+    }
+
     /// The last word, whatever the style.
     pub fn end(&mut self, text: &str, details: Value) {
-        if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
-        }
+        self.clear();
         match self.style {
             Style::Json => self.json(json!({"event": "end", "text": text, "summary": details})),
             Style::Silent => {}
             _ => self.print(text),
+        }
+    }
+
+    /// Takes the progress bar away.
+    fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
         }
     }
 

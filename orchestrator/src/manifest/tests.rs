@@ -326,6 +326,7 @@ fn values_of_the_command_line_win_and_have_their_own_place() {
     wrong("run.until.x", "1", "is not a table");
     wrong("run..x", "1", "is not a key");
     wrong("run.seed", "nan", "a finite number");
+    wrong("run.deadline", "1e20 s", "expected at most 86400 s (a day)");
 }
 
 #[test]
