@@ -23,7 +23,7 @@ fn an_unknown_key_comes_with_the_nearest_valid_one() {
 
 #[test]
 fn an_unknown_key_of_a_component_does_so_too() {
-    refused("cell =", "cel =", &["manifest.toml:32", "cel", "\"cell\""]);
+    refused("cell =", "cel =", &["manifest.toml:35", "cel", "\"cell\""]);
 }
 
 #[test]
