@@ -93,9 +93,10 @@ impl Surface {
     }
 
     /// Whether a point is in the solid, its surface included. Exact for the triangles as they
-    /// are; where solids overlap, it is in their union.
+    /// are; where solids overlap, it is in their union. For a cavity that is every point not strictly
+    /// inside.
     pub fn contains(&self, point: Vec3) -> bool {
-        winding(&self.tree, point).is_solid()
+        winding(&self.tree, point).is_solid(self.far)
     }
 
     fn normal_of(&self, triangle: u32, feature: Feature) -> Vec3 {

@@ -288,3 +288,48 @@ fn split_in_half(items: &mut [Item], bounds: &Bounds) -> usize {
     });
     half
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of all triangles, as a walk through all boxes finds them.
+    fn all(tree: &Tree) -> Vec<u32> {
+        let mut found = Vec::new();
+        tree.walk(
+            |_| true,
+            |number, _| {
+                found.push(number);
+                Walk::On
+            },
+        );
+        found.sort_unstable();
+        found
+    }
+
+    fn check(triangles: &[Corners]) {
+        let tree = Tree::of(triangles.iter().copied());
+        let numbers: Vec<u32> = (0..triangles.len() as u32).collect();
+        assert_eq!(all(&tree), numbers);
+        for (number, triangle) in (0..).zip(triangles) {
+            let here = |b: &Bounds| triangle.iter().all(|&p| b.contains(p));
+            let mut found = false;
+            tree.walk(here, |n, _| {
+                found |= n == number;
+                Walk::On
+            });
+            assert!(found, "triangle {number} is outside a box around it");
+        }
+    }
+
+    #[test]
+    fn crowds_of_triangles_do_not_overflow_the_stack() {
+        let small = |scale: f64| [[scale, 0.0, 0.0], [scale, scale, 0.0], [scale, 0.0, scale]];
+        // Each a third the size of the last: every split by area cuts off a few.
+        let shrinking: Vec<Corners> = (0..600).map(|i| small(3f64.powi(-i))).collect();
+        check(&shrinking);
+        check(&vec![small(1.0); 1000]);
+        check(&[]);
+        check(&[small(0.1)]);
+    }
+}
