@@ -1,10 +1,10 @@
 //! The closest point of a surface, and which way the surface faces there.
 
-use crate::Vec3;
 use crate::exact::Corners;
 use crate::inside::winding;
 use crate::surface::Surface;
 use crate::vector::{add, cross, distance_squared, dot, scale, sub};
+use crate::{Bounds, Vec3};
 
 /// What part of a triangle a point is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +61,9 @@ impl Surface {
         let mut best: Option<Nearest> = None;
         let mut farthest = reach * reach;
         self.tree.approach(point, farthest, |triangle, corners| {
+            if Bounds::of(*corners).distance_squared(point) > farthest {
+                return farthest;
+            }
             let near = nearest_of(triangle, corners, self.mesh.triangles[triangle as usize], point);
             let better = match &best {
                 Some(b) => (near.squared, triangle) < (b.squared, b.triangle),
@@ -90,9 +93,10 @@ impl Surface {
     }
 
     /// Whether a point is in the solid, its surface included. Exact for the triangles as they
-    /// are; where solids overlap, it is in their union.
+    /// are; where solids overlap, it is in their union. For a cavity that is every point not strictly
+    /// inside.
     pub fn contains(&self, point: Vec3) -> bool {
-        winding(&self.tree, point).is_solid()
+        winding(&self.tree, point).is_solid(self.far)
     }
 
     fn normal_of(&self, triangle: u32, feature: Feature) -> Vec3 {
@@ -118,13 +122,13 @@ fn nearest_of(triangle: u32, corners: &Corners, names: [u32; 3], point: Vec3) ->
         // The neighbour across the edge must get the same bits: both start at the same end.
         let (from, to) = if names[i] < names[j] { (i, j) } else { (j, i) };
         let along = sub(corners[to], corners[from]);
-        let t = dot(sub(point, corners[from]), along) / dot(along, along);
-        let (on_edge, feature) = if t <= 0.0 {
+        let (part, whole) = (dot(sub(point, corners[from]), along), dot(along, along));
+        let (on_edge, feature) = if part <= 0.0 {
             (corners[from], Feature::Vertex(from as u8))
-        } else if t >= 1.0 {
+        } else if part >= whole {
             (corners[to], Feature::Vertex(to as u8))
         } else {
-            (add(corners[from], scale(along, t)), Feature::Edge(i as u8))
+            (add(corners[from], scale(along, part / whole)), Feature::Edge(i as u8))
         };
         Nearest { squared: distance_squared(point, on_edge), point: on_edge, triangle, feature }
     };

@@ -21,10 +21,14 @@ pub enum Winding {
 }
 
 impl Winding {
-    /// Whether the point is in the solid, its surface included. Where solids overlap, the surface
-    /// goes around more than once: that is their union.
-    pub fn is_solid(self) -> bool {
-        !matches!(self, Self::Off(n) if n <= 0)
+    /// Whether the point is in the solid, its surface included, if the surface goes `far` times
+    /// around points far away. Where solids overlap, it goes around more than once: that is their
+    /// union.
+    pub fn is_solid(self, far: i32) -> bool {
+        match self {
+            Self::On => true,
+            Self::Off(number) => number + far > 0,
+        }
     }
 }
 
@@ -35,6 +39,11 @@ pub fn winding(tree: &Tree, point: Vec3) -> Winding {
         return Winding::Off(0);
     }
     let (axis, forward) = shortest_way_out(&bounds, point);
+    winding_along(tree, point, axis, forward)
+}
+
+/// The same, along the ray of one's choice.
+fn winding_along(tree: &Tree, point: Vec3, axis: usize, forward: bool) -> Winding {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let ahead = |b: &Bounds| {
         let beyond = if forward { b.max[axis] >= point[axis] } else { b.min[axis] <= point[axis] };
@@ -112,5 +121,47 @@ fn side(turn: f64, axis: usize, from: Vec3, to: Vec3) -> i32 {
         (0, 0) => sign(to[u] - from[u]),
         (0, aside) => aside,
         (plain, _) => plain,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// An octahedron with corners on whole numbers: rays along the axes hit its corners and edges.
+    fn octahedron() -> Tree {
+        let corner = |axis: usize, sign: f64| {
+            let mut p = [0.0; 3];
+            p[axis] = 2.0 * sign;
+            p
+        };
+        let side = |i: u8| {
+            let [x, y, z] = [0, 1, 2].map(|k| if i >> k & 1 == 1 { 1.0 } else { -1.0 });
+            let [a, b, c] = [corner(0, x), corner(1, y), corner(2, z)];
+            if x * y * z > 0.0 { [a, b, c] } else { [a, c, b] }
+        };
+        Tree::of((0..8).map(side))
+    }
+
+    proptest! {
+        #[test]
+        fn all_rays_agree(cells in proptest::array::uniform3(-8i32..=8), fine in any::<bool>()) {
+            let p = cells.map(|i| f64::from(i) / if fine { 7.0 } else { 4.0 });
+            let tree = octahedron();
+            let found = winding(&tree, p);
+            let across: f64 = p.iter().map(|x| x.abs()).sum();
+            // The octahedron's sides are where the coordinates' magnitudes add up to two.
+            if (across - 2.0).abs() > 1e-12 {
+                prop_assert_eq!(found, Winding::Off(i32::from(across < 2.0)));
+            } else if !fine {
+                prop_assert_eq!(found, Winding::On);
+            }
+            for axis in 0..3 {
+                for forward in [false, true] {
+                    prop_assert_eq!(winding_along(&tree, p, axis, forward), found);
+                }
+            }
+        }
     }
 }

@@ -27,6 +27,23 @@ pub struct Repairs {
     pub shells: usize,
 }
 
+impl std::fmt::Display for Repairs {
+    /// What was done, in words; "nothing" if the mesh was right as it was.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let near = format!("vertices united with another within {:.1e} m", self.tolerance);
+        let done = [
+            (self.welded_near, near.as_str()),
+            (self.dropped, "triangles without area dropped"),
+            (self.turned, "triangles turned round"),
+            (self.flipped, "triangles without height given to their neighbours"),
+        ];
+        let done = done.iter().filter(|(count, _)| *count > 0);
+        let words: Vec<String> = done.map(|(count, what)| format!("{count} {what}")).collect();
+        f.write_str(if words.is_empty() { "nothing" } else { "" })?;
+        f.write_str(&words.join(", "))
+    }
+}
+
 /// Vertices may differ by this part of the largest coordinate and still be meant as one: four
 /// roundings to single precision, in which STL files store them.
 const NEAR: f64 = 4.0 / (1u64 << 23) as f64;

@@ -75,6 +75,6 @@ impl Shell {
     fn holds(&self, other: &Self) -> bool {
         self.bounds.contains(other.bounds.min)
             && self.bounds.contains(other.bounds.max)
-            && other.vertices.iter().all(|&v| winding(&self.tree, v).is_solid())
+            && other.vertices.iter().all(|&v| winding(&self.tree, v).is_solid(0))
     }
 }

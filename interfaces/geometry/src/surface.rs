@@ -1,14 +1,18 @@
 //! A closed surface, ready to be asked.
 
-use crate::edges::pair;
+use crate::edges::{Edges, pair};
 use crate::features::Features;
 use crate::moments::signed_volume;
+use crate::orient::turn_round;
 use crate::tree::{Tree, Walk};
 use crate::{Bounds, EdgeKind, Fault, GeometryError, Mesh, Vec3, VertexKind, load};
-use tremie_messages::scene::Geometry;
+use tremie_messages::scene::{Geometry, Part};
 
 /// A closed surface in its part's frame, ready to be asked about points, segments, rows of points,
 /// and its triangles nearby.
+///
+/// The solid is what the surface encloses; for a cavity, what is outside. Normals point out of the
+/// solid, into the free space, in both cases, and the surface itself is solid.
 ///
 /// Questions need no lock and, but for the room in the vectors given to them, no memory: threads may
 /// share a surface.
@@ -17,10 +21,21 @@ pub struct Surface {
     pub(crate) mesh: Mesh,
     pub(crate) tree: Tree,
     pub(crate) features: Features,
+    /// How often the surface is taken to go around points far away: 1 for a cavity.
+    pub(crate) far: i32,
     bounding_radius: f64,
 }
 
 impl Surface {
+    /// The surface of a part, in the part's frame.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn of_part(part: &Part) -> Result<Self, GeometryError> {
+        let solid = Self::of(&part.geometry)?;
+        Ok(if part.cavity { solid.inside_out() } else { solid })
+    }
+
     /// The surface of a geometry, repaired as [`load`] does.
     ///
     /// # Errors
@@ -43,20 +58,37 @@ impl Surface {
         let mut faults = edges.faults(&mesh);
         faults.extend(edges.winding_fault(&mesh));
         let bounds = mesh.bounds();
-        let corners = || (0..mesh.triangles.len()).map(|t| mesh.corners(t));
-        if faults.is_empty() && signed_volume(corners(), bounds.centre()) <= 0.0 {
+        let corners = (0..mesh.triangles.len()).map(|t| mesh.corners(t));
+        if faults.is_empty() && signed_volume(corners, bounds.centre()) <= 0.0 {
             faults.push(Fault::Inward { triangles: mesh.triangles.len(), bounds });
         }
         if !faults.is_empty() {
             return Err(GeometryError::Faults(faults));
         }
-        let tree = Tree::of(corners());
-        let features = Features::of(&mesh, edges.twins);
-        let bounding_radius = mesh.bounding_radius();
-        Ok(Self { mesh, tree, features, bounding_radius })
+        Ok(Self::assembled(mesh, edges, 0))
     }
 
-    /// Its triangles.
+    /// The same surface around the rest of space: what was solid is free, what was free is solid, and
+    /// all triangles are turned round.
+    pub fn inside_out(mut self) -> Self {
+        self.mesh.triangles.iter_mut().for_each(turn_round);
+        let edges = pair(&self.mesh.triangles);
+        Self::assembled(self.mesh, edges, 1 - self.far)
+    }
+
+    fn assembled(mesh: Mesh, edges: Edges, far: i32) -> Self {
+        let tree = Tree::of((0..mesh.triangles.len()).map(|t| mesh.corners(t)));
+        let features = Features::of(&mesh, edges.twins);
+        let bounding_radius = mesh.bounding_radius();
+        Self { mesh, tree, features, far, bounding_radius }
+    }
+
+    /// Whether the space outside is solid, and that inside free.
+    pub fn is_cavity(&self) -> bool {
+        self.far > 0
+    }
+
+    /// Its triangles. Those of a cavity face inward: its volume is negative.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }

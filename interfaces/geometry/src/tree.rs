@@ -1,7 +1,7 @@
 //! A tree of boxes over triangles.
 //!
 //! Built by the binned surface area heuristic (Wald, *IEEE Symp. Interactive Ray Tracing* 2007, 33).
-//! Nodes lie in depth-first order: the left child follows its parent.
+//! Siblings lie together, and pairs of them in depth-first order.
 
 use crate::exact::Corners;
 use crate::{Bounds, Vec3};
@@ -18,20 +18,54 @@ const STACK: usize = 64;
 /// Triangles in leaves, boxes around them.
 #[derive(Clone, Debug)]
 pub struct Tree {
-    nodes: Vec<Node>,
+    bounds: Bounds,
+    /// Node `i` is half `i % 2` of pair `i / 2`. Node 0 is the root, which is alone.
+    pairs: Vec<Pair>,
     /// Triangles in the order of leaves: their numbers.
     numbers: Vec<u32>,
     /// And their corners.
     corners: Vec<Corners>,
 }
 
-#[derive(Clone, Copy, Debug)]
+/// Siblings, which are looked at together: one line of the cache.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+struct Pair([Node; 2]);
+
+/// A box in single precision, rounded outward: half the memory, and memory is what questions wait for.
+#[derive(Clone, Copy, Debug, Default)]
 struct Node {
-    bounds: Bounds,
+    min: [f32; 3],
+    max: [f32; 3],
     /// Triangles of a leaf; zero for an inner node.
     count: u32,
-    /// The first triangle of a leaf, or the right child.
+    /// The first triangle of a leaf, or the first of two children.
     next: u32,
+}
+
+impl Node {
+    fn of(bounds: &Bounds, count: u32, next: u32) -> Self {
+        Self { min: bounds.min.map(lower), max: bounds.max.map(upper), count, next }
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds { min: self.min.map(f64::from), max: self.max.map(f64::from) }
+    }
+
+    fn triangles(&self) -> std::ops::Range<usize> {
+        self.next as usize..(self.next + self.count) as usize
+    }
+}
+
+/// The next number in single precision that is not greater.
+fn lower(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) > x { near.next_down() } else { near }
+}
+
+/// The next number in single precision that is not less.
+fn upper(x: f64) -> f32 {
+    -lower(-x)
 }
 
 /// Whether a walk goes on.
@@ -48,45 +82,47 @@ impl Tree {
     pub fn of(triangles: impl Iterator<Item = Corners>) -> Self {
         let corners: Vec<Corners> = triangles.collect();
         let items: Vec<Item> = corners.iter().enumerate().map(Item::of).collect();
-        let mut builder = Builder { items, nodes: Vec::with_capacity(corners.len()) };
-        if !corners.is_empty() {
-            builder.build(0..corners.len(), 0);
-        }
+        let bounds = around(&items);
+        let mut builder = Builder { items, pairs: vec![Pair::default()] };
+        builder.build(0..corners.len(), 0, 0);
         let numbers: Vec<u32> = builder.items.iter().map(|item| item.number).collect();
         let corners = numbers.iter().map(|&t| corners[t as usize]).collect();
-        Self { nodes: builder.nodes, numbers, corners }
+        Self { bounds, pairs: builder.pairs, numbers, corners }
     }
 
     /// The box around everything.
     pub fn bounds(&self) -> Bounds {
-        self.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds)
+        self.bounds
     }
 
-    /// Visits triangles in all leaves whose boxes, and those around them, `enter` accepts.
+    fn node(&self, i: u32) -> &Node {
+        &self.pairs[i as usize / 2].0[i as usize % 2]
+    }
+
+    /// Visits triangles in all leaves whose boxes, and those around them, `enter` accepts. Boxes may
+    /// be larger than what is in them.
     pub fn walk(
         &self,
         mut enter: impl FnMut(&Bounds) -> bool,
         mut visit: impl FnMut(u32, &Corners) -> Walk,
     ) {
         let mut stack = [0u32; STACK];
-        let mut depth = usize::from(!self.nodes.is_empty());
+        let mut depth = usize::from(!self.numbers.is_empty());
         while depth > 0 {
             depth -= 1;
-            let mut at = stack[depth] as usize;
-            while enter(&self.nodes[at].bounds) {
-                let node = self.nodes[at];
-                if node.count == 0 {
-                    stack[depth] = node.next;
-                    depth += 1;
-                    at += 1;
-                    continue;
-                }
-                for i in node.next as usize..(node.next + node.count) as usize {
-                    if visit(self.numbers[i], &self.corners[i]) == Walk::Stop {
-                        return;
+            let mut node = self.node(stack[depth]);
+            while enter(&node.bounds()) {
+                if node.count > 0 {
+                    for i in node.triangles() {
+                        if visit(self.numbers[i], &self.corners[i]) == Walk::Stop {
+                            return;
+                        }
                     }
+                    break;
                 }
-                break;
+                stack[depth] = node.next + 1;
+                depth += 1;
+                node = self.node(node.next);
             }
         }
     }
@@ -99,25 +135,22 @@ impl Tree {
         mut farthest: f64,
         mut visit: impl FnMut(u32, &Corners) -> f64,
     ) {
+        let away = |node: u32| self.node(node).bounds().distance_squared(point);
         let mut stack = [(0u32, 0.0f64); STACK];
-        let mut depth = 0;
-        if let Some(root) = self.nodes.first() {
-            stack[0].1 = root.bounds.distance_squared(point);
-            depth = 1;
-        }
+        stack[0].1 = away(0);
+        let mut depth = usize::from(!self.numbers.is_empty());
         while depth > 0 {
             depth -= 1;
             let (mut at, mut distance) = stack[depth];
             while distance <= farthest {
-                let node = &self.nodes[at as usize];
+                let node = self.node(at);
                 if node.count > 0 {
-                    for i in node.next as usize..(node.next + node.count) as usize {
+                    for i in node.triangles() {
                         farthest = visit(self.numbers[i], &self.corners[i]);
                     }
                     break;
                 }
-                let away = |child: u32| self.nodes[child as usize].bounds.distance_squared(point);
-                let (left, right) = (at + 1, node.next);
+                let (left, right) = (node.next, node.next + 1);
                 let (to_left, to_right) = (away(left), away(right));
                 let (near, far) = if to_left <= to_right {
                     ((left, to_left), (right, to_right))
@@ -150,27 +183,36 @@ impl Item {
     }
 }
 
+fn around(items: &[Item]) -> Bounds {
+    items.iter().fold(Bounds::EMPTY, |b, item| b.union(&item.bounds))
+}
+
 struct Builder {
     items: Vec<Item>,
-    nodes: Vec<Node>,
+    pairs: Vec<Pair>,
 }
 
 impl Builder {
-    fn build(&mut self, range: std::ops::Range<usize>, depth: usize) {
+    /// Makes node `at` of a range of items, and those below it.
+    fn build(&mut self, range: std::ops::Range<usize>, at: u32, depth: usize) {
         let items = &mut self.items[range.clone()];
-        let bounds = items.iter().fold(Bounds::EMPTY, |b, item| b.union(&item.bounds));
-        let at = self.nodes.len();
-        let (count, next) = (items.len() as u32, range.start as u32);
-        self.nodes.push(Node { bounds, count, next });
+        let bounds = around(items);
+        let (count, first) = (items.len() as u32, range.start as u32);
         if items.len() <= LEAF {
+            self.set(at, Node::of(&bounds, count, first));
             return;
         }
         let split = if depth < UNEVEN_DEPTH { split_by_area(items) } else { None };
         let middle = range.start + split.unwrap_or_else(|| split_in_half(items, &bounds));
-        self.build(range.start..middle, depth + 1);
-        self.nodes[at].count = 0;
-        self.nodes[at].next = self.nodes.len() as u32;
-        self.build(middle..range.end, depth + 1);
+        let children = 2 * self.pairs.len() as u32;
+        self.pairs.push(Pair::default());
+        self.set(at, Node::of(&bounds, 0, children));
+        self.build(range.start..middle, children, depth + 1);
+        self.build(middle..range.end, children + 1, depth + 1);
+    }
+
+    fn set(&mut self, at: u32, node: Node) {
+        self.pairs[at as usize / 2].0[at as usize % 2] = node;
     }
 }
 
@@ -245,4 +287,49 @@ fn split_in_half(items: &mut [Item], bounds: &Bounds) -> usize {
         a.middle(axis).total_cmp(&b.middle(axis)).then(a.number.cmp(&b.number))
     });
     half
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of all triangles, as a walk through all boxes finds them.
+    fn all(tree: &Tree) -> Vec<u32> {
+        let mut found = Vec::new();
+        tree.walk(
+            |_| true,
+            |number, _| {
+                found.push(number);
+                Walk::On
+            },
+        );
+        found.sort_unstable();
+        found
+    }
+
+    fn check(triangles: &[Corners]) {
+        let tree = Tree::of(triangles.iter().copied());
+        let numbers: Vec<u32> = (0..triangles.len() as u32).collect();
+        assert_eq!(all(&tree), numbers);
+        for (number, triangle) in (0..).zip(triangles) {
+            let here = |b: &Bounds| triangle.iter().all(|&p| b.contains(p));
+            let mut found = false;
+            tree.walk(here, |n, _| {
+                found |= n == number;
+                Walk::On
+            });
+            assert!(found, "triangle {number} is outside a box around it");
+        }
+    }
+
+    #[test]
+    fn crowds_of_triangles_do_not_overflow_the_stack() {
+        let small = |scale: f64| [[scale, 0.0, 0.0], [scale, scale, 0.0], [scale, 0.0, scale]];
+        // Each a third the size of the last: every split by area cuts off a few.
+        let shrinking: Vec<Corners> = (0..600).map(|i| small(3f64.powi(-i))).collect();
+        check(&shrinking);
+        check(&vec![small(1.0); 1000]);
+        check(&[]);
+        check(&[small(0.1)]);
+    }
 }

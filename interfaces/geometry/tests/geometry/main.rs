@@ -2,6 +2,7 @@
 //! against brute force, edges and corners.
 
 mod bodies;
+mod cavities;
 mod features;
 mod files;
 mod mending;

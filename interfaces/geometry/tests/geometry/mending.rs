@@ -233,5 +233,6 @@ fn a_surface_takes_no_mesh_that_needs_mending() {
     let (mended, repairs) = mend(inward).unwrap();
     assert_eq!(repairs.turned, 12);
     assert_eq!(mended.moments().volume, 1.0);
+    assert_eq!(repairs.to_string(), "12 triangles turned round");
     assert!(Surface::new(torn(&cube(1.0))).is_err());
 }

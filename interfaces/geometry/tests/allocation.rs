@@ -1,0 +1,54 @@
+//! Questions allocate nothing.
+
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    sync::atomic::{AtomicUsize, Ordering},
+};
+use tremie_geometry::{Bounds, Row, RowScratch, Surface};
+use tremie_messages::scene::Geometry;
+
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: hands every call to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `System.alloc` above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn questions_allocate_nothing() {
+    let surface = Surface::of(&Geometry::Sphere { radius: 1.0 }).unwrap();
+    let mut near = Vec::with_capacity(surface.mesh().triangles.len());
+    let mut scratch = RowScratch::default();
+    let mut row = [false; 64];
+    let mut ask = |shift: f64| {
+        let p = [0.7, shift, 0.3];
+        surface.triangles_near(&Bounds { min: p, max: p.map(|x| x + 0.2) }, &mut near);
+        surface.fill_row(
+            &Row { start: [-1.1, shift, 0.1], step: [0.03, 0.0, 0.01] },
+            &mut row,
+            &mut scratch,
+        );
+        let distance = surface.signed_distance(p);
+        let crossing = surface.first_crossing(p, p.map(|x| x + 1.0)).unwrap();
+        distance + crossing.fraction + near.len() as f64
+    };
+    ask(0.0);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let sum: f64 = (0..100).map(|i| ask(0.004 * f64::from(i))).sum();
+    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert!(sum.is_finite() && row.contains(&true));
+}
