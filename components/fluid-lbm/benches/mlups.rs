@@ -4,8 +4,10 @@
 //! cases whose names have all the words.
 
 use std::time::Instant;
-use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision, Variant};
-use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};
+use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision, Variant, Walls};
+use tremie_messages::scene::{
+    Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
+};
 use tremie_messages::{BodyEvent, BodyState, Load};
 
 /// A box of `n` cubed cells of 1 m with a fluid of tau = 0.8.
@@ -108,6 +110,56 @@ fn bulk(n: usize, face: Face, acceleration: f64, smagorinsky: f64, name: &str) {
     }
 }
 
+/// A bore and the bolt in it, 44 % of the box: millions of fluid cells a second.
+fn bore(n: usize) {
+    for precision in [Precision::F64, Precision::F32] {
+        for walls in [Walls::Bouzidi, Walls::Halfway] {
+            for smagorinsky in [0.0, 0.1] {
+                for threads in [1, 2] {
+                    let case =
+                        format!("bore {precision:?} {walls:?} C {smagorinsky} {threads} threads");
+                    if !wanted(&case) {
+                        continue;
+                    }
+                    let mut scene = scene(n, Face::WALL);
+                    let size = n as f64;
+                    for (name, radius, cavity) in [("bore", 0.4375, true), ("bolt", 0.219, false)] {
+                        scene.parts.push(Part {
+                            name: name.into(),
+                            geometry: Geometry::Cylinder {
+                                radius: radius * size,
+                                length: 3.0 * size,
+                            },
+                            pose: Pose { position: [0.501 * size; 3], ..Pose::IDENTITY },
+                            cavity,
+                            material: "wall".into(),
+                            motion: Motion::Fixed,
+                            boundary: PartBoundary::Wall,
+                        });
+                    }
+                    let collision = Collision::Bgk;
+                    let parameters = Parameters {
+                        collision,
+                        precision,
+                        smagorinsky,
+                        walls,
+                        ..Parameters::with_cell(1.0)
+                    };
+                    let time_step = parameters.resolve(&scene).unwrap().time_step;
+                    let mut fluid = FluidLbm::new(&scene, &parameters, time_step, threads).unwrap();
+                    let seconds = seconds_per_step(&mut fluid, &mut [], 0.0, threads);
+                    let cells = fluid.diagnostics().fluid_cells as f64;
+                    println!(
+                        "{case}: {:7.1} MLUPS, {:.1} bytes a cell",
+                        cells / seconds * 1e-6,
+                        fluid.memory_bytes() as f64 / cells
+                    );
+                }
+            }
+        }
+    }
+}
+
 fn links(n: usize, motion: f64) {
     if !wanted("links") {
         return;
@@ -165,6 +217,7 @@ fn main() {
     bulk(n, Face::Periodic, 0.0, 0.1, "les");
     bulk(n, Face::WALL, 0.0, 0.0, "walls");
     bulk(n, Face::Symmetry, 0.0, 0.0, "mirrors");
+    bore(n);
     links(96, 0.0);
     links(96, 0.01);
 }

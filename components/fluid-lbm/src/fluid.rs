@@ -105,6 +105,18 @@ impl FluidLbm {
         solver!(&self.solver, s => s.ledger())
     }
 
+    /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, without
+    /// buoyancy; the torque is about the origin of the part's frame. The id of a load is the part's
+    /// index in the scene. `loads` is cleared before.
+    pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
+        solver!(&self.solver, s => s.loads_on_parts(loads));
+    }
+
+    /// Memory that populations and tables take [bytes].
+    pub fn memory_bytes(&self) -> usize {
+        solver!(&self.solver, s => s.memory_bytes())
+    }
+
     /// What the flow is like; costs nothing, because the collision measures it in passing.
     pub fn diagnostics(&self) -> Diagnostics {
         solver!(&self.solver, s => s.diagnostics())

@@ -95,6 +95,11 @@ pub struct Wanted<T: Real> {
 }
 
 impl<T: Real> Wanted<T> {
+    /// Memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        self.lines.len() * (1 + 64)
+    }
+
     /// Where the densities of a line go; nowhere if nobody wants them.
     #[inline(always)]
     fn room(&self, line: usize) -> *mut T {

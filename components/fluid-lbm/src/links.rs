@@ -186,6 +186,12 @@ impl<T: Real> After<'_, T> {
             }
         }
         let own = body.spans.at(y, z);
+        if !self.layout.cells.are_all() && first <= last {
+            // The row after the next.
+            let ahead = grid.index([0, real_y, real_z]) + 2 * grid.n[0] as usize;
+            self.layout.cells.prefetch(ahead + first.max(0) as usize);
+            self.layout.cells.prefetch(ahead + last.max(0) as usize);
+        }
         let row =
             Row { bodies, body, y, z, base: grid.index([0, real_y, real_z]), starts: &starts };
         let mut x = first;

@@ -1,10 +1,12 @@
 //! What can be seen of the fluid.
 
 use crate::error::FluidError;
+use crate::field::Field;
 use crate::kernel::Collides;
 use crate::lattice::{CS2, Q, dot, equilibrium};
 use crate::ledger::Ledger;
 use crate::solver::Solver;
+use tremie_messages::Load;
 
 /// A summary of the flow, SI units.
 ///
@@ -93,6 +95,33 @@ impl<T: Collides> Solver<T> {
             max_tau: self.survey.max_tau.max(self.tau),
             entering: self.open_items.iter().map(|item| item.entering).sum(),
         }
+    }
+
+    /// See [`crate::FluidLbm::loads_on_parts`].
+    pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
+        let (force, length) = (self.units.force(), self.units.cell);
+        loads.clear();
+        loads.extend(self.surroundings.parts().map(|(fixture, part)| {
+            let exchange = &self.fixtures[fixture];
+            Load {
+                id: part as u64,
+                force: exchange.force.map(|f| f * force),
+                torque: exchange.torque.map(|t| t * force * length),
+            }
+        }));
+    }
+
+    /// See [`crate::FluidLbm::memory_bytes`].
+    pub fn memory_bytes(&self) -> usize {
+        let stride = self.layout.places.stride();
+        Field::<T>::bytes(stride as u64) as usize
+            + self.layout.cells.bytes()
+            + self.layout.places.bytes()
+            + self.tally.bytes()
+            + self.fixed.bytes()
+            + self.open.bytes()
+            + self.owners.bytes()
+            + self.wanted.bytes()
     }
 
     /// See [`crate::FluidLbm::check`].

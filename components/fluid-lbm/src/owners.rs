@@ -92,6 +92,11 @@ impl Owners {
         self.fluid[cell as usize / 8] >> (cell % 8) & 1 == 1
     }
 
+    /// Memory that the map takes [bytes].
+    pub fn bytes(&self) -> usize {
+        4 * self.of.len() + self.fluid.len()
+    }
+
     /// Whether more than one body holds any cell.
     #[inline]
     pub fn any_shared(&self) -> bool {

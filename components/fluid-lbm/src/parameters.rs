@@ -34,6 +34,9 @@ pub struct Parameters {
     /// Scheme of faces with given velocity or pressure.
     #[serde(default)]
     pub open_faces: OpenFaces,
+    /// Walls of parts.
+    #[serde(default)]
+    pub walls: Walls,
     /// Precision of storage and collision. Loads and balances are f64 in either.
     #[serde(default)]
     pub precision: Precision,
@@ -81,6 +84,17 @@ pub enum OpenFaces {
     Nebb,
 }
 
+/// Walls of parts that stand still.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Walls {
+    /// Interpolated at the surface (Bouzidi, Firdaouss & Lallemand 2001): second order.
+    #[default]
+    Bouzidi,
+    /// Half-way between cells: first order, and keeps the mass exactly.
+    Halfway,
+}
+
 /// Precision of storage and collision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -111,6 +125,7 @@ impl Parameters {
             magic: defaults::magic(),
             smagorinsky: 0.0,
             open_faces: OpenFaces::default(),
+            walls: Walls::default(),
             precision: Precision::default(),
             average_force: defaults::average_force(),
             mach_limit: defaults::mach_limit(),

@@ -1,6 +1,7 @@
 //! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
 
 use crate::field::Field;
+use crate::ground::Ground;
 use crate::lattice::{CS2, Q};
 use crate::parameters::{Parameters, Precision};
 use crate::places;
@@ -26,6 +27,10 @@ pub struct Resolution {
     pub cells_per_smallest_sphere: Option<f64>,
     /// Memory that the fluid will take [bytes].
     pub memory_bytes: u64,
+    /// Cells that the fluid may fill.
+    pub fluid_cells: usize,
+    /// What the geometry looks like in cells; sentences.
+    pub notes: Vec<String>,
     /// What a user should know before trusting results; sentences.
     pub warnings: Vec<String>,
 }
@@ -36,6 +41,11 @@ impl Parameters {
     /// # Errors
     /// Every problem found, not only the first.
     pub fn resolve(&self, scene: &Scene) -> Result<Resolution, Vec<Problem>> {
+        self.survey(scene).map(|(resolution, _)| resolution)
+    }
+
+    /// As [`Parameters::resolve`], with the geometry in cells.
+    pub(crate) fn survey(&self, scene: &Scene) -> Result<(Resolution, Ground), Vec<Problem>> {
         let mut problems = Vec::new();
         self.check_own(&mut problems);
         check_scene(scene, &mut problems);
@@ -47,26 +57,22 @@ impl Parameters {
         let time_step = self.choose_time_step(fluid);
         let tau = self.tau_of(time_step, fluid.viscosity / fluid.density);
         self.check_step(fluid, time_step, &mut problems);
-        let memory_bytes = match self
-            .memory(cells, cells.iter().fold(1_u64, |n, &k| n.saturating_mul(k as u64)))
-        {
-            Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes,
-            _ => {
-                problems.push(
-                    Problem::of_parameter(
-                        "cell",
-                        format!("makes {cells:?} cells, more than fit in memory"),
-                    )
-                    .help("choose a larger cell or a smaller domain"),
-                );
-                0
-            }
-        };
+        let boxed = cells.iter().try_fold(1_u64, |n, &k| n.checked_mul(k as u64));
+        // The map of the box alone; what is stored in it is counted once it is known.
+        if boxed.is_none_or(|boxed| boxed >= u64::from(u32::MAX)) {
+            problems.push(too_many(cells));
+        }
         if !problems.is_empty() {
             return Err(problems);
         }
+        let ground = Ground::new(scene, cells, self.cell.0)?;
+        let fluid_cells = ground.voxels.fluid;
+        let memory_bytes = match self.memory(cells, fluid_cells as u64) {
+            Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes,
+            _ => return Err(vec![too_many(cells)]),
+        };
         let smallest = smallest_diameter(scene).map(|d| d / self.cell.0);
-        Ok(Resolution {
+        let resolution = Resolution {
             cells,
             cell: self.cell.0,
             time_step,
@@ -74,8 +80,11 @@ impl Parameters {
             expected_mach: fluid.expected_speed.map(|speed| self.mach_of(speed, time_step)),
             cells_per_smallest_sphere: smallest,
             memory_bytes,
+            fluid_cells,
+            notes: ground.notes(),
             warnings: warnings(memory_bytes),
-        })
+        };
+        Ok((resolution, ground))
     }
 
     /// Checks a time step [s] that was assigned: its relaxation time and Mach number.
@@ -191,6 +200,11 @@ impl Parameters {
         // a cell; the table of places.
         Some(bytes(stride) + 4 * boxed + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
     }
+}
+
+fn too_many(cells: [usize; 3]) -> Problem {
+    Problem::of_parameter("cell", format!("makes {cells:?} cells, more than fit in memory"))
+        .help("choose a larger cell or a smaller domain")
 }
 
 /// Diameter of the smallest sphere that the scene lists or may draw [m].

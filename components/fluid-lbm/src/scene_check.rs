@@ -1,7 +1,7 @@
 //! What this fluid cannot honour in a scene.
 
 use tremie_messages::Problem;
-use tremie_messages::scene::{Domain, Face, Scene};
+use tremie_messages::scene::{Course, Domain, Face, Motion, PartBoundary, Scene};
 
 /// Checks of the scene that concern a fluid.
 pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
@@ -37,14 +37,61 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
         }
     }
     check_domain(&scene.domain, problems);
-    if !scene.planes.is_empty() {
-        problems.push(
-            Problem::new(
-                "scene.planes",
-                "the lattice-Boltzmann fluid knows no walls besides the domain's faces",
-            )
-            .help("remove the planes, or move the domain's faces to where they stand"),
-        );
+    check_open(scene, problems);
+    for (index, part) in scene.parts.iter().enumerate() {
+        if part.motion != Motion::Fixed && part.boundary != PartBoundary::Wall {
+            problems.push(
+                Problem::new(
+                    format!("scene.parts[{index}].boundary"),
+                    format!(
+                        "{} moves; the lattice-Boltzmann fluid knows velocity and pressure only of parts that stand still",
+                        part.name
+                    ),
+                )
+                .help("fix the part, or make it a wall"),
+            );
+        }
+    }
+}
+
+/// Checks of what open faces and parts prescribe.
+fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
+    let mut check = |key: String, numbers: &[f64], course: &Course| {
+        let times = course.0.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+        let finite = numbers.iter().chain(course.0.iter().flatten()).all(|x| x.is_finite());
+        if !finite {
+            problems.push(Problem::new(key, "holds a number that is not finite"));
+        } else if !times {
+            problems.push(Problem::new(key, "the times of its course do not ascend"));
+        }
+    };
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        for face in &scene.domain.faces[axis] {
+            let key = format!("scene.domain.faces.{name}");
+            match face {
+                Face::Velocity(open) => check(key, &open.velocity, &open.course),
+                Face::Pressure { pressure, course } => check(key, &[*pressure], course),
+                Face::Wall { velocity } => check(key, velocity, &Course::default()),
+                Face::Periodic | Face::Symmetry => {}
+            }
+        }
+    }
+    for (index, part) in scene.parts.iter().enumerate() {
+        let key = format!("scene.parts[{index}].boundary");
+        match &part.boundary {
+            PartBoundary::Wall => {}
+            PartBoundary::Velocity { velocity, course } => check(key, velocity, course),
+            PartBoundary::Pressure { pressure, course } => check(key, &[*pressure], course),
+        }
+    }
+    for (index, plane) in scene.planes.iter().enumerate() {
+        let length = plane.normal.iter().map(|x| x * x).sum::<f64>();
+        if !((length - 1.0).abs() < 1e-6 && plane.point.iter().all(|x| x.is_finite())) {
+            problems.push(Problem::new(
+                format!("scene.planes[{index}].normal"),
+                format!("must have length 1, found {:?}", plane.normal),
+            ));
+        }
     }
 }
 

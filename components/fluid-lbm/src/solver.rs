@@ -56,7 +56,7 @@ pub struct Solver<T: Collides> {
     pub(crate) layout: Layout,
     pub(crate) field: Field<T>,
     pub(crate) owners: Owners,
-    wanted: Wanted<T>,
+    pub(crate) wanted: Wanted<T>,
     pub(crate) bodies: Bodies,
     pub(crate) relaxation: Relaxation,
     /// Parity of the next collision.
@@ -106,7 +106,7 @@ impl<T: Collides> Solver<T> {
         threads: usize,
         variant: Variant,
     ) -> Result<Self, Vec<Problem>> {
-        let resolution = parameters.resolve(scene)?;
+        let (resolution, ground) = parameters.survey(scene)?;
         let mut problems = Vec::new();
         let fluid = scene.fluid.as_ref().expect("a scene that was resolved has a fluid");
         parameters.check_step(fluid, time_step, &mut problems);
@@ -132,7 +132,7 @@ impl<T: Collides> Solver<T> {
                 format!("the system does not give {threads} threads: {error}"),
             )]
         })?;
-        let surroundings = Surroundings::new(scene, parameters, &resolution, &units)?;
+        let mut surroundings = Surroundings::new(scene, ground, parameters, &units);
         let built = surroundings.build(T::LINE);
         let count = built.layout.places.lines().len();
         let step = CELLS_PER_BLOCK / T::LINE;

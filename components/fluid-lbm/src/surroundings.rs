@@ -3,20 +3,19 @@
 use crate::cells::{Fixture, Obstacles};
 use crate::course::Law;
 use crate::fixed::{self, FixedLinks};
-use crate::grid::{Grid, Side};
+use crate::grid::Side;
+use crate::ground::Ground;
 use crate::layout::Layout;
 use crate::open::{self, OpenCells};
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, Walls};
 use crate::places::Reflection;
-use crate::resolution::Resolution;
 use crate::units::Units;
-use tremie_messages::Problem;
 use tremie_messages::scene::{Face, Scene};
 
 /// Faces of the domain and static solids.
 pub struct Surroundings {
-    grid: Grid,
-    obstacles: Obstacles,
+    ground: Ground,
+    halfway: bool,
     /// For each fixture what it prescribes; `None` for a face that prescribes nothing.
     pub laws: Vec<Option<Law>>,
     /// For each fixture the point about which its torque counts [cells].
@@ -52,21 +51,26 @@ pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
 }
 
 impl Surroundings {
-    /// Of a scene.
-    ///
-    /// # Errors
-    /// Every problem of the geometry.
-    pub fn new(
-        scene: &Scene,
-        _parameters: &Parameters,
-        resolution: &Resolution,
-        units: &Units,
-    ) -> Result<Self, Vec<Problem>> {
-        let grid = Grid::new(resolution.cells, sides(scene));
-        let laws: Vec<_> =
+    /// Of a scene and its geometry in cells.
+    pub fn new(scene: &Scene, ground: Ground, parameters: &Parameters, units: &Units) -> Self {
+        let mut laws: Vec<_> =
             scene.domain.faces.iter().flatten().map(|face| Law::of_face(face, units)).collect();
-        let references = vec![[0.0; 3]; laws.len()];
-        Ok(Self { grid, obstacles: Obstacles::default(), laws, references })
+        let mut references = vec![[0.0; 3]; laws.len()];
+        for solid in &ground.solids {
+            laws.push(Some(Law::of_part(&solid.boundary, units)));
+            references.push(units.position_to_lattice(solid.reference));
+        }
+        // Cells to which no way leads count as one more solid, which no link meets.
+        laws.push(None);
+        references.push([0.0; 3]);
+        Self { ground, halfway: parameters.walls == Walls::Halfway, laws, references }
+    }
+
+    /// The parts that stand still: number of the fixture and index into the scene's parts.
+    pub fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
+        let first = usize::from(Fixture::FACES);
+        let solids = self.ground.solids.iter().enumerate();
+        solids.filter_map(move |(k, solid)| solid.part.map(|part| (first + k, part)))
     }
 
     /// Whether a fixture's links need work besides reflection half-way.
@@ -80,10 +84,15 @@ impl Surroundings {
         }
     }
 
+    fn obstacles(&self) -> &Obstacles {
+        &self.ground.voxels.obstacles
+    }
+
     /// Lays out the cells in lines of `line`.
-    pub fn build(&self, line: usize) -> Built {
+    pub fn build(&mut self, line: usize) -> Built {
         let special = |fixture| self.is_special(fixture);
-        let (layout, survey) = Layout::new(self.grid.clone(), &self.obstacles, line, special);
+        let (layout, survey) =
+            Layout::new(self.ground.grid.clone(), self.obstacles(), line, special);
         let is_open = |fixture: Fixture| {
             fixture.as_solid().is_none()
                 && !matches!(self.laws[usize::from(fixture.0)], Some(Law::Wall(_)))
@@ -91,7 +100,13 @@ impl Surroundings {
         let (open, fixed): (Vec<_>, Vec<_>) =
             survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
         let (open, open_items) = OpenCells::new(&layout, &self.laws, &open);
-        let (fixed, fixed_items) = FixedLinks::new(fixed.into_iter().map(|blocked| (blocked, 0.5)));
+        let (fixed, fixed_items) = FixedLinks::new(fixed.iter().map(|blocked| {
+            let meets = match blocked.fixture.as_solid() {
+                None => (*blocked, 0.5),
+                Some(_) => self.ground.meet(layout.at(blocked.cell), blocked),
+            };
+            if self.halfway { (meets.0, 0.5) } else { meets }
+        }));
         Built { layout, reflections: survey.reflections, fixed, fixed_items, open, open_items }
     }
 }

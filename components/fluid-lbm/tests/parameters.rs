@@ -83,11 +83,16 @@ fn each_wrong_part_of_the_scene_is_named() {
     let fluid = scene.fluid.as_mut().unwrap();
     (fluid.density, fluid.viscosity) = (0.0, -1.0);
     scene.domain.faces[0][1] = WALL;
-    scene.planes.push(Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0], material: "wall".into() });
+    scene.planes.push(Plane { point: [0.0; 3], normal: [0.0, 0.0, 2.0], material: "wall".into() });
     let keys: Vec<_> = problems(&parameters, &scene).into_iter().map(|p| p.key).collect();
     assert_eq!(
         keys,
-        ["scene.fluid.density", "scene.fluid.viscosity", "scene.domain.faces.x", "scene.planes"]
+        [
+            "scene.fluid.density",
+            "scene.fluid.viscosity",
+            "scene.domain.faces.x",
+            "scene.planes[0].normal"
+        ]
     );
     let mut dry = water();
     dry.fluid = None;

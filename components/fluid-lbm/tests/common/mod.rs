@@ -2,8 +2,10 @@
 //! numbers read as in papers.
 #![allow(dead_code)]
 
-use tremie_fluid_lbm::{Collision, FluidLbm, OpenFaces, Parameters, Precision, Variant};
-use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};
+use tremie_fluid_lbm::{Collision, FluidLbm, OpenFaces, Parameters, Precision, Variant, Walls};
+use tremie_messages::scene::{
+    Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
+};
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Load};
 
@@ -29,6 +31,7 @@ pub struct Case {
     pub lid: (usize, [f64; 3]),
     pub smagorinsky: f64,
     pub open_faces: OpenFaces,
+    pub walls: Walls,
 }
 
 impl Case {
@@ -48,6 +51,7 @@ impl Case {
             lid: (2, [0.0; 3]),
             smagorinsky: 0.0,
             open_faces: OpenFaces::Nee,
+            walls: Walls::Bouzidi,
         }
     }
 
@@ -76,17 +80,23 @@ impl Case {
         self.fluid_of(&self.scene())
     }
 
-    /// The fluid in a scene made from [`Case::scene`].
-    pub fn fluid_of(&self, scene: &Scene) -> FluidLbm {
-        let parameters = Parameters {
+    /// What the tests choose, as parameters.
+    pub fn parameters(&self) -> Parameters {
+        Parameters {
             time_step: Some(Time(1.0)),
             collision: self.collision,
             precision: self.precision,
             average_force: self.average_force,
             smagorinsky: self.smagorinsky,
             open_faces: self.open_faces,
+            walls: self.walls,
             ..Parameters::with_cell(1.0)
-        };
+        }
+    }
+
+    /// The fluid in a scene made from [`Case::scene`].
+    pub fn fluid_of(&self, scene: &Scene) -> FluidLbm {
+        let parameters = self.parameters();
         FluidLbm::with_variant(scene, &parameters, 1.0, self.threads, self.variant).unwrap()
     }
 }
@@ -103,6 +113,31 @@ pub fn added(id: u64, radius: f64) -> BodyEvent {
         size: [radius, 0.0, 0.0],
         table: 0,
     }
+}
+
+/// A part that stands still at a position.
+pub fn part(name: &str, geometry: Geometry, position: [f64; 3]) -> Part {
+    Part {
+        name: name.into(),
+        geometry,
+        pose: Pose { position, ..Pose::IDENTITY },
+        cavity: false,
+        material: "wall".into(),
+        motion: Motion::Fixed,
+        boundary: PartBoundary::Wall,
+    }
+}
+
+/// Checks that the balance of momentum and mass of the last step closes.
+pub fn closes(fluid: &FluidLbm, tolerance: f64) {
+    let ledger = fluid.ledger();
+    let terms = ledger.momentum_terms();
+    for a in 0..3 {
+        let gap = ledger.momentum_change[a] - terms[a];
+        assert!(gap.abs() < tolerance, "axis {a}: {gap} {ledger:?}");
+    }
+    let gap = ledger.mass_change - ledger.mass_terms();
+    assert!(gap.abs() < 10.0 * tolerance, "mass: {gap} {ledger:?}");
 }
 
 /// A body disappears.

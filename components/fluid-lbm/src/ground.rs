@@ -1,0 +1,189 @@
+//! The static geometry of a scene in cells, checked.
+
+use crate::cells::{Fixture, Sheet};
+use crate::grid::{Grid, Reach};
+use crate::lattice::{C, mirrored};
+use crate::leak::narrowest;
+use crate::places::Blocked;
+use crate::solids::{Centres, Solid, solids};
+use crate::surroundings::sides;
+use crate::voxels::Voxels;
+use tremie_messages::Problem;
+use tremie_messages::scene::Scene;
+
+/// The static geometry of a scene in cells.
+pub struct Ground {
+    /// The box.
+    pub grid: Grid,
+    /// Its solids.
+    pub solids: Vec<Solid>,
+    /// Which cells they cover.
+    pub voxels: Voxels,
+    centres: Centres,
+}
+
+impl Ground {
+    /// Of a scene in a box of `cells` cells with edges of `cell` [m].
+    ///
+    /// # Errors
+    /// Surfaces that cannot be had, points inside that are not in the fluid, leaks.
+    pub fn new(scene: &Scene, cells: [usize; 3], cell: f64) -> Result<Self, Vec<Problem>> {
+        let grid = Grid::new(cells, sides(scene));
+        let centres = Centres { cell, min: scene.domain.min };
+        let solids = solids(scene)?;
+        let fluid = scene.fluid.as_ref().expect("a scene that was checked has a fluid");
+        let mut problems = Vec::new();
+        let mut points = |key: &str, points: &[[f64; 3]]| -> Vec<[i32; 3]> {
+            let mut found = Vec::new();
+            for (k, point) in points.iter().enumerate() {
+                match cell_of(&grid, &centres, *point) {
+                    Some(at) => found.push(at),
+                    None => problems.push(Problem::new(
+                        format!("scene.fluid.{key}[{k}]"),
+                        format!("{} lies outside the domain", text(*point)),
+                    )),
+                }
+            }
+            found
+        };
+        let (inside, outside) =
+            (points("inside", &fluid.inside), points("outside", &fluid.outside));
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let voxels = Voxels::new(&grid, &centres, &solids, &inside);
+        let own = Self { grid, solids, voxels, centres };
+        for (k, at) in inside.iter().enumerate() {
+            if !own.voxels.is_fluid(&own.grid, *at) {
+                problems.push(own.not_fluid(k, fluid.inside[k], *at));
+            }
+        }
+        for (k, at) in outside.iter().enumerate() {
+            problems.extend(own.leak(k, fluid.outside[k], &inside, *at));
+        }
+        if own.voxels.fluid == 0 {
+            problems.push(
+                Problem::new("scene.fluid", "no cell is left for the fluid: solids cover them all")
+                    .help("a part that is a hollow needs `cavity`"),
+            );
+        }
+        if problems.is_empty() { Ok(own) } else { Err(problems) }
+    }
+
+    /// A point inside that is in a solid.
+    fn not_fluid(&self, k: usize, point: [f64; 3], at: [i32; 3]) -> Problem {
+        let solid = usize::from(self.voxels.obstacles.solid[self.grid.index(at)]) - 1;
+        let name = self.solids.get(solid).map_or("nothing", |solid| solid.name.as_str());
+        Problem::new(
+            format!("scene.fluid.inside[{k}]"),
+            format!("{} is not in the fluid: the cell there is in {name}", text(point)),
+        )
+        .help("move the point, or make the part a `cavity` if its inside is the space of the fluid")
+    }
+
+    /// A leak to the point outside, if there is one.
+    fn leak(&self, k: usize, point: [f64; 3], from: &[[i32; 3]], to: [i32; 3]) -> Option<Problem> {
+        let start: Vec<usize> = from.iter().map(|&at| self.grid.index(at)).collect();
+        let end = self.grid.index(to);
+        if from.is_empty() || self.voxels.obstacles.solid[end] != 0 {
+            return None;
+        }
+        let found = narrowest(&self.grid, &self.voxels.obstacles, &start, &[end])?;
+        let place = self.centres.of(found.at);
+        let mut near: Vec<(f64, &str)> =
+            self.solids.iter().map(|solid| (solid.distance(place), solid.name.as_str())).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let between = match near.as_slice() {
+            [] => String::new(),
+            [(_, one)] => format!(", at {one}"),
+            [(_, one), (_, other), ..] => format!(", between {one} and {other}"),
+        };
+        Some(
+            Problem::new(
+                format!("scene.fluid.outside[{k}]"),
+                format!(
+                    "the fluid leaks to {}; the widest way there is narrowest at {}, about {:.0} cells \
+                     ({:.3e} m) wide{between}",
+                    text(point),
+                    text(place),
+                    found.width,
+                    found.width * self.centres.cell
+                ),
+            )
+            .help("close the gap in the geometry, or choose cells larger than it"),
+        )
+    }
+
+    /// Where a blocked link meets which solid: `q`, and the solid that it meets first.
+    pub fn meet(&self, at: [i32; 3], blocked: &Blocked) -> (Blocked, f64) {
+        let (grid, i) = (&self.grid, usize::from(blocked.dir));
+        let to = std::array::from_fn(|a| at[a] + C[i][a]);
+        let mut ways = vec![(at, to)];
+        if let Reach::Cell { at: end, mirrors } = grid.reach(to)
+            && end != to
+        {
+            // As seen beyond the periodic face or in the mirror.
+            let c = C[mirrored(i, mirrors)];
+            ways.push((std::array::from_fn(|a| end[a] - c[a]), end));
+        }
+        let mut first = (*blocked, f64::INFINITY);
+        for (number, solid) in self.solids.iter().enumerate() {
+            for &(from, to) in &ways {
+                if let Some(q) = solid.crossing(&self.centres, from, to)
+                    && q < first.1
+                {
+                    first = (Blocked { fixture: Fixture::solid(number as u16), ..*blocked }, q);
+                }
+            }
+        }
+        if first.1.is_finite() { first } else { (*blocked, 0.5) }
+    }
+
+    /// What a user should know of the geometry; sentences.
+    pub fn notes(&self) -> Vec<String> {
+        let Voxels { fluid, unreached, regions, obstacles } = &self.voxels;
+        let mut notes = Vec::new();
+        if *fluid < self.grid.len() {
+            let percent = 100.0 * *fluid as f64 / self.grid.len() as f64;
+            notes.push(format!("{fluid} cells of {} are fluid ({percent:.0} %)", self.grid.len()));
+        }
+        if *unreached > 0 {
+            notes.push(format!("{unreached} cells are no part of the fluid: no way leads there"));
+        }
+        if regions.len() > 1 {
+            let rest: usize = regions[1..].iter().sum();
+            notes.push(format!(
+                "{} pockets of {rest} cells in all have no way to the rest of the fluid; \
+                 points in `fluid.inside` would leave them out",
+                regions.len() - 1
+            ));
+        }
+        if !obstacles.sheets.is_empty() {
+            let thin = |sheet: &Sheet| self.solids[usize::from(sheet.solid)].name.as_str();
+            let mut names: Vec<_> = obstacles.sheets.iter().map(thin).collect();
+            names.sort_unstable();
+            names.dedup();
+            notes.push(format!(
+                "{} links pass through walls thinner than a cell, of {}; they are walls",
+                obstacles.sheets.len() / 2,
+                names.join(", ")
+            ));
+        }
+        notes
+    }
+}
+
+/// The cell that holds a point, if it is in the domain.
+fn cell_of(grid: &Grid, centres: &Centres, point: [f64; 3]) -> Option<[i32; 3]> {
+    let at = std::array::from_fn(|a| {
+        let k = ((point[a] - centres.min[a]) / centres.cell).floor();
+        // The upper face belongs to the last cell.
+        if k == f64::from(grid.n[a]) { grid.n[a] - 1 } else { k.clamp(-1.0, 2e9) as i32 }
+    });
+    (point.iter().all(|x| x.is_finite()) && grid.contains(at)).then_some(at)
+}
+
+/// A point as text.
+fn text([x, y, z]: [f64; 3]) -> String {
+    format!("({x:.4e}, {y:.4e}, {z:.4e}) m")
+}
