@@ -2,7 +2,7 @@
 
 use crate::bodies::*;
 use proptest::prelude::*;
-use tremie_geometry::{Bounds, Fault, GeometryError, Mesh, Surface, mend};
+use tremie_geometry::{Bounds, EdgeKind, Fault, GeometryError, Mesh, Surface, mend};
 
 fn faults(mesh: Mesh) -> Vec<Fault> {
     match mend(mesh) {
@@ -191,31 +191,47 @@ fn a_corner_pushed_through_the_far_side_is_found() {
     assert!(crossed.pairs >= 1 && (crossed.near[0] - 0.5).abs() < 0.51, "{crossed:?}");
 }
 
-#[test]
-fn a_triangle_whose_corners_are_in_line_gives_its_edge_to_its_neighbours() {
-    // A cube with a vertex on an edge, joined on one side by a triangle without height.
+/// A cube with `n` vertices on one edge, joined on one side by triangles without height.
+fn cube_with_caps(n: u32) -> Mesh {
     let mut mesh = cube(2.0);
-    let split = mesh.triangles.iter().position(|t| t.contains(&0) && t.contains(&1)).unwrap();
-    let [a, b, c] = mesh.triangles[split];
-    let k = (0..3).find(|&i| {
-        let [x, y] = [mesh.triangles[split][i], mesh.triangles[split][(i + 1) % 3]];
-        [x.min(y), x.max(y)] == [0, 1]
-    });
-    let (from, to, tip) = match k.unwrap() {
-        0 => (a, b, c),
-        1 => (b, c, a),
-        _ => (c, a, b),
-    };
-    mesh.vertices.push([0.3, -1.0, -1.0]);
-    mesh.triangles[split] = [from, 8, tip];
-    mesh.triangles.push([8, to, tip]);
-    mesh.triangles.push([from, to, 8]);
-    let (mended, repairs) = mend(mesh).unwrap();
-    assert_eq!(repairs.flipped, 1);
-    near(mended.moments().volume, 8.0, 1e-14);
-    let surface = Surface::new(mended).unwrap();
-    let lowest = (0..surface.mesh().triangles.len() as u32).map(|t| norm(surface.normal(t)));
-    assert!(lowest.fold(1.0, f64::min) > 0.99);
+    let on_edge = |t: &[u32; 3]| (0..3).find(|&i| [t[i], t[(i + 1) % 3]] == [0, 1]);
+    let (split, i) =
+        mesh.triangles.iter().enumerate().find_map(|(k, t)| Some((k, on_edge(t)?))).unwrap();
+    let tip = mesh.triangles[split][(i + 2) % 3];
+    let mut line = vec![0];
+    for k in 1..=n {
+        line.push(mesh.vertices.len() as u32);
+        mesh.vertices.push([2.0 * f64::from(k) / f64::from(n + 1) - 1.0, -1.0, -1.0]);
+    }
+    line.push(1);
+    mesh.triangles.remove(split);
+    mesh.triangles.extend(line.windows(2).map(|w| [w[0], w[1], tip]));
+    mesh.triangles.extend(line[1..].windows(2).map(|w| [0, w[1], w[0]]));
+    mesh
+}
+
+#[test]
+fn triangles_whose_corners_are_in_line_give_their_edges_to_their_neighbours() {
+    for n in [1, 2, 7, 100] {
+        let (mended, repairs) = mend(cube_with_caps(n)).unwrap();
+        assert_eq!(repairs.flipped, n as usize);
+        near(mended.moments().volume, 8.0, 1e-13);
+        let surface = Surface::new(mended).unwrap();
+        let all = 0..surface.mesh().triangles.len() as u32;
+        assert!(all.clone().all(|t| norm(surface.normal(t)) > 0.99));
+        let convex = all.flat_map(|t| surface.edge_kinds(t)).filter(|&k| k == EdgeKind::Convex);
+        assert_eq!(convex.count(), 24 + 2 * n as usize);
+        assert_eq!(surface.intersections(), None);
+    }
+}
+
+#[test]
+fn a_low_triangle_that_nothing_can_raise_stays() {
+    let mut mesh = tetrahedron();
+    // The other diagonal of any two of its sides is an edge already.
+    mesh.vertices[3] = [0.5, 1e-8, 1e-8];
+    let (mended, repairs) = mend(mesh.clone()).unwrap();
+    assert_eq!((repairs.flipped, mended.triangles), (0, mesh.triangles));
 }
 
 #[test]
