@@ -27,6 +27,8 @@ pub enum Command {
     View(ViewArgs),
     /// Check that a program keeps the contract of a component.
     Conform(ConformArgs),
+    /// Run scenes whose result is known, and compare.
+    Validate(ValidateArgs),
     /// Remove what killed runs left in shared memory.
     Clean,
     /// Print the JSON schema of the manifest, for editors.
@@ -113,6 +115,22 @@ pub struct ConformArgs {
     /// Role that it shall take: fluid or grains
     #[arg(long, value_name = "ROLE")]
     pub role: Option<String>,
+}
+
+/// Arguments of `tremie validate`.
+#[derive(Debug, Args)]
+pub struct ValidateArgs {
+    /// Names of cases [default: all]
+    pub names: Vec<String>,
+    /// Folder of the cases
+    #[arg(long, value_name = "FOLDER", default_value = "tests/validation")]
+    pub cases: PathBuf,
+    /// Only the forms that end within seconds; keeps no results
+    #[arg(long)]
+    pub short: bool,
+    /// Where to write the report on all cases
+    #[arg(long, value_name = "FILE", default_value = "VALIDATION.md")]
+    pub report: PathBuf,
 }
 
 /// Where a run is shown.

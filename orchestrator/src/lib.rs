@@ -1,9 +1,10 @@
 //! The orchestrator: from a manifest to a validated plan, a schedule, and supervised components.
 //!
 //! A run goes through these rooms: [`manifest`] reads what the user wants; [`introduction`] starts the
-//! components ([`launch`]) and asks each what it is; [`plan`] assigns steps and [`schedule`] the order of
-//! work; [`doctor`] says which numbers are doubtful; [`mod@run`] hands out the assignments; [`drive`] lets the windows go by over [`control`], with
-//! [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
+//! components ([`launch`]) and asks each what it is, in a [`round`]; [`plan`] assigns steps and [`schedule`] the order of
+//! work; [`doctor`] says which numbers are doubtful; [`mod@run`] hands out the assignments; [`drive`] lets the
+//! windows go by over [`control`], with [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
+//! [`validation`] makes runs whose results are known.
 
 pub mod cli;
 pub mod commands;
@@ -11,6 +12,7 @@ pub mod conform;
 pub mod control;
 pub mod doctor;
 pub mod drive;
+pub mod early;
 pub mod introduction;
 pub mod launch;
 pub mod manifest;
@@ -18,7 +20,9 @@ pub mod monitor;
 pub mod outputs;
 pub mod plan;
 pub mod registry;
+pub mod round;
 pub mod run;
 pub mod schedule;
 pub mod stop;
 pub mod terminal;
+pub mod validation;

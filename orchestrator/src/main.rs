@@ -12,6 +12,7 @@ fn main() -> ExitCode {
         Command::Components => commands::components(),
         Command::View(arguments) => commands::view(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),
+        Command::Validate(arguments) => commands::validate(&arguments),
         Command::Clean => commands::clean(),
         Command::Schema => commands::schema(),
         Command::Component { name } => commands::component(&name),

@@ -3,14 +3,16 @@
 use crate::control::Control;
 use crate::doctor::{self, Judged, Machine};
 use crate::drive::{Drive, Driven};
-use crate::introduction::{EarlyLog, collect, find_programs, introduce, start_all};
-use crate::launch::{Launcher, Peer, Post};
+use crate::early::EarlyLog;
+use crate::introduction::{NotIntroduced, find_programs, introduce, start_all};
+use crate::launch::{Launcher, News, Peer, Post, end_all};
 use crate::manifest::Manifest;
 use crate::monitor::{Monitor, Watched};
 use crate::outputs::{
     self, ComponentSummary, Ending, OutputError, RunLog, SignalTable, Statistics, Summary,
 };
 use crate::plan::{self, Plan};
+use crate::round::{Round, Unanswered};
 use crate::stop::StopWatch;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
@@ -23,6 +25,7 @@ use tremie_channels::{Between, ChannelError, Processes, Threads};
 use tremie_messages::start::{
     Assignment, Description, Injection, InjectionKind, Reply, Request, Transport,
 };
+use tremie_messages::units;
 use tremie_messages::{Problem, Role};
 
 /// How long a component polls before it sleeps. Longer than a round trip between two processes
@@ -30,6 +33,8 @@ use tremie_messages::{Problem, Role};
 const POLL: Duration = Duration::from_micros(200);
 /// Longest time that a component which is done may take to close its channels and exit.
 const EXIT_GRACE: Duration = Duration::from_secs(2);
+/// The same, of components that have not begun.
+const QUIT_GRACE: Duration = Duration::from_millis(300);
 
 /// How a run is carried out; nothing of it changes results.
 #[derive(Clone, Debug, Default)]
@@ -54,12 +59,34 @@ pub enum RunError {
     /// Shared memory could not be set up.
     #[error("cannot set up shared memory: {0}")]
     Channel(#[from] ChannelError),
-    /// The operating system refuses.
-    #[error("cannot make the run's private folder: {0}")]
+    /// The operating system refuses a place for the run's bookkeeping.
+    #[error("cannot make the run's private folder below /tmp: {0}")]
     Places(std::io::Error),
+    /// The operating system refuses word of Ctrl-C.
+    #[error("cannot watch for Ctrl-C: {0}")]
+    Signals(std::io::Error),
     /// A component did not get ready.
     #[error("{0}")]
     NotReady(String),
+    /// The user asked for the end before the first window.
+    #[error("interrupted before the first window; no outputs are kept")]
+    Interrupted,
+}
+
+impl RunError {
+    /// Whether windows may have gone by before: then what there is of outputs is kept.
+    pub fn had_begun(&self) -> bool {
+        matches!(self, Self::Output(_))
+    }
+}
+
+impl From<NotIntroduced> for RunError {
+    fn from(not: NotIntroduced) -> Self {
+        match not {
+            NotIntroduced::Interrupted => Self::Interrupted,
+            NotIntroduced::Problems(problems) => Self::Input(problems),
+        }
+    }
 }
 
 /// A run that has ended. Observers that go on serving do so until this is dropped.
@@ -68,6 +95,7 @@ pub struct Ended {
     pub summary: Summary,
     /// All components; those that were ended are ended.
     peers: Vec<Peer>,
+    news: Receiver<Post>,
     _places: Option<RunPlaces>,
 }
 
@@ -93,27 +121,54 @@ pub struct Prepared {
 /// `folder` is where programs are looked for first; `output` where observers may write.
 ///
 /// # Errors
-/// [`RunError::Input`] with every problem found; all components have ended then.
+/// [`RunError::Input`] with every problem found, or [`RunError::Interrupted`]; all components have
+/// ended then.
 pub fn prepare(
     manifest: &Manifest,
     folder: &Path,
     output: &Path,
     execution: &Execution,
+    interrupts: &AtomicUsize,
 ) -> Result<Prepared, RunError> {
     check_injections(execution).map_err(RunError::Input)?;
     let programs = find_programs(manifest, folder).map_err(RunError::Input)?;
     let (launcher, news) = Launcher::new(execution.in_process);
     let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
     let run = random_id();
-    let mut early = EarlyLog::new();
-    let descriptions =
-        introduce(manifest, &mut peers, &news, run, output, &mut early).map_err(RunError::Input)?;
-    let named: Vec<_> =
-        peers.iter().map(|peer| peer.name.clone()).zip(descriptions.iter().cloned()).collect();
+    let mut early = EarlyLog::default();
+    let mut round = Round {
+        peers: &mut peers,
+        news: &news,
+        early: &mut early,
+        within: units::wait(manifest.spec.run.start_within),
+        interrupts,
+    };
+    let planned = introduce(manifest, &mut round, run, output).map_err(RunError::from).and_then(
+        |descriptions| Ok((make_plan(manifest, &peers, &descriptions, execution)?, descriptions)),
+    );
+    match planned {
+        Ok((plan, descriptions)) => {
+            let machine = Machine::ask(output);
+            let findings = doctor::examine(&manifest.spec, &plan, &descriptions, &machine);
+            Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
+        }
+        Err(error) => {
+            end_all(&mut peers, QUIT_GRACE);
+            Err(error)
+        }
+    }
+}
+
+fn make_plan(
+    manifest: &Manifest,
+    peers: &[Peer],
+    descriptions: &[Description],
+    execution: &Execution,
+) -> Result<Plan, RunError> {
+    let names = peers.iter().map(|peer| peer.name.clone());
+    let named: Vec<_> = names.zip(descriptions.iter().cloned()).collect();
     let options = plan::Options { injections: execution.inject.clone() };
-    let plan = plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)?;
-    let findings = doctor::examine(&manifest.spec, &plan, &descriptions, &Machine::ask(output));
-    Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
+    plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)
 }
 
 /// Faults of a process cannot be committed by a thread: they would end or hold up this program.
@@ -138,16 +193,15 @@ fn random_id() -> u64 {
 impl Prepared {
     /// Tells the components that nothing more is wanted.
     pub fn dismiss(mut self) {
-        for peer in &mut self.peers {
-            peer.end(EXIT_GRACE);
-        }
+        end_all(&mut self.peers, EXIT_GRACE);
     }
 
     /// Carries the run out and writes its outputs into `out`.
     ///
     /// # Errors
     /// Anything that keeps the run from beginning, or its outputs from being written. A fault of a
-    /// component is no error of this function: the run then has ended with that fault.
+    /// component is no error of this function: the run then has ended with that fault. All components
+    /// have ended then.
     pub fn execute(
         self,
         manifest: &Manifest,
@@ -187,7 +241,10 @@ impl Prepared {
             self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll);
         let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
-        self.assign(&assignments)?;
+        if let Err(error) = self.assign(&assignments, spec.run.start_within, interrupts) {
+            end_all(&mut self.peers, QUIT_GRACE);
+            return Err(error);
+        }
 
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
@@ -216,12 +273,10 @@ impl Prepared {
             interrupts,
         };
         let driven = drive.run()?;
-        for peer in self.peers.iter_mut().filter(|peer| peer.role != Role::Observer) {
-            peer.end(EXIT_GRACE);
-        }
+        end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
         let summary = self.summarise(driven)?;
         summary.write(&at(outputs::SUMMARY))?;
-        Ok(Ended { summary, peers: self.peers, _places: self.places })
+        Ok(Ended { summary, peers: self.peers, news: self.news, _places: self.places })
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.
@@ -260,24 +315,40 @@ impl Prepared {
         self.plan.components.iter().map(|c| c.assignment(transport(&c.name))).collect()
     }
 
-    fn assign(&mut self, assignments: &[Assignment]) -> Result<(), RunError> {
+    /// Hands out the assignments, and waits until all components are ready.
+    fn assign(
+        &mut self,
+        assignments: &[Assignment],
+        within: f64,
+        interrupts: &AtomicUsize,
+    ) -> Result<(), RunError> {
         for (peer, assignment) in self.peers.iter_mut().zip(assignments) {
             peer.send(Request::Assignment(Box::new(assignment.clone())));
         }
-        let failed =
-            collect(&mut self.peers, &self.news, &mut self.early, |_, reply| match reply {
-                Reply::Ready {} => Ok(true),
-                Reply::Refusal { problems } => {
-                    Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
-                }
-                Reply::Fault(fault) => Err(fault.to_string()),
-                other => Err(format!("it answered the assignment with {other:?}")),
-            });
-        if failed.is_empty() {
-            return Ok(());
-        }
-        let say = |(index, text): &(usize, String)| format!("{}: {text}", self.peers[*index].name);
-        Err(RunError::NotReady(failed.iter().map(say).collect::<Vec<_>>().join("\n")))
+        let mut round = Round {
+            peers: &mut self.peers,
+            news: &self.news,
+            early: &mut self.early,
+            within: units::wait(within),
+            interrupts,
+        };
+        let ready = round.collect(|_, reply| match reply {
+            Reply::Ready {} => Ok(()),
+            Reply::Refusal { problems } => {
+                Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+            }
+            Reply::Fault(fault) => Err(fault.to_string()),
+            other => Err(format!("it answered the assignment with {other:?}")),
+        });
+        ready.map_err(|unanswered| match unanswered {
+            Unanswered::Interrupted => RunError::Interrupted,
+            Unanswered::Failed(failed) => self.not_ready(&failed),
+        })
+    }
+
+    fn not_ready(&self, failed: &[(usize, String)]) -> RunError {
+        let say = |(index, why): &(usize, String)| format!("{}: {why}", self.peers[*index].name);
+        RunError::NotReady(failed.iter().map(say).collect::<Vec<_>>().join("\n"))
     }
 
     fn summarise(&self, driven: Driven) -> Result<Summary, OutputError> {
@@ -320,7 +391,11 @@ fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
 
 impl Ended {
     /// Whether the observer of that name is still there, serving what it shows.
-    pub fn is_serving(&self, name: &str) -> bool {
+    pub fn is_serving(&mut self, name: &str) -> bool {
+        // Not all that ever comes: one that never stops talking must not hold up its user.
+        for (index, news) in self.news.try_iter().take(1000) {
+            self.peers[index].closed |= matches!(news, News::Closed);
+        }
         self.peers.iter().any(|peer| peer.name == name && !peer.closed)
     }
 
@@ -331,9 +406,7 @@ impl Ended {
 
     /// Ends observers that are still there.
     pub fn close(mut self) -> Summary {
-        for peer in &mut self.peers {
-            peer.end(EXIT_GRACE);
-        }
+        end_all(&mut self.peers, EXIT_GRACE);
         self.summary
     }
 }

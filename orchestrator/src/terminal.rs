@@ -8,6 +8,9 @@ use std::time::{Duration, Instant};
 /// How often a progress line is printed where there is no terminal to draw on.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
 
+/// The first such line comes early: it says how long the run will take.
+const FIRST_LINE: Duration = Duration::from_secs(1);
+
 /// How much is told, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
@@ -45,12 +48,13 @@ pub struct Terminal {
     style: Style,
     bar: Option<ProgressBar>,
     last_plain: Instant,
+    told: bool,
 }
 
 impl Terminal {
     /// Speaks in `style`.
     pub fn new(style: Style) -> Self {
-        Self { style, bar: None, last_plain: Instant::now() }
+        Self { style, bar: None, last_plain: Instant::now(), told: false }
     }
 
     /// Whether errors may be coloured.
@@ -81,15 +85,30 @@ impl Terminal {
         }
     }
 
+    /// Why nothing came of what was asked; the last word, too.
+    pub fn fail(&mut self, text: &str) {
+        self.clear();
+        match self.style {
+            Style::Json => self.json(json!({"event": "error", "text": text})),
+            Style::Silent => {}
+            _ => self.print(&format!("error: {text}")),
+        }
+    }
+
     /// The last word, whatever the style.
     pub fn end(&mut self, text: &str, details: Value) {
-        if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
-        }
+        self.clear();
         match self.style {
             Style::Json => self.json(json!({"event": "end", "text": text, "summary": details})),
             Style::Silent => {}
             _ => self.print(text),
+        }
+    }
+
+    /// Takes the progress bar away.
+    fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
         }
     }
 
@@ -110,12 +129,15 @@ impl Terminal {
                     self.json(json!({
                         "event": "progress", "window": progress.window, "windows": progress.windows,
                         "time": progress.time, "windows_per_second": progress.rate,
+                        "seconds_left": progress.seconds_left(),
                     }));
                 }
             }
             Style::Person if std::io::stderr().is_terminal() => self.draw(progress),
             Style::Person => {
-                if self.last_plain.elapsed() > PLAIN_INTERVAL {
+                let due = if self.told { PLAIN_INTERVAL } else { FIRST_LINE };
+                if progress.rate > 0.0 && self.last_plain.elapsed() > due {
+                    self.told = true;
                     self.last_plain = Instant::now();
                     let percent = 100 * progress.window / progress.windows.max(1);
                     self.print(&format!("{percent:3} %  {}", progress.line()));
@@ -154,6 +176,12 @@ impl Terminal {
 }
 
 impl Progress {
+    /// Wall time to the planned end, if the rate stays [s]; `None` before it is known.
+    fn seconds_left(&self) -> Option<f64> {
+        let windows = self.windows.saturating_sub(self.window) as f64;
+        (self.rate > 0.0).then(|| windows / self.rate)
+    }
+
     fn line(&self) -> String {
         let mut parts = vec![
             format!("t = {:.4e} s", self.time),
@@ -173,8 +201,7 @@ impl Progress {
         for (name, compute, wait) in &self.shares {
             parts.push(format!("{name} {:.0}+{:.0} %", 100.0 * compute, 100.0 * wait));
         }
-        if self.rate > 0.0 {
-            let left = self.windows.saturating_sub(self.window) as f64 / self.rate;
+        if let Some(left) = self.seconds_left() {
             parts.push(format!("{} left", HumanDuration(Duration::from_secs_f64(left.min(1e9)))));
         }
         parts.join("  ")

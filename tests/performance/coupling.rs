@@ -93,11 +93,12 @@ fn measure(bodies: usize, windows: u64, poll: Option<Duration>) -> Summary {
     let manifest = tremie::manifest::parse(&file, manifest(bodies, windows), &[])
         .unwrap_or_else(|errors| panic!("{errors}"));
     let execution = Execution { poll, ..Execution::default() };
-    let prepared = prepare(&manifest, folder.path(), folder.path(), &execution)
+    let nobody = AtomicUsize::new(0);
+    let prepared = prepare(&manifest, folder.path(), folder.path(), &execution, &nobody)
         .unwrap_or_else(|error| panic!("{error}: {error:?}"));
     let mut terminal = Terminal::new(Style::Silent);
     let ended = prepared
-        .execute(&manifest, folder.path(), &execution, &mut terminal, &AtomicUsize::new(0))
+        .execute(&manifest, folder.path(), &execution, &mut terminal, &nobody)
         .unwrap_or_else(|error| panic!("{error}"));
     let summary = ended.close();
     assert_eq!(summary.ending, Ending::Completed);

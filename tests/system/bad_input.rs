@@ -1,6 +1,6 @@
 //! Wrong input: one clear error that points at the line, before anything starts.
 
-use crate::tremie::{SMALL, run_text, tremie};
+use crate::tremie::{SMALL, description, run_text, script, tremie};
 
 /// Changes one place of the small manifest and expects an error that holds all of `expected`.
 #[track_caller]
@@ -23,7 +23,7 @@ fn an_unknown_key_comes_with_the_nearest_valid_one() {
 
 #[test]
 fn an_unknown_key_of_a_component_does_so_too() {
-    refused("cell =", "cel =", &["manifest.toml:32", "cel", "\"cell\""]);
+    refused("cell =", "cel =", &["manifest.toml:35", "cel", "\"cell\""]);
 }
 
 #[test]
@@ -89,14 +89,9 @@ fn a_fixed_ratio_that_cannot_be_is_refused_with_what_would_do() {
 
 #[test]
 fn a_component_of_another_interface_version_is_refused() {
-    // A program that describes itself with interface version 999, whatever it is asked.
     let home = tempfile::tempdir().unwrap();
-    let program = home.path().join("old-fluid");
-    let reply = r#"{"description":{"interface":999,"program":"old","step":null,"bodies":0,"signals":[],"slices":[],"work":"","notes":[],"warnings":[],"resolution":{}}}"#;
-    std::fs::write(&program, format!("#!/bin/sh\nread line\necho '{reply}'\nread line\n")).unwrap();
-    let mut permissions = std::fs::metadata(&program).unwrap().permissions();
-    std::os::unix::fs::PermissionsExt::set_mode(&mut permissions, 0o755);
-    std::fs::set_permissions(&program, permissions).unwrap();
+    let lines = format!("read line\necho '{}'\nread line", description(999));
+    let program = script(home.path(), "old-fluid", &lines);
     let named = format!("fluid = {program:?}");
     refused("fluid = \"fluid-lbm\"", &named, &["999", "interface version"]);
 }
@@ -115,4 +110,36 @@ fn check_finds_the_same_and_runs_nothing() {
     for word in ["fluid-lbm", "grains-dem", "substeps", "tau"] {
         assert!(said.contains(word), "expected \"{word}\" in the plan:\n{said}");
     }
+}
+
+/// Runs `tremie COMMAND --json` and expects that all it says is one event of this kind.
+#[track_caller]
+fn says_one_event(arguments: &[&str], code: i32, kind: &str) -> serde_json::Value {
+    let output = tremie().args(arguments).arg("--json").output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    assert_eq!(output.status.code(), Some(code));
+    let said = String::from_utf8_lossy(&output.stdout);
+    let events: Vec<serde_json::Value> =
+        said.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(events.len(), 1, "{said}");
+    assert_eq!(events[0]["event"], kind, "{said}");
+    events[0].clone()
+}
+
+#[test]
+fn errors_are_events_where_a_program_listens() {
+    let home = tempfile::tempdir().unwrap();
+    let (manifest, out) = (home.path().join("manifest.toml"), home.path().join("out"));
+    let [manifest, out] = [&manifest, &out].map(|path| path.to_str().unwrap());
+    for arguments in [&["check", manifest][..], &["run", manifest, "--out", out]] {
+        std::fs::write(manifest, SMALL.replacen("viscosity =", "viscocity =", 1)).unwrap();
+        assert_eq!(says_one_event(arguments, 2, "problem")["line"], 13);
+        std::fs::write(manifest, SMALL.replacen("cell =", "cel =", 1)).unwrap();
+        assert_eq!(says_one_event(arguments, 2, "problem")["line"], 32);
+    }
+    std::fs::write(manifest, SMALL).unwrap();
+    std::fs::create_dir(out).unwrap();
+    std::fs::write(home.path().join("out/taken"), "").unwrap();
+    let event = says_one_event(&["run", manifest, "--out", out], 1, "error");
+    assert!(event["text"].as_str().unwrap().contains("holds something already"), "{event}");
 }

@@ -1,9 +1,12 @@
 //! How runs end: by the plan, by a condition, by the user, and after a kill.
 
-use crate::tremie::{SMALL, run_text, tremie};
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
+use crate::running::{Running, children_of, is_alive, until};
+use crate::tremie::{Ran, SMALL, run_text, tremie};
+use std::collections::HashMap;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+use tremie_recorder::{Item, Recording};
 
 #[test]
 fn a_run_ends_in_time_with_all_outputs() {
@@ -43,59 +46,59 @@ fn a_condition_ends_a_run_at_the_same_window_every_time() {
     assert_eq!(first.signals_text(), second.signals_text());
 }
 
-/// A running program that is killed if the test fails before it ends.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+/// Windows of the last frames in a recording, one for each kind of frame.
+fn last_frames(out: &Path) -> Vec<u64> {
+    let mut items = Recording::open(&out.join("run.mcap")).unwrap().items();
+    let mut last = HashMap::new();
+    for item in items.by_ref().map(Result::unwrap) {
+        if !matches!(item, Item::Log { .. }) {
+            last.insert(std::mem::discriminant(&item), item.window());
+        }
     }
+    assert!(items.end().complete);
+    last.into_values().collect()
+}
+
+#[test]
+fn a_recording_holds_the_last_window_however_the_run_ends() {
+    let recorded = SMALL.replace("record = false", "frames = \"3 ms\"");
+    let stopping = "[[stop_when]]\nsignal = \"grains.max_speed\"\nabove = 0.01\n";
+    let [planned, stopped, again] = [
+        run_text(&recorded, &[]).succeeded(),
+        run_text(&format!("{recorded}\n{stopping}"), &["--until", "1 s"]).succeeded(),
+        run_text(&format!("{recorded}\n{stopping}"), &["--until", "1 s"]).succeeded(),
+    ];
+    for ran in [&planned, &stopped] {
+        let window = ran.summary()["windows"].as_u64().unwrap();
+        assert_eq!(last_frames(&ran.out), [window; 3], "{}", ran.errors());
+    }
+    let file = |ran: &Ran| std::fs::read(ran.out.join("run.mcap")).unwrap();
+    assert!(file(&stopped) == file(&again), "two recordings of one run differ");
 }
 
 /// A run long enough to be disturbed; returns once windows go by.
-fn long_run(home: &std::path::Path) -> Running {
+fn long_run(home: &Path) -> Running {
     let manifest = home.join("manifest.toml");
-    std::fs::write(&manifest, SMALL.replace("until = \"0.02 s\"", "until = \"100 s\"")).unwrap();
-    let child = tremie()
-        .args(["run", "--json", "--out"])
-        .arg(home.join("out"))
-        .arg(&manifest)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn();
-    let mut child = Running(child.unwrap());
-    let lines = BufReader::new(child.0.stdout.take().unwrap()).lines();
-    for line in lines.map_while(Result::ok) {
-        if line.contains("\"progress\"") {
-            return child;
-        }
-    }
-    panic!("the run ended by itself");
-}
-
-fn send(child: &Running, signal: &str) {
-    let id = child.0.id().to_string();
-    assert!(std::process::Command::new("kill").args([signal, &id]).status().unwrap().success());
-}
-
-fn wait(child: &mut Running, limit: Duration) -> Option<i32> {
-    let begin = Instant::now();
-    while begin.elapsed() < limit {
-        if let Some(status) = child.0.try_wait().unwrap() {
-            return status.code();
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    panic!("the run did not end within {limit:?}");
+    std::fs::write(
+        &manifest,
+        SMALL
+            .replace("until = \"0.02 s\"", "until = \"100 s\"")
+            .replace("record = false", "frames = \"1 s\""),
+    )
+    .unwrap();
+    let mut command = tremie();
+    command.args(["run", "--json", "--out"]).arg(home.join("out")).arg(&manifest);
+    let mut running = Running::start(command.stdout(Stdio::piped()).stderr(Stdio::piped()));
+    running.says("\"progress\"");
+    running
 }
 
 #[test]
 fn ctrl_c_ends_a_run_with_whole_outputs() {
     let home = tempfile::tempdir().unwrap();
     let mut child = long_run(home.path());
-    send(&child, "-INT");
-    assert_eq!(wait(&mut child, Duration::from_secs(10)), Some(130));
+    child.send("-INT");
+    assert_eq!(child.wait(Duration::from_secs(10)), Some(130));
     let summary = std::fs::read_to_string(home.path().join("out/summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["status"], "interrupted");
@@ -103,32 +106,18 @@ fn ctrl_c_ends_a_run_with_whole_outputs() {
     let last: u64 =
         table.trim().lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert_eq!(Some(last), summary["windows"].as_u64());
+    assert_eq!(last_frames(&home.path().join("out")), [last; 3]);
 }
 
 #[test]
 fn a_killed_orchestrator_takes_its_components_along() {
     let home = tempfile::tempdir().unwrap();
     let mut child = long_run(home.path());
-    let components = children_of(child.0.id());
+    let components = children_of(child.id());
     assert!(components.len() >= 2, "{components:?}");
-    send(&child, "-KILL");
-    child.0.wait().unwrap();
-    let begin = Instant::now();
-    while components.iter().any(|id| is_alive(*id)) {
-        assert!(begin.elapsed() < Duration::from_secs(5), "components outlive the orchestrator");
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    child.send("-KILL");
+    child.wait(Duration::from_secs(5));
+    until("components end", || !components.iter().any(|id| is_alive(*id)));
     let cleaned = tremie().arg("clean").output().unwrap();
     assert!(cleaned.status.success());
-}
-
-fn children_of(id: u32) -> Vec<u32> {
-    let tasks = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap();
-    tasks.split_whitespace().map(|id| id.parse().unwrap()).collect()
-}
-
-fn is_alive(id: u32) -> bool {
-    let status = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
-    // A zombie has ended; somebody only has to collect it.
-    !status.is_empty() && !status.contains(") Z ")
 }

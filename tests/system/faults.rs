@@ -36,7 +36,7 @@ fn caught(fault: &str, kinds: &[&str], names_both: bool) {
             let at = found["window"].as_u64().unwrap();
             assert!(at.abs_diff(window) <= 2, "{about}");
             outputs_end_at_the_last_common_window(&ran, &about);
-            nothing_is_left(&ran, &about);
+            ran.left_nothing(&about);
         }
     }
 }
@@ -48,32 +48,6 @@ fn outputs_end_at_the_last_common_window(ran: &Ran, about: &str) {
     assert_eq!(*signals["window"].last().unwrap() as u64, windows, "{about}");
     let recording = std::fs::metadata(ran.out.join("run.mcap")).unwrap();
     assert!(recording.len() > 0, "{about}");
-}
-
-/// No component outlives the run, and nothing of it stays in shared memory or in its private folder.
-#[track_caller]
-fn nothing_is_left(ran: &Ran, about: &str) {
-    assert_eq!(processes_of(&ran.summary()), Vec::<u64>::new(), "{about}");
-    let run = ran.summary()["run"].as_str().unwrap().to_string();
-    let user = std::os::unix::fs::MetadataExt::uid(&std::fs::metadata(&ran.out).unwrap());
-    for place in ["/dev/shm".to_string(), format!("/tmp/tremie-{user}")] {
-        let left: Vec<_> = std::fs::read_dir(&place)
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|entry| entry.file_name().to_string_lossy().into_owned())
-            .filter(|name| name.contains(&run))
-            .collect();
-        assert_eq!(left, Vec::<String>::new(), "{about}");
-    }
-}
-
-/// Components of the run that are still there.
-fn processes_of(summary: &serde_json::Value) -> Vec<u64> {
-    let ids = summary["processes"].as_object().unwrap().values();
-    ids.filter_map(serde_json::Value::as_u64)
-        .filter(|id| std::path::Path::new(&format!("/proc/{id}")).exists())
-        .collect()
 }
 
 #[test]

@@ -22,6 +22,8 @@ pub fn root() -> &'static Path {
 pub struct Ran {
     pub output: Output,
     pub out: PathBuf,
+    /// When it had ended, in ticks as of [`crate::running::now`].
+    pub ended: u64,
     _home: TempDir,
 }
 
@@ -31,7 +33,7 @@ pub fn run(manifest: &str, options: &[&str]) -> Ran {
     let out = home.path().join("out");
     let output =
         tremie().arg("run").arg(manifest).arg("--out").arg(&out).args(options).output().unwrap();
-    Ran { output, out, _home: home }
+    Ran { output, out, ended: crate::running::now(), _home: home }
 }
 
 /// Runs the text of a manifest.
@@ -42,6 +44,27 @@ pub fn run_text(text: &str, options: &[&str]) -> Ran {
     let mut ran = run(manifest.to_str().unwrap(), options);
     ran.output.stderr = ran.errors().replace(home.path().to_str().unwrap(), "").into_bytes();
     ran
+}
+
+/// A program in `folder` that is a shell script of these lines.
+pub fn script(folder: &Path, name: &str, lines: &str) -> PathBuf {
+    let program = folder.join(name);
+    std::fs::write(&program, format!("#!/bin/sh\n{lines}\n")).unwrap();
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(&program, mode).unwrap();
+    program
+}
+
+/// The small manifest with another program as its fluid.
+pub fn small_with_fluid(program: &Path) -> String {
+    SMALL.replace("fluid = \"fluid-lbm\"", &format!("fluid = {program:?}"))
+}
+
+/// A line in which a fluid that needs nothing describes itself.
+pub fn description(interface: u32) -> String {
+    format!(
+        r#"{{"description":{{"interface":{interface},"program":"script","step":null,"bodies":0,"signals":[],"slices":[],"work":"","notes":[],"warnings":[],"resolution":{{}}}}}}"#
+    )
 }
 
 impl Ran {
@@ -65,6 +88,13 @@ impl Ran {
         serde_json::from_str(&text).unwrap()
     }
 
+    /// No component outlives the run, and nothing of it stays in shared memory or in its private
+    /// folder.
+    #[track_caller]
+    pub fn left_nothing(&self, about: &str) {
+        left_nothing(&self.summary(), self.ended, about);
+    }
+
     pub fn signals_text(&self) -> String {
         std::fs::read_to_string(self.out.join("signals.csv")).unwrap()
     }
@@ -82,6 +112,33 @@ impl Ran {
         }
         columns
     }
+}
+
+/// See [`Ran::left_nothing`]; of a run with this summary that had ended at `ended`.
+#[track_caller]
+pub fn left_nothing(summary: &Value, ended: u64, about: &str) {
+    assert_eq!(processes_of(summary, ended), Vec::<u32>::new(), "{about}");
+    let run = summary["run"].as_str().unwrap();
+    let user = std::os::unix::fs::MetadataExt::uid(&std::fs::metadata("/proc/self").unwrap());
+    for place in ["/dev/shm".to_string(), format!("/tmp/tremie-{user}")] {
+        let left: Vec<_> = std::fs::read_dir(&place)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .filter(|name| name.contains(run))
+            .collect();
+        assert_eq!(left, Vec::<String>::new(), "{about}");
+    }
+}
+
+/// Components of the run that are still there. A process that started after the run's end is
+/// somebody else, who was given the same number.
+fn processes_of(summary: &Value, ended: u64) -> Vec<u32> {
+    let ids = summary["processes"].as_object().unwrap().values();
+    ids.filter_map(|id| u32::try_from(id.as_u64()?).ok())
+        .filter(|id| crate::running::started(*id).is_some_and(|start| start <= ended))
+        .collect()
 }
 
 /// A small run of few windows, to be changed by replacing words.

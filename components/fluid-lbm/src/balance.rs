@@ -1,9 +1,11 @@
 //! Loads on the bodies and the balance of a step.
 
+use crate::bodies::Body;
+use crate::cells::Fixture;
+use crate::grid::{Grid, Side};
 use crate::kernel::{Collides, Survey};
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::Exchange;
-use crate::owners::FLUID;
 use crate::solver::{Solver, before};
 use tremie_messages::Load;
 
@@ -20,7 +22,7 @@ impl<T: Collides> Solver<T> {
     /// Gives the bodies their loads, from what their links exchanged, and balances them.
     pub(crate) fn give_loads(&mut self, loads: &mut [Load]) {
         let (force_unit, torque_unit) = (self.units.force(), self.units.force() * self.units.cell);
-        let balance = &mut self.balance;
+        let (balance, grid) = (&mut self.balance, &self.layout.grid);
         self.exchange = Exchange::default();
         let mut items = self.link_items.iter().peekable();
         for (place, (body, load)) in self.bodies.living.iter_mut().zip(loads).enumerate() {
@@ -29,7 +31,10 @@ impl<T: Collides> Solver<T> {
                 exchange.join(&item.exchange);
             }
             self.exchange.join(&exchange);
-            let mut given = [exchange.force, exchange.torque];
+            let mut given = with_image(grid, body, [exchange.force, exchange.torque]);
+            add_scaled(&mut balance.images, given[0], 1.0);
+            add_scaled(&mut balance.images, exchange.force, -1.0);
+            add_scaled(&mut balance.images, exchange.image, 1.0);
             if self.average_force {
                 let half = given.map(|v| v.map(|x| 0.5 * x));
                 given = std::array::from_fn(|k| {
@@ -52,23 +57,38 @@ impl<T: Collides> Solver<T> {
     /// Completes the balance of a step from the survey before the collision and what was exchanged
     /// after it.
     pub(crate) fn end_balance(&mut self, collided: bool) {
+        let mirrors = self.join_fixtures();
         let balance = &mut self.balance;
         let old = (balance.momentum, balance.mass);
         let mass = self.owners.fluid_cells as f64 + self.survey.excess;
         if collided {
             balance.body_force = self.relaxation.acceleration.map(|a| a * mass);
-            for item in &self.wall_items {
-                add_scaled(&mut balance.walls, item.impulse, 1.0);
-                balance.mass_walls += item.mass;
+            balance.symmetry = mirrors;
+            for (number, exchange) in self.fixtures.iter().enumerate() {
+                if number < usize::from(Fixture::FACES) {
+                    add_scaled(&mut balance.walls, exchange.force, -1.0);
+                    balance.mass_walls += exchange.mass;
+                } else {
+                    add_scaled(&mut balance.parts, exchange.force, -1.0);
+                    balance.mass_parts += exchange.mass;
+                }
             }
-            balance.bodies = self.exchange.force.map(|x| -x);
-            balance.swept = self.exchange.swept;
+            for item in &self.open_items {
+                add_scaled(&mut balance.open, item.impulse, 1.0);
+                balance.mass_open += item.mass;
+            }
+            let image = self.exchange.image;
+            balance.bodies = std::array::from_fn(|a| image[a] - self.exchange.force[a]);
+            let image = self.exchange.image_swept;
+            balance.swept = std::array::from_fn(|a| self.exchange.swept[a] - image[a]);
             balance.mass_bodies = self.exchange.mass;
         }
-        balance.mass = mass + balance.mass_walls + balance.mass_bodies;
+        balance.mass = mass
+            + (balance.mass_walls + balance.mass_parts + balance.mass_open + balance.mass_bodies);
         for a in 0..3 {
             balance.momentum[a] = self.survey.j[a]
-                + (balance.body_force[a] + balance.walls[a] + balance.bodies[a] + balance.swept[a]);
+                + (balance.body_force[a] + balance.bodies[a] + balance.swept[a])
+                + (balance.walls[a] + balance.symmetry[a] + balance.parts[a] + balance.open[a]);
             balance.momentum_change[a] = balance.momentum[a] - old.0[a];
         }
         balance.mass_change = balance.mass - old.1;
@@ -81,13 +101,10 @@ impl<T: Collides> Solver<T> {
         let acceleration = self.relaxation.acceleration;
         self.team.for_each(&mut self.blocks, |_, block| {
             let mut survey = Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE };
-            for row in block.rows.clone() {
-                let [y, z] = before.grid.row_at(row);
-                for x in 0..before.grid.n[0] {
-                    let cell = before.grid.cell([x, y, z]);
-                    if owners.of(cell.index) != FLUID {
-                        continue;
-                    }
+            let first = block.lines.start * T::LINE;
+            let end = (block.lines.end * T::LINE).min(before.layout.cells.len());
+            for cell in first as u32..end as u32 {
+                if owners.is_fluid(cell) {
                     let content = before.content(cell);
                     let u = content.velocity(acceleration);
                     survey.join(&Survey {
@@ -96,6 +113,7 @@ impl<T: Collides> Solver<T> {
                         speed2: crate::lattice::dot(u, u),
                         min_drho: content.drho,
                         max_drho: content.drho,
+                        max_tau: 0.0,
                     });
                 }
             }
@@ -103,4 +121,24 @@ impl<T: Collides> Solver<T> {
         });
         self.join_surveys();
     }
+}
+
+/// Force and torque on a whole body, from those that the fluid of the box gives. A body that a
+/// symmetry plane cuts is its own mirror image: what is symmetric counts twice, what is not
+/// cancels.
+fn with_image(grid: &Grid, body: &Body, given: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    let [mut force, mut torque] = given;
+    for axis in 0..3 {
+        let (x, n) = (body.position[axis], f64::from(grid.n[axis]));
+        let cut = |side: usize, plane: f64| {
+            grid.sides[axis][side] == Side::Symmetry && (x - plane).abs() < body.radius
+        };
+        if cut(0, 0.0) || cut(1, n) {
+            for a in 0..3 {
+                (force[a], torque[a]) =
+                    if a == axis { (0.0, 2.0 * torque[a]) } else { (2.0 * force[a], 0.0) };
+            }
+        }
+    }
+    [force, torque]
 }

@@ -3,8 +3,10 @@
 use crate::error::FluidError;
 use crate::grid::Grid;
 use crate::lattice::cross;
+use crate::layout::Layout;
 use crate::sphere::Spans;
 use crate::units::Units;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_messages::{BodyEvent, BodyState};
 
 /// A sphere in the fluid; lattice units.
@@ -98,30 +100,79 @@ impl Body {
     }
 
     /// Finds the cells inside at the new position, and which were left and entered.
-    pub fn cover(&mut self, grid: &Grid) {
+    pub fn cover(&mut self, layout: &Layout) {
         std::mem::swap(&mut self.spans, &mut self.previous);
-        self.spans.fit(grid, self.position, self.radius);
-        let place = |[x, y, z]: [i32; 3]| {
-            grid.index([grid.wrap(0, x), grid.wrap(1, y), grid.wrap(2, z)]) as u32
-        };
+        self.spans.fit(&layout.grid, self.position, self.radius);
         let (left, entered) = (&mut self.left, &mut self.entered);
         left.clear();
         entered.clear();
-        self.previous.minus(&self.spans, |at| left.push(place(at)));
-        self.spans.minus(&self.previous, |at| entered.push(place(at)));
+        self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
+        self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
+    }
+
+    /// Wants the densities of all lines of `line` cells in which links to it can begin.
+    pub fn want(&self, layout: &Layout, line: usize, lines: &[AtomicU8]) {
+        let grid = &layout.grid;
+        // Links are at most the square root of 2 long.
+        let reach = self.radius + 1.5;
+        let side = self.spans.shell_side();
+        for k in 0..side * side {
+            let [y, z] = self.spans.shell_row(k % side, k / side);
+            let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
+            let d = [f64::from(y) + 0.5 - self.position[1], f64::from(z) + 0.5 - self.position[2]];
+            let square = reach * reach - (d[0] * d[0] + d[1] * d[1]);
+            if square <= 0.0 || !grid.contains([0, real_y, real_z]) {
+                continue;
+            }
+            let half = square.sqrt();
+            let first = (self.position[0] - half).floor() as i32;
+            let last = (self.position[0] + half).floor() as i32;
+            if !grid.periodic[0] {
+                want_range(
+                    layout,
+                    line,
+                    lines,
+                    [first.max(0), last.min(grid.n[0] - 1)],
+                    [real_y, real_z],
+                );
+            } else if first < 0 || last >= grid.n[0] {
+                want_range(layout, line, lines, [0, grid.n[0] - 1], [real_y, real_z]);
+            } else {
+                want_range(layout, line, lines, [first, last], [real_y, real_z]);
+            }
+        }
     }
 
     /// Leaves all its cells.
-    fn leave(&mut self, grid: &Grid) {
+    fn leave(&mut self, layout: &Layout) {
         self.previous.clear();
         std::mem::swap(&mut self.spans, &mut self.previous);
         let (left, previous, spans) = (&mut self.left, &self.previous, &self.spans);
         left.clear();
         self.entered.clear();
-        previous.minus(spans, |[x, y, z]| {
-            left.push(grid.index([grid.wrap(0, x), grid.wrap(1, y), grid.wrap(2, z)]) as u32);
-        });
+        previous.minus(spans, |at| left.extend(stored(layout, at)));
     }
+}
+
+/// Wants the lines of the stored cells from `first` to `last` of a row.
+fn want_range(
+    layout: &Layout,
+    line: usize,
+    lines: &[AtomicU8],
+    [first, last]: [i32; 2],
+    [y, z]: [i32; 2],
+) {
+    let mut stored = (first..=last).filter_map(|x| layout.cell([x, y, z]));
+    let Some(begin) = stored.next() else { return };
+    let end = stored.next_back().unwrap_or(begin);
+    for wanted in &lines[begin as usize / line..=end as usize / line] {
+        wanted.store(1, Relaxed);
+    }
+}
+
+/// The stored cell at coordinates that may lie beyond a periodic face.
+fn stored(layout: &Layout, at: [i32; 3]) -> Option<u32> {
+    layout.cell(std::array::from_fn(|a| layout.grid.wrap(a, at[a])))
 }
 
 /// All bodies.
@@ -162,11 +213,11 @@ impl Bodies {
         &mut self,
         events: &[BodyEvent],
         units: &Units,
-        grid: &Grid,
+        layout: &Layout,
     ) -> Result<(), FluidError> {
         let mut ids: Vec<u64> = self.living.iter().map(|b| b.id).collect();
         for event in events {
-            check(event, &mut ids, units, grid)?;
+            check(event, &mut ids, units, &layout.grid)?;
         }
         for event in events {
             let place = self.living.partition_point(|b| b.id < event.id);
@@ -179,7 +230,7 @@ impl Bodies {
                 self.living.insert(place, Body::new(event.id, handle, radius));
             } else {
                 let mut body = self.living.remove(place);
-                body.leave(grid);
+                body.leave(layout);
                 self.leaving.push(body);
             }
         }

@@ -9,6 +9,17 @@
 //!
 //! (Ginzburg, Verhaeghe & d'Humieres 2008; forcing of Guo, Zheng & Shi 2002 split into its even and
 //! odd parts). Equal times give the BGK collision. Each step adds `F` to a cell's momentum.
+//!
+//! With Smagorinsky's closure `nu_t = (C dx)^2 |S|` the even time of each cell is
+//!
+//! ```text
+//! tau* = [tau + sqrt(tau^2 + 18 sqrt(2) C^2 P/rho)]/2,   P = sqrt(Pi_ab Pi_ab)
+//! Pi_ab = sum_i c_ia c_ib (h_i - heq_i) + (u_a F_b + F_a u_b)/2
+//! ```
+//!
+//! the fixed point of the closure with the strain of the second-order expansion, `Pi_ab = -2 rho cs^2
+//! tau* S_ab` (Hou et al. 1996; the force's share after Guo, Zheng & Shi 2002, eq. 18). The odd time
+//! is the same for BGK, or follows from `tau*` by the magic number.
 
 use crate::lanes::Lanes;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
@@ -22,17 +33,32 @@ pub struct Relaxation {
     pub odd: f64,
     /// Acceleration `a` of the fluid.
     pub acceleration: [f64; 3],
+    /// Smagorinsky's constant `C`; 0 for none.
+    pub smagorinsky: f64,
+    /// `(tau+ - 1/2)(tau- - 1/2)`, or `None` for one relaxation time.
+    pub magic: Option<f64>,
 }
 
 impl Relaxation {
     /// From `tau+` and `(tau+ - 1/2)(tau- - 1/2)`.
     pub fn with_magic(tau: f64, magic: f64, acceleration: [f64; 3]) -> Self {
-        Self { even: 1.0 / tau, odd: 1.0 / (0.5 + magic / (tau - 0.5)), acceleration }
+        Self {
+            even: 1.0 / tau,
+            odd: 1.0 / (0.5 + magic / (tau - 0.5)),
+            acceleration,
+            smagorinsky: 0.0,
+            magic: Some(magic),
+        }
     }
 
     /// One relaxation time for both parts.
     pub fn single(tau: f64, acceleration: [f64; 3]) -> Self {
-        Self { even: 1.0 / tau, odd: 1.0 / tau, acceleration }
+        Self { even: 1.0 / tau, odd: 1.0 / tau, acceleration, smagorinsky: 0.0, magic: None }
+    }
+
+    /// With Smagorinsky's closure of constant `C`.
+    pub fn with_smagorinsky(self, constant: f64) -> Self {
+        Self { smagorinsky: constant, ..self }
     }
 }
 
@@ -56,6 +82,15 @@ pub struct Constants<V> {
     /// `3 (1 - 1/(2 tau-)) (c_i.a)` for each pair.
     odd_pair: [V; 9],
     w: [V; 2],
+    half: V,
+    two: V,
+    acceleration: [V; 3],
+    /// `tau`, its square, and `18 sqrt(2) C^2`.
+    tau: V,
+    tau2: V,
+    closure: V,
+    magic: V,
+    is_magic: bool,
 }
 
 impl<V: Lanes> Constants<V> {
@@ -67,7 +102,10 @@ impl<V: Lanes> Constants<V> {
     pub unsafe fn new(r: &Relaxation) -> Self {
         // Products are rounded in f64 first: the same for every variant.
         let a = r.acceleration;
-        let (e, o) = (1.0 - 0.5 * r.even, 1.0 - 0.5 * r.odd);
+        // With the closure these factors differ from cell to cell and come in later.
+        let (e, o) =
+            if r.smagorinsky == 0.0 { (1.0 - 0.5 * r.even, 1.0 - 0.5 * r.odd) } else { (1.0, 1.0) };
+        let tau = 1.0 / r.even;
         let (axis, diagonal) = (W[1], W[4]);
         // SAFETY: by contract.
         unsafe {
@@ -104,6 +142,14 @@ impl<V: Lanes> Constants<V> {
                 ],
                 even_pair,
                 odd_pair,
+                half: V::splat(0.5),
+                two: V::splat(2.0),
+                acceleration: [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])],
+                tau: V::splat(tau),
+                tau2: V::splat(tau * tau),
+                closure: V::splat(18.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky),
+                magic: V::splat(r.magic.unwrap_or(0.0)),
+                is_magic: r.magic.is_some(),
             }
         }
     }
@@ -118,12 +164,17 @@ pub struct Moments<V> {
     pub j: [V; 3],
     /// `u.u`.
     pub speed2: V,
+    /// `tau*`; of no meaning without the closure.
+    pub tau: V,
 }
 
 /// Replaces the populations `h` of a vector of cells by their post-collision values and returns the
 /// moments before.
 #[inline(always)]
-pub fn collide<V: Lanes, const FORCED: bool>(h: &mut [V; Q], k: &Constants<V>) -> Moments<V> {
+pub fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
+    h: &mut [V; Q],
+    k: &Constants<V>,
+) -> Moments<V> {
     // Pair n is the directions n + 1 and n + 10: x, y, z, xy, x-y, xz, x-z, yz, y-z (positive one
     // last).
     macro_rules! pairs {
@@ -171,33 +222,128 @@ pub fn collide<V: Lanes, const FORCED: bool>(h: &mut [V; Q], k: &Constants<V>) -
         (k.w, k.w0)
     };
 
-    h[0] = h[0] - k.even * (h[0] - k.w0 * rest);
+    let cu = [
+        u[0],
+        u[1],
+        u[2],
+        u[0] + u[1],
+        u[0] - u[1],
+        u[0] + u[2],
+        u[0] - u[2],
+        u[1] + u[2],
+        u[1] - u[2],
+    ];
+    // What is out of equilibrium in the even part of each pair.
+    macro_rules! excess {
+        ($n:literal, $kind:literal) => {
+            sum[$n] - (even[$kind] + square[$kind] * cu[$n] * cu[$n])
+        };
+    }
+    let rates = if LES {
+        let d = [
+            excess!(0, 0),
+            excess!(1, 0),
+            excess!(2, 0),
+            excess!(3, 1),
+            excess!(4, 1),
+            excess!(5, 1),
+            excess!(6, 1),
+            excess!(7, 1),
+            excess!(8, 1),
+        ];
+        closure::<V, FORCED>(&d, rho, per_rho, &u, k)
+    } else {
+        Rates { tau: k.tau, even: k.even, half_even: k.half_even, half_odd: k.half_odd }
+    };
+    // The factors 1 - 1/(2 tau), which are in the constants where these are the same everywhere.
+    let (e, o) = if FORCED && LES {
+        (k.one - rates.half_even, k.one - rates.half_odd)
+    } else {
+        (k.one, k.one)
+    };
+
+    h[0] = h[0] - rates.even * (h[0] - k.w0 * rest);
     if FORCED {
-        h[0] = h[0] - k.w0 * rho * ua;
+        let source = k.w0 * rho * ua;
+        h[0] = h[0] - if LES { e * source } else { source };
     }
     macro_rules! relax {
-        ($n:literal, $kind:literal, $cu:expr) => {{
-            let cu = $cu;
-            let mut p = k.half_even * (sum[$n] - (even[$kind] + square[$kind] * cu * cu));
-            let mut m = k.half_odd * (diff[$n] - linear[$kind] * cu);
+        ($n:literal, $kind:literal) => {{
+            let mut p = rates.half_even * excess!($n, $kind);
+            let mut m = rates.half_odd * (diff[$n] - linear[$kind] * cu[$n]);
             if FORCED {
-                p = p - weight[$kind] * (k.even_pair[$n] * cu - ua);
-                m = m - weight[$kind] * k.odd_pair[$n];
+                let even = weight[$kind] * (k.even_pair[$n] * cu[$n] - ua);
+                let odd = weight[$kind] * k.odd_pair[$n];
+                p = p - if LES { e * even } else { even };
+                m = m - if LES { o * odd } else { odd };
             }
             h[$n + 10] = h[$n + 10] - (p + m);
             h[$n + 1] = h[$n + 1] - (p - m);
         }};
     }
-    relax!(0, 0, u[0]);
-    relax!(1, 0, u[1]);
-    relax!(2, 0, u[2]);
-    relax!(3, 1, u[0] + u[1]);
-    relax!(4, 1, u[0] - u[1]);
-    relax!(5, 1, u[0] + u[2]);
-    relax!(6, 1, u[0] - u[2]);
-    relax!(7, 1, u[1] + u[2]);
-    relax!(8, 1, u[1] - u[2]);
-    Moments { drho, j, speed2 }
+    relax!(0, 0);
+    relax!(1, 0);
+    relax!(2, 0);
+    relax!(3, 1);
+    relax!(4, 1);
+    relax!(5, 1);
+    relax!(6, 1);
+    relax!(7, 1);
+    relax!(8, 1);
+    Moments { drho, j, speed2, tau: rates.tau }
+}
+
+/// Relaxation of a vector of cells.
+struct Rates<V> {
+    /// `tau+`.
+    tau: V,
+    /// `1/tau+`.
+    even: V,
+    /// `1/(2 tau+)`.
+    half_even: V,
+    /// `1/(2 tau-)`.
+    half_odd: V,
+}
+
+/// Rates by Smagorinsky's closure from what is out of equilibrium in the even part of each pair.
+#[inline(always)]
+fn closure<V: Lanes, const FORCED: bool>(
+    d: &[V; 9],
+    rho: V,
+    per_rho: V,
+    u: &[V; 3],
+    k: &Constants<V>,
+) -> Rates<V> {
+    let mut normal = [
+        d[0] + ((d[3] + d[4]) + (d[5] + d[6])),
+        d[1] + ((d[3] + d[4]) + (d[7] + d[8])),
+        d[2] + ((d[5] + d[6]) + (d[7] + d[8])),
+    ];
+    // xy, xz, yz
+    let mut shear = [d[3] - d[4], d[5] - d[6], d[7] - d[8]];
+    if FORCED {
+        let (a, half) = (&k.acceleration, &k.half_acceleration);
+        let f = [rho * u[0], rho * u[1], rho * u[2]];
+        normal = [normal[0] + f[0] * a[0], normal[1] + f[1] * a[1], normal[2] + f[2] * a[2]];
+        shear = [
+            shear[0] + (f[0] * half[1] + f[1] * half[0]),
+            shear[1] + (f[0] * half[2] + f[2] * half[0]),
+            shear[2] + (f[1] * half[2] + f[2] * half[1]),
+        ];
+    }
+    let square = (normal[0] * normal[0] + (normal[1] * normal[1] + normal[2] * normal[2]))
+        + k.two * (shear[0] * shear[0] + (shear[1] * shear[1] + shear[2] * shear[2]));
+    let tau = k.half * (k.tau + (k.tau2 + k.closure * square.sqrt() * per_rho).sqrt());
+    let even = k.one / tau;
+    let half_even = k.half * even;
+    let half_odd = if k.is_magic {
+        // 1/tau- = 1/(1/2 + magic/(tau+ - 1/2))
+        let over = tau - k.half;
+        k.half * over / (k.half * over + k.magic)
+    } else {
+        half_even
+    };
+    Rates { tau, even, half_even, half_odd }
 }
 
 #[cfg(test)]
@@ -214,11 +360,12 @@ mod tests {
         unsafe {
             let k = Constants::<One>::new(r);
             let mut v = h.map(|x| One::splat(x));
-            if forced {
-                collide::<One, true>(&mut v, &k);
-            } else {
-                collide::<One, false>(&mut v, &k);
-            }
+            match (forced, r.smagorinsky != 0.0) {
+                (false, false) => collide::<One, false, false>(&mut v, &k),
+                (true, false) => collide::<One, true, false>(&mut v, &k),
+                (false, true) => collide::<One, false, true>(&mut v, &k),
+                (true, true) => collide::<One, true, true>(&mut v, &k),
+            };
             v.map(|v| {
                 let mut out = 0.0;
                 v.store(&mut out);
@@ -290,6 +437,51 @@ mod tests {
         let g = collided(&h, &Relaxation::with_magic(0.6, 0.1875, [0.0; 3]), false);
         for i in 0..Q {
             assert!((g[i] - h[i]).abs() < 1e-16);
+        }
+    }
+
+    /// `tau*` by iteration of `tau* = tau + (C)^2 |S|/cs^2` with `S` from the stress out of
+    /// equilibrium, itself dependent on `tau*`.
+    fn iterated(h: &[f64; Q], tau: f64, constant: f64, a: [f64; 3]) -> f64 {
+        let (drho, j) = moments(h);
+        let rho = 1.0 + drho;
+        let u: [f64; 3] = std::array::from_fn(|k| j[k] / rho + 0.5 * a[k]);
+        let mut square = 0.0;
+        for x in 0..3 {
+            for y in 0..3 {
+                let stress: f64 = (0..Q)
+                    .map(|i| C_F64[i][x] * C_F64[i][y] * (h[i] - equilibrium(i, drho, u)))
+                    .sum();
+                square += (stress + 0.5 * rho * (u[x] * a[y] + u[y] * a[x])).powi(2);
+            }
+        }
+        let mut found = tau;
+        for _ in 0..200 {
+            let strain = (2.0 * square).sqrt() / (2.0 * rho * found / 3.0);
+            found = tau + 3.0 * constant * constant * strain;
+        }
+        found
+    }
+
+    #[test]
+    fn the_closure_is_the_fixed_point_of_smagorinskys_viscosity() {
+        let h = some_state();
+        for (tau, constant) in [(0.500004, 0.4), (0.51264, 0.4), (0.6, 0.17), (0.8, 0.1)] {
+            for a in [[0.0; 3], [1e-3, -2e-3, 5e-4]] {
+                let expected = iterated(&h, tau, constant, a);
+                assert!(expected > tau * 1.0001);
+                let forced = a != [0.0; 3];
+                let les = Relaxation::single(tau, a).with_smagorinsky(constant);
+                let plain = Relaxation::single(expected, a);
+                let (found, same) = (collided(&h, &les, forced), collided(&h, &plain, forced));
+                let trt = Relaxation::with_magic(tau, 0.1875, a).with_smagorinsky(constant);
+                let magic = Relaxation::with_magic(expected, 0.1875, a);
+                let (trt, magic) = (collided(&h, &trt, forced), collided(&h, &magic, forced));
+                for i in 0..Q {
+                    assert!((found[i] - same[i]).abs() < 1e-15, "{i}: {} {}", found[i], same[i]);
+                    assert!((trt[i] - magic[i]).abs() < 1e-15, "{i}: {} {}", trt[i], magic[i]);
+                }
+            }
         }
     }
 }

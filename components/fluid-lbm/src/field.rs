@@ -1,4 +1,4 @@
-//! Storage of the populations: 19 planes over the grid, in one array.
+//! Storage of the populations: 19 planes over the stored cells, in one array.
 //!
 //! Populations are stored as deviations `h_i = f_i - w_i` from the fluid at rest at the reference
 //! density 1, so that rounding is relative to the flow and not to the background pressure.
@@ -71,12 +71,10 @@ pub fn prefetch<T>(place: *const T) {
 /// the processor look up over and over.
 const LARGE_PAGE: usize = 2 << 20;
 
-/// The populations of a box of cells.
+/// The populations of a list of cells. Which is where: see `places`.
 pub struct Field<T: Real> {
     first: NonNull<T::Atomic>,
     layout: Layout,
-    /// Numbers from one plane to the next.
-    plane: usize,
 }
 
 // SAFETY: the field owns its array of atomics, which may be used from any thread.
@@ -85,56 +83,64 @@ unsafe impl<T: Real> Send for Field<T> {}
 unsafe impl<T: Real> Sync for Field<T> {}
 
 impl<T: Real> Field<T> {
-    /// A fluid at rest over `len` cells.
-    pub fn new(len: usize) -> Self {
-        // Planes start 3 cache lines apart modulo 4 KiB, so that the 19 streams of a step use
-        // different sets of the first-level cache.
-        let mut lines = len.div_ceil(T::LINE);
-        while lines % 64 != 3 {
-            lines += 1;
-        }
-        let bytes = (lines * 64 * Q).next_multiple_of(LARGE_PAGE);
+    /// A fluid at rest in planes of `stride` numbers.
+    pub fn new(stride: usize) -> Self {
+        Self::zeros(stride * Q)
+    }
+
+    /// Room for `count` numbers, all zero.
+    pub fn zeros(count: usize) -> Self {
+        let bytes = (count * (64 / T::LINE)).max(1).next_multiple_of(LARGE_PAGE);
         let layout = Layout::from_size_align(bytes, LARGE_PAGE)
-            .expect("a grid that was resolved fits in memory");
+            .expect("a lattice that was resolved fits in memory");
         // SAFETY: the layout is not empty.
         let memory = unsafe { alloc(layout) };
         let Some(memory) = NonNull::new(memory) else { handle_alloc_error(layout) };
         #[cfg(target_os = "linux")]
         // SAFETY: the range is this allocation, whole pages of it; the advice changes no content.
         // It may be refused, which costs nothing but time.
-        let _ = unsafe {
-            rustix::mm::madvise(memory.as_ptr().cast(), bytes, rustix::mm::Advice::LinuxHugepage)
-        };
+        let _ = unsafe { libc::madvise(memory.as_ptr().cast(), bytes, libc::MADV_HUGEPAGE) };
         // SAFETY: the range is this allocation. Zero bits are the number 0.
         unsafe { memory.write_bytes(0, bytes) };
-        Self { first: memory.cast(), layout, plane: lines * T::LINE }
+        Self { first: memory.cast(), layout }
+    }
+
+    /// Memory that planes of `stride` numbers take [bytes].
+    pub fn bytes(stride: u64) -> u64 {
+        (stride * Q as u64 * (64 / T::LINE as u64)).next_multiple_of(LARGE_PAGE as u64)
     }
 
     /// All places as atomics.
     #[inline(always)]
     fn places(&self) -> &[T::Atomic] {
-        // SAFETY: the array holds `plane * Q` numbers, was zeroed, is aligned beyond what an atomic
+        // SAFETY: the array holds that many numbers, was zeroed, is aligned beyond what an atomic
         // needs, and lives as long as `self`.
-        unsafe { std::slice::from_raw_parts(self.first.as_ptr(), self.plane * Q) }
+        unsafe {
+            std::slice::from_raw_parts(
+                self.first.as_ptr(),
+                self.layout.size() / size_of::<T::Atomic>(),
+            )
+        }
     }
 
-    /// The number in a place `(plane, index)`.
+    /// The number in a place.
     #[inline(always)]
-    pub fn get(&self, (i, index): (usize, usize)) -> f64 {
-        T::load(&self.places()[i * self.plane + index]).to_f64()
+    pub fn get(&self, place: usize) -> f64 {
+        T::load(&self.places()[place]).to_f64()
     }
 
     /// Writes the nearest number to a place and returns it.
     #[inline(always)]
-    pub fn set(&self, (i, index): (usize, usize), value: f64) -> f64 {
+    pub fn set(&self, place: usize, value: f64) -> f64 {
         let value = T::from_f64(value);
-        value.store(&self.places()[i * self.plane + index]);
+        value.store(&self.places()[place]);
         value.to_f64()
     }
 
-    /// Numbers from one plane to the next.
-    pub fn plane(&self) -> usize {
-        self.plane
+    /// Fetches a place that will be used soon.
+    #[inline(always)]
+    pub fn prefetch(&self, place: usize) {
+        prefetch(self.base().wrapping_add(place));
     }
 
     /// Start of the array, aligned to 64 bytes, for the collision kernel. Writing through it is
@@ -156,19 +162,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn planes_do_not_overlap() {
+    fn places_are_distinct_and_begin_at_rest() {
         fn check<T: Real>() {
-            let field = Field::<T>::new(100);
-            for i in 0..Q {
-                for index in 0..100 {
-                    assert_eq!(field.get((i, index)), 0.0);
-                    field.set((i, index), (i * 1000 + index) as f64);
-                }
+            let field = Field::<T>::new(128);
+            for place in 0..Q * 128 {
+                assert_eq!(field.get(place), 0.0);
+                field.set(place, place as f64);
             }
-            for i in 0..Q {
-                for index in 0..100 {
-                    assert_eq!(field.get((i, index)), (i * 1000 + index) as f64);
-                }
+            for place in 0..Q * 128 {
+                assert_eq!(field.get(place), place as f64);
             }
         }
         check::<f64>();

@@ -5,6 +5,7 @@ use crate::parameters::{Parameters, Precision};
 use crate::resolution::Resolution;
 use core::f64::consts::PI;
 use tremie_messages::Finding;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{
     BodySet, Face, FluidMaterial, Motion, PartBoundary, Placement, Scene,
 };
@@ -57,13 +58,20 @@ impl Lattice<'_> {
         let Resolution { tau, time_step, cell, .. } = *self.resolution;
         let nu = self.fluid.viscosity / self.fluid.density;
         let trusted = self.parameters.trusted_tau();
-        let step = self.parameters.time_step_of(LOW_TAU, nu);
         // At the same lattice speed tau - 1/2 grows as 1/cell.
         let finer = cell * (tau - 0.5) / (LOW_TAU - 0.5);
-        let remedy = format!(
-            "{LOW_TAU} takes a time step of {step:.3e} s (now {time_step:.3e} s) with this cell, or a cell of {finer:.3e} m \
-             (now {cell:.3e} m) with this lattice speed, or a larger viscosity, or a turbulence model"
+        let mut remedy = format!(
+            "a cell of {} m (now {} m) at this lattice speed makes it {LOW_TAU}",
+            short(finer),
+            short(cell)
         );
+        let step = self.parameters.time_step_of(LOW_TAU, nu);
+        let mach = self.fluid.expected_speed.map_or(0.0, |u| self.parameters.mach_of(u, step));
+        if mach <= LOW_MACH {
+            remedy +=
+                &format!(", so does a time step of {} s (now {} s)", short(step), short(time_step));
+        }
+        remedy += "; or take a turbulence model, or a larger viscosity";
         let why = "the collision is all but reversible: waves and rounding are damped too little, and the run may \
                    blow up or ring";
         Finding::new("relaxation time", tau, "1")
@@ -72,7 +80,10 @@ impl Lattice<'_> {
             .doubtful_if(
                 tau > HIGH_TAU,
                 format!("above {HIGH_TAU} the flow lags behind changes"),
-                format!("a time step of {:.3e} s gives 1", self.parameters.time_step_of(1.0, nu)),
+                format!(
+                    "a time step of {} s gives 1",
+                    short(self.parameters.time_step_of(1.0, nu))
+                ),
             )
     }
 
@@ -80,7 +91,7 @@ impl Lattice<'_> {
         let speed = self.unit_speed();
         let sound = speed * CS2.sqrt();
         Finding::new("lattice speed", speed, "m/s")
-            .because(format!("a cell in a time step; sound travels at {sound:.3e} m/s"))
+            .because(format!("a cell in a time step; sound travels at {} m/s", short(sound)))
     }
 
     fn mach(&self) -> Option<Finding> {
@@ -92,13 +103,13 @@ impl Lattice<'_> {
             format!(
                 "above {LOW_MACH} the lattice's compressibility is more than a per cent of the flow"
             ),
-            format!("a time step of {step:.3e} s gives {LOW_MACH}"),
+            format!("a time step of {} s gives {LOW_MACH}", short(step)),
         ))
     }
 
     fn sphere(&self, cells: f64) -> Finding {
         let diameter = cells * self.resolution.cell;
-        let remedy = format!("a cell of {:.3e} m makes it {RESOLVED}", diameter / RESOLVED);
+        let remedy = format!("a cell of {} m makes it {RESOLVED}", short(diameter / RESOLVED));
         Finding::new("cells across the smallest sphere", cells, "1")
             .wrong_if(
                 cells < UNSEEN,
@@ -127,10 +138,11 @@ impl Lattice<'_> {
         let deviation = (speed / (CS2 * self.unit_speed())).max(pressure / self.stiffness());
         let noise = rounding * deviation * self.stiffness();
         let finding = Finding::new("pressure resolution", noise, "Pa");
-        Some(finding.because(format!("of {pressure:.3e} Pa that are expected")).doubtful_if(
+        Some(finding.because(format!("of {} Pa that are expected", short(pressure))).doubtful_if(
             noise > 1e-3 * pressure,
             format!(
-                "rounding is more than a thousandth of the {pressure:.3e} Pa that are expected"
+                "rounding is more than a thousandth of the {} Pa that are expected",
+                short(pressure)
             ),
             "precision = \"f64\", or a longer time step",
         ))
@@ -168,12 +180,14 @@ impl Lattice<'_> {
         let [doubtful, wrong] = SOFT;
         let step = self.resolution.time_step * (0.4 * doubtful / softness).sqrt();
         let why = format!(
-            "the grains' excess weight is {pressure:.3e} Pa on the floor, the lattice's stiffness {:.3e} Pa; above {doubtful} \
+            "the grains' excess weight is {} Pa on the floor, the lattice's stiffness {} Pa; above {doubtful} \
              the grains bounce on the fluid, near {wrong} a bed was measured to fail",
-            self.stiffness()
+            short(pressure),
+            short(self.stiffness())
         );
         let remedy = format!(
-            "a time step of {step:.3e} s makes it {:.2}; so does an expected speed {:.1} times as large, where that sets the step",
+            "a time step of {} s makes it {:.2}; so does an expected speed {:.1} times as large, where that sets the step",
+            short(step),
             0.4 * doubtful,
             self.resolution.time_step / step
         );
@@ -246,7 +260,7 @@ mod tests {
         let cells = judge("cells across the smallest sphere");
         assert_eq!(cells.verdict, Verdict::Doubtful);
         assert!((cells.value - 8.0 / 3.0).abs() < 1e-9);
-        assert!(cells.remedy.contains("1.000e-4 m"), "{}", cells.remedy);
+        assert!(cells.remedy.contains("1e-4 m"), "{}", cells.remedy);
         assert!((judge("lattice speed").value - 2500.0).abs() < 1e-9);
     }
 

@@ -151,7 +151,7 @@ impl FluidLbm {
     }
 
     /// The 19 populations that the next collision finds in a cell, as deviations from rest, in the
-    /// order of [`crate::lattice::C`].
+    /// order of [`crate::lattice::C`]; zeros in a static solid.
     pub fn populations_at(&self, cell: [usize; 3]) -> [f64; crate::lattice::Q] {
         solver!(&self.solver, s => s.populations_at(cell))
     }
@@ -160,15 +160,6 @@ impl FluidLbm {
     /// `state` says at a position [m].
     pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
         solver!(&mut self.solver, s => s.set_state(state));
-    }
-
-    /// Lets a wall of the domain slide: `side` 0 is the lower face of `axis`, 1 the upper; the
-    /// velocity [m/s] counts along the face.
-    ///
-    /// # Panics
-    /// If the face is periodic.
-    pub fn set_face_velocity(&mut self, axis: usize, side: usize, velocity: [f64; 3]) {
-        solver!(&mut self.solver, s => s.set_face_velocity(axis, side, velocity));
     }
 
     /// Time step [s].

@@ -1,19 +1,21 @@
-//! Collide and stream in place, row by row: the only loop over all cells.
+//! Collide and stream in place, line by line: the only loop over all cells.
 //!
-//! The pattern "AA" of Bailey et al. 2009: a collision reads `f_i` of a cell from 19 places and
-//! writes `g_i` into the place of the opposite direction. In even steps these are the cell's own
-//! places, in odd steps those of its neighbours (see [`Parity::place`]); either way every place
-//! belongs to one cell, so cells are independent of each other.
+//! A collision reads `f_i` of a cell from 19 places and writes `g_i` into the place of the opposite
+//! direction (see `places`). Every place belongs to one cell, so cells are independent of each
+//! other. A step reads and writes each number once: 19 of them a cell, and in odd steps 76 bytes of
+//! the table of places for each line of 64 bytes.
 
 use crate::collision::{Constants, Relaxation, collide};
 use crate::field::{Field, Real, prefetch};
-use crate::grid::{Grid, Parity};
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
 use crate::lanes::{Lanes, Portable, Variant};
-use crate::lattice::{C, OPPOSITE, Q};
+use crate::lattice::{OPPOSITE, Q};
+use crate::places::{Parity, Places};
+use crate::tally::Tally;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
-/// Sums over the fluid cells of a block of rows, before their collision.
+/// Sums over the fluid cells of a block of lines, before their collision.
 #[derive(Clone, Copy, Debug)]
 pub struct Survey {
     /// Sum of the densities minus 1.
@@ -26,6 +28,8 @@ pub struct Survey {
     pub min_drho: f64,
     /// Largest density minus 1.
     pub max_drho: f64,
+    /// Largest relaxation time of the closure; 0 without one.
+    pub max_tau: f64,
 }
 
 impl Survey {
@@ -36,6 +40,7 @@ impl Survey {
         speed2: 0.0,
         min_drho: f64::INFINITY,
         max_drho: f64::NEG_INFINITY,
+        max_tau: 0.0,
     };
 
     /// Adds another block.
@@ -47,7 +52,19 @@ impl Survey {
         self.speed2 = self.speed2.max(other.speed2);
         self.min_drho = self.min_drho.min(other.min_drho);
         self.max_drho = self.max_drho.max(other.max_drho);
+        self.max_tau = self.max_tau.max(other.max_tau);
     }
+}
+
+/// Consecutive lines that are one item of work, and what their collision found.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// The lines.
+    pub lines: std::ops::Range<usize>,
+    /// Sums over their cells.
+    pub survey: Survey,
+    /// For each of the block's runs of reflecting links, the sum of the reflected populations.
+    pub reflected: Vec<f64>,
 }
 
 /// What a kernel works on, the same for all blocks.
@@ -55,23 +72,46 @@ impl Survey {
 pub struct Sweep<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
-    /// Shape of the box.
-    pub grid: &'a Grid,
-    /// One bit for each cell of an array over the grid: whether it is fluid. Zero in padding and
-    /// ghosts.
+    /// Where they are.
+    pub places: &'a Places,
+    /// One bit for each stored cell: whether it is fluid. Zero in padding.
     pub fluid: &'a [u8],
     /// Which step.
     pub parity: Parity,
     /// Constants of the collision.
     pub relaxation: &'a Relaxation,
+    /// Reflecting links.
+    pub tally: &'a Tally,
+    /// Lines whose densities somebody wants to know, and room for these.
+    pub wanted: &'a Wanted<T>,
 }
 
-/// A kernel: collides and streams the rows `rows` of the box.
+/// Densities that the links of bodies will need.
+pub struct Wanted<T: Real> {
+    /// For each line whether it is wanted; empty if none is.
+    pub lines: Vec<AtomicU8>,
+    /// For each cell of a wanted line the density minus 1 before the last collision, which keeps it.
+    pub drho: Field<T>,
+}
+
+impl<T: Real> Wanted<T> {
+    /// Where the densities of a line go; nowhere if nobody wants them.
+    #[inline(always)]
+    fn room(&self, line: usize) -> *mut T {
+        if self.lines.get(line).is_some_and(|wanted| wanted.load(Relaxed) != 0) {
+            self.drho.base().wrapping_add(line * T::LINE)
+        } else {
+            std::ptr::null_mut()
+        }
+    }
+}
+
+/// A kernel: collides and streams a block, the `usize`th of all, then adds up what its links reflect.
 ///
 /// # Safety
-/// The processor has the variant's instructions; no other thread uses the places of these rows at
-/// the same time; the field and the bits have the grid's size.
-pub type Kernel<T> = unsafe fn(&Sweep<T>, std::ops::Range<usize>) -> Survey;
+/// The processor has the variant's instructions; no other thread uses the places of the block's
+/// cells at the same time; field, places, bits and tally were made for the same cells.
+pub type Kernel<T> = unsafe fn(&Sweep<T>, usize, &mut Block);
 
 /// A number that has kernels.
 pub trait Collides: Real {
@@ -82,21 +122,41 @@ pub trait Collides: Real {
     fn kernel(variant: Variant) -> Kernel<Self>;
 }
 
+/// Collides the line at `places`, see [`collide_line`]; one function for each variant, with and
+/// without an acceleration and a closure.
+type LineKernel<V> = unsafe fn(
+    &[*mut <V as Lanes>::Scalar; Q],
+    u32,
+    &Constants<V>,
+    &mut Sums<V>,
+    *mut <V as Lanes>::Scalar,
+);
+
 macro_rules! kernels {
     ($real:ty, $portable:ty, $avx2:ty, $avx512:ty) => {
         impl Collides for $real {
             fn kernel(variant: Variant) -> Kernel<Self> {
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx2")]
-                unsafe fn avx2(sweep: &Sweep<$real>, rows: std::ops::Range<usize>) -> Survey {
+                unsafe fn avx2(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
+                    kernels!(line, $avx2, #[target_feature(enable = "avx2")]);
+                    let line = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
-                    unsafe { sweep_rows::<$avx2>(sweep, rows) }
+                    unsafe { work::<$avx2>(sweep, number, block, line) }
                 }
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx512f,avx512vl")]
-                unsafe fn avx512(sweep: &Sweep<$real>, rows: std::ops::Range<usize>) -> Survey {
+                unsafe fn avx512(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
+                    kernels!(line, $avx512, #[target_feature(enable = "avx512f,avx512vl")]);
+                    let line = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
-                    unsafe { sweep_rows::<$avx512>(sweep, rows) }
+                    unsafe { work::<$avx512>(sweep, number, block, line) }
+                }
+                unsafe fn portable(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
+                    kernels!(line, $portable, #[inline(never)]);
+                    let line = kernels!(choose, sweep.relaxation);
+                    // SAFETY: by contract.
+                    unsafe { work::<$portable>(sweep, number, block, line) }
                 }
                 assert!(variant.available(), "this processor has no {variant:?}");
                 match variant {
@@ -104,9 +164,30 @@ macro_rules! kernels {
                     Variant::Avx2 => avx2,
                     #[cfg(target_arch = "x86_64")]
                     Variant::Avx512 => avx512,
-                    _ => sweep_rows::<$portable>,
+                    _ => portable,
                 }
             }
+        }
+    };
+    (line, $lanes:ty, #[$($feature:tt)*]) => {
+        #[$($feature)*]
+        unsafe fn line<const FORCED: bool, const LES: bool>(
+            places: &[*mut <$lanes as Lanes>::Scalar; Q],
+            bits: u32,
+            constants: &Constants<$lanes>,
+            sums: &mut Sums<$lanes>,
+            drho: *mut <$lanes as Lanes>::Scalar,
+        ) {
+            // SAFETY: by contract.
+            unsafe { collide_line::<$lanes, FORCED, LES>(places, bits, constants, sums, drho) }
+        }
+    };
+    (choose, $relaxation:expr) => {
+        match ($relaxation.acceleration != [0.0; 3], $relaxation.smagorinsky != 0.0) {
+            (false, false) => line::<false, false>,
+            (true, false) => line::<true, false>,
+            (false, true) => line::<false, true>,
+            (true, true) => line::<true, true>,
         }
     };
 }
@@ -115,43 +196,78 @@ kernels!(f32, Portable<f32, 4>, Avx2F32, Avx512F32);
 
 /// The body of every kernel. See [`Kernel`] for the contract.
 #[inline(always)]
-unsafe fn sweep_rows<V: Lanes>(sweep: &Sweep<V::Scalar>, rows: std::ops::Range<usize>) -> Survey {
-    if sweep.relaxation.acceleration == [0.0; 3] {
-        // SAFETY: by contract.
-        unsafe { sweep_forced::<V, false>(sweep, rows) }
-    } else {
-        // SAFETY: by contract.
-        unsafe { sweep_forced::<V, true>(sweep, rows) }
-    }
+unsafe fn work<V: Lanes>(
+    sweep: &Sweep<V::Scalar>,
+    number: usize,
+    block: &mut Block,
+    line: LineKernel<V>,
+) {
+    // SAFETY: by contract.
+    block.survey = unsafe { sweep_lines::<V>(sweep, block.lines.clone(), line) };
+    // SAFETY: by contract; the block's cells have collided, and their reflecting links are in
+    // places of their own.
+    unsafe { sweep.tally.sum::<V>(sweep.field, sweep.fluid, number, &mut block.reflected) };
 }
 
-/// [`sweep_rows`] with or without an acceleration.
+/// Collides and streams lines.
 #[inline(always)]
-unsafe fn sweep_forced<V: Lanes, const FORCED: bool>(
+unsafe fn sweep_lines<V: Lanes>(
     sweep: &Sweep<V::Scalar>,
-    rows: std::ops::Range<usize>,
+    lines: std::ops::Range<usize>,
+    collide_line: LineKernel<V>,
 ) -> Survey {
-    let grid = sweep.grid;
-    let wraps = grid.periodic[0] && sweep.parity == Parity::Odd;
     // SAFETY: by contract.
     let constants = unsafe { Constants::<V>::new(sweep.relaxation) };
     // SAFETY: by contract.
     let mut sums = unsafe { Sums::<V>::new() };
-    for row in rows {
-        let [y, z] = grid.row_at(row);
-        let bits = grid.row_start(y, z) / 8;
-        let bits = &sweep.fluid[bits..bits + (grid.n[0] as usize).div_ceil(8)];
-        let places = row_places(sweep, y, z);
-        // SAFETY: the places belong to this row, which is this thread's; along x they reach one
-        // cell beyond the row on either side and, in the last vector, into the padding, both of
-        // which exist (`Grid::stride`). Pointers made in `row_places` are inside the field.
-        unsafe {
-            if wraps {
-                wrap_in::<V::Scalar>(&places, grid.n[0] as usize);
+    let base = sweep.field.base();
+    let stride = sweep.places.stride();
+    if sweep.parity == Parity::Even {
+        let planes: [*mut V::Scalar; Q] = std::array::from_fn(|i| base.wrapping_add(i * stride));
+        for line in lines {
+            let bits = line_bits::<V>(sweep.fluid, line);
+            if bits != 0 {
+                let first = line * V::Scalar::LINE;
+                let mut places = planes;
+                let mut i = 0;
+                while i < Q {
+                    places[i] = planes[i].wrapping_add(first);
+                    i += 1;
+                }
+                let drho = sweep.wanted.room(line);
+                // SAFETY: these are the line's own places in even steps.
+                unsafe { collide_line(&places, bits, &constants, &mut sums, drho) };
             }
-            sweep_row::<V, FORCED>(&places, bits, &constants, &mut sums);
-            if wraps {
-                wrap_out::<V::Scalar>(&places, grid.n[0] as usize);
+        }
+    } else {
+        let mut scratch = Scratch([[V::Scalar::from_f64(0.0); 16]; Q]);
+        let end = lines.end;
+        for line in lines {
+            if line + AHEAD < end {
+                ask_for_pieces(sweep, line + AHEAD);
+            }
+            let bits = line_bits::<V>(sweep.fluid, line);
+            if bits == 0 {
+                continue;
+            }
+            let drho = sweep.wanted.room(line);
+            let entries = &sweep.places.lines()[line];
+            let mut places = [base.wrapping_add(line * V::Scalar::LINE); Q];
+            let mut i = 1;
+            while i < Q {
+                places[i] = base.wrapping_add(entries[i] as usize);
+                i += 1;
+            }
+            // SAFETY: these are the line's own places in odd steps; those in pieces are collected
+            // in the scratch and written back, lane by lane where they are.
+            unsafe {
+                if entries[0] == 0 {
+                    collide_line(&places, bits, &constants, &mut sums, drho);
+                } else {
+                    gather::<V>(sweep, entries, &mut places, &mut scratch);
+                    collide_line(&places, bits, &constants, &mut sums, drho);
+                    scatter::<V>(sweep, entries, &scratch);
+                }
             }
         }
     }
@@ -159,85 +275,124 @@ unsafe fn sweep_forced<V: Lanes, const FORCED: bool>(
     unsafe { sums.survey() }
 }
 
-/// For each direction, where `f_i` of the cell `x = 0` of a row is.
-#[inline(always)]
-fn row_places<T: Real>(sweep: &Sweep<T>, y: i32, z: i32) -> [*mut T; Q] {
-    let grid = sweep.grid;
-    let mut places = [sweep.field.base(); Q];
-    let mut i = 0;
-    while i < Q {
-        let (plane, start) = match sweep.parity {
-            Parity::Even => (i, grid.row_start(y, z) as isize),
-            Parity::Odd => {
-                let o = OPPOSITE[i];
-                let (y, z) = (grid.wrap(1, y + C[o][1]), grid.wrap(2, z + C[o][2]));
-                (o, grid.row_start(y, z) as isize + C[o][0] as isize)
-            }
-        };
-        places[i] = places[i].wrapping_offset((plane * sweep.field.plane()) as isize + start);
-        i += 1;
-    }
-    places
-}
+/// Room for a line in each direction.
+#[repr(align(64))]
+struct Scratch<T>([[T; 16]; Q]);
 
-/// Copies what the row reads through the periodic faces of x into the ghosts at its ends.
-///
-/// # Safety
-/// The places are an odd step's, of a row of `n` cells.
+/// Asks memory for what a line will collect from pieces. Lines in one piece need no such help: the
+/// line before asks for what follows its own places.
 #[inline(always)]
-unsafe fn wrap_in<T: Real>(places: &[*mut T; Q], n: usize) {
-    for i in 1..Q {
-        // SAFETY: by contract; for `c_x = 1` the place of `x = 0` is the ghost `-1` and that of `x
-        // = n` the cell `n - 1`, for `c_x = -1` the place of `x = n - 1` is the ghost `n` and that
-        // of `x = -1` the cell 0.
-        unsafe {
-            match C[i][0] {
-                1 => *places[i] = *places[i].add(n),
-                -1 => *places[i].add(n - 1) = *places[i].sub(1),
-                _ => {}
+fn ask_for_pieces<T: Real>(sweep: &Sweep<T>, line: usize) {
+    let entries = &sweep.places.lines()[line];
+    let mut mixed = entries[0];
+    while mixed != 0 {
+        let i = mixed.trailing_zeros() as usize;
+        mixed &= mixed - 1;
+        for piece in &sweep.places.pieces()[entries[i] as usize..] {
+            let lane = piece.lanes.trailing_zeros() as usize;
+            prefetch(sweep.field.base().wrapping_add(piece.place as usize + lane));
+            if piece.last {
+                break;
             }
         }
     }
 }
 
-/// Copies what the row wrote into the ghosts at its ends through the periodic faces of x; undoes
-/// [`wrap_in`].
+/// Collects the directions of a line that are in pieces, and lets their places point there.
 ///
 /// # Safety
-/// As for [`wrap_in`].
+/// As for [`Kernel`]; `entries` are those of a line of the sweep.
 #[inline(always)]
-unsafe fn wrap_out<T: Real>(places: &[*mut T; Q], n: usize) {
-    for i in 1..Q {
-        // SAFETY: as in `wrap_in`.
-        unsafe {
-            match C[i][0] {
-                1 => *places[i].add(n) = *places[i],
-                -1 => *places[i].sub(1) = *places[i].add(n - 1),
-                _ => {}
+unsafe fn gather<V: Lanes>(
+    sweep: &Sweep<V::Scalar>,
+    entries: &[u32; Q],
+    places: &mut [*mut V::Scalar; Q],
+    scratch: &mut Scratch<V::Scalar>,
+) {
+    let base = sweep.field.base();
+    let all = u32::MAX >> (32 - V::N);
+    let mut mixed = entries[0];
+    while mixed != 0 {
+        let i = mixed.trailing_zeros() as usize;
+        mixed &= mixed - 1;
+        places[i] = scratch.0[i].as_mut_ptr();
+        let pieces = &sweep.places.pieces()[entries[i] as usize..];
+        let mut x = 0;
+        while x < V::Scalar::LINE {
+            // SAFETY: by contract; the lanes of a piece are places of the field.
+            unsafe {
+                let mut v = V::splat(0.0);
+                for piece in pieces {
+                    let lanes = u32::from(piece.lanes) >> x & all;
+                    let from = base.wrapping_add(piece.place as usize + x);
+                    v = v.load_lanes(from, V::mask(lanes));
+                    if piece.last {
+                        break;
+                    }
+                }
+                v.store(places[i].add(x));
             }
+            x += V::N;
         }
     }
 }
 
-/// Collides one row, a vector at a time. Vectors without fluid are left alone; lanes without fluid
+/// Writes the directions of a line that are in pieces from where [`gather`] had put them.
+///
+/// # Safety
+/// As for [`gather`].
+#[inline(always)]
+unsafe fn scatter<V: Lanes>(
+    sweep: &Sweep<V::Scalar>,
+    entries: &[u32; Q],
+    scratch: &Scratch<V::Scalar>,
+) {
+    let base = sweep.field.base();
+    let all = u32::MAX >> (32 - V::N);
+    let mut mixed = entries[0];
+    while mixed != 0 {
+        let i = mixed.trailing_zeros() as usize;
+        mixed &= mixed - 1;
+        let pieces = &sweep.places.pieces()[entries[i] as usize..];
+        let mut x = 0;
+        while x < V::Scalar::LINE {
+            // SAFETY: by contract.
+            unsafe {
+                let v = V::load(scratch.0[i].as_ptr().add(x));
+                for piece in pieces {
+                    let lanes = u32::from(piece.lanes) >> x & all;
+                    let to = base.wrapping_add(piece.place as usize + x);
+                    v.store_lanes(to, V::mask(lanes));
+                    if piece.last {
+                        break;
+                    }
+                }
+            }
+            x += V::N;
+        }
+    }
+}
+
+/// Collides one line, a vector at a time. Vectors without fluid are left alone; lanes without fluid
 /// become zero, which is a fluid at rest, so that nothing odd can grow inside solids.
 ///
 /// # Safety
-/// As for [`Kernel`]; `bits` covers the row.
+/// As for [`Kernel`]; `LINE` numbers may be read and written at each place, and in lanes of cells
+/// these belong to the line; `drho` is null or has room for a line.
 #[inline(always)]
-unsafe fn sweep_row<V: Lanes, const FORCED: bool>(
+unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool>(
     places: &[*mut V::Scalar; Q],
-    bits: &[u8],
+    bits: u32,
     constants: &Constants<V>,
     sums: &mut Sums<V>,
+    drho: *mut V::Scalar,
 ) {
     let all = u32::MAX >> (32 - V::N);
     let mut x = 0;
-    while x < 8 * bits.len() {
-        let lanes = lanes_at(bits, x) & all;
+    while x < V::Scalar::LINE {
+        let lanes = bits >> x & all;
         if lanes != 0 {
-            // SAFETY: by contract; `x + N` is at most the row's length rounded up to a vector of
-            // the longest kind.
+            // SAFETY: by contract.
             unsafe {
                 let mut h = [V::splat(0.0); Q];
                 let mut i = 0;
@@ -246,7 +401,7 @@ unsafe fn sweep_row<V: Lanes, const FORCED: bool>(
                     prefetch(places[i].wrapping_add(x + AHEAD * V::Scalar::LINE));
                     i += 1;
                 }
-                let mut moments = collide::<V, FORCED>(&mut h, constants);
+                let mut moments = collide::<V, FORCED, LES>(&mut h, constants);
                 if lanes != all {
                     let mask = V::mask(lanes);
                     let mut i = 0;
@@ -258,13 +413,17 @@ unsafe fn sweep_row<V: Lanes, const FORCED: bool>(
                     moments.j =
                         [moments.j[0].keep(mask), moments.j[1].keep(mask), moments.j[2].keep(mask)];
                     moments.speed2 = moments.speed2.keep(mask);
+                    moments.tau = moments.tau.keep(mask);
                 }
                 let mut i = 0;
                 while i < Q {
                     h[OPPOSITE[i]].store(places[i].add(x));
                     i += 1;
                 }
-                sums.add(x, &moments);
+                sums.add::<LES>(x, &moments);
+                if !drho.is_null() {
+                    moments.drho.store(drho.add(x));
+                }
             }
         }
         x += V::N;
@@ -276,14 +435,13 @@ unsafe fn sweep_row<V: Lanes, const FORCED: bool>(
 /// two vectors take about as long as memory does.
 const AHEAD: usize = 4;
 
-/// The bits of cell `x` and those after it, at least as many as a vector of this kind is long.
+/// Which cells of a line are fluid.
 #[inline(always)]
-fn lanes_at(bits: &[u8], x: usize) -> u32 {
-    let low = u32::from(bits[x / 8]) >> (x % 8);
-    if x.is_multiple_of(8) && x / 8 + 1 < bits.len() {
-        low | u32::from(bits[x / 8 + 1]) << 8
+fn line_bits<V: Lanes>(fluid: &[u8], line: usize) -> u32 {
+    if V::Scalar::LINE == 8 {
+        u32::from(fluid[line])
     } else {
-        low
+        u32::from(fluid[2 * line]) | u32::from(fluid[2 * line + 1]) << 8
     }
 }
 
@@ -295,6 +453,7 @@ struct Sums<V> {
     speed2: V,
     min_drho: V,
     max_drho: V,
+    max_tau: V,
 }
 
 impl<V: Lanes> Sums<V> {
@@ -304,15 +463,21 @@ impl<V: Lanes> Sums<V> {
     unsafe fn new() -> Self {
         // SAFETY: by contract.
         let zero = unsafe { V::splat(0.0) };
-        Self { excess: [0.0; 16], j: [[0.0; 16]; 3], speed2: zero, min_drho: zero, max_drho: zero }
+        Self {
+            excess: [0.0; 16],
+            j: [[0.0; 16]; 3],
+            speed2: zero,
+            min_drho: zero,
+            max_drho: zero,
+            max_tau: zero,
+        }
     }
 
-    /// Adds the moments of the vector at `x`.
+    /// Adds the moments of the vector at lane `lane` of a line.
     #[inline(always)]
-    fn add(&mut self, x: usize, m: &crate::collision::Moments<V>) {
-        let lane = x % V::Scalar::LINE;
+    fn add<const LES: bool>(&mut self, lane: usize, m: &crate::collision::Moments<V>) {
         debug_assert!(lane + V::N <= 16);
-        // SAFETY: `x` is a multiple of N, which divides LINE, so `lane + N <= LINE <= 16`.
+        // SAFETY: `lane` is a multiple of N, which divides LINE, so `lane + N <= LINE <= 16`.
         unsafe {
             m.drho.add_to(self.excess.as_mut_ptr().add(lane));
             m.j[0].add_to(self.j[0].as_mut_ptr().add(lane));
@@ -322,6 +487,9 @@ impl<V: Lanes> Sums<V> {
         self.speed2 = m.speed2.max(self.speed2);
         self.min_drho = m.drho.min(self.min_drho);
         self.max_drho = m.drho.max(self.max_drho);
+        if LES {
+            self.max_tau = m.tau.max(self.max_tau);
+        }
     }
 
     /// Adds up the lanes, in their order.
@@ -348,6 +516,8 @@ impl<V: Lanes> Sums<V> {
             survey.min_drho = lanes.iter().fold(0.0, |m, &x| x.to_f64().min(m));
             self.max_drho.store(lanes.as_mut_ptr());
             survey.max_drho = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
+            self.max_tau.store(lanes.as_mut_ptr());
+            survey.max_tau = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
         }
         survey
     }

@@ -2,7 +2,7 @@
 //!
 //! A kernel is written once over [`Lanes`] and compiled for each variant inside a function with
 //! that variant's `#[target_feature]`. Only additions, subtractions, multiplications, divisions,
-//! minima and maxima exist here, each rounded once as IEEE 754 says, and no fused multiply-add: so
+//! square roots, minima and maxima exist here, each rounded once as IEEE 754 says, and no fused multiply-add: so
 //! every variant yields the same bits.
 //!
 //! # Invariant
@@ -75,6 +75,18 @@ pub trait Lanes:
     /// # Safety
     /// `N` numbers may be written.
     unsafe fn store(self, to: *mut Self::Scalar);
+    /// Replaces the lanes of the mask by the numbers from `from` on, of which only these are read.
+    ///
+    /// # Safety
+    /// The numbers of the mask's lanes may be read.
+    unsafe fn load_lanes(self, from: *const Self::Scalar, mask: Self::Mask) -> Self;
+    /// Writes the lanes of the mask to the numbers from `to` on, and leaves the others alone.
+    ///
+    /// # Safety
+    /// The numbers of the mask's lanes may be written.
+    unsafe fn store_lanes(self, to: *mut Self::Scalar, mask: Self::Mask);
+    /// Square root of each lane.
+    fn sqrt(self) -> Self;
     /// Mask of the lanes whose bit is set; bit 0 is the first lane.
     ///
     /// # Safety
@@ -153,6 +165,40 @@ macro_rules! portable {
                 unsafe { to.cast::<[$real; N]>().write_unaligned(self.0) }
             }
             #[inline(always)]
+            unsafe fn load_lanes(self, from: *const $real, mask: u32) -> Self {
+                let mut out = self;
+                let mut k = 0;
+                while k < N {
+                    if mask >> k & 1 == 1 {
+                        // SAFETY: by contract.
+                        out.0[k] = unsafe { *from.wrapping_add(k) };
+                    }
+                    k += 1;
+                }
+                out
+            }
+            #[inline(always)]
+            unsafe fn store_lanes(self, to: *mut $real, mask: u32) {
+                let mut k = 0;
+                while k < N {
+                    if mask >> k & 1 == 1 {
+                        // SAFETY: by contract.
+                        unsafe { *to.wrapping_add(k) = self.0[k] };
+                    }
+                    k += 1;
+                }
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                let mut out = self;
+                let mut k = 0;
+                while k < N {
+                    out.0[k] = self.0[k].sqrt();
+                    k += 1;
+                }
+                out
+            }
+            #[inline(always)]
             unsafe fn mask(bits: u32) -> u32 {
                 bits
             }
@@ -202,7 +248,9 @@ mod x86 {
     /// Implements [`Lanes`] for a wrapped register by one intrinsic for each operation.
     macro_rules! register {
         ($(#[$doc:meta])* $name:ident($register:ty), $real:ty, $n:literal, $mask:ty,
-         $splat:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident,
+         $splat:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident,
+         load_lanes($old:ident, $from:ident, $read:ident) $load_lanes:expr,
+         store_lanes($new:ident, $to:ident, $written:ident) $store_lanes:expr,
          mask($bits:ident) $make_mask:expr,
          keep($value:ident, $lanes:ident) $keep:expr,
          add_to($sum_value:ident, $sums:ident) $add_to:expr
@@ -249,6 +297,23 @@ mod x86 {
                     unsafe { $store(to, self.0) }
                 }
                 #[inline(always)]
+                unsafe fn load_lanes(self, $from: *const $real, $read: $mask) -> Self {
+                    let $old = self.0;
+                    // SAFETY: by contract, and the value exists, so the instructions do.
+                    Self(unsafe { $load_lanes })
+                }
+                #[inline(always)]
+                unsafe fn store_lanes(self, $to: *mut $real, $written: $mask) {
+                    let $new = self.0;
+                    // SAFETY: by contract, and the value exists, so the instructions do.
+                    unsafe { $store_lanes }
+                }
+                #[inline(always)]
+                fn sqrt(self) -> Self {
+                    // SAFETY: the value exists, so the instructions do.
+                    Self(unsafe { $sqrt(self.0) })
+                }
+                #[inline(always)]
                 unsafe fn mask($bits: u32) -> $mask {
                     $make_mask
                 }
@@ -282,7 +347,9 @@ mod x86 {
         /// 8 numbers of 64 bits.
         Avx512F64(__m512d), f64, 8, __mmask8,
         _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd
-        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd,
+        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd _mm512_sqrt_pd,
+        load_lanes(old, from, lanes) _mm512_mask_loadu_pd(old, lanes, from),
+        store_lanes(v, to, lanes) _mm512_mask_storeu_pd(to, lanes, v),
         mask(bits) bits as __mmask8,
         keep(v, lanes) _mm512_maskz_mov_pd(lanes, v),
         add_to(v, sums) _mm512_storeu_pd(sums, _mm512_add_pd(_mm512_loadu_pd(sums), v))
@@ -292,7 +359,9 @@ mod x86 {
         /// 16 numbers of 32 bits.
         Avx512F32(__m512), f32, 16, __mmask16,
         _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps
-        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps,
+        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps _mm512_sqrt_ps,
+        load_lanes(old, from, lanes) _mm512_mask_loadu_ps(old, lanes, from),
+        store_lanes(v, to, lanes) _mm512_mask_storeu_ps(to, lanes, v),
         mask(bits) bits as __mmask16,
         keep(v, lanes) _mm512_maskz_mov_ps(lanes, v),
         add_to(v, sums) {
@@ -309,7 +378,9 @@ mod x86 {
         /// 4 numbers of 64 bits.
         Avx2F64(__m256d), f64, 4, __m256d,
         _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd
-        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd,
+        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd _mm256_sqrt_pd,
+        load_lanes(old, from, lanes) _mm256_blendv_pd(old, _mm256_maskload_pd(from, _mm256_castpd_si256(lanes)), lanes),
+        store_lanes(v, to, lanes) _mm256_maskstore_pd(to, _mm256_castpd_si256(lanes), v),
         mask(bits) unsafe {
             // SAFETY: by contract.
             let lane = _mm256_setr_epi64x(1, 2, 4, 8);
@@ -324,7 +395,9 @@ mod x86 {
         /// 8 numbers of 32 bits.
         Avx2F32(__m256), f32, 8, __m256,
         _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps
-        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps,
+        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps _mm256_sqrt_ps,
+        load_lanes(old, from, lanes) _mm256_blendv_ps(old, _mm256_maskload_ps(from, _mm256_castps_si256(lanes)), lanes),
+        store_lanes(v, to, lanes) _mm256_maskstore_ps(to, _mm256_castps_si256(lanes), v),
         mask(bits) unsafe {
             // SAFETY: by contract.
             let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);

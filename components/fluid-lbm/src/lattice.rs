@@ -76,6 +76,41 @@ pub const OPPOSITE: [usize; Q] = {
     opposite
 };
 
+/// Directions mirrored at a plane across an axis: `C[MIRROR[a][i]]` is `C[i]` with component `a`
+/// reversed.
+pub const MIRROR: [[usize; Q]; 3] = {
+    let mut mirror = [[Q; Q]; 3];
+    let mut a = 0;
+    while a < 3 {
+        let mut i = 0;
+        while i < Q {
+            let mut c = C[i];
+            c[a] = -c[a];
+            let mut j = 0;
+            while j < Q {
+                if C[j][0] == c[0] && C[j][1] == c[1] && C[j][2] == c[2] {
+                    mirror[a][i] = j;
+                }
+                j += 1;
+            }
+            i += 1;
+        }
+        a += 1;
+    }
+    mirror
+};
+
+/// Direction `i` mirrored across every axis whose bit is set in `mirrors`.
+#[inline]
+pub fn mirrored(mut i: usize, mirrors: u8) -> usize {
+    for axis in 0..3 {
+        if mirrors >> axis & 1 == 1 {
+            i = MIRROR[axis][i];
+        }
+    }
+    i
+}
+
 /// `a . b`.
 #[inline(always)]
 pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -132,6 +167,21 @@ mod tests {
             assert_eq!(OPPOSITE[i], i + 9);
             assert_eq!(OPPOSITE[i + 9], i);
         }
+    }
+
+    #[test]
+    fn a_mirror_reverses_one_component() {
+        for a in 0..3 {
+            for i in 0..Q {
+                let m = MIRROR[a][i];
+                for b in 0..3 {
+                    assert_eq!(C[m][b], if a == b { -C[i][b] } else { C[i][b] });
+                }
+                assert_eq!(MIRROR[a][m], i);
+            }
+        }
+        // A mirror at all three axes is the opposite.
+        assert!((0..Q).all(|i| mirrored(i, 7) == OPPOSITE[i] && mirrored(i, 0) == i));
     }
 
     #[test]

@@ -3,8 +3,8 @@
 /// Balance of the fluid in the last step, SI units.
 ///
 /// Impulses [kg m/s] and masses [kg] that entered the fluid (positive) during the step. They add
-/// up: `momentum_change = body_force + walls + bodies + swept + covered + uncovered + isolated`,
-/// and alike for mass. `momentum` is measured over all fluid cells inside the collision and carried
+/// up: `momentum_change = body_force + walls + symmetry + parts + open + bodies + swept + covered +
+/// uncovered + isolated`, and alike for mass. `momentum` is measured over all fluid cells inside the collision and carried
 /// to the end of the step by what the step exchanged afterwards; an exchange that were not listed
 /// would therefore show as a gap between `momentum_change` and the sum of the terms, one step
 /// later.
@@ -23,6 +23,12 @@ pub struct Ledger {
     pub body_force: [f64; 3],
     /// Given by the domain's walls.
     pub walls: [f64; 3],
+    /// Given by symmetry planes.
+    pub symmetry: [f64; 3],
+    /// Given by parts and planes that stand still.
+    pub parts: [f64; 3],
+    /// Carried through open faces by the fluid that enters and leaves.
+    pub open: [f64; 3],
     /// Given by the bodies: minus the impulse that the links gave to them in this step.
     pub bodies: [f64; 3],
     /// Carried by the mass that moving walls of bodies pushed aside.
@@ -37,8 +43,10 @@ pub struct Ledger {
     /// Impulse given out to the bodies as loads, but for buoyancy.
     pub delivered: [f64; 3],
     /// Impulse that averaging holds back for the next step, at the end of this one:
-    /// `-bodies = delivered + carried - (carried one step before) + dropped`.
+    /// `images - bodies = delivered + carried - (carried one step before) + dropped`.
     pub carried: [f64; 3],
+    /// Impulse that the fluid behind symmetry planes, which is not simulated, gives to bodies.
+    pub images: [f64; 3],
     /// Impulse that was held back for bodies that were removed.
     pub dropped: [f64; 3],
     /// Impulse of buoyancy and of the mean pressure gradient in the loads given out; the lattice
@@ -49,8 +57,12 @@ pub struct Ledger {
     pub mass: f64,
     /// Its change in the step.
     pub mass_change: f64,
-    /// Gained at walls (rounding only, for walls at rest).
+    /// Gained at walls (none, for walls at rest).
     pub mass_walls: f64,
+    /// Gained at parts and planes that stand still; interpolation does not keep the mass exactly.
+    pub mass_parts: f64,
+    /// Gained through open faces.
+    pub mass_open: f64,
     /// Gained on links to bodies.
     pub mass_bodies: f64,
     /// Lost with covered cells.
@@ -67,6 +79,9 @@ impl Ledger {
         std::array::from_fn(|a| {
             self.body_force[a]
                 + self.walls[a]
+                + self.symmetry[a]
+                + self.parts[a]
+                + self.open[a]
                 + self.bodies[a]
                 + self.swept[a]
                 + self.covered[a]
@@ -78,6 +93,8 @@ impl Ledger {
     /// Sum of the terms that change the fluid's mass.
     pub fn mass_terms(&self) -> f64 {
         self.mass_walls
+            + self.mass_parts
+            + self.mass_open
             + self.mass_bodies
             + self.mass_covered
             + self.mass_uncovered
@@ -92,6 +109,9 @@ impl Ledger {
             momentum_change: v(self.momentum_change),
             body_force: v(self.body_force),
             walls: v(self.walls),
+            symmetry: v(self.symmetry),
+            parts: v(self.parts),
+            open: v(self.open),
             bodies: v(self.bodies),
             swept: v(self.swept),
             covered: v(self.covered),
@@ -99,11 +119,14 @@ impl Ledger {
             isolated: v(self.isolated),
             delivered: v(self.delivered),
             carried: v(self.carried),
+            images: v(self.images),
             dropped: v(self.dropped),
             buoyancy: v(self.buoyancy),
             mass: self.mass * mass,
             mass_change: self.mass_change * mass,
             mass_walls: self.mass_walls * mass,
+            mass_parts: self.mass_parts * mass,
+            mass_open: self.mass_open * mass,
             mass_bodies: self.mass_bodies * mass,
             mass_covered: self.mass_covered * mass,
             mass_uncovered: self.mass_uncovered * mass,

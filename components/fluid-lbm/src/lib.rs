@@ -1,4 +1,5 @@
-//! Lattice-Boltzmann fluid of Tremie: D3Q19 in place, moving spheres, walls, periodic faces.
+//! Lattice-Boltzmann fluid of Tremie: D3Q19 in place on a list of cells, moving spheres, walls,
+//! mirrors, open and periodic faces.
 //!
 //! [`Parameters::resolve`] checks the user's choices against a scene; [`FluidLbm`] runs it. The
 //! library knows no transport: give it the bodies' states, take the loads.
@@ -6,38 +7,47 @@
 //! # A step
 //! With the bodies at the end of the step: cells that bodies cover leave the fluid and cells that
 //! they uncover join it (`owners`, `refill`); all fluid cells collide and stream in one array
-//! (`kernel`); populations that ran into walls (`walls`) or bodies (`links`) are reflected;
-//! the momentum that they exchanged is the load on the bodies.
+//! (`kernel`), where the places of populations already see to walls, mirrors and periodic faces
+//! (`places`); populations that ran into bodies (`links`), curved or moving walls (`fixed`) are
+//! reflected; cells at open faces get what these prescribe (`open`). The momentum exchanged is the
+//! load on the bodies.
 //!
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.
 
 mod balance;
+mod batch;
 mod bodies;
+mod cells;
 mod collision;
 #[cfg(feature = "component")]
 pub mod component;
+mod course;
 mod error;
 mod field;
 mod findings;
+mod fixed;
 mod fluid;
 mod grid;
 mod kernel;
 mod lanes;
 pub mod lattice;
+mod layout;
 mod ledger;
 mod links;
 mod observe;
+mod open;
 mod owners;
 mod parameters;
+mod places;
 mod refill;
 mod resolution;
 mod scene_check;
 mod solver;
 mod sphere;
-mod team;
+mod surroundings;
+mod tally;
 mod units;
-mod walls;
 
 pub use error::FluidError;
 pub use findings::findings;
@@ -45,5 +55,5 @@ pub use fluid::FluidLbm;
 pub use lanes::Variant;
 pub use ledger::Ledger;
 pub use observe::{Diagnostics, SliceNode};
-pub use parameters::{Collision, Parameters, Precision};
+pub use parameters::{Collision, OpenFaces, Parameters, Precision};
 pub use resolution::Resolution;

@@ -11,21 +11,33 @@
 //!
 //! Where `x_f - c_i` is not fluid and `q < 1/2`, the wall is taken half-way (`q = 1/2`). If several
 //! bodies hold the link's end, the one with the smallest `q` has it. A link that ends beyond a face
-//! of the domain belongs to the face.
+//! of the domain or in a static solid belongs to that.
 //!
 //! The force on the body is the Galilean-invariant exchange of Wen et al. 2014, `g_i (c_i - u_w) -
 //! f_i' (c_i' - u_w)`, in deviations from the fluid at rest, so that it counts gauge pressure.
+//!
+//! # Order of work
+//! Links are found row by row and collected in a batch; then one loop does the geometry of the
+//! whole batch, one reads and writes populations, one adds up forces. Loops over a batch have no
+//! branches where vectors can do them; memory is asked for when a link is found and used when the
+//! batch is full. Sums run in eight lanes that are added in order.
 
+use crate::batch::{Batch, Link};
 use crate::bodies::{Bodies, Body};
 use crate::field::{Field, Real};
-use crate::grid::{Cell, Grid, Parity};
-use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, dot};
+use crate::grid::Side;
+use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
+use crate::layout::Layout;
 use crate::ledger::add_scaled;
-use crate::owners::{FLUID, Owners, SHARED};
+use crate::owners::{Owners, SHARED};
+use crate::places::Parity;
 use crate::sphere::{Span, wall_distance};
 
 /// Rows of a body's shell that are one item of work.
 const ROWS_PER_ITEM: i32 = 256;
+
+/// Cells of a row that are searched for links at once.
+pub const CHUNK: i32 = 8;
 
 /// Layers of a body's links, and what they exchanged in the last step. The cut into items depends
 /// on the body's size alone, and items are added up in their order.
@@ -48,6 +60,11 @@ pub struct Exchange {
     pub torque: [f64; 3],
     /// Momentum that went to the fluid besides: `(f_i' - g_i) u_w`.
     pub swept: [f64; 3],
+    /// Of the force, what the mirrored half of the fluid gave: links through a mirror are reckoned
+    /// as those of the mirrored cell, whose force is the mirrored one.
+    pub image: [f64; 3],
+    /// The same for `swept`.
+    pub image_swept: [f64; 3],
     /// Mass that went to the fluid.
     pub mass: f64,
     /// Number of links.
@@ -62,6 +79,8 @@ impl Exchange {
         add_scaled(&mut self.force, other.force, 1.0);
         add_scaled(&mut self.torque, other.torque, 1.0);
         add_scaled(&mut self.swept, other.swept, 1.0);
+        add_scaled(&mut self.image, other.image, 1.0);
+        add_scaled(&mut self.image_swept, other.image_swept, 1.0);
         self.mass += other.mass;
         self.links += other.links;
         self.fallbacks += other.fallbacks;
@@ -89,38 +108,26 @@ pub fn items(bodies: &Bodies) -> Vec<Item> {
 pub struct After<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
-    /// Shape of the box.
-    pub grid: &'a Grid,
+    /// Where they are.
+    pub layout: &'a Layout,
     /// Who owns which cell.
     pub owners: &'a Owners,
     /// Parity of the collision just done.
     pub parity: Parity,
-}
-
-/// For each direction, the cells of a row whose links end inside a body.
-type Starts = [Span; Q];
-
-/// A cell at which links begin.
-struct Start {
-    cell: Cell,
-    /// Vector from the body's centre to the cell's.
-    arm: [f64; 3],
-    /// Post-collision populations.
-    g: [f64; Q],
-    /// Density.
-    rho: f64,
+    /// Densities of the lines near bodies.
+    pub drho: &'a Field<T>,
 }
 
 impl<T: Real> After<'_, T> {
     /// Post-collision population `g_i` of a cell.
     #[inline(always)]
-    pub fn post_one(&self, cell: Cell, i: usize) -> f64 {
-        self.field.get(self.parity.place(self.grid, cell, OPPOSITE[i]))
+    pub fn post_one(&self, cell: u32, i: usize) -> f64 {
+        self.field.get(self.layout.place(self.parity, cell, OPPOSITE[i]))
     }
 
     /// All post-collision populations of a cell.
     #[inline(always)]
-    pub fn post(&self, cell: Cell) -> [f64; Q] {
+    pub fn post(&self, cell: u32) -> [f64; Q] {
         let mut g = [0.0; Q];
         for i in 0..Q {
             g[i] = self.post_one(cell, i);
@@ -128,151 +135,192 @@ impl<T: Real> After<'_, T> {
         g
     }
 
-    /// Writes what the next collision will find as the population `i'` of a cell whose neighbour
-    /// along `i` has index `end`.
-    #[inline(always)]
-    pub fn put_reflected(&self, cell: Cell, i: usize, end: usize, value: f64) -> f64 {
-        // This is `self.parity.flipped().place(cell, i')`.
-        let place = match self.parity {
-            Parity::Even => (i, end),
-            Parity::Odd => (OPPOSITE[i], cell.index),
-        };
-        self.field.set(place, value)
-    }
-
     /// Reflects the links of an item and records what they exchanged.
-    pub fn reflect(&self, bodies: &Bodies, item: &mut Item) {
+    pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) {
         let body = &bodies.living[item.body];
-        let mut exchange = Exchange::default();
+        batch.begin(body);
         for k in item.layers.clone() {
             for j in 0..body.spans.shell_side() {
-                self.reflect_row(bodies, body, body.spans.shell_row(j, k), &mut exchange);
+                self.row(bodies, body, body.spans.shell_row(j, k), batch);
             }
         }
-        item.exchange = exchange;
+        batch.flush(self, body);
+        item.exchange = batch.exchange();
     }
 
-    /// Reflects the links that begin in a row `(y, z)`.
-    fn reflect_row(&self, bodies: &Bodies, body: &Body, [y, z]: [i32; 2], exchange: &mut Exchange) {
-        let mut starts: Starts = [Span::NONE; Q];
+    /// Finds the links that begin in a row `(y, z)`, given as seen from the body.
+    fn row(&self, bodies: &Bodies, body: &Body, [y, z]: [i32; 2], batch: &mut Batch) {
+        let grid = &self.layout.grid;
+        let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
+        if real_y < 0 || real_y >= grid.n[1] || real_z < 0 || real_z >= grid.n[2] {
+            return;
+        }
+        // For each direction the cells whose links end inside, and the axes at which they are
+        // mirrored on the way along y and z.
+        let mut starts = [(Span::NONE, 0_u8); Q];
         let (mut first, mut last) = (i32::MAX, i32::MIN);
         for i in 1..Q {
-            let ends = body.spans.at(y + C[i][1], z + C[i][2]);
+            let (to_y, mirror_y) = self.fold(1, y + C[i][1]);
+            let (to_z, mirror_z) = self.fold(2, z + C[i][2]);
+            let ends = body.spans.at(to_y, to_z);
             if !ends.is_empty() {
-                starts[i] = Span { first: ends.first - C[i][0], last: ends.last - C[i][0] };
-                first = first.min(starts[i].first);
-                last = last.max(starts[i].last);
+                let mut start = Span { first: ends.first - C[i][0], last: ends.last - C[i][0] };
+                if !grid.periodic[0] {
+                    // A body at a mirror goes on behind it.
+                    let mirror = |side: usize| grid.sides[0][side] == Side::Symmetry;
+                    let begin =
+                        if C[i][0] == -1 && ends.first == 0 && mirror(0) { 0 } else { start.first };
+                    let end = if C[i][0] == 1 && ends.last == grid.n[0] - 1 && mirror(1) {
+                        ends.last
+                    } else {
+                        start.last
+                    };
+                    start = Span { first: begin.max(0), last: end.min(grid.n[0] - 1) };
+                    if start.is_empty() {
+                        continue;
+                    }
+                }
+                starts[i] = (start, mirror_y << 1 | mirror_z << 2);
+                first = first.min(start.first);
+                last = last.max(start.last);
             }
         }
-        let grid = self.grid;
         let own = body.spans.at(y, z);
+        let row =
+            Row { bodies, body, y, z, base: grid.index([0, real_y, real_z]), starts: &starts };
         let mut x = first;
         while x <= last {
             if own.contains(x) {
                 x = own.last + 1;
                 continue;
             }
-            let at = [grid.wrap(0, x), grid.wrap(1, y), grid.wrap(2, z)];
-            if grid.contains(at) && self.owners.of(grid.index(at)) == FLUID {
-                self.reflect_cell(bodies, body, &starts, grid.cell(at), [x, y, z], exchange);
-            }
-            x += 1;
+            let until = if own.first > x { own.first - 1 } else { last };
+            let end = (x + CHUNK - 1).min(until).min(last);
+            self.chunk(&row, x, end, batch);
+            x = end + 1;
         }
     }
 
-    /// Reflects the links that begin in a cell; `seen_at` are its coordinates as seen from the
-    /// body.
-    fn reflect_cell(
-        &self,
-        bodies: &Bodies,
-        body: &Body,
-        starts: &Starts,
-        cell: Cell,
-        seen_at: [i32; 3],
-        exchange: &mut Exchange,
-    ) {
-        let mut links = 0_u32;
-        for i in 1..Q {
-            links |= u32::from(starts[i].contains(seen_at[0])) << i;
-        }
-        if links == 0 {
-            return;
-        }
-        let g = self.post(cell);
-        let start = Start {
-            cell,
-            arm: std::array::from_fn(|a| f64::from(seen_at[a]) + 0.5 - body.position[a]),
-            rho: density(&g),
-            g,
-        };
-        while links != 0 {
-            self.reflect_link(bodies, body, &start, links.trailing_zeros() as usize, exchange);
-            links &= links - 1;
-        }
-    }
-
-    /// Reflects the link `i` of a cell, if it is the body's.
+    /// A row's coordinate along `axis`, moved back into the box at a mirror, and whether it was.
     #[inline]
-    fn reflect_link(
-        &self,
-        bodies: &Bodies,
-        body: &Body,
-        start: &Start,
-        i: usize,
-        exchange: &mut Exchange,
-    ) {
-        let (cell, arm, c) = (start.cell, start.arm, C_F64[i]);
-        let end = self.grid.neighbour(cell, i);
-        let q = wall_distance(arm, c, body.r2());
-        if self.owners.of(end) == SHARED && !self.is_first(bodies, body, cell, i, q) {
-            return;
-        }
-        let wall = [arm[0] + q * c[0], arm[1] + q * c[1], arm[2] + q * c[2]];
-        let u = body.velocity_at(wall);
-        let push = 6.0 * W[i] * start.rho * dot(c, u);
-        let g = start.g[i];
-        let f = if q >= 0.5 {
-            let part = 0.5 / q;
-            part * g + (1.0 - part) * start.g[OPPOSITE[i]] - part * push
-        } else if let Some(behind) = self.post_behind(cell, i) {
-            2.0 * q * g + (1.0 - 2.0 * q) * behind - push
+    fn fold(&self, axis: usize, k: i32) -> (i32, u8) {
+        let grid = &self.layout.grid;
+        if k == -1 && grid.sides[axis][0] == Side::Symmetry {
+            (0, 1)
+        } else if k == grid.n[axis] && grid.sides[axis][1] == Side::Symmetry {
+            (k - 1, 1)
         } else {
-            exchange.fallbacks += 1;
-            g - push
-        };
-        let f = self.put_reflected(cell, i, end, f);
-        let (sum, gain) = (g + f, f - g);
-        let force = [sum * c[0] + gain * u[0], sum * c[1] + gain * u[1], sum * c[2] + gain * u[2]];
-        add_scaled(&mut exchange.force, force, 1.0);
-        add_scaled(&mut exchange.torque, cross(wall, force), 1.0);
-        add_scaled(&mut exchange.swept, u, gain);
-        exchange.mass += gain;
-        exchange.links += 1;
+            (k, 0)
+        }
     }
 
-    /// Post-collision population `i` of the cell behind, against direction `i`, if it is fluid.
-    #[inline]
-    fn post_behind(&self, cell: Cell, i: usize) -> Option<f64> {
-        let behind = self.grid.neighbour(cell, OPPOSITE[i]);
-        // The place of `i'` of the cell behind, whose neighbour along `i` is `cell`.
-        let place = match self.parity {
-            Parity::Even => (OPPOSITE[i], behind),
-            Parity::Odd => (i, cell.index),
-        };
-        (self.owners.of(behind) == FLUID).then(|| self.field.get(place))
+    /// Finds the links that begin in the cells `first..=last` of a row, at most [`CHUNK`] of them.
+    fn chunk(&self, row: &Row, first: i32, last: i32, batch: &mut Batch) {
+        let (grid, cells) = (&self.layout.grid, &self.layout.cells);
+        batch.make_room(self, row.body);
+        // Fluid cells of the chunk, and the batch's slot of each.
+        let (mut fluid, mut slots) = (0_u32, [0; CHUNK as usize]);
+        for x in first..=last {
+            let index = row.base + grid.wrap(0, x) as usize;
+            let number = if cells.are_all() { index as u32 } else { cells.number(index) };
+            if number != crate::cells::NONE && self.owners.is_fluid(number) {
+                fluid |= 1 << (x - first);
+                slots[(x - first) as usize] = batch.cell(number);
+            }
+        }
+        let mut used = 0_u32;
+        for i in 1..Q {
+            let (span, mirrors) = row.starts[i];
+            let (from, to) = (span.first.max(first), span.last.min(last));
+            if from > to {
+                continue;
+            }
+            let ones = (u32::MAX >> (31 - (to - from))) << (from - first);
+            let mut links = fluid & ones;
+            used |= links;
+            while links != 0 {
+                let k = links.trailing_zeros();
+                links &= links - 1;
+                let link = self.link(row, first + k as i32, i, mirrors, slots[k as usize]);
+                if self.is_mine(row, &link, batch) {
+                    batch.push(link);
+                }
+            }
+        }
+        while used != 0 {
+            self.layout.places.prefetch(batch.number(slots[used.trailing_zeros() as usize]));
+            used &= used - 1;
+        }
+    }
+
+    /// The link `i` of a cell at `x` of a row.
+    #[inline(always)]
+    fn link(&self, row: &Row, x: i32, i: usize, mut mirrors: u8, slot: u16) -> Link {
+        let grid = &self.layout.grid;
+        let end = x + C[i][0];
+        if !grid.periodic[0] && (end < 0 || end >= grid.n[0]) {
+            mirrors |= 1;
+        }
+        let mut at = [x, row.y, row.z];
+        let mut c = i;
+        if mirrors != 0 {
+            // As seen by the body: the mirrored link of the mirrored cell.
+            c = mirrored(i, mirrors);
+            for a in 0..3 {
+                if mirrors >> a & 1 == 1 {
+                    at[a] = if C[i][a] < 0 { -1 - at[a] } else { 2 * grid.n[a] - 1 - at[a] };
+                }
+            }
+        }
+        let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - row.body.position[a]);
+        Link { slot, dir: i as u8, seen: c as u8, mirrors, arm }
+    }
+
+    /// Whether a link ends in no static solid, and no other body holds its end and is met before.
+    #[inline(always)]
+    fn is_mine(&self, row: &Row, link: &Link, batch: &Batch) -> bool {
+        if self.layout.cells.are_all() && !self.owners.any_shared() {
+            return true;
+        }
+        let cell = batch.number(link.slot);
+        match self.layout.neighbour(cell, link.dir.into()) {
+            None => false,
+            Some(end) => self.owners.of(end) != SHARED || self.is_first(row, link, end),
+        }
     }
 
     /// Whether of all bodies that hold the end of the link, this one is met first (then: has the
     /// lowest id).
-    fn is_first(&self, bodies: &Bodies, body: &Body, cell: Cell, i: usize, q: f64) -> bool {
-        let end = self.grid.neighbour(cell, i);
+    fn is_first(&self, row: &Row, link: &Link, end: u32) -> bool {
+        let body = row.body;
+        let c = C_F64[link.seen as usize];
+        let q = wall_distance(link.arm, c, body.r2());
         self.owners.claimants(end).filter(|&handle| handle != body.handle).all(|handle| {
-            let other = bodies.with_handle(handle);
-            let arm = self.grid.arm(other.position, cell.at);
-            let of_other = wall_distance(arm, C_F64[i], other.r2());
+            let other = row.bodies.with_handle(handle);
+            // From the other body to the cell, by the shortest way.
+            let arm = std::array::from_fn(|a| {
+                let d = link.arm[a] + body.position[a] - other.position[a];
+                let n = f64::from(self.layout.grid.n[a]);
+                if self.layout.grid.periodic[a] { d - n * (d / n).round() } else { d }
+            });
+            let of_other = wall_distance(arm, c, other.r2());
             q < of_other || (q == of_other && body.id < other.id)
         })
     }
+}
+
+/// A row of cells around a body.
+struct Row<'a> {
+    bodies: &'a Bodies,
+    body: &'a Body,
+    /// Coordinates as seen from the body.
+    y: i32,
+    z: i32,
+    /// Index in the box of its first cell.
+    base: usize,
+    /// For each direction, the cells whose links end inside the body, and the axes among y and z at
+    /// which these links are mirrored.
+    starts: &'a [(Span, u8); Q],
 }
 
 /// Density of a cell from its populations.

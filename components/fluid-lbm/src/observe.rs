@@ -1,11 +1,9 @@
 //! What can be seen of the fluid.
 
 use crate::error::FluidError;
-use crate::grid::Cell;
 use crate::kernel::Collides;
 use crate::lattice::{CS2, Q, dot, equilibrium};
 use crate::ledger::Ledger;
-use crate::owners::FLUID;
 use crate::solver::Solver;
 
 /// A summary of the flow, SI units.
@@ -35,6 +33,10 @@ pub struct Diagnostics {
     pub fallback_links: usize,
     /// Fluid cells.
     pub fluid_cells: usize,
+    /// Largest relaxation time [steps]; the only one, without a closure for turbulence.
+    pub max_tau: f64,
+    /// Cells at pressure faces through which fluid enters.
+    pub entering: usize,
 }
 
 /// What a cell holds, SI units.
@@ -56,7 +58,7 @@ impl<T: Collides> Solver<T> {
 
     /// See [`crate::FluidLbm::cells`].
     pub fn cells(&self) -> [usize; 3] {
-        self.grid.n.map(|n| n as usize)
+        self.layout.grid.n.map(|n| n as usize)
     }
 
     /// See [`crate::FluidLbm::centre`].
@@ -88,6 +90,8 @@ impl<T: Collides> Solver<T> {
             links: self.exchange.links,
             fallback_links: self.exchange.fallbacks,
             fluid_cells: self.owners.fluid_cells,
+            max_tau: self.survey.max_tau.max(self.tau),
+            entering: self.open_items.iter().map(|item| item.entering).sum(),
         }
     }
 
@@ -106,26 +110,20 @@ impl<T: Collides> Solver<T> {
     /// The first cell that is not finite, else the fastest one if it is too fast.
     fn locate(&self) -> Option<FluidError> {
         let mut fastest: Option<(f64, [i32; 3])> = None;
-        for row in 0..self.grid.rows() {
-            let [y, z] = self.grid.row_at(row);
-            for x in 0..self.grid.n[0] {
-                let cell = self.grid.cell([x, y, z]);
-                if self.owners.of(cell.index) != FLUID {
-                    continue;
-                }
-                let h = self.before().populations(cell);
-                if let Some(i) = h.iter().position(|h| !h.is_finite()) {
-                    return Some(FluidError::NonFinite {
-                        cell: cell.at.map(|k| k as usize),
-                        position: self.units.centre(cell.at),
-                        value: format!("population {i} is {}", h[i]),
-                    });
-                }
-                let u = self.before().content(cell).velocity(self.relaxation.acceleration);
-                let speed = dot(u, u).sqrt();
-                if fastest.is_none_or(|(most, _)| speed > most) {
-                    fastest = Some((speed, cell.at));
-                }
+        for cell in (0..self.layout.cells.len() as u32).filter(|&c| self.owners.is_fluid(c)) {
+            let h = self.before().populations(cell);
+            if let Some(i) = h.iter().position(|h| !h.is_finite()) {
+                let at = self.layout.at(cell);
+                return Some(FluidError::NonFinite {
+                    cell: at.map(|k| k as usize),
+                    position: self.units.centre(at),
+                    value: format!("population {i} is {}", h[i]),
+                });
+            }
+            let u = self.before().content(cell).velocity(self.relaxation.acceleration);
+            let speed = dot(u, u).sqrt();
+            if fastest.is_none_or(|(most, _)| speed > most) {
+                fastest = Some((speed, self.layout.at(cell)));
             }
         }
         let (speed, at) = fastest?;
@@ -142,13 +140,13 @@ impl<T: Collides> Solver<T> {
 
     /// See [`crate::FluidLbm::node`].
     pub fn node(&self, cell: [usize; 3]) -> SliceNode {
-        self.node_of(self.grid.cell(cell.map(|k| k as i32)))
+        self.node_at(cell.map(|k| k as i32))
     }
 
-    fn node_of(&self, cell: Cell) -> SliceNode {
-        if self.owners.of(cell.index) != FLUID {
+    fn node_at(&self, at: [i32; 3]) -> SliceNode {
+        let Some(cell) = self.layout.cell(at).filter(|&cell| self.owners.is_fluid(cell)) else {
             return SliceNode { solid: true, ..SliceNode::default() };
-        }
+        };
         let content = self.before().content(cell);
         let u = content.velocity(self.relaxation.acceleration);
         SliceNode {
@@ -160,50 +158,39 @@ impl<T: Collides> Solver<T> {
 
     /// See [`crate::FluidLbm::populations_at`].
     pub fn populations_at(&self, cell: [usize; 3]) -> [f64; Q] {
-        self.before().populations(self.grid.cell(cell.map(|k| k as i32)))
+        let cell = self.layout.cell(cell.map(|k| k as i32));
+        cell.map_or([0.0; Q], |cell| self.before().populations(cell))
     }
 
     /// See [`crate::FluidLbm::slice`].
     pub fn slice(&self, axis: usize, position: f64, out: &mut Vec<SliceNode>) -> [usize; 2] {
         let layer = ((position - self.units.min[axis]) / self.units.cell).floor() as i32;
-        let layer = layer.clamp(0, self.grid.n[axis] - 1);
+        let layer = layer.clamp(0, self.layout.grid.n[axis] - 1);
         let [fast, slow] = [[1, 2], [0, 2], [0, 1]][axis];
         out.clear();
-        for k in 0..self.grid.n[slow] {
-            for j in 0..self.grid.n[fast] {
+        for k in 0..self.layout.grid.n[slow] {
+            for j in 0..self.layout.grid.n[fast] {
                 let mut at = [layer; 3];
                 (at[fast], at[slow]) = (j, k);
-                out.push(self.node_of(self.grid.cell(at)));
+                out.push(self.node_at(at));
             }
         }
-        [fast, slow].map(|a| self.grid.n[a] as usize)
+        [fast, slow].map(|a| self.layout.grid.n[a] as usize)
     }
 
     /// See [`crate::FluidLbm::set_state`].
     pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
         let a = self.relaxation.acceleration;
-        for row in 0..self.grid.rows() {
-            let [y, z] = self.grid.row_at(row);
-            for x in 0..self.grid.n[0] {
-                let cell = self.grid.cell([x, y, z]);
-                let (u, pressure) = state(self.units.centre(cell.at));
-                let drho = pressure / self.units.pressure() / CS2;
-                // Without half the force, which outputs and the collision add: see
-                // `Content::velocity`.
-                let u = std::array::from_fn(|k| u[k] / self.units.velocity() - 0.5 * a[k]);
-                self.before().put(cell, &std::array::from_fn(|i| equilibrium(i, drho, u)));
-            }
+        for cell in 0..self.layout.cells.len() as u32 {
+            let (u, pressure) = state(self.units.centre(self.layout.at(cell)));
+            let drho = pressure / self.units.pressure() / CS2;
+            // Without half the force, which outputs and the collision add: see
+            // `Content::velocity`.
+            let u = std::array::from_fn(|k| u[k] / self.units.velocity() - 0.5 * a[k]);
+            self.before().put(cell, &std::array::from_fn(|i| equilibrium(i, drho, u)));
         }
         self.measure();
         self.begin_balance();
         self.end_balance(false);
-    }
-
-    /// See [`crate::FluidLbm::set_face_velocity`].
-    pub fn set_face_velocity(&mut self, axis: usize, side: usize, velocity: [f64; 3]) {
-        let wall = self.walls.iter_mut().find(|w| w.axis == axis && w.side == side);
-        let wall = wall.expect("only a wall can slide, and this face is periodic");
-        wall.velocity = velocity.map(|v| v / self.units.velocity());
-        wall.velocity[axis] = 0.0;
     }
 }

@@ -1,20 +1,18 @@
-//! The map of cells: which are fluid, which belong to a wall or to bodies.
+//! The map of stored cells: which are fluid, which belong to bodies.
 //!
 //! Bodies move by releasing cells and claiming others, all releases before all claims, one thread,
 //! in the order of the bodies. [`Owners::settle`] then says which cells joined the fluid, which
 //! left it, and which fluid cells have no fluid neighbour left; those are frozen as solid until a
 //! neighbour becomes fluid again.
 
-use crate::grid::Grid;
 use crate::lattice::Q;
+use crate::layout::Layout;
 
 /// Owner of a cell.
 pub type Owner = u32;
 
 /// Nobody: the cell is fluid.
 pub const FLUID: Owner = 0;
-/// Beyond a wall, or padding.
-pub const WALL: Owner = 1;
 /// A cell without fluid neighbours.
 pub const ISOLATED: Owner = 2;
 /// Released in this step and not yet fluid.
@@ -54,25 +52,22 @@ pub struct Owners {
 }
 
 impl Owners {
-    /// All cells of the box fluid.
-    pub fn new(grid: &Grid) -> Self {
-        let mut owners = Self {
-            of: vec![WALL; grid.len],
-            fluid: vec![0; grid.len.div_ceil(8) + 1],
+    /// All of `cells` cells fluid.
+    pub fn new(cells: usize) -> Self {
+        let mut fluid = vec![0xff; cells / 8];
+        fluid.push((1_u32 << (cells % 8)) as u8 - 1);
+        // Lines of 16 cells are read whole.
+        fluid.extend([0; 2]);
+        Self {
+            of: vec![FLUID; cells],
+            fluid,
             shared: Vec::new(),
             vacated: Vec::new(),
             covered: Vec::new(),
             enclosed: Vec::new(),
             isolated: 0,
-            fluid_cells: 0,
-        };
-        for row in 0..grid.rows() {
-            let [y, z] = grid.row_at(row);
-            for x in 0..grid.n[0] {
-                owners.set(grid.index([x, y, z]), FLUID);
-            }
+            fluid_cells: cells,
         }
-        owners
     }
 
     /// Makes room for the changes of a step in which bodies cover and uncover up to `changes`
@@ -87,8 +82,20 @@ impl Owners {
 
     /// Owner of a cell.
     #[inline(always)]
-    pub fn of(&self, cell: usize) -> Owner {
-        self.of[cell]
+    pub fn of(&self, cell: u32) -> Owner {
+        self.of[cell as usize]
+    }
+
+    /// Whether a cell is fluid.
+    #[inline(always)]
+    pub fn is_fluid(&self, cell: u32) -> bool {
+        self.fluid[cell as usize / 8] >> (cell % 8) & 1 == 1
+    }
+
+    /// Whether more than one body holds any cell.
+    #[inline]
+    pub fn any_shared(&self) -> bool {
+        !self.shared.is_empty()
     }
 
     /// One bit a cell: whether it is fluid.
@@ -97,8 +104,7 @@ impl Owners {
     }
 
     /// Handles of the bodies that claim a shared cell.
-    pub fn claimants(&self, cell: usize) -> impl Iterator<Item = u32> {
-        let cell = cell as u32;
+    pub fn claimants(&self, cell: u32) -> impl Iterator<Item = u32> {
         let first = self.shared.partition_point(|&(c, _)| c < cell);
         self.shared[first..].iter().take_while(move |&&(c, _)| c == cell).map(|&(_, handle)| handle)
     }
@@ -136,7 +142,7 @@ impl Owners {
             self.shared.remove(place);
         }
         let rest = {
-            let mut rest = self.claimants(cell as usize);
+            let mut rest = self.claimants(cell);
             (rest.next(), rest.next())
         };
         if let (Some(last), None) = rest {
@@ -169,44 +175,47 @@ impl Owners {
     }
 
     /// Whether any neighbour is fluid or will be.
-    fn is_open(&self, grid: &Grid, cell: u32) -> bool {
-        let cell = grid.cell_of(cell as usize);
-        (1..Q).any(|i| matches!(self.of(grid.neighbour(cell, i)), FLUID | VACATED))
+    fn is_open(&self, layout: &Layout, cell: u32) -> bool {
+        let mut neighbours = (1..Q).filter_map(|i| layout.neighbour(cell, i));
+        // A cell at a mirror has itself for a neighbour.
+        neighbours.any(|n| n != cell && matches!(self.of(n), FLUID | VACATED))
+            || (1..Q).any(|i| layout.sees_itself(cell, i))
     }
 
     /// After all releases and claims: decides which cells are isolated. Afterwards `vacated`,
     /// `covered` and `enclosed` are complete; vacated cells become fluid with [`Owners::admit`].
-    pub fn settle(&mut self, grid: &Grid) {
+    pub fn settle(&mut self, layout: &Layout) {
         let mut vacated = std::mem::take(&mut self.vacated);
         vacated.retain(|v| {
-            let free = self.of(v.cell as usize) == VACATED;
-            if free && !self.is_open(grid, v.cell) {
+            let free = self.of(v.cell) == VACATED;
+            if free && !self.is_open(layout, v.cell) {
                 self.set(v.cell as usize, ISOLATED);
             }
-            self.of(v.cell as usize) == VACATED
+            self.of(v.cell) == VACATED
         });
         // The list grows while it is read: a freed cell frees its isolated neighbours.
         let mut next = 0;
         while next < vacated.len() {
             let Vacated { cell, handle } = vacated[next];
-            let cell = grid.cell_of(cell as usize);
             for i in 1..Q {
-                let neighbour = grid.neighbour(cell, i);
-                if self.of(neighbour) == ISOLATED {
-                    self.set(neighbour, VACATED);
-                    vacated.push(Vacated { cell: neighbour as u32, handle });
+                if let Some(neighbour) = layout.neighbour(cell, i)
+                    && self.of(neighbour) == ISOLATED
+                {
+                    self.set(neighbour as usize, VACATED);
+                    vacated.push(Vacated { cell: neighbour, handle });
                 }
             }
             next += 1;
         }
         self.vacated = vacated;
         for k in 0..self.covered.len() {
-            let cell = grid.cell_of(self.covered[k] as usize);
             for i in 1..Q {
-                let neighbour = grid.neighbour(cell, i);
-                if self.of(neighbour) == FLUID && !self.is_open(grid, neighbour as u32) {
-                    self.set(neighbour, ISOLATED);
-                    self.enclosed.push(neighbour as u32);
+                if let Some(neighbour) = layout.neighbour(self.covered[k], i)
+                    && self.of(neighbour) == FLUID
+                    && !self.is_open(layout, neighbour)
+                {
+                    self.set(neighbour as usize, ISOLATED);
+                    self.enclosed.push(neighbour);
                 }
             }
         }
@@ -223,47 +232,48 @@ impl Owners {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::Grid;
 
-    fn setup() -> (Grid, Owners, impl Fn([i32; 3]) -> u32) {
-        let grid = Grid::new([6, 6, 6], [true; 3]);
-        let owners = Owners::new(&grid);
+    fn setup() -> (Layout, Owners, impl Fn([i32; 3]) -> u32) {
+        let layout = Layout::open(Grid::walled([6, 6, 6], [true; 3]));
+        let owners = Owners::new(layout.cells.len());
         let place = {
-            let grid = grid.clone();
-            move |at| grid.index(at) as u32
+            let layout = layout.clone();
+            move |at| layout.cell(at).unwrap()
         };
-        (grid, owners, place)
+        (layout, owners, place)
     }
 
     #[test]
     fn a_cell_handed_from_body_to_body_never_becomes_fluid() {
-        let (grid, mut owners, place) = setup();
+        let (layout, mut owners, place) = setup();
         let cell = place([2, 2, 2]);
         owners.claim(cell, 7);
-        owners.settle(&grid);
+        owners.settle(&layout);
         assert_eq!(owners.covered, [cell]);
         owners.begin();
         owners.release(cell, 7);
         owners.claim(cell, 3);
-        owners.settle(&grid);
+        owners.settle(&layout);
         assert!(owners.covered.is_empty() && owners.vacated.is_empty());
-        assert_eq!(owners.of(cell as usize), BODY + 3);
+        assert_eq!(owners.of(cell), BODY + 3);
     }
 
     #[test]
     fn a_shared_cell_stays_solid_until_the_last_body_leaves() {
-        let (grid, mut owners, place) = setup();
+        let (layout, mut owners, place) = setup();
         let cell = place([1, 2, 3]);
         for handle in [4, 2, 9] {
             owners.claim(cell, handle);
         }
-        assert_eq!(owners.claimants(cell as usize).collect::<Vec<_>>(), [2, 4, 9]);
+        assert_eq!(owners.claimants(cell).collect::<Vec<_>>(), [2, 4, 9]);
         owners.release(cell, 2);
-        assert_eq!(owners.of(cell as usize), SHARED);
+        assert_eq!(owners.of(cell), SHARED);
         owners.release(cell, 9);
-        assert_eq!(owners.of(cell as usize), BODY + 4);
+        assert_eq!(owners.of(cell), BODY + 4);
         owners.begin();
         owners.release(cell, 4);
-        owners.settle(&grid);
+        owners.settle(&layout);
         assert_eq!(owners.vacated, [Vacated { cell, handle: 4 }]);
         owners.admit();
         assert_eq!(owners.fluid_cells, 216);
@@ -271,21 +281,21 @@ mod tests {
 
     #[test]
     fn a_cell_without_fluid_neighbours_is_frozen_and_freed_again() {
-        let (grid, mut owners, place) = setup();
-        let middle = grid.cell([3, 3, 3]);
-        let around: Vec<u32> = (1..Q).map(|i| grid.neighbour(middle, i) as u32).collect();
+        let (layout, mut owners, place) = setup();
+        let middle = place([3, 3, 3]);
+        let around: Vec<u32> = (1..Q).map(|i| layout.neighbour(middle, i).unwrap()).collect();
         for &cell in &around {
             owners.claim(cell, 0);
         }
-        owners.settle(&grid);
-        assert_eq!(owners.of(middle.index), ISOLATED);
-        assert_eq!(owners.enclosed, [middle.index as u32]);
+        owners.settle(&layout);
+        assert_eq!(owners.of(middle), ISOLATED);
+        assert_eq!(owners.enclosed, [middle]);
         assert_eq!(owners.isolated, 1);
         owners.begin();
         owners.release(place([2, 3, 3]), 0);
-        owners.settle(&grid);
+        owners.settle(&layout);
         owners.admit();
-        assert_eq!(owners.of(middle.index), FLUID);
+        assert_eq!(owners.of(middle), FLUID);
         assert_eq!((owners.isolated, owners.fluid_cells), (0, 216 - 17));
     }
 }

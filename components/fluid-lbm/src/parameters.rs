@@ -28,6 +28,12 @@ pub struct Parameters {
     /// `(tau - 1/2)(tau_minus - 1/2)` of the TRT collision; 3/16 puts walls exactly half-way.
     #[serde(default = "defaults::magic")]
     pub magic: f64,
+    /// Smagorinsky's constant `C` of the eddy viscosity `(C dx)^2 |S|`; 0 for none.
+    #[serde(default)]
+    pub smagorinsky: f64,
+    /// Scheme of faces with given velocity or pressure.
+    #[serde(default)]
+    pub open_faces: OpenFaces,
     /// Precision of storage and collision. Loads and balances are f64 in either.
     #[serde(default)]
     pub precision: Precision,
@@ -64,6 +70,17 @@ pub enum Collision {
     Trt,
 }
 
+/// Scheme of faces with given velocity or pressure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum OpenFaces {
+    /// Non-equilibrium extrapolation from the next cell inside (Guo, Zheng & Shi 2002): robust.
+    #[default]
+    Nee,
+    /// Non-equilibrium bounce-back (Zou & He 1997; Hecht & Harting 2010): needs no second cell.
+    Nebb,
+}
+
 /// Precision of storage and collision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -92,17 +109,20 @@ impl Parameters {
             relaxation_time: None,
             collision: Collision::default(),
             magic: defaults::magic(),
+            smagorinsky: 0.0,
+            open_faces: OpenFaces::default(),
             precision: Precision::default(),
             average_force: defaults::average_force(),
             mach_limit: defaults::mach_limit(),
         }
     }
 
-    /// Smallest relaxation time that is accepted; below it rounding changes the viscosity.
+    /// Smallest relaxation time that is accepted; below it the collision amplifies rounding errors.
+    /// A closure for turbulence damps them, so that the limit is then what the numbers resolve.
     pub fn smallest_tau(&self) -> f64 {
-        match self.precision {
-            Precision::F64 => 0.5 + 1e-9,
-            Precision::F32 => 0.5 + 1e-6,
+        match (self.smagorinsky > 0.0, self.precision) {
+            (true, _) => 0.500001,
+            (false, _) => self.trusted_tau(),
         }
     }
 
@@ -147,6 +167,15 @@ impl Parameters {
         }
         positive("magic", self.magic, "");
         positive("mach_limit", self.mach_limit, "");
+        if !(0.0..=1.0).contains(&self.smagorinsky) {
+            problems.push(
+                Problem::of_parameter(
+                    "smagorinsky",
+                    format!("must be from 0 to 1, found {}", self.smagorinsky),
+                )
+                .help("0.1 to 0.2 is customary; 0 turns the closure off"),
+            );
+        }
         if self.mach_limit > 0.5 {
             problems.push(
                 Problem::of_parameter(

@@ -7,17 +7,18 @@
 
 use crate::bodies::Body;
 use crate::field::{Field, Real};
-use crate::grid::{Cell, Grid, Parity};
-use crate::lattice::{C_F64, Q, dot, equilibrium};
-use crate::owners::{FLUID, Owners};
+use crate::lattice::{C, C_F64, Q, dot, equilibrium, mirrored};
+use crate::layout::Layout;
+use crate::owners::Owners;
+use crate::places::Parity;
 
 /// The fluid as it is before a collision.
 #[derive(Clone, Copy)]
 pub struct Before<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
-    /// Shape of the box.
-    pub grid: &'a Grid,
+    /// Where they are.
+    pub layout: &'a Layout,
     /// Parity of the collision to come.
     pub parity: Parity,
     /// Acceleration of the fluid.
@@ -54,31 +55,31 @@ impl Content {
 
 impl<T: Real> Before<'_, T> {
     /// Populations that the collision will find in a cell.
-    pub fn populations(&self, cell: Cell) -> [f64; Q] {
-        std::array::from_fn(|i| self.field.get(self.parity.place(self.grid, cell, i)))
+    pub fn populations(&self, cell: u32) -> [f64; Q] {
+        std::array::from_fn(|i| self.field.get(self.layout.place(self.parity, cell, i)))
     }
 
     /// Writes them.
-    pub fn put(&self, cell: Cell, h: &[f64; Q]) {
+    pub fn put(&self, cell: u32, h: &[f64; Q]) {
         for i in 0..Q {
-            self.field.set(self.parity.place(self.grid, cell, i), h[i]);
+            self.field.set(self.layout.place(self.parity, cell, i), h[i]);
         }
     }
 
     /// Density minus 1 and momentum of a cell.
-    pub fn content(&self, cell: Cell) -> Content {
+    pub fn content(&self, cell: u32) -> Content {
         Content::of(&self.populations(cell))
     }
 
     /// Fills a cell that `body` uncovered, from cells that were fluid before. Returns what the cell
     /// now holds.
-    pub fn refill(&self, owners: &Owners, cell: Cell, body: &Body) -> Content {
-        let arm = self.grid.arm(body.position, cell.at);
+    pub fn refill(&self, owners: &Owners, cell: u32, body: &Body) -> Content {
+        let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
         let drho = self.mean_around(owners, cell, 1).or_else(|| self.mean_around(owners, cell, 2));
         let (drho, u) = (drho.unwrap_or(0.0), body.velocity_at(arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
         if let Some(donor) = self.donor(owners, cell, arm) {
-            let of_donor = self.populations(donor);
+            let of_donor = donor;
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);
             for i in 0..Q {
@@ -91,29 +92,33 @@ impl<T: Real> Before<'_, T> {
 
     /// Mean deviation of the density over fluid cells: lattice neighbours for `reach` 1, the cube
     /// of cells up to `reach` away beyond. `None` if there is no fluid.
-    fn mean_around(&self, owners: &Owners, cell: Cell, reach: i32) -> Option<f64> {
+    fn mean_around(&self, owners: &Owners, cell: u32, reach: i32) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
-        let side = 2 * reach + 1;
-        for k in 0..side * side * side {
-            let d = [k % side - reach, k / side % side - reach, k / (side * side) - reach];
-            let is_link = (1..=2).contains(&(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-            let at = std::array::from_fn(|a| self.grid.wrap(a, cell.at[a] + d[a]));
-            if (reach == 1 && !is_link) || !self.grid.contains(at) {
-                continue;
-            }
-            let neighbour = self.grid.cell(at);
-            if owners.of(neighbour.index) == FLUID {
+        let mut add = |neighbour: u32| {
+            if neighbour != cell && owners.is_fluid(neighbour) {
                 for i in 0..Q {
-                    sum += self.field.get(self.parity.place(self.grid, neighbour, i));
+                    sum += self.field.get(self.layout.place(self.parity, neighbour, i));
                 }
                 count += 1;
+            }
+        };
+        if reach == 1 {
+            (1..Q).filter_map(|i| self.layout.neighbour(cell, i)).for_each(&mut add);
+        } else {
+            let (at, side) = (self.layout.at(cell), 2 * reach + 1);
+            for k in 0..side * side * side {
+                let d = [k % side - reach, k / side % side - reach, k / (side * side) - reach];
+                if let Some((neighbour, _)) = self.layout.near(at, d) {
+                    add(neighbour);
+                }
             }
         }
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// The neighbour in the direction closest to `normal`, if it is fluid.
-    fn donor(&self, owners: &Owners, cell: Cell, normal: [f64; 3]) -> Option<Cell> {
+    /// Populations of the neighbour in the direction closest to `normal`, if it is fluid; mirrored,
+    /// if it is seen in a mirror.
+    fn donor(&self, owners: &Owners, cell: u32, normal: [f64; 3]) -> Option<[f64; Q]> {
         let (mut best, mut cosine) = (None, 0.0);
         for i in 1..Q {
             let c = dot(C_F64[i], normal) / dot(C_F64[i], C_F64[i]).sqrt();
@@ -121,8 +126,13 @@ impl<T: Real> Before<'_, T> {
                 (best, cosine) = (Some(i), c);
             }
         }
-        let at = self.grid.neighbour_at(cell.at, best?);
-        let fluid = self.grid.contains(at) && owners.of(self.grid.index(at)) == FLUID;
-        fluid.then(|| self.grid.cell(at))
+        let best = best?;
+        let donor = self.layout.neighbour(cell, best)?;
+        if donor == cell || !owners.is_fluid(donor) {
+            return None;
+        }
+        let (_, mirrors) = self.layout.near(self.layout.at(cell), C[best])?;
+        let h = self.populations(donor);
+        Some(std::array::from_fn(|i| h[mirrored(i, mirrors)]))
     }
 }

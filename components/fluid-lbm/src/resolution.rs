@@ -1,8 +1,9 @@
 //! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
 
-use crate::grid::Grid;
+use crate::field::Field;
 use crate::lattice::{CS2, Q};
 use crate::parameters::{Parameters, Precision};
+use crate::places;
 use crate::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
 use tremie_messages::Problem;
@@ -46,7 +47,9 @@ impl Parameters {
         let time_step = self.choose_time_step(fluid);
         let tau = self.tau_of(time_step, fluid.viscosity / fluid.density);
         self.check_step(fluid, time_step, &mut problems);
-        let memory_bytes = match self.memory(cells, &scene.domain) {
+        let memory_bytes = match self
+            .memory(cells, cells.iter().fold(1_u64, |n, &k| n.saturating_mul(k as u64)))
+        {
             Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes,
             _ => {
                 problems.push(
@@ -166,16 +169,25 @@ impl Parameters {
         })
     }
 
-    /// Memory of the lattice and its maps [bytes]; `None` if it cannot be counted.
-    fn memory(&self, cells: [usize; 3], domain: &Domain) -> Option<u64> {
-        let periodic = std::array::from_fn(|axis| domain.is_periodic(axis));
-        let nodes = Grid::padded_len(cells, periodic)? as u64;
-        let number = match self.precision {
-            Precision::F64 => 8,
-            Precision::F32 => 4,
+    /// Memory of the lattice and its maps [bytes], if `stored` of the box's cells are stored; `None`
+    /// if there are more than can be numbered.
+    fn memory(&self, cells: [usize; 3], stored: u64) -> Option<u64> {
+        let boxed = cells.iter().try_fold(1_u64, |n, &k| n.checked_mul(k as u64))?;
+        if boxed >= u64::from(u32::MAX) {
+            return None;
+        }
+        let (line, bytes): (u64, fn(u64) -> u64) = match self.precision {
+            Precision::F64 => (8, Field::<f64>::bytes),
+            Precision::F32 => (16, Field::<f32>::bytes),
         };
-        // Populations, owner of each cell, one bit a cell.
-        nodes.checked_mul(Q as u64 * number + 4)?.checked_add(nodes / 8)
+        let stride = places::stride(stored, line);
+        // Places are numbers of 32 bits.
+        if stride * Q as u64 > u64::from(u32::MAX) {
+            return None;
+        }
+        // Populations; number of each cell of the box; index and owner of each stored cell; one bit
+        // a cell; the table of places.
+        Some(bytes(stride) + 4 * boxed + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
     }
 }
 

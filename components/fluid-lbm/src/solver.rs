@@ -1,33 +1,33 @@
-//! The solver in one precision: the order of a step.
+//! The solver in one precision: what it is made of, and the order of a step.
 
+use crate::batch::Batch;
 use crate::bodies::{Bodies, Body};
+use crate::cells::Fixture;
 use crate::collision::Relaxation;
+use crate::course::Now;
 use crate::error::FluidError;
 use crate::field::Field;
-use crate::grid::{Grid, Parity};
-use crate::kernel::{Collides, Kernel, Survey, Sweep};
+use crate::fixed::{self, FixedLinks};
+use crate::kernel::{Block, Collides, Kernel, Survey, Sweep, Wanted};
 use crate::lanes::Variant;
+use crate::layout::Layout;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::{self, After, Exchange};
+use crate::open::{self, Next, OpenCells};
 use crate::owners::{Owners, Vacated};
-use crate::parameters::{Collision, Parameters};
+use crate::parameters::{Collision, OpenFaces, Parameters};
+use crate::places::Parity;
 use crate::refill::{Before, Content};
-use crate::team::Team;
+use crate::surroundings::Surroundings;
+use crate::tally::Tally;
 use crate::units::Units;
-use crate::walls::{self, Wall};
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_team::Team;
 
-/// Cells of the block of rows that is one item of work of the collision. Blocks are added up in
-/// their order.
+/// Cells that are one item of work of the collision. Blocks are added up in their order.
 const CELLS_PER_BLOCK: usize = 4096;
-
-/// A block of rows of the box.
-#[derive(Clone, Debug)]
-pub(crate) struct Block {
-    pub(crate) rows: std::ops::Range<usize>,
-    pub(crate) survey: Survey,
-}
 
 /// A cell to refill, and what it then holds.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,7 @@ macro_rules! before {
     ($solver:expr) => {
         $crate::refill::Before {
             field: &$solver.field,
-            grid: &$solver.grid,
+            layout: &$solver.layout,
             parity: $solver.parity,
             acceleration: $solver.relaxation.acceleration,
         }
@@ -53,31 +53,48 @@ pub(crate) use before;
 /// methods.
 pub struct Solver<T: Collides> {
     pub(crate) units: Units,
-    pub(crate) grid: Grid,
+    pub(crate) layout: Layout,
     pub(crate) field: Field<T>,
     pub(crate) owners: Owners,
+    wanted: Wanted<T>,
     pub(crate) bodies: Bodies,
     pub(crate) relaxation: Relaxation,
     /// Parity of the next collision.
     pub(crate) parity: Parity,
+    /// Steps done.
+    pub(crate) steps: u64,
     pub(crate) tau: f64,
     pub(crate) mach_limit: f64,
     pub(crate) average_force: bool,
+    scheme: OpenFaces,
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub(crate) lift: [f64; 3],
     kernel: Kernel<T>,
     pub(crate) team: Team,
-    pub(crate) walls: Vec<Wall>,
+    /// Room for the links of a body, for each thread.
+    batches: Vec<Batch>,
     pub(crate) blocks: Vec<Block>,
-    pub(crate) wall_items: Vec<walls::Item>,
+    pub(crate) tally: Tally,
+    /// Faces and static solids.
+    pub(crate) surroundings: Surroundings,
+    /// What they prescribe at the end of the step.
+    now: Vec<Now>,
+    pub(crate) fixed: FixedLinks,
+    pub(crate) fixed_items: Vec<fixed::Item>,
+    pub(crate) open: OpenCells,
+    pub(crate) open_items: Vec<open::Item>,
     pub(crate) link_items: Vec<links::Item>,
     refills: Vec<Refill>,
     /// The last step's balance, in lattice units and in SI.
     pub(crate) balance: Ledger,
     pub(crate) ledger: Ledger,
-    /// What the last collision found, and the sum of all links' exchange after it.
+    /// What the last collision found, the sum of all bodies' exchange after it, and the exchange
+    /// with each fixture.
     pub(crate) survey: Survey,
     pub(crate) exchange: Exchange,
+    pub(crate) fixtures: Vec<Exchange>,
+    /// Room for sums over fixtures.
+    pub(crate) impulses: Vec<[f64; 3]>,
 }
 
 impl<T: Collides> Solver<T> {
@@ -107,44 +124,66 @@ impl<T: Collides> Solver<T> {
         let relaxation = match parameters.collision {
             Collision::Bgk => Relaxation::single(tau, acceleration),
             Collision::Trt => Relaxation::with_magic(tau, parameters.magic, acceleration),
-        };
-        let team = Team::new(threads).map_err(|error| {
+        }
+        .with_smagorinsky(parameters.smagorinsky);
+        let team = Team::new("fluid", threads).map_err(|error| {
             vec![Problem::new(
                 "threads",
                 format!("the system does not give {threads} threads: {error}"),
             )]
         })?;
-        let grid =
-            Grid::new(resolution.cells, std::array::from_fn(|a| scene.domain.is_periodic(a)));
-        let walls = walls::walls(&grid);
+        let surroundings = Surroundings::new(scene, parameters, &resolution, &units)?;
+        let built = surroundings.build(T::LINE);
+        let count = built.layout.places.lines().len();
+        let step = CELLS_PER_BLOCK / T::LINE;
+        let ranges: Vec<_> =
+            (0..count).step_by(step).map(|first| first..(first + step).min(count)).collect();
+        let tally = Tally::new(&built.reflections, &ranges);
+        let blocks = ranges.into_iter().enumerate().map(|(number, lines)| Block {
+            lines,
+            survey: Survey::NONE,
+            reflected: vec![0.0; tally.runs(number).len()],
+        });
+        let fixtures = surroundings.laws.len();
         let mut solver = Self {
             units,
-            field: Field::new(grid.len),
-            owners: Owners::new(&grid),
+            field: Field::new(built.layout.places.stride()),
+            owners: Owners::new(built.layout.cells.len()),
+            wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
             bodies: Bodies::default(),
             relaxation,
             parity: Parity::Even,
+            steps: 0,
             tau,
             mach_limit: parameters.mach_limit,
             average_force: parameters.average_force,
+            scheme: parameters.open_faces,
             lift: std::array::from_fn(|a| {
                 acceleration[a] - scene.gravity[a] / units.acceleration()
             }),
             kernel: T::kernel(variant),
+            batches: (0..team.threads()).map(|_| Batch::default()).collect(),
             team,
-            blocks: blocks(&grid),
-            wall_items: walls::items(&walls, &grid),
-            walls,
+            blocks: blocks.collect(),
+            tally,
+            surroundings,
+            now: vec![Now::Wall([0.0; 3]); fixtures],
+            layout: built.layout,
+            fixed: built.fixed,
+            fixed_items: built.fixed_items,
+            open: built.open,
+            open_items: built.open_items,
             link_items: Vec::new(),
             refills: Vec::new(),
             balance: Ledger::default(),
             ledger: Ledger::default(),
             survey: Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE },
             exchange: Exchange::default(),
-            grid,
+            fixtures: vec![Exchange::default(); fixtures],
+            impulses: vec![[0.0; 3]; fixtures],
         };
-        let velocity = fluid.velocity;
-        solver.set_state(|_| (velocity, 0.0));
+        let (velocity, pressure) = (fluid.velocity, fluid.pressure);
+        solver.set_state(|_| (velocity, pressure));
         Ok(solver)
     }
 
@@ -153,7 +192,12 @@ impl<T: Collides> Solver<T> {
         if events.is_empty() {
             return Ok(());
         }
-        self.bodies.apply(events, &self.units, &self.grid)?;
+        self.bodies.apply(events, &self.units, &self.layout)?;
+        if self.wanted.lines.is_empty() {
+            let lines = self.layout.places.lines().len();
+            self.wanted.lines.resize_with(lines, AtomicU8::default);
+            self.wanted.drho = Field::zeros(lines * T::LINE);
+        }
         self.link_items = links::items(&self.bodies);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.spans.shell_side() * b.spans.shell_side()) as usize;
@@ -184,8 +228,10 @@ impl<T: Collides> Solver<T> {
         self.begin_balance();
         self.move_bodies(bodies);
         self.collide();
+        self.steps += 1;
         self.reflect();
         self.parity = self.parity.flipped();
+        self.open();
         self.give_loads(loads);
         self.end_balance(true);
         Ok(())
@@ -194,11 +240,17 @@ impl<T: Collides> Solver<T> {
     /// Moves the bodies: covers and uncovers cells, refills.
     fn move_bodies(&mut self, states: &[BodyState]) {
         self.owners.begin();
-        if !self.bodies.take(states, &self.units, &self.grid) {
+        if !self.bodies.take(states, &self.units, &self.layout.grid) {
             return;
         }
-        let grid = &self.grid;
-        self.team.for_each(&mut self.bodies.living, |_, body| body.cover(grid));
+        let (layout, lines) = (&self.layout, &self.wanted.lines);
+        for line in lines {
+            line.store(0, Relaxed);
+        }
+        self.team.for_each(&mut self.bodies.living, |_, body| {
+            body.cover(layout);
+            body.want(layout, T::LINE, lines);
+        });
         for body in self.bodies.leaving.iter().chain(&self.bodies.living) {
             for &cell in &body.left {
                 self.owners.release(cell, body.handle);
@@ -209,7 +261,7 @@ impl<T: Collides> Solver<T> {
                 self.owners.claim(cell, body.handle);
             }
         }
-        self.owners.settle(grid);
+        self.owners.settle(layout);
         self.count_losses();
         self.refill();
         self.owners.admit();
@@ -226,12 +278,12 @@ impl<T: Collides> Solver<T> {
         let mut balance = self.balance;
         let before = self.before();
         for &cell in &self.owners.covered {
-            let content = before.content(self.grid.cell_of(cell as usize));
+            let content = before.content(cell);
             add_scaled(&mut balance.covered, content.j, -1.0);
             balance.mass_covered -= 1.0 + content.drho;
         }
         for &cell in &self.owners.enclosed {
-            let content = before.content(self.grid.cell_of(cell as usize));
+            let content = before.content(cell);
             add_scaled(&mut balance.isolated, content.j, -1.0);
             balance.mass_isolated -= 1.0 + content.drho;
         }
@@ -248,8 +300,7 @@ impl<T: Collides> Solver<T> {
         let (owners, bodies) = (&self.owners, &self.bodies);
         self.team.for_each(&mut self.refills, |_, refill| {
             let body = bodies.any_with_handle(refill.vacated.handle);
-            let cell = before.grid.cell_of(refill.vacated.cell as usize);
-            refill.content = before.refill(owners, cell, body);
+            refill.content = before.refill(owners, refill.vacated.cell, body);
         });
         for refill in &self.refills {
             add_scaled(&mut self.balance.uncovered, refill.content.j, 1.0);
@@ -261,18 +312,26 @@ impl<T: Collides> Solver<T> {
     fn collide(&mut self) {
         let sweep = Sweep {
             field: &self.field,
-            grid: &self.grid,
+            places: &self.layout.places,
             fluid: self.owners.fluid_bits(),
             parity: self.parity,
             relaxation: &self.relaxation,
+            tally: &self.tally,
+            wanted: &self.wanted,
         };
         let kernel = self.kernel;
-        self.team.for_each(&mut self.blocks, |_, block| {
+        self.team.for_each(&mut self.blocks, |number, block| {
             // SAFETY: the variant was checked when the kernel was chosen; blocks are disjoint, and
-            // so are the places of their cells; field and bits were made for this grid; nothing
-            // else runs.
-            block.survey = unsafe { kernel(&sweep, block.rows.clone()) };
+            // so are the places of their cells; all tables were made for these cells; nothing else
+            // runs.
+            unsafe { kernel(&sweep, number, block) };
         });
+        let (field, fluid, tally) = (&self.field, self.owners.fluid_bits(), &self.tally);
+        if tally.has_mirrors() {
+            self.team.for_each(&mut self.blocks, |number, block| {
+                tally.sum_mirrors(field, fluid, number, &mut block.reflected);
+            });
+        }
         self.join_surveys();
     }
 
@@ -284,25 +343,62 @@ impl<T: Collides> Solver<T> {
         }
     }
 
-    /// Reflects the populations that ran into walls and bodies.
+    /// Reflects the populations that ran into bodies and fixtures. Bodies come first: at a cell
+    /// between a body and a curved wall they read what the wall's links change in place.
     fn reflect(&mut self) {
         let after = After {
             field: &self.field,
-            grid: &self.grid,
+            layout: &self.layout,
             owners: &self.owners,
             parity: self.parity,
+            drho: &self.wanted.drho,
         };
-        let (walls, bodies) = (&self.walls, &self.bodies);
-        self.team.for_each(&mut self.wall_items, |_, item| walls::reflect(&after, walls, item));
-        self.team.for_each(&mut self.link_items, |_, item| after.reflect(bodies, item));
+        let bodies = &self.bodies;
+        self.team.for_each_with(&mut self.link_items, &mut self.batches, |batch, _, item| {
+            after.reflect(bodies, item, batch);
+        });
+        let time = self.steps as f64 * self.units.time_step;
+        for (law, now) in self.surroundings.laws.iter().zip(&mut self.now) {
+            if let Some(law) = law {
+                *now = law.at(time);
+            }
+        }
+        let (fixed, now, references) = (&self.fixed, &self.now, &self.surroundings.references);
+        self.team.for_each(&mut self.fixed_items, |_, item| {
+            after.reflect_fixed(fixed, now, references, item);
+        });
     }
-}
 
-/// The box cut into blocks.
-fn blocks(grid: &Grid) -> Vec<Block> {
-    let step = (CELLS_PER_BLOCK / grid.n[0] as usize).max(1);
-    (0..grid.rows())
-        .step_by(step)
-        .map(|first| Block { rows: first..(first + step).min(grid.rows()), survey: Survey::NONE })
-        .collect()
+    /// Gives the cells at open faces their populations.
+    fn open(&mut self) {
+        let next = Next {
+            field: &self.field,
+            layout: &self.layout,
+            owners: &self.owners,
+            parity: self.parity,
+            acceleration: self.relaxation.acceleration,
+            now: &self.now,
+            scheme: self.scheme,
+        };
+        let open = &self.open;
+        self.team.for_each(&mut self.open_items, |_, item| next.open(open, item));
+    }
+
+    /// Adds up what the fluid exchanged with each fixture: force and torque on it.
+    pub(crate) fn join_fixtures(&mut self) -> [f64; 3] {
+        let mut mirrors = [0.0; 3];
+        self.impulses.fill([0.0; 3]);
+        for (number, block) in self.blocks.iter().enumerate() {
+            self.tally.share(number, &block.reflected, &mut mirrors, &mut self.impulses);
+        }
+        for (fixture, impulse) in self.fixtures.iter_mut().zip(&self.impulses) {
+            *fixture = Exchange { force: impulse.map(|x| -x), ..Exchange::default() };
+        }
+        for item in &self.fixed_items {
+            for (Fixture(number), exchange) in &item.exchanges {
+                self.fixtures[usize::from(*number)].join(exchange);
+            }
+        }
+        mirrors
+    }
 }

@@ -186,7 +186,7 @@ mod tests {
         fn spans_hold_exactly_the_cells_inside(
             centre in prop::array::uniform3(4.0..8.0_f64), radius in 0.1..4.0_f64,
         ) {
-            let grid = Grid::new([12, 12, 12], [true; 3]);
+            let grid = Grid::walled([12, 12, 12], [true; 3]);
             let mut spans = Spans::empty(radius);
             spans.fit(&grid, centre, radius);
             for z in -1..13 {

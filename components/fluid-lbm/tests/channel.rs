@@ -52,11 +52,11 @@ fn couette_is_exact() {
             (faces[axis], cells[axis]) = (WALL, 10);
             let mut case = Case::new(cells, faces, tau);
             case.collision = collision;
-            let mut fluid = case.fluid();
             let along = (axis + 2) % 3;
             let mut lid = [0.0; 3];
             lid[along] = 0.01;
-            fluid.set_face_velocity(axis, 1, lid);
+            case.lid = (axis, lid);
+            let mut fluid = case.fluid();
             let rate = case.viscosity() * (std::f64::consts::PI / 10.0).powi(2);
             for _ in 0..(34.0 / rate) as usize {
                 fluid.step(&[], &mut []).unwrap();

@@ -1,5 +1,6 @@
 //! The solver in place against a plain one with two arrays, written independently: random spheres
-//! with moving surfaces, some overlapping, walls, a sliding face, a body force, every mix of faces.
+//! with moving surfaces, some overlapping, some cut by mirrors, walls, a sliding face, a body force,
+//! every mix of faces.
 //!
 //! Tolerance: 1e-14 in populations of order 1e-2, which is rounding (the collisions are written in
 //! different order); forces 1e-13.
@@ -7,7 +8,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::lattice::{C, C_F64, OPPOSITE, Q, W, cross, dot, equilibrium};
+use tremie_fluid_lbm::lattice::{C, C_F64, OPPOSITE, Q, W, cross, dot, equilibrium, mirrored};
 use tremie_fluid_lbm::{Collision, FluidLbm};
 use tremie_messages::BodyState;
 
@@ -33,20 +34,25 @@ impl Plain {
         at[0] as usize + n[0] * (at[1] as usize + n[1] * at[2] as usize)
     }
 
-    /// The cell at `at + c`, or the axis of the wall in between.
-    fn step(&self, at: [i64; 3], c: [i32; 3], sign: i64) -> Result<[i64; 3], usize> {
-        let mut to = at;
+    /// The cell at `at + c` and the axes at which the way was mirrored, or the axis of the wall in
+    /// between.
+    fn step(&self, at: [i64; 3], c: [i32; 3], sign: i64) -> Result<([i64; 3], u8), usize> {
+        let (mut to, mut mirrors, mut wall) = (at, 0, None);
         for a in 0..3 {
             let n = self.case.cells[a] as i64;
             to[a] += sign * i64::from(c[a]);
             if to[a] < 0 || to[a] >= n {
                 if self.case.faces[a] == WALL {
-                    return Err(a);
+                    wall = wall.or(Some(a));
+                } else if self.case.faces[a] == SYMMETRY {
+                    to[a] = if to[a] < 0 { -1 - to[a] } else { 2 * n - 1 - to[a] };
+                    mirrors |= 1 << a;
+                } else {
+                    to[a] = to[a].rem_euclid(n);
                 }
-                to[a] = to[a].rem_euclid(n);
             }
         }
-        Ok(to)
+        wall.map_or(Ok((to, mirrors)), Err)
     }
 
     /// From the centre of a sphere to a cell, the shortest way.
@@ -99,8 +105,10 @@ impl Plain {
                     // What arrives against direction i comes from the neighbour along i, or is
                     // reflected there.
                     let f = match self.step(at, C[i], 1) {
-                        Ok(to) if self.fluid(to) => self.g[self.index(to)][OPPOSITE[i]],
-                        Ok(to) => self.reflect(at, to, i),
+                        Ok((to, mirrors)) if self.fluid(to) => {
+                            self.g[self.index(to)][mirrored(OPPOSITE[i], mirrors)]
+                        }
+                        Ok((to, mirrors)) => self.reflect(at, to, i, mirrors),
                         Err(axis) => {
                             let rho = 1.0 + self.g[k as usize].iter().sum::<f64>();
                             let lid = axis == 2 && C[i][2] == 1;
@@ -114,10 +122,18 @@ impl Plain {
         }
     }
 
-    fn reflect(&mut self, at: [i64; 3], to: [i64; 3], i: usize) -> f64 {
+    /// The link `i` of a cell into a sphere at `to`; through a mirror it is reckoned as the mirrored
+    /// link of the mirrored cell.
+    fn reflect(&mut self, at: [i64; 3], to: [i64; 3], i: usize, mirrors: u8) -> f64 {
         let g = self.g[self.index(at)];
+        let seen: [i64; 3] = std::array::from_fn(|a| match mirrors >> a & 1 {
+            0 => at[a],
+            _ if C[i][a] < 0 => -1 - at[a],
+            _ => 2 * self.case.cells[a] as i64 - 1 - at[a],
+        });
+        let along = C_F64[mirrored(i, mirrors)];
         let distance = |s: usize| {
-            let (d, c, r) = (self.arm(s, at), C_F64[i], self.spheres[s].radius);
+            let (d, c, r) = (self.arm(s, seen), along, self.spheres[s].radius);
             let (b, cc) = (dot(d, c), dot(c, c));
             (-b - (b * b - cc * (dot(d, d) - r * r)).sqrt()) / cc
         };
@@ -126,25 +142,26 @@ impl Plain {
             .map(|s| (distance(s), s))
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap();
-        let arm = self.arm(s, at);
-        let wall: [f64; 3] = std::array::from_fn(|a| arm[a] + q * C_F64[i][a]);
+        let arm = self.arm(s, seen);
+        let wall: [f64; 3] = std::array::from_fn(|a| arm[a] + q * along[a]);
         let state = &self.spheres[s].state;
         let turn = cross(state.angular_velocity, wall);
         let u: [f64; 3] = std::array::from_fn(|a| state.velocity[a] + turn[a]);
-        let flux = (1.0 + g.iter().sum::<f64>()) * dot(C_F64[i], u);
-        let behind = self.step(at, C[i], -1).ok().filter(|&b| self.fluid(b));
+        let flux = (1.0 + g.iter().sum::<f64>()) * dot(along, u);
+        let behind = self.step(at, C[i], -1).ok().filter(|&(b, _)| self.fluid(b));
         let f = match (q < 0.5, behind) {
             (false, _) => {
                 g[i] / (2.0 * q) + (2.0 * q - 1.0) / (2.0 * q) * g[OPPOSITE[i]]
                     - 3.0 * W[i] / q * flux
             }
-            (true, Some(behind)) => {
-                2.0 * q * g[i] + (1.0 - 2.0 * q) * self.g[self.index(behind)][i] - 6.0 * W[i] * flux
+            (true, Some((behind, mirrors))) => {
+                let other = self.g[self.index(behind)][mirrored(i, mirrors)];
+                2.0 * q * g[i] + (1.0 - 2.0 * q) * other - 6.0 * W[i] * flux
             }
             (true, None) => g[i] - 6.0 * W[i] * flux,
         };
         let force: [f64; 3] =
-            std::array::from_fn(|a| g[i] * (C_F64[i][a] - u[a]) + f * (C_F64[i][a] + u[a]));
+            std::array::from_fn(|a| g[i] * (along[a] - u[a]) + f * (along[a] + u[a]));
         let torque = cross(wall, force);
         for a in 0..3 {
             self.force[s][a] += force[a];
@@ -162,6 +179,7 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
     case.velocity = [0.02, 0.01, -0.01];
     let mut vector = |most: f64| std::array::from_fn(|_| dice.between(-most, most));
     let lid = [0.03, -0.02, 0.0];
+    case.lid = (2, lid);
     let mut spheres: Vec<Sphere> = (0..6)
         .map(|id| {
             let offset: [f64; 3] = vector(0.5);
@@ -171,6 +189,12 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
             Sphere { radius: 0.4 + 0.6 * id as f64 + 0.1, state }
         })
         .collect();
+    // One that a mirror cuts in the middle.
+    for a in 0..3 {
+        if faces[a] == SYMMETRY {
+            spheres[3].state.position[a] = [0.0, cells[a] as f64][a % 2];
+        }
+    }
     // Two that overlap, so that they share cells.
     spheres[5].state.position = spheres[4].state.position.map(|x| x + 0.9);
 
@@ -178,9 +202,6 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
     let events: Vec<_> = spheres.iter().map(|s| added(s.state.id, s.radius)).collect();
     let states: Vec<_> = spheres.iter().map(|s| s.state).collect();
     let mut loads = loads_of(&states);
-    if faces[2] == WALL {
-        fluid.set_face_velocity(2, 1, lid);
-    }
     fluid.apply_events(&events).unwrap();
     fluid.start(&states, &mut loads).unwrap();
 
@@ -214,15 +235,43 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
         for (s, load) in loads.iter().enumerate() {
             // What the mean pressure gradient adds.
             let volume = 4.0 / 3.0 * std::f64::consts::PI * plain.spheres[s].radius.powi(3);
+            let (mut expected, mut torque) = (plain.force[s], plain.torque[s]);
+            for axis in (0..3).filter(|&axis| plain.case.faces[axis] == SYMMETRY) {
+                let (x, n) = (plain.spheres[s].state.position[axis], cells[axis] as f64);
+                if x.min(n - x).abs() < plain.spheres[s].radius {
+                    // The half behind the mirror.
+                    for a in 0..3 {
+                        expected[a] *= if a == axis { 0.0 } else { 2.0 };
+                        torque[a] *= if a == axis { 2.0 } else { 0.0 };
+                    }
+                }
+            }
             for a in 0..3 {
                 let force = load.force[a] - volume * plain.case.acceleration[a];
-                assert!((force - plain.force[s][a]).abs() < 1e-13);
-                assert!((load.torque[a] - plain.torque[s][a]).abs() < 1e-13);
+                assert!((force - expected[a]).abs() < 2e-13, "{s} {a}: {force} {}", expected[a]);
+                assert!((load.torque[a] - torque[a]).abs() < 2e-13);
                 forces += force.abs();
+            }
+            let gap = fluid.ledger();
+            let terms = gap.momentum_terms();
+            for a in 0..3 {
+                assert!((gap.momentum_change[a] - terms[a]).abs() < 1e-12 || step == 0);
             }
         }
     }
     assert!(forces > 0.1);
+}
+
+#[test]
+fn between_mirrors() {
+    compare([SYMMETRY; 3], [14, 13, 15], 6);
+}
+
+#[test]
+fn with_mirrors_beside_walls_and_periodic_faces() {
+    compare([SYMMETRY, WALL, PERIODIC], [15, 13, 14], 7);
+    compare([WALL, PERIODIC, SYMMETRY], [13, 14, 17], 8);
+    compare([PERIODIC, SYMMETRY, WALL], [19, 13, 13], 9);
 }
 
 #[test]

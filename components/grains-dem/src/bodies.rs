@@ -1,4 +1,7 @@
-//! The state of all bodies, as arrays in the order of their ids, grouped by who reads them together.
+//! The state of all bodies, as arrays grouped by who reads them together.
+//!
+//! Arrays are in the order of places in space, which changes as bodies move: what is near in space is
+//! near in memory. Ids never change, and no result depends on the order in memory.
 
 use crate::Vec3;
 use tremie_messages::scene::Motion;
@@ -55,6 +58,11 @@ impl Mobility {
     /// That of a wall, or of a body whose motion is given.
     pub const NONE: Self = Self { inverse_mass: 0.0, inverse_inertia: 0.0 };
 
+    /// `sqrt(m*)` of a pair, where a body of given motion counts as infinitely heavy [kg^(1/2)].
+    pub fn root_reduced_mass(self, other: Self) -> f64 {
+        (1.0 / (self.inverse_mass + other.inverse_mass)).sqrt()
+    }
+
     /// Whether forces move the body.
     pub fn is_free(self) -> bool {
         self.inverse_mass > 0.0
@@ -87,45 +95,123 @@ impl PlacedSphere {
     }
 }
 
-/// All bodies. Every array has one entry a body, in the order of ids.
+/// All bodies. Every array but `slot` has one entry a body, in the order of memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
-    /// Where they are. Between rebuilds of the neighbour lists a body may stand a little outside a
-    /// periodic domain.
+    /// Their ids.
+    pub id: Vec<u32>,
+    /// Where the body of each id stands in the other arrays.
+    pub slot: Vec<u32>,
+    /// Where they are, always inside the periodic faces.
     pub balls: Vec<Ball>,
     /// Velocities: of the full step between substeps, of the half step within one.
     pub twists: Vec<Twist>,
     /// Velocities predicted for the end of the substep: those that forces see.
     pub predicted: Vec<Twist>,
-    /// Contact forces of the last evaluation.
-    pub contact: Vec<Wrench>,
     /// Fluid loads of this window.
     pub load: Vec<Wrench>,
     /// Inertia.
     pub mobility: Vec<Mobility>,
     /// Unit quaternions `(x, y, z, w)` from body to world frame.
     pub orientation: Vec<[f64; 4]>,
-    /// Masses [kg].
-    pub mass: Vec<f64>,
+    /// Positions when neighbours were last listed, moved along with bodies across periodic faces.
+    pub reference: Vec<Vec3>,
+    /// Across which periodic faces each went since: the difference of its image's number.
+    pub crossed: Vec<i32>,
+    /// Index of the set in the scene.
+    pub set: Vec<u32>,
+    /// Number of the material.
+    pub material: Vec<u16>,
+    spare: Spare,
+}
+
+/// Where arrays are written in another order; then they change places with the old ones.
+#[derive(Clone, Debug, Default)]
+struct Spare {
+    id: Vec<u32>,
+    balls: Vec<Ball>,
+    twists: Vec<Twist>,
+    wrenches: Vec<Wrench>,
+    mobility: Vec<Mobility>,
+    orientation: Vec<[f64; 4]>,
+    set: Vec<u32>,
+    material: Vec<u16>,
 }
 
 impl Bodies {
-    pub fn new(spheres: &[PlacedSphere]) -> Self {
+    /// Bodies in the order of ids; `material` gives the number of a set's material.
+    pub fn new(spheres: &[PlacedSphere], material: impl Fn(usize) -> u16) -> Self {
         let n = spheres.len();
         let twists: Vec<Twist> = spheres.iter().map(|s| s.twist).collect();
         Self {
+            id: (0..n as u32).collect(),
+            slot: (0..n as u32).collect(),
             balls: spheres.iter().map(|s| s.ball).collect(),
             predicted: twists.clone(),
             twists,
-            contact: vec![Wrench::zero(); n],
             load: vec![Wrench::zero(); n],
             mobility: spheres.iter().map(PlacedSphere::mobility).collect(),
             orientation: vec![[0.0, 0.0, 0.0, 1.0]; n],
-            mass: spheres.iter().map(|s| s.mass).collect(),
+            reference: spheres.iter().map(|s| s.ball.x).collect(),
+            crossed: vec![0; n],
+            set: spheres.iter().map(|s| s.set as u32).collect(),
+            material: spheres.iter().map(|s| material(s.set)).collect(),
+            spare: Spare::default(),
         }
     }
 
     pub fn len(&self) -> usize {
         self.balls.len()
+    }
+
+    /// Puts the body now at `order[s]` to place `s`. References and crossings are not kept: bodies
+    /// are put in order only when neighbours are listed anew.
+    pub fn reorder(&mut self, order: &[u32]) {
+        let spare = &mut self.spare;
+        permute(&mut self.id, order, &mut spare.id);
+        permute(&mut self.balls, order, &mut spare.balls);
+        permute(&mut self.twists, order, &mut spare.twists);
+        permute(&mut self.predicted, order, &mut spare.twists);
+        permute(&mut self.load, order, &mut spare.wrenches);
+        permute(&mut self.mobility, order, &mut spare.mobility);
+        permute(&mut self.orientation, order, &mut spare.orientation);
+        permute(&mut self.set, order, &mut spare.set);
+        permute(&mut self.material, order, &mut spare.material);
+        for (slot, &id) in (0..).zip(&self.id) {
+            self.slot[id as usize] = slot;
+        }
+    }
+}
+
+fn permute<T: Copy>(values: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>) {
+    spare.clear();
+    spare.extend(order.iter().map(|&from| values[from as usize]));
+    std::mem::swap(values, spare);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_keep_their_ids_in_another_order() {
+        let sphere = |k: f64| PlacedSphere {
+            ball: Ball { x: Vec3::repeat(k), radius: k },
+            twist: Twist { v: Vec3::repeat(-k), w: Vec3::zeros() },
+            mass: 1.0 + k,
+            motion: Motion::Free,
+            set: k as usize,
+        };
+        let mut bodies = Bodies::new(&[0.0, 1.0, 2.0, 3.0].map(sphere), |set| set as u16);
+        for order in [[2, 0, 3, 1], [1, 2, 3, 0]] {
+            bodies.reorder(&order);
+            for id in 0..4 {
+                let slot = bodies.slot[id] as usize;
+                assert_eq!(bodies.id[slot] as usize, id);
+                assert_eq!(bodies.balls[slot].radius, id as f64);
+                assert_eq!(bodies.predicted[slot].v.x, -(id as f64));
+                assert_eq!((bodies.set[slot], bodies.material[slot]), (id as u32, id as u16));
+            }
+        }
     }
 }

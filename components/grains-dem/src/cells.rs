@@ -72,31 +72,75 @@ impl Cells {
         &self.order
     }
 
-    /// Calls `visit(j, image)` for every body j in the cells around body i, itself included; the
+    /// Calls `visit(j, image)` for the bodies j in body i's cell that come after it, and for all in
+    /// half of the cells around: each pair of bodies in cells next to each other is met once. The
     /// image tells across which faces j is seen.
-    pub fn around(&self, i: usize, mut visit: impl FnMut(u32, u32)) {
+    #[inline(always)]
+    pub fn ahead(&self, i: usize, mut visit: impl FnMut(u32, u32)) {
         let home = self.cell_of[i];
-        for dz in -1..=1 {
-            let Some((z, across_z)) = self.step(home, 2, dz) else {
-                continue;
-            };
-            for dy in -1..=1 {
-                let Some((y, across_y)) = self.step(home, 1, dy) else {
-                    continue;
-                };
-                for dx in -1..=1 {
-                    let Some((x, across_x)) = self.step(home, 0, dx) else {
-                        continue;
-                    };
-                    let seen = image([across_x, across_y, across_z]);
-                    let slot = self.slot([x, y, z]);
-                    let (begin, end) = (self.start[slot], self.start[slot + 1]);
-                    for &j in &self.order[begin as usize..end as usize] {
-                        visit(j, seen);
-                    }
-                }
+        let own = self.slot(home);
+        let cell = &self.order[self.start[own] as usize..self.start[own + 1] as usize];
+        for &j in cell {
+            if j as usize > i {
+                visit(j, image([0, 0, 0]));
             }
         }
+        self.run(home, [1, 1], 0, 0, &mut visit);
+        for (dy, dz) in [(1, 0), (-1, 1), (0, 1), (1, 1)] {
+            self.run(home, [-1, 1], dy, dz, &mut visit);
+        }
+    }
+
+    /// Visits the bodies in the cells from `dx[0]` to `dx[1]` further along x in one row of cells.
+    #[inline(always)]
+    fn run(
+        &self,
+        home: [u32; 3],
+        dx: [i32; 2],
+        dy: i32,
+        dz: i32,
+        visit: &mut impl FnMut(u32, u32),
+    ) {
+        let (Some((y, across_y)), Some((z, across_z))) =
+            (self.step(home, 1, dy), self.step(home, 2, dz))
+        else {
+            return;
+        };
+        let x = home[0] as i32;
+        if x + dx[0] >= 0 && x + dx[1] < self.count[0] as i32 {
+            // Cells next to each other along x are next to each other in memory.
+            let seen = image([0, across_y, across_z]);
+            let first = self.slot([(x + dx[0]) as u32, y, z]);
+            let last = self.slot([(x + dx[1]) as u32, y, z]);
+            let (begin, end) = (self.start[first], self.start[last + 1]);
+            for &j in &self.order[begin as usize..end as usize] {
+                visit(j, seen);
+            }
+            return;
+        }
+        for dx in dx[0]..=dx[1] {
+            let Some((x, across_x)) = self.step(home, 0, dx) else {
+                continue;
+            };
+            let seen = image([across_x, across_y, across_z]);
+            let slot = self.slot([x, y, z]);
+            for &j in &self.order[self.start[slot] as usize..self.start[slot + 1] as usize] {
+                visit(j, seen);
+            }
+        }
+    }
+
+    /// Writes the bodies in an order that keeps near ones together: that of cells along Morton's
+    /// curve, and by index within a cell. `keys` is room to sort in.
+    pub fn curve(&self, keys: &mut Vec<(u64, u32)>, order: &mut Vec<u32>) {
+        keys.clear();
+        let spread = |cell: &[u32; 3]| {
+            interleave(cell[0]) | interleave(cell[1]) << 1 | interleave(cell[2]) << 2
+        };
+        keys.extend(self.cell_of.iter().map(spread).zip(0..));
+        keys.sort_unstable();
+        order.clear();
+        order.extend(keys.iter().map(|&(_, body)| body));
     }
 
     /// The cell `d` further along an axis, and the face crossed on the way there.
@@ -122,5 +166,28 @@ impl Cells {
 
     fn slot(&self, cell: [u32; 3]) -> usize {
         (cell[2] as usize * self.count[1] + cell[1] as usize) * self.count[0] + cell[0] as usize
+    }
+}
+
+/// The lowest 21 bits of `x`, each followed by two zeros.
+fn interleave(x: u32) -> u64 {
+    let mut x = u64::from(x) & 0x1f_ffff;
+    x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::interleave;
+
+    #[test]
+    fn interleaving_spreads_bits() {
+        for bit in 0..21 {
+            assert_eq!(interleave(1 << bit), 1 << (3 * bit));
+        }
+        assert_eq!(interleave(0x1f_ffff).count_ones(), 21);
     }
 }

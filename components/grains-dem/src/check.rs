@@ -1,14 +1,23 @@
 //! Everything that can be wrong with a scene, as the grains see it.
 
 use crate::{
-    Parameters, Vec3, bodies::Ball, overlaps::TOUCHING, packing, periodic::PeriodicBox, walls,
+    Lubrication, Parameters, Vec3,
+    bodies::Ball,
+    check_sizes,
+    encounters::Population,
+    laws,
+    overlaps::TOUCHING,
+    packing::{self, Sizes},
+    periodic::PeriodicBox,
+    walls,
 };
 use tremie_messages::{
     Problem,
     scene::{
-        BodySet, ContactLaw, Damping, Diameters, Domain, Motion, Packing, Placement, Plane, Scene,
-        Sphere, Spring,
+        BodySet, ContactLaw, Damping, Domain, Motion, Packing, Placement, Plane, Scene, Sphere,
+        Spring,
     },
+    units::Length,
 };
 
 /// More spheres than memory holds: a slip in a unit.
@@ -22,6 +31,11 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     if !all_finite(&scene.gravity) {
         problems.push(Problem::new("scene.gravity", "is not finite"));
     }
+    if parameters.lubrication.is_some() && scene.fluid.is_none() {
+        let message = "is set, but the scene has no fluid, whose viscosity it needs";
+        let help = "give the scene a fluid, or leave lubrication unset";
+        problems.push(Problem::of_parameter("lubrication", message).help(help));
+    }
     let before = problems.len();
     domain(&scene.domain, &mut problems);
     let domain_is_valid = problems.len() == before;
@@ -29,8 +43,12 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
         plane(&format!("scene.planes[{i}]"), p, &scene.domain, &mut problems);
     }
     let planes_are_valid = problems.len() == before;
+    for (i, part) in scene.parts.iter().enumerate() {
+        motion(&format!("scene.parts[{i}].motion"), &part.motion, &mut problems);
+    }
     for (i, set) in scene.bodies.iter().enumerate() {
         let key = format!("scene.bodies[{i}]");
+        motion(&format!("{key}.motion"), &set.motion, &mut problems);
         if !is_positive(set.density) {
             problems.push(not_positive(format!("{key}.density"), set.density));
         }
@@ -58,6 +76,22 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     problems
 }
 
+fn motion(key: &str, motion: &Motion, problems: &mut Vec<Problem>) {
+    let Motion::Prescribed(points) = motion else { return };
+    for (i, point) in points.iter().enumerate() {
+        let finite = all_finite(&point.velocity) && all_finite(&point.angular_velocity);
+        if !(finite && point.time.is_finite()) {
+            let problem = Problem::new(format!("{key}.prescribed[{i}]"), "is not finite");
+            problems.push(problem);
+        }
+        if i > 0 && point.time <= points[i - 1].time {
+            let (before, found) = (points[i - 1].time, point.time);
+            let message = format!("is {found} s, not later than the point before, {before} s");
+            problems.push(Problem::new(format!("{key}.prescribed[{i}].time"), message));
+        }
+    }
+}
+
 fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
     let mut problems = Vec::new();
     if let Some(step) = parameters.time_step
@@ -73,6 +107,20 @@ fn own_parameters(parameters: &Parameters) -> Vec<Problem> {
         let message = format!("is {steps}, expected at least {MIN_STEPS_PER_CONTACT}");
         let help = "15 give a few per cent of error in flows, 50 are for validation";
         problems.push(Problem::of_parameter("steps_per_contact", message).help(help));
+    }
+    if let Some(speed) = parameters.expected_speed
+        && !is_positive(speed.0)
+    {
+        let message = format!("is {} m/s, expected a positive speed", speed.0);
+        problems.push(Problem::of_parameter("expected_speed", message));
+    }
+    if let Some(Lubrication { cutoff: Length(cutoff), roughness: Length(roughness) }) =
+        parameters.lubrication
+        && !(roughness > 0.0 && roughness < cutoff && cutoff.is_finite())
+    {
+        let message =
+            format!("is {roughness} m, expected more than 0 and less than the cut-off, {cutoff} m");
+        problems.push(Problem::of_parameter("lubrication.roughness", message));
     }
     let skin = parameters.skin_fraction();
     if !(skin > 0.0 && skin <= 1.0) {
@@ -148,10 +196,11 @@ fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &m
     if set.motion != Motion::Free {
         return;
     }
+    let surfaces = laws::surfaces(scene);
     for (index, wall) in walls::of_scene(scene).iter().enumerate() {
         let overlap = wall.overlap(&ball);
         if overlap > TOUCHING * ball.radius {
-            let name = walls::name(&scene.domain, index);
+            let name = &surfaces[index].name;
             let message = format!("puts the sphere {overlap:.3e} m into {name}");
             problems.push(Problem::new(key.as_str(), message));
         }
@@ -164,11 +213,13 @@ fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Pro
         let message = format!("is {}, expected a solid fraction in (0, 0.74)", packing.fraction);
         problems.push(Problem::new(key("fraction"), message));
     }
-    let Some(largest) = diameters(&key("diameters"), &packing.diameters, problems) else {
+    let Some(largest) = check_sizes::diameters(&key("diameters"), &packing.diameters, problems)
+    else {
         return;
     };
     let size = Vec3::from(packing.max) - Vec3::from(packing.min);
-    let spheres = packing.fraction * size.x * size.y * size.z / (largest * largest * largest);
+    let spheres =
+        packing.fraction * size.x * size.y * size.z / Sizes::new(&packing.diameters).mean_volume();
     if spheres > MOST_SPHERES {
         let message = format!("asks for more than {spheres:.1e} spheres");
         problems.push(Problem::new(key("fraction"), message).help("use fewer or larger ones"));
@@ -194,54 +245,25 @@ fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Pro
     }
 }
 
-/// The largest diameter, if all are valid.
-fn diameters(key: &str, diameters: &Diameters, problems: &mut Vec<Problem>) -> Option<f64> {
-    let before = problems.len();
-    match diameters {
-        Diameters::Uniform { min, max } => {
-            if !is_positive(*min) {
-                problems.push(not_positive(format!("{key}.uniform.min"), *min));
-            }
-            if !(max >= min && max.is_finite()) {
-                let message = format!("is {max} m, less than the smallest, {min} m");
-                problems.push(Problem::new(format!("{key}.uniform.max"), message));
-            }
-            (problems.len() == before).then_some(*max)
-        }
-        Diameters::Normal { .. } | Diameters::LogNormal { .. } | Diameters::Sieve(_) => {
-            problems.push(Problem::new(key, "this distribution is not known yet"));
-            None
-        }
-        Diameters::Listed(list) => {
-            if list.is_empty() {
-                problems.push(Problem::new(format!("{key}.listed"), "is empty"));
-            }
-            for (i, &d) in list.iter().enumerate() {
-                if !is_positive(d) {
-                    problems.push(not_positive(format!("{key}.listed[{i}]"), d));
-                }
-            }
-            (problems.len() == before).then(|| list.iter().fold(0.0, |a: f64, &b| a.max(b)))
-        }
-    }
-}
-
 fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
-    let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
-        problems.push(Problem::new(format!("{key}.spring"), "only linear springs are known"));
-        return;
-    };
-    if !is_positive(normal_stiffness) {
-        problems.push(not_positive(format!("{key}.normal_stiffness"), normal_stiffness));
-    }
     let mut not_negative = |name: &str, value: f64| {
         if !(value >= 0.0 && value.is_finite()) {
             let message = format!("is {value}, expected 0 or more");
             problems.push(Problem::new(format!("{key}.{name}"), message));
         }
     };
-    not_negative("tangential_stiffness", tangential_stiffness);
+    let stiffest = match law.spring {
+        Spring::Linear { normal_stiffness, tangential_stiffness } => {
+            not_negative("tangential_stiffness", tangential_stiffness);
+            ("normal_stiffness", normal_stiffness)
+        }
+        Spring::Hertz { effective_modulus, effective_shear_modulus } => {
+            not_negative("effective_shear_modulus", effective_shear_modulus);
+            ("effective_modulus", effective_modulus)
+        }
+    };
     not_negative("friction", law.friction);
+    not_negative("rolling_friction", law.rolling_friction);
     match law.damping {
         Damping::Coefficients { normal, tangential } => {
             not_negative("damping.coefficients.normal", normal);
@@ -254,11 +276,21 @@ fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
             }
         }
     }
+    let (name, value) = stiffest;
+    if !is_positive(value) {
+        problems.push(not_positive(format!("{key}.{name}"), value));
+    }
+    let hertz = matches!(law.spring, Spring::Hertz { .. });
+    if hertz && matches!(law.damping, Damping::Coefficients { .. }) {
+        let message = "gives dashpots by coefficients, which goes with linear springs only";
+        let help = "give the restitution of Hertz's springs";
+        problems.push(Problem::new(format!("{key}.damping"), message).help(help));
+    }
 }
 
 /// What concerns the scene as a whole, once its parts are valid.
 fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
-    let (mut bodies, mut largest) = (0, 0.0f64);
+    let mut largest = 0.0f64;
     for (i, set) in scene.bodies.iter().enumerate() {
         let diameters = packing::diameters_of(set);
         if diameters.is_empty() {
@@ -266,15 +298,11 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
             let help = "raise the fraction or enlarge the region: half a sphere is too little";
             problems.push(Problem::new(format!("scene.bodies[{i}].placement"), message).help(help));
         }
-        bodies += diameters.len();
         largest = diameters.iter().fold(largest, |a, &d| a.max(d));
     }
-    let has_walls = !walls::of_scene(scene).is_empty();
-    if scene.contacts.is_empty() && (bodies > 1 || (bodies == 1 && has_walls)) {
-        let message = "is missing, but bodies may touch each other or a wall";
-        problems.push(Problem::new("scene.contacts", message));
-    }
-    let needed = 2.0 * largest * (1.0 + parameters.skin_fraction());
+    problems.extend(Population::of(scene).problems());
+    let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    let needed = 2.0 * (largest * (1.0 + parameters.skin_fraction()) + reach);
     for axis in 0..3 {
         let size = scene.domain.size()[axis];
         if scene.domain.is_periodic(axis) && size < needed {
@@ -289,7 +317,7 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     }
 }
 
-fn is_positive(x: f64) -> bool {
+pub(crate) fn is_positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 
@@ -297,6 +325,6 @@ fn all_finite(v: &[f64; 3]) -> bool {
     v.iter().all(|x| x.is_finite())
 }
 
-fn not_positive(key: String, value: f64) -> Problem {
+pub(crate) fn not_positive(key: String, value: f64) -> Problem {
     Problem::new(key, format!("is {value}, expected a positive number"))
 }

@@ -3,6 +3,7 @@
 use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution};
 use std::collections::BTreeMap;
+use tremie_sdk::messages::scene::Scene;
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::{Grains, Setup, SolverError};
@@ -12,8 +13,10 @@ pub struct SoftSpheres {
     grains: GrainsDem,
     /// Events of the window: the initial bodies until the first window is over, none after.
     events: Vec<BodyEvent>,
-    /// Bodies whose paths are signals: all, where they are few.
+    /// Room for the states of all bodies, where spheres are so few that their paths are signals.
     tracked: Vec<BodyState>,
+    /// How many spheres these are.
+    few: usize,
 }
 
 /// So few bodies are followed one by one.
@@ -39,6 +42,16 @@ const SIGNALS: [(&str, &str); 12] = [
 const PATH: [(&str, &str); 6] =
     [("x", "m"), ("y", "m"), ("z", "m"), ("vx", "m/s"), ("vy", "m/s"), ("vz", "m/s")];
 
+/// Signals of each part: force of the grains, and torque about its reference point.
+const PART: [(&str, &str); 6] = [
+    ("force_x", "N"),
+    ("force_y", "N"),
+    ("force_z", "N"),
+    ("torque_x", "N m"),
+    ("torque_y", "N m"),
+    ("torque_z", "N m"),
+];
+
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
 
@@ -48,7 +61,7 @@ impl Grains for SoftSpheres {
         Ok(Description {
             step: resolution.time_step,
             bodies: resolution.bodies as u64,
-            signals: signals(resolution.bodies),
+            signals: signals(&setup.hello.scene, resolution.spheres),
             work: "grain steps".into(),
             notes: notes(&resolution),
             findings: findings(&setup.hello.scene, &resolution),
@@ -60,10 +73,15 @@ impl Grains for SoftSpheres {
 
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
-        let grains = GrainsDem::new(&setup.hello.scene, &parameters, setup.assigned()?.step)?;
+        let (scene, step) = (&setup.hello.scene, setup.assigned()?.step);
+        let threads = setup.hello.threads.max(1) as usize;
+        let grains = GrainsDem::new(scene, &parameters, step, threads)?;
         let events = grains.initial_events().to_vec();
-        let few = if events.len() <= FEW { events.len() } else { 0 };
-        Ok(Self { grains, events, tracked: vec![BodyState::at_rest(0, [0.0; 3]); few] })
+        let spheres = grains.radii().len();
+        let few = if spheres <= FEW { spheres } else { 0 };
+        // All states are asked for at once, those of parts too.
+        let tracked = vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { events.len() } else { 0 }];
+        Ok(Self { grains, events, tracked, few })
     }
 
     fn events(&self) -> &[BodyEvent] {
@@ -98,32 +116,46 @@ impl Grains for SoftSpheres {
         if !self.tracked.is_empty() {
             self.grains.write_state(&mut self.tracked);
         }
-        for body in &self.tracked {
+        for body in &self.tracked[..self.few] {
             values.extend(body.position);
             values.extend(body.velocity);
+        }
+        for (force, torque) in self.grains.part_loads() {
+            values.extend(force);
+            values.extend(torque);
         }
     }
 }
 
-fn signals(bodies: usize) -> Vec<Signal> {
+fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     let signal = |name: String, unit: &str| Signal { name, unit: unit.into() };
     let mut all: Vec<_> =
         SIGNALS.iter().map(|(name, unit)| signal((*name).to_string(), unit)).collect();
-    if bodies <= FEW {
-        for body in 0..bodies {
+    if spheres <= FEW {
+        for body in 0..spheres {
             all.extend(PATH.iter().map(|(name, unit)| signal(format!("body{body}_{name}"), unit)));
         }
+    }
+    for part in &scene.parts {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", part.name), unit);
+        all.extend(PART.iter().map(of));
     }
     all
 }
 
 fn notes(resolution: &Resolution) -> Vec<String> {
-    let Resolution { bodies, smallest_diameter, largest_diameter, .. } = resolution;
+    let Resolution { spheres, smallest_diameter, largest_diameter, .. } = resolution;
     let mut notes = vec![if smallest_diameter == largest_diameter {
-        format!("{bodies} spheres of {smallest_diameter:.4e} m")
+        format!("{spheres} spheres of {smallest_diameter:.4e} m")
     } else {
-        format!("{bodies} spheres of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
+        format!("{spheres} spheres of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
     }];
+    if resolution.hertz {
+        notes.push(format!(
+            "collisions under Hertz's law are resolved up to {:.3e} m/s",
+            resolution.expected_speed
+        ));
+    }
     for pair in &resolution.pairs {
         notes.push(format!(
             "{}: restitution {:.3}, damping ratio {:.3}, collision of {:.3e} s",

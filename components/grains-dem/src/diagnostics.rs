@@ -3,10 +3,11 @@
 use crate::{
     Vec3,
     bodies::Bodies,
-    contact::Memory,
-    contact_list::ContactList,
-    forces::{Touch, touch_of_balls, touch_of_wall},
-    law::Law,
+    contact::{Contact, Memory},
+    forces::{Scenery, touch_of_balls, touch_of_wall},
+    law::{Law, Reduced},
+    pairs::{Pairs, TOUCHING},
+    wall_contacts::WallContacts,
     walls::Wall,
 };
 use serde::Serialize;
@@ -59,7 +60,7 @@ pub(crate) fn add_bodies(out: &mut Diagnostics, bodies: &Bodies, domain: &Domain
         if !mobility.is_free() {
             continue;
         }
-        let (mass, twist) = (bodies.mass[i], &bodies.twists[i]);
+        let (mass, twist) = (1.0 / mobility.inverse_mass, &bodies.twists[i]);
         let h = bodies.balls[i].x.dot(&up) - lowest;
         out.kinetic_energy += 0.5 * mass * twist.v.norm_squared();
         out.rotational_energy += 0.5 * twist.w.norm_squared() / mobility.inverse_inertia;
@@ -74,24 +75,24 @@ pub(crate) fn add_bodies(out: &mut Diagnostics, bodies: &Bodies, domain: &Domain
     out.mean_height = if free > 0 { height / free as f64 } else { 0.0 };
 }
 
-/// Adds the springs between bodies; `dt` is the step that histories are ahead by a half of.
-pub(crate) fn add_pairs(
-    out: &mut Diagnostics,
-    list: &ContactList,
-    law: &Law,
-    shifts: &[Vec3; 27],
-    bodies: &Bodies,
-    dt: f64,
-) {
+/// Adds the springs between bodies.
+pub(crate) fn add_pairs(out: &mut Diagnostics, pairs: &Pairs, at: Scenery<'_>) {
+    let bodies = at.bodies;
     for i in 0..bodies.len() {
-        for k in list.row(i) {
-            let (j, image) = (list.neighbours[k].other as usize, list.neighbours[k].image);
-            let (a, b) = (&bodies.balls[i], &bodies.balls[j]);
-            let d = b.x + shifts[image as usize] - a.x;
-            let (of_i, of_j) = (&bodies.predicted[i], &bodies.predicted[j]);
-            if let Some(touch) = touch_of_balls(d, a.radius, b.radius, of_i, of_j) {
-                out.elastic_energy += elastic_energy(law, &touch, &list.memory[k], dt);
+        for k in pairs.row(i) {
+            if pairs.state[k] & TOUCHING == 0 {
+                continue;
             }
+            let entry = pairs.entries[k];
+            let j = entry.other as usize;
+            let (a, b) = (&bodies.balls[i], &bodies.balls[j]);
+            let (of_i, of_j) = (&bodies.predicted[i], &bodies.predicted[j]);
+            let d = at.between(i, j, entry.image);
+            let contact = touch_of_balls(d, a.radius, b.radius, of_i, of_j);
+            let law = &at.laws[entry.law as usize];
+            let memory = pairs.memory(k);
+            out.elastic_energy +=
+                elastic_energy(law, pairs.reduced[k], &contact, &memory, at.steps.after);
         }
     }
 }
@@ -99,30 +100,42 @@ pub(crate) fn add_pairs(
 /// Adds the springs between bodies and walls.
 pub(crate) fn add_walls(
     out: &mut Diagnostics,
-    list: &ContactList,
-    law: &Law,
+    list: &WallContacts,
     walls: &[Wall],
-    bodies: &Bodies,
-    dt: f64,
+    at: Scenery<'_>,
 ) {
-    for i in 0..bodies.len() {
-        for k in list.row(i) {
-            let wall = &walls[list.neighbours[k].other as usize];
-            if let Some(touch) = touch_of_wall(&bodies.balls[i], &bodies.predicted[i], wall) {
-                out.elastic_energy += elastic_energy(law, &touch, &list.memory[k], dt);
+    for (p, &i) in list.bodies.iter().enumerate() {
+        let (ball, twist) = (&at.bodies.balls[i as usize], &at.bodies.predicted[i as usize]);
+        for entry in &list.entries[list.start[p] as usize..list.start[p + 1] as usize] {
+            let (contact, _) = touch_of_wall(ball, twist, &walls[entry.wall as usize]);
+            if contact.overlap > 0.0 {
+                let (law, pair) = (&at.laws[entry.law as usize], entry.reduced);
+                out.elastic_energy +=
+                    elastic_energy(law, pair, &contact, &entry.memory, at.steps.after);
             }
         }
     }
 }
 
-/// `(k_n delta² + k_t xi²)/2`, with `xi` taken back the half step that it is ahead.
-fn elastic_energy(law: &Law, touch: &Touch, memory: &Memory, dt: f64) -> f64 {
-    let contact = &touch.contact;
-    let normal = 0.5 * law.k_n * contact.overlap * contact.overlap;
-    if law.mu == 0.0 {
-        return normal;
+/// Normal, tangential and rolling spring; displacements are taken back the half step that they are
+/// ahead.
+pub(crate) fn elastic_energy(
+    law: &Law,
+    pair: Reduced,
+    contact: &Contact,
+    memory: &Memory,
+    dt: f64,
+) -> f64 {
+    let n = contact.normal;
+    let across = |v: Vec3| v - n * v.dot(&n);
+    let k_t = law.at(contact.overlap, contact.overlap, pair).k_t;
+    let spring = |xi: Vec3, v: Vec3| 0.5 * k_t * (xi - v * (0.5 * dt)).norm_squared();
+    let mut energy = law.normal_energy(contact.overlap, pair);
+    if law.mu > 0.0 {
+        energy += spring(memory.xi, across(contact.velocity));
     }
-    let v_t = contact.velocity - contact.normal * contact.velocity.dot(&contact.normal);
-    let xi = memory.xi - v_t * (0.5 * dt);
-    normal + 0.5 * law.k_t * xi.norm_squared()
+    if law.mu_rolling > 0.0 {
+        energy += spring(memory.rolling, across(contact.rolling) * pair.radius);
+    }
+    energy
 }

@@ -3,6 +3,7 @@
 use crate::check::MIN_STEPS_PER_CONTACT;
 use crate::resolve::Resolution;
 use tremie_messages::Finding;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{Damping, Scene};
 
 /// Steps in a collision from which flows are accurate to a few per cent.
@@ -20,11 +21,18 @@ pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
     // A damping ratio that follows from a restitution is what the user asked for.
     let by_dashpot =
         scene.contacts.iter().any(|pair| matches!(pair.law.damping, Damping::Coefficients { .. }));
+    let mut last = f64::NAN;
     for pair in &resolution.pairs {
+        // The heaviest pair follows the lightest, and by a restitution is damped alike.
+        if pair.pair.starts_with("heaviest") && pair.damping_ratio == last {
+            continue;
+        }
+        last = pair.damping_ratio;
         let why = format!(
-            "restitution {:.3} at a reduced mass of {:.3e} kg: the dashpot's coefficient is fixed, so that lighter grains \
+            "restitution {:.3} at a reduced mass of {} kg: the dashpot's coefficient is fixed, so that lighter grains \
              lose more, and this pair nearly all of its speed",
-            pair.restitution, pair.reduced_mass
+            pair.restitution,
+            short(pair.reduced_mass)
         );
         findings.push(
             Finding::new(format!("damping ratio, {}", pair.pair), pair.damping_ratio, "1")
@@ -41,16 +49,17 @@ pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
 
 fn steps_per_contact(contact: f64, step: f64) -> Finding {
     let steps = contact / step;
+    let time = short(contact);
     Finding::new("steps in the shortest collision", steps, "1")
-        .because(format!("of {contact:.3e} s"))
+        .because(format!("of {time} s"))
         .wrong_if(
             steps < MIN_STEPS_PER_CONTACT,
-            format!("below {MIN_STEPS_PER_CONTACT} a collision of {contact:.3e} s is not resolved"),
-            format!("a time step of {:.3e} s", contact / ACCURATE_STEPS),
+            format!("below {MIN_STEPS_PER_CONTACT} a collision of {time} s is not resolved"),
+            format!("a time step of {} s", short(contact / ACCURATE_STEPS)),
         )
         .doubtful_if(
             steps < ACCURATE_STEPS * (1.0 - 1e-9),
-            format!("a collision of {contact:.3e} s takes {ACCURATE_STEPS} or more to be accurate to a few per cent"),
-            format!("a time step of {:.3e} s or less", contact / ACCURATE_STEPS),
+            format!("a collision of {time} s takes {ACCURATE_STEPS} or more to be accurate to a few per cent"),
+            format!("a time step of {} s or less", short(contact / ACCURATE_STEPS)),
         )
 }

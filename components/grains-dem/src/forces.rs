@@ -1,77 +1,21 @@
-//! Contact forces of all bodies, summed in the order of the lists.
+//! Contact forces of all bodies: blocks of bodies at once, each contact once.
 
 use crate::{
     Vec3,
-    bodies::{Ball, Twist, Wrench},
-    contact::{self, Contact},
-    contact_list::ContactList,
-    law::Law,
+    bodies::{Ball, Bodies, Twist, Wrench},
+    contact::{self, Contact, Steps},
+    law::{Law, Reduced},
+    linear::LinearLaw,
+    lubrication::Squeeze,
+    pairs::{ACTING, BLOCK, Entry, Hit, Pairs, Record, Rolling, TOUCHING},
+    tally::{Deepest, Other, Tally},
+    wall_contacts::{WallContacts, WallEntry},
     walls::Wall,
 };
+use tremie_team::{Cut, Team};
 
-/// Overlap over the smaller radius beyond which a contact is counted as too soft.
-const DEEP: f64 = 0.05;
-
-/// What one evaluation of the forces saw.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tally {
-    /// Contacts.
-    pub contacts: u64,
-    /// Contacts with an overlap beyond 5 % of the smaller radius.
-    pub deep: u64,
-    /// The contact with the largest overlap in terms of its smaller radius.
-    pub deepest: Deepest,
-}
-
-/// The deepest contact of an evaluation.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Deepest {
-    /// Overlap [m].
-    pub overlap: f64,
-    /// Smaller radius [m].
-    pub radius: f64,
-    /// Index of the body.
-    pub body: usize,
-    /// Index of the other body, or of the wall.
-    pub other: usize,
-    /// Whether the other is a wall.
-    pub wall: bool,
-}
-
-impl Default for Deepest {
-    fn default() -> Self {
-        Self { overlap: 0.0, radius: 1.0, body: 0, other: 0, wall: false }
-    }
-}
-
-impl Deepest {
-    /// Overlap over the smaller radius.
-    pub fn ratio(&self) -> f64 {
-        self.overlap / self.radius
-    }
-}
-
-impl Tally {
-    #[inline(always)]
-    fn add(&mut self, seen: Deepest) {
-        self.contacts += 1;
-        self.deep += u64::from(seen.overlap > DEEP * seen.radius);
-        // Compared without a division, because this runs for every contact.
-        if seen.overlap * self.deepest.radius > self.deepest.overlap * seen.radius {
-            self.deepest = seen;
-        }
-    }
-}
-
-/// A contact and the distances of its point from the centres along the normal.
-pub(crate) struct Touch {
-    pub contact: Contact,
-    pub arm_i: f64,
-    pub arm_j: f64,
-}
-
-/// The contact of two spheres with centres `d` apart, if they overlap. Its point lies half way
-/// between the two surfaces, so that both torques refer to the same point.
+/// The contact of two spheres with centres `d` apart. Its point lies half way between the two
+/// surfaces; the overlap is negative where they do not touch.
 #[inline(always)]
 pub(crate) fn touch_of_balls(
     d: Vec3,
@@ -79,121 +23,265 @@ pub(crate) fn touch_of_balls(
     radius_j: f64,
     i: &Twist,
     j: &Twist,
-) -> Option<Touch> {
-    let reach = radius_i + radius_j;
-    let square = d.norm_squared();
-    if square >= reach * reach {
-        return None;
-    }
-    let distance = square.sqrt();
+) -> Contact {
+    let distance = d.norm_squared().sqrt();
     let normal = d * (1.0 / distance);
-    let overlap = reach - distance;
+    let overlap = radius_i + radius_j - distance;
     let (arm_i, arm_j) = (radius_i - 0.5 * overlap, radius_j - 0.5 * overlap);
-    let velocity = i.v - j.v + (i.w * arm_i + j.w * arm_j).cross(&normal);
-    let contact = Contact { normal, overlap, velocity, twist: 0.5 * (i.w + j.w).dot(&normal) };
-    Some(Touch { contact, arm_i, arm_j })
+    Contact {
+        normal,
+        overlap,
+        velocity: (i.v - j.v) + (i.w * arm_i + j.w * arm_j).cross(&normal),
+        twist: 0.5 * (i.w + j.w).dot(&normal),
+        rolling: i.w - j.w,
+    }
 }
 
-/// The contact of a sphere with a wall, if they overlap.
+/// The contact of a sphere with a wall, and the distance of its point from the centre.
 #[inline(always)]
-pub(crate) fn touch_of_wall(ball: &Ball, twist: &Twist, wall: &Wall) -> Option<Touch> {
+pub(crate) fn touch_of_wall(ball: &Ball, twist: &Twist, wall: &Wall) -> (Contact, f64) {
     let overlap = wall.overlap(ball);
-    if overlap <= 0.0 {
-        return None;
-    }
     let normal = -wall.normal;
-    let arm_i = ball.radius - 0.5 * overlap;
+    let arm = ball.radius - 0.5 * overlap;
     let contact = Contact {
         normal,
         overlap,
-        velocity: twist.v + twist.w.cross(&normal) * arm_i,
+        velocity: (twist.v - wall.velocity) + twist.w.cross(&normal) * arm,
         twist: 0.5 * twist.w.dot(&normal),
+        rolling: twist.w,
     };
-    Some(Touch { contact, arm_i, arm_j: 0.0 })
+    (contact, arm)
 }
 
-/// Steps before and after an evaluation [s]: `before` is 0 for the one that starts all histories.
+/// What the forces between bodies are made from, besides the list.
 #[derive(Clone, Copy)]
-pub(crate) struct Steps {
-    pub before: f64,
-    pub after: f64,
+pub(crate) struct Scenery<'a> {
+    /// Laws by number.
+    pub laws: &'a [Law],
+    /// Displacements of images.
+    pub shifts: &'a [Vec3; 27],
+    /// The bodies.
+    pub bodies: &'a Bodies,
+    /// Whether any body crossed a periodic face since neighbours were listed.
+    pub crossed: bool,
+    /// Lengths of steps.
+    pub steps: Steps,
+    /// The law of all contacts between bodies, where it is one and linear.
+    pub one_law: Option<LinearLaw>,
+    /// Lubrication, if there is any.
+    pub squeeze: Option<Squeeze>,
 }
 
-/// Adds the forces between bodies to `out`.
-pub(crate) fn between_bodies(
-    list: &mut ContactList,
-    law: &Law,
-    shifts: &[Vec3; 27],
-    balls: &[Ball],
-    twists: &[Twist],
-    steps: Steps,
-    out: &mut [Wrench],
-) -> Tally {
-    let mut tally = Tally::default();
-    for i in 0..balls.len() {
-        let ball = balls[i];
-        let mut on_i = out[i];
-        for k in list.row(i) {
-            let neighbour = list.neighbours[k];
-            let j = neighbour.other as usize;
-            let d = balls[j].x + shifts[neighbour.image as usize] - ball.x;
-            let touch = touch_of_balls(d, ball.radius, balls[j].radius, &twists[i], &twists[j]);
-            let touched = std::mem::replace(&mut list.touching[k], touch.is_some());
-            let Some(touch) = touch else { continue };
-            let (before, after) = (steps.before, steps.after);
-            let (mass, memory) = (list.root_mass[k], &mut list.memory[k]);
-            let f = contact::force(law, mass, &touch.contact, memory, touched, before, after);
-            let n = touch.contact.normal;
-            let force = f.tangential - n * f.normal;
-            let moment = n.cross(&f.tangential);
-            on_i.force += force;
-            on_i.torque += moment * touch.arm_i;
-            out[j].force -= force;
-            out[j].torque += moment * touch.arm_j;
-            tally.add(Deepest {
-                overlap: touch.contact.overlap,
-                radius: ball.radius.min(balls[j].radius),
-                body: i,
-                other: j,
-                wall: false,
-            });
-        }
-        out[i] = on_i;
+impl Scenery<'_> {
+    /// Gap up to which surfaces feel each other [m].
+    #[inline(always)]
+    pub fn reach(&self) -> f64 {
+        self.squeeze.map_or(0.0, |squeeze| squeeze.cutoff)
     }
-    tally
+
+    /// Normal force of lubrication [N].
+    #[inline(always)]
+    pub fn lubrication(&self, contact: &Contact, pair: Reduced) -> f64 {
+        let Some(squeeze) = self.squeeze else { return 0.0 };
+        squeeze.resistance(-contact.overlap, pair.radius) * contact.velocity.dot(&contact.normal)
+    }
+
+    /// From centre to centre of a pair.
+    #[inline(always)]
+    pub fn between(&self, i: usize, j: usize, image: u16) -> Vec3 {
+        let bodies = self.bodies;
+        let mut image = i32::from(image);
+        if self.crossed {
+            image += bodies.crossed[j] - bodies.crossed[i];
+        }
+        // The difference first: the other way round it is then exactly the opposite.
+        (bodies.balls[j].x - bodies.balls[i].x) + self.shifts[image as usize]
+    }
 }
 
-/// Adds the forces of walls to `out`, and what was seen to `tally`.
-#[allow(clippy::too_many_arguments)] // The same as between bodies, and the tally.
+/// Evaluates the contacts between bodies; what they give stands in the records of `pairs`. Adds what
+/// each block saw to `tallies`.
+pub(crate) fn between_bodies(
+    team: &mut Team,
+    pairs: &mut Pairs,
+    scenery: Scenery<'_>,
+    tallies: &mut [Tally],
+) {
+    let bounds = &pairs.bounds;
+    let pieces = (
+        Cut::at(&mut pairs.state, bounds),
+        Cut::at(&mut pairs.hits, bounds),
+        Cut::at(&mut pairs.xi, bounds),
+        Cut::at(&mut pairs.records, bounds),
+        Cut::at(&mut pairs.rolling, &pairs.rolling_bounds),
+        Cut::every(tallies, 1),
+    );
+    let (start, entries, reduced) = (&pairs.start, &pairs.entries, &pairs.reduced);
+    team.for_pieces(pieces, |b, (state, hits, xi, records, rolling, tally)| {
+        let own = bounds[b] as usize..bounds[b + 1] as usize;
+        let mut block = Block {
+            scenery: &scenery,
+            first: own.start,
+            entries: &entries[own.clone()],
+            reduced: &reduced[own],
+            state,
+            xi,
+            records,
+            rolling,
+            tally: &mut tally[0],
+        };
+        let found = block.find(b, start, hits);
+        match scenery.one_law {
+            Some(law) => block.side_by_side(law, &hits[..found]),
+            None => hits[..found].iter().for_each(|&hit| block.one_by_one(hit)),
+        }
+    });
+}
+
+/// The contacts of a block of bodies.
+pub(crate) struct Block<'a> {
+    pub scenery: &'a Scenery<'a>,
+    /// Index of the first entry in the whole list.
+    first: usize,
+    entries: &'a [Entry],
+    pub reduced: &'a [Reduced],
+    pub state: &'a mut [u8],
+    pub xi: &'a mut [Vec3],
+    pub records: &'a mut [Record],
+    rolling: &'a mut [Rolling],
+    pub tally: &'a mut Tally,
+}
+
+impl Block<'_> {
+    /// Writes to `hits` the entries whose bodies feel each other, and says how many they are; the
+    /// others forget that they touched.
+    #[inline(always)]
+    fn find(&mut self, b: usize, start: &[u32], hits: &mut [Hit]) -> usize {
+        let scenery = self.scenery;
+        let (balls, gap) = (&scenery.bodies.balls, scenery.reach());
+        let mut found = 0;
+        for i in b * BLOCK..balls.len().min((b + 1) * BLOCK) {
+            let radius = balls[i].radius;
+            let row = start[i] as usize - self.first..start[i + 1] as usize - self.first;
+            for (k, entry) in row.clone().zip(&self.entries[row]) {
+                let j = entry.other as usize;
+                let reach = radius + balls[j].radius + gap;
+                let touches = scenery.between(i, j, entry.image).norm_squared() < reach * reach;
+                // Without a branch: which pairs of a list touch cannot be foretold.
+                hits[found] = Hit { body: i as u32, entry: k as u32 };
+                found += usize::from(touches);
+                self.state[k] &= u8::from(touches).wrapping_neg();
+            }
+        }
+        found
+    }
+
+    /// Bodies of a hit, from centre to centre.
+    #[inline(always)]
+    pub fn pair(&self, hit: Hit) -> (usize, usize, Vec3) {
+        let (i, entry) = (hit.body as usize, self.entries[hit.entry as usize]);
+        let j = entry.other as usize;
+        (i, j, self.scenery.between(i, j, entry.image))
+    }
+
+    /// Index of the other body of a hit.
+    #[inline(always)]
+    pub fn other(&self, hit: Hit) -> u32 {
+        self.entries[hit.entry as usize].other
+    }
+
+    fn one_by_one(&mut self, hit: Hit) {
+        let (scenery, k) = (self.scenery, hit.entry as usize);
+        let (i, j, d) = self.pair(hit);
+        let (a, b) = (&scenery.bodies.balls[i], &scenery.bodies.balls[j]);
+        let predicted = &scenery.bodies.predicted;
+        let contact = touch_of_balls(d, a.radius, b.radius, &predicted[i], &predicted[j]);
+        let (record, pair) = (&mut self.records[k], self.reduced[k]);
+        let squeezed = scenery.lubrication(&contact, pair);
+        let touching = std::mem::replace(&mut self.state[k], ACTING) & TOUCHING != 0;
+        if contact.overlap <= 0.0 {
+            *record = Record::at_a_distance(&contact, squeezed);
+            if let Some(rolling) = self.rolling.get_mut(k) {
+                *rolling = Rolling::NONE;
+            }
+            return;
+        }
+        self.state[k] = ACTING | TOUCHING;
+        let mut memory = contact::Memory {
+            xi: self.xi[k],
+            rolling: self.rolling.get(k).map_or(Vec3::zeros(), |r| r.displacement),
+            normal: record.normal,
+            overlap: record.overlap,
+        };
+        let law = &scenery.laws[self.entries[k].law as usize];
+        let force = contact::force(law, pair, &contact, &mut memory, touching, scenery.steps);
+        self.xi[k] = memory.xi;
+        *record = Record {
+            normal: contact.normal,
+            tangential: force.tangential,
+            force: force.normal + squeezed,
+            overlap: contact.overlap,
+        };
+        if let Some(rolling) = self.rolling.get_mut(k) {
+            *rolling = Rolling { displacement: memory.rolling, torque: force.rolling };
+        }
+        self.tally.add(Deepest {
+            overlap: contact.overlap,
+            radius: a.radius.min(b.radius),
+            body: i as u32,
+            other: Other::Body(j as u32),
+        });
+    }
+}
+
+/// Evaluates the contacts with walls, and adds what each block saw to `tallies`.
 pub(crate) fn of_walls(
-    list: &mut ContactList,
-    law: &Law,
+    team: &mut Team,
+    list: &mut WallContacts,
     walls: &[Wall],
-    balls: &[Ball],
-    twists: &[Twist],
-    steps: Steps,
-    out: &mut [Wrench],
+    scenery: Scenery<'_>,
+    tallies: &mut [Tally],
+) {
+    let pieces = (
+        Cut::at(&mut list.entries, &list.entry_bounds),
+        Cut::at(&mut list.wrench, &list.bounds),
+        Cut::every(tallies, 1),
+    );
+    let (bodies, start, bounds) = (&list.bodies, &list.start, &list.bounds);
+    team.for_pieces(pieces, |b, (entries, wrench, tally)| {
+        let mut entries = entries.iter_mut();
+        for (p, wrench) in (bounds[b] as usize..).zip(wrench) {
+            *wrench = Wrench::zero();
+            let count = (start[p + 1] - start[p]) as usize;
+            for entry in entries.by_ref().take(count) {
+                of_wall(entry, walls, bodies[p] as usize, &scenery, wrench, &mut tally[0]);
+            }
+        }
+    });
+}
+
+fn of_wall(
+    entry: &mut WallEntry,
+    walls: &[Wall],
+    i: usize,
+    scenery: &Scenery<'_>,
+    wrench: &mut Wrench,
     tally: &mut Tally,
 ) {
-    for i in 0..balls.len() {
-        for k in list.row(i) {
-            let other = list.neighbours[k].other as usize;
-            let touch = touch_of_wall(&balls[i], &twists[i], &walls[other]);
-            let touched = std::mem::replace(&mut list.touching[k], touch.is_some());
-            let Some(touch) = touch else { continue };
-            let (before, after) = (steps.before, steps.after);
-            let (mass, memory) = (list.root_mass[k], &mut list.memory[k]);
-            let f = contact::force(law, mass, &touch.contact, memory, touched, before, after);
-            let n = touch.contact.normal;
-            out[i].force += f.tangential - n * f.normal;
-            out[i].torque += n.cross(&f.tangential) * touch.arm_i;
-            tally.add(Deepest {
-                overlap: touch.contact.overlap,
-                radius: balls[i].radius,
-                body: i,
-                other,
-                wall: true,
-            });
-        }
+    let ball = &scenery.bodies.balls[i];
+    let predicted = &scenery.bodies.predicted[i];
+    let (contact, arm) = touch_of_wall(ball, predicted, &walls[entry.wall as usize]);
+    let touched = std::mem::replace(&mut entry.touching, contact.overlap > 0.0);
+    let n = contact.normal;
+    wrench.force -= n * scenery.lubrication(&contact, entry.reduced);
+    if contact.overlap <= 0.0 {
+        return;
     }
+    let law = &scenery.laws[entry.law as usize];
+    let (memory, steps) = (&mut entry.memory, scenery.steps);
+    let f = contact::force(law, entry.reduced, &contact, memory, touched, steps);
+    wrench.force += f.tangential - n * f.normal;
+    wrench.torque += n.cross(&f.tangential) * arm + f.rolling;
+    let other = Other::Wall(entry.wall);
+    tally.add(Deepest { overlap: contact.overlap, radius: ball.radius, body: i as u32, other });
 }

@@ -11,17 +11,59 @@
 
 use crate::{
     Vec3,
-    bodies::{Bodies, Mobility, Twist, Wrench},
+    bodies::{Ball, Bodies, Mobility, Twist, Wrench},
+    collect::Collector,
+    pairs::BLOCK,
+    periodic::PeriodicBox,
+    search::Contacts,
 };
+use tremie_team::{Cut, Team};
 
-/// Acceleration and angular acceleration of a body under two wrenches and weight.
-#[inline(always)]
-fn acceleration(contact: &Wrench, load: &Wrench, mobility: Mobility, gravity: Vec3) -> Twist {
-    let gravity = if mobility.is_free() { gravity } else { Vec3::zeros() };
-    Twist {
-        v: (contact.force + load.force) * mobility.inverse_mass + gravity,
-        w: (contact.torque + load.torque) * mobility.inverse_inertia,
+/// What moves bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Forces<'a> {
+    pub contacts: Contacts<'a>,
+    /// Whether the fluid loads of the bodies are anything but zero.
+    pub loaded: bool,
+    /// Acceleration of weight [m/s²].
+    pub gravity: Vec3,
+}
+
+/// How far bodies went.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Reach {
+    /// Square of the largest distance of a body from its reference position [m²]; NaN if any is.
+    pub farthest: f64,
+    /// Whether any body crossed a periodic face.
+    pub crossed: bool,
+}
+
+impl Reach {
+    /// The farther of two.
+    pub fn and(self, other: Self) -> Self {
+        let farther = other.farthest > self.farthest || other.farthest.is_nan();
+        Self {
+            farthest: if farther { other.farthest } else { self.farthest },
+            crossed: self.crossed || other.crossed,
+        }
     }
+}
+
+/// Acceleration and angular acceleration of a body under contact forces, loads and weight.
+#[inline(always)]
+fn acceleration(
+    contact: Wrench,
+    load: Option<&Wrench>,
+    mobility: Mobility,
+    gravity: Vec3,
+) -> Twist {
+    let gravity = if mobility.is_free() { gravity } else { Vec3::zeros() };
+    let Wrench { mut force, mut torque } = contact;
+    if let Some(load) = load {
+        force += load.force;
+        torque += load.torque;
+    }
+    Twist { v: force * mobility.inverse_mass + gravity, w: torque * mobility.inverse_inertia }
 }
 
 impl Twist {
@@ -32,57 +74,93 @@ impl Twist {
     }
 }
 
-/// First half of a substep: half kick, drift, prediction; contact forces are used up and set to
-/// zero. With `finish` the half kick that ends the substep before comes first, so that bodies are
-/// visited once a substep. Returns the square of the largest distance of a body from its
-/// `reference` position; NaN if any is.
+/// First half of a substep: half kick, drift, prediction. With `finish` the half kick that ends the
+/// substep before comes first, so that bodies are visited once a substep. `reaches` has one entry
+/// for each block of bodies.
 pub(crate) fn first_half(
+    team: &mut Team,
     bodies: &mut Bodies,
-    gravity: Vec3,
-    dt: f64,
-    finish: bool,
-    reference: &[Vec3],
-) -> f64 {
+    bounds: &PeriodicBox,
+    forces: Forces<'_>,
+    (dt, finish): (f64, bool),
+    reaches: &mut [Reach],
+) {
+    let pieces = (
+        Cut::every(&mut bodies.balls, BLOCK),
+        Cut::every(&mut bodies.twists, BLOCK),
+        Cut::every(&mut bodies.predicted, BLOCK),
+        Cut::every(&mut bodies.orientation, BLOCK),
+        Cut::every(&mut bodies.reference, BLOCK),
+        Cut::every(&mut bodies.crossed, BLOCK),
+        Cut::every(reaches, 1),
+    );
+    let (load, mobility) = (&bodies.load, &bodies.mobility);
     let half = 0.5 * dt;
-    let n = bodies.len();
-    // Slices of equal length spare the loop its bounds checks.
-    let (balls, reference) = (&mut bodies.balls[..n], &reference[..n]);
-    let (twists, predicted) = (&mut bodies.twists[..n], &mut bodies.predicted[..n]);
-    let (contact, load) = (&mut bodies.contact[..n], &bodies.load[..n]);
-    let (mobility, orientation) = (&bodies.mobility[..n], &mut bodies.orientation[..n]);
-    let mut farthest = 0.0;
-    for i in 0..n {
-        let a = acceleration(&contact[i], &load[i], mobility[i], gravity);
-        contact[i] = Wrench::zero();
-        let mut twist = twists[i];
-        if finish {
+    type Arrays<'a> = (
+        &'a mut [Ball],
+        &'a mut [Twist],
+        &'a mut [Twist],
+        &'a mut [[f64; 4]],
+        &'a mut [Vec3],
+        &'a mut [i32],
+        &'a mut [Reach],
+    );
+    let work = |b: usize, arrays: Arrays<'_>| {
+        let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
+        let mut collector = Collector::new(forces.contacts, b);
+        let (mut farthest, mut any_crossed) = (0.0, false);
+        let first = b * BLOCK;
+        // Slices of equal length spare the loop its bounds checks.
+        let n = balls.len();
+        let (twists, predicted) = (&mut twists[..n], &mut predicted[..n]);
+        let (orientation, reference) = (&mut orientation[..n], &mut reference[..n]);
+        let (load, mobility) = (&load[first..first + n], &mobility[first..first + n]);
+        for i in 0..n {
+            let contact = collector.on(first + i, balls[i].radius);
+            let load = forces.loaded.then_some(&load[i]);
+            let a = acceleration(contact, load, mobility[i], forces.gravity);
+            let mut twist = twists[i];
+            if finish {
+                twist.kick(&a, half);
+            }
             twist.kick(&a, half);
+            twists[i] = twist;
+            predicted[i] = twist;
+            predicted[i].kick(&a, half);
+            let mut x = balls[i].x + twist.v * dt;
+            if let Some((inside, shift, code)) = bounds.cross(x) {
+                x = inside;
+                reference[i] += shift;
+                crossed[i] += code;
+                any_crossed |= code != 0;
+            }
+            balls[i].x = x;
+            let square = (x - reference[i]).norm_squared();
+            if square > farthest || square.is_nan() {
+                farthest = square;
+            }
+            orientation[i] = turned(orientation[i], twist.w * half);
         }
-        twist.kick(&a, half);
-        twists[i] = twist;
-        predicted[i] = twist;
-        predicted[i].kick(&a, half);
-        balls[i].x += twist.v * dt;
-        let square = (balls[i].x - reference[i]).norm_squared();
-        if square > farthest || square.is_nan() {
-            farthest = square;
-        }
-        orientation[i] = turned(orientation[i], twist.w * half);
-    }
-    farthest
+        reach[0] = Reach { farthest, crossed: any_crossed };
+    };
+    team.for_pieces(pieces, work);
 }
 
 /// Second half of a substep: half kick with the new forces.
-pub(crate) fn second_half(bodies: &mut Bodies, gravity: Vec3, dt: f64) {
-    for i in 0..bodies.len() {
-        let (contact, load) = (&bodies.contact[i], &bodies.load[i]);
-        let a = acceleration(contact, load, bodies.mobility[i], gravity);
-        bodies.twists[i].kick(&a, 0.5 * dt);
-    }
+pub(crate) fn second_half(team: &mut Team, bodies: &mut Bodies, forces: Forces<'_>, dt: f64) {
+    let (balls, load, mobility) = (&bodies.balls, &bodies.load, &bodies.mobility);
+    team.for_pieces(Cut::every(&mut bodies.twists, BLOCK), |b, twists: &mut [Twist]| {
+        let mut collector = Collector::new(forces.contacts, b);
+        for (i, twist) in (b * BLOCK..).zip(twists) {
+            let contact = collector.on(i, balls[i].radius);
+            let load = forces.loaded.then_some(&load[i]);
+            twist.kick(&acceleration(contact, load, mobility[i], forces.gravity), 0.5 * dt);
+        }
+    });
 }
 
 /// The orientation `q` turned by a small rotation, given as half its angle along its axis in the
-/// world frame: `q + (h, 0) q`, renormalised, is exact to third order in the angle.
+/// world frame: `q + (h, 0) q`, renormalised, is exact to second order in the angle.
 #[inline(always)]
 fn turned(q: [f64; 4], h: Vec3) -> [f64; 4] {
     let [x, y, z, w] = q;
@@ -92,8 +170,10 @@ fn turned(q: [f64; 4], h: Vec3) -> [f64; 4] {
         z + h.z * w + h.x * y - h.y * x,
         w - h.x * x - h.y * y - h.z * z,
     ];
+    // One step of Newton's for the inverse root, from 1: `q` was a unit quaternion, so that the
+    // square differs from 1 by that of `h` alone.
     let square = turned.iter().fold(0.0, |sum, c| sum + c * c);
-    turned.map(|c| c * (1.0 / square.sqrt()))
+    turned.map(|c| c * (1.5 - 0.5 * square))
 }
 
 #[cfg(test)]

@@ -1,50 +1,68 @@
-//! Discrete elements of Tremie: spheres, walls, contacts with friction.
+//! Discrete elements of Tremie: spheres, walls, parts with triangulated surfaces, contacts with
+//! friction.
 //!
 //! The solver is plain: a [`Scene`](tremie_messages::scene::Scene) and [`Parameters`] go in,
 //! [`GrainsDem::advance`] integrates a number of substeps under constant fluid loads, and
 //! [`GrainsDem::write_state`] gives poses and velocities. Nothing here knows how they travel.
 //!
-//! Contacts are linear springs and dashpots with Coulomb friction and a tangential spring that
-//! remembers the sliding path (Cundall & Strack, *Géotechnique* 29, 1979; Luding, *Granular
-//! Matter* 10, 2008; with the parameters of Mutabaruka & Kamrin, *Comput. Part.
-//! Mech.* 5, 2018). Time is
-//! integrated by velocity Verlet with predicted velocities. All quantities are SI, in the world
-//! frame.
+//! Each pair of materials has its law: linear springs, or those of Hertz and Mindlin, dashpots,
+//! Coulomb friction and rolling friction with springs that remember the path (Cundall & Strack,
+//! *Géotechnique* 29, 1979; Luding, *Granular Matter* 10, 2008; with the parameters of Mutabaruka &
+//! Kamrin, *Comput. Part. Mech.* 5, 2018). Narrow gaps may be lubricated. Time is integrated by
+//! velocity Verlet with predicted velocities. All quantities are SI, in the world frame.
 //!
-//! Equal scenes and parameters give equal bits: sums run in the order of body ids, random numbers
-//! are keyed by seed and index, and no function of the system's mathematics library is used.
+//! Equal scenes and parameters give equal bits, on any number of threads: a body sums its forces in
+//! the order of the others' ids, random numbers are keyed by seed and index, and no function of the
+//! system's mathematics library is used. When neighbours are listed, and where bodies stand in
+//! memory, enters no result; a body far away changes no bit of the others.
 
 mod bodies;
 mod cells;
 mod check;
+mod check_sizes;
+mod collect;
 #[cfg(feature = "component")]
 pub mod component;
 mod contact;
-mod contact_list;
 mod damping;
 mod diagnostics;
+mod driven;
+mod encounters;
 mod error;
 mod findings;
 mod forces;
 mod integrate;
+mod lanes;
 mod law;
+mod laws;
+mod linear;
+mod lubrication;
+mod mesh_contact;
+mod motion;
 mod overlaps;
 mod packing;
+mod pairs;
 mod parameters;
+mod part_contacts;
+mod parts;
 mod periodic;
 mod placement;
 mod random;
 mod resolve;
+mod rows;
 mod search;
+mod side_by_side;
 mod solver;
 mod stability;
+mod tally;
+mod wall_contacts;
 mod walls;
 
 pub use damping::{damping_ratio, restitution};
 pub use diagnostics::Diagnostics;
 pub use error::GrainsError;
 pub use findings::findings;
-pub use parameters::Parameters;
+pub use parameters::{Lubrication, Parameters};
 pub use resolve::{PairDamping, Resolution};
 pub use solver::GrainsDem;
 

@@ -3,8 +3,9 @@
 use crate::{
     bodies::{Ball, Mobility, PlacedSphere},
     cells::Cells,
-    contact_list::{ContactList, near_bodies},
+    parts::PlacedPart,
     periodic::PeriodicBox,
+    rows::Rows,
 };
 use tremie_messages::{
     Problem,
@@ -29,6 +30,34 @@ pub(crate) fn check(scene: &Scene, spheres: &[PlacedSphere]) -> Result<(), Vec<P
     Err(vec![Problem::new(key, message)])
 }
 
+/// Checks that no free body stands in a part at the start.
+pub(crate) fn check_parts(
+    scene: &Scene,
+    spheres: &[PlacedSphere],
+    parts: &[PlacedPart],
+) -> Result<(), Vec<Problem>> {
+    let mut problems = Vec::new();
+    let free = spheres.iter().enumerate().filter(|(_, sphere)| sphere.mobility().is_free());
+    for (id, sphere) in free {
+        for (part, placed) in scene.parts.iter().zip(parts) {
+            let overlap = sphere.ball.radius - placed.clearance(sphere.ball.x).0;
+            if overlap > TOUCHING * sphere.ball.radius {
+                let message = format!(
+                    "puts body {id} (of \"{}\") {overlap:.3e} m into part \"{}\"",
+                    scene.bodies[sphere.set].name, part.name
+                );
+                let key = format!("scene.bodies[{}].placement", sphere.set);
+                problems.push(Problem::new(key, message));
+            }
+        }
+    }
+    problems.truncate(MOST_PROBLEMS);
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}
+
+/// More bodies in parts are not listed one by one.
+const MOST_PROBLEMS: usize = 20;
+
 /// The pair with the deepest overlap beyond touching, its overlap, and how many there are.
 fn deepest_overlap(
     domain: &Domain,
@@ -43,13 +72,8 @@ fn deepest_overlap(
     }
     let mut cells = Cells::new(bounds.clone(), largest, balls.len());
     cells.sort(&balls);
-    let mut list = ContactList::default();
-    list.refill(
-        &ContactList::default(),
-        balls.len(),
-        |i, out| near_bodies(&cells, &bounds.shifts, &balls, &mobility, 0.0, i, out),
-        |_, _| 0.0,
-    );
+    let mut list = Rows::default();
+    list.fill(&cells, &bounds.shifts, &balls, &mobility, 0.0);
     let (mut worst, mut count) = (None::<(usize, usize, f64)>, 0);
     for i in 0..balls.len() {
         for k in list.row(i) {
@@ -61,7 +85,7 @@ fn deepest_overlap(
             }
             count += 1;
             if worst.is_none_or(|(_, _, most)| overlap > most) {
-                worst = Some((i, j, overlap));
+                worst = Some((i.min(j), i.max(j), overlap));
             }
         }
     }

@@ -2,24 +2,30 @@
 
 mod insertion;
 mod relaxation;
+mod sizes;
+
+pub(crate) use sizes::{LEAST_PART, Sizes};
 
 use crate::{
     Vec3,
     bodies::Ball,
     cells::Cells,
+    parts::PlacedPart,
     periodic::PeriodicBox,
     random::Random,
     walls::{self, Wall},
 };
 use core::f64::consts::PI;
-use tremie_messages::scene::{BodySet, Diameters, Domain, Face, Packing, Placement};
+use tremie_messages::scene::{BodySet, Domain, Face, Packing, Placement};
 
 /// Up to this solid fraction spheres are inserted one after the other; above, insertion slows
 /// down (it ends for good at 0.38) and a crowded start is relaxed instead.
 const DENSEST_INSERTION: f64 = 0.25;
 
 /// What a packing must keep clear of.
-pub(crate) struct Surroundings {
+pub(crate) struct Surroundings<'a> {
+    /// Parts, in whose solid no sphere may be.
+    pub parts: &'a [PlacedPart],
     /// The domain.
     pub bounds: PeriodicBox,
     /// Walls that may cut through the region.
@@ -36,8 +42,15 @@ pub(crate) struct TooDense {
     reached: f64,
 }
 
+/// A part, and how far a point of the region moves to where the part is [m].
+struct Obstacle<'a> {
+    part: &'a PlacedPart,
+    shift: Vec3,
+}
+
 /// The region of a packing as the two methods see it: walls all around, bodies in the way.
-struct Region {
+struct Region<'a> {
+    parts: Vec<Obstacle<'a>>,
     min: Vec3,
     max: Vec3,
     walls: Vec<Wall>,
@@ -56,10 +69,11 @@ pub(crate) fn diameters_of(set: &BodySet) -> Vec<f64> {
 fn diameters(packing: &Packing) -> Vec<f64> {
     let size = Vec3::from(packing.max) - Vec3::from(packing.min);
     let wanted = packing.fraction * size.x * size.y * size.z;
+    let sizes = Sizes::new(&packing.diameters);
     let mut volume = 0.0;
     let mut drawn = Vec::new();
     for index in 0.. {
-        let d = draw(&packing.diameters, Random::new(packing.seed, index).unit());
+        let d = sizes.at(Random::new(packing.seed, index).unit());
         let more = PI / 6.0 * d * d * d;
         if volume + 0.5 * more > wanted {
             break;
@@ -70,17 +84,8 @@ fn diameters(packing: &Packing) -> Vec<f64> {
     drawn
 }
 
-fn draw(diameters: &Diameters, unit: f64) -> f64 {
-    match diameters {
-        Diameters::Uniform { min, max } => min + (max - min) * unit,
-        Diameters::Normal { min, .. } | Diameters::LogNormal { min, .. } => *min,
-        Diameters::Sieve(points) => points[0].size,
-        Diameters::Listed(list) => list[(unit * list.len() as f64) as usize],
-    }
-}
-
 /// Makes a packing; its spheres are ordered by place, so that neighbours have near numbers.
-pub(crate) fn pack(packing: &Packing, around: &Surroundings) -> Result<Vec<Ball>, TooDense> {
+pub(crate) fn pack(packing: &Packing, around: &Surroundings<'_>) -> Result<Vec<Ball>, TooDense> {
     let radii: Vec<f64> = diameters(packing).iter().map(|d| 0.5 * d).collect();
     let region = Region::new(packing, around, radii.iter().fold(0.0, |a, &b| a.max(b)));
     let inserted = (packing.fraction <= DENSEST_INSERTION)
@@ -96,8 +101,8 @@ pub(crate) fn pack(packing: &Packing, around: &Surroundings) -> Result<Vec<Ball>
     Ok(by_place(&region, &balls))
 }
 
-impl Region {
-    fn new(packing: &Packing, around: &Surroundings, largest_radius: f64) -> Self {
+impl<'a> Region<'a> {
+    fn new(packing: &Packing, around: &Surroundings<'a>, largest_radius: f64) -> Self {
         let mut walls = walls::of_box(packing.min, packing.max, |_, _| true);
         walls.extend(&around.planes);
         let (min, max) = (Vec3::from(packing.min), Vec3::from(packing.max));
@@ -112,7 +117,32 @@ impl Region {
                 }
             }
         }
-        Self { min, max, walls, obstacles }
+        let shifts: Vec<Vec3> = around.bounds.images().collect();
+        let of = |part: &'a PlacedPart| shifts.iter().map(move |&shift| Obstacle { part, shift });
+        let parts = around.parts.iter().flat_map(of).collect();
+        Self { parts, min, max, walls, obstacles }
+    }
+
+    /// How far a sphere must go to be clear of parts [m], and in which direction; where it is clear,
+    /// how far it may go before it can touch one, as a negative number.
+    fn depth_in_parts(&self, ball: &Ball) -> (f64, Vec3) {
+        let of = |obstacle: &Obstacle<'_>| {
+            let (distance, direction) = obstacle.part.clearance(ball.x + obstacle.shift);
+            (ball.radius - distance, direction)
+        };
+        let deeper = |a: (f64, Vec3), b: (f64, Vec3)| if b.0 > a.0 { b } else { a };
+        let outside = self.parts.chunk_by(|a, b| std::ptr::eq(a.part, b.part)).map(|images| {
+            if images[0].part.is_cavity() {
+                // Free where it is inside any image of the cavity.
+                images
+                    .iter()
+                    .map(of)
+                    .fold((f64::INFINITY, Vec3::x()), |a, b| if b.0 < a.0 { b } else { a })
+            } else {
+                images.iter().map(of).fold((f64::NEG_INFINITY, Vec3::x()), deeper)
+            }
+        });
+        outside.fold((f64::NEG_INFINITY, Vec3::x()), deeper)
     }
 
     /// Uniform random centre of a sphere that lies in the region's box.
@@ -135,7 +165,7 @@ fn place_stream(seed: u64, index: usize) -> Random {
 }
 
 /// The spheres in the order of cells a diameter wide.
-fn by_place(region: &Region, balls: &[Ball]) -> Vec<Ball> {
+fn by_place(region: &Region<'_>, balls: &[Ball]) -> Vec<Ball> {
     let largest = balls.iter().fold(0.0, |r: f64, ball| r.max(ball.radius));
     let mut cells = Cells::new(region.bounds(), 2.0 * largest, balls.len());
     cells.sort(balls);

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tremie_messages::units::Time;
+use tremie_messages::units::{Length, Time, Velocity};
 
 /// Numerical parameters of the grains; everything physical stands in the scene.
 #[derive(Serialize, Deserialize, JsonSchema, Clone, Debug, PartialEq)]
@@ -13,9 +13,27 @@ pub struct Parameters {
     /// Steps during the shortest collision of two bodies, or a body and a wall. 15 give an error
     /// of a few per cent in flows, 50 are for validation.
     pub steps_per_contact: f64,
+    /// Largest relative speed of two bodies that the user expects; under Hertz's law the duration of
+    /// a collision and the stiffness depend on it, and so does the time step. Unset: twice the
+    /// fastest speed at the start and what a fall through the domain adds.
+    pub expected_speed: Option<Velocity>,
     /// How far beyond touching neighbours are listed, as a fraction of the largest diameter. More
     /// makes the list longer, less makes it due more often. Results depend on it only by rounding.
     pub skin: Option<f64>,
+    /// Lubrication between bodies, and between bodies and walls or parts, at gaps that the fluid does
+    /// not resolve. Unset: none. A lattice fluid gives what it resolves of this force itself: the
+    /// cut-off must not be larger than the gap below which it stops to do so, about one cell.
+    pub lubrication: Option<Lubrication>,
+}
+
+/// Forces of the fluid squeezed out of narrow gaps.
+#[derive(Serialize, Deserialize, JsonSchema, Clone, Copy, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Lubrication {
+    /// Gap from which on there is no such force.
+    pub cutoff: Length,
+    /// Height of asperities: at smaller gaps the force grows no more.
+    pub roughness: Length,
 }
 
 impl Parameters {
@@ -30,6 +48,12 @@ impl Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { time_step: None, steps_per_contact: 20.0, skin: None }
+        Self {
+            time_step: None,
+            steps_per_contact: 20.0,
+            expected_speed: None,
+            skin: None,
+            lubrication: None,
+        }
     }
 }

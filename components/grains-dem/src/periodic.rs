@@ -14,6 +14,9 @@ pub(crate) struct PeriodicBox {
     pub periodic: [bool; 3],
     /// Displacement of each image [m], see [`image`].
     pub shifts: [Vec3; 27],
+    /// Bounds of wrapped coordinates [m]; infinite along axes that do not wrap around.
+    low: Vec3,
+    high: Vec3,
 }
 
 /// The image that is the body itself.
@@ -37,12 +40,47 @@ impl PeriodicBox {
                 }
             }
         }
+        let min = Vec3::from(domain.min);
+        let bound = |wraps: f64, a: usize, beyond: f64| {
+            if domain.is_periodic(a) { wraps } else { beyond }
+        };
         Self {
-            min: domain.min.into(),
+            min,
             size,
             periodic: std::array::from_fn(|a| domain.is_periodic(a)),
             shifts,
+            low: Vec3::from_fn(|a, _| bound(min[a], a, f64::NEG_INFINITY)),
+            high: Vec3::from_fn(|a, _| bound(min[a] + size[a], a, f64::INFINITY)),
         }
+    }
+
+    /// `x`, which moved by less than a domain length, moved back across the periodic faces that it
+    /// crossed: by the displacement returned besides, and the difference of image numbers.
+    #[inline(always)]
+    pub fn cross(&self, x: Vec3) -> Option<(Vec3, Vec3, i32)> {
+        let inside = |a: usize| x[a] >= self.low[a] && x[a] < self.high[a];
+        if inside(0) && inside(1) && inside(2) { None } else { Some(self.crossing(x)) }
+    }
+
+    #[cold]
+    fn crossing(&self, mut x: Vec3) -> (Vec3, Vec3, i32) {
+        let (mut shift, mut crossed) = (Vec3::zeros(), 0);
+        for (a, weight) in [(0, 1), (1, 3), (2, 9)] {
+            if !self.periodic[a] {
+                continue;
+            }
+            // A place below the lower face is seen one domain length further up from now on; its old
+            // image is one length down.
+            let sign = i32::from(x[a] < self.low[a]) - i32::from(x[a] >= self.high[a]);
+            shift[a] = f64::from(sign) * self.size[a];
+            crossed -= sign * weight;
+            x[a] += shift[a];
+            if sign != 0 && !(self.low[a]..self.high[a]).contains(&x[a]) {
+                // Rounding may land a hair beyond either face.
+                x[a] = if x[a].is_finite() { self.low[a] } else { x[a] };
+            }
+        }
+        (x, shift, crossed)
     }
 
     /// `x` moved by whole domain lengths into the domain, along periodic axes.
@@ -60,9 +98,14 @@ impl PeriodicBox {
 
     /// Displacements of all images of a body, its own place included.
     pub fn images(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.numbered_images().map(|(_, shift)| shift)
+    }
+
+    /// All images of a body, its own place included: number and displacement.
+    pub fn numbered_images(&self) -> impl Iterator<Item = (u32, Vec3)> + '_ {
         let step = |a: usize| if self.periodic[a] { -1..=1 } else { 0..=0 };
         let offsets = move |z| step(1).flat_map(move |y| step(0).map(move |x| [x, y, z]));
-        step(2).flat_map(offsets).map(|offset| self.shifts[image(offset) as usize])
+        step(2).flat_map(offsets).map(image).map(|image| (image, self.shifts[image as usize]))
     }
 
     /// Whether `x` lies in the closed box; not so for numbers that are not finite.

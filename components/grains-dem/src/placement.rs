@@ -3,6 +3,7 @@
 use crate::{
     bodies::{Ball, PlacedSphere, Twist},
     packing::{self, Surroundings},
+    parts::PlacedPart,
     periodic::PeriodicBox,
     walls::Wall,
 };
@@ -23,13 +24,17 @@ pub(crate) fn listed(scene: &Scene) -> Vec<PlacedSphere> {
     sets.flat_map(|(set, bodies)| listed_of(set, bodies)).collect()
 }
 
-/// All bodies, in the order of sets. Packings keep clear of all listed bodies, wherever these
-/// stand in the scene, and of the packings before them.
+/// All bodies, in the order of sets. Packings keep clear of all parts, of all listed bodies,
+/// wherever these stand in the scene, and of the packings before them.
 ///
 /// # Errors
 /// Packings that cannot be made, with what was reached.
-pub(crate) fn place(scene: &Scene) -> Result<Vec<PlacedSphere>, Vec<Problem>> {
+pub(crate) fn place(
+    scene: &Scene,
+    parts: &[PlacedPart],
+) -> Result<Vec<PlacedSphere>, Vec<Problem>> {
     let mut surroundings = Surroundings {
+        parts,
         bounds: PeriodicBox::new(&scene.domain),
         planes: scene
             .planes

@@ -1,14 +1,19 @@
 //! From a scene and parameters to a time step and what the contacts will be like.
 
 use crate::{
-    Parameters, check, check::MIN_STEPS_PER_CONTACT, damping::restitution, law, law::Law, overlaps,
-    packing, placement, stability::Stability, walls,
+    Parameters, check,
+    check::MIN_STEPS_PER_CONTACT,
+    damping::restitution,
+    encounters::{Encounter, Population, contact_time, damping_ratio, largest_overlap},
+    law::{Law, Reduced},
+    lubrication::Squeeze,
+    overlaps, parts, placement,
+    stability::Stability,
 };
-use core::f64::consts::PI;
 use serde::Serialize;
 use tremie_messages::{
     Problem,
-    scene::{ContactLaw, Motion, Scene},
+    scene::{ContactLaw, Scene, Spring},
 };
 
 /// What scene and parameters lead to, before any body is placed.
@@ -20,11 +25,17 @@ pub struct Resolution {
     /// The largest time step that is stable in the densest packing [s]; a settled bed of spheres
     /// bears about twice as much, and shakes for ever at four times.
     pub stable_time_step: Option<f64>,
-    /// Duration of the shortest collision without damping, `pi sqrt(m*/k_n)` [s].
+    /// Duration of the shortest collision without damping [s]; under Hertz's law at the expected speed.
     pub contact_time: Option<f64>,
-    /// Number of bodies.
+    /// Relative speed for which collisions under Hertz's law are resolved [m/s].
+    pub expected_speed: f64,
+    /// Whether any collision is under Hertz's law.
+    pub hertz: bool,
+    /// Number of bodies: spheres and parts that move.
     pub bodies: usize,
-    /// Number of bodies that move under forces.
+    /// Number of spheres.
+    pub spheres: usize,
+    /// Number of spheres that move under forces.
     pub free_bodies: usize,
     /// Smallest diameter [m]; 0 without bodies.
     pub smallest_diameter: f64,
@@ -40,7 +51,7 @@ pub struct Resolution {
 /// Damping of one pair of bodies, or of a body and a wall.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PairDamping {
-    /// Which pair, as "lightest body-body".
+    /// Which pair, as "lightest glass with steel".
     pub pair: String,
     /// Reduced mass [kg].
     pub reduced_mass: f64,
@@ -63,10 +74,6 @@ struct Limits {
     dense: f64,
 }
 
-/// Neighbours of a sphere in the densest packing of equal ones, and walls in a corner.
-const MOST_NEIGHBOURS: f64 = 12.0;
-const MOST_WALLS: f64 = 3.0;
-
 /// Steps per contact below which accuracy suffers visibly.
 const ACCURATE_STEPS: f64 = 15.0;
 
@@ -81,21 +88,29 @@ impl Parameters {
         if !problems.is_empty() {
             return Err(problems);
         }
-        overlaps::check(scene, &placement::listed(scene))?;
+        let (listed, parts) = (placement::listed(scene), parts::load(scene)?);
+        overlaps::check(scene, &listed)?;
+        overlaps::check_parts(scene, &listed, &parts)?;
         let population = Population::of(scene);
-        let pairs = population.pairs(scene);
-        let limits = population.limits(scene, &pairs);
+        let encounters = population.encounters();
+        let speed = self.speed(scene, &population);
+        let pairs = encounters.iter().flat_map(|e| extremes(e, speed)).collect::<Vec<_>>();
+        let limits = limits(&encounters, speed, Squeeze::of(scene, self));
         let finite = |dt: f64| dt.is_finite().then_some(dt);
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
         let given = self.time_step.map(|step| step.0);
+        let [smallest_diameter, largest_diameter] = population.diameters();
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
             stable_time_step: finite(limits.dense),
             contact_time: finite(limits.contact),
-            bodies: population.bodies,
-            free_bodies: population.free,
-            smallest_diameter: population.smallest,
-            largest_diameter: population.largest,
+            expected_speed: speed,
+            hertz: encounters.iter().any(|e| matches!(e.law.spring, Spring::Hertz { .. })),
+            bodies: population.bodies() + parts.iter().filter(|part| part.moves()).count(),
+            spheres: population.bodies(),
+            free_bodies: population.free(),
+            smallest_diameter,
+            largest_diameter,
             warnings: warnings(given, derived, &limits),
             pairs,
             limits,
@@ -105,7 +120,22 @@ impl Parameters {
         }
         Ok(resolution)
     }
+
+    /// The relative speed at which collisions under Hertz's law must be resolved [m/s]: the
+    /// parameter's; or else twice the fastest at the start and what a fall through the domain adds.
+    fn speed(&self, scene: &Scene, population: &Population<'_>) -> f64 {
+        if let Some(speed) = self.expected_speed {
+            return speed.0;
+        }
+        let size = scene.domain.size();
+        let fall: f64 = (0..3).map(|a| (scene.gravity[a] * size[a]).abs()).sum();
+        let speed = 2.0 * population.speed + (2.0 * fall).sqrt();
+        if speed > 0.0 { speed } else { SLOWEST }
+    }
 }
+
+/// Relative speed for which a scene is resolved in which nothing moves yet [m/s].
+const SLOWEST: f64 = 0.01;
 
 impl Resolution {
     /// Checks that a run with this time step [s] resolves and survives collisions.
@@ -134,111 +164,56 @@ impl Resolution {
     }
 }
 
-/// Numbers about all bodies of a scene.
-struct Population {
-    bodies: usize,
-    free: usize,
-    smallest: f64,
-    largest: f64,
-    /// Masses of the two lightest and the two heaviest free bodies [kg].
-    lightest: [f64; 2],
-    heaviest: [f64; 2],
+/// The lightest and the heaviest pair of an encounter.
+fn extremes(encounter: &Encounter<'_>, speed: f64) -> [PairDamping; 2] {
+    let Encounter { name, law, light, heavy, .. } = encounter;
+    [
+        pair_damping(format!("lightest {name}"), law, *light, speed),
+        pair_damping(format!("heaviest {name}"), law, *heavy, speed),
+    ]
 }
 
-impl Population {
-    fn of(scene: &Scene) -> Self {
-        let mut all = Self {
-            bodies: 0,
-            free: 0,
-            smallest: f64::INFINITY,
-            largest: 0.0,
-            lightest: [f64::INFINITY; 2],
-            heaviest: [0.0; 2],
-        };
-        for set in &scene.bodies {
-            for d in packing::diameters_of(set) {
-                all.bodies += 1;
-                all.smallest = all.smallest.min(d);
-                all.largest = all.largest.max(d);
-                if set.motion == Motion::Free {
-                    all.add_free(placement::mass(set.density, d));
-                }
-            }
-        }
-        if all.bodies == 0 {
-            all.smallest = 0.0;
-        }
-        all
-    }
-
-    fn add_free(&mut self, mass: f64) {
-        self.free += 1;
-        let [first, second] = self.lightest;
-        self.lightest = [first.min(mass), second.min(first.max(mass))];
-        let [first, second] = self.heaviest;
-        self.heaviest = [first.max(mass), second.max(first.min(mass))];
-    }
-
-    /// Extreme pairs under each law that can act.
-    fn pairs(&self, scene: &Scene) -> Vec<PairDamping> {
-        let Some([body, wall]) = law::of_scene(scene) else {
-            return Vec::new();
-        };
-        let reduced = |[a, b]: [f64; 2]| 1.0 / (1.0 / a + 1.0 / b);
-        let mut pairs = Vec::new();
-        let mut add = |name: &str, law: &ContactLaw, light: f64, heavy: f64| {
-            pairs.push(pair_damping(format!("lightest {name}"), law, light));
-            pairs.push(pair_damping(format!("heaviest {name}"), law, heavy));
-        };
-        let law = body;
-        if self.free >= 2 {
-            add("body-body", law, reduced(self.lightest), reduced(self.heaviest));
-        }
-        if self.free >= 1 && self.free < self.bodies {
-            add("body and body of given motion", law, self.lightest[0], self.heaviest[0]);
-        }
-        if self.free >= 1 && !walls::of_scene(scene).is_empty() {
-            add("body-wall", wall, self.lightest[0], self.heaviest[0]);
-        }
-        pairs
-    }
-
-    fn limits(&self, scene: &Scene, pairs: &[PairDamping]) -> Limits {
-        let contact = pairs.iter().fold(f64::INFINITY, |t, p| t.min(p.contact_time));
-        let mut single = Stability::default();
-        let mut dense = Stability::default();
-        let (walls, neighbours) = (walls::of_scene(scene).len(), self.bodies.saturating_sub(1));
-        if let (Some([body, wall]), true) = (law::of_scene(scene), self.free > 0) {
-            let light = self.lightest[0];
-            let (body, wall) = (Law::new(body), Law::new(wall));
-            if neighbours > 0 {
-                // Between two free bodies both move: twice the rate. Masses as in `pairs`.
-                let both = self.lightest.iter().map(|m| 1.0 / m).sum();
-                let inverse = if self.free >= 2 { both } else { 1.0 / light };
-                single.at_least(&body, inverse, 1.0);
-                dense.add(&body, inverse, MOST_NEIGHBOURS.min(neighbours as f64));
-            }
-            if walls > 0 {
-                single.at_least(&wall, 1.0 / light, 1.0);
-                dense.add(&wall, 1.0 / light, MOST_WALLS.min(walls as f64));
-            }
-        }
-        Limits { contact, pair: single.largest_step(), dense: dense.largest_step() }
-    }
-}
-
-fn pair_damping(pair: String, law: &ContactLaw, reduced_mass: f64) -> PairDamping {
-    let resolved = Law::new(law);
-    let (k, _) = law::stiffnesses(law);
-    let root_mass = reduced_mass.sqrt();
-    let zeta = resolved.gamma_n(root_mass) / (2.0 * root_mass * k.sqrt());
+fn pair_damping(pair: String, law: &ContactLaw, reduced: Reduced, speed: f64) -> PairDamping {
+    let zeta = damping_ratio(law, reduced);
     PairDamping {
         pair,
-        reduced_mass,
+        reduced_mass: reduced.root_mass * reduced.root_mass,
         damping_ratio: zeta,
         restitution: restitution(zeta, law.tension),
-        contact_time: PI * (reduced_mass / k).sqrt(),
+        contact_time: contact_time(law, reduced, speed),
     }
+}
+
+/// Bounds on the time step. The dense bound takes the worst law between bodies and that with
+/// surfaces together; tangent stiffnesses of Hertz's law are those of the deepest overlap in a
+/// collision at `speed`.
+fn limits(encounters: &[Encounter<'_>], speed: f64, squeeze: Option<Squeeze>) -> Limits {
+    let (mut single, mut between, mut at_walls) =
+        (Stability::default(), Stability::default(), Stability::default());
+    let mut contact = f64::INFINITY;
+    for encounter in encounters {
+        let (law, pair, inverse_mass) =
+            (Law::new(encounter.law), encounter.light, encounter.inverse_mass);
+        contact = contact.min(contact_time(encounter.law, pair, speed));
+        let overlap = match law.spring {
+            Spring::Linear { .. } => 0.0,
+            Spring::Hertz { .. } => largest_overlap(encounter.law, pair, speed),
+        };
+        let lubrication = squeeze.map_or(0.0, |squeeze| squeeze.largest(pair.radius));
+        let of = |contacts| {
+            Stability::of(&law, pair, inverse_mass, overlap, contacts)
+                .and(Stability::of_dashpot(lubrication * inverse_mass, contacts))
+        };
+        single = single.or(of(1.0));
+        let dense = of(encounter.contacts);
+        if encounter.with_surface {
+            at_walls = at_walls.or(dense);
+        } else {
+            between = between.or(dense);
+        }
+    }
+    let dense = between.and(at_walls);
+    Limits { contact, pair: single.largest_step(), dense: dense.largest_step() }
 }
 
 fn warnings(given: Option<f64>, derived: f64, limits: &Limits) -> Vec<String> {

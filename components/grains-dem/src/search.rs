@@ -2,84 +2,136 @@
 
 use crate::{
     Parameters, Vec3,
-    bodies::{Ball, Bodies, Mobility},
+    bodies::{Ball, Bodies},
     cells::Cells,
-    contact_list::{ContactList, Neighbour, near_bodies},
+    laws::Laws,
+    pairs::{BLOCK, Nearness, Pairs, PairsMaker},
+    part_contacts::PartContacts,
+    parts::PlacedPart,
     periodic::PeriodicBox,
-    walls::Wall,
+    wall_contacts::WallContacts,
+    walls::{Wall, WallLaws},
 };
+use tremie_team::{Cut, Team};
+
+/// Bodies are put in order of space at every so many lists: in between they move by a diameter or
+/// two.
+const LISTS_PER_ORDER: u64 = 16;
 
 /// Neighbour lists and what it takes to make them.
 pub(crate) struct Search {
-    /// How far beyond touching neighbours are listed [m].
+    /// How far beyond feeling each other neighbours are listed [m].
     pub skin: f64,
+    /// That, and the gap at which bodies feel each other.
+    gap: f64,
     cells: Cells,
     /// Contacts between bodies.
-    pub pairs: ContactList,
+    pub pairs: Pairs,
     /// Contacts of bodies with walls.
-    pub wall_contacts: ContactList,
-    /// The buffers of the lists before.
-    spare: ContactList,
-    /// Positions when the lists were made.
-    pub reference: Vec<Vec3>,
-    /// How often they were made.
+    pub walls: WallContacts,
+    /// Contacts of bodies with parts.
+    pub parts: PartContacts,
+    /// How often lists were made.
     pub rebuilds: u64,
+    maker: PairsMaker,
+    spare_walls: WallContacts,
+    spare_parts: PartContacts,
+    order: Vec<u32>,
+    keys: Vec<(u64, u32)>,
+}
+
+/// What bodies may touch, and how.
+pub(crate) struct Surroundings {
+    /// The domain.
+    pub bounds: PeriodicBox,
+    /// Laws of materials.
+    pub laws: Laws,
+    /// The walls.
+    pub walls: Vec<Wall>,
+    /// Their laws.
+    pub wall_laws: WallLaws,
+    /// The parts.
+    pub parts: Vec<PlacedPart>,
+    /// Numbers of their materials.
+    pub part_materials: Vec<u16>,
+}
+
+/// The contacts of all bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Contacts<'a> {
+    pub pairs: &'a Pairs,
+    pub walls: &'a WallContacts,
+    pub parts: &'a PartContacts,
 }
 
 impl Search {
     pub fn new(bounds: PeriodicBox, largest: f64, parameters: &Parameters, bodies: usize) -> Self {
+        let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
         let skin = parameters.skin_fraction() * largest;
         // A domain without bodies still needs a cell size.
-        let range = if bodies > 0 { largest + skin } else { bounds.size.max() };
+        let range = if bodies > 0 { largest + reach + skin } else { bounds.size.max() };
         Self {
             skin,
+            gap: reach + skin,
             cells: Cells::new(bounds, range, bodies),
-            pairs: ContactList::default(),
-            wall_contacts: ContactList::default(),
-            spare: ContactList::default(),
-            reference: Vec::with_capacity(bodies),
+            pairs: Pairs::default(),
+            walls: WallContacts::default(),
+            parts: PartContacts::default(),
             rebuilds: 0,
+            maker: PairsMaker::default(),
+            spare_walls: WallContacts::default(),
+            spare_parts: PartContacts::default(),
+            order: Vec::with_capacity(bodies),
+            keys: Vec::with_capacity(bodies),
         }
     }
 
-    /// Makes the lists anew from wrapped positions; contacts keep their history.
-    pub fn rebuild(&mut self, bodies: &Bodies, walls: &[Wall], bounds: &PeriodicBox) {
-        let (balls, mobility, skin) = (&bodies.balls, &bodies.mobility, self.skin);
-        let n = balls.len();
-        let cells = &mut self.cells;
-        cells.sort(balls);
-        std::mem::swap(&mut self.pairs, &mut self.spare);
-        self.pairs.refill(
-            &self.spare,
-            n,
-            |i, out| near_bodies(cells, &bounds.shifts, balls, mobility, skin, i, out),
-            |i, j| root_reduced_mass(mobility[i], mobility[j]),
-        );
-        std::mem::swap(&mut self.wall_contacts, &mut self.spare);
-        self.wall_contacts.refill(
-            &self.spare,
-            n,
-            |i, out| {
-                if mobility[i].is_free() {
-                    out.extend(near_walls(walls, &balls[i], skin));
-                }
-            },
-            |i, _| root_reduced_mass(mobility[i], Mobility::NONE),
-        );
-        self.reference.clear();
-        self.reference.extend(balls.iter().map(|ball| ball.x));
+    /// The lists.
+    pub fn contacts(&self) -> Contacts<'_> {
+        Contacts { pairs: &self.pairs, walls: &self.walls, parts: &self.parts }
+    }
+
+    /// Makes the lists anew; contacts keep their history.
+    pub fn rebuild(&mut self, team: &mut Team, bodies: &mut Bodies, around: &mut Surroundings) {
+        self.cells.sort(&bodies.balls);
+        if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
+            self.cells.curve(&mut self.keys, &mut self.order);
+            bodies.reorder(&self.order);
+            self.cells.sort(&bodies.balls);
+        } else {
+            self.order.clear();
+            self.order.extend(0..bodies.len() as u32);
+        }
+        start_anew(team, bodies);
+        let near = Nearness {
+            cells: &self.cells,
+            shifts: &around.bounds.shifts,
+            gap: self.gap,
+            laws: &around.laws,
+            previous: &self.order,
+        };
+        self.maker.make(&mut self.pairs, team, bodies, &near);
+        std::mem::swap(&mut self.walls, &mut self.spare_walls);
+        let (before, laws) = (&self.spare_walls, &around.wall_laws);
+        self.walls.make(before, &self.order, bodies, &around.walls, laws, self.gap);
+        std::mem::swap(&mut self.parts, &mut self.spare_parts);
+        let (before, laws) = (&self.spare_parts, (&around.laws, &around.part_materials[..]));
+        let reach = (&around.bounds, self.gap);
+        self.parts.make(before, &self.order, bodies, &around.parts, laws, reach);
+        around.parts.iter_mut().for_each(|part| part.moved = 0.0);
         self.rebuilds += 1;
     }
 }
 
-fn near_walls(walls: &[Wall], ball: &Ball, skin: f64) -> impl Iterator<Item = Neighbour> {
-    (0..)
-        .zip(walls)
-        .filter(move |(_, wall)| wall.overlap(ball) > -skin)
-        .map(|(other, _)| Neighbour { other, image: 0 })
-}
-
-/// `sqrt(m*)`, where a body of given motion counts as infinitely heavy.
-fn root_reduced_mass(i: Mobility, j: Mobility) -> f64 {
-    (1.0 / (i.inverse_mass + j.inverse_mass)).sqrt()
+/// Distances and crossings count from here on.
+fn start_anew(team: &mut Team, bodies: &mut Bodies) {
+    let pieces = (Cut::every(&mut bodies.reference, BLOCK), Cut::every(&mut bodies.crossed, BLOCK));
+    let balls = &bodies.balls;
+    team.for_pieces(pieces, |b, (reference, crossed): (&mut [Vec3], &mut [i32])| {
+        crossed.fill(0);
+        let balls: &[Ball] = &balls[b * BLOCK..b * BLOCK + reference.len()];
+        for (reference, ball) in reference.iter_mut().zip(balls) {
+            *reference = ball.x;
+        }
+    });
 }

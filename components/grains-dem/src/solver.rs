@@ -3,21 +3,29 @@
 use crate::{
     Diagnostics, GrainsError, Parameters, Vec3,
     bodies::{Bodies, PlacedSphere, Wrench},
+    contact::Steps,
     diagnostics,
-    forces::{self, Steps, Tally},
-    integrate,
-    law::{self, Law},
+    driven::Driven,
+    forces::{self, Scenery},
+    integrate::{self, Forces, Reach},
+    laws::{self, Laws},
+    linear::LinearLaw,
+    lubrication::Squeeze,
     overlaps,
+    pairs::BLOCK,
+    parts::{self, PlacedPart},
     periodic::PeriodicBox,
     placement,
-    search::Search,
-    walls::{self, Wall},
+    search::{Search, Surroundings},
+    tally::{Other, Tally},
+    walls,
 };
 use tremie_messages::{
     Problem,
     body::{BodyEvent, BodyState, Load},
     scene::{Domain, Motion, Scene},
 };
+use tremie_team::Team;
 
 /// Overlap over the smaller radius that ends a run.
 const TOO_DEEP: f64 = 0.5;
@@ -25,15 +33,24 @@ const TOO_DEEP: f64 = 0.5;
 /// Spheres in a box, in contact with each other and with walls.
 pub struct GrainsDem {
     domain: Domain,
-    bounds: PeriodicBox,
+    around: Surroundings,
+    surface_names: Vec<String>,
     gravity: Vec3,
     dt: f64,
-    body_law: Law,
-    wall_law: Law,
-    walls: Vec<Wall>,
     bodies: Bodies,
     events: Vec<BodyEvent>,
     search: Search,
+    team: Team,
+    one_law: Option<LinearLaw>,
+    squeeze: Option<Squeeze>,
+    driven: Driven,
+    /// Substeps since the start.
+    steps: u64,
+    loaded: bool,
+    crossed: bool,
+    /// What each block of bodies saw at the last evaluation, and how far it went.
+    tallies: Vec<Tally>,
+    reaches: Vec<Reach>,
     tally: Tally,
     max_overlap_ratio: f64,
     deep_overlaps: u64,
@@ -41,7 +58,8 @@ pub struct GrainsDem {
 }
 
 impl GrainsDem {
-    /// Makes the bodies of `scene`, packings included, ready to advance by `time_step` [s].
+    /// Makes the bodies of `scene`, packings included, ready to advance by `time_step` [s] on
+    /// `threads` threads, whose number has no effect on any result.
     ///
     /// # Errors
     /// Everything that is wrong with the scene, the parameters or the time step.
@@ -49,39 +67,71 @@ impl GrainsDem {
         scene: &Scene,
         parameters: &Parameters,
         time_step: f64,
+        threads: usize,
     ) -> Result<Self, Vec<Problem>> {
         let resolution = parameters.resolve(scene)?;
         resolution.check_time_step(time_step).map_err(|problem| vec![problem])?;
-        let spheres = placement::place(scene)?;
+        let parts = parts::load(scene)?;
+        let spheres = placement::place(scene, &parts)?;
         overlaps::check(scene, &spheres)?;
-        let mut solver = Self::of_spheres(scene, parameters, time_step, &spheres);
+        overlaps::check_parts(scene, &spheres, &parts)?;
+        let team = Team::new("grains", threads).map_err(|error| {
+            let message = format!("the system does not give {threads} threads: {error}");
+            vec![Problem::new("threads", message)]
+        })?;
+        let mut solver = Self::of_bodies(scene, parameters, time_step, (&spheres, parts), team);
         solver.rebuild_lists();
         solver.evaluate_forces(0.0);
         Ok(solver)
     }
 
-    fn of_spheres(
+    fn of_bodies(
         scene: &Scene,
         parameters: &Parameters,
         dt: f64,
-        spheres: &[PlacedSphere],
+        (spheres, parts): (&[PlacedSphere], Vec<PlacedPart>),
+        team: Team,
     ) -> Self {
         let bounds = PeriodicBox::new(&scene.domain);
-        let bodies = Bodies::new(spheres);
+        let mut laws = Laws::of_scene(scene);
+        let wall_laws = walls::laws_of_scene(scene, &mut laws);
+        let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
+        for ball in &mut bodies.balls {
+            ball.x = bounds.wrap(ball.x);
+        }
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
-        let laws = law::of_scene(scene);
-        let of = |i: usize| laws.map_or_else(Law::none, |laws| Law::new(laws[i]));
+        let squeeze = Squeeze::of(scene, parameters);
+        // Where no wall resists rolling either there is no room for its history.
+        let plain = squeeze.is_none() && !laws.resist_rolling();
+        let materials: Vec<u16> =
+            scene.bodies.iter().map(|set| laws.material(&set.material)).collect();
+        let one_law = if plain { laws.only(&materials) } else { None };
+        let blocks = spheres.len().div_ceil(BLOCK);
         Self {
             domain: scene.domain.clone(),
+            surface_names: laws::surfaces(scene).into_iter().map(|s| s.name).collect(),
             gravity: scene.gravity.into(),
             dt,
-            body_law: of(0),
-            wall_law: of(1),
-            walls: walls::of_scene(scene),
-            events: (0..).zip(spheres).map(|(id, s)| added(id, s)).collect(),
+            events: events(spheres, &parts),
             search: Search::new(bounds.clone(), largest, parameters, spheres.len()),
-            bounds,
+            around: Surroundings {
+                bounds,
+                part_materials: scene.parts.iter().map(|p| laws.material(&p.material)).collect(),
+                laws,
+                walls: walls::of_scene(scene),
+                wall_laws,
+                parts,
+            },
             bodies,
+            team,
+            one_law,
+            squeeze,
+            driven: Driven::of_scene(scene, spheres),
+            steps: 0,
+            loaded: false,
+            crossed: false,
+            tallies: vec![Tally::default(); blocks],
+            reaches: vec![Reach::default(); blocks],
             tally: Tally::default(),
             max_overlap_ratio: 0.0,
             deep_overlaps: 0,
@@ -94,19 +144,34 @@ impl GrainsDem {
         &self.events
     }
 
-    /// Number of bodies.
+    /// Number of bodies: spheres, and after them the parts that move.
     pub fn body_count(&self) -> usize {
-        self.bodies.len()
+        self.events.len()
     }
 
-    /// Radii [m], by ascending id.
+    /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
+    /// of the last substep.
+    pub fn part_loads(&self) -> impl ExactSizeIterator<Item = ([f64; 3], [f64; 3])> + '_ {
+        let parts = self.around.parts.iter();
+        parts.map(|part| (part.wrench.force.into(), part.wrench.torque.into()))
+    }
+
+    /// Radii of the spheres [m], by ascending id.
     pub fn radii(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
-        self.bodies.balls.iter().map(|ball| ball.radius)
+        self.bodies.slot.iter().map(|&slot| self.bodies.balls[slot as usize].radius)
     }
 
     /// Length of a substep [s].
     pub fn time_step(&self) -> f64 {
         self.dt
+    }
+
+    fn time(&self) -> f64 {
+        self.time_after(0)
+    }
+
+    fn time_after(&self, steps: u64) -> f64 {
+        (self.steps + steps) as f64 * self.dt
     }
 
     /// Writes pose and velocity of each body, by ascending id; positions lie in the domain.
@@ -115,12 +180,24 @@ impl GrainsDem {
     /// If `out` does not have [`body_count`](Self::body_count) entries.
     pub fn write_state(&self, out: &mut [BodyState]) {
         assert_eq!(out.len(), self.body_count(), "one state for each body");
-        for (i, state) in out.iter_mut().enumerate() {
-            let twist = &self.bodies.twists[i];
+        let (spheres, parts) = out.split_at_mut(self.bodies.len());
+        let moving = self.around.parts.iter().filter(|part| part.moves());
+        for ((id, state), part) in (self.bodies.len() as u64..).zip(parts).zip(moving) {
             *state = BodyState {
-                id: i as u64,
-                position: self.bounds.wrap(self.bodies.balls[i].x).into(),
-                orientation: self.bodies.orientation[i],
+                id,
+                position: part.pose.position,
+                orientation: part.pose.orientation,
+                velocity: part.twist.v.into(),
+                angular_velocity: part.twist.w.into(),
+            };
+        }
+        for ((id, state), &slot) in (0..).zip(spheres).zip(&self.bodies.slot) {
+            let slot = slot as usize;
+            let twist = &self.bodies.twists[slot];
+            *state = BodyState {
+                id,
+                position: self.bodies.balls[slot].x.into(),
+                orientation: self.bodies.orientation[slot],
                 velocity: twist.v.into(),
                 angular_velocity: twist.w.into(),
             };
@@ -140,7 +217,12 @@ impl GrainsDem {
             self.check_overlap()?;
         }
         if substeps > 0 {
-            integrate::second_half(&mut self.bodies, self.gravity, self.dt);
+            let forces = Forces {
+                contacts: self.search.contacts(),
+                loaded: self.loaded,
+                gravity: self.gravity,
+            };
+            integrate::second_half(&mut self.team, &mut self.bodies, forces, self.dt);
         }
         Ok(())
     }
@@ -155,38 +237,61 @@ impl GrainsDem {
             fluid_impulse: self.fluid_impulse.into(),
             ..Diagnostics::default()
         };
-        let (search, bodies) = (&self.search, &self.bodies);
-        let shifts = &self.bounds.shifts;
-        diagnostics::add_bodies(&mut out, bodies, &self.domain, self.gravity);
-        diagnostics::add_pairs(&mut out, &search.pairs, &self.body_law, shifts, bodies, self.dt);
-        let (list, law) = (&search.wall_contacts, &self.wall_law);
-        diagnostics::add_walls(&mut out, list, law, &self.walls, bodies, self.dt);
+        let scenery = Scenery {
+            laws: self.around.laws.laws(),
+            shifts: &self.around.bounds.shifts,
+            bodies: &self.bodies,
+            crossed: self.crossed,
+            steps: Steps { before: self.dt, after: self.dt },
+            one_law: self.one_law,
+            squeeze: self.squeeze,
+        };
+        diagnostics::add_bodies(&mut out, &self.bodies, &self.domain, self.gravity);
+        diagnostics::add_pairs(&mut out, &self.search.pairs, scenery);
+        out.elastic_energy += self.search.parts.elastic_energy(scenery.laws);
+        diagnostics::add_walls(&mut out, &self.search.walls, &self.around.walls, scenery);
         out
     }
 
     fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
-        if loads.is_empty() {
-            self.bodies.load.fill(Wrench::zero());
+        self.loaded = !loads.is_empty();
+        if !self.loaded {
             return Ok(());
         }
         check_loads(loads, self.body_count())?;
         let duration = f64::from(substeps) * self.dt;
-        for (i, load) in loads.iter().enumerate() {
+        for (load, &slot) in loads.iter().zip(&self.bodies.slot) {
+            let slot = slot as usize;
             let wrench = Wrench { force: load.force.into(), torque: load.torque.into() };
-            if self.bodies.mobility[i].is_free() {
+            if self.bodies.mobility[slot].is_free() {
                 self.fluid_impulse += wrench.force * duration;
             }
-            self.bodies.load[i] = wrench;
+            self.bodies.load[slot] = wrench;
         }
         Ok(())
     }
 
     /// Moves the bodies to the end of a substep, and lists neighbours anew where they moved far.
     fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
-        let Self { bodies, search, dt, .. } = self;
-        let farthest = integrate::first_half(bodies, self.gravity, *dt, finish, &search.reference);
-        let limit = 0.5 * search.skin;
-        if farthest >= limit * limit || farthest.is_nan() {
+        let (from, to) = (self.time(), self.time_after(1));
+        self.driven.begin(&mut self.bodies, from, to);
+        let forces =
+            Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };
+        let (team, bodies) = (&mut self.team, &mut self.bodies);
+        let bounds = &self.around.bounds;
+        let step = (self.dt, finish);
+        integrate::first_half(team, bodies, bounds, forces, step, &mut self.reaches);
+        let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
+        self.crossed |= reach.crossed;
+        self.driven.end(&mut self.bodies, to);
+        let mut wrapped = false;
+        for part in &mut self.around.parts {
+            wrapped |= part.advance(from, to, &self.around.bounds);
+        }
+        self.steps += 1;
+        let limit = 0.5 * self.search.skin;
+        let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
+        if far || reach.farthest >= limit * limit || reach.farthest.is_nan() {
             self.check_inside()?;
             self.rebuild_lists();
         }
@@ -195,24 +300,30 @@ impl GrainsDem {
 
     /// Contact forces at the predicted velocities, `before` after the last evaluation.
     fn evaluate_forces(&mut self, before: f64) {
-        let steps = Steps { before, after: self.dt };
-        let Bodies { balls, predicted, contact, .. } = &mut self.bodies;
-        let (pairs, law, shifts) = (&mut self.search.pairs, &self.body_law, &self.bounds.shifts);
-        let mut tally =
-            forces::between_bodies(pairs, law, shifts, balls, predicted, steps, contact);
-        let (list, law, walls) = (&mut self.search.wall_contacts, &self.wall_law, &self.walls);
-        forces::of_walls(list, law, walls, balls, predicted, steps, contact, &mut tally);
-        self.tally = tally;
-        self.deep_overlaps += tally.deep;
-        self.max_overlap_ratio = self.max_overlap_ratio.max(tally.deepest.ratio());
+        self.tallies.fill(Tally::default());
+        let scenery = Scenery {
+            laws: self.around.laws.laws(),
+            shifts: &self.around.bounds.shifts,
+            bodies: &self.bodies,
+            crossed: self.crossed,
+            steps: Steps { before, after: self.dt },
+            one_law: self.one_law,
+            squeeze: self.squeeze,
+        };
+        let (team, search) = (&mut self.team, &mut self.search);
+        forces::between_bodies(team, &mut search.pairs, scenery, &mut self.tallies);
+        let walls = &self.around.walls;
+        forces::of_walls(team, &mut search.walls, walls, scenery, &mut self.tallies);
+        let parts = &mut self.around.parts;
+        search.parts.evaluate(team, parts, scenery, &mut self.tallies);
+        self.tally = Tally::sum(&self.tallies);
+        self.deep_overlaps += self.tally.deep;
+        self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio());
     }
 
     fn rebuild_lists(&mut self) {
-        let bounds = &self.bounds;
-        for ball in &mut self.bodies.balls {
-            ball.x = bounds.wrap(ball.x);
-        }
-        self.search.rebuild(&self.bodies, &self.walls, bounds);
+        self.search.rebuild(&mut self.team, &mut self.bodies, &mut self.around);
+        self.crossed = false;
     }
 
     fn check_overlap(&self) -> Result<(), GrainsError> {
@@ -220,26 +331,34 @@ impl GrainsDem {
         if deepest.ratio() <= TOO_DEEP {
             return Ok(());
         }
-        Err(GrainsError::Overlap {
-            id: deepest.body as u64,
-            other: if deepest.wall {
-                walls::name(&self.domain, deepest.other)
-            } else {
-                format!("body {}", deepest.other)
-            },
-            percent: 100.0 * deepest.ratio(),
-        })
+        let id = |slot: u32| u64::from(self.bodies.id[slot as usize]);
+        let (mut body, other) = (id(deepest.body), deepest.other);
+        let other = match other {
+            Other::Wall(wall) => self.surface_names[wall as usize].clone(),
+            Other::Part(part) => {
+                self.surface_names[self.around.walls.len() + part as usize].clone()
+            }
+            Other::Body(other) => {
+                let (low, high) = (body.min(id(other)), body.max(id(other)));
+                body = low;
+                format!("body {high}")
+            }
+        };
+        Err(GrainsError::Overlap { id: body, other, percent: 100.0 * deepest.ratio() })
     }
 
-    /// Every centre must lie inside the domain, up to wrapping.
+    /// Every centre must lie inside the domain.
     fn check_inside(&self) -> Result<(), GrainsError> {
-        for (i, ball) in self.bodies.balls.iter().enumerate() {
-            let [x, y, z]: [f64; 3] = ball.x.into();
-            if !self.bounds.contains(self.bounds.wrap(ball.x)) {
-                return Err(GrainsError::LeftDomain { id: i as u64, x, y, z });
+        let outside =
+            |&&slot: &&u32| !self.around.bounds.contains(self.bodies.balls[slot as usize].x);
+        match self.bodies.slot.iter().find(outside) {
+            None => Ok(()),
+            Some(&slot) => {
+                let [x, y, z] = self.bodies.balls[slot as usize].x.into();
+                let id = u64::from(self.bodies.id[slot as usize]);
+                Err(GrainsError::LeftDomain { id, x, y, z })
             }
         }
-        Ok(())
     }
 }
 
@@ -257,6 +376,24 @@ fn check_loads(loads: &[Load], bodies: usize) -> Result<(), GrainsError> {
         }
     }
     Ok(())
+}
+
+/// Spheres by their order, then the parts that move.
+fn events(spheres: &[PlacedSphere], parts: &[PlacedPart]) -> Vec<BodyEvent> {
+    let mut events: Vec<BodyEvent> = (0..).zip(spheres).map(|(id, s)| added(id, s)).collect();
+    for (table, part) in (0..).zip(parts).filter(|(_, part)| part.moves()) {
+        events.push(BodyEvent {
+            id: events.len() as u64,
+            kind: BodyEvent::ADDED,
+            shape: BodyEvent::PART,
+            motion: BodyEvent::PRESCRIBED,
+            set: 0,
+            mass: 0.0,
+            size: [part.bounding_radius(), 0.0, 0.0],
+            table,
+        });
+    }
+    events
 }
 
 fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {

@@ -1,6 +1,6 @@
 //! How fast bodies in contact can oscillate and decay, and which time step follows them.
 
-use crate::law::Law;
+use crate::law::{Law, Reduced};
 
 /// Upper estimates of the fastest oscillation and the fastest decay of a body in contact.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,28 +12,38 @@ pub(crate) struct Stability {
 }
 
 impl Stability {
-    fn of(law: &Law, inverse_mass: f64, contacts: f64) -> Self {
-        let root_mass = (1.0 / inverse_mass).sqrt();
-        let (n, t) = (law.gamma_n(root_mass), law.gamma_t(root_mass));
-        let (k_t, t) = if law.mu > 0.0 { (law.k_t, t) } else { (0.0, 0.0) };
+    /// A body in `contacts` contacts at an overlap, where `inverse_mass` is the sum of both bodies'.
+    pub fn of(law: &Law, pair: Reduced, inverse_mass: f64, overlap: f64, contacts: f64) -> Self {
+        let at = law.at(overlap, overlap, pair);
+        let across = if law.mu > 0.0 { 1.0 } else { 0.0 };
+        let (k_t, gamma_t) = (at.k_t * across, at.gamma_t * across);
+        let rolls = law.mu_rolling > 0.0;
         Self {
-            frequency_squared: inverse_mass * strongest(law.k_n, k_t, contacts),
-            decay: inverse_mass * strongest(n, t, contacts),
+            frequency_squared: inverse_mass
+                * strongest(law.normal_slope(overlap, pair), k_t, contacts, rolls),
+            decay: inverse_mass * strongest(at.gamma_n, gamma_t, contacts, rolls),
         }
     }
 
-    /// Adds the contacts of a body under another law.
-    pub fn add(&mut self, law: &Law, inverse_mass: f64, contacts: f64) {
-        let more = Self::of(law, inverse_mass, contacts);
-        self.frequency_squared += more.frequency_squared;
-        self.decay += more.decay;
+    /// A body between `contacts` normal dashpots that slow it at a rate each [1/s].
+    pub fn of_dashpot(rate: f64, contacts: f64) -> Self {
+        Self { frequency_squared: 0.0, decay: rate * (contacts / 3.0).max(1.0) }
     }
 
-    /// Takes the worse of this and other contacts.
-    pub fn at_least(&mut self, law: &Law, inverse_mass: f64, contacts: f64) {
-        let other = Self::of(law, inverse_mass, contacts);
-        self.frequency_squared = self.frequency_squared.max(other.frequency_squared);
-        self.decay = self.decay.max(other.decay);
+    /// The contacts of a body under two laws.
+    pub fn and(self, more: Self) -> Self {
+        Self {
+            frequency_squared: self.frequency_squared + more.frequency_squared,
+            decay: self.decay + more.decay,
+        }
+    }
+
+    /// The worse of two.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            frequency_squared: self.frequency_squared.max(other.frequency_squared),
+            decay: self.decay.max(other.decay),
+        }
     }
 
     /// Verlet needs `dt < 2/w`; with the dashpot at predicted velocities `dt < 1/decay`: the
@@ -45,8 +55,11 @@ impl Stability {
 
 /// Largest eigenvalue of the sum of `contacts` springs (or dashpots) `n` along and `t` across
 /// normals that are spread evenly, at least that of one contact: translation `z (n + 2 t)/3`,
-/// rotation `z 5/2 2/3 t`; one contact `n`, and `7/2 t` across with the rotation of a sphere.
-fn strongest(n: f64, t: f64, contacts: f64) -> f64 {
-    let single = n.max(3.5 * t);
-    single.max(contacts * (n + 2.0 * t) / 3.0).max(contacts * 5.0 / 3.0 * t)
+/// rotation `z 5/2 2/3 t`; one contact `n`, and `7/2 t` across with the rotation of a sphere. Rolling
+/// springs `t R*^2` add as much again to a rotation.
+fn strongest(n: f64, t: f64, contacts: f64, rolls: bool) -> f64 {
+    let rolling = if rolls { 2.5 * t } else { 0.0 };
+    let single = n.max(3.5 * t + rolling);
+    let turning = 5.0 / 3.0 * t + 2.0 / 3.0 * rolling;
+    single.max(contacts * (n + 2.0 * t) / 3.0).max(contacts * turning)
 }

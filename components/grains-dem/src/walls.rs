@@ -1,7 +1,7 @@
-//! Walls: planes that never move.
+//! Walls: planes that stay where they are. A face of the domain may slide along itself.
 
-use crate::{Vec3, bodies::Ball};
-use tremie_messages::scene::{Domain, Face, Scene};
+use crate::{Vec3, bodies::Ball, laws::Laws};
+use tremie_messages::scene::{Face, Scene};
 
 /// A wall; bodies are on the side to which the normal points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,12 +10,14 @@ pub(crate) struct Wall {
     pub normal: Vec3,
     /// `x.normal` of the points of the wall [m].
     pub offset: f64,
+    /// Velocity along itself [m/s].
+    pub velocity: Vec3,
 }
 
 impl Wall {
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         let normal = normal.unscale(normal.norm_squared().sqrt());
-        Self { normal, offset: point.dot(&normal) }
+        Self { normal, offset: point.dot(&normal), velocity: Vec3::zeros() }
     }
 
     /// How far `ball` reaches into the wall [m]; negative while it does not touch.
@@ -25,13 +27,40 @@ impl Wall {
     }
 }
 
+/// Number of each wall's law with each material: `of[wall][material]`.
+pub(crate) type WallLaws = Vec<Vec<u16>>;
+
 /// The walls of a scene: first the domain's faces, `(lower, upper)` by axis, then its planes.
 pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
-    let mut walls = of_box(scene.domain.min, scene.domain.max, |axis, side| {
-        scene.domain.faces[axis][side] != Face::Periodic
-    });
+    let domain = &scene.domain;
+    let mut walls =
+        of_box(domain.min, domain.max, |axis, side| domain.faces[axis][side] != Face::Periodic);
+    let faces = domain.faces.iter().flatten().filter(|face| **face != Face::Periodic);
+    for (wall, face) in walls.iter_mut().zip(faces) {
+        if let Face::Wall { velocity } = face {
+            let velocity = Vec3::from(*velocity);
+            wall.velocity = velocity - wall.normal * velocity.dot(&wall.normal);
+        }
+    }
     walls.extend(scene.planes.iter().map(|p| Wall::through(p.point.into(), p.normal.into())));
     walls
+}
+
+/// The laws of the walls of [`of_scene`]; mirrors get laws of their own, without friction.
+pub(crate) fn laws_of_scene(scene: &Scene, laws: &mut Laws) -> WallLaws {
+    let surfaces = crate::laws::surfaces(scene);
+    let walls = surfaces.iter().take(of_scene(scene).len());
+    walls
+        .map(|wall| {
+            let material = laws.material(wall.material);
+            (0..laws.materials())
+                .map(|other| {
+                    let law = laws.between(material, other);
+                    if wall.mirror { laws.add_mirror(law) } else { law }
+                })
+                .collect()
+        })
+        .collect()
 }
 
 /// Walls on those faces of a box that `is_wall(axis, side)` names.
@@ -51,18 +80,4 @@ pub(crate) fn of_box(
         }
     }
     walls
-}
-
-/// What a user calls wall number `index` of [`of_scene`].
-pub(crate) fn name(domain: &Domain, index: usize) -> String {
-    let faces = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
-    let mut walls = faces.filter(|&(axis, side)| domain.faces[axis][side] != Face::Periodic);
-    let count = walls.clone().count();
-    match walls.nth(index) {
-        Some((axis, side)) => {
-            let (side, axis) = (["lower", "upper"][side], ["x", "y", "z"][axis]);
-            format!("the domain's {side} wall in {axis}")
-        }
-        None => format!("plane {}", index - count),
-    }
 }

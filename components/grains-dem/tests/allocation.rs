@@ -6,7 +6,8 @@ use std::{
     alloc::{GlobalAlloc, Layout, System},
     sync::atomic::{AtomicUsize, Ordering},
 };
-use tremie_messages::scene::Damping;
+use tremie_grains_dem::{GrainsDem, Parameters};
+use tremie_messages::scene::{Damping, Geometry, Motion, Part, PartBoundary, Pose};
 
 struct Counting;
 
@@ -33,15 +34,26 @@ static COUNTING: Counting = Counting;
 fn a_substep_allocates_nothing() {
     let mut scene = scene([6e-3, 6e-3, 10e-3], WALLS, law(1e3, 0.5, Damping::Restitution(0.3)));
     scene.gravity = [0.0, 0.0, -9.81];
-    scene.bodies = vec![packed([0.0; 3], [6e-3; 3], 0.5, (1e-3, 1e-3), 4)];
-    let mut dem = make(&scene, 4e-6);
-    dem.advance(20_000, &[]).unwrap();
+    // More bodies than a block, on two threads, around a part.
+    scene.bodies = vec![packed([0.0; 3], [6e-3; 3], 0.45, (0.6e-3, 0.6e-3), 4)];
+    scene.parts = vec![Part {
+        name: "post".into(),
+        geometry: Geometry::Box { size: [1e-3, 1e-3, 3e-3] },
+        pose: Pose { position: [3e-3, 3e-3, 1.5e-3], ..Pose::IDENTITY },
+        cavity: false,
+        material: "wall".into(),
+        motion: Motion::Fixed,
+        boundary: PartBoundary::Wall,
+    }];
+    let mut dem = GrainsDem::new(&scene, &Parameters::default(), 2e-6, 2).unwrap();
+    assert!(dem.body_count() > 512);
+    dem.advance(8_000, &[]).unwrap();
     let mut loads = vec![tremie_messages::Load::default(); dem.body_count()];
     for (id, load) in (0..).zip(&mut loads) {
         load.id = id;
     }
     let before = ALLOCATIONS.load(Ordering::Relaxed);
-    for _ in 0..1000 {
+    for _ in 0..200 {
         dem.advance(3, &loads).unwrap();
     }
     assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);

@@ -4,7 +4,7 @@ mod common;
 use common::*;
 use tremie_messages::{
     body::{BodyEvent, Load},
-    scene::{Damping, Motion, Placement},
+    scene::{Damping, Motion, MotionPoint, Placement},
 };
 
 #[test]
@@ -53,4 +53,32 @@ fn fixed_bodies_may_overlap_each_other() {
     dem.advance(10, &[]).unwrap();
     assert_eq!(dem.diagnostics().contacts, 0);
     assert!(matches!(&scene.bodies[0].placement, Placement::Listed(list) if list.len() == 2));
+}
+
+/// Velocities linear between points: positions are their exact integral, whatever the step.
+#[test]
+fn prescribed_points_are_followed_exactly() {
+    let point = |time, v: f64, w| MotionPoint {
+        time,
+        velocity: [v, -v, 0.0],
+        angular_velocity: [0.0, w, 0.0],
+    };
+    let points = vec![point(1e-3, 0.0, 0.0), point(3e-3, 1.0, 100.0), point(4e-3, 0.4, 0.0)];
+    let mut scene = scene([10e-3; 3], PERIODIC, law(1e4, 0.5, Damping::Restitution(1.0)));
+    scene.gravity = [0.0, 0.0, -9.81];
+    let driven = sphere([9.5e-3, 1e-3, 5e-3], 1e-3, [0.0; 3]);
+    scene.bodies = vec![set(Motion::Prescribed(points), vec![driven])];
+    let dt = 1e-3 / 1024.5;
+    let mut dem = make(&scene, dt);
+    let steps = 6000;
+    dem.advance(steps, &[]).unwrap();
+    let time = f64::from(steps) * dt;
+    // Half of 1 m/s for 2 ms, the mean of 1 and 0.4 for 1 ms, then 0.4 to the end.
+    let way = 1e-3 + 0.7e-3 + 0.4 * (time - 4e-3);
+    let end = state(&dem)[0];
+    assert!((end.position[0] - (9.5e-3 + way - 10e-3)).abs() < 1e-14, "{end:?} {way}");
+    assert!((end.position[1] - (1e-3 - way + 10e-3)).abs() < 1e-14);
+    assert_eq!(end.velocity, [0.4, -0.4, 0.0]);
+    let angle: f64 = 0.1 + 0.05;
+    assert!((end.orientation[1] - (0.5 * angle).sin()).abs() < 1e-6, "{end:?}");
 }

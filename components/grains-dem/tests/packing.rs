@@ -57,7 +57,7 @@ fn equal_seeds_give_equal_bits() {
 #[test]
 fn says_what_was_reached_when_a_fraction_is_out_of_reach() {
     let scene = scene_with(vec![packed([0.0; 3], [5e-3; 3], 0.7, SIZES, 1)]);
-    let problems = GrainsDem::new(&scene, &Parameters::default(), 1e-8).err().unwrap();
+    let problems = GrainsDem::new(&scene, &Parameters::default(), 1e-8, 1).err().unwrap();
     println!("{}", problems[0]);
     assert_eq!(problems[0].key, "scene.bodies[0].placement.packed.fraction");
     // Random packings reach 0.64, less between walls five diameters apart.

@@ -5,8 +5,11 @@ use common::*;
 use tremie_grains_dem::{GrainsDem, GrainsError, Parameters};
 use tremie_messages::{
     Problem,
-    scene::{Damping, Face, Motion, Plane, Scene, Spring},
-    units::Time,
+    scene::{
+        Damping, Diameters, Face, Geometry, Motion, MotionPoint, Part, PartBoundary, Placement,
+        Plane, Pose, Scene, SievePoint, Spring,
+    },
+    units::{Time, Velocity},
 };
 
 fn good() -> Scene {
@@ -33,7 +36,7 @@ fn key(change: impl Fn(&mut Scene, &mut Parameters)) -> String {
 
 fn spheres(scene: &mut Scene) -> &mut Vec<tremie_messages::scene::Sphere> {
     match &mut scene.bodies[0].placement {
-        tremie_messages::scene::Placement::Listed(list) => list,
+        Placement::Listed(list) => list,
         _ => unreachable!(),
     }
 }
@@ -122,7 +125,7 @@ fn own_parameters() {
     assert_eq!(key(|_, p| p.skin = Some(0.0)), "@skin");
     let found = problems(|_, p| p.time_step = Some(Time(1e-4)));
     assert!(found[0].help.as_ref().unwrap().contains("use"), "says what would do");
-    assert!(GrainsDem::new(&good(), &Parameters::default(), 1e-3).is_err());
+    assert!(GrainsDem::new(&good(), &Parameters::default(), 1e-3, 1).is_err());
 }
 
 #[test]
@@ -164,4 +167,99 @@ fn a_prescribed_body_may_not_leave() {
     let error = make(&scene, 1e-6).advance(5000, &[]).unwrap_err();
     println!("{error}");
     assert!(matches!(error, GrainsError::LeftDomain { id: 2, .. }), "{error}");
+}
+
+#[test]
+fn pairs_of_materials_without_a_law() {
+    let other = |s: &mut Scene, placed| {
+        let mut more = set(Motion::Free, vec![placed]);
+        more.material = "glass".into();
+        s.bodies.push(more);
+    };
+    let found = problems(|s, _| other(s, sphere([7e-3, 5e-3, 5e-3], 1e-3, [0.0; 3])));
+    let said: Vec<&str> = found.iter().map(|p| p.message.as_str()).collect();
+    assert_eq!(found.len(), 2, "{said:?}");
+    assert!(found.iter().all(|p| p.key == "scene.contacts"));
+    assert!(said[0].contains("\"grains\" and \"glass\""), "{said:?}");
+    assert!(said[1].contains("\"glass\" and \"wall\"") && said[1].contains("lower face in x"));
+    assert!(found[0].help.as_ref().unwrap().contains("[[scene.contacts]]"));
+    // A plane of another material asks for a law of its own.
+    let plane = Plane { point: [5e-3; 3], normal: [0.0, 0.0, 1.0], material: "steel".into() };
+    let found = problems(|s, _| {
+        let mut plane = plane.clone();
+        plane.point[2] = 0.0;
+        s.planes.push(plane);
+    });
+    assert!(found[0].message.contains("\"steel\"") && found[0].message.contains("plane 0"));
+}
+
+#[test]
+fn hertz_takes_no_coefficients() {
+    let hertz = Spring::Hertz { effective_modulus: 1e9, effective_shear_modulus: 3e8 };
+    let found = key(|s, _| {
+        law_of(s).spring = hertz;
+        law_of(s).damping = coefficients(1.0, 1.0);
+    });
+    assert_eq!(found, "scene.contacts[0].law.damping");
+    let soft = Spring::Hertz { effective_modulus: 0.0, effective_shear_modulus: 3e8 };
+    let found = key(|s, _| law_of(s).spring = soft);
+    assert_eq!(found, "scene.contacts[0].law.effective_modulus");
+    assert_eq!(
+        key(|s, _| law_of(s).rolling_friction = -1.0),
+        "scene.contacts[0].law.rolling_friction"
+    );
+    assert_eq!(key(|_, p| p.expected_speed = Some(Velocity(0.0))), "@expected_speed");
+}
+
+#[test]
+fn distributions_of_diameters() {
+    let found = |diameters: Diameters| {
+        problems(move |s, _| {
+            let mut bodies = packed([0.0; 3], [9e-3; 3], 0.2, (1e-3, 1e-3), 1);
+            if let Placement::Packed(packing) = &mut bodies.placement {
+                packing.diameters = diameters.clone();
+            }
+            s.bodies = vec![bodies];
+        })
+    };
+    let of = "scene.bodies[0].placement.packed.diameters";
+    let normal = |mean, deviation| Diameters::Normal { mean, deviation, min: 1e-3, max: 2e-3 };
+    assert_eq!(found(normal(1e-3, 0.0))[0].key, format!("{of}.normal.deviation"));
+    assert_eq!(found(normal(1.0, 1e-3))[0].key, of);
+    let spread = Diameters::LogNormal { median: 1e-3, spread: 1.0, min: 1e-3, max: 2e-3 };
+    assert_eq!(found(spread)[0].key, format!("{of}.lognormal.spread"));
+    let sieve = |points: &[(f64, f64)]| {
+        let point = |&(size, passing): &(f64, f64)| SievePoint { size, passing };
+        found(Diameters::Sieve(points.iter().map(point).collect()))[0].key.clone()
+    };
+    assert_eq!(sieve(&[(1e-3, 0.0), (1e-3, 1.0)]), format!("{of}.sieve[1].size"));
+    assert_eq!(
+        sieve(&[(1e-3, 0.0), (2e-3, 0.5), (3e-3, 0.4), (4e-3, 1.0)]),
+        format!("{of}.sieve[2].passing")
+    );
+    assert_eq!(sieve(&[(1e-3, 0.1), (2e-3, 1.0)]), format!("{of}.sieve"));
+}
+
+#[test]
+fn parts_and_motions() {
+    let part = |motion| Part {
+        name: "post".into(),
+        geometry: Geometry::Box { size: [1e-3; 3] },
+        pose: Pose { position: [3e-3, 5e-3, 4.2e-3], ..Pose::IDENTITY },
+        cavity: false,
+        material: "wall".into(),
+        motion,
+        boundary: PartBoundary::Wall,
+    };
+    let found = problems(|s, _| s.parts = vec![part(Motion::Fixed)]);
+    assert_eq!(found[0].key, "scene.bodies[0].placement");
+    assert!(found[0].message.contains("into part \"post\""), "{}", found[0]);
+    assert_eq!(key(|s, _| s.parts = vec![part(Motion::Free)]), "scene.parts[0].motion");
+    let at = |time| MotionPoint { time, velocity: [0.0; 3], angular_velocity: [0.0; 3] };
+    let back = Motion::Prescribed(vec![at(1.0), at(1.0)]);
+    let found = key(|s, _| s.parts = vec![part(back.clone())]);
+    assert_eq!(found, "scene.parts[0].motion.prescribed[1].time");
+    let lost = Geometry::File { path: "/nowhere/at.stl".into(), unit: 1.0 };
+    let found = key(|s, _| s.parts = vec![Part { geometry: lost.clone(), ..part(Motion::Fixed) }]);
+    assert_eq!(found, "scene.parts[0].geometry");
 }

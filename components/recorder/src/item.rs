@@ -68,7 +68,7 @@ impl Item {
     }
 
     /// Window of the frame.
-    pub(crate) fn window(&self) -> u64 {
+    pub fn window(&self) -> u64 {
         match self {
             Item::Bodies { at, .. } | Item::Slice { at, .. } | Item::Signals { at, .. } => {
                 at.stamp.window

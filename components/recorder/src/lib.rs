@@ -29,7 +29,8 @@
 //!
 //! Frames wait until their window is whole: until every lossless stream that is due has
 //! arrived, and some component is [`HOLD`](windows::HOLD) windows ahead, which in a coupled run
-//! means that all have completed it. The end of a run drops what lies beyond its last common
+//! means that all have completed it. Should a stream end while others go on, at most 64 windows wait,
+//! then the oldest is written as it is, and the recorder's note says so. The end of a run drops what lies beyond its last common
 //! window. The log is written last and whole: what was said about the end belongs to the record.
 //!
 //! # Ends

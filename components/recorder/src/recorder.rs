@@ -13,6 +13,10 @@ use tremie_messages::start::{Description, Signal};
 use tremie_messages::{INTERFACE_VERSION, Problem};
 use tremie_sdk::{Moment, Observer, ObserverError, Setup};
 
+/// Most windows that wait to become whole. Coupled components are a few windows apart and a stream
+/// holds a few frames: in good order this is never reached, and a file of equal runs stays equal.
+const MOST_WAITING: usize = 64;
+
 /// Writes a run to MCAP.
 pub struct Recorder {
     /// `None` once it is closed.
@@ -24,6 +28,8 @@ pub struct Recorder {
     lines: Vec<Entry>,
     written: Option<u64>,
     frames: u64,
+    /// Windows that were written although frames of them were missing.
+    partial: u64,
 }
 
 fn failed(error: impl std::fmt::Display) -> ObserverError {
@@ -58,13 +64,23 @@ impl Recorder {
         let window = at.stamp.window;
         self.progress.arrived(&stream, window);
         self.waiting.entry(window).or_default().insert(stream, entry);
-        while let Some(first) = self.waiting.first_entry()
-            && self.progress.is_whole(*first.key())
-        {
-            let (window, entries) = first.remove_entry();
+        while let Some((window, entries)) = self.next_due() {
             self.write(window, entries)?;
         }
         Ok(())
+    }
+
+    /// The oldest waiting window, if it is whole, or if too many wait: a stream that has ended must
+    /// not make all others pile up.
+    fn next_due(&mut self) -> Option<(u64, BTreeMap<Stream, Entry>)> {
+        let waiting = self.waiting.len();
+        let first = self.waiting.first_entry()?;
+        let is_whole = self.progress.is_whole(*first.key());
+        if !is_whole && waiting <= MOST_WAITING {
+            return None;
+        }
+        self.partial += u64::from(!is_whole);
+        Some(first.remove_entry())
     }
 
     /// Writes a window. Channels are added here and not on arrival, so that their order is that of the
@@ -117,6 +133,7 @@ impl Observer for Recorder {
             lines: Vec::new(),
             written: None,
             frames: 0,
+            partial: 0,
         })
     }
 
@@ -195,8 +212,12 @@ impl Observer for Recorder {
             0 => String::new(),
             n => format!(", {n} windows beyond the last common one left out"),
         };
+        let partial = match self.partial {
+            0 => String::new(),
+            n => format!(", {n} windows written before all their frames had come"),
+        };
         Ok(format!(
-            "{}: {} frames up to window {}{dropped}",
+            "{}: {} frames up to window {}{dropped}{partial}",
             self.name,
             self.frames,
             self.written.unwrap_or(0)

@@ -99,8 +99,22 @@ impl Recording {
     ///
     /// # Errors
     /// If a frame cannot be read, or the observer fails.
-    pub fn replay<O: Observer>(mut self, observer: &mut O) -> Result<End, ReadError> {
-        for item in self.items.by_ref() {
+    pub fn replay<O: Observer>(self, observer: &mut O) -> Result<End, ReadError> {
+        self.replay_while(observer, || true)
+    }
+
+    /// As [`Recording::replay`], as long as `wanted` says so before each frame. The end is that of
+    /// the frames which were played.
+    ///
+    /// # Errors
+    /// As [`Recording::replay`].
+    pub fn replay_while<O: Observer>(
+        mut self,
+        observer: &mut O,
+        wanted: impl Fn() -> bool,
+    ) -> Result<End, ReadError> {
+        while wanted() {
+            let Some(item) = self.items.next() else { break };
             item?.tell(observer)?;
         }
         Ok(self.items.end())

@@ -212,3 +212,85 @@ pub fn signals(name: &str, fields: &[String]) -> Vec<u8> {
         file(&path, "tremie.signals", &[TIMESTAMP_FILE], vec![message(name, &all)]),
     ])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::proto;
+    use prost::encoding::{DecodeContext, WireType, decode_key, skip_field};
+
+    /// How a field of this kind lies in a message; lists of numbers are packed.
+    fn wire_type(field: &FieldDescriptorProto) -> WireType {
+        match field.r#type() {
+            _ if field.label() == Label::Repeated => WireType::LengthDelimited,
+            Type::Double | Type::Fixed64 => WireType::SixtyFourBit,
+            Type::Float | Type::Fixed32 => WireType::ThirtyTwoBit,
+            Type::String | Type::Bytes | Type::Message => WireType::LengthDelimited,
+            _ => WireType::Varint,
+        }
+    }
+
+    /// Expects that the schema of `name` in `set` describes every field of the encoded `message`.
+    #[track_caller]
+    fn describes(set: &[u8], name: &str, message: &impl Message) {
+        let set = FileDescriptorSet::decode(set).unwrap();
+        let mut known = set.file.iter().flat_map(|file| &file.message_type);
+        let schema = known.find(|known| known.name() == name).unwrap();
+        let (bytes, mut found) = (message.encode_to_vec(), 0);
+        let mut rest = &bytes[..];
+        while !rest.is_empty() {
+            let (number, wire) = decode_key(&mut rest).unwrap();
+            let field = schema.field.iter().find(|field| field.number() == number as i32);
+            let field = field.unwrap_or_else(|| panic!("{name} has no field {number}"));
+            assert_eq!(wire, wire_type(field), "{name}.{}", field.name());
+            skip_field(wire, number, &mut rest, DecodeContext::default()).unwrap();
+            found += 1;
+        }
+        assert!(found > 0, "{name}: nothing was encoded");
+    }
+
+    #[test]
+    fn schemas_describe_the_messages_as_they_are_written() {
+        let (one, time) = (1.0, Some(proto::timestamp(1)));
+        let vector = proto::Vector3 { x: one, y: one, z: one };
+        let quaternion = proto::Quaternion { x: one, y: one, z: one, w: one };
+        let pose =
+            proto::Pose { position: Some(vector.clone()), orientation: Some(quaternion.clone()) };
+        let field = proto::PackedElementField { name: "x".into(), offset: 8, r#type: 7 };
+        let cloud = proto::PointCloud {
+            timestamp: time,
+            frame_id: "world".into(),
+            pose: Some(pose.clone()),
+            point_stride: 12,
+            fields: vec![field.clone()],
+            data: vec![1],
+        };
+        let grid = proto::Grid {
+            origin: vec![one; 3],
+            step_0: vec![one; 3],
+            step_1: vec![one; 3],
+            count: vec![2; 2],
+        };
+        let frame = proto::Frame {
+            timestamp: time,
+            topic: "/log".into(),
+            window: 1,
+            ticks: 1,
+            events: 1,
+            substep: 1,
+            iteration: 1,
+            time: one,
+            level: 1,
+            grid: Some(grid.clone()),
+        };
+        let line = proto::Log { timestamp: time, level: 1, message: "a".into(), name: "b".into() };
+        describes(&point_cloud(), "Vector3", &vector);
+        describes(&point_cloud(), "Quaternion", &quaternion);
+        describes(&point_cloud(), "Pose", &pose);
+        describes(&point_cloud(), "PackedElementField", &field);
+        describes(&point_cloud(), "PointCloud", &cloud);
+        describes(&super::frame(), "Grid", &grid);
+        describes(&super::frame(), "Frame", &frame);
+        describes(&log(), "Log", &line);
+    }
+}

@@ -201,6 +201,25 @@ fn windows_beyond_the_last_common_one_are_left_out() {
 }
 
 #[test]
+fn a_stream_that_ends_does_not_hold_up_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut recorder = Recorder::open(&setup(folder.path(), 1)).unwrap();
+    let tell = |item: &Item, recorder: &mut Recorder| item.tell(recorder).unwrap();
+    run(9).iter().for_each(|item| tell(item, &mut recorder));
+    // From here on the signals are missing.
+    let rest: Vec<_> = (10..500).flat_map(|w| [bodies(w, 20), slice(w, [6, 4])]).collect();
+    rest.iter().for_each(|item| tell(item, &mut recorder));
+    let written = std::fs::metadata(folder.path().join("run.mcap")).unwrap().len();
+    assert!(written > 100_000, "only {written} bytes were written, the rest waits in memory");
+    let note = recorder.close(499).unwrap();
+    assert!(note.contains("426 windows written before all their frames had come"), "{note}");
+    let (back, end) = read(folder.path());
+    assert_eq!(back[..30], run(9)[..]);
+    assert_eq!(back[30..], rest[..]);
+    assert!(end.complete);
+}
+
+#[test]
 fn what_a_killed_recorder_wrote_can_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let mut recorder = Recorder::open(&setup(folder.path(), 1)).unwrap();

@@ -1,6 +1,7 @@
 //! What every step of a component's loop needs: who it is, how far it may go, how long it waited.
 
 use crate::line::Line;
+use crate::physics::SolverError;
 use crate::stop::Stop;
 use std::time::{Duration, Instant, SystemTime};
 use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, Wait};
@@ -8,6 +9,7 @@ use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::schedule::Edge;
 use tremie_messages::start::{Assignment, Fault, FaultKind, Injection, InjectionKind, Reply};
+use tremie_messages::units;
 
 /// A wait longer than this is told to the orchestrator, which sees when all wait for each other.
 const LONG_WAIT: Duration = Duration::from_millis(60);
@@ -83,9 +85,9 @@ impl<S: Between> Context<S> {
     ) -> Result<(Attachment<S>, Bell<S>, Receiver<S, Stamp, Credit>, Sender<S, Report, f64>), Stop>
     {
         let transport = &assignment.transport;
-        let patience = Duration::from_secs_f64(transport.deadline);
+        let patience = units::wait(transport.deadline);
         let attachment = Attachment::open(&transport.root, &transport.prefix, component, patience)?;
-        let bell = Bell::hang(&attachment, component, Duration::from_secs_f64(transport.poll))?;
+        let bell = Bell::hang(&attachment, component, units::wait(transport.poll))?;
         let credit = attachment.receiver(credit_spec(&transport.credit_service))?;
         let report = attachment.sender(ChannelSpec {
             service: &transport.report_service,
@@ -143,6 +145,11 @@ impl<S: Between> Context<S> {
         })
     }
 
+    /// This component's own solver failed in the present window.
+    pub fn solver_failed(&self, error: &SolverError) -> Stop {
+        self.fault(FaultKind::Solver, &self.component, error.to_string())
+    }
+
     /// Waits until `check` gives something; ends at the deadline, or at once when aborted.
     ///
     /// `from` is the peer that is waited for, `what` what it owes, as `state of window 7`, and `owed`
@@ -158,7 +165,7 @@ impl<S: Between> Context<S> {
             return Ok(found);
         }
         let begin = Instant::now();
-        let deadline = begin + Duration::from_secs_f64(self.assignment.transport.deadline);
+        let deadline = begin + units::wait(self.assignment.transport.deadline);
         let Self { bell, credit, granted, finish, line, component, window, .. } = self;
         let mut told: Option<Instant> = None;
         let since = clock();

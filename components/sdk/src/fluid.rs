@@ -104,9 +104,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
         context.spent.compute += begin.elapsed().as_nanos() as u64;
         self.impulse.add(loads, context.assignment.clock.window());
         self.loads = loan;
-        done.map_err(|error| {
-            context.fault(FaultKind::Solver, &context.component, error.to_string())
-        })
+        done.map_err(|error| context.solver_failed(&error))
     }
 
     fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop> {
@@ -140,8 +138,6 @@ impl<S: Between, F: Fluid> FluidPlayer<S, F> {
                 }
             }
         }
-        self.fluid.events(events).map_err(|error| {
-            context.fault(FaultKind::Solver, &context.component, error.to_string())
-        })
+        self.fluid.events(events).map_err(|error| context.solver_failed(&error))
     }
 }

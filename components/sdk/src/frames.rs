@@ -2,10 +2,10 @@
 
 use crate::context::Context;
 use crate::stop::Stop;
-use std::time::Duration;
 use tremie_channels::{Between, ChannelError, ChannelSpec, Ringer, Sender};
 use tremie_messages::frame::{BodySample, SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::start::{FrameContent, FrameStream, Reply, VolumeGrid};
+use tremie_messages::units::wait;
 use tremie_messages::{BodyEvent, BodyState, Stamp};
 
 /// A stream of frames to one observer.
@@ -20,6 +20,8 @@ struct Outlet<S: Between> {
     plan: FrameStream,
     stream: Stream<S>,
     ringer: Ringer<S>,
+    /// Window of the frame before.
+    sent: Option<u64>,
     broken: bool,
 }
 
@@ -57,7 +59,7 @@ impl<S: Between> Frames<S> {
     pub fn open(context: &Context<S>) -> Result<Self, Stop> {
         // A share of the deadline: an observer that takes nothing is given up before the component
         // that waits for it counts as hung itself.
-        let patience = Duration::from_secs_f64(context.assignment.transport.deadline / 4.0);
+        let patience = wait(context.assignment.transport.deadline / 4.0);
         let open = &context.attachment;
         let mine = |plan: &&FrameStream| plan.from == context.component;
         let mut outlets = Vec::new();
@@ -80,6 +82,7 @@ impl<S: Between> Frames<S> {
                 plan: plan.clone(),
                 stream,
                 ringer: Ringer::of(&context.attachment, &plan.to)?,
+                sent: None,
                 broken: false,
             });
         }
@@ -91,18 +94,38 @@ impl<S: Between> Frames<S> {
     /// An observer that takes nothing is given up, and the orchestrator told so: observers never stop
     /// the physics.
     pub fn send(&mut self, context: &mut Context<S>, shown: &mut impl Shows, signals: &[f64]) {
-        let window = context.window;
-        let last = context.assignment.windows;
         for index in 0..self.outlets.len() {
-            let outlet = &self.outlets[index];
-            let due = window.is_multiple_of(outlet.plan.every) || window == last;
-            if outlet.broken || !due {
-                continue;
+            if context.window.is_multiple_of(self.outlets[index].plan.every) {
+                self.send_one(index, context, shown, signals);
             }
-            let sent = outlet.send(context.stamp(window), shown, signals);
-            if let Err(error) = sent.and_then(|()| outlet.ringer.ring()) {
-                self.give_up(index, &error, context);
+        }
+    }
+
+    /// Sends those frames of the present window that were not due: it turned out to be the last, and
+    /// observers shall see how the run ended.
+    pub fn send_last(&mut self, context: &mut Context<S>, shown: &mut impl Shows, signals: &[f64]) {
+        for index in 0..self.outlets.len() {
+            if self.outlets[index].sent != Some(context.window) {
+                self.send_one(index, context, shown, signals);
             }
+        }
+    }
+
+    fn send_one(
+        &mut self,
+        index: usize,
+        context: &mut Context<S>,
+        shown: &mut impl Shows,
+        signals: &[f64],
+    ) {
+        let outlet = &mut self.outlets[index];
+        if outlet.broken {
+            return;
+        }
+        outlet.sent = Some(context.window);
+        let sent = outlet.send(context.stamp(context.window), shown, signals);
+        if let Err(error) = sent.and_then(|()| outlet.ringer.ring()) {
+            self.give_up(index, &error, context);
         }
     }
 

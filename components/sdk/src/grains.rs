@@ -11,7 +11,6 @@ use crate::stop::Stop;
 use std::time::Instant;
 use tremie_channels::{Between, Received};
 use tremie_messages::schedule::Content;
-use tremie_messages::start::FaultKind;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem, Stamp};
 
 /// Grains with their edges.
@@ -90,9 +89,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
         let begin = Instant::now();
         let done = self.grains.advance(context.substeps, loads);
         context.spent.compute += begin.elapsed().as_nanos() as u64;
-        done.map_err(|error| {
-            context.fault(FaultKind::Solver, &context.component, error.to_string())
-        })?;
+        done.map_err(|error| context.solver_failed(&error))?;
         self.note_events();
         Ok(())
     }

@@ -8,7 +8,7 @@ use crate::serve::panic_text;
 use crate::setup::Setup;
 use crate::stop::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tremie_channels::{Between, Receiver};
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::start::{
@@ -18,6 +18,8 @@ use tremie_messages::{Problem, Stamp};
 
 /// How long an observer sleeps when there is nothing to see and nobody rings.
 const NAP: Duration = Duration::from_millis(50);
+/// How often an observer says at the run's end that it is still taking frames.
+const PULSE: Duration = Duration::from_millis(500);
 
 enum Input<S: Between> {
     Bodies(Receiver<S, Stamp, BodySample>),
@@ -91,30 +93,44 @@ fn watch<S: Between, O: Observer>(
     let gone = |_| Stop::Aborted;
     context.line().reply(&Reply::Ready {}).map_err(gone)?;
     let mut watching = false;
+    let mut told = Instant::now();
     loop {
         // Asked before the last look: what was sent before the request is then surely seen.
         let finishing = context.finish_requested()?;
-        let mut seen = 0;
+        let mut seen = false;
+        // One frame of each stream after the other, so that no stream runs far ahead.
         for inlet in &mut inlets {
-            seen += inlet.drain(observer, context)?;
+            seen |= inlet.show_next(observer, context)?;
+            if finishing && seen && told.elapsed() > PULSE {
+                told = Instant::now();
+                context.line().reply(&Reply::Busy {}).map_err(gone)?;
+            }
         }
         if !watching && inlets.iter().all(Inlet::has_begun) {
             watching = true;
             context.line().reply(&Reply::Watching {}).map_err(gone)?;
         }
-        if finishing && seen == 0 {
-            let last = context.granted().unwrap_or(0);
-            let mut note = observer.close(last).map_err(|error| wrong(context, error))?;
-            let lost: u64 = inlets.iter().map(|inlet| inlet.lost).sum();
-            if lost > 0 {
-                note = format!("{note} ({lost} frames skipped)");
-            }
-            return Ok((last, note));
+        if finishing && !seen {
+            context.line().reply(&Reply::Busy {}).map_err(gone)?;
+            return close(observer, context, &inlets);
         }
-        if seen == 0 {
+        if !seen {
             context.rest(NAP)?;
         }
     }
+}
+
+/// Closes the observer's outputs; returns the run's last window and a note for the summary.
+fn close<S: Between, O: Observer>(
+    observer: &mut O,
+    context: &Context<S>,
+    inlets: &[Inlet<S>],
+) -> Result<(u64, String), Stop> {
+    let last = context.granted().unwrap_or(0);
+    let note = observer.close(last).map_err(|error| wrong(context, error))?;
+    let lost: u64 = inlets.iter().map(|inlet| inlet.lost).sum();
+    let skipped = if lost > 0 { format!(" ({lost} frames skipped)") } else { String::new() };
+    Ok((last, note + &skipped))
 }
 
 fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> {
@@ -141,23 +157,22 @@ impl<S: Between> Inlet<S> {
         self.before.is_some() || self.plan.content == FrameContent::Log
     }
 
-    /// Shows the observer all frames that have arrived; returns how many.
-    fn drain<O: Observer>(
+    /// Shows the observer the next frame, if one has arrived; returns whether.
+    fn show_next<O: Observer>(
         &mut self,
         observer: &mut O,
         context: &mut Context<S>,
-    ) -> Result<usize, Stop> {
-        let mut seen = 0;
-        while let Some(stamp) = self.show_one(observer, context)? {
-            context.window = stamp.window;
-            if !matches!(self.plan.content, FrameContent::Log) {
-                let step = self.before.map_or(0, |before| stamp.window.saturating_sub(before));
-                self.lost += (step / self.plan.every.max(1)).saturating_sub(1);
-                self.before = Some(stamp.window);
-            }
-            seen += 1;
+    ) -> Result<bool, Stop> {
+        let Some(stamp) = self.show_one(observer, context)? else {
+            return Ok(false);
+        };
+        context.window = stamp.window;
+        if self.plan.content != FrameContent::Log {
+            let step = self.before.map_or(0, |before| stamp.window.saturating_sub(before));
+            self.lost += (step / self.plan.every.max(1)).saturating_sub(1);
+            self.before = Some(stamp.window);
         }
-        Ok(seen)
+        Ok(true)
     }
 
     fn show_one<O: Observer>(

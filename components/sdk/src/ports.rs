@@ -3,7 +3,9 @@
 
 use crate::context::Context;
 use crate::stop::Stop;
-use tremie_channels::{Between, ChannelSpec, Loan, Received, Receiver, Ringer, Sender};
+use tremie_channels::{
+    Between, ChannelError, ChannelSpec, Loan, Received, Receiver, Ringer, Sender,
+};
 use tremie_messages::schedule::Edge;
 use tremie_messages::start::{FaultKind, InjectionKind};
 use tremie_messages::{BodyState, Load, Message, Stamp};
@@ -74,8 +76,12 @@ impl<S: Between, T: Message> InPort<S, T> {
     pub fn take(&self, context: &mut Context<S>, lag: u64) -> Result<Received<S, Stamp, T>, Stop> {
         let expected = context.expected(&self.edge, lag);
         let what = || format!("{} of window {}", self.edge.content.name(), expected.window);
-        let message = context
-            .wait(&self.edge.from, &what, expected.window, || Ok(self.receiver.take()?))?;
+        let window = context.window;
+        let look = || {
+            let broken = |error| Stop::on_edge(error, &self.edge, &self.edge.to, window);
+            self.receiver.take().map_err(broken)
+        };
+        let message = context.wait(&self.edge.from, &what, expected.window, look)?;
         if *message.header() == expected {
             return Ok(message);
         }
@@ -136,7 +142,7 @@ impl<S: Between, T: Message> OutPort<S, T> {
 
     /// Connects to the receiver, once all components are ready.
     pub fn connect(&self) -> Result<(), Stop> {
-        Ok(self.sender.connect()?)
+        self.sender.connect().map_err(|error| self.broken(error, 0))
     }
 
     /// Loans a message of `count` values.
@@ -146,8 +152,12 @@ impl<S: Between, T: Message> OutPort<S, T> {
 
     /// Sends `loan` with the stamp of the present window.
     pub fn send(&self, context: &Context<S>, loan: Loan<S, Stamp, T>) -> Result<(), Stop> {
-        loan.send(self.stamp(context))?;
-        Ok(self.ringer.ring()?)
+        let sent = loan.send(self.stamp(context)).and_then(|()| self.ringer.ring());
+        sent.map_err(|error| self.broken(error, context.window))
+    }
+
+    fn broken(&self, error: ChannelError, window: u64) -> Stop {
+        Stop::on_edge(error, &self.edge, &self.edge.from, window)
     }
 
     fn stamp(&self, context: &Context<S>) -> Stamp {

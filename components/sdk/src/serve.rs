@@ -158,14 +158,12 @@ fn live<S: Between, P: Player<S>>(player: &mut P, context: &mut Context<S>) -> R
     context.line().reply(&Reply::Ready {}).map_err(gone)?;
     let mut values = Vec::new();
     let script = context.assignment.script.clone();
-    let last = context.assignment.windows;
-    for window in 0..=last {
-        context.window = window;
-        context.substeps = 0;
+    for window in 0..=context.assignment.windows {
         let begin = Instant::now();
         if !context.may_start(window)? {
-            return Ok(window.saturating_sub(1));
+            break;
         }
+        (context.window, context.substeps) = (window, 0);
         if window == 0 {
             player.connect()?;
         } else {
@@ -178,7 +176,9 @@ fn live<S: Between, P: Player<S>>(player: &mut P, context: &mut Context<S>) -> R
         let work = player.work();
         context.send_report(begin, work, &values)?;
     }
-    Ok(last)
+    // Only here is it known that the window was the last: a run may end before its plan does.
+    frames.send_last(context, player, &values);
+    Ok(context.window)
 }
 
 fn play<S: Between, P: Player<S>>(

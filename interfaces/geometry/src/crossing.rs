@@ -1,8 +1,9 @@
 //! Where a segment meets the surface.
 
-use crate::exact::{Corners, agree, below, on_triangle};
+use crate::exact::{Corners, agree, below, on_triangle, turn, turns};
 use crate::surface::Surface;
 use crate::tree::Walk;
+use crate::vector::{cross, norm, sub};
 use crate::{Bounds, Vec3};
 
 /// Where a segment first meets a surface.
@@ -94,7 +95,49 @@ fn meet(triangle: &Corners, from: Vec3, to: Vec3) -> Option<f64> {
     if !agree(around) {
         return None;
     }
-    let fraction = start / (start - end);
+    if start == 0.0 {
+        return Some(0.0);
+    }
+    let fraction = clipped(start / (start - end), triangle, from, to, (start - end).abs());
     // A segment that starts off the surface crosses it later than at once, however it is rounded.
-    Some(if start == 0.0 { 0.0 } else { fraction.max(f64::MIN_POSITIVE) })
+    Some(fraction.max(f64::MIN_POSITIVE))
+}
+
+/// Sine of the angle to a triangle's plane below which it is worth looking at the edges as well.
+const GRAZING: f64 = 1e-2;
+
+/// A fraction that came from distances from a triangle's plane, made to lie in the triangle.
+///
+/// The flatter a segment meets the plane, the less those distances say where: rounding is divided by the
+/// sine of the angle. An edge that the segment passes at a larger angle knows better.
+fn clipped(fraction: f64, triangle: &Corners, from: Vec3, to: Vec3, climb: f64) -> f64 {
+    let [a, b, c] = *triangle;
+    let normal = cross(sub(b, a), sub(c, a));
+    let length = norm(sub(to, from));
+    let edges = [norm(sub(b, a)), norm(sub(c, b)), norm(sub(a, c))];
+    let longest = edges[0].max(edges[1]).max(edges[2]);
+    // The sine of the angle, or less for a slender triangle: its normal is not as sure.
+    let sine = climb / (longest * longest * length);
+    if sine > GRAZING {
+        return fraction;
+    }
+    let larger =
+        |best: usize, k: usize| if normal[k].abs() > normal[best].abs() { k } else { best };
+    let axis = (0..3).fold(0, larger);
+    let inward = if turn(axis, a, b, c) > 0.0 { 1.0 } else { -1.0 };
+    let (starts, ends) = (turns(axis, triangle, from), turns(axis, triangle, to));
+    let mut edges = [0, 1, 2].map(|i| {
+        let (start, end) = (inward * starts[i], inward * ends[i]);
+        ((start - end).abs() / (edges[i] * length), start, end)
+    });
+    // What the surest edge says is applied last.
+    edges.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
+    edges.iter().filter(|edge| edge.0 > sine).fold(fraction, |t, &(_, start, end)| {
+        let there = || start / (start - end);
+        match (start < 0.0, end < 0.0) {
+            (true, false) => t.max(there()),
+            (false, true) => t.min(there()),
+            _ => t,
+        }
+    })
 }

@@ -104,8 +104,9 @@ impl Finding {
     }
 }
 
-/// A number with six digits at most: a relaxation time of 0.500004 is not one of 0.5.
-fn short(value: f64) -> String {
+/// A number as a person would write it, with six digits at most: a relaxation time of 0.500004 is
+/// not one of 0.5.
+pub fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
         format!("{rounded}")

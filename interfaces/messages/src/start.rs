@@ -79,6 +79,9 @@ pub enum Reply {
         /// What failed.
         why: String,
     },
+    /// An observer that was told to finish is still at it: it has taken frames since it last spoke,
+    /// or begins to close its outputs. One that says nothing for some seconds counts as hung.
+    Busy {},
     /// The wait of the last [`Reply::Waiting`] is over.
     Resumed {},
     /// The last window is done and every message sent.
@@ -369,7 +372,7 @@ pub struct FrameStream {
     pub to: String,
     /// What a frame holds.
     pub content: FrameContent,
-    /// A frame every so many windows, and one of the start exchange.
+    /// A frame every so many windows, one of the start exchange, and one of the run's last window.
     pub every: u64,
     /// `true`: the sender waits (boundedly) for room; `false`: the oldest frame gives way.
     pub lossless: bool,

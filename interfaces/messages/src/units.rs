@@ -7,6 +7,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::borrow::Cow;
+use std::time::Duration;
 use uom::si::f64 as si;
 
 /// Unit spellings as `uom` knows them, from those that a keyboard types.
@@ -133,6 +134,16 @@ quantities! {
     Frequency, Frequency, "a frequency", "30 Hz", "Hz";
 }
 
+/// A wait of so many seconds of wall time. What is no length of a wait becomes the nearest that is:
+/// none, or [`LONGEST_WAIT`], so that no number from outside can make a clock overflow.
+pub fn wait(seconds: f64) -> Duration {
+    let seconds = seconds.clamp(0.0, LONGEST_WAIT.as_secs_f64());
+    Duration::try_from_secs_f64(seconds).unwrap_or(LONGEST_WAIT)
+}
+
+/// The longest wait for anything: a day.
+pub const LONGEST_WAIT: Duration = Duration::from_secs(24 * 60 * 60);
+
 /// Reads a quantity from a string and says, of anything else, what was expected.
 struct QuantityVisitor<T> {
     kind: &'static str,
@@ -209,6 +220,15 @@ mod tests {
         let message = serde_json::from_str::<Length>("3").unwrap_err().to_string();
         assert!(message.contains("bare number 3"), "{message}");
         assert!(message.contains("0.3 mm"), "{message}");
+    }
+
+    #[test]
+    fn every_number_is_some_wait() {
+        assert_eq!(wait(0.25), Duration::from_millis(250));
+        assert_eq!(wait(-1.0), Duration::ZERO);
+        for endless in [1e20, f64::INFINITY, f64::NAN] {
+            assert_eq!(wait(endless), LONGEST_WAIT);
+        }
     }
 
     #[test]

@@ -3,21 +3,27 @@
 //! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
 //! user ended a run.
 
+mod interrupts;
 mod run;
 mod simple;
+mod validate;
 mod view;
 
 pub use run::{check, run};
 pub use simple::{clean, component, components, conform, schema};
+pub use validate::validate;
 pub use view::view;
 
 use crate::manifest::{Manifest, ManifestErrors};
 use crate::run::RunError;
 use crate::terminal::Terminal;
+use serde_json::Value;
 use std::process::ExitCode;
 
 /// The input is wrong.
 const WRONG_INPUT: u8 = 2;
+/// The user asked for the end.
+const INTERRUPTED: u8 = 130;
 
 /// Says what is wrong with a manifest's text.
 fn refuse_text(errors: &ManifestErrors, json: bool, terminal: &Terminal) -> ExitCode {
@@ -29,8 +35,8 @@ fn refuse_text(errors: &ManifestErrors, json: bool, terminal: &Terminal) -> Exit
     ExitCode::from(WRONG_INPUT)
 }
 
-/// Says why a run did not begin.
-fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &Terminal) -> ExitCode {
+/// Says why a run or a check came to nothing.
+fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &mut Terminal) -> ExitCode {
     match error {
         RunError::Input(problems) => {
             if json {
@@ -40,8 +46,12 @@ fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &Terminal
             }
             ExitCode::from(WRONG_INPUT)
         }
+        RunError::Interrupted => {
+            terminal.end(&error.to_string(), Value::Null);
+            ExitCode::from(INTERRUPTED)
+        }
         other => {
-            eprintln!("error: {other}");
+            terminal.fail(&other.to_string());
             ExitCode::FAILURE
         }
     }

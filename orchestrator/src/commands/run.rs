@@ -1,23 +1,23 @@
 //! `tremie run` and `tremie check`.
 
+use super::interrupts::count_interrupts;
 use super::{refuse, refuse_text};
 use crate::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::doctor::{self, Judged};
 use crate::manifest::{self, Manifest};
-use crate::outputs::{Ending, Summary, choose_folder};
-use crate::run::{Execution, Prepared, RunError, prepare};
+use crate::outputs::{self, Ending, Summary, choose_folder};
+use crate::run::{Ended, Execution, Prepared, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use tremie_messages::Verdict;
 
 /// `tremie check`: everything up to the plan, and what its numbers mean.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
-    let terminal = Terminal::new(style(&arguments.manifest));
+    let mut terminal = Terminal::new(style(&arguments.manifest));
     let json = arguments.manifest.json;
     let mut manifest =
         match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
@@ -25,23 +25,31 @@ pub fn check(arguments: &CheckArgs) -> ExitCode {
             Err(errors) => return refuse_text(&errors, json, &terminal),
         };
     add_observers(&mut manifest, &View::None);
-    let folder = folder_of(&arguments.manifest.manifest);
-    match prepare(&manifest, &folder, Path::new(""), &Execution::default()) {
-        Ok(mut prepared) => {
-            if arguments.measure {
-                let windows = prepared.plan.windows;
-                match doctor::measure::wall_time(&manifest, &folder, windows) {
-                    Ok(time) => prepared.findings.push(time),
-                    Err(error) => return refuse(&error, &manifest, json, &terminal),
-                }
-            }
-            show_plan(&manifest, &prepared, &terminal);
-            let wrong = doctor::count(&prepared.findings, Verdict::Wrong);
-            prepared.dismiss();
-            ExitCode::from(u8::from(wrong > 0))
-        }
-        Err(error) => refuse(&error, &manifest, json, &terminal),
+    match check_components(&manifest, arguments, &terminal) {
+        Ok(wrong) => ExitCode::from(u8::from(wrong > 0)),
+        Err(error) => refuse(&error, &manifest, json, &mut terminal),
     }
+}
+
+/// The number of findings that are wrong.
+fn check_components(
+    manifest: &Manifest,
+    arguments: &CheckArgs,
+    terminal: &Terminal,
+) -> Result<usize, RunError> {
+    let interrupts = count_interrupts().map_err(RunError::Signals)?;
+    let folder = folder_of(&arguments.manifest.manifest);
+    let execution = Execution::default();
+    let mut prepared = prepare(manifest, &folder, Path::new(""), &execution, &interrupts)?;
+    if arguments.measure {
+        let windows = prepared.plan.windows;
+        let time = doctor::measure::wall_time(manifest, &folder, windows, &interrupts)?;
+        prepared.findings.push(time);
+    }
+    show_plan(manifest, &prepared, terminal);
+    let wrong = doctor::count(&prepared.findings, Verdict::Wrong);
+    prepared.dismiss();
+    Ok(wrong)
 }
 
 /// `tremie run`.
@@ -56,7 +64,7 @@ pub fn run(arguments: &RunArgs) -> ExitCode {
     add_observers(&mut manifest, &arguments.view);
     match run_checked(&manifest, arguments, &mut terminal) {
         Ok(code) => code,
-        Err(error) => refuse(&error, &manifest, json, &terminal),
+        Err(error) => refuse(&error, &manifest, json, &mut terminal),
     }
 }
 
@@ -71,7 +79,7 @@ fn run_checked(
     if arguments.in_process && !arguments.manifest.quiet {
         show_logs_of_threads();
     }
-    let interrupts = watch_signals()?;
+    let interrupts = count_interrupts().map_err(RunError::Signals)?;
     let folder = folder_of(&arguments.manifest.manifest);
     let execution = Execution {
         in_process: arguments.in_process,
@@ -79,58 +87,70 @@ fn run_checked(
         ..Execution::default()
     };
     let out = OutputFolder::new(arguments)?;
-    let prepared = prepare(manifest, &folder, out.path(), &execution)?;
+    let prepared = prepare(manifest, &folder, out.path(), &execution, &interrupts)?;
     show_plan(manifest, &prepared, terminal);
-    let out = out.keep();
-    terminal.say(&format!("outputs in {}", out.display()));
-    let ended = prepared.execute(manifest, &out, &execution, terminal, &interrupts)?;
+    terminal.say(&format!("outputs in {}", out.path().display()));
+    let executed = prepared.execute(manifest, out.path(), &execution, terminal, &interrupts);
+    if executed.as_ref().is_err_and(|error| !error.had_begun()) {
+        out.clear();
+    }
+    let mut ended = executed?;
     for (name, note) in ended.summary.observers.iter().filter(|(_, note)| !note.is_empty()) {
         terminal.say(&format!("{name}: {note}"));
     }
-    terminal.end(&last_line(&ended.summary, &out), details(&ended.summary));
-    if arguments.view == View::Web
-        && ended.is_serving("viewer")
-        && interrupts.load(Ordering::Relaxed) == 0
-    {
-        terminal.say("the viewer stays up; Ctrl-C ends it");
-        while interrupts.load(Ordering::Relaxed) == 0 {
-            std::thread::sleep(Duration::from_millis(50));
-        }
+    terminal.end(&last_line(&ended.summary, out.path()), details(&ended.summary));
+    if arguments.view == View::Web {
+        linger(&mut ended, terminal, &interrupts);
     }
     let summary = ended.close();
     Ok(ExitCode::from(summary.ending.exit_code()))
+}
+
+/// Lets the viewer serve the run until the user has seen enough, or the viewer is gone.
+fn linger(ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
+    let wanted = || interrupts.load(Ordering::Relaxed) == 0;
+    if !wanted() || !ended.is_serving("viewer") {
+        return;
+    }
+    terminal.say("the viewer stays up; Ctrl-C ends it");
+    while wanted() {
+        if !ended.is_serving("viewer") {
+            terminal.warn("the viewer has ended by itself: nothing is shown any longer");
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
 }
 
 /// A folder for outputs that is removed again if nothing comes of the run: a wrong manifest leaves
 /// nothing behind.
 struct OutputFolder {
     path: PathBuf,
-    keep: bool,
 }
 
 impl OutputFolder {
     fn new(arguments: &RunArgs) -> Result<Self, RunError> {
         let path = choose_folder(arguments.out.as_deref(), &arguments.manifest.manifest)?;
         let path = std::path::absolute(&path).unwrap_or(path);
-        Ok(Self { path, keep: false })
+        Ok(Self { path })
     }
 
     fn path(&self) -> &Path {
         &self.path
     }
 
-    fn keep(mut self) -> PathBuf {
-        self.keep = true;
-        self.path.clone()
+    /// Removes the files of a run that never began; nothing else that may lie there.
+    fn clear(&self) {
+        for name in [outputs::MANIFEST, outputs::SIGNALS, outputs::LOG, outputs::RECORDING] {
+            let _ = std::fs::remove_file(self.path.join(name));
+        }
     }
 }
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        if !self.keep {
-            // Removes it only if it is still empty.
-            let _ = std::fs::remove_dir(&self.path);
-        }
+        // Fails, as it shall, unless the folder is empty.
+        let _ = std::fs::remove_dir(&self.path);
     }
 }
 
@@ -192,24 +212,6 @@ fn show_logs_of_threads() {
         .with_target(false)
         .with_writer(std::io::stderr)
         .try_init();
-}
-
-/// Counts how often the user asks for the end.
-pub(super) fn watch_signals() -> Result<Arc<AtomicUsize>, RunError> {
-    let interrupts = Arc::new(AtomicUsize::new(0));
-    let mut signals = signal_hook::iterator::Signals::new([
-        signal_hook::consts::SIGINT,
-        signal_hook::consts::SIGTERM,
-        signal_hook::consts::SIGHUP,
-    ])
-    .map_err(RunError::Places)?;
-    let count = interrupts.clone();
-    std::thread::spawn(move || {
-        for _ in signals.forever() {
-            count.fetch_add(1, Ordering::Relaxed);
-        }
-    });
-    Ok(interrupts)
 }
 
 fn show_plan(manifest: &Manifest, prepared: &Prepared, terminal: &Terminal) {

@@ -1,8 +1,11 @@
 //! `tremie view OUT`: opens a finished run.
 
-use super::run::{viewer_settings, watch_signals};
+use super::INTERRUPTED;
+use super::interrupts::count_interrupts;
+use super::run::viewer_settings;
 use crate::cli::{View, ViewArgs};
 use crate::outputs::RECORDING;
+use crate::run::RunError;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -13,7 +16,7 @@ use tremie_viewer::Viewer;
 /// `tremie view OUT`: plays the run's recording to the very viewer that watches runs live.
 pub fn view(arguments: &ViewArgs) -> ExitCode {
     match show(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(text) => {
             eprintln!("error: {text}");
             ExitCode::FAILURE
@@ -21,7 +24,7 @@ pub fn view(arguments: &ViewArgs) -> ExitCode {
     }
 }
 
-fn show(arguments: &ViewArgs) -> Result<(), String> {
+fn show(arguments: &ViewArgs) -> Result<ExitCode, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let Some(settings) = viewer_settings(&arguments.view) else {
         return Err("nothing to do with --view none".into());
@@ -34,19 +37,24 @@ fn show(arguments: &ViewArgs) -> Result<(), String> {
         )
     })?;
     let setup = recording.setup("viewer", &arguments.out, settings);
-    let interrupts = watch_signals().map_err(|error| text(&error))?;
+    let interrupts = count_interrupts().map_err(|error| text(&RunError::Signals(error)))?;
+    let wanted = || interrupts.load(Ordering::Relaxed) == 0;
     let mut viewer = Viewer::open(&setup).map_err(|error| text(&error))?;
-    let end = recording.replay(&mut viewer).map_err(|error| text(&error))?;
+    let end = recording.replay_while(&mut viewer, wanted).map_err(|error| text(&error))?;
     let note = viewer.close(end.last_common_window).map_err(|error| text(&error))?;
+    if !wanted() {
+        eprintln!("interrupted before the end of the recording; {note}");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
     if !end.complete {
         eprintln!("warning: the end of the recording is missing; its run was killed");
     }
     eprintln!("{note}");
     if arguments.view == View::Web {
         eprintln!("the viewer stays up; Ctrl-C ends it");
-        while interrupts.load(Ordering::Relaxed) == 0 {
+        while wanted() {
             std::thread::sleep(Duration::from_millis(50));
         }
     }
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }

@@ -1,9 +1,8 @@
 //! The program under trial, and runs with it.
 
 use crate::cli::ConformArgs;
-use crate::introduction::PATIENCE;
 use crate::launch::{Launcher, News, Peer, Post, Program};
-use crate::manifest::{self, Manifest};
+use crate::manifest::{self, Manifest, START_WITHIN};
 use crate::outputs::Summary;
 use crate::run::{Execution, prepare};
 use crate::terminal::{Style, Terminal};
@@ -12,6 +11,7 @@ use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 use tremie_messages::start::{Hello, Injection, InjectionKind, Reply, Request};
+use tremie_messages::units;
 use tremie_messages::{INTERFACE_VERSION, Role};
 
 /// The program under trial.
@@ -144,10 +144,10 @@ impl Subject {
             crate::run::RunError::Input(problems) => manifest.source.render(&problems, false),
             other => other.to_string(),
         };
-        let ended = prepare(&manifest, folder, out.path(), &execution)
+        let nobody = AtomicUsize::new(0);
+        let ended = prepare(&manifest, folder, out.path(), &execution, &nobody)
             .and_then(|prepared| {
                 let mut terminal = Terminal::new(Style::Silent);
-                let nobody = AtomicUsize::new(0);
                 prepared.execute(&manifest, out.path(), &execution, &mut terminal, &nobody)
             })
             .map_err(text)?;
@@ -159,9 +159,9 @@ impl Subject {
 
 /// The next reply of the program.
 pub fn next_reply(news: &Receiver<Post>) -> Result<Reply, String> {
-    let deadline = Instant::now() + PATIENCE;
+    let deadline = Instant::now() + units::wait(START_WITHIN);
     let mut words = String::new();
-    loop {
+    while Instant::now() < deadline {
         let left = deadline.saturating_duration_since(Instant::now());
         match news.recv_timeout(left) {
             Ok((_, News::Reply(reply))) => return Ok(*reply),
@@ -170,7 +170,8 @@ pub fn next_reply(news: &Receiver<Post>) -> Result<Reply, String> {
                 return Err(format!("it wrote a line on standard output that is no reply: {text}"));
             }
             Ok((_, News::Closed)) => return Err(format!("it ended without an answer; {words}")),
-            Err(_) => return Err("it did not answer".into()),
+            Err(_) => break,
         }
     }
+    Err(format!("it did not answer within {START_WITHIN} s"))
 }

@@ -37,7 +37,8 @@ fn kilobytes(text: &str, name: &str) -> Option<u64> {
 
 /// Bytes that a user may still write where `path` is, or where its nearest folder is.
 fn room(path: &Path) -> Option<u64> {
-    let path = std::path::absolute(path).ok()?;
+    // Nothing at all stands for the folder that the program runs in.
+    let path = std::path::absolute(Path::new(".").join(path)).ok()?;
     let there = path.ancestors().find(|folder| folder.exists())?;
     let room = rustix::fs::statvfs(there).ok()?;
     room.f_bavail.checked_mul(room.f_frsize)
@@ -53,6 +54,7 @@ mod tests {
         let (memory, available) = (machine.memory.unwrap(), machine.available.unwrap());
         assert!(memory >= available && available > 1 << 20);
         assert!(machine.disk.is_some());
+        assert!(Machine::ask(Path::new("")).disk.is_some());
         assert_eq!(kilobytes("MemTotal:       3 kB\n", "MemTotal:"), Some(3072));
         assert_eq!(kilobytes("MemFree: x", "MemFree:"), None);
     }

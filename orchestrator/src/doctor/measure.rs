@@ -9,13 +9,15 @@ use indicatif::HumanDuration;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tremie_messages::Finding;
 use tremie_messages::Role;
 
 /// How long windows are let go by; if none is over by then, the next longer time is tried.
 const TRIES: [Duration; 3] =
     [Duration::from_secs(2), Duration::from_secs(8), Duration::from_secs(60)];
+/// How often it is looked whether the user wants the end.
+const LOOK: Duration = Duration::from_millis(50);
 /// A run that takes longer is asked about [s].
 const LONG: f64 = 7.0 * 86_400.0;
 
@@ -27,13 +29,18 @@ const LONG: f64 = 7.0 * 86_400.0;
 ///
 /// # Errors
 /// As of a run; a fault of a component in these windows is a finding.
-pub fn wall_time(manifest: &Manifest, folder: &Path, windows: u64) -> Result<Judged, RunError> {
+pub fn wall_time(
+    manifest: &Manifest,
+    folder: &Path,
+    windows: u64,
+    interrupts: &AtomicUsize,
+) -> Result<Judged, RunError> {
     let mut manifest = manifest.clone();
     manifest.spec.components.retain(|component| component.role != Role::Observer);
     manifest.spec.stop_when.clear();
     let mut done = (0, 0.0);
     for time in TRIES {
-        let (ending, count, seconds) = some_windows(&manifest, folder, time)?;
+        let (ending, count, seconds) = some_windows(&manifest, folder, time, interrupts)?;
         if let Ending::Failed { fault } = ending {
             let finding = Finding::new("windows before a fault", count as f64, "1");
             return Ok(of_whole(finding.wrong_if(
@@ -55,25 +62,30 @@ fn some_windows(
     manifest: &Manifest,
     folder: &Path,
     time: Duration,
+    interrupts: &AtomicUsize,
 ) -> Result<(Ending, u64, f64), RunError> {
     let out = tempfile::tempdir().map_err(RunError::Places)?;
     let execution = Execution::default();
-    let prepared = prepare(manifest, folder, out.path(), &execution)?;
-    let interrupts = AtomicUsize::new(0);
+    let prepared = prepare(manifest, folder, out.path(), &execution, interrupts)?;
+    let end = AtomicUsize::new(0);
     let mut terminal = Terminal::new(Style::Silent);
     let (over, wait) = channel::<()>();
     let ended = std::thread::scope(|scope| {
-        let interrupts = &interrupts;
+        let end = &end;
         scope.spawn(move || {
-            if let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(time) {
-                interrupts.store(1, Ordering::Relaxed);
-            }
+            let begin = Instant::now();
+            let waits = || wait.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout);
+            while waits() && begin.elapsed() < time && interrupts.load(Ordering::Relaxed) == 0 {}
+            end.store(1, Ordering::Relaxed);
         });
-        let ended = prepared.execute(manifest, out.path(), &execution, &mut terminal, interrupts);
+        let ended = prepared.execute(manifest, out.path(), &execution, &mut terminal, end);
         drop(over);
         ended
     });
     let summary = ended?.close();
+    if interrupts.load(Ordering::Relaxed) > 0 {
+        return Err(RunError::Interrupted);
+    }
     Ok((summary.ending, summary.windows, summary.wall_time))
 }
 

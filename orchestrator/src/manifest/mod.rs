@@ -20,7 +20,9 @@ mod tests;
 mod tree;
 
 pub use source::Source;
-pub use spec::{ComponentSpec, Limit, MOST_SUBSTEPS, Outputs, RunOptions, Spec, StopCondition};
+pub use spec::{
+    ComponentSpec, Limit, MOST_SUBSTEPS, Outputs, RunOptions, START_WITHIN, Spec, StopCondition,
+};
 
 use document::Document;
 use std::path::{Path, PathBuf};

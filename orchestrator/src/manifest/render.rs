@@ -20,13 +20,15 @@ impl Source {
         out
     }
 
-    /// One JSON object a line, in the order of the file: `key`, `message`, `help`, `file`, `line`, `column`; line and column
-    /// (from 1) are null where the problem is not one of a line.
+    /// One JSON object a line, in the order of the file: `event` (`problem`), `key`, `message`, `help`,
+    /// `file`, `line`, `column`; line and column (from 1) are null where the problem is not one of a
+    /// line.
     pub fn json_lines(&self, problems: &[Problem]) -> String {
         let mut out = String::new();
         for problem in self.sorted(problems) {
             let at = self.at(problem).map(|at| line_and_column(&self.text, at.start));
             let line = serde_json::json!({
+                "event": "problem",
                 "key": problem.key,
                 "message": problem.message,
                 "help": problem.help,

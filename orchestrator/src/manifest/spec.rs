@@ -10,6 +10,10 @@ use tremie_messages::schedule::Schedule;
 /// Most substeps that a component may make in a coupling window.
 pub const MOST_SUBSTEPS: u32 = 1000;
 
+/// How long components may take to describe themselves, or to get ready, unless the manifest says
+/// otherwise [s].
+pub const START_WITHIN: f64 = 60.0;
+
 /// What a run shall be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
@@ -36,6 +40,8 @@ pub struct RunOptions {
     pub schedule: Schedule,
     /// Longest wait for a peer [s].
     pub deadline: f64,
+    /// Longest time for the components to describe themselves, and again to get ready [s].
+    pub start_within: f64,
     /// Seed of everything random.
     pub seed: u64,
 }

@@ -326,6 +326,7 @@ fn values_of_the_command_line_win_and_have_their_own_place() {
     wrong("run.until.x", "1", "is not a table");
     wrong("run..x", "1", "is not a key");
     wrong("run.seed", "nan", "a finite number");
+    wrong("run.deadline", "1e20 s", "expected at most 86400 s (a day)");
 }
 
 #[test]
@@ -377,10 +378,36 @@ fn a_missing_file_is_said() {
 #[test]
 fn the_schema_names_every_table_and_no_null() {
     let schema = schema_text();
-    for word in ["until", "viscosity", "between", "sync_iter", "stop_when", "0.3 mm"] {
+    for word in [
+        "until",
+        "viscosity",
+        "between",
+        "sync_iter",
+        "stop_when",
+        "0.3 mm",
+        "symmetry",
+        "ramp",
+        "youngs_modulus",
+        "sieve",
+        "cavity",
+        "rotation",
+        "probes",
+        "section",
+    ] {
         assert!(schema.contains(word), "{word}");
     }
     assert!(!schema.contains("null"), "{schema}");
+}
+
+#[test]
+fn the_manifests_of_the_readme_are_right() {
+    let readme = include_str!("../../../README.md");
+    let blocks: Vec<&str> =
+        readme.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    assert!(blocks.len() >= 2, "the README lost its manifests");
+    for block in blocks {
+        reads_back(block);
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::manifest::MOST_SUBSTEPS;
 use tremie_messages::Problem;
+pub(crate) use tremie_messages::finding::short;
 use tremie_messages::start::Clock;
 
 /// Ratios this close to a whole number are that number: steps come from divisions.
@@ -189,14 +190,4 @@ fn least_common_multiple(a: u64, b: u64) -> u64 {
 
 fn greatest_common_divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
-}
-
-/// A number with at most six digits, as a person would write it.
-pub(crate) fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
-    }
 }

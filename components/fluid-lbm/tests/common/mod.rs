@@ -2,13 +2,14 @@
 //! numbers read as in papers.
 #![allow(dead_code)]
 
-use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision, Variant};
+use tremie_fluid_lbm::{Collision, FluidLbm, OpenFaces, Parameters, Precision, Variant};
 use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Load};
 
 pub const PERIODIC: Face = Face::Periodic;
 pub const WALL: Face = Face::WALL;
+pub const SYMMETRY: Face = Face::Symmetry;
 
 /// A fluid to be made.
 #[derive(Clone, Debug)]
@@ -24,6 +25,10 @@ pub struct Case {
     pub velocity: [f64; 3],
     pub threads: usize,
     pub variant: Variant,
+    /// Velocity of the upper face of an axis, if that is a wall.
+    pub lid: (usize, [f64; 3]),
+    pub smagorinsky: f64,
+    pub open_faces: OpenFaces,
 }
 
 impl Case {
@@ -40,6 +45,9 @@ impl Case {
             velocity: [0.0; 3],
             threads: 1,
             variant: Variant::widest(),
+            lid: (2, [0.0; 3]),
+            smagorinsky: 0.0,
+            open_faces: OpenFaces::Nee,
         }
     }
 
@@ -48,7 +56,11 @@ impl Case {
     }
 
     pub fn scene(&self) -> Scene {
-        let faces = self.faces.clone().map(|face| [face.clone(), face]);
+        let mut faces = self.faces.clone().map(|face| [face.clone(), face]);
+        let (axis, velocity) = self.lid;
+        if let Face::Wall { velocity: lid } = &mut faces[axis][1] {
+            *lid = velocity;
+        }
         Scene {
             gravity: self.gravity,
             fluid: Some(FluidMaterial {
@@ -61,14 +73,21 @@ impl Case {
     }
 
     pub fn fluid(&self) -> FluidLbm {
+        self.fluid_of(&self.scene())
+    }
+
+    /// The fluid in a scene made from [`Case::scene`].
+    pub fn fluid_of(&self, scene: &Scene) -> FluidLbm {
         let parameters = Parameters {
             time_step: Some(Time(1.0)),
             collision: self.collision,
             precision: self.precision,
             average_force: self.average_force,
+            smagorinsky: self.smagorinsky,
+            open_faces: self.open_faces,
             ..Parameters::with_cell(1.0)
         };
-        FluidLbm::with_variant(&self.scene(), &parameters, 1.0, self.threads, self.variant).unwrap()
+        FluidLbm::with_variant(scene, &parameters, 1.0, self.threads, self.variant).unwrap()
     }
 }
 

@@ -9,7 +9,7 @@ const TRIES: usize = 2000;
 const NONE: u32 = u32::MAX;
 
 /// Inserts spheres of the given radii, the largest first; `None` when one does not fit.
-pub(super) fn insert(region: &Region, radii: &[f64], seed: u64) -> Option<Vec<Ball>> {
+pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Vec<Ball>> {
     let mut largest_first: Vec<usize> = (0..radii.len()).collect();
     largest_first.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]).then(a.cmp(&b)));
     let reach = region.obstacles.iter().map(|ball| ball.radius).chain(radii.iter().copied());
@@ -27,8 +27,10 @@ pub(super) fn insert(region: &Region, radii: &[f64], seed: u64) -> Option<Vec<Ba
     Some(grid.balls.split_off(region.obstacles.len()))
 }
 
-fn fits(region: &Region, grid: &Grid, ball: &Ball) -> bool {
-    region.walls.iter().all(|wall| wall.overlap(ball) <= 0.0) && !grid.overlaps(ball)
+fn fits(region: &Region<'_>, grid: &Grid, ball: &Ball) -> bool {
+    region.walls.iter().all(|wall| wall.overlap(ball) <= 0.0)
+        && !grid.overlaps(ball)
+        && region.depth_in_parts(ball).0 <= 0.0
 }
 
 /// Cells with linked lists of the spheres inserted so far.
@@ -42,7 +44,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(region: &Region, smallest_edge: f64, spheres: usize) -> Self {
+    fn new(region: &Region<'_>, smallest_edge: f64, spheres: usize) -> Self {
         let size = region.max - region.min;
         let mut edge = smallest_edge;
         let count = loop {

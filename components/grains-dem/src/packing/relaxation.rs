@@ -10,7 +10,7 @@ use crate::{
     Vec3,
     bodies::{Ball, Mobility},
     cells::Cells,
-    contact_list::{ContactList, near_bodies},
+    rows::Rows,
 };
 
 /// Sweeps before the fraction is called out of reach.
@@ -31,7 +31,7 @@ const SKIN: f64 = 0.15;
 const CLEAR: f64 = 1e-12;
 
 /// Spheres of the given radii without overlap; or the factor on all radii at which they came free.
-pub(super) fn relax(region: &Region, radii: &[f64], seed: u64) -> Result<Vec<Ball>, f64> {
+pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec<Ball>, f64> {
     let mut crowd = Crowd::new(region, radii, seed);
     if crowd.comes_free(SWEEPS) {
         crowd.balls.truncate(radii.len());
@@ -48,26 +48,42 @@ pub(super) fn relax(region: &Region, radii: &[f64], seed: u64) -> Result<Vec<Bal
     Err(0.0)
 }
 
+/// A sphere at the first of its random places whose centre is in no part. One that began in a part
+/// could be driven out through a face behind which there is no room.
+fn start(region: &Region<'_>, radius: f64, seed: u64, index: usize) -> Ball {
+    let mut random = place_stream(seed, index);
+    let mut place = || Ball { x: region.random_centre(radius, &mut random), radius };
+    let mut ball = place();
+    for _ in 0..TRIES {
+        if region.depth_in_parts(&ball).0 <= radius {
+            break;
+        }
+        ball = place();
+    }
+    ball
+}
+
+/// Places tried for a sphere that begins in a part.
+const TRIES: usize = 1000;
+
 /// The spheres of the packing, then the obstacles.
 struct Crowd<'a> {
-    region: &'a Region,
+    region: &'a Region<'a>,
     free: usize,
     balls: Vec<Ball>,
     mobility: Vec<Mobility>,
     skin: f64,
     cells: Cells,
-    list: ContactList,
+    list: Rows,
     reference: Vec<Vec3>,
+    /// Where each sphere was last seen, and by how much it was clear of parts.
+    clear: Vec<(Vec3, f64)>,
 }
 
 impl<'a> Crowd<'a> {
-    fn new(region: &'a Region, radii: &[f64], seed: u64) -> Self {
-        let mut balls: Vec<Ball> = (0..radii.len())
-            .map(|index| Ball {
-                x: region.random_centre(radii[index], &mut place_stream(seed, index)),
-                radius: radii[index],
-            })
-            .collect();
+    fn new(region: &'a Region<'a>, radii: &[f64], seed: u64) -> Self {
+        let mut balls: Vec<Ball> =
+            (0..radii.len()).map(|index| start(region, radii[index], seed, index)).collect();
         balls.extend(&region.obstacles);
         let mobile = Mobility { inverse_mass: 1.0, inverse_inertia: 1.0 };
         let mut mobility = vec![mobile; radii.len()];
@@ -79,8 +95,9 @@ impl<'a> Crowd<'a> {
             free: radii.len(),
             skin,
             cells: Cells::new(region.bounds(), largest + skin, balls.len()),
-            list: ContactList::default(),
+            list: Rows::default(),
             reference: Vec::new(),
+            clear: vec![(Vec3::zeros(), 0.0); radii.len()],
             balls,
             mobility,
         };
@@ -92,18 +109,13 @@ impl<'a> Crowd<'a> {
         let (cells, balls, mobility) = (&mut self.cells, &self.balls, &self.mobility);
         cells.sort(balls);
         let still = [Vec3::zeros(); 27];
-        self.list.refill(
-            &ContactList::default(),
-            balls.len(),
-            |i, out| near_bodies(cells, &still, balls, mobility, self.skin, i, out),
-            |_, _| 0.0,
-        );
+        self.list.fill(cells, &still, balls, mobility, self.skin);
         self.reference.clear();
         self.reference.extend(balls.iter().map(|ball| ball.x));
     }
 
     fn sweep(&mut self) {
-        for i in 0..self.free {
+        for i in 0..self.balls.len() {
             for k in self.list.row(i) {
                 self.push_apart(i, self.list.neighbours[k].other as usize);
             }
@@ -114,10 +126,27 @@ impl<'a> Crowd<'a> {
                 ball.x += wall.normal * depth.max(0.0);
             }
         }
+        self.leave_parts();
         let limit = 0.25 * self.skin * self.skin;
         let mut moved = self.balls.iter().zip(&self.reference);
         if moved.any(|(ball, x)| (ball.x - x).norm_squared() >= limit) {
             self.list_neighbours();
+        }
+    }
+
+    /// Takes spheres out of parts. Who was clear by some length is looked at again after moving it.
+    fn leave_parts(&mut self) {
+        if self.region.parts.is_empty() {
+            return;
+        }
+        for (ball, (seen, clear)) in self.balls[..self.free].iter_mut().zip(&mut self.clear) {
+            if (ball.x - *seen).norm_squared() < *clear * *clear {
+                continue;
+            }
+            let (depth, direction) = self.region.depth_in_parts(ball);
+            let depth = depth + SLACK * ball.radius;
+            ball.x += direction * depth.max(0.0);
+            (*seen, *clear) = (ball.x, (-depth).max(0.0));
         }
     }
 
@@ -131,7 +160,11 @@ impl<'a> Crowd<'a> {
         let distance = square.sqrt();
         // Two spheres in one place have no line of centres; any will do.
         let line = if distance > 0.0 { d / distance } else { Vec3::x() };
-        let (share_i, share_j) = if j < self.free { (0.5, 0.5) } else { (1.0, 0.0) };
+        let (share_i, share_j) = match (i < self.free, j < self.free) {
+            (true, true) => (0.5, 0.5),
+            (true, false) => (1.0, 0.0),
+            _ => (0.0, 1.0),
+        };
         let push = line * (reach - distance);
         self.balls[i].x -= push * share_i;
         self.balls[j].x += push * share_j;
@@ -146,6 +179,15 @@ impl<'a> Crowd<'a> {
         })
     }
 
+    fn is_out_of_parts(&self) -> bool {
+        let mut spheres = self.balls[..self.free].iter().zip(&self.clear);
+        self.region.parts.is_empty()
+            || spheres.all(|(ball, (seen, clear))| {
+                (ball.x - seen).norm_squared() < clear * clear
+                    || self.region.depth_in_parts(ball).0 <= CLEAR * ball.radius
+            })
+    }
+
     fn shrink(&mut self) {
         for ball in &mut self.balls[..self.free] {
             ball.radius *= SHRINK;
@@ -153,13 +195,15 @@ impl<'a> Crowd<'a> {
     }
 
     fn is_free(&self) -> bool {
-        let mut spheres = self.balls[..self.free].iter().enumerate();
-        spheres.all(|(i, ball)| {
+        let balls = &self.balls;
+        (0..balls.len()).all(|i| {
             self.list.row(i).all(|k| {
-                let other = &self.balls[self.list.neighbours[k].other as usize];
-                let reach = (ball.radius + other.radius) * (1.0 - CLEAR);
-                (other.x - ball.x).norm_squared() >= reach * reach
-            }) && self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
-        })
+                let other = &balls[self.list.neighbours[k].other as usize];
+                let reach = (balls[i].radius + other.radius) * (1.0 - CLEAR);
+                (other.x - balls[i].x).norm_squared() >= reach * reach
+            })
+        }) && balls[..self.free].iter().all(|ball| {
+            self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
+        }) && self.is_out_of_parts()
     }
 }

@@ -92,7 +92,7 @@ pub fn gas(scene: &mut Scene, speed: f64, seed: u64) {
     let size = scene.domain.max;
     let filled = packed([0.0; 3], size, 0.2, (0.8e-3, 1.2e-3), seed);
     scene.bodies = vec![filled];
-    let dem = GrainsDem::new(scene, &Parameters::default(), 1e-9).unwrap();
+    let dem = GrainsDem::new(scene, &Parameters::default(), 1e-9, 1).unwrap();
     let hash = |k: u64| {
         let mixed = (k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 11
@@ -110,7 +110,7 @@ pub fn gas(scene: &mut Scene, speed: f64, seed: u64) {
 }
 
 pub fn make(scene: &Scene, time_step: f64) -> GrainsDem {
-    GrainsDem::new(scene, &Parameters::default(), time_step).unwrap()
+    GrainsDem::new(scene, &Parameters::default(), time_step, 1).unwrap()
 }
 
 pub fn state(dem: &GrainsDem) -> Vec<BodyState> {

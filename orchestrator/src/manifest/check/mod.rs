@@ -141,7 +141,7 @@ impl Findings {
                 None
             }
             (None, _) => {
-                if !keys.iter().any(|(key, _)| self.is_unreadable(&path::join(at, key))) {
+                if !self.is_unreadable(at) {
                     let names: Vec<&str> = keys.iter().map(|(key, _)| *key).collect();
                     self.problem(at, format!("missing: {what}, as one of {}", names.join(", ")));
                 }

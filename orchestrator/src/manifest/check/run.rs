@@ -3,18 +3,36 @@
 use super::super::document::{Document, OutputsTable, RunTable, StopTable};
 use super::super::path;
 use super::super::read::Findings;
-use super::super::spec::{Limit, Outputs, RunOptions, StopCondition};
+use super::super::spec::{Limit, Outputs, RunOptions, START_WITHIN, StopCondition};
+use tremie_messages::units::{LONGEST_WAIT, Time};
 use tremie_sdk::parameters::nearest;
 
 pub(super) fn run(table: &RunTable, findings: &mut Findings) -> Option<RunOptions> {
     let until = findings.positive(&table.until, "run", "until");
-    let deadline = findings.positive(&table.deadline, "run", "deadline");
+    let deadline = wait(&table.deadline, "deadline", findings);
+    // The resolved manifest leaves it open, as it does threads: it belongs to the machine.
+    let start_within = table.start_within.or(Some(Time(START_WITHIN)));
+    let start_within = wait(&start_within, "start_within", findings);
     Some(RunOptions {
         until: until?,
         schedule: table.schedule?,
         deadline: deadline?,
+        start_within: start_within?,
         seed: table.seed?,
     })
+}
+
+/// A wait of wall time: above zero, and short enough to be one.
+fn wait(value: &Option<Time>, key: &str, findings: &mut Findings) -> Option<f64> {
+    let seconds = findings.positive(value, "run", key)?;
+    let most = LONGEST_WAIT.as_secs_f64();
+    if seconds > most {
+        let found = format!("found {seconds} s, expected at most {most} s (a day)");
+        let help = "what takes longer than that has hung";
+        findings.problem_with_help(&path::join("run", key), found, help);
+        return None;
+    }
+    Some(seconds)
 }
 
 pub(super) fn outputs(table: &OutputsTable, findings: &mut Findings) -> Option<Outputs> {

@@ -1,17 +1,72 @@
-//! Checks of the surfaces of parts: whether files can be read, where the parts are, how large.
+//! Checks of the surfaces of parts: whether each is closed, where it is, how large.
 
 use super::super::path;
 use super::super::read::Findings;
-use tremie_messages::scene::{Domain, Geometry, Part};
+use super::extent;
+use crate::plan::short;
+use tremie_geometry::{Bounds, Mesh};
+use tremie_messages::Problem;
+use tremie_messages::scene::{Domain, Geometry, Motion, Part};
 
-/// Notes each part whose file is not there.
-pub(super) fn check(_domain: &Domain, parts: &[Option<Part>], findings: &mut Findings) {
+/// A file's part that is this many times as long as the domain was hardly drawn in the unit given.
+const HUGE: f64 = 20.0;
+/// The same, of one that is this part of the domain's length.
+const TINY: f64 = 1e-3;
+
+/// Notes each part whose surface cannot be read or has holes, whose size does not go with the
+/// domain, or that is not in it.
+pub(super) fn check(domain: &Domain, parts: &[Option<Part>], findings: &mut Findings) {
     for (i, part) in parts.iter().enumerate() {
-        if let Some(Part { geometry: Geometry::File { path: file, .. }, .. }) = part
-            && let Err(error) = std::fs::File::open(file)
-        {
-            let key = path::join(&path::item("scene.parts", i), "file");
-            findings.problem(&key, format!("cannot read {file}: {error}"));
+        let Some(part) = part else { continue };
+        let at = path::item("scene.parts", i);
+        let is_file = matches!(part.geometry, Geometry::File { .. });
+        let key = if is_file { path::join(&at, "file") } else { at.clone() };
+        match Mesh::of(&part.geometry) {
+            Ok(mesh) => {
+                let bounds = mesh.placed(&part.pose).bounds();
+                if is_file && !fits(&bounds, domain, &at, findings) {
+                    continue;
+                }
+                inside(part, &bounds, domain, &at, findings);
+            }
+            Err(error) => {
+                error.problems(&key).into_iter().for_each(|problem| findings.add(problem))
+            }
         }
     }
+}
+
+/// Whether a part has a size that goes with the domain's.
+fn fits(bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) -> bool {
+    let longest = |size: [f64; 3]| size.into_iter().fold(0.0, f64::max);
+    let (part, whole) = (longest(bounds.size()), longest(domain.size()));
+    let right = part <= HUGE * whole && part >= TINY * whole;
+    if !right {
+        let message = format!(
+            "the part is {} m long, in a domain of {} m: is its unit right?",
+            short(part),
+            short(whole)
+        );
+        findings.add(
+            Problem::new(path::join(at, "unit"), message).help(
+                "the unit is what the number 1 in the file means, as \"mm\" for most drawings",
+            ),
+        );
+    }
+    right
+}
+
+/// Notes a part that has nothing in the domain, unless it may come there.
+fn inside(part: &Part, bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) {
+    let moves = matches!(part.motion, Motion::Prescribed(_));
+    if moves || bounds.meets(&Bounds { min: domain.min, max: domain.max }) {
+        return;
+    }
+    let message = format!(
+        "the part reaches from {:?} m to {:?} m, wholly outside the domain, which is {}",
+        bounds.min,
+        bounds.max,
+        extent(domain)
+    );
+    findings.problem_with_help(at, message, "give it a position, or check its unit");
 }

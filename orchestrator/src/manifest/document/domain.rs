@@ -31,7 +31,7 @@ pub(in super::super) enum AxisEntry {
     /// Both alike.
     Both(FaceName),
     /// Each by itself.
-    Sides(SidesTable),
+    Sides(Box<SidesTable>),
 }
 
 /// The two faces of an axis, each by itself.

@@ -59,6 +59,9 @@ pub(super) struct RunTable {
     pub schedule: Option<Schedule>,
     /// Longest wait for a peer; after it the peer counts as hung (default: 30 s).
     pub deadline: Option<Time>,
+    /// Longest time for the components to describe themselves, and again to get ready (default:
+    /// 60 s).
+    pub start_within: Option<Time>,
     /// Seed of everything random (default: 1).
     pub seed: Option<u64>,
 }

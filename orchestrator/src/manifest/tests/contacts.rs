@@ -163,6 +163,23 @@ fn wrong_materials_and_pairs_are_one_problem_each() {
 }
 
 #[test]
+fn the_command_line_reaches_all_of_it() {
+    let set = |key: &str, value: &str| {
+        let sets = [(key.to_string(), value.to_string())];
+        let manifest = parse(Path::new("manifest.toml"), TWO.to_string(), &sets);
+        manifest.unwrap_or_else(|errors| panic!("{errors}")).spec.scene
+    };
+    assert_eq!(set("scene.materials.glass.density", "2600 kg/m3").bodies[0].density, 2600.0);
+    assert_eq!(law(&set("scene.contacts[0].friction", "0.1"), "glass", "wall").friction, 0.1);
+    let open = set("scene.domain.z.upper.pressure", "1 Pa");
+    assert!(open.domain.faces[2][1].is_open() && open.domain.faces[2][0] == Face::WALL);
+    assert_eq!(set("scene.domain.x", "symmetry").domain.faces[0], [Face::Symmetry, Face::Symmetry]);
+    let sizes = set("scene.bodies[0].packing.diameter", "[\"1 cm\", \"2 cm\"]");
+    let Placement::Packed(packing) = &sizes.bodies[0].placement else { panic!() };
+    assert_eq!(packing.diameters, Diameters::Uniform { min: 0.01, max: 0.02 });
+}
+
+#[test]
 fn bodies_that_never_meet_need_no_law() {
     let fixed =
         TWO.replace("material = \"glass\"", "material = \"glass\"\nmotion = \"fixed\"").replacen(

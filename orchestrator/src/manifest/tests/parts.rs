@@ -1,6 +1,7 @@
 //! Parts.
 
 use super::*;
+use tremie_geometry::Mesh;
 use tremie_messages::scene::{Course, Geometry, MotionPoint, PartBoundary};
 
 fn with_part(lines: &str) -> String {
@@ -68,6 +69,58 @@ fn a_wrong_part_is_one_problem() {
     one_problem(&with_part(BOX).replace("\"valve\"", "\"a.b\""), &["letters, digits"]);
     let twice = format!("{}\n[[scene.parts]]\nname = \"valve\"\n{BOX}\n", with_part(BOX));
     one_problem(&twice, &["a second part"]);
+}
+
+/// A folder with the file `cube.stl`, an edge of 20 units long, and `open.stl`, which lacks one
+/// triangle of it.
+fn files() -> tempfile::TempDir {
+    let home = tempfile::tempdir().unwrap();
+    let mut cube = Mesh::of(&Geometry::Box { size: [20.0; 3] }).unwrap();
+    let file = |name: &str| std::fs::File::create(home.path().join(name)).unwrap();
+    cube.write_stl(&mut file("cube.stl"), 1.0).unwrap();
+    cube.triangles.pop();
+    cube.write_stl(&mut file("open.stl"), 1.0).unwrap();
+    home
+}
+
+#[test]
+fn a_file_is_found_from_the_manifest_and_its_surface_checked() {
+    let home = files();
+    let read = |lines: &str| {
+        let text = with_part(&format!("position = [\"50 mm\", \"50 mm\", \"60 mm\"]\n{lines}"));
+        parse(&home.path().join("manifest.toml"), text, &[])
+    };
+    let manifest = read("file = \"cube.stl\"\nunit = \"mm\"").unwrap();
+    let Geometry::File { path, unit } = &manifest.spec.scene.parts[0].geometry else { panic!() };
+    assert_eq!((Path::new(path), *unit), (home.path().join("cube.stl").as_path(), 1e-3));
+    let again = parse(Path::new("elsewhere/again.toml"), manifest.resolved(), &[]).unwrap();
+    assert_eq!(again.spec, manifest.spec);
+    assert_eq!(read("file = \"cube.stl\"\nunit = \"0.5 mm\"").unwrap().spec.scene.parts.len(), 1);
+
+    let wrong = |lines: &str, key: &str, words: &[&str]| {
+        let errors = read(lines).map(|manifest| manifest.spec).expect_err(lines);
+        assert_eq!(errors.problems.len(), 1, "{errors}");
+        assert_eq!(errors.problems[0].key, format!("scene.parts[0]{key}"), "{errors}");
+        for word in words {
+            assert!(errors.to_string().contains(word), "\"{word}\" is not in: {errors}");
+        }
+    };
+    wrong("file = \"cube.stl\"", ".unit", &["what one unit of the file is", "unit = \"mm\""]);
+    wrong("file = \"cube.stl\"\nunit = \"kg\"", ".unit", &["a unit of length"]);
+    wrong("file = \"cube.stl\"\nunit = \"m\"", ".unit", &["20 m long", "is its unit right?"]);
+    wrong("file = \"cube.stl\"\nunit = \"um\"", ".unit", &["2e-5 m long"]);
+    wrong("file = \"open.stl\"\nunit = \"mm\"", ".file", &["not closed", "hole within"]);
+    wrong("file = \"none.stl\"\nunit = \"mm\"", ".file", &["cannot read", "none.stl"]);
+}
+
+#[test]
+fn a_part_outside_the_domain_is_a_problem_unless_it_comes_in() {
+    let outside = BOX.replace("\"60 mm\"]", "\"600 mm\"]");
+    refused(&outside, &["wholly outside the domain"]);
+    let comes = format!(
+        "{outside}\nmotion = \"prescribed\"\nvelocity = [\"0 m/s\", \"0 m/s\", \"-1 m/s\"]"
+    );
+    assert!(read(&with_part(&comes)).is_ok());
 }
 
 #[test]

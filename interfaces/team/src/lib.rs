@@ -7,6 +7,10 @@
 //! Other processes share the processor. A worker that is not running when a list begins is not
 //! waited for; whoever waits spins a little, then yields a little, then sleeps.
 
+mod pieces;
+
+pub use pieces::{Cut, Pieces};
+
 use std::any::Any;
 use std::cell::UnsafeCell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -99,11 +103,12 @@ impl Shared {
 }
 
 impl Team {
-    /// A team of `threads` threads, the caller's included (at least one).
+    /// A team of `threads` threads, the caller's included (at least one); the others are called
+    /// `name 1` and so on.
     ///
     /// # Errors
     /// If the system gives no more threads.
-    pub fn new(threads: usize) -> std::io::Result<Self> {
+    pub fn new(name: &str, threads: usize) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             state: AtomicU64::new(0),
             job: UnsafeCell::new(None),
@@ -114,10 +119,15 @@ impl Team {
         let mut team = Self { shared, workers: Vec::new() };
         for k in 1..threads.min(ACTIVE as usize) {
             let shared = team.shared.clone();
-            let worker = std::thread::Builder::new().name(format!("fluid {k}"));
+            let worker = std::thread::Builder::new().name(format!("{name} {k}"));
             team.workers.push(worker.spawn(move || shared.work())?);
         }
         Ok(team)
+    }
+
+    /// Threads of the team, the caller's included.
+    pub fn threads(&self) -> usize {
+        1 + self.workers.len()
     }
 
     /// Calls `work` once for each item, on any thread, in any order; returns when all are done.
@@ -125,20 +135,57 @@ impl Team {
     /// # Panics
     /// If `work` panicked on any thread.
     pub fn for_each<T: Send>(&mut self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+        self.for_pieces(Cut::every(items, 1), |k, item: &mut [T]| work(k, &mut item[0]));
+    }
+
+    /// As [`Team::for_each`], with room for each thread to work in, one for each of
+    /// [`Team::threads`]. What stands in a room depends on chance.
+    ///
+    /// # Panics
+    /// If `work` panicked on any thread, or there are fewer rooms than threads.
+    pub fn for_each_with<T: Send, R: Send>(
+        &mut self,
+        items: &mut [T],
+        rooms: &mut [R],
+        work: impl Fn(&mut R, usize, &mut T) + Sync,
+    ) {
+        let items = Cut::every(items, 1);
+        self.for_pieces_with(items, rooms, |room, k, item: &mut [T]| work(room, k, &mut item[0]));
+    }
+
+    /// Calls `work` once for each piece, on any thread, in any order; returns when all are done.
+    ///
+    /// # Panics
+    /// If `work` panicked on any thread.
+    pub fn for_pieces<P: Pieces>(&mut self, pieces: P, work: impl Fn(usize, P::Piece) + Sync) {
+        // Rooms of no size: an array of them takes no memory.
+        let mut rooms = [(); ACTIVE as usize];
+        self.for_pieces_with(pieces, &mut rooms, |(), k, piece| work(k, piece));
+    }
+
+    fn for_pieces_with<P: Pieces, R: Send>(
+        &mut self,
+        pieces: P,
+        rooms: &mut [R],
+        work: impl Fn(&mut R, usize, P::Piece) + Sync,
+    ) {
+        assert!(rooms.len() >= self.threads());
         let next = AtomicUsize::new(0);
-        let count = items.len();
-        let items = Items(items.as_mut_ptr());
+        let count = pieces.count();
+        let thread = AtomicUsize::new(0);
+        let rooms = Cut::every(rooms, 1);
         let take = || {
-            let items = &items;
+            // SAFETY: each thread of the team calls this once a job, so that the number is one of the
+            // rooms and no other thread has it; the rooms are borrowed for the whole call.
+            let room = &mut unsafe { rooms.piece(thread.fetch_add(1, Relaxed)) }[0];
             loop {
                 let k = next.fetch_add(1, Relaxed);
                 if k >= count {
                     break;
                 }
-                // SAFETY: `k` is inside the slice and handed out once, so the reference is the only
-                // one to this item; the slice is borrowed for the whole call, which outlives the
-                // job.
-                work(k, unsafe { &mut *items.0.add(k) });
+                // SAFETY: `k` is one of the pieces and handed out once; what the pieces are of is
+                // borrowed for the whole call, which outlives the job.
+                work(room, k, unsafe { pieces.piece(k) });
             }
         };
         if self.workers.is_empty() || count < 2 { take() } else { self.run(&take) }
@@ -176,12 +223,6 @@ impl Team {
     }
 }
 
-/// Start of a slice whose items are handed out to threads one by one.
-struct Items<T>(*mut T);
-
-// SAFETY: each item is reached by one thread at a time, and `T: Send` where it is used.
-unsafe impl<T: Send> Sync for Items<T> {}
-
 impl Drop for Team {
     fn drop(&mut self) {
         self.shared.stop.store(true, Release);
@@ -200,7 +241,7 @@ mod tests {
     #[test]
     fn each_item_is_done_once() {
         for threads in [1, 2, 3, 5] {
-            let mut team = Team::new(threads).unwrap();
+            let mut team = Team::new("test", threads).unwrap();
             let mut items = vec![0_u32; 1000];
             for _ in 0..200 {
                 team.for_each(&mut items, |_, item| *item += 1);
@@ -210,8 +251,22 @@ mod tests {
     }
 
     #[test]
+    fn each_thread_has_a_room_of_its_own() {
+        let mut team = Team::new("test", 3).unwrap();
+        let mut items = vec![0_u32; 1000];
+        let mut rooms = vec![0_u32; team.threads()];
+        for _ in 0..50 {
+            team.for_each_with(&mut items, &mut rooms, |room, _, item| {
+                *room += 1;
+                *item += 1;
+            });
+        }
+        assert_eq!(rooms.iter().sum::<u32>(), 50_000);
+    }
+
+    #[test]
     fn a_panic_of_a_worker_reaches_the_caller_and_the_team_lives_on() {
-        let mut team = Team::new(3).unwrap();
+        let mut team = Team::new("test", 3).unwrap();
         let mut items = vec![0_usize; 100];
         let outcome = catch_unwind(AssertUnwindSafe(|| {
             team.for_each(&mut items, |k, _| assert_ne!(k, 57));

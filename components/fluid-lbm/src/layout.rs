@@ -1,0 +1,88 @@
+//! Box, stored cells and places of populations, together.
+
+use crate::cells::{Cells, Obstacles};
+use crate::grid::{Grid, Reach, Side};
+use crate::lattice::C;
+use crate::places::{Parity, Places, Survey};
+
+/// Box, stored cells and places of populations.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// The box.
+    pub grid: Grid,
+    /// The cells that no static solid covers.
+    pub cells: Cells,
+    /// Where their populations are.
+    pub places: Places,
+}
+
+impl Layout {
+    /// Of a box with static solids, in lines of `line` cells. `special` says which fixtures' links
+    /// are returned one by one instead of being reflected half-way.
+    pub fn new(
+        grid: Grid,
+        obstacles: &Obstacles,
+        line: usize,
+        special: impl Fn(crate::cells::Fixture) -> bool,
+    ) -> (Self, Survey) {
+        let cells = Cells::new(&grid, obstacles);
+        let (places, survey) = Places::new(&grid, &cells, obstacles, line, special);
+        (Self { grid, cells, places }, survey)
+    }
+
+    /// A box without solids.
+    #[cfg(test)]
+    pub fn open(grid: Grid) -> Self {
+        Self::new(grid, &Obstacles::default(), 8, |_| false).0
+    }
+
+    /// Number of a cell of the box, if it is stored.
+    #[inline]
+    pub fn cell(&self, at: [i32; 3]) -> Option<u32> {
+        self.cells.at(&self.grid, at)
+    }
+
+    /// Coordinates of a stored cell.
+    #[inline]
+    pub fn at(&self, cell: u32) -> [i32; 3] {
+        self.cells.coordinates(&self.grid, cell)
+    }
+
+    /// Where the collision of a parity finds `f_i` of a cell. It leaves `g_i` in the place of the
+    /// opposite direction.
+    #[inline(always)]
+    pub fn place(&self, parity: Parity, cell: u32, i: usize) -> usize {
+        self.places.of(parity, cell, i)
+    }
+
+    /// The stored cell at `d` cells from `at`, through periodic faces and mirrors, and the axes at
+    /// which the way was mirrored.
+    pub fn near(&self, at: [i32; 3], d: [i32; 3]) -> Option<(u32, u8)> {
+        match self.grid.reach(std::array::from_fn(|a| at[a] + d[a])) {
+            Reach::Cell { at, mirrors } if self.grid.contains(at) => {
+                self.cell(at).map(|cell| (cell, mirrors))
+            }
+            _ => None,
+        }
+    }
+
+    /// The cell to which the link along `i` leads, if it ends in a stored cell.
+    #[inline]
+    pub fn neighbour(&self, cell: u32, i: usize) -> Option<u32> {
+        self.places.neighbour(cell, i)
+    }
+
+    /// Whether the link along `i` leads straight into a mirror, and so back to the cell itself.
+    pub fn sees_itself(&self, cell: u32, i: usize) -> bool {
+        let at = self.at(cell);
+        (0..3).all(|a| match C[i][a] {
+            0 => true,
+            c => {
+                let side = usize::from(c > 0);
+                C[i].iter().map(|c| c.abs()).sum::<i32>() == 1
+                    && self.grid.sides[a][side] == Side::Symmetry
+                    && at[a] == [0, self.grid.n[a] - 1][side]
+            }
+        })
+    }
+}

@@ -1,0 +1,281 @@
+//! Open faces: the first cells inside a face that prescribes velocity or pressure.
+//!
+//! `x_B` is such a cell, `x_I = x_B + n` the next one inside, `n` the normal into the fluid. After
+//! streaming, when all else is done, the cell gets
+//!
+//! ```text
+//! NEE   f_i(x_B) = feq_i(rho, u) + f_i(x_I) - feq_i(rho(x_I), u(x_I))                for all i
+//! ```
+//!
+//! with `rho` given and `u = u(x_I)` at a pressure face, `u` given and `rho = rho(x_I)` at a velocity
+//! face (non-equilibrium extrapolation, Guo, Zheng & Shi 2002); or, with sums over the directions
+//! along the face (0) and out of the fluid (-),
+//!
+//! ```text
+//! NEBB  u.n = 1 - (S_0 + 2 S_-)/rho     (pressure)      rho = (S_0 + 2 S_-)/(1 - u.n)     (velocity)
+//!       N_t = 1/2 sum_{c_j.n = 0} c_j,t f_j - rho u_t/3
+//!       f_i = f_i' + 6 w_i rho (c_i.u) - (c_i - (c_i.n) n).N_t                      for c_i.n > 0
+//! ```
+//!
+//! (non-equilibrium bounce-back, Zou & He 1997, Hecht & Harting 2010), `u_t` being that of `x_I` at a
+//! pressure face. What is prescribed holds at the centre of `x_B`, half a cell inside the face. At a
+//! pressure face through which the fluid enters, `u_t = 0`; such cells are counted.
+//!
+//! Cells at two open faces belong to the one of the lower axis and look along both normals. Where a
+//! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
+//! faces, NEBB would lack equations and NEE takes its place.
+
+use crate::course::{Law, Now};
+use crate::field::{Field, Real};
+use crate::grid::{Grid, Side};
+use crate::lattice::{C, C_F64, OPPOSITE, Q, W, dot, equilibrium};
+use crate::layout::Layout;
+use crate::ledger::add_scaled;
+use crate::owners::Owners;
+use crate::parameters::OpenFaces;
+use crate::places::{Blocked, Parity};
+use crate::refill::Content;
+use std::ops::Range;
+use tremie_messages::scene::Profile;
+
+/// Cells that are one item of work.
+const CELLS_PER_ITEM: usize = 512;
+
+/// A cell at an open face.
+#[derive(Clone, Copy, Debug)]
+struct OpenCell {
+    cell: u32,
+    /// The next cell inside; [`crate::cells::NONE`] if that is solid.
+    inner: u32,
+    /// Bits of the directions that come from beyond an open face.
+    unknown: u32,
+    /// `2 axis + side`.
+    face: u8,
+    /// Whether all unknown directions come through this face, and no other wall is near.
+    plain: bool,
+    /// Factor of the velocity's profile.
+    profile: f64,
+}
+
+/// The cells at open faces.
+#[derive(Clone, Debug, Default)]
+pub struct OpenCells {
+    cells: Vec<OpenCell>,
+}
+
+/// Cells that are one item of work, and what entered through them in the last step.
+#[derive(Clone, Debug)]
+pub struct Item {
+    cells: Range<usize>,
+    /// Momentum that the fluid gained.
+    pub impulse: [f64; 3],
+    /// Mass that the fluid gained.
+    pub mass: f64,
+    /// Cells of pressure faces through which fluid enters.
+    pub entering: usize,
+}
+
+/// The fluid as the next collision will find it.
+#[derive(Clone, Copy)]
+pub struct Next<'a, T: Real> {
+    /// Populations.
+    pub field: &'a Field<T>,
+    /// Where they are.
+    pub layout: &'a Layout,
+    /// Which cells are fluid.
+    pub owners: &'a Owners,
+    /// Parity of the next collision.
+    pub parity: Parity,
+    /// Acceleration of the fluid.
+    pub acceleration: [f64; 3],
+    /// What the faces prescribe, by number.
+    pub now: &'a [Now],
+    /// Which scheme.
+    pub scheme: OpenFaces,
+}
+
+impl OpenCells {
+    /// Of the links that open faces block.
+    pub fn new(layout: &Layout, laws: &[Option<Law>], blocked: &[Blocked]) -> (Self, Vec<Item>) {
+        let mut own = Self::default();
+        for links in blocked.chunk_by(|a, b| a.cell == b.cell) {
+            let grid = &layout.grid;
+            let at = layout.at(links[0].cell);
+            let open = open_faces(grid, at);
+            let Some(&(axis, side)) = open.first() else { continue };
+            let mut normal = [0; 3];
+            for &(axis, side) in &open {
+                normal[axis] = [1, -1][side];
+            }
+            let unknown = links.iter().fold(0, |bits, l| bits | 1 << OPPOSITE[l.dir as usize]);
+            let across: u32 =
+                (0..Q).filter(|&i| C[i][axis] == [1, -1][side]).fold(0, |bits, i| bits | 1 << i);
+            let profile = match &laws[2 * axis + side] {
+                Some(Law::Velocity { profile: Profile::Parabolic, .. }) => parabola(grid, axis, at),
+                _ => 1.0,
+            };
+            own.cells.push(OpenCell {
+                cell: links[0].cell,
+                inner: layout.near(at, normal).map_or(crate::cells::NONE, |(cell, _)| cell),
+                unknown,
+                face: (2 * axis + side) as u8,
+                plain: unknown == across && open.len() == 1,
+                profile,
+            });
+        }
+        let items = (0..own.cells.len())
+            .step_by(CELLS_PER_ITEM)
+            .map(|first| Item {
+                cells: first..(first + CELLS_PER_ITEM).min(own.cells.len()),
+                impulse: [0.0; 3],
+                mass: 0.0,
+                entering: 0,
+            })
+            .collect();
+        (own, items)
+    }
+
+    /// Memory that the table takes [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+}
+
+/// The open faces at which a cell lies, lower axes first.
+fn open_faces(grid: &Grid, at: [i32; 3]) -> Vec<(usize, usize)> {
+    let mut faces = Vec::new();
+    for axis in 0..3 {
+        for side in 0..2 {
+            if grid.sides[axis][side] == Side::Open && at[axis] == [0, grid.n[axis] - 1][side] {
+                faces.push((axis, side));
+                break;
+            }
+        }
+    }
+    faces
+}
+
+/// The product of `4 s (1 - s)` over the face's edges that do not wrap around.
+fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> f64 {
+    let mut factor = 1.0;
+    for a in (0..3).filter(|&a| a != axis && !grid.periodic[a]) {
+        let s = (f64::from(at[a]) + 0.5) / f64::from(grid.n[a]);
+        factor *= 4.0 * s * (1.0 - s);
+    }
+    factor
+}
+
+impl<T: Real> Next<'_, T> {
+    /// Gives an item's cells their populations and records what entered.
+    pub fn open(&self, cells: &OpenCells, item: &mut Item) {
+        (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
+        for open in &cells.cells[item.cells.clone()] {
+            if self.owners.is_fluid(open.cell) {
+                self.open_cell(open, item);
+            }
+        }
+    }
+
+    fn populations(&self, cell: u32) -> [f64; Q] {
+        std::array::from_fn(|i| self.field.get(self.layout.place(self.parity, cell, i)))
+    }
+
+    fn open_cell(&self, open: &OpenCell, item: &mut Item) {
+        let old = self.populations(open.cell);
+        let inner = (open.inner != crate::cells::NONE && self.owners.is_fluid(open.inner))
+            .then(|| self.populations(open.inner));
+        let new = if self.scheme == OpenFaces::Nebb && open.plain {
+            self.bounce(open, &old, inner.as_ref(), item)
+        } else {
+            self.extrapolate(open, &old, inner.as_ref(), item)
+        };
+        for i in 0..Q {
+            let f = self.field.set(self.layout.place(self.parity, open.cell, i), new[i]);
+            let gain = f - old[i];
+            add_scaled(&mut item.impulse, C_F64[i], gain);
+            item.mass += gain;
+            // What was there had left through the face in the opposite direction.
+            if open.unknown >> i & 1 == 1 {
+                add_scaled(&mut item.impulse, C_F64[i], 2.0 * old[i]);
+            }
+        }
+    }
+
+    /// Velocity as the face lets it pass: without its part along the face where fluid enters.
+    fn limited(&self, open: &OpenCell, u: [f64; 3], item: &mut Item) -> [f64; 3] {
+        let (axis, inward) = (usize::from(open.face / 2), [1.0, -1.0][usize::from(open.face % 2)]);
+        if u[axis] * inward <= 0.0 {
+            return u;
+        }
+        item.entering += 1;
+        std::array::from_fn(|a| if a == axis { u[a] } else { 0.0 })
+    }
+
+    fn extrapolate(
+        &self,
+        open: &OpenCell,
+        old: &[f64; Q],
+        inner: Option<&[f64; Q]>,
+        item: &mut Item,
+    ) -> [f64; Q] {
+        let from = inner.unwrap_or(old);
+        let content = Content::of(from);
+        let u = content.velocity(self.acceleration);
+        let (drho, velocity) = match self.now[open.face as usize] {
+            Now::Wall(given) => (content.drho, given.map(|v| v * open.profile)),
+            Now::Density(drho) => (drho, self.limited(open, u, item)),
+        };
+        std::array::from_fn(|i| {
+            equilibrium(i, drho, velocity) + (from[i] - equilibrium(i, content.drho, u))
+        })
+    }
+
+    fn bounce(
+        &self,
+        open: &OpenCell,
+        old: &[f64; Q],
+        inner: Option<&[f64; Q]>,
+        item: &mut Item,
+    ) -> [f64; Q] {
+        let (axis, inward) = (usize::from(open.face / 2), [1, -1][usize::from(open.face % 2)]);
+        let n = f64::from(inward);
+        let half = self.acceleration.map(|a| 0.5 * a);
+        // S_0 + 2 S_-, less what it is at rest, which is 1.
+        let mut s = 0.0;
+        for i in 0..Q {
+            match C[i][axis] * inward {
+                0 => s += old[i],
+                -1 => s += 2.0 * old[i],
+                _ => {}
+            }
+        }
+        // `u` is the momentum over the density: without half the step's force.
+        let (drho, u) = match self.now[open.face as usize] {
+            Now::Wall(given) => {
+                let u: [f64; 3] = std::array::from_fn(|a| given[a] * open.profile - half[a]);
+                ((s + u[axis] * n) / (1.0 - u[axis] * n), u)
+            }
+            Now::Density(drho) => {
+                let along = inner.map_or([0.0; 3], |h| Content::of(h).velocity(self.acceleration));
+                let mut u = along;
+                u[axis] = n * (drho - s) / (1.0 + drho) + half[axis];
+                let u = self.limited(open, u, item);
+                (drho, std::array::from_fn(|a| u[a] - half[a]))
+            }
+        };
+        let rho = 1.0 + drho;
+        let transverse: [f64; 3] = std::array::from_fn(|a| {
+            if a == axis {
+                return 0.0;
+            }
+            let along = (0..Q).filter(|&j| C[j][axis] == 0).map(|j| C_F64[j][a] * old[j]);
+            0.5 * along.sum::<f64>() - rho * u[a] / 3.0
+        });
+        let mut new = *old;
+        for i in (0..Q).filter(|&i| C[i][axis] == inward) {
+            new[i] =
+                old[OPPOSITE[i]] + 6.0 * W[i] * rho * dot(C_F64[i], u) - dot(C_F64[i], transverse);
+        }
+        new
+    }
+}

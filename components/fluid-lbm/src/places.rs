@@ -1,0 +1,308 @@
+//! Where the populations of each cell are in even and in odd steps.
+//!
+//! The pattern "AA" of Bailey et al. 2009 on a list of cells. `A[i][x]` is plane `i` of the array at
+//! cell `x`; a *place* is one index into the array, `plane * stride + cell`. A collision reads `f_i`
+//! of a cell from its place of direction `i` and leaves `g_i` in the place of the opposite direction
+//! `i'`. In even steps these are the cell's own places, `A[i][x]`. In odd steps they depend on where
+//! the link from `x` against `i` comes from:
+//!
+//! ```text
+//! from a cell y = x - c_i, maybe through a periodic face:    A[i'][y]
+//! from a cell y through a mirror, m the mirrored direction:  A[m(i)'][y]
+//! from a wall or an open face:                               A[i][x]
+//! ```
+//!
+//! The third is reflection half-way: the next step finds `g_i'(x)` as `f_i(x)`. No other cell has a
+//! use for that place, because the one that would have (`x - c_i`) is not there. Everything else that
+//! may happen at such a link (a curved wall, a moving wall, an open face) works in place on that one
+//! number.
+//!
+//! Cells come in lines of 64 bytes. Where the odd places of a whole line are consecutive, one number
+//! says where they begin; else a list of pieces does.
+
+use crate::cells::{Cells, End, Fixture, Obstacles};
+use crate::field::prefetch;
+use crate::grid::Grid;
+use crate::lattice::{OPPOSITE, Q, mirrored};
+
+/// Which of the two in-place steps is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// Reads and writes within a cell.
+    Even,
+    /// Reads from and writes to the neighbours.
+    Odd,
+}
+
+impl Parity {
+    /// The other one.
+    #[inline]
+    pub fn flipped(self) -> Self {
+        match self {
+            Self::Even => Self::Odd,
+            Self::Odd => Self::Even,
+        }
+    }
+}
+
+/// Some cells of a line whose odd places are `place + lane`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// Place of the first lane of the line, whether it belongs to the piece or not.
+    pub place: u32,
+    /// Bits of the lanes.
+    pub lanes: u16,
+    /// Whether this is the last piece of its line and direction.
+    pub last: bool,
+}
+
+/// Reflecting links of one line and direction: those whose population `f_i`, once streamed, is in
+/// `place + lane` in either parity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reflection {
+    /// Place of the first lane of the line, whether it reflects or not.
+    pub place: u32,
+    /// Cell that holds the place of the first lane; another than the line's behind a mirror, where
+    /// it may be negative.
+    pub mirror_cell: i32,
+    /// Line.
+    pub line: u32,
+    /// Bits of the lanes.
+    pub lanes: u16,
+    /// Direction `i` of the reflected populations, into the fluid.
+    pub dir: u8,
+    /// Axes at which the link is mirrored; 0 at a wall.
+    pub mirrors: u8,
+    /// Whom the link meets; of no meaning for a mirror.
+    pub fixture: Fixture,
+}
+
+/// A link that ends at something that stands still and is not done by reflection half-way alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Blocked {
+    /// Cell where the link begins.
+    pub cell: u32,
+    /// Direction of the link, out of the fluid.
+    pub dir: u8,
+    /// Whom it meets.
+    pub fixture: Fixture,
+}
+
+/// The table of places.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// Numbers from one plane to the next.
+    stride: usize,
+    /// Cells in a line.
+    line: usize,
+    /// For each line: bits of the directions that are in pieces, then for each direction the odd
+    /// place of its first cell, or the first of its pieces.
+    lines: Vec<[u32; Q]>,
+    pieces: Vec<Piece>,
+}
+
+/// What comes of building the table besides.
+#[derive(Debug, Default)]
+pub struct Survey {
+    /// Reflecting links, by line.
+    pub reflections: Vec<Reflection>,
+    /// Links at fixtures for which `special` was true, by cell.
+    pub blocked: Vec<Blocked>,
+}
+
+/// Numbers from one plane to the next for `cells` cells in lines of `line`: planes start 3 cache
+/// lines apart modulo 4 KiB, so that the 19 streams of a step use different sets of the first-level
+/// cache.
+pub fn stride(cells: u64, line: u64) -> u64 {
+    let mut lines = cells.div_ceil(line).max(1);
+    lines += (67 - lines % 64) % 64;
+    lines * line
+}
+
+impl Places {
+    /// The table for stored cells in lines of `line`. `special` says which fixtures' links are listed
+    /// in [`Survey::blocked`] instead of [`Survey::reflections`].
+    pub fn new(
+        grid: &Grid,
+        cells: &Cells,
+        obstacles: &Obstacles,
+        line: usize,
+        special: impl Fn(Fixture) -> bool,
+    ) -> (Self, Survey) {
+        let stride = stride(cells.len() as u64, line as u64) as usize;
+        let count = cells.len().div_ceil(line);
+        let mut places =
+            Self { stride, line, lines: Vec::with_capacity(count), pieces: Vec::new() };
+        let mut survey = Survey::default();
+        let mut ends = vec![[End::Cell { cell: 0, mirrors: 0 }; Q]; line];
+        let mut sheets = obstacles.sheets.as_slice();
+        for first in (0..cells.len()).step_by(line) {
+            let lanes = line.min(cells.len() - first);
+            for lane in 0..lanes {
+                let index = cells.index((first + lane) as u32);
+                let at = grid.at(index);
+                for i in 1..Q {
+                    ends[lane][i] = cells.end(grid, obstacles, at, i);
+                }
+                while let Some((sheet, rest)) = sheets.split_first() {
+                    if sheet.cell as usize > index {
+                        break;
+                    }
+                    if sheet.cell as usize == index {
+                        ends[lane][sheet.dir as usize] = End::Fixture(Fixture::solid(sheet.solid));
+                    }
+                    sheets = rest;
+                }
+            }
+            places.add_line(first, &ends[..lanes], &special, &mut survey);
+        }
+        places.pieces.shrink_to_fit();
+        survey.blocked.sort_unstable_by_key(|b| (b.cell, b.dir));
+        (places, survey)
+    }
+
+    fn add_line(
+        &mut self,
+        first: usize,
+        ends: &[[End; Q]],
+        special: impl Fn(Fixture) -> bool,
+        survey: &mut Survey,
+    ) {
+        let mut entry = [0; Q];
+        for i in 1..Q {
+            let begin = self.pieces.len();
+            let found = survey.reflections.len();
+            for (lane, ends) in ends.iter().enumerate() {
+                let from = ends[OPPOSITE[i]];
+                let (plane, cell) = match from {
+                    End::Cell { cell, mirrors } => (OPPOSITE[mirrored(i, mirrors)], cell as usize),
+                    End::Fixture(_) => (i, first + lane),
+                };
+                let place = (plane * self.stride + cell - lane) as u32;
+                let piece = self.pieces[begin..].iter_mut().find(|p| p.place == place);
+                match piece {
+                    Some(piece) => piece.lanes |= 1 << lane,
+                    None => {
+                        self.pieces.push(Piece { place, lanes: 1 << lane, last: false });
+                    }
+                }
+                let (mirrors, fixture) = match from {
+                    End::Cell { mirrors: 0, .. } => continue,
+                    End::Cell { mirrors, .. } => (mirrors, Fixture(u16::MAX)),
+                    End::Fixture(fixture) if special(fixture) => {
+                        let (cell, dir) = ((first + lane) as u32, OPPOSITE[i] as u8);
+                        survey.blocked.push(Blocked { cell, dir, fixture });
+                        continue;
+                    }
+                    End::Fixture(fixture) => (0, fixture),
+                };
+                let same = |r: &&mut Reflection| {
+                    (r.place, r.mirrors, r.fixture) == (place, mirrors, fixture)
+                };
+                match survey.reflections[found..].iter_mut().find(same) {
+                    Some(reflection) => reflection.lanes |= 1 << lane,
+                    None => survey.reflections.push(Reflection {
+                        place,
+                        mirror_cell: cell as i32 - lane as i32,
+                        line: (first / self.line) as u32,
+                        lanes: 1 << lane,
+                        dir: i as u8,
+                        mirrors,
+                        fixture,
+                    }),
+                }
+            }
+            let all = (u32::MAX >> (32 - self.line)) as u16;
+            match self.pieces[begin..] {
+                [Piece { place, lanes, .. }] if lanes == all => {
+                    entry[i] = place;
+                    self.pieces.truncate(begin);
+                }
+                _ => {
+                    self.pieces.last_mut().expect("a line has a cell").last = true;
+                    entry[i] = begin as u32;
+                    entry[0] |= 1 << i;
+                }
+            }
+        }
+        self.lines.push(entry);
+    }
+
+    /// Numbers from one plane to the next.
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The table, see [`Places`].
+    #[inline(always)]
+    pub fn lines(&self) -> &[[u32; Q]] {
+        &self.lines
+    }
+
+    /// The pieces to which the table's lines point.
+    #[inline(always)]
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Where the collision of a parity finds `f_i` of a cell. It leaves `g_i` in the place of the
+    /// opposite direction.
+    #[inline(always)]
+    pub fn of(&self, parity: Parity, cell: u32, i: usize) -> usize {
+        match parity {
+            Parity::Even => i * self.stride + cell as usize,
+            Parity::Odd => self.odd(cell, i),
+        }
+    }
+
+    /// [`Places::of`] in odd steps.
+    #[inline(always)]
+    pub fn odd(&self, cell: u32, i: usize) -> usize {
+        let cell = cell as usize;
+        let (line, lane) = (cell / self.line, cell % self.line);
+        let entries = &self.lines[line];
+        if i == 0 {
+            return cell;
+        }
+        if entries[0] >> i & 1 == 0 {
+            return entries[i] as usize + lane;
+        }
+        self.in_pieces(entries[i] as usize, lane)
+    }
+
+    /// Asks memory for what [`Places::odd`] reads for a cell.
+    #[inline(always)]
+    pub fn prefetch(&self, cell: u32) {
+        let entries = self.lines.as_ptr().wrapping_add(cell as usize / self.line);
+        prefetch(entries);
+        prefetch(entries.cast::<u8>().wrapping_add(size_of::<[u32; Q]>() - 1));
+    }
+
+    /// The odd place of a lane whose line is in pieces.
+    fn in_pieces(&self, first: usize, lane: usize) -> usize {
+        let own = self.pieces[first..].iter().find(|p| p.lanes >> lane & 1 == 1);
+        own.expect("every lane is in a piece").place as usize + lane
+    }
+
+    /// The cell to which the link along `i` leads, if it ends in a cell. A link that a mirror sends
+    /// back to the cell where it began counts as ended there.
+    #[inline]
+    pub fn neighbour(&self, cell: u32, i: usize) -> Option<u32> {
+        // The place of the population that comes back along the link.
+        let back = OPPOSITE[i];
+        let place = self.odd(cell, back);
+        if place == back * self.stride + cell as usize {
+            return None;
+        }
+        Some((place % self.stride) as u32)
+    }
+
+    /// Memory that the table takes [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.lines.as_slice()) + size_of_val(self.pieces.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests;

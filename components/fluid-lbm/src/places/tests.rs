@@ -1,0 +1,115 @@
+//! Places of random porous boxes with every kind of face.
+
+use super::*;
+use crate::cells::Sheet;
+use crate::grid::Side;
+use crate::lattice::C;
+use proptest::prelude::*;
+use std::collections::HashSet;
+
+/// Faces, cells and solids of a box.
+fn boxes() -> impl Strategy<Value = (Grid, Obstacles)> {
+    let side = prop::sample::select(vec![Side::Wall, Side::Symmetry, Side::Open]);
+    let pair =
+        prop_oneof![Just([Side::Periodic; 2]), [side.clone(), side].prop_map(|sides| sides),];
+    (prop::array::uniform3(1..12_usize), prop::array::uniform3(pair), 0..8_u32, any::<u64>())
+        .prop_map(|(n, sides, porosity, seed)| {
+            let grid = Grid::new(n, sides);
+            let mut dice = seed | 1;
+            let mut roll = move || {
+                dice = dice.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                (dice >> 33) as u32
+            };
+            let mut solid: Vec<u16> =
+                (0..grid.len()).map(|_| u16::from(roll() % 8 < porosity)).collect();
+            solid[0] = 0;
+            let sheets = sheets(&grid, &solid, &mut roll);
+            (grid, Obstacles { solid, sheets })
+        })
+}
+
+/// Thin solids on some links between cells, from both sides.
+fn sheets(grid: &Grid, solid: &[u16], roll: &mut impl FnMut() -> u32) -> Vec<Sheet> {
+    let mut sheets = Vec::new();
+    for index in (0..grid.len()).filter(|&k| solid[k] == 0) {
+        let at = grid.at(index);
+        for i in 1..10 {
+            if let Reach::Cell { at: to, mirrors: 0 } =
+                grid.reach(std::array::from_fn(|a| at[a] + C[i][a]))
+                && solid[grid.index(to)] == 0
+                && roll() % 20 == 0
+            {
+                sheets.push(Sheet { cell: index as u32, dir: i as u8, solid: 0 });
+                let back = OPPOSITE[i] as u8;
+                sheets.push(Sheet { cell: grid.index(to) as u32, dir: back, solid: 0 });
+            }
+        }
+    }
+    sheets.sort_unstable();
+    sheets.dedup();
+    sheets
+}
+use crate::grid::Reach;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn every_place_belongs_to_one_cell_and_direction(
+        (grid, obstacles) in boxes(), line in prop::sample::select(vec![8_usize, 16]),
+    ) {
+        let cells = Cells::new(&grid, &obstacles);
+        let (places, survey) = Places::new(&grid, &cells, &obstacles, line, |o| o.0 % 2 == 0);
+        for parity in [Parity::Even, Parity::Odd] {
+            let mut seen = HashSet::new();
+            for cell in 0..cells.len() as u32 {
+                for i in 0..Q {
+                    let place = places.of(parity, cell, i);
+                    prop_assert!(place < Q * places.stride());
+                    prop_assert!(place % places.stride() < cells.len());
+                    prop_assert!(seen.insert(place), "{parity:?} {cell} {i}");
+                }
+            }
+        }
+        // What the pieces of a line cover besides its own lanes is never written: each lane once.
+        for entries in places.lines() {
+            for i in (1..Q).filter(|i| entries[0] >> i & 1 == 1) {
+                let mut lanes = 0_u16;
+                for piece in &places.pieces()[entries[i] as usize..] {
+                    prop_assert_eq!(lanes & piece.lanes, 0);
+                    lanes |= piece.lanes;
+                    if piece.last {
+                        break;
+                    }
+                }
+            }
+        }
+        // Neighbours see each other, and every link that ends is listed once.
+        let mut ended = 0;
+        for cell in 0..cells.len() as u32 {
+            for i in 1..Q {
+                let at = cells.coordinates(&grid, cell);
+                let sheet = obstacles.sheets.iter().any(|s| {
+                    s.cell as usize == cells.index(cell) && s.dir as usize == i
+                });
+                let end = cells.end(&grid, &obstacles, at, i);
+                match (places.neighbour(cell, i), end) {
+                    (found, End::Cell { cell: expected, mirrors: 0 }) if !sheet => {
+                        prop_assert_eq!(found, Some(expected));
+                        prop_assert_eq!(places.neighbour(expected, OPPOSITE[i]), Some(cell));
+                    }
+                    (found, End::Cell { cell: expected, .. }) if !sheet => {
+                        prop_assert!(found == Some(expected) || (found.is_none() && expected == cell));
+                        ended += 1;
+                    }
+                    (found, _) => {
+                        prop_assert_eq!(found, None);
+                        ended += 1;
+                    }
+                }
+            }
+        }
+        let listed: u32 = survey.reflections.iter().map(|r| r.lanes.count_ones()).sum();
+        prop_assert_eq!(listed as usize + survey.blocked.len(), ended);
+    }
+}

@@ -1,0 +1,182 @@
+//! Faces with given pressure and velocity, in both schemes, across each axis.
+
+mod common;
+
+use common::*;
+use tremie_fluid_lbm::{FluidLbm, OpenFaces};
+use tremie_messages::scene::{Course, Face, OpenVelocity, Profile, Scene};
+
+const SCHEMES: [OpenFaces; 2] = [OpenFaces::Nee, OpenFaces::Nebb];
+
+fn pressure(pressure: f64) -> Face {
+    Face::Pressure { pressure, course: Course::default() }
+}
+
+fn velocity(velocity: [f64; 3], profile: Profile) -> Face {
+    Face::Velocity(OpenVelocity { velocity, profile, course: Course::default() })
+}
+
+/// A channel with walls across `axis`, open along the next axis, periodic along the third.
+fn channel(axis: usize, height: usize, length: usize, ends: [Face; 2]) -> (Case, Scene) {
+    let (along, across) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut case = Case::new([1; 3], [PERIODIC; 3], 0.8);
+    (case.cells[axis], case.cells[along], case.cells[across]) = (height, length, 3);
+    (case.faces[axis], case.faces[along]) = (WALL, WALL);
+    let mut scene = case.scene();
+    scene.domain.faces[along] = ends;
+    (case, scene)
+}
+
+/// Checks that the balance of momentum and mass closes to 1e-12.
+fn closes(fluid: &FluidLbm) {
+    let ledger = fluid.ledger();
+    let terms = ledger.momentum_terms();
+    for a in 0..3 {
+        assert!((ledger.momentum_change[a] - terms[a]).abs() < 1e-12, "{ledger:?}");
+    }
+    assert!((ledger.mass_change - ledger.mass_terms()).abs() < 1e-10);
+}
+
+/// Flow between walls by a difference of pressure, `u = dp/dx y (H - y)/(2 mu)`, the pressures
+/// holding at the centres of the end cells: to 0.5 % of the peak in the middle of the channel, which
+/// is the effect of compressibility and of the ends.
+#[test]
+fn poiseuille_by_pressure() {
+    for scheme in SCHEMES {
+        for axis in 0..3 {
+            let (height, length) = (11, 24);
+            let drop = 2e-5;
+            let ends = [pressure(drop), pressure(0.0)];
+            let (mut case, scene) = channel(axis, height, length, ends);
+            case.open_faces = scheme;
+            let mut fluid = case.fluid_of(&scene);
+            for _ in 0..4000 {
+                fluid.step(&[], &mut []).unwrap();
+            }
+            closes(&fluid);
+            let along = (axis + 1) % 3;
+            let (h, gradient) = (height as f64, drop / (length as f64 - 1.0));
+            let peak = gradient * h * h / (8.0 * case.viscosity());
+            for k in 0..height {
+                let mut cell = [1; 3];
+                (cell[axis], cell[along]) = (k, length / 2);
+                let y = k as f64 + 0.5;
+                let expected = gradient / (2.0 * case.viscosity()) * y * (h - y);
+                let error = (fluid.velocity_at(cell)[along] - expected).abs() / peak;
+                assert!(error < 5e-3, "{scheme:?} axis {axis} y {y}: {error}");
+            }
+        }
+    }
+}
+
+/// A parabola enters, the flow leaves at a pressure: the same mass everywhere (1e-4), the
+/// parabola in the middle (1 %), and the pressure drop that drives it (2 %).
+#[test]
+fn a_parabola_passes_through() {
+    for scheme in SCHEMES {
+        for axis in 0..3 {
+            let (height, length, peak) = (16, 30, 0.01);
+            let along = (axis + 1) % 3;
+            let mut u = [0.0; 3];
+            u[along] = peak;
+            let ends = [velocity(u, Profile::Parabolic), pressure(0.0)];
+            let (mut case, scene) = channel(axis, height, length, ends);
+            case.open_faces = scheme;
+            let mut fluid = case.fluid_of(&scene);
+            for _ in 0..6000 {
+                fluid.step(&[], &mut []).unwrap();
+            }
+            closes(&fluid);
+            let at = |k: usize, x: usize| {
+                let mut cell = [1; 3];
+                (cell[axis], cell[along]) = (k, x);
+                cell
+            };
+            // Of mass: the density is 1 + 3 p.
+            let flux =
+                |cell| (1.0 + 3.0 * fluid.pressure_at(cell)) * fluid.velocity_at(cell)[along];
+            let rate = |x| (0..height).map(|k| flux(at(k, x))).sum::<f64>();
+            assert!((rate(4) / rate(25) - 1.0).abs() < 1e-4, "{} {}", rate(4), rate(25));
+            let h = height as f64;
+            for k in 0..height {
+                let s = (k as f64 + 0.5) / h;
+                let error = fluid.velocity_at(at(k, 15))[along] / peak - 4.0 * s * (1.0 - s);
+                assert!(error.abs() < 0.01, "{scheme:?} axis {axis} {k}: {error}");
+            }
+            let drop = fluid.pressure_at(at(8, 10)) - fluid.pressure_at(at(8, 20));
+            let expected = 10.0 * 8.0 * case.viscosity() * peak / (h * h);
+            assert!((drop / expected - 1.0).abs() < 0.02, "{scheme:?}: {drop} {expected}");
+        }
+    }
+}
+
+/// A stream through a box of open faces, along each axis in either direction, stays what it is: to
+/// 1e-12, mirrors along its sides.
+#[test]
+fn a_uniform_stream_stays() {
+    for scheme in SCHEMES {
+        for axis in 0..3 {
+            for sign in [1.0, -1.0] {
+                let mut case = Case::new([9, 8, 10], [SYMMETRY; 3], 0.7);
+                case.open_faces = scheme;
+                case.velocity[axis] = 0.02 * sign;
+                let mut scene = case.scene();
+                let ends = [velocity(case.velocity, Profile::Uniform), pressure(0.0)];
+                scene.domain.faces[axis] = ends;
+                if sign < 0.0 {
+                    scene.domain.faces[axis].reverse();
+                }
+                let mut fluid = case.fluid_of(&scene);
+                for _ in 0..100 {
+                    fluid.step(&[], &mut []).unwrap();
+                    closes(&fluid);
+                }
+                for cell in cells(&fluid) {
+                    let u = fluid.velocity_at(cell);
+                    for a in 0..3 {
+                        assert!((u[a] - case.velocity[a]).abs() < 1e-12, "{scheme:?} {u:?}");
+                    }
+                }
+                assert_eq!(fluid.diagnostics().entering, 0);
+            }
+        }
+    }
+}
+
+/// Faces follow their courses: the pressure of a closed pipe comes to that of its end, 1e-6 after the
+/// waves have died down.
+#[test]
+fn a_course_is_followed() {
+    let mut case = Case::new([20, 4, 4], [WALL, PERIODIC, PERIODIC], 1.5);
+    case.open_faces = OpenFaces::Nee;
+    let mut scene = case.scene();
+    let course = Course(vec![[0.0, 0.0], [100.0, 1.0]]);
+    scene.domain.faces[0][1] = Face::Pressure { pressure: 1e-3, course };
+    let mut fluid = case.fluid_of(&scene);
+    for step in 0..20_000 {
+        fluid.step(&[], &mut []).unwrap();
+        if step == 49 {
+            let found = fluid.pressure_at([19, 2, 2]);
+            assert!((found - 0.5e-3).abs() < 1e-12, "{found}");
+        }
+    }
+    assert!((fluid.pressure_at([2, 1, 1]) - 1e-3).abs() < 1e-9);
+    closes(&fluid);
+}
+
+/// Where fluid enters through a pressure face, it enters straight, and the cells are counted.
+#[test]
+fn fluid_that_enters_at_a_pressure_enters_straight() {
+    for scheme in SCHEMES {
+        let mut case = Case::new([12, 10, 10], [WALL, PERIODIC, PERIODIC], 0.8);
+        case.open_faces = scheme;
+        case.velocity = [-0.01, 0.02, 0.01];
+        let mut scene = case.scene();
+        scene.domain.faces[0] = [velocity([-0.01, 0.0, 0.0], Profile::Uniform), pressure(0.0)];
+        let mut fluid = case.fluid_of(&scene);
+        fluid.step(&[], &mut []).unwrap();
+        assert_eq!(fluid.diagnostics().entering, 100);
+        let u = fluid.velocity_at([11, 3, 3]);
+        assert!(u[0] < -0.009 && u[1].abs() < 1e-12 && u[2].abs() < 1e-12, "{u:?}");
+    }
+}

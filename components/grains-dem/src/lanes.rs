@@ -1,0 +1,176 @@
+//! Numbers of several contacts side by side: what one formula does to all of them at once.
+//!
+//! Plain arrays, and loops over them that compilers turn into vector instructions where the function
+//! around them is compiled with these. Every operation is rounded once, as on single numbers, and
+//! nothing is summed across lanes: so contacts side by side give the bits that they give one by one.
+
+use crate::Vec3;
+use core::ops::{Add, Mul, Neg, Sub};
+
+/// Contacts side by side.
+pub(crate) const LANES: usize = 8;
+
+/// A number of each contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lane(pub [f64; LANES]);
+
+/// A vector of each contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lane3 {
+    pub x: Lane,
+    pub y: Lane,
+    pub z: Lane,
+}
+
+/// Implements an operation lane by lane, without a closure, which would not inherit the instructions
+/// that the function around it may use.
+macro_rules! by_lane {
+    ($l:ident => $value:expr) => {{
+        let mut out = [0.0; LANES];
+        let mut $l = 0;
+        while $l < LANES {
+            out[$l] = $value;
+            $l += 1;
+        }
+        Lane(out)
+    }};
+}
+
+impl Lane {
+    pub const ZERO: Self = Self([0.0; LANES]);
+
+    #[inline(always)]
+    pub fn all(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        by_lane!(l => self.0[l].sqrt())
+    }
+
+    #[inline(always)]
+    pub fn over(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] / other.0[l])
+    }
+
+    /// The number where it is positive, else 0.
+    #[inline(always)]
+    pub fn positive(self) -> Self {
+        by_lane!(l => if self.0[l] > 0.0 { self.0[l] } else { 0.0 })
+    }
+
+    /// `yes` where this is less than `other`, else `no`.
+    #[inline(always)]
+    pub fn less(self, other: Self, yes: Self, no: Self) -> Self {
+        by_lane!(l => if self.0[l] < other.0[l] { yes.0[l] } else { no.0[l] })
+    }
+
+    /// `yes` where this is no more than `other`, else `no`.
+    #[inline(always)]
+    pub fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+        by_lane!(l => if self.0[l] <= other.0[l] { yes.0[l] } else { no.0[l] })
+    }
+}
+
+impl Add for Lane {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] + other.0[l])
+    }
+}
+
+impl Sub for Lane {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] - other.0[l])
+    }
+}
+
+impl Mul for Lane {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] * other.0[l])
+    }
+}
+
+impl Neg for Lane {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        by_lane!(l => -self.0[l])
+    }
+}
+
+impl Lane3 {
+    pub const ZERO: Self = Self { x: Lane::ZERO, y: Lane::ZERO, z: Lane::ZERO };
+
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, v: &Vec3) {
+        (self.x.0[lane], self.y.0[lane], self.z.0[lane]) = (v.x, v.y, v.z);
+    }
+
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
+    }
+
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> Lane {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    /// `yes` where `a` is no more than `b`, else `no`.
+    #[inline(always)]
+    pub fn at_most(a: Lane, b: Lane, yes: Self, no: Self) -> Self {
+        Self {
+            x: a.at_most(b, yes.x, no.x),
+            y: a.at_most(b, yes.y, no.y),
+            z: a.at_most(b, yes.z, no.z),
+        }
+    }
+}
+
+impl Add for Lane3 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl Sub for Lane3 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl Mul<Lane> for Lane3 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: Lane) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+impl Neg for Lane3 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}

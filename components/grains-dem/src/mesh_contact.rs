@@ -1,0 +1,210 @@
+//! Where a sphere touches a triangulated surface.
+//!
+//! Contacts with faces come first, the deepest before the others, then those with edges, then those
+//! with vertices. A contact counts only if its point stands out of the tangent planes of all before:
+//! edges and vertices of a face that the sphere touches already do not. Contacts that are nearly in
+//! one direction are one, the deepest. So a sphere rolls over a flat floor of triangles as over a
+//! plane, and over facets of a curved one without losing or doubling its support.
+
+use crate::Vec3;
+
+/// A triangle as a contact sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Triangle {
+    /// Corners [m].
+    pub corners: [Vec3; 3],
+    /// Unit normal, to the side where bodies are.
+    pub normal: Vec3,
+}
+
+/// A point of the surface within reach of a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Nearest {
+    /// Unit vector from the point to the centre of the sphere.
+    pub normal: Vec3,
+    /// Distance of the point from the centre [m].
+    pub distance: f64,
+    /// 0 for a face, 1 for an edge, 2 for a vertex.
+    feature: u8,
+    point: Vec3,
+}
+
+/// Most contacts of a sphere with a part at once.
+pub(crate) const MOST: usize = 8;
+
+/// Contacts whose directions differ by less are one: cosine of 10 degrees.
+pub(crate) const SAME: f64 = 0.984_807_753;
+
+/// How far a point must stand out of another contact's tangent plane, over the radius.
+const OUT: f64 = 1e-3;
+
+/// The contacts found, in the order described above.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    list: [Nearest; MOST],
+    count: usize,
+}
+
+impl Found {
+    pub fn contacts(&self) -> &[Nearest] {
+        &self.list[..self.count]
+    }
+}
+
+/// The contacts of a sphere at `centre` with those `triangles` that are closer than `reach`.
+pub(crate) fn find(
+    centre: Vec3,
+    radius: f64,
+    reach: f64,
+    triangles: impl Iterator<Item = Triangle>,
+) -> Found {
+    const NONE: Nearest = Nearest {
+        normal: Vec3::new(0.0, 0.0, 0.0),
+        distance: 0.0,
+        feature: 0,
+        point: Vec3::new(0.0, 0.0, 0.0),
+    };
+    // A bounded choice of the best candidates, kept sorted; more than these are never contacts.
+    let mut best = [NONE; 4 * MOST];
+    let mut count = 0;
+    for triangle in triangles {
+        let Some(near) = nearest(centre, &triangle).filter(|near| near.distance < reach) else {
+            continue;
+        };
+        let place = best[..count].partition_point(|other| !before(&near, other));
+        if place == best.len() {
+            continue;
+        }
+        count = (count + 1).min(best.len());
+        best.copy_within(place..count - 1, place + 1);
+        best[place] = near;
+    }
+    let mut found = Found { list: [NONE; MOST], count: 0 };
+    for near in &best[..count] {
+        let hidden = |other: &Nearest| {
+            (near.point - other.point).dot(&other.normal) <= OUT * radius
+                || near.normal.dot(&other.normal) > SAME
+        };
+        if found.count < MOST && !found.contacts().iter().any(hidden) {
+            found.list[found.count] = *near;
+            found.count += 1;
+        }
+    }
+    found
+}
+
+/// Whether one candidate is looked at before another.
+fn before(a: &Nearest, b: &Nearest) -> bool {
+    (a.feature, a.distance) < (b.feature, b.distance)
+}
+
+/// The point of a triangle that is closest to `centre`, unless the centre is behind the triangle.
+/// (Ericson, *Real-Time Collision Detection*, 2005, sec. 5.1.5, for which feature is closest.)
+fn nearest(centre: Vec3, triangle: &Triangle) -> Option<Nearest> {
+    let [a, b, c] = triangle.corners;
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let (ap, bp, cp) = (centre - a, centre - b, centre - c);
+    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
+    let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
+    let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
+    let (vc, vb, va) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
+    let (feature, point) = if d1 <= 0.0 && d2 <= 0.0 {
+        (2, a)
+    } else if d3 >= 0.0 && d4 <= d3 {
+        (2, b)
+    } else if d6 >= 0.0 && d5 <= d6 {
+        (2, c)
+    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        (1, a + ab * (d1 / (d1 - d3)))
+    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        (1, a + ac * (d2 / (d2 - d6)))
+    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        (1, b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6))))
+    } else {
+        let height = ap.dot(&triangle.normal);
+        if height <= 0.0 {
+            return None;
+        }
+        let point = centre - triangle.normal * height;
+        return Some(Nearest { normal: triangle.normal, distance: height, feature: 0, point });
+    };
+    let away = centre - point;
+    let distance = away.norm_squared().sqrt();
+    (distance > 0.0).then(|| Nearest { normal: away / distance, distance, feature, point })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The faces z = 0 (two triangles) and x = 0 (two) of a step: concave or convex.
+    fn quad(a: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [Triangle; 2] {
+        let (a, u, v) = (Vec3::from(a), Vec3::from(u), Vec3::from(v));
+        let normal = u.cross(&v).normalize();
+        let of = |corners| Triangle { corners, normal };
+        [of([a, a + u, a + u + v]), of([a, a + u + v, a + v])]
+    }
+
+    fn at(centre: [f64; 3], faces: &[[Triangle; 2]]) -> Vec<Nearest> {
+        let all = faces.iter().flatten().copied();
+        find(centre.into(), 1.0, 1.0, all).contacts().to_vec()
+    }
+
+    #[test]
+    fn a_flat_floor_has_no_seams() {
+        let floor = [quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0])];
+        for k in 0..200 {
+            let x = -2.0 + 0.02 * f64::from(k);
+            for y in [x, 0.37, -x] {
+                let found = at([x, y, 0.9], &floor);
+                assert_eq!(found.len(), 1, "{x} {y}");
+                assert!((found[0].distance - 0.9).abs() < 1e-14);
+                assert!((found[0].normal - Vec3::z()).norm() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_of_three_faces_is_three_contacts() {
+        let faces = [
+            quad([0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0]),
+            quad([0.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]),
+            quad([0.0, 0.0, 0.0], [0.0, 0.0, 9.0], [9.0, 0.0, 0.0]),
+        ];
+        let found = at([0.97, 0.98, 0.99], &faces);
+        let distances: Vec<f64> = found.iter().map(|near| near.distance).collect();
+        assert_eq!(distances, [0.97, 0.98, 0.99]);
+    }
+
+    #[test]
+    fn a_convex_edge_and_a_vertex_are_touched_alone() {
+        // The block x < 0, y < 0, z < 0.
+        let block = [
+            quad([-9.0, -9.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0]),
+            quad([0.0, -9.0, -9.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]),
+            quad([-9.0, 0.0, -9.0], [0.0, 0.0, 9.0], [9.0, 0.0, 0.0]),
+        ];
+        let edge = at([0.5, -3.3, 0.5], &block);
+        assert_eq!(edge.len(), 1);
+        assert!((edge[0].distance - 0.5f64.sqrt()).abs() < 1e-15);
+        let vertex = at([0.5, 0.5, 0.5], &block);
+        assert_eq!(vertex.len(), 1);
+        assert!((vertex[0].distance - 0.75f64.sqrt()).abs() < 1e-15);
+        // Above the top and near its rim: the top alone, not its edge.
+        assert_eq!(at([-0.1, -3.3, 0.9], &block).len(), 1);
+        // From the face over the edge the distance is continuous.
+        let over = |x: f64| at([x, -3.3, 0.9], &block)[0].distance;
+        assert!((over(-1e-9) - over(1e-9)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_back_of_a_thin_plate_is_not_felt() {
+        let plate = [
+            quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]),
+            quad([-9.0, -9.0, -0.05], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0]),
+        ];
+        let found = at([0.3, 0.2, 0.9], &plate);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].distance, 0.9);
+    }
+}

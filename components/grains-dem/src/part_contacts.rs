@@ -1,0 +1,285 @@
+//! Bodies near parts, with what each contact remembers and the sum of the parts' forces.
+
+use crate::{
+    Vec3,
+    bodies::{Bodies, Mobility, Wrench},
+    contact::{self, Contact, Memory},
+    forces::Scenery,
+    law::{Law, Reduced},
+    laws::Laws,
+    mesh_contact::{self, MOST, SAME},
+    pairs::BLOCK,
+    parts::PlacedPart,
+    periodic::PeriodicBox,
+    tally::{Deepest, Other, Tally},
+};
+use tremie_team::{Cut, Team};
+
+/// A body near a part.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    part: u32,
+    law: u16,
+    /// Number of contacts at the last evaluation; as many memories count.
+    touching: u8,
+    /// Mass and radius: the body's.
+    reduced: Reduced,
+    memories: [Memory; MOST],
+}
+
+/// Rows of entries, one for each body near a part, in the order of memory.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PartContacts {
+    /// Indices of the bodies.
+    pub bodies: Vec<u32>,
+    /// Sum of the parts' forces on each.
+    pub wrench: Vec<Wrench>,
+    /// Which of `bodies` belong to each block of bodies.
+    pub bounds: Vec<u32>,
+    /// `start[p]..start[p + 1]` are the entries of `bodies[p]`.
+    start: Vec<u32>,
+    entries: Vec<Entry>,
+    entry_bounds: Vec<u32>,
+    /// `near[e]..near[e + 1]` are the triangles of entry e, with the images that see them.
+    near: Vec<u32>,
+    triangles: Vec<(u32, u32)>,
+    /// Forces on the parts, block by block.
+    loads: Vec<Wrench>,
+    room: Vec<u32>,
+}
+
+impl PartContacts {
+    /// Makes the list anew from bodies closer than `gap` to a part. `before` is the list before, with
+    /// bodies by their `previous` places.
+    pub fn make(
+        &mut self,
+        before: &Self,
+        previous: &[u32],
+        bodies: &Bodies,
+        parts: &[PlacedPart],
+        (laws, materials): (&Laws, &[u16]),
+        (bounds, gap): (&PeriodicBox, f64),
+    ) {
+        self.clear();
+        for i in 0..bodies.len() {
+            if i.is_multiple_of(BLOCK) {
+                self.end_block();
+            }
+            if !bodies.mobility[i].is_free() {
+                continue;
+            }
+            for (part, placed) in parts.iter().enumerate() {
+                let found = self.triangles.len();
+                self.find(placed, bodies.balls[i].x, bodies.balls[i].radius + gap, bounds);
+                if self.triangles.len() == found {
+                    continue;
+                }
+                let (touching, memories) =
+                    before.remembered(previous[i], part as u32).unwrap_or_default();
+                self.near.push(self.triangles.len() as u32);
+                self.entries.push(Entry {
+                    part: part as u32,
+                    law: laws.between(materials[part], bodies.material[i]),
+                    touching,
+                    reduced: Reduced {
+                        root_mass: bodies.mobility[i].root_reduced_mass(Mobility::NONE),
+                        radius: bodies.balls[i].radius,
+                    },
+                    memories,
+                });
+            }
+            if self.entries.len() > self.start[self.bodies.len()] as usize {
+                self.bodies.push(i as u32);
+                self.start.push(self.entries.len() as u32);
+            }
+        }
+        self.end_block();
+        self.wrench.resize(self.bodies.len(), Wrench::zero());
+        self.loads.resize((self.bounds.len() - 1) * parts.len(), Wrench::zero());
+    }
+
+    /// Adds the triangles of a part near a body, through all images.
+    fn find(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
+        for (image, shift) in bounds.numbered_images() {
+            part.triangles_near(part.to_part(x + shift), reach, &mut self.room);
+            self.triangles.extend(self.room.iter().map(|&triangle| (triangle, image)));
+        }
+    }
+
+    fn clear(&mut self) {
+        self.bodies.clear();
+        self.start.clear();
+        self.start.push(0);
+        self.entries.clear();
+        self.bounds.clear();
+        self.entry_bounds.clear();
+        self.near.clear();
+        self.near.push(0);
+        self.triangles.clear();
+    }
+
+    fn end_block(&mut self) {
+        self.bounds.push(self.bodies.len() as u32);
+        self.entry_bounds.push(self.entries.len() as u32);
+    }
+
+    /// What the contacts of a body, by its place in this list, with a part remember.
+    fn remembered(&self, body: u32, part: u32) -> Option<(u8, [Memory; MOST])> {
+        let p = self.bodies.binary_search(&body).ok()?;
+        let row = &self.entries[self.start[p] as usize..self.start[p + 1] as usize];
+        row.iter().find(|entry| entry.part == part).map(|entry| (entry.touching, entry.memories))
+    }
+
+    /// Evaluates the contacts; adds what each block saw to `tallies`, and leaves on each part the sum
+    /// of the forces on it.
+    pub fn evaluate(
+        &mut self,
+        team: &mut Team,
+        parts: &mut [PlacedPart],
+        scenery: Scenery<'_>,
+        tallies: &mut [Tally],
+    ) {
+        if parts.is_empty() || tallies.is_empty() {
+            return;
+        }
+        let pieces = (
+            Cut::at(&mut self.entries, &self.entry_bounds),
+            Cut::at(&mut self.wrench, &self.bounds),
+            Cut::every(&mut self.loads, parts.len()),
+            Cut::every(tallies, 1),
+        );
+        let (bodies, start, bounds) = (&self.bodies, &self.start, &self.bounds);
+        let (near, triangles, first) = (&self.near, &self.triangles, &self.entry_bounds);
+        let placed = &*parts;
+        team.for_pieces(pieces, |b, (entries, wrench, loads, tally)| {
+            loads.fill(Wrench::zero());
+            for (p, wrench) in (bounds[b] as usize..).zip(wrench) {
+                *wrench = Wrench::zero();
+                for e in start[p] as usize..start[p + 1] as usize {
+                    let entry = &mut entries[e - first[b] as usize];
+                    let part = &placed[entry.part as usize];
+                    let load = &mut loads[entry.part as usize];
+                    let near = &triangles[near[e] as usize..near[e + 1] as usize];
+                    let place = Place { body: bodies[p] as usize, part, near, scenery: &scenery };
+                    place.evaluate(entry, wrench, load, &mut tally[0]);
+                }
+            }
+        });
+        for (k, part) in parts.iter_mut().enumerate() {
+            part.wrench = Wrench::zero();
+            for load in self.loads.iter().skip(k).step_by(placed_count(&self.loads, &self.bounds)) {
+                part.wrench.force += load.force;
+                part.wrench.torque += load.torque;
+            }
+        }
+    }
+}
+
+impl PartContacts {
+    /// Energy in the springs of all contacts [J], tangential ones at the displacement that they will
+    /// have half a step later.
+    pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
+        let mut energy = 0.0;
+        for entry in &self.entries {
+            let law = &laws[entry.law as usize];
+            for memory in &entry.memories[..entry.touching as usize] {
+                let k_t = law.at(memory.overlap, memory.overlap, entry.reduced).k_t;
+                let across = memory.xi.norm_squared() + memory.rolling.norm_squared();
+                energy += law.normal_energy(memory.overlap, entry.reduced) + 0.5 * k_t * across;
+            }
+        }
+        energy
+    }
+}
+
+/// Number of parts, from the number of their loads in all blocks.
+fn placed_count(loads: &[Wrench], bounds: &[u32]) -> usize {
+    loads.len() / (bounds.len() - 1)
+}
+
+/// A body and a part near it.
+struct Place<'a> {
+    body: usize,
+    part: &'a PlacedPart,
+    near: &'a [(u32, u32)],
+    scenery: &'a Scenery<'a>,
+}
+
+impl Place<'_> {
+    fn evaluate(
+        &self,
+        entry: &mut Entry,
+        on_body: &mut Wrench,
+        on_part: &mut Wrench,
+        tally: &mut Tally,
+    ) {
+        let (part, scenery) = (self.part, self.scenery);
+        let ball = &scenery.bodies.balls[self.body];
+        let crossed = if scenery.crossed { scenery.bodies.crossed[self.body] } else { 0 };
+        let law: &Law = &scenery.laws[entry.law as usize];
+        let (known, old) = (entry.touching as usize, entry.memories);
+        entry.touching = 0;
+        let mut used = [false; MOST];
+        // Almost always there is one image; then all triangles are seen together, as they must be.
+        let image = |seen: u32| (seen as i32 + crossed) as usize;
+        let Some(&(_, seen)) = self.near.first() else { return };
+        let home = ball.x + scenery.shifts[image(seen)];
+        let centre = part.to_part(home);
+        let triangles = self.near.iter().map(|&(triangle, other)| {
+            let mut triangle = part.triangle(triangle);
+            if other != seen {
+                // The surface as this image sees it, moved to where the first one does.
+                let apart = scenery.shifts[image(seen)] - scenery.shifts[image(other)];
+                let apart = part.to_part(apart) - part.to_part(Vec3::zeros());
+                triangle.corners = triangle.corners.map(|corner| corner + apart);
+            }
+            triangle
+        });
+        let found =
+            mesh_contact::find(centre, ball.radius, ball.radius + scenery.reach(), triangles);
+        for near in found.contacts() {
+            let n = -part.to_world(near.normal);
+            let overlap = ball.radius - near.distance;
+            let arm = ball.radius - 0.5 * overlap;
+            let twist = &scenery.bodies.predicted[self.body];
+            let contact = Contact {
+                normal: n,
+                overlap,
+                velocity: (twist.v - part.velocity_at(home + n * arm)) + twist.w.cross(&n) * arm,
+                twist: 0.5 * (twist.w + part.twist.w).dot(&n),
+                rolling: twist.w - part.twist.w,
+            };
+            let squeezed = scenery.lubrication(&contact, entry.reduced);
+            if overlap <= 0.0 {
+                on_body.force -= n * squeezed;
+                on_part.force += n * squeezed;
+                let lever = home + n * arm - Vec3::from(part.pose.position);
+                on_part.torque += lever.cross(&n) * squeezed;
+                continue;
+            }
+            let heir =
+                closest(&old[..known], n).filter(|&k| !std::mem::replace(&mut used[k], true));
+            let mut memory = heir.map_or(Memory::default(), |k| old[k]);
+            let touched = heir.is_some();
+            let f =
+                contact::force(law, entry.reduced, &contact, &mut memory, touched, scenery.steps);
+            entry.memories[entry.touching as usize] = memory;
+            entry.touching += 1;
+            let force = f.tangential - n * (f.normal + squeezed);
+            on_body.force += force;
+            on_body.torque += n.cross(&f.tangential) * arm + f.rolling;
+            let lever = home + n * arm - Vec3::from(part.pose.position);
+            on_part.force -= force;
+            on_part.torque -= lever.cross(&force) + f.rolling;
+            let other = Other::Part(entry.part);
+            tally.add(Deepest { overlap, radius: ball.radius, body: self.body as u32, other });
+        }
+    }
+}
+
+/// The memory whose normal is closest to `n`, if it turned by less than 10 degrees.
+fn closest(memories: &[Memory], n: Vec3) -> Option<usize> {
+    let along = |k: usize| memories[k].normal.dot(&n);
+    let best = (0..memories.len()).max_by(|&a, &b| along(a).total_cmp(&along(b)))?;
+    (along(best) > SAME).then_some(best)
+}

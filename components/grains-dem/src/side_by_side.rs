@@ -1,0 +1,73 @@
+//! Contacts of one linear law, several at once.
+
+use crate::{
+    forces::Block,
+    lanes::LANES,
+    linear::{Batch, LinearLaw, Outcome},
+    pairs::{ACTING, Hit, Record, TOUCHING},
+    tally::{Deepest, Other},
+};
+
+impl Block<'_> {
+    /// Evaluates the contacts of `hits`.
+    pub fn side_by_side(&mut self, law: LinearLaw, hits: &[Hit]) {
+        let (kernel, steps) = (law.kernel, self.scenery.steps);
+        let mut batch = Batch::ZERO;
+        for hits in hits.chunks(LANES) {
+            for (lane, &hit) in hits.iter().enumerate() {
+                self.put(&mut batch, lane, hit);
+            }
+            // Lanes beyond the last hit hold what was there before, and nobody takes them.
+            let outcome = kernel(&law, &batch, steps);
+            for (lane, &hit) in hits.iter().enumerate() {
+                self.take(&outcome, &batch, lane, hit);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn put(&self, batch: &mut Batch, lane: usize, hit: Hit) {
+        let k = hit.entry as usize;
+        let (i, j, d) = self.pair(hit);
+        let bodies = self.scenery.bodies;
+        let (a, b) = (&bodies.predicted[i], &bodies.predicted[j]);
+        batch.d.set(lane, &d);
+        batch.radius_i.0[lane] = bodies.balls[i].radius;
+        batch.radius_j.0[lane] = bodies.balls[j].radius;
+        batch.v_i.set(lane, &a.v);
+        batch.v_j.set(lane, &b.v);
+        batch.w_i.set(lane, &a.w);
+        batch.w_j.set(lane, &b.w);
+        batch.xi.set(lane, &self.xi[k]);
+        batch.old.set(lane, &self.records[k].normal);
+        batch.touching.0[lane] = f64::from(self.state[k] & TOUCHING);
+        batch.root_mass.0[lane] = self.reduced[k].root_mass;
+    }
+
+    #[inline(always)]
+    fn take(&mut self, outcome: &Outcome, batch: &Batch, lane: usize, hit: Hit) {
+        let k = hit.entry as usize;
+        let (normal, overlap) = (outcome.normal.get(lane), outcome.overlap.0[lane]);
+        self.state[k] = ACTING;
+        if overlap <= 0.0 {
+            // Rounding: the distance was a hair less than the reach.
+            self.records[k] = Record { normal, overlap, ..Record::NONE };
+            return;
+        }
+        self.state[k] |= TOUCHING;
+        self.xi[k] = outcome.xi.get(lane);
+        self.records[k] = Record {
+            normal,
+            tangential: outcome.tangential.get(lane),
+            force: outcome.force.0[lane],
+            overlap,
+        };
+        let (a, b) = (batch.radius_i.0[lane], batch.radius_j.0[lane]);
+        self.tally.add(Deepest {
+            overlap,
+            radius: a.min(b),
+            body: hit.body,
+            other: Other::Body(self.other(hit)),
+        });
+    }
+}

@@ -1,0 +1,142 @@
+//! How long questions to a surface of 100,000 triangles take.
+//!
+//! `cargo bench -p tremie-geometry`. Times depend on the machine; the ratios to asking
+//! point by point, in the same run, much less.
+
+use std::hint::black_box;
+use std::time::Instant;
+use tremie_geometry::{Bounds, Mesh, Row, RowScratch, Surface, mend};
+
+fn main() {
+    let mesh = torus(320, 160);
+    let triangles = mesh.triangles.len();
+    let (build, surface) = timed(|| Surface::new(mesh.clone()).expect("a closed ring"));
+    println!("{triangles} triangles");
+    println!("build                 {:9.1} ms", 1e3 * build);
+    let (mending, _) = timed(|| mend(torn(&mesh)).expect("a closed ring"));
+    println!("mend                  {:9.1} ms, all vertices apart", 1e3 * mending);
+    let (crossed, found) = timed(|| surface.intersections());
+    assert!(found.is_none());
+    println!("intersections         {:9.1} ms", 1e3 * crossed);
+
+    let n = 100;
+    let (each, one_by_one) = timed(|| voxels_one_by_one(&surface, n));
+    let (rows, filled) = timed(|| voxels_by_rows(&surface, n, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]));
+    assert_eq!(one_by_one, filled);
+    println!(
+        "contains              {:9.1} ms for {} points, {} in the solid",
+        1e3 * each,
+        n * n * n,
+        filled
+    );
+    println!("fill_row              {:9.1} ms, {:.3} of contains", 1e3 * rows, rows / each);
+    let (oblique, _) = timed(|| voxels_by_rows(&surface, n, [0.6, 0.64, 0.48], [-0.8, 0.48, 0.36]));
+    println!("fill_row, turned      {:9.1} ms, {:.3} of contains", 1e3 * oblique, oblique / each);
+
+    let points: Vec<[f64; 3]> = (0..200_000).map(scattered).collect();
+    let per = |time: f64| 1e6 * time / points.len() as f64;
+    let (contains, _) = timed(|| points.iter().filter(|&&p| surface.contains(p)).count());
+    println!("contains, scattered   {:9.3} us each", per(contains));
+    let (closest, _) = timed(|| points.iter().map(|&p| surface.signed_distance(p)).sum::<f64>());
+    println!(
+        "signed_distance       {:9.3} us each, {:.1} of contains",
+        per(closest),
+        closest / contains
+    );
+    let link = |p: &[f64; 3]| surface.first_crossing(*p, p.map(|x| x + 0.02));
+    let (links, crossings) = timed(|| points.iter().filter_map(link).count());
+    println!(
+        "first_crossing        {:9.3} us each, {:.1} of contains, {crossings} crossings",
+        per(links),
+        links / contains
+    );
+    let mut near = Vec::new();
+    let (boxes, met) = timed(|| {
+        let mut met = 0;
+        for &p in &points {
+            surface.triangles_near(&Bounds { min: p, max: p.map(|x| x + 0.02) }, &mut near);
+            met += near.len();
+        }
+        met
+    });
+    println!(
+        "triangles_near        {:9.3} us each, {:.1} of contains, {met} triangles",
+        per(boxes),
+        boxes / contains
+    );
+}
+
+/// The shortest of three runs [s], and the last result.
+fn timed<T>(mut run: impl FnMut() -> T) -> (f64, T) {
+    let mut once = || {
+        let start = Instant::now();
+        let result = black_box(run());
+        (start.elapsed().as_secs_f64(), result)
+    };
+    let runs = [once(), once(), once()];
+    let best = runs.iter().map(|(time, _)| *time).fold(f64::INFINITY, f64::min);
+    let [_, _, (_, result)] = runs;
+    (best, result)
+}
+
+fn voxels_one_by_one(surface: &Surface, n: usize) -> usize {
+    rows(n, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+        .map(|row| (0..n).filter(|&i| surface.contains(row.point(i))).count())
+        .sum()
+}
+
+fn voxels_by_rows(surface: &Surface, n: usize, along: [f64; 3], across: [f64; 3]) -> usize {
+    let mut scratch = RowScratch::default();
+    let mut inside = vec![false; n];
+    rows(n, along, across)
+        .map(|row| {
+            surface.fill_row(&row, &mut inside, &mut scratch);
+            inside.iter().filter(|&&x| x).count()
+        })
+        .sum()
+}
+
+/// Rows of a cube of `n` points a side about the origin, its edges 1.5 long.
+fn rows(n: usize, u: [f64; 3], v: [f64; 3]) -> impl Iterator<Item = Row> {
+    let w = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let step = 1.5 / n as f64;
+    let at = move |i: usize| (i as f64 + 0.5) * step - 0.75;
+    let start = move |j, k| std::array::from_fn(|a| at(0) * u[a] + at(j) * v[a] + at(k) * w[a]);
+    let row = move |j, k| Row { start: start(j, k), step: u.map(|x| x * step) };
+    (0..n).flat_map(move |k| (0..n).map(move |j| row(j, k)))
+}
+
+/// Points all over the bounds (Roberts' sequence).
+fn scattered(i: i32) -> [f64; 3] {
+    const G: f64 = 1.220_744_084_605_759_6;
+    let in_box = |x: f64, size: f64| (x.fract() - 0.5) * size;
+    let i = f64::from(i);
+    [in_box(i / G, 1.5), in_box(i / (G * G), 1.5), in_box(i / (G * G * G), 0.5)]
+}
+
+fn torn(mesh: &Mesh) -> Mesh {
+    let vertices = (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)).collect();
+    let triangles = (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    Mesh { vertices, triangles: triangles.collect() }
+}
+
+/// A ring of radius 0.5, 0.2 thick, with a tilt that leaves nothing in line with the axes.
+fn torus(along: u32, around: u32) -> Mesh {
+    let corner = |i: u32, j: u32| {
+        let turn = std::f64::consts::TAU;
+        let (sin, cos) = libm::sincos(turn * f64::from(i) / f64::from(along));
+        let (up, out) = libm::sincos(turn * f64::from(j) / f64::from(around));
+        let r = 0.5 + 0.2 * out;
+        [r * cos, r * sin + 0.06 * up, 0.2 * up - 0.3 * r * sin]
+    };
+    let name = |i: u32, j: u32| (i % along) * around + j % around;
+    let all = || (0..along).flat_map(|i| (0..around).map(move |j| (i, j)));
+    let quad = |(i, j)| {
+        let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    Mesh {
+        vertices: all().map(|(i, j)| corner(i, j)).collect(),
+        triangles: all().flat_map(quad).collect(),
+    }
+}

@@ -1,0 +1,9 @@
+//! Surfaces by scenario: shapes against formulas, files, what is mended and what is refused, questions
+//! against brute force, edges and corners.
+
+mod bodies;
+mod features;
+mod files;
+mod mending;
+mod questions;
+mod shapes;

@@ -1,0 +1,24 @@
+//! The user's wish to end: Ctrl-C, and the signals that mean the same.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Counts from now on how often the user asks for the end.
+///
+/// # Errors
+/// If the operating system refuses.
+pub(super) fn count_interrupts() -> std::io::Result<Arc<AtomicUsize>> {
+    let interrupts = Arc::new(AtomicUsize::new(0));
+    let mut signals = signal_hook::iterator::Signals::new([
+        signal_hook::consts::SIGINT,
+        signal_hook::consts::SIGTERM,
+        signal_hook::consts::SIGHUP,
+    ])?;
+    let count = interrupts.clone();
+    std::thread::spawn(move || {
+        for _ in signals.forever() {
+            count.fetch_add(1, Ordering::Relaxed);
+        }
+    });
+    Ok(interrupts)
+}

@@ -1,0 +1,55 @@
+//! `tremie validate`.
+
+use crate::cli::ValidateArgs;
+use crate::validation::case::Case;
+use crate::validation::record::Record;
+use crate::validation::{ValidationError, cases, picture, report, try_case};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// `tremie validate`: makes the runs of the cases and holds them against their references.
+pub fn validate(arguments: &ValidateArgs) -> ExitCode {
+    match validate_cases(arguments) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => {
+            eprintln!("some results are not near enough to their references");
+            ExitCode::FAILURE
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn validate_cases(arguments: &ValidateArgs) -> Result<bool, ValidationError> {
+    let ValidateArgs { names, cases: folder, short, report: path } = arguments;
+    let scratch = tempfile::tempdir()
+        .map_err(|error| ValidationError::Io { path: std::env::temp_dir(), error })?;
+    let (mut passed, mut checks) = (true, 0);
+    for case in cases(folder, names)? {
+        let say = &mut |text: &str| println!("{text}");
+        let record = try_case(&case, *short, scratch.path(), say)?;
+        passed &= record.passed();
+        checks += record.checks();
+        if !short {
+            record.keep(&case)?;
+            picture::draw_all(&case, &record)?;
+        }
+    }
+    if !short {
+        write_report(folder, path)?;
+        println!("the report is in {}", path.display());
+    }
+    println!("{checks} checks, {}", if passed { "all passed" } else { "not all passed" });
+    Ok(passed)
+}
+
+/// Writes the report on all cases, from what each has kept.
+fn write_report(folder: &Path, path: &Path) -> Result<(), ValidationError> {
+    let kept = |case: Case| Record::kept(&case.folder).map(|record| (case, record));
+    let all: Vec<_> = cases(folder, &[])?.into_iter().map(kept).collect::<Result<_, _>>()?;
+    let text = report::text(&all, &folder.to_string_lossy());
+    std::fs::write(path, text)
+        .map_err(|error| ValidationError::Io { path: path.to_path_buf(), error })
+}

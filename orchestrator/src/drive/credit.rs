@@ -1,0 +1,47 @@
+//! How far components may advance: some way ahead of what is done, so that physics never waits for
+//! the orchestrator.
+
+use super::ends::STOP_AHEAD;
+use super::{Course, Drive, Trouble};
+use std::time::Instant;
+use tremie_channels::Between;
+use tremie_messages::control::Credit;
+
+/// Wall time by which credit runs ahead: what a Ctrl-C takes to be heeded.
+const CREDIT_AHEAD: f64 = 0.1;
+
+impl<S: Between> Drive<'_, S> {
+    /// Lets components advance some windows beyond the last that all have completed.
+    pub(super) fn grant(&mut self, course: &mut Course, now: Instant) -> Result<(), Trouble> {
+        if course.last.is_some() {
+            return Ok(());
+        }
+        let done = self.monitor.common_window().map_or(0, |window| window + 1);
+        let since = now.duration_since(course.mark.1).as_secs_f64();
+        if since > 0.05 {
+            course.rate = (done - course.mark.0) as f64 / since;
+            course.mark = (done, now);
+        }
+        let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD };
+        if !course.not_watching.is_empty() {
+            // Only the start exchange, until they have seen it.
+            return self.grant_through(course, 0);
+        }
+        let ahead = ((course.rate * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
+        self.grant_through(course, (done + ahead).min(self.windows))
+    }
+
+    fn grant_through(&mut self, course: &mut Course, grant: u64) -> Result<(), Trouble> {
+        if course.granted.is_some_and(|granted| granted >= grant) {
+            return Ok(());
+        }
+        if course.granted.is_none_or(|granted| self.monitor.all_wait_for_credit(granted)) {
+            self.monitor.granted(Instant::now());
+        }
+        course.granted = Some(grant);
+        for peer in &self.physics {
+            self.control.say(*peer, Credit::ADVANCE, grant)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,33 @@
+//! What the user sees of a run in progress.
+
+use super::{Course, Drive};
+use crate::terminal::Progress;
+use std::time::Instant;
+use tremie_channels::Between;
+
+impl<S: Between> Drive<'_, S> {
+    /// Shows how far the run is, and how fast.
+    pub(super) fn show_progress(&mut self, course: &Course, now: Instant) {
+        let window = self.monitor.common_window().unwrap_or(0);
+        let elapsed = now.duration_since(course.begin).as_secs_f64();
+        let mut progress = Progress {
+            window,
+            windows: self.windows,
+            time: self.clock.seconds(window * self.clock.ticks_per_window),
+            rate: course.rate,
+            work: Vec::new(),
+            shares: Vec::new(),
+            bodies: self.descriptions.iter().map(|d| d.bodies).sum(),
+        };
+        for (watched, peer) in self.physics.iter().enumerate() {
+            let totals = self.monitor.totals()[watched];
+            let name = &self.peers[*peer].name;
+            let share = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / elapsed.max(1e-9);
+            progress.shares.push((name.clone(), share(totals.compute), share(totals.wait)));
+            let unit = self.descriptions[*peer].work.clone();
+            let rate = totals.work as f64 / (totals.compute as f64 * 1e-9).max(1e-9);
+            progress.work.push((name.clone(), unit, rate));
+        }
+        self.terminal.progress(&progress);
+    }
+}

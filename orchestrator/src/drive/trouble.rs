@@ -1,0 +1,37 @@
+//! Why the loop of windows ends before all are done.
+
+use crate::outputs::OutputError;
+use tremie_channels::ChannelError;
+use tremie_messages::start::{Fault, FaultKind};
+
+/// Why the loop of windows ends before all are done.
+pub(super) enum Trouble {
+    /// The user asked again: at once, not in order.
+    Impatience,
+    Fault(Box<Fault>),
+    Output(OutputError),
+}
+
+impl From<Fault> for Trouble {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(Box::new(fault))
+    }
+}
+
+impl From<OutputError> for Trouble {
+    fn from(error: OutputError) -> Self {
+        Self::Output(error)
+    }
+}
+
+impl From<ChannelError> for Trouble {
+    fn from(error: ChannelError) -> Self {
+        Self::Fault(Box::new(Fault {
+            kind: FaultKind::Channel,
+            noticed_by: "the orchestrator".into(),
+            blamed: "the orchestrator".into(),
+            window: 0,
+            message: error.to_string(),
+        }))
+    }
+}

@@ -1,0 +1,68 @@
+//! The lines of a component that is a process: each pipe has a thread of its own, so that nothing
+//! that a component does, or leaves undone, holds up the orchestrator.
+
+use super::{News, Post};
+use std::io::{BufRead, Read, Write};
+use std::sync::mpsc::{Receiver, SyncSender};
+use tremie_messages::start::Request;
+
+/// Writes requests to a component, which may be slow to read them, or never do. Ends when the
+/// orchestrator hangs up, which closes the line, or when the component is gone.
+pub(super) fn write_requests(mut to: impl Write, requests: Receiver<Request>) {
+    for request in requests {
+        let Ok(mut text) = serde_json::to_string(&request) else { continue };
+        text.push('\n');
+        if to.write_all(text.as_bytes()).and_then(|()| to.flush()).is_err() {
+            return;
+        }
+    }
+}
+
+/// Longest piece of a line on standard error [bytes]; a longer line comes in pieces.
+const LOG_LINE: u64 = 64 << 10;
+/// Longest reply [bytes]: room for a problem with each of a hundred thousand bodies.
+const REPLY_LINE: u64 = 64 << 20;
+/// What is kept of a line that is no reply, for the message [characters].
+const GARBAGE: usize = 1000;
+
+/// Passes on what a component writes to its standard output.
+pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSender<Post>) {
+    for line in lines(output, REPLY_LINE) {
+        let news = match serde_json::from_str(&line) {
+            Ok(reply) => News::Reply(Box::new(reply)),
+            Err(_) => News::Garbage(line.chars().take(GARBAGE).collect()),
+        };
+        let _ = post.send((index, news));
+    }
+    let _ = post.send((index, News::Closed));
+}
+
+/// Passes on what a component writes to its standard error.
+pub(super) fn forward_log(errors: impl BufRead, index: usize, post: &SyncSender<Post>) {
+    for line in lines(errors, LOG_LINE) {
+        let _ = post.send((index, News::Log(line)));
+    }
+}
+
+/// Lines of text, whatever bytes are in them: a component's pipe must be read to its end. A line of
+/// more than `most` bytes comes in pieces: one that never ends must not eat all memory.
+fn lines(mut from: impl BufRead, most: u64) -> impl Iterator<Item = String> {
+    std::iter::from_fn(move || {
+        let mut bytes = Vec::new();
+        match from.by_ref().take(most).read_until(b'\n', &mut bytes) {
+            Ok(0) | Err(_) => None,
+            Ok(_) => Some(String::from_utf8_lossy(&bytes).trim_end().to_string()),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_without_an_end_comes_in_pieces() {
+        let all: Vec<_> = lines(&b"one\nand more\xff\nend"[..], 5).collect();
+        assert_eq!(all, ["one", "and m", "ore\u{fffd}", "end"]);
+    }
+}

@@ -1,0 +1,147 @@
+//! Starts components, as processes or as threads, and carries their lines.
+
+mod lines;
+mod peer;
+mod program;
+
+pub use peer::{Peer, end_all};
+pub use program::{MissingProgram, Program};
+
+use crate::registry::built_in;
+use lines::{forward_log, forward_replies, write_requests};
+use peer::Body;
+use std::io::BufReader;
+use std::os::unix::process::CommandExt;
+use std::process::{Command, Stdio};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use tremie_messages::start::{INTERFACE_VARIABLE, Reply, Request};
+use tremie_messages::{INTERFACE_VERSION, Role};
+use tremie_sdk::Line;
+
+/// Something that a component said or did.
+#[derive(Debug)]
+pub enum News {
+    /// A reply on its line.
+    Reply(Box<Reply>),
+    /// A line on its standard output that is no reply.
+    Garbage(String),
+    /// A line on its standard error.
+    Log(String),
+    /// Its line is closed: the process or thread has ended, or is about to.
+    Closed,
+}
+
+/// News of a component, by its index in the list of peers.
+pub type Post = (usize, News);
+
+/// Most news under way. A component that says more than the orchestrator hears waits, as it would
+/// for a slow terminal.
+const NEWS_DEPTH: usize = 1024;
+
+/// Starts components and collects their news in one place.
+pub struct Launcher {
+    post: SyncSender<Post>,
+    in_process: bool,
+}
+
+impl Launcher {
+    /// A launcher of processes, or of threads of this one, and where news arrive.
+    pub fn new(in_process: bool) -> (Self, Receiver<Post>) {
+        let (post, news) = sync_channel(NEWS_DEPTH);
+        (Self { post, in_process }, news)
+    }
+
+    /// Starts `program` as component number `index`.
+    ///
+    /// Must be called from a thread that outlives the run: a component dies with the thread that
+    /// started it (parent-death signal).
+    ///
+    /// # Errors
+    /// A sentence, if it cannot be started.
+    pub fn start(
+        &self,
+        index: usize,
+        name: &str,
+        role: Role,
+        program: &Program,
+    ) -> Result<Peer, String> {
+        let (to, body) = match program {
+            Program::BuiltIn(built) if self.in_process => self.start_thread(index, name, built)?,
+            Program::BuiltIn(built) => {
+                let mut command = Command::new("/proc/self/exe");
+                command.arg("component").arg(built);
+                self.start_process(index, command)?
+            }
+            Program::File(file) if self.in_process => {
+                return Err(format!(
+                    "{} is a program of its own and cannot run inside this process; leave out --in-process",
+                    file.display()
+                ));
+            }
+            Program::File(file) => self.start_process(index, Command::new(file))?,
+        };
+        Ok(Peer::new(name, role, to, body))
+    }
+
+    fn start_process(
+        &self,
+        index: usize,
+        mut command: Command,
+    ) -> Result<(Sender<Request>, Body), String> {
+        let shown = format!("{:?}", command.get_program());
+        command
+            .env(INTERFACE_VARIABLE, INTERFACE_VERSION.to_string())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            // Ctrl-C in a terminal goes to the orchestrator alone, which ends the run in order.
+            .process_group(0);
+        // SAFETY: one system call, which is safe between fork and exec.
+        unsafe {
+            command.pre_exec(|| {
+                let kill = rustix::process::Signal::KILL;
+                Ok(rustix::process::set_parent_process_death_signal(Some(kill))?)
+            });
+        }
+        let mut child = command.spawn().map_err(|e| format!("cannot start {shown}: {e}"))?;
+        if let Some(output) = child.stdout.take() {
+            let post = self.post.clone();
+            std::thread::spawn(move || forward_replies(BufReader::new(output), index, &post));
+        }
+        if let Some(errors) = child.stderr.take() {
+            let post = self.post.clone();
+            std::thread::spawn(move || forward_log(BufReader::new(errors), index, &post));
+        }
+        let (to, requests) = channel();
+        if let Some(input) = child.stdin.take() {
+            std::thread::spawn(move || write_requests(input, requests));
+        }
+        Ok((to, Body::Process(child)))
+    }
+
+    fn start_thread(
+        &self,
+        index: usize,
+        name: &str,
+        built: &str,
+    ) -> Result<(Sender<Request>, Body), String> {
+        let component = built_in(built).ok_or_else(|| format!("{built} is not built in"))?;
+        let (line, to, from) = Line::in_memory();
+        let (post, errors) = (self.post.clone(), self.post.clone());
+        std::thread::spawn(move || {
+            for reply in from {
+                let _ = post.send((index, News::Reply(Box::new(reply))));
+            }
+            let _ = post.send((index, News::Closed));
+        });
+        let handle = std::thread::Builder::new()
+            .name(name.to_string())
+            .spawn(move || {
+                if let Err(message) = (component.run)(line) {
+                    let _ = errors.send((index, News::Log(message)));
+                }
+            })
+            .map_err(|e| format!("cannot start a thread: {e}"))?;
+        Ok((to, Body::Thread(Some(handle))))
+    }
+}

@@ -1,0 +1,128 @@
+//! A started component: what it is told, and its end.
+
+use std::os::unix::process::ExitStatusExt;
+use std::process::Child;
+use std::sync::mpsc::Sender;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tremie_messages::Role;
+use tremie_messages::start::Request;
+
+/// A started component.
+pub struct Peer {
+    /// Its name in the run.
+    pub name: String,
+    /// What it stands for.
+    pub role: Role,
+    /// `None` once the orchestrator has hung up.
+    to: Option<Sender<Request>>,
+    body: Body,
+    /// Whether its line has closed.
+    pub closed: bool,
+}
+
+pub(super) enum Body {
+    Process(Child),
+    Thread(Option<JoinHandle<()>>),
+}
+
+impl Peer {
+    pub(super) fn new(name: &str, role: Role, to: Sender<Request>, body: Body) -> Self {
+        Self { name: name.to_string(), role, to: Some(to), body, closed: false }
+    }
+
+    /// Sends a request; never waits. A component that is gone does not hear it; its end is news of
+    /// its own.
+    pub fn send(&mut self, request: Request) {
+        if let Some(to) = &self.to {
+            let _ = to.send(request);
+        }
+    }
+
+    /// Closes the line to the component, as when the orchestrator is gone.
+    pub fn hang_up(&mut self) {
+        self.to = None;
+    }
+
+    /// Process id, if the component is a process.
+    pub fn process_id(&self) -> Option<u32> {
+        match &self.body {
+            Body::Process(child) => Some(child.id()),
+            Body::Thread(_) => None,
+        }
+    }
+
+    /// Tells the component to quit, gives it `grace`, then ends it. Returns how it ended.
+    ///
+    /// A thread cannot be ended from outside; one that does not heed is left behind, and said so.
+    pub fn end(&mut self, grace: Duration) -> String {
+        self.quit();
+        self.end_by(Instant::now() + grace)
+    }
+
+    fn quit(&mut self) {
+        self.send(Request::Quit {});
+        self.hang_up();
+    }
+
+    fn end_by(&mut self, deadline: Instant) -> String {
+        match &mut self.body {
+            Body::Process(child) => reap(child, deadline),
+            Body::Thread(handle) => join(handle, deadline),
+        }
+    }
+}
+
+/// Tells all `peers` to quit, gives them `grace` together, then ends those that are still there.
+pub fn end_all<'a>(peers: impl IntoIterator<Item = &'a mut Peer>, grace: Duration) {
+    let mut peers: Vec<&mut Peer> = peers.into_iter().collect();
+    peers.iter_mut().for_each(|peer| peer.quit());
+    let deadline = Instant::now() + grace;
+    for peer in peers {
+        peer.end_by(deadline);
+    }
+}
+
+fn reap(child: &mut Child, deadline: Instant) -> String {
+    loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return describe(status),
+            Ok(None) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(1)),
+            Ok(None) => {
+                let _ = child.kill();
+                let _ = child.wait();
+                return "did not exit and had to be killed".into();
+            }
+            Err(error) => return error.to_string(),
+        }
+    }
+}
+
+fn join(handle: &mut Option<JoinHandle<()>>, deadline: Instant) -> String {
+    while handle.as_ref().is_some_and(|h| !h.is_finished()) && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    match handle.take() {
+        Some(thread) if thread.is_finished() => {
+            thread.join().map_or_else(|_| "panicked".into(), |()| "ended".into())
+        }
+        _ => "did not end".into(),
+    }
+}
+
+fn describe(status: std::process::ExitStatus) -> String {
+    match (status.code(), status.signal()) {
+        (Some(code), _) => format!("exited with code {code}"),
+        (_, Some(signal)) => format!("was ended by signal {signal}"),
+        _ => "ended".into(),
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        if let Body::Process(child) = &mut self.body {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! What came out of a case, kept in its folder so that the report can be made from all cases at any
+//! time.
+
+use super::ValidationError;
+use super::case::{Case, CaseRun};
+use super::execute::Outcome;
+use super::judge::Finding;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The file of a case's results.
+pub const FILE: &str = "result.json";
+
+/// What came out of a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Version of the program.
+    pub version: String,
+    /// Whether the short form was run.
+    pub short: bool,
+    /// Results of each run.
+    pub runs: Vec<RunRecord>,
+}
+
+/// What came out of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// The run.
+    pub name: String,
+    /// Where it stands in a picture over runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x: Option<f64>,
+    /// Resolution, as the components said.
+    pub resolution: BTreeMap<String, f64>,
+    /// Wall time of its windows [s].
+    pub wall_time: f64,
+    /// What the checks found.
+    pub findings: Vec<Finding>,
+    /// Times and signals that pictures show; not kept.
+    #[serde(skip)]
+    pub signals: super::signals::Signals,
+}
+
+impl Record {
+    /// Nothing has come out yet.
+    pub fn new(_case: &Case, short: bool) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION").into(), short, runs: Vec::new() }
+    }
+
+    /// Adds what a run gave.
+    pub fn add(&mut self, run: &CaseRun, outcome: Outcome, findings: Vec<Finding>) {
+        let Outcome { signals, resolution, wall_time } = outcome;
+        let (name, x) = (run.name.clone(), run.x);
+        self.runs.push(RunRecord { name, x, resolution, wall_time, findings, signals });
+    }
+
+    /// Whether everything is near enough to its reference.
+    pub fn passed(&self) -> bool {
+        self.runs.iter().all(|run| run.findings.iter().all(|finding| finding.passed))
+    }
+
+    /// Number of checks.
+    pub fn checks(&self) -> usize {
+        self.runs.iter().map(|run| run.findings.len()).sum()
+    }
+
+    /// Keeps it in the case's folder.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn keep(&self, case: &Case) -> Result<PathBuf, ValidationError> {
+        let path = case.folder.join(FILE);
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|error| ValidationError::content(&path, error))?;
+        std::fs::write(&path, text + "\n").map_err(ValidationError::io(&path))?;
+        Ok(path)
+    }
+
+    /// What was kept of a case; `None` if it has not been run.
+    ///
+    /// # Errors
+    /// If it is there and cannot be read.
+    pub fn kept(folder: &Path) -> Result<Option<Self>, ValidationError> {
+        let path = folder.join(FILE);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let text = std::fs::read_to_string(&path).map_err(ValidationError::io(&path))?;
+        serde_json::from_str(&text)
+            .map(Some)
+            .map_err(|error| ValidationError::content(&path, error))
+    }
+}

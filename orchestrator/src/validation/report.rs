@@ -1,0 +1,164 @@
+//! `VALIDATION.md`: all cases with their numbers, resolution, time and pictures.
+
+use super::case::Case;
+use super::judge::{Finding, Reference};
+use super::record::{Record, RunRecord};
+use std::fmt::Write;
+
+/// The report on all cases; `folder` is where they lie, as a reader of the report sees it.
+pub fn text(cases: &[(Case, Option<Record>)], folder: &str) -> String {
+    let mut out = String::from(HEAD);
+    overview(&mut out, cases);
+    for (case, record) in cases {
+        section(&mut out, case, record.as_ref(), folder);
+    }
+    out
+}
+
+const HEAD: &str = "\
+# Validation
+
+Scenes whose result is known, run by manifest alone, each held against its reference. This page is written by
+`cargo run --release -- validate`; the cases lie in [tests/validation](tests/validation), each with its manifest, the source of its
+reference and its tolerances. Every number stands beside the resolution that gave it. Wall times are of the machine
+that made this page and serve to compare cases with each other.
+
+";
+
+fn overview(out: &mut String, cases: &[(Case, Option<Record>)]) {
+    out.push_str("| case | checks | result | time |\n| --- | --- | --- | --- |\n");
+    for (case, record) in cases {
+        let anchor = anchor(&case.title);
+        let _ = match record {
+            None => writeln!(out, "| [{}](#{anchor}) | | not run | |", case.title),
+            Some(record) => {
+                let verdict = if record.passed() { "passed" } else { "**not passed**" };
+                let wall: f64 = record.runs.iter().map(|run| run.wall_time).sum();
+                let form = if record.short { " (short form)" } else { "" };
+                writeln!(
+                    out,
+                    "| [{}](#{anchor}) | {} | {verdict}{form} | {} |",
+                    case.title,
+                    record.checks(),
+                    duration(wall)
+                )
+            }
+        };
+    }
+}
+
+/// How the usual renderers of Markdown call a heading.
+fn anchor(title: &str) -> String {
+    let lower = title.to_lowercase();
+    let kept = lower.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str) {
+    let Case { name, title, source, about, pictures, .. } = case;
+    let _ = write!(out, "\n## {title}\n\n");
+    if !about.trim().is_empty() {
+        let _ = write!(out, "{}\n\n", about.trim());
+    }
+    let _ = write!(out, "Reference: {source}. Case: [{folder}/{name}]({folder}/{name}).\n\n");
+    let Some(record) = record else {
+        out.push_str("Not run yet.\n");
+        return;
+    };
+    out.push_str("| run | quantity | result | reference | deviation | allowed |  |\n");
+    out.push_str("| --- | --- | --- | --- | --- | --- | --- |\n");
+    for run in &record.runs {
+        for finding in &run.findings {
+            row(out, run, finding);
+        }
+    }
+    out.push_str("\n| run | resolution | time |\n| --- | --- | --- |\n");
+    for run in &record.runs {
+        let shown: Vec<String> = run
+            .resolution
+            .iter()
+            .map(|(name, value)| format!("{name} {}", number(*value)))
+            .collect();
+        let _ =
+            writeln!(out, "| {} | {} | {} |", run.name, shown.join("; "), duration(run.wall_time));
+    }
+    for picture in pictures {
+        let _ = write!(out, "\n![{}]({folder}/{name}/{}.svg)\n", picture.title, picture.file);
+    }
+}
+
+fn row(out: &mut String, run: &RunRecord, finding: &Finding) {
+    let Finding { check, unit, found, reference, passed, .. } = finding;
+    let verdict = if *passed { "ok" } else { "**no**" };
+    let with_unit = |value: f64| format!("{} {unit}", number(value)).trim_end().to_string();
+    let (reference, deviation, allowed) = match reference {
+        Reference::Number(expected, tolerance) => (
+            with_unit(*expected),
+            format!("{:+.2} %", 100.0 * (found / expected - 1.0)),
+            format!("{} %", number(100.0 * tolerance)),
+        ),
+        Reference::Between(low, high) => {
+            (format!("{} to {}", number(*low), with_unit(*high)), String::new(), String::new())
+        }
+        Reference::Table(tolerance) => {
+            (format!("{} values", finding.entries.len()), with_unit(*found), with_unit(*tolerance))
+        }
+    };
+    let result = if finding.entries.is_empty() { with_unit(*found) } else { "curve".into() };
+    let name = &run.name;
+    let _ = writeln!(
+        out,
+        "| {name} | {check} | {result} | {reference} | {deviation} | {allowed} | {verdict} |"
+    );
+}
+
+/// Five digits, without a tail of zeros.
+fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    if !(1e-3..1e7).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    let decimals = (4 - magnitude.log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        false => text,
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{s:.1} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let cases = [
+            (0.0, "0"),
+            (5.5795, "5.5795"),
+            (128.0, "128"),
+            (0.010619, "0.010619"),
+            (2.5e-4, "2.5000e-4"),
+            (16.5, "16.5"),
+            (2_129_600.0, "2129600"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(number(value), expected);
+        }
+    }
+
+    #[test]
+    fn headings_have_the_anchors_that_renderers_give() {
+        assert_eq!(anchor("Cylinder in a channel, 2D-1"), "cylinder-in-a-channel-2d-1");
+    }
+}
