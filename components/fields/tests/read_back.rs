@@ -1,5 +1,8 @@
 //! What is written is read back by an independent reader, and equals what was sent.
 
+mod reader;
+
+use reader::VtkFile;
 use std::path::Path;
 use tremie_fields::Fields;
 use tremie_messages::frame::{BodySample, SliceNode, VolumeHeader};
@@ -9,7 +12,6 @@ use tremie_messages::start::{
 };
 use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp};
 use tremie_sdk::{Moment, Observer, Setup};
-use vtkio::model::{Attribute, DataArray, DataSet, IOBuffer, Piece};
 
 fn scene() -> Scene {
     let part = |name: &str, motion| Part {
@@ -144,81 +146,62 @@ fn written(folder: &Path, compression: &str) -> String {
     fields.close(10).unwrap()
 }
 
-fn values(attributes: &[Attribute], name: &str) -> (DataArray, Vec<f64>) {
-    let found = attributes.iter().find_map(|attribute| match attribute {
-        Attribute::DataArray(array) if array.name == name => Some(array.clone()),
-        _ => None,
-    });
-    let array = found.unwrap_or_else(|| panic!("no array {name}"));
-    let values = array.data.clone().cast_into::<f64>().unwrap();
-    (array, values)
-}
-
-fn read(path: &Path) -> DataSet {
-    vtkio::Vtk::import(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).data
-}
-
-fn poly(path: &Path) -> vtkio::model::PolyDataPiece {
-    let DataSet::PolyData { mut pieces, .. } = read(path) else { panic!("no PolyData") };
-    let Piece::Inline(piece) = pieces.remove(0) else { panic!("no inline piece") };
-    *piece
+/// A file of the run, with and without compression: both hold the same.
+fn read(name: &str) -> [VtkFile; 2] {
+    ["none", "lz4"].map(|compression| {
+        let home = tempfile::tempdir().unwrap();
+        written(home.path(), compression);
+        VtkFile::read(&home.path().join("fields").join(name))
+    })
 }
 
 #[test]
 fn a_lattice_comes_back() {
-    let home = tempfile::tempdir().unwrap();
-    written(home.path(), "none");
-    let DataSet::ImageData { origin, spacing, mut pieces, .. } =
-        read(&home.path().join("fields/lattice_000005.vti"))
-    else {
-        panic!("no ImageData")
-    };
-    assert_eq!(origin, header().origin.map(|x| x as f32));
-    assert_eq!(spacing, header().step.map(|x| x as f32));
-    let Piece::Inline(piece) = pieces.remove(0) else { panic!("no inline piece") };
-    let point = &piece.data.point;
-    let sent = nodes(5);
-    let (array, velocity) = values(point, "velocity");
-    assert!(matches!(array.data, IOBuffer::F32(_)) && array.num_comp() == 3);
-    let expected: Vec<f64> = sent.iter().flat_map(|node| node.velocity.map(f64::from)).collect();
-    assert_eq!(velocity, expected);
-    let expected: Vec<f64> = sent.iter().map(|node| node.pressure.into()).collect();
-    assert_eq!(values(point, "pressure").1, expected);
-    let expected: Vec<f64> = sent.iter().map(|node| node.solid.into()).collect();
-    assert_eq!(values(point, "solid").1, expected);
+    for file in read("lattice_000005.vti") {
+        assert_eq!(file.attribute("VTKFile", "type"), "ImageData");
+        assert_eq!(file.numbers("ImageData", "WholeExtent"), [0.0, 2.0, 0.0, 1.0, 0.0, 3.0]);
+        assert_eq!(file.numbers("ImageData", "Origin"), header().origin);
+        assert_eq!(file.numbers("ImageData", "Spacing"), header().step);
+        let sent = nodes(5);
+        let velocity = sent.iter().flat_map(|node| node.velocity).collect();
+        assert_eq!(file.array::<f32>("velocity"), (3, velocity));
+        let pressure = sent.iter().map(|node| node.pressure).collect();
+        assert_eq!(file.array::<f32>("pressure"), (1, pressure));
+        let solid = sent.iter().map(|node| node.solid as u8).collect();
+        assert_eq!(file.array::<u8>("solid"), (1, solid));
+    }
 }
 
 #[test]
 fn bodies_come_back() {
-    let home = tempfile::tempdir().unwrap();
-    written(home.path(), "none");
-    let piece = poly(&home.path().join("fields/bodies_000010.vtp"));
-    let sent = [sphere(3), sphere((1 << 40) + 10)];
-    let all =
-        |of: &dyn Fn(&BodySample) -> Vec<f64>| -> Vec<f64> { sent.iter().flat_map(of).collect() };
-    assert_eq!(piece.points.cast_into::<f64>().unwrap(), all(&|b| b.state.position.into()));
-    let point = &piece.data.point;
-    let IOBuffer::U64(ids) = values(point, "id").0.data else { panic!("ids are UInt64") };
-    assert_eq!(ids, [3, (1 << 40) + 10]);
-    for (name, expected) in [
-        ("radius", all(&|b| vec![b.radius])),
-        ("mass", all(&|b| vec![b.mass])),
-        ("set", all(&|_| vec![2.0])),
-        ("motion", all(&|_| vec![0.0])),
-        ("velocity", all(&|b| b.state.velocity.into())),
-        ("angular_velocity", all(&|b| b.state.angular_velocity.into())),
-        ("orientation", all(&|b| b.state.orientation.into())),
-    ] {
-        assert_eq!(values(point, name).1, expected, "{name}");
+    for file in read("bodies_000010.vtp") {
+        let sent = [sphere(3), sphere((1 << 40) + 10)];
+        let all = |of: &dyn Fn(&BodySample) -> Vec<f64>| -> Vec<f64> {
+            sent.iter().flat_map(of).collect()
+        };
+        assert_eq!(file.attribute("Piece", "NumberOfPoints"), "2");
+        assert_eq!(file.array::<u64>("id"), (1, vec![3, (1 << 40) + 10]));
+        assert_eq!(file.array::<u32>("set"), (1, vec![2, 2]));
+        assert_eq!(file.array::<u32>("motion"), (1, vec![BodyEvent::FREE; 2]));
+        assert_eq!(file.array::<i64>("connectivity"), (1, vec![0, 1]));
+        assert_eq!(file.array::<i64>("offsets"), (1, vec![1, 2]));
+        for (name, size, expected) in [
+            ("points", 3, all(&|b| b.state.position.into())),
+            ("radius", 1, all(&|b| vec![b.radius])),
+            ("mass", 1, all(&|b| vec![b.mass])),
+            ("velocity", 3, all(&|b| b.state.velocity.into())),
+            ("angular_velocity", 3, all(&|b| b.state.angular_velocity.into())),
+            ("orientation", 4, all(&|b| b.state.orientation.into())),
+        ] {
+            assert_eq!(file.array::<f64>(name), (size, expected), "{name}");
+        }
     }
 }
 
 #[test]
 fn a_moving_part_is_where_its_body_is() {
-    let home = tempfile::tempdir().unwrap();
-    written(home.path(), "none");
-    let piece = poly(&home.path().join("fields/parts_000005.vtp"));
-    let points = piece.points.clone().cast_into::<f64>().unwrap();
+    let [file, _] = read("parts_000005.vtp");
+    let (_, points) = file.array::<f64>("points");
     assert_eq!(points.len(), 3 * 16);
     let (seat, gate) = points.split_at(3 * 8);
     let span = |points: &[f64], axis: usize| {
@@ -230,14 +213,16 @@ fn a_moving_part_is_where_its_body_is() {
     // Turned, its length lies along y; lifted by 0.1.
     assert!(near(span(gate, 0), [0.45, 0.55]) && near(span(gate, 1), [0.4, 0.6]));
     assert!(near(span(gate, 2), [0.55, 0.65]));
-    let (_, velocity) = values(&piece.data.point, "velocity");
+    let (_, velocity) = file.array::<f64>("velocity");
     assert!(velocity[..24].iter().all(|v| *v == 0.0));
     for (point, v) in gate.chunks(3).zip(velocity[24..].chunks(3)) {
         let expected = [-2.0 * (point[1] - 0.5), 2.0 * (point[0] - 0.5), 1.0];
         assert!((0..3).all(|a| (v[a] - expected[a]).abs() < 1e-12), "{point:?} {v:?}");
     }
-    let (_, part) = values(&piece.data.cell, "part");
-    assert_eq!(part, [[0.0; 12], [1.0; 12]].concat());
+    assert_eq!(file.array::<u32>("part"), (1, [[0; 12], [1; 12]].concat()));
+    let (_, corners) = file.array::<i64>("connectivity");
+    assert!(corners[..36].iter().all(|c| (0..8).contains(c)));
+    assert!(corners[36..].iter().all(|c| (8..16).contains(c)));
 }
 
 #[test]

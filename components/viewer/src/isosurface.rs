@@ -153,7 +153,11 @@ mod tests {
 
     fn hill(p: [f64; 3]) -> SliceNode {
         let r = norm([p[0] - 10.0, p[1] - 10.0, p[2] - 10.0]);
-        SliceNode { velocity: [(10.0 - r) as f32, 0.0, 0.0], pressure: -r as f32, solid: 0 }
+        SliceNode {
+            velocity: [(10.0 - r).max(0.0) as f32, 0.0, 0.0],
+            pressure: -r as f32,
+            solid: 0,
+        }
     }
 
     #[test]

@@ -20,7 +20,7 @@ use rerun::external::re_sdk_types::blueprint::datatypes::{
 const PLOTS_AT_ONCE: usize = 4;
 
 /// Width of a plot over that of its curves: the rest is the legend's.
-const LEGEND_ROOM: f64 = 1.42;
+const LEGEND_ROOM: f64 = 1.55;
 
 /// A cut and the eye that looks straight at it.
 pub struct CutView {
