@@ -4,6 +4,7 @@ use crate::bodies::Body;
 use crate::cells::Fixture;
 use crate::grid::{Grid, Side};
 use crate::kernel::{Collides, Survey};
+use crate::lattice::cross;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::Exchange;
 use crate::solver::{Solver, before};
@@ -44,12 +45,13 @@ impl<T: Collides> Solver<T> {
                 add_scaled(&mut balance.carried, half[0], 1.0);
             }
             let buoyancy = self.lift.map(|lift| lift * body.volume());
+            let turn = cross(body.middle(), buoyancy);
             add_scaled(&mut balance.delivered, given[0], 1.0);
             add_scaled(&mut balance.buoyancy, buoyancy, 1.0);
             *load = Load {
                 id: body.id,
                 force: std::array::from_fn(|a| (given[0][a] + buoyancy[a]) * force_unit),
-                torque: given[1].map(|x| x * torque_unit),
+                torque: std::array::from_fn(|a| (given[1][a] + turn[a]) * torque_unit),
             };
         }
     }
@@ -130,8 +132,10 @@ fn with_image(grid: &Grid, body: &Body, given: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     let [mut force, mut torque] = given;
     for axis in 0..3 {
         let (x, n) = (body.position[axis], f64::from(grid.n[axis]));
+        // A part is its own image if its origin is on the plane; one that is not just passes near.
+        let reach = if body.part.is_some() { 1e-6 } else { body.radius };
         let cut = |side: usize, plane: f64| {
-            grid.sides[axis][side] == Side::Symmetry && (x - plane).abs() < body.radius
+            grid.sides[axis][side] == Side::Symmetry && (x - plane).abs() < reach
         };
         if cut(0, 0.0) || cut(1, n) {
             for a in 0..3 {

@@ -31,6 +31,8 @@ pub struct Link {
     pub mirrors: u8,
     /// From the body's centre to the cell's, mirrored likewise.
     pub arm: [f64; 3],
+    /// Where it meets the surface; found later for a sphere.
+    pub q: f64,
 }
 
 type Column = [f64; LINKS];
@@ -42,6 +44,8 @@ struct Columns {
     c: [Column; 3],
     /// Squared length of `c`.
     cc: Column,
+    /// Where the link meets the surface.
+    q: Column,
     /// Weight of the direction, times 6.
     weight: Column,
     /// Factors of `g_i` and of the other population, and what the wall's motion adds for density 1.
@@ -79,6 +83,7 @@ impl Default for Batch {
             arm: [zero; 3],
             c: [zero; 3],
             cc: [1.0; LINKS],
+            q: zero,
             weight: zero,
             own: zero,
             other: zero,
@@ -155,6 +160,7 @@ impl Batch {
             columns.arm[a][k] = link.arm[a];
             columns.c[a][k] = c[a];
         }
+        columns.q[k] = link.q;
         columns.cc[k] = SQUARE[link.seen as usize];
         columns.weight[k] = 6.0 * W[link.seen as usize];
         self.dirs[k] = link.dir;
@@ -173,9 +179,26 @@ impl Batch {
         (self.links, self.used) = (0, 0);
     }
 
-    /// Where each link meets the sphere, and what follows from it.
+    /// Where each link meets the sphere.
+    fn meet_sphere(&mut self, r2: f64) {
+        let s = &mut *self.columns;
+        let ([ax, ay, az], [cx, cy, cz]) = (&s.arm, &s.c);
+        for k in 0..self.links {
+            let d = [ax[k], ay[k], az[k]];
+            let c = [cx[k], cy[k], cz[k]];
+            // As `sphere::wall_distance`, in the same order of operations.
+            let b = d[0] * c[0] + d[1] * c[1] + d[2] * c[2];
+            let gap = (d[0] * d[0] + (d[1] * d[1] + d[2] * d[2])) - r2;
+            let root = (b * b - s.cc[k] * gap).max(0.0).sqrt();
+            s.q[k] = (gap / (root - b)).clamp(f64::MIN_POSITIVE, 1.0);
+        }
+    }
+
+    /// What follows from where each link meets the body.
     fn locate(&mut self, body: &Body) {
-        let r2 = body.r2();
+        if body.part.is_none() {
+            self.meet_sphere(body.r2());
+        }
         let (v, w) = (body.velocity, body.spin);
         let s = &mut *self.columns;
         let [ax, ay, az] = &mut s.arm;
@@ -184,12 +207,7 @@ impl Batch {
         for k in 0..self.links {
             let d = [ax[k], ay[k], az[k]];
             let c = [cx[k], cy[k], cz[k]];
-            // As `sphere::wall_distance`, in the same order of operations.
-            let aa = s.cc[k];
-            let b = d[0] * c[0] + d[1] * c[1] + d[2] * c[2];
-            let gap = (d[0] * d[0] + (d[1] * d[1] + d[2] * d[2])) - r2;
-            let root = (b * b - aa * gap).max(0.0).sqrt();
-            let q = (gap / (root - b)).clamp(f64::MIN_POSITIVE, 1.0);
+            let q = s.q[k];
             let wall = [d[0] + q * c[0], d[1] + q * c[1], d[2] + q * c[2]];
             let u = [
                 v[0] + (w[1] * wall[2] - w[2] * wall[1]),

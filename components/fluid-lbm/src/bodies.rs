@@ -4,21 +4,26 @@ use crate::error::FluidError;
 use crate::grid::Grid;
 use crate::lattice::cross;
 use crate::layout::Layout;
+use crate::part_body::PartBody;
 use crate::sphere::Spans;
 use crate::units::Units;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use tremie_geometry::Surface;
 use tremie_messages::{BodyEvent, BodyState};
 
-/// A sphere in the fluid; lattice units.
+/// A sphere or a part in the fluid; lattice units.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Its id.
     pub id: u64,
     /// Its number in the map of owners.
     pub handle: u32,
-    /// Radius.
+    /// Radius of a sphere; of a part the distance of its farthest point from its origin.
     pub radius: f64,
-    /// Centre, in the box along periodic axes.
+    /// What it is, unless it is a sphere.
+    pub part: Option<Box<PartBody>>,
+    /// Centre or origin, in the box along periodic axes.
     pub position: [f64; 3],
     /// Velocity.
     pub velocity: [f64; 3],
@@ -39,14 +44,16 @@ pub struct Body {
 }
 
 impl Body {
-    fn new(id: u64, handle: u32, radius: f64) -> Self {
-        let spans = Spans::empty(radius);
+    fn new(id: u64, handle: u32, radius: f64, part: Option<Box<PartBody>>) -> Self {
+        let spans = Spans::empty(if part.is_some() { 0.0 } else { radius });
+        let side = (2.0 * radius).ceil() as usize + 4;
         // A move by less than a cell changes less than this; a jump may allocate.
-        let changes = (spans.shell_side() * spans.shell_side()) as usize;
+        let changes = side * side;
         Self {
             id,
             handle,
             radius,
+            part,
             position: [0.0; 3],
             velocity: [0.0; 3],
             spin: [0.0; 3],
@@ -67,7 +74,33 @@ impl Body {
 
     /// Volume [cells].
     pub fn volume(&self) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.radius * self.r2()
+        match &self.part {
+            Some(part) => part.volume,
+            None => 4.0 / 3.0 * std::f64::consts::PI * self.radius * self.r2(),
+        }
+    }
+
+    /// From its centre or origin to the centre of its volume.
+    pub fn middle(&self) -> [f64; 3] {
+        self.part.as_ref().map_or([0.0; 3], |part| part.middle())
+    }
+
+    /// Direction away from the body at a point of its surface, seen from its centre or origin.
+    pub fn outward(&self, arm: [f64; 3]) -> [f64; 3] {
+        self.part.as_ref().map_or(arm, |part| part.outward(arm))
+    }
+
+    /// Rows along y or z in which links to it can begin.
+    pub fn shell_side(&self) -> i32 {
+        self.part.as_ref().map_or(self.spans.shell_side(), |part| part.side() + 2)
+    }
+
+    /// Coordinates `(y, z)` of row `(j, k)` of the shell, `0 <= j, k < shell_side()`.
+    pub fn shell_row(&self, j: i32, k: i32) -> [i32; 2] {
+        match &self.part {
+            Some(part) => [part.origin()[0] - 1 + j, part.origin()[1] - 1 + k],
+            None => self.spans.shell_row(j, k),
+        }
     }
 
     /// Velocity of the point at `arm` from the centre.
@@ -82,7 +115,8 @@ impl Body {
         self.velocity = state.velocity.map(|v| v / units.velocity());
         self.spin = state.angular_velocity.map(|w| w * units.time_step);
         let position = grid.canonical(units.position_to_lattice(state.position));
-        let moved = !self.placed || position != self.position;
+        let turned = self.part.as_mut().is_some_and(|part| part.turn(state.orientation));
+        let moved = !self.placed || turned || position != self.position;
         if moved && self.placed {
             // The old cells, seen from the same side of a periodic face as the new ones.
             let turns = std::array::from_fn(|a| {
@@ -92,6 +126,9 @@ impl Body {
             });
             if turns != [0; 3] {
                 self.spans.shift(turns);
+                if let Some(part) = &mut self.part {
+                    part.shift(turns);
+                }
             }
         }
         self.position = position;
@@ -101,6 +138,10 @@ impl Body {
 
     /// Finds the cells inside at the new position, and which were left and entered.
     pub fn cover(&mut self, layout: &Layout) {
+        if let Some(part) = &mut self.part {
+            part.cover(&layout.grid, self.position);
+            return self.note_changes(layout);
+        }
         std::mem::swap(&mut self.spans, &mut self.previous);
         self.spans.fit(&layout.grid, self.position, self.radius);
         let (left, entered) = (&mut self.left, &mut self.entered);
@@ -110,14 +151,27 @@ impl Body {
         self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
     }
 
+    /// Lists the cells that a part's last move changed.
+    fn note_changes(&mut self, layout: &Layout) {
+        let (left, entered) = (&mut self.left, &mut self.entered);
+        left.clear();
+        entered.clear();
+        if let Some(part) = &self.part {
+            part.changes(
+                |at| left.extend(stored(layout, at)),
+                |at| entered.extend(stored(layout, at)),
+            );
+        }
+    }
+
     /// Wants the densities of all lines of `line` cells in which links to it can begin.
     pub fn want(&self, layout: &Layout, line: usize, lines: &[AtomicU8]) {
         let grid = &layout.grid;
         // Links are at most the square root of 2 long.
         let reach = self.radius + 1.5;
-        let side = self.spans.shell_side();
+        let side = self.shell_side();
         for k in 0..side * side {
-            let [y, z] = self.spans.shell_row(k % side, k / side);
+            let [y, z] = self.shell_row(k % side, k / side);
             let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
             let d = [f64::from(y) + 0.5 - self.position[1], f64::from(z) + 0.5 - self.position[2]];
             let square = reach * reach - (d[0] * d[0] + d[1] * d[1]);
@@ -145,6 +199,10 @@ impl Body {
 
     /// Leaves all its cells.
     fn leave(&mut self, layout: &Layout) {
+        if let Some(part) = &mut self.part {
+            part.leave();
+            return self.note_changes(layout);
+        }
         self.previous.clear();
         std::mem::swap(&mut self.spans, &mut self.previous);
         let (left, previous, spans) = (&mut self.left, &self.previous, &self.spans);
@@ -188,9 +246,16 @@ pub struct Bodies {
     places: Vec<u32>,
     /// Whether bodies were added or removed since the last step.
     pub changed: bool,
+    /// Surfaces of the scene's parts that move, by index of the part.
+    surfaces: Vec<Option<Arc<Surface>>>,
 }
 
 impl Bodies {
+    /// None, in a scene whose moving parts have the given surfaces, by index of the part.
+    pub fn with_surfaces(surfaces: Vec<Option<Arc<Surface>>>) -> Self {
+        Self { surfaces, ..Self::default() }
+    }
+
     /// The living body with a handle.
     #[inline]
     pub fn with_handle(&self, handle: u32) -> &Body {
@@ -217,7 +282,7 @@ impl Bodies {
     ) -> Result<(), FluidError> {
         let mut ids: Vec<u64> = self.living.iter().map(|b| b.id).collect();
         for event in events {
-            check(event, &mut ids, units, &layout.grid)?;
+            check(event, &mut ids, units, &layout.grid, &self.surfaces)?;
         }
         for event in events {
             let place = self.living.partition_point(|b| b.id < event.id);
@@ -226,8 +291,10 @@ impl Bodies {
                 if handle as usize == self.places.len() {
                     self.places.push(0);
                 }
-                let radius = event.size[0] / units.cell;
-                self.living.insert(place, Body::new(event.id, handle, radius));
+                let part = surface_of(event, &self.surfaces)
+                    .map(|surface| Box::new(PartBody::new(surface.clone(), units.cell)));
+                let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
+                self.living.insert(place, Body::new(event.id, handle, radius, part));
             } else {
                 let mut body = self.living.remove(place);
                 body.leave(layout);
@@ -280,22 +347,40 @@ impl Bodies {
     }
 }
 
+/// The surface of the part that an event adds.
+fn surface_of<'a>(
+    event: &BodyEvent,
+    surfaces: &'a [Option<Arc<Surface>>],
+) -> Option<&'a Arc<Surface>> {
+    let part = usize::try_from(event.table).ok().filter(|_| event.shape == BodyEvent::PART)?;
+    surfaces.get(part)?.as_ref()
+}
+
 /// Checks one event against the ids that live when it comes, and changes them.
 fn check(
     event: &BodyEvent,
     ids: &mut Vec<u64>,
     units: &Units,
     grid: &Grid,
+    surfaces: &[Option<Arc<Surface>>],
 ) -> Result<(), FluidError> {
     let id = event.id;
     match (event.kind, ids.binary_search(&id)) {
-        (BodyEvent::ADDED, _) if event.shape != BodyEvent::SPHERE => {
+        (BodyEvent::ADDED, _)
+            if event.shape != BodyEvent::SPHERE && event.shape != BodyEvent::PART =>
+        {
             Err(FluidError::UnknownEvent { id, kind: event.kind, shape: event.shape })
+        }
+        (BodyEvent::ADDED, _)
+            if event.shape == BodyEvent::PART && surface_of(event, surfaces).is_none() =>
+        {
+            Err(FluidError::UnknownPart { id, part: event.table, parts: surfaces.len() })
         }
         (BodyEvent::ADDED, Ok(_)) => Err(FluidError::AddedTwice { id }),
         (BodyEvent::ADDED, Err(place)) => {
             ids.insert(place, id);
-            let radius = event.size[0];
+            let part = surface_of(event, surfaces);
+            let radius = part.map_or(event.size[0], |surface| surface.bounding_radius());
             if !(radius.is_finite() && radius > 0.0) {
                 return Err(FluidError::Radius { id, radius });
             }
@@ -303,7 +388,8 @@ fn check(
             let longest = edges[0].max(edges[1]).max(edges[2]);
             for a in 0..3 {
                 let edge = if grid.periodic[a] { edges[a] } else { longest };
-                if 2.0 * radius > edge {
+                let limited = grid.periodic[a] || part.is_none();
+                if limited && 2.0 * radius > edge {
                     return Err(FluidError::TooWide { id, diameter: 2.0 * radius, edge });
                 }
             }

@@ -3,7 +3,6 @@
 //! Only cells that no static solid covers are stored. They have numbers in the order of the box, x
 //! running fastest; everything that is kept for cells is an array over these numbers.
 
-use crate::field::prefetch;
 use crate::grid::{Grid, Reach};
 use crate::lattice::C;
 
@@ -72,11 +71,21 @@ pub enum End {
     Fixture(Fixture),
 }
 
+/// Which of 32 consecutive cells of the box are stored.
+#[derive(Clone, Copy, Debug, Default)]
+struct Word {
+    bits: u32,
+    /// Stored cells before these.
+    before: u32,
+}
+
 /// The stored cells.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// For each cell of the box its number, or [`NONE`].
-    numbers: Vec<u32>,
+    /// Which cells of the box are stored, and so their numbers: the count of those before.
+    words: Vec<Word>,
+    /// Cells of the box.
+    boxed: usize,
     /// For each stored cell its index in the box.
     at: Vec<u32>,
 }
@@ -84,22 +93,19 @@ pub struct Cells {
 impl Cells {
     /// Numbers the cells that are not solid.
     pub fn new(grid: &Grid, obstacles: &Obstacles) -> Self {
-        let mut numbers = vec![NONE; grid.len()];
-        let mut at = Vec::with_capacity(
-            obstacles
-                .solid
-                .iter()
-                .filter(|&&s| s == 0)
-                .count()
-                .max(if obstacles.solid.is_empty() { grid.len() } else { 0 }),
-        );
-        for (index, number) in numbers.iter_mut().enumerate() {
-            if obstacles.solid.get(index).is_none_or(|&s| s == 0) {
-                *number = at.len() as u32;
-                at.push(index as u32);
-            }
+        let boxed = grid.len();
+        let is_stored = |index: usize| obstacles.solid.get(index).is_none_or(|&s| s == 0);
+        let at: Vec<u32> = (0..boxed).filter(|&k| is_stored(k)).map(|k| k as u32).collect();
+        let mut words = vec![Word::default(); boxed.div_ceil(32)];
+        for &index in &at {
+            words[index as usize / 32].bits |= 1 << (index % 32);
         }
-        Self { numbers, at }
+        let mut before = 0;
+        for word in &mut words {
+            word.before = before;
+            before += word.bits.count_ones();
+        }
+        Self { words, boxed, at }
     }
 
     /// How many are stored.
@@ -110,25 +116,21 @@ impl Cells {
     /// Whether every cell of the box is stored.
     #[inline(always)]
     pub fn are_all(&self) -> bool {
-        self.at.len() == self.numbers.len()
+        self.at.len() == self.boxed
     }
 
     /// Number of the cell with an index in the box, or [`NONE`].
     #[inline(always)]
     pub fn number(&self, index: usize) -> u32 {
-        self.numbers[index]
-    }
-
-    /// Asks memory for the number of the cell with an index in the box.
-    #[inline(always)]
-    pub fn prefetch(&self, index: usize) {
-        prefetch(self.numbers.as_ptr().wrapping_add(index));
+        let word = self.words[index / 32];
+        let bit = 1 << (index % 32);
+        if word.bits & bit == 0 { NONE } else { word.before + (word.bits & (bit - 1)).count_ones() }
     }
 
     /// Number of a cell of the box, if it is stored.
     #[inline]
     pub fn at(&self, grid: &Grid, at: [i32; 3]) -> Option<u32> {
-        let number = self.numbers[grid.index(at)];
+        let number = self.number(grid.index(at));
         (number != NONE).then_some(number)
     }
 
@@ -157,6 +159,6 @@ impl Cells {
 
     /// Memory that the tables take [bytes].
     pub fn bytes(&self) -> usize {
-        4 * (self.numbers.len() + self.at.len())
+        size_of_val(self.words.as_slice()) + size_of_val(self.at.as_slice())
     }
 }

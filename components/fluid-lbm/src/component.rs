@@ -1,10 +1,10 @@
 //! The lattice fluid as a component of a run.
 
 use crate::findings::findings;
-use crate::{FluidLbm, Ledger, Parameters, SliceNode};
+use crate::{FluidLbm, Ledger, Parameters, SliceNode, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
-use tremie_sdk::messages::scene::{Placement, Scene};
+use tremie_sdk::messages::scene::{Motion, Placement, Scene};
 use tremie_sdk::messages::start::{Description, Signal, SliceSpec, VolumeGrid, VolumeSpec};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::{Fluid, Setup, SolverError};
@@ -21,6 +21,7 @@ pub struct LatticeFluid {
     /// Loads of one substep, where a window has several.
     partial: Vec<Load>,
     nodes: Vec<SliceNode>,
+    on_parts: Vec<Load>,
 }
 
 /// The plane that observers see.
@@ -36,7 +37,7 @@ const CUT: &str = "velocity";
 const LATTICE: &str = "lattice";
 
 /// Signals, in the order in which they are pushed.
-const SIGNALS: [(&str, &str); 20] = [
+const SIGNALS: [(&str, &str); 22] = [
     ("max_speed", "m/s"),
     ("max_mach", "1"),
     ("min_pressure", "Pa"),
@@ -57,7 +58,30 @@ const SIGNALS: [(&str, &str); 20] = [
     ("body_impulse_x", "kg m/s"),
     ("body_impulse_y", "kg m/s"),
     ("body_impulse_z", "kg m/s"),
+    ("max_relaxation_time", "1"),
+    ("backflow_cells", "1"),
 ];
+
+/// Signals of each part that stands still, named `part.value`.
+const OF_PARTS: [(&str, &str); 6] = [
+    ("force_x", "N"),
+    ("force_y", "N"),
+    ("force_z", "N"),
+    ("torque_x", "N m"),
+    ("torque_y", "N m"),
+    ("torque_z", "N m"),
+];
+
+/// All signals of a scene, in the order in which they are pushed.
+fn signals(scene: &Scene) -> Vec<Signal> {
+    let mut signals: Vec<_> = SIGNALS.iter().map(|(name, unit)| signal(name, unit)).collect();
+    for part in scene.parts.iter().filter(|part| part.motion == Motion::Fixed) {
+        let of_part = OF_PARTS.iter();
+        signals.extend(of_part.map(|(name, unit)| signal(&format!("{}.{name}", part.name), unit)));
+    }
+    signals.extend(probe_signals(scene).iter().map(|(name, unit)| signal(name, unit)));
+    signals
+}
 
 impl Cut {
     /// A plane through the first listed sphere, or the middle of the domain, that contains gravity
@@ -92,8 +116,10 @@ impl Fluid for LatticeFluid {
             "{nx} x {ny} x {nz} cells of {:.4e} m, tau {:.4}, {megabytes:.0} MB",
             resolution.cell, resolution.tau
         )];
+        notes.extend(resolution.notes);
         let mut numbers = BTreeMap::from([
             ("cells".to_string(), (nx * ny * nz) as f64),
+            ("fluid cells".to_string(), resolution.fluid_cells as f64),
             ("cell size [m]".to_string(), resolution.cell),
             ("relaxation time".to_string(), resolution.tau),
         ]);
@@ -107,7 +133,7 @@ impl Fluid for LatticeFluid {
         }
         Ok(Description {
             step: Some(resolution.time_step),
-            signals: SIGNALS.iter().map(|(name, unit)| signal(name, unit)).collect(),
+            signals: signals(scene),
             slices: vec![SliceSpec { name: CUT.into(), nodes: plane[0] * plane[1] }],
             volumes: vec![VolumeSpec {
                 name: LATTICE.into(),
@@ -131,7 +157,7 @@ impl Fluid for LatticeFluid {
         let step = setup.assigned()?.step;
         let threads = setup.hello.threads.max(1) as usize;
         let fluid = FluidLbm::new(scene, &parameters, step, threads)?;
-        let cells = fluid.cells().iter().map(|n| *n as u64).product();
+        let cells = fluid.diagnostics().fluid_cells as u64;
         let cell = parameters.cell.0;
         let density = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.density);
         // Square of the lattice's speed of sound, a third of (dx/dt)^2.
@@ -144,6 +170,7 @@ impl Fluid for LatticeFluid {
             stiffness: density * sound,
             partial: Vec::new(),
             nodes: Vec::new(),
+            on_parts: Vec::new(),
         })
     }
 
@@ -187,6 +214,13 @@ impl Fluid for LatticeFluid {
         values.push(largest_gap(ledger));
         values.extend(ledger.walls);
         values.extend(ledger.bodies);
+        values.extend([diagnostics.max_tau, diagnostics.entering as f64]);
+        self.fluid.loads_on_parts(&mut self.on_parts);
+        for load in &self.on_parts {
+            values.extend(load.force);
+            values.extend(load.torque);
+        }
+        self.fluid.probes(values);
     }
 
     fn work(&self) -> u64 {

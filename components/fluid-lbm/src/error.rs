@@ -46,7 +46,7 @@ pub enum FluidError {
     },
     /// An event of a kind or shape that this fluid does not know.
     #[error(
-        "event of kind {kind} with shape {shape} for body {id}: this fluid knows added and removed spheres"
+        "event of kind {kind} with shape {shape} for body {id}: this fluid knows added and removed spheres and parts"
     )]
     UnknownEvent {
         /// Id of the body.
@@ -55,6 +55,18 @@ pub enum FluidError {
         kind: u32,
         /// Shape of the body.
         shape: u32,
+    },
+    /// A body that is a part which the scene does not have, or which stands still.
+    #[error(
+        "body {id} is part {part} of the scene, which has no moving part of that number among its {parts}"
+    )]
+    UnknownPart {
+        /// Id of the body.
+        id: u64,
+        /// Index of the part.
+        part: u64,
+        /// Parts of the scene.
+        parts: usize,
     },
     /// A sphere with a radius that is not positive and finite.
     #[error("body {id} has the radius {radius} m; it must be positive")]

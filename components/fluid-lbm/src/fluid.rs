@@ -112,6 +112,12 @@ impl FluidLbm {
         solver!(&self.solver, s => s.loads_on_parts(loads));
     }
 
+    /// Appends what the scene's probes measure to `values`, in the order of
+    /// [`crate::probe_signals`], SI units. A probe whose cells are all covered by bodies reads 0.
+    pub fn probes(&mut self, values: &mut Vec<f64>) {
+        solver!(&mut self.solver, s => s.probes(values));
+    }
+
     /// Memory that populations and tables take [bytes].
     pub fn memory_bytes(&self) -> usize {
         solver!(&self.solver, s => s.memory_bytes())

@@ -5,9 +5,12 @@ use crate::grid::{Grid, Reach};
 use crate::lattice::{C, mirrored};
 use crate::leak::narrowest;
 use crate::places::Blocked;
-use crate::solids::{Centres, Solid, solids};
+use crate::probes::samples;
+use crate::solids::{Centres, Solid, moving_surfaces, solids};
 use crate::surroundings::sides;
 use crate::voxels::Voxels;
+use std::sync::Arc;
+use tremie_geometry::Surface;
 use tremie_messages::Problem;
 use tremie_messages::scene::Scene;
 
@@ -19,6 +22,8 @@ pub struct Ground {
     pub solids: Vec<Solid>,
     /// Which cells they cover.
     pub voxels: Voxels,
+    /// Surfaces of the parts that move, by index of the part.
+    pub moving: Vec<Option<Arc<Surface>>>,
     centres: Centres,
 }
 
@@ -30,7 +35,13 @@ impl Ground {
     pub fn new(scene: &Scene, cells: [usize; 3], cell: f64) -> Result<Self, Vec<Problem>> {
         let grid = Grid::new(cells, sides(scene));
         let centres = Centres { cell, min: scene.domain.min };
-        let solids = solids(scene)?;
+        let (solids, moving) = match (solids(scene), moving_surfaces(scene)) {
+            (Ok(solids), Ok(moving)) => (solids, moving),
+            (still, moving) => {
+                let problems = [still.err(), moving.err()];
+                return Err(problems.into_iter().flatten().flatten().collect());
+            }
+        };
         let fluid = scene.fluid.as_ref().expect("a scene that was checked has a fluid");
         let mut problems = Vec::new();
         let mut points = |key: &str, points: &[[f64; 3]]| -> Vec<[i32; 3]> {
@@ -52,7 +63,7 @@ impl Ground {
             return Err(problems);
         }
         let voxels = Voxels::new(&grid, &centres, &solids, &inside);
-        let own = Self { grid, solids, voxels, centres };
+        let own = Self { grid, solids, voxels, moving, centres };
         for (k, at) in inside.iter().enumerate() {
             if !own.voxels.is_fluid(&own.grid, *at) {
                 problems.push(own.not_fluid(k, fluid.inside[k], *at));
@@ -60,6 +71,18 @@ impl Ground {
         }
         for (k, at) in outside.iter().enumerate() {
             problems.extend(own.leak(k, fluid.outside[k], &inside, *at));
+        }
+        for (k, probe) in scene.probes.iter().enumerate() {
+            let cells = samples(&own.grid, &own.centres, &probe.shape);
+            if !cells.iter().any(|&(at, _)| own.voxels.is_fluid(&own.grid, at)) {
+                problems.push(
+                    Problem::new(
+                        format!("scene.probes[{k}]"),
+                        format!("{} lies on no cell of the fluid", probe.name),
+                    )
+                    .help("move it into the fluid, or make it larger than a cell"),
+                );
+            }
         }
         if own.voxels.fluid == 0 {
             problems.push(

@@ -91,7 +91,7 @@ impl Exchange {
 pub fn items(bodies: &Bodies) -> Vec<Item> {
     let mut items = Vec::new();
     for (place, body) in bodies.living.iter().enumerate() {
-        let side = body.spans.shell_side();
+        let side = body.shell_side();
         let layers = (ROWS_PER_ITEM / side).max(1);
         let mut first = 0;
         while first < side {
@@ -140,8 +140,8 @@ impl<T: Real> After<'_, T> {
         let body = &bodies.living[item.body];
         batch.begin(body);
         for k in item.layers.clone() {
-            for j in 0..body.spans.shell_side() {
-                self.row(bodies, body, body.spans.shell_row(j, k), batch);
+            for j in 0..body.shell_side() {
+                self.row(bodies, body, body.shell_row(j, k), batch);
             }
         }
         batch.flush(self, body);
@@ -154,6 +154,9 @@ impl<T: Real> After<'_, T> {
         let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
         if real_y < 0 || real_y >= grid.n[1] || real_z < 0 || real_z >= grid.n[2] {
             return;
+        }
+        if body.part.is_some() {
+            return self.row_of_part(bodies, body, [y, z], [real_y, real_z], batch);
         }
         // For each direction the cells whose links end inside, and the axes at which they are
         // mirrored on the way along y and z.
@@ -186,14 +189,9 @@ impl<T: Real> After<'_, T> {
             }
         }
         let own = body.spans.at(y, z);
-        if !self.layout.cells.are_all() && first <= last {
-            // The row after the next.
-            let ahead = grid.index([0, real_y, real_z]) + 2 * grid.n[0] as usize;
-            self.layout.cells.prefetch(ahead + first.max(0) as usize);
-            self.layout.cells.prefetch(ahead + last.max(0) as usize);
-        }
-        let row =
-            Row { bodies, body, y, z, base: grid.index([0, real_y, real_z]), starts: &starts };
+        let base = grid.index([0, real_y, real_z]);
+        let mirrors = starts.map(|(_, mirrors)| mirrors);
+        let row = Row { bodies, body, y, z, base, mirrors: &mirrors };
         let mut x = first;
         while x <= last {
             if own.contains(x) {
@@ -202,8 +200,60 @@ impl<T: Real> After<'_, T> {
             }
             let until = if own.first > x { own.first - 1 } else { last };
             let end = (x + CHUNK - 1).min(until).min(last);
-            self.chunk(&row, x, end, batch);
+            let mut links = [0; Q];
+            for i in 1..Q {
+                let (from, to) = (starts[i].0.first.max(x), starts[i].0.last.min(end));
+                if from <= to {
+                    links[i] = (u32::MAX >> (31 - (to - from))) << (from - x);
+                }
+            }
+            self.chunk(&row, x, end, &links, batch);
             x = end + 1;
+        }
+    }
+
+    /// Finds the links to a part that begin in a row; `real` are the row's coordinates in the box.
+    fn row_of_part(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        [y, z]: [i32; 2],
+        real: [i32; 2],
+        batch: &mut Batch,
+    ) {
+        let grid = &self.layout.grid;
+        let Some(part) = &body.part else { return };
+        let (mut ends, mut mirrors) = ([[0; 2]; Q], [0; Q]);
+        for i in 1..Q {
+            let (to_y, mirror_y) = self.fold(1, y + C[i][1]);
+            let (to_z, mirror_z) = self.fold(2, z + C[i][2]);
+            (ends[i], mirrors[i]) = ([to_y, to_z], mirror_y << 1 | mirror_z << 2);
+        }
+        let [mut first, mut last] = part.range();
+        (first, last) = (first - 1, last + 1);
+        if !grid.periodic[0] {
+            (first, last) = (first.max(0), last.min(grid.n[0] - 1));
+        }
+        let base = grid.index([0, real[0], real[1]]);
+        let row = Row { bodies, body, y, z, base, mirrors: &mirrors };
+        while first <= last {
+            let end = (first + CHUNK - 1).min(last);
+            let mut links = [0; Q];
+            for i in 1..Q {
+                let [to_y, to_z] = ends[i];
+                let dx = C[i][0];
+                links[i] = part.inside(to_y, to_z, first + dx, end + dx);
+                // A part at a mirror goes on behind it.
+                for (x, k) in [(first, 0), (end, end - first)] {
+                    if self.fold(0, x + dx) == (x, 1) {
+                        links[i] |= part.inside(to_y, to_z, x, x) << k;
+                    }
+                }
+            }
+            if links.iter().any(|&links| links != 0) {
+                self.chunk(&row, first, end, &links, batch);
+            }
+            first = end + 1;
         }
     }
 
@@ -221,7 +271,8 @@ impl<T: Real> After<'_, T> {
     }
 
     /// Finds the links that begin in the cells `first..=last` of a row, at most [`CHUNK`] of them.
-    fn chunk(&self, row: &Row, first: i32, last: i32, batch: &mut Batch) {
+    /// `inside` says for each direction and cell whether the link's end is in the body.
+    fn chunk(&self, row: &Row, first: i32, last: i32, inside: &[u32; Q], batch: &mut Batch) {
         let (grid, cells) = (&self.layout.grid, &self.layout.cells);
         batch.make_room(self, row.body);
         // Fluid cells of the chunk, and the batch's slot of each.
@@ -236,18 +287,12 @@ impl<T: Real> After<'_, T> {
         }
         let mut used = 0_u32;
         for i in 1..Q {
-            let (span, mirrors) = row.starts[i];
-            let (from, to) = (span.first.max(first), span.last.min(last));
-            if from > to {
-                continue;
-            }
-            let ones = (u32::MAX >> (31 - (to - from))) << (from - first);
-            let mut links = fluid & ones;
+            let mut links = fluid & inside[i];
             used |= links;
             while links != 0 {
                 let k = links.trailing_zeros();
                 links &= links - 1;
-                let link = self.link(row, first + k as i32, i, mirrors, slots[k as usize]);
+                let link = self.link(row, first + k as i32, i, slots[k as usize]);
                 if self.is_mine(row, &link, batch) {
                     batch.push(link);
                 }
@@ -261,8 +306,8 @@ impl<T: Real> After<'_, T> {
 
     /// The link `i` of a cell at `x` of a row.
     #[inline(always)]
-    fn link(&self, row: &Row, x: i32, i: usize, mut mirrors: u8, slot: u16) -> Link {
-        let grid = &self.layout.grid;
+    fn link(&self, row: &Row, x: i32, i: usize, slot: u16) -> Link {
+        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[i]);
         let end = x + C[i][0];
         if !grid.periodic[0] && (end < 0 || end >= grid.n[0]) {
             mirrors |= 1;
@@ -279,7 +324,8 @@ impl<T: Real> After<'_, T> {
             }
         }
         let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - row.body.position[a]);
-        Link { slot, dir: i as u8, seen: c as u8, mirrors, arm }
+        let q = row.body.part.as_ref().map_or(f64::NAN, |part| part.meet(at, C[c]));
+        Link { slot, dir: i as u8, seen: c as u8, mirrors, arm, q }
     }
 
     /// Whether a link ends in no static solid, and no other body holds its end and is met before.
@@ -300,7 +346,7 @@ impl<T: Real> After<'_, T> {
     fn is_first(&self, row: &Row, link: &Link, end: u32) -> bool {
         let body = row.body;
         let c = C_F64[link.seen as usize];
-        let q = wall_distance(link.arm, c, body.r2());
+        let q = if body.part.is_some() { link.q } else { wall_distance(link.arm, c, body.r2()) };
         self.owners.claimants(end).filter(|&handle| handle != body.handle).all(|handle| {
             let other = row.bodies.with_handle(handle);
             // From the other body to the cell, by the shortest way.
@@ -309,7 +355,15 @@ impl<T: Real> After<'_, T> {
                 let n = f64::from(self.layout.grid.n[a]);
                 if self.layout.grid.periodic[a] { d - n * (d / n).round() } else { d }
             });
-            let of_other = wall_distance(arm, c, other.r2());
+            let of_other = match &other.part {
+                None => wall_distance(arm, c, other.r2()),
+                Some(part) => {
+                    // The cell as that body sees it.
+                    let at =
+                        std::array::from_fn(|a| (arm[a] + other.position[a] - 0.5).round() as i32);
+                    part.meet(at, C[link.seen as usize])
+                }
+            };
             q < of_other || (q == of_other && body.id < other.id)
         })
     }
@@ -324,9 +378,8 @@ struct Row<'a> {
     z: i32,
     /// Index in the box of its first cell.
     base: usize,
-    /// For each direction, the cells whose links end inside the body, and the axes among y and z at
-    /// which these links are mirrored.
-    starts: &'a [(Span, u8); Q],
+    /// For each direction the axes among y and z at which links are mirrored.
+    mirrors: &'a [u8; Q],
 }
 
 /// Density of a cell from its populations.

@@ -5,7 +5,7 @@ use crate::field::Field;
 use crate::kernel::Collides;
 use crate::lattice::{CS2, Q, dot, equilibrium};
 use crate::ledger::Ledger;
-use crate::solver::Solver;
+use crate::solver::{Solver, before};
 use tremie_messages::Load;
 
 /// A summary of the flow, SI units.
@@ -109,6 +109,12 @@ impl<T: Collides> Solver<T> {
                 torque: exchange.torque.map(|t| t * force * length),
             }
         }));
+    }
+
+    /// See [`crate::FluidLbm::probes`].
+    pub fn probes(&mut self, values: &mut Vec<f64>) {
+        let before = before!(self);
+        self.probes.read(&mut self.team, &before, &self.owners, &self.units, values);
     }
 
     /// See [`crate::FluidLbm::memory_bytes`].

@@ -78,7 +78,7 @@ impl<T: Real> Before<'_, T> {
         let drho = self.mean_around(owners, cell, 1).or_else(|| self.mean_around(owners, cell, 2));
         let (drho, u) = (drho.unwrap_or(0.0), body.velocity_at(arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
-        if let Some(donor) = self.donor(owners, cell, arm) {
+        if let Some(donor) = self.donor(owners, cell, body.outward(arm)) {
             let of_donor = donor;
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);

@@ -196,9 +196,9 @@ impl Parameters {
         if stride * Q as u64 > u64::from(u32::MAX) {
             return None;
         }
-        // Populations; number of each cell of the box; index and owner of each stored cell; one bit
-        // a cell; the table of places.
-        Some(bytes(stride) + 4 * boxed + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
+        // Populations; which cells of the box are stored; index and owner of each; one bit a cell; the
+        // table of places.
+        Some(bytes(stride) + boxed / 4 + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What this fluid cannot honour in a scene.
 
 use tremie_messages::Problem;
-use tremie_messages::scene::{Course, Domain, Face, Motion, PartBoundary, Scene};
+use tremie_messages::scene::{Course, Domain, Face, Motion, PartBoundary, ProbeShape, Scene};
 
 /// Checks of the scene that concern a fluid.
 pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
@@ -39,6 +39,15 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
     check_domain(&scene.domain, problems);
     check_open(scene, problems);
     for (index, part) in scene.parts.iter().enumerate() {
+        if part.motion != Motion::Fixed && part.cavity {
+            problems.push(
+                Problem::new(
+                    format!("scene.parts[{index}].cavity"),
+                    format!("{} moves; the lattice-Boltzmann fluid knows cavities only of parts that stand still", part.name),
+                )
+                .help("fix the part, or make it a solid"),
+            );
+        }
         if part.motion != Motion::Fixed && part.boundary != PartBoundary::Wall {
             problems.push(
                 Problem::new(
@@ -82,6 +91,20 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
             PartBoundary::Wall => {}
             PartBoundary::Velocity { velocity, course } => check(key, velocity, course),
             PartBoundary::Pressure { pressure, course } => check(key, &[*pressure], course),
+        }
+    }
+    for (index, probe) in scene.probes.iter().enumerate() {
+        let numbers: Vec<f64> = match &probe.shape {
+            ProbeShape::Point(point) => point.to_vec(),
+            ProbeShape::Line { from, to } => [*from, *to].concat(),
+            ProbeShape::Section { position, min, max, .. } => [&[*position][..], min, max].concat(),
+            ProbeShape::Region { min, max } => [*min, *max].concat(),
+        };
+        let key = format!("scene.probes[{index}]");
+        if !numbers.iter().all(|x| x.is_finite()) {
+            problems.push(Problem::new(key, "holds a number that is not finite"));
+        } else if matches!(&probe.shape, ProbeShape::Section { axis, .. } if *axis > 2) {
+            problems.push(Problem::new(key, "its axis must be 0, 1 or 2 for x, y or z"));
         }
     }
     for (index, plane) in scene.planes.iter().enumerate() {

@@ -2,14 +2,13 @@
 
 use crate::grid::Grid;
 use crate::lattice::dot;
+use std::sync::Arc;
 use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface};
 use tremie_messages::Problem;
 use tremie_messages::scene::{Motion, Part, PartBoundary, Plane, Scene};
 
 /// A solid that never moves.
 pub struct Solid {
-    /// Path of its key in the manifest.
-    pub key: String,
     /// What a user calls it.
     pub name: String,
     /// Index into the scene's parts, unless it is a plane.
@@ -74,16 +73,33 @@ pub fn solids(scene: &Scene) -> Result<Vec<Solid>, Vec<Problem>> {
     Ok(solids)
 }
 
+/// Surfaces of the scene's parts that move, by index of the part.
+///
+/// # Errors
+/// Every part whose surface cannot be had.
+pub fn moving_surfaces(scene: &Scene) -> Result<Vec<Option<Arc<Surface>>>, Vec<Problem>> {
+    let mut problems = Vec::new();
+    let surfaces = scene.parts.iter().enumerate().map(|(index, part)| {
+        if part.motion == Motion::Fixed {
+            return None;
+        }
+        let key = format!("scene.parts[{index}].geometry");
+        let surface = Surface::of(&part.geometry);
+        surface.map_err(|e| problems.push(Problem::new(key, e.to_string()))).ok().map(Arc::new)
+    });
+    let surfaces = surfaces.collect();
+    if problems.is_empty() { Ok(surfaces) } else { Err(problems) }
+}
+
 impl Solid {
     fn of_part(index: usize, part: &Part) -> Result<Self, Problem> {
-        let key = format!("scene.parts[{index}]");
-        let surface = Surface::of(&part.geometry)
-            .map_err(|error| Problem::new(format!("{key}.geometry"), error.to_string()))?;
+        let key = format!("scene.parts[{index}].geometry");
+        let surface =
+            Surface::of(&part.geometry).map_err(|error| Problem::new(key, error.to_string()))?;
         let frame = Frame::of(&part.pose);
         let bounds =
             Bounds::of(surface.mesh().vertices.iter().map(|&vertex| frame.to_world(vertex)));
         Ok(Self {
-            key,
             name: part.name.clone(),
             part: Some(index),
             boundary: part.boundary.clone(),
@@ -94,7 +110,6 @@ impl Solid {
 
     fn of_plane(index: usize, plane: &Plane) -> Self {
         Self {
-            key: format!("scene.planes[{index}]"),
             name: format!("plane {index}"),
             part: None,
             boundary: PartBoundary::Wall,

@@ -17,7 +17,9 @@ use crate::open::{self, Next, OpenCells};
 use crate::owners::{Owners, Vacated};
 use crate::parameters::{Collision, OpenFaces, Parameters};
 use crate::places::Parity;
+use crate::probes::Probes;
 use crate::refill::{Before, Content};
+use crate::solids::Centres;
 use crate::surroundings::Surroundings;
 use crate::tally::Tally;
 use crate::units::Units;
@@ -84,6 +86,7 @@ pub struct Solver<T: Collides> {
     pub(crate) open: OpenCells,
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) link_items: Vec<links::Item>,
+    pub(crate) probes: Probes,
     refills: Vec<Refill>,
     /// The last step's balance, in lattice units and in SI.
     pub(crate) balance: Ledger,
@@ -145,12 +148,14 @@ impl<T: Collides> Solver<T> {
             reflected: vec![0.0; tally.runs(number).len()],
         });
         let fixtures = surroundings.laws.len();
+        let centres = Centres { cell: units.cell, min: units.min };
+        let probes = Probes::new(&scene.probes, &built.layout, &centres);
         let mut solver = Self {
             units,
             field: Field::new(built.layout.places.stride()),
             owners: Owners::new(built.layout.cells.len()),
             wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
-            bodies: Bodies::default(),
+            bodies: Bodies::with_surfaces(std::mem::take(&mut surroundings.moving)),
             relaxation,
             parity: Parity::Even,
             steps: 0,
@@ -174,6 +179,7 @@ impl<T: Collides> Solver<T> {
             open: built.open,
             open_items: built.open_items,
             link_items: Vec::new(),
+            probes,
             refills: Vec::new(),
             balance: Ledger::default(),
             ledger: Ledger::default(),
@@ -200,7 +206,7 @@ impl<T: Collides> Solver<T> {
         }
         self.link_items = links::items(&self.bodies);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
-        let shell = |b: &Body| (b.spans.shell_side() * b.spans.shell_side()) as usize;
+        let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
         self.owners.reserve(changes);
         self.refills.reserve(changes.saturating_sub(self.refills.len()));

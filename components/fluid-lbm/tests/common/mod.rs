@@ -128,6 +128,16 @@ pub fn part(name: &str, geometry: Geometry, position: [f64; 3]) -> Part {
     }
 }
 
+/// A part of the scene that moves appears as a body.
+pub fn added_part(id: u64, part: u64) -> BodyEvent {
+    BodyEvent {
+        shape: BodyEvent::PART,
+        motion: BodyEvent::PRESCRIBED,
+        table: part,
+        ..added(id, 0.0)
+    }
+}
+
 /// Checks that the balance of momentum and mass of the last step closes.
 pub fn closes(fluid: &FluidLbm, tolerance: f64) {
     let ledger = fluid.ledger();

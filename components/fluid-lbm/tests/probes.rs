@@ -1,0 +1,83 @@
+//! What probes measure in a flow that is known.
+
+mod common;
+
+use common::*;
+use tremie_fluid_lbm::probe_signals;
+use tremie_messages::BodyState;
+use tremie_messages::scene::{Probe, ProbeShape};
+
+#[test]
+fn probes_read_a_linear_flow() {
+    let case = Case::new([12, 10, 8], [WALL; 3], 0.8);
+    let mut scene = case.scene();
+    let shapes = [
+        ("point", ProbeShape::Point([4.3, 5.1, 2.7])),
+        ("line", ProbeShape::Line { from: [2.0, 3.0, 4.0], to: [8.0, 7.0, 5.0] }),
+        (
+            "section",
+            ProbeShape::Section {
+                axis: 0,
+                position: 6.2,
+                min: [0.0, 2.0, 1.0],
+                max: [0.0, 8.0, 7.0],
+            },
+        ),
+        ("region", ProbeShape::Region { min: [1.0, 1.0, 1.0], max: [7.0, 7.0, 5.0] }),
+    ];
+    for (name, shape) in shapes {
+        scene.probes.push(Probe { name: name.into(), shape });
+    }
+    let names: Vec<_> = probe_signals(&scene).into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names.len(), 4 + 4 + 2 + 5);
+    assert_eq!(
+        [&names[0], &names[8], &names[14]],
+        ["point.pressure", "section.flow_rate", "region.solid_fraction"]
+    );
+    let mut fluid = case.fluid_of(&scene);
+    let pressure = |x: [f64; 3]| 1e-4 * (x[0] + 2.0 * x[1] - x[2]);
+    let speed = |x: [f64; 3]| 1e-3 * (x[0] - 0.5 * x[1] + 0.25 * x[2]);
+    fluid.set_state(|x| ([speed(x), 0.0, -speed(x)], pressure(x)));
+    let mut found = Vec::new();
+    fluid.probes(&mut found);
+    let (point, line, region) = ([4.3, 5.1, 2.7], [5.0, 5.0, 4.5], [4.0, 4.0, 3.0]);
+    let layer = [6.5, 5.0, 4.0];
+    let expected = [
+        [pressure(point), speed(point), 0.0, -speed(point)].to_vec(),
+        [pressure(line), speed(line), 0.0, -speed(line)].to_vec(),
+        [36.0 * speed(layer), pressure(layer)].to_vec(),
+        [pressure(region), speed(region), 0.0, -speed(region), 0.0].to_vec(),
+    ]
+    .concat();
+    for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
+        assert!((found - expected).abs() < 1e-14, "{}: {found} {expected}", names[k]);
+    }
+    // A body covers 8 of the region's 144 cells, and all cells around the point.
+    let body = [BodyState::at_rest(1, [4.0, 5.0, 3.0])];
+    fluid.apply_events(&[added(1, 1.0)]).unwrap();
+    fluid.start(&body, &mut loads_of(&body)).unwrap();
+    found.clear();
+    fluid.probes(&mut found);
+    assert_eq!(found[14], 8.0 / 144.0);
+    let near: f64 = found[0];
+    assert!(near == 0.0 || (near - pressure(point)).abs() < 1e-3, "{near}");
+}
+
+#[test]
+fn a_probe_outside_the_fluid_is_refused() {
+    let case = Case::new([8; 3], [PERIODIC; 3], 0.8);
+    let mut scene = case.scene();
+    scene.probes.push(Probe {
+        name: "nowhere".into(),
+        shape: ProbeShape::Region { min: [9.0; 3], max: [10.0; 3] },
+    });
+    scene.probes.push(Probe {
+        name: "slanted".into(),
+        shape: ProbeShape::Section { axis: 0, position: 1.0, min: [f64::NAN; 3], max: [1.0; 3] },
+    });
+    let problems = case.parameters().resolve(&scene).unwrap_err();
+    assert_eq!(problems[0].key, "scene.probes[1]");
+    scene.probes.pop();
+    let problems = case.parameters().resolve(&scene).unwrap_err();
+    assert!(problems[0].message.contains("nowhere lies on no cell"), "{problems:?}");
+}
