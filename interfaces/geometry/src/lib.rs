@@ -10,6 +10,25 @@
 //! [`Surface::first_crossing`] never disagree, whatever line a question travels along: a lattice
 //! link with exactly one end inside always has a crossing.
 //!
+//! ```
+//! use tremie_geometry::{Frame, Row, RowScratch, Surface};
+//! use tremie_messages::scene::{Geometry, Pose};
+//!
+//! let surface = Surface::of(&Geometry::Box { size: [2e-3, 1e-3, 1e-3] })?;
+//! let frame = Frame::of(&Pose { position: [5e-3, 0.0, 0.0], ..Pose::IDENTITY });
+//! // A lattice link of the world, from a fluid cell to one in the solid.
+//! let (from, to) = (frame.to_part([3.75e-3, 0.0, 0.0]), frame.to_part([4.25e-3, 0.0, 0.0]));
+//! assert!(!surface.contains(from) && surface.contains(to));
+//! let crossing = surface.first_crossing(from, to).expect("exactly one end is inside");
+//! assert!((crossing.fraction - 0.5).abs() < 1e-12);
+//! // All cells of a row at once.
+//! let row = Row { start: frame.to_part([3.75e-3, 0.0, 0.0]), step: frame.turn_to_part([5e-4, 0.0, 0.0]) };
+//! let mut solid = [false; 6];
+//! surface.fill_row(&row, &mut solid, &mut RowScratch::default());
+//! assert_eq!(solid, [false, true, true, true, true, false]);
+//! # Ok::<(), tremie_geometry::GeometryError>(())
+//! ```
+//!
 //! Lengths are in metres, vectors in the part's frame unless it says otherwise. Equal input gives
 //! equal bits on every machine with IEEE arithmetic: no function of the system's mathematics
 //! library is used, nothing is fused, and every tie is broken by index.

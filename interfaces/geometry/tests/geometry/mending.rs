@@ -2,6 +2,7 @@
 
 use crate::bodies::*;
 use proptest::prelude::*;
+use std::collections::BTreeSet;
 use tremie_geometry::{Bounds, EdgeKind, Fault, GeometryError, Mesh, Surface, mend};
 
 fn faults(mesh: Mesh) -> Vec<Fault> {
@@ -48,6 +49,45 @@ proptest! {
         prop_assert_eq!(mended.vertices.len(), mesh.vertices.len());
         prop_assert!(repairs.tolerance > 0.0 && repairs.tolerance < 1e-6);
         prop_assert!((mended.moments().volume - mesh.moments().volume).abs() < 1e-6);
+    }
+
+    #[test]
+    fn whatever_is_mended_has_an_inside(
+        corners in proptest::collection::vec(proptest::array::uniform3(-1.0..1.0f64), 7),
+        solids in proptest::collection::btree_set(proptest::sample::subsequence((0..7u32).collect::<Vec<_>>(), 4), 1..9),
+        points in proptest::collection::vec(point(), 20),
+    ) {
+        // Tetrahedra that may share sides, edges and corners, and cross: sides that two share go.
+        let mut sides = BTreeSet::new();
+        for t in &solids {
+            for out in 0..4 {
+                let mut side = t.clone();
+                side.remove(out);
+                if !sides.remove(&side) {
+                    sides.insert(side);
+                }
+            }
+        }
+        let triangles = sides.iter().map(|s| [s[0], s[1], s[2]]).collect();
+        let Ok((mended, _)) = mend(Mesh { vertices: corners, triangles }) else { return Ok(()) };
+        let Ok(surface) = Surface::new(mended) else { return Ok(()) };
+        for p in points {
+            let winding = solid_angles(surface.mesh(), p);
+            if (winding - winding.round()).abs() < 1e-6 && distance(surface.mesh(), p) > 1e-9 {
+                prop_assert_eq!(surface.contains(p), winding > 0.5, "{:?} {}", p, winding);
+            }
+        }
+    }
+
+    #[test]
+    fn any_triangles_are_mended_or_refused(
+        triangles in proptest::collection::vec(proptest::array::uniform3(0u32..7), 0..30),
+        corners in proptest::collection::vec(proptest::array::uniform3(-2i32..3), 6..8),
+    ) {
+        let vertices = corners.iter().map(|p| p.map(f64::from)).collect();
+        if let Ok((mended, _)) = mend(Mesh { vertices, triangles }) {
+            let _ = Surface::new(mended).map(|surface| surface.intersections());
+        }
     }
 }
 
