@@ -1,6 +1,6 @@
 //! Files for ParaView: read by an independent reader, and at no price in bits.
 
-#[path = "../../components/fields/tests/reader.rs"]
+#[path = "../../components/fields/tests/reader/mod.rs"]
 mod reader;
 
 use crate::tremie::{SMALL, run_text};

@@ -17,7 +17,7 @@ pub fn text(scene: &Scene) -> String {
     let mut list = |title: &str, names: &mut dyn Iterator<Item = &String>| {
         for (k, name) in names.enumerate() {
             // Writing to a string cannot fail.
-            let _ = write!(text, "{}{title} {k} = {name}\n", if k == 0 { "\n" } else { "" });
+            let _ = writeln!(text, "{}{title} {k} = {name}", if k == 0 { "\n" } else { "" });
         }
     };
     list("set", &mut scene.bodies.iter().map(|set| &set.name));

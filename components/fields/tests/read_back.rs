@@ -92,7 +92,11 @@ fn header() -> VolumeHeader {
 fn nodes(window: u64) -> Vec<SliceNode> {
     let node = |k: u64| {
         let x = (k + 100 * window) as f32 / 7.0;
-        SliceNode { velocity: [x, -x, 0.5 * x], pressure: 1e-6 * x, solid: u32::from(k % 5 == 0) }
+        SliceNode {
+            velocity: [x, -x, 0.5 * x],
+            pressure: 1e-6 * x,
+            solid: u32::from(k.is_multiple_of(5)),
+        }
     };
     (0..24).map(node).collect()
 }

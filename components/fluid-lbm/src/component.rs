@@ -116,7 +116,7 @@ impl Fluid for LatticeFluid {
             "{nx} x {ny} x {nz} cells of {:.4e} m, tau {:.4}, {megabytes:.0} MB",
             resolution.cell, resolution.tau
         )];
-        notes.extend(resolution.notes);
+        notes.extend(resolution.notes.iter().cloned());
         let mut numbers = BTreeMap::from([
             ("cells".to_string(), (nx * ny * nz) as f64),
             ("fluid cells".to_string(), resolution.fluid_cells as f64),

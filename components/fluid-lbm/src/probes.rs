@@ -7,10 +7,10 @@ use crate::layout::Layout;
 use crate::owners::Owners;
 use crate::refill::Before;
 use crate::solids::Centres;
-use crate::team::Team;
 use crate::units::Units;
 use std::ops::Range;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
+use tremie_team::Team;
 
 /// Samples that are one item of work.
 const SAMPLES_PER_ITEM: usize = 2048;

@@ -23,7 +23,7 @@ pub struct Solid {
 /// Where a solid is.
 enum Shape {
     Part {
-        surface: Surface,
+        surface: Box<Surface>,
         frame: Frame,
         /// Whether the space inside is free and that outside solid.
         cavity: bool,
@@ -104,7 +104,7 @@ impl Solid {
             part: Some(index),
             boundary: part.boundary.clone(),
             reference: part.pose.position,
-            shape: Shape::Part { surface, frame, cavity: part.cavity, bounds },
+            shape: Shape::Part { surface: Box::new(surface), frame, cavity: part.cavity, bounds },
         })
     }
 
