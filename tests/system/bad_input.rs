@@ -135,7 +135,7 @@ fn errors_are_events_where_a_program_listens() {
         std::fs::write(manifest, SMALL.replacen("viscosity =", "viscocity =", 1)).unwrap();
         assert_eq!(says_one_event(arguments, 2, "problem")["line"], 13);
         std::fs::write(manifest, SMALL.replacen("cell =", "cel =", 1)).unwrap();
-        assert_eq!(says_one_event(arguments, 2, "problem")["line"], 32);
+        assert_eq!(says_one_event(arguments, 2, "problem")["line"], 35);
     }
     std::fs::write(manifest, SMALL).unwrap();
     std::fs::create_dir(out).unwrap();

@@ -3,6 +3,7 @@
 use super::ValidationError;
 use super::case::{Case, CaseRun, Check};
 use super::measure;
+use super::report::number;
 use super::signals::Signals;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -69,15 +70,18 @@ impl fmt::Display for Finding {
                 let percent = 100.0 * (found / expected - 1.0);
                 write!(
                     f,
-                    "{found:.5} {unit}, reference {expected}, {percent:+.2} % (at most {} %): {verdict}",
-                    100.0 * tolerance
+                    "{} {unit}, reference {}, {percent:+.2} % (at most {} %): {verdict}",
+                    number(*found),
+                    number(*expected),
+                    number(100.0 * tolerance)
                 )
             }
             Reference::Between(low, high) => {
-                write!(f, "{found:.5} {unit}, between {low} and {high}: {verdict}")
+                write!(f, "{} {unit}, between {low} and {high}: {verdict}", number(*found))
             }
             Reference::Table(tolerance) => {
-                write!(f, "largest deviation {found:.5} {unit} (at most {tolerance}): {verdict}")
+                let found = number(*found);
+                write!(f, "largest deviation {found} {unit} (at most {tolerance}): {verdict}")
             }
         }
     }

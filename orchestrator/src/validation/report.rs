@@ -113,7 +113,7 @@ fn row(out: &mut String, run: &RunRecord, finding: &Finding) {
 }
 
 /// Five digits, without a tail of zeros.
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let magnitude = value.abs();
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

@@ -37,7 +37,7 @@ fn sheets(grid: &Grid, solid: &[u16], roll: &mut impl FnMut() -> u32) -> Vec<She
             if let Reach::Cell { at: to, mirrors: 0 } =
                 grid.reach(std::array::from_fn(|a| at[a] + C[i][a]))
                 && solid[grid.index(to)] == 0
-                && roll() % 20 == 0
+                && roll().is_multiple_of(20)
             {
                 sheets.push(Sheet { cell: index as u32, dir: i as u8, solid: 0 });
                 let back = OPPOSITE[i] as u8;
