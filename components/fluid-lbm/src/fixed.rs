@@ -19,25 +19,64 @@
 use crate::cells::Fixture;
 use crate::course::Now;
 use crate::field::Real;
+use crate::grid::Grid;
 use crate::lattice::{C_F64, OPPOSITE, Q, W, cross, dot};
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, density};
-use crate::places::Blocked;
+use crate::places::{Blocked, Parity, Places};
 use std::ops::Range;
 
 /// Cells that are one item of work.
 const CELLS_PER_ITEM: usize = 1024;
 
-/// A link.
+/// A link. 12 bytes.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    /// Where it meets the surface, as a fraction of its length. To 7 digits: a wall is nowhere known
-    /// better.
-    q: f32,
+    /// Place of the population `i` of its cell in odd steps.
+    odd: u32,
+    /// Factor of `g_i`; that of the other population is what it lacks to 1. To 7 digits: a wall is
+    /// nowhere known better.
+    own: f32,
     /// Direction.
     dir: u8,
+    /// Whether `q < 1/2`, so that the other population is that of the cell behind.
+    near: bool,
     /// Place of its fixture in the item's list.
     fixture: u16,
+}
+
+impl Link {
+    /// Where it meets the surface, as a fraction of its length.
+    fn q(&self) -> f64 {
+        let own = f64::from(self.own);
+        if self.near { 0.5 * own } else { 0.5 / own }
+    }
+}
+
+/// How many cells ahead of its use memory is asked for.
+const AHEAD: usize = 8;
+
+/// Coordinates of cells that mostly share their row with the one before.
+#[derive(Default)]
+struct RowCursor {
+    /// Index of the row's first cell in the box, and of the one after its last.
+    first: usize,
+    end: usize,
+    y: i32,
+    z: i32,
+}
+
+impl RowCursor {
+    #[inline(always)]
+    fn at(&mut self, grid: &Grid, index: usize) -> [i32; 3] {
+        if index < self.first || index >= self.end {
+            let [x, y, z] = grid.at(index);
+            self.first = index - x as usize;
+            self.end = self.first + grid.n[0] as usize;
+            (self.y, self.z) = (y, z);
+        }
+        [(index - self.first) as i32, self.y, self.z]
+    }
 }
 
 /// All such links, by cell.
@@ -59,7 +98,10 @@ pub struct Item {
 
 impl FixedLinks {
     /// Of blocked links in the order of cells, with `q` of each.
-    pub fn new(blocked: impl Iterator<Item = (Blocked, f64)>) -> (Self, Vec<Item>) {
+    pub fn new(
+        places: &Places,
+        blocked: impl Iterator<Item = (Blocked, f64)>,
+    ) -> (Self, Vec<Item>) {
         let mut own = Self::default();
         let mut items: Vec<Item> = Vec::new();
         for (Blocked { cell, dir, fixture }, q) in blocked {
@@ -78,10 +120,22 @@ impl FixedLinks {
             if place == exchanges.len() {
                 exchanges.push((fixture, Exchange::default()));
             }
-            own.links.push(Link { q: q as f32, dir, fixture: place as u16 });
+            own.links.push(Link {
+                odd: places.odd(cell, dir.into()) as u32,
+                own: (if q < 0.5 { 2.0 * q } else { 0.5 / q }) as f32,
+                dir,
+                near: q < 0.5,
+                fixture: place as u16,
+            });
         }
         own.first.push(own.links.len() as u32);
         (own, items)
+    }
+
+    /// The links of a cell, by its place in the list.
+    #[inline(always)]
+    fn of(&self, k: usize) -> &[Link] {
+        &self.links[self.first[k] as usize..self.first[k + 1] as usize]
     }
 
     /// Memory that the tables take [bytes].
@@ -103,11 +157,89 @@ impl<T: Real> After<'_, T> {
         for (_, exchange) in &mut item.exchanges {
             *exchange = Exchange::default();
         }
+        let still =
+            |(fixture, _): &(Fixture, Exchange)| now[usize::from(fixture.0)] == Now::Wall([0.0; 3]);
+        let all_still = item.exchanges.iter().all(still);
+        let mut row = RowCursor::default();
         for k in item.cells.clone() {
             let cell = links.cells[k];
-            if self.owners.is_fluid(cell) {
-                let own = &links.links[links.first[k] as usize..links.first[k + 1] as usize];
-                self.reflect_cell(cell, own, now, reference, &mut item.exchanges);
+            if k + AHEAD < links.cells.len() {
+                self.ask_for_cell(links.cells[k + AHEAD], links.of(k + AHEAD));
+            }
+            if !self.owners.is_fluid(cell) {
+                continue;
+            }
+            let at = row.at(&self.layout.grid, self.layout.cells.index(cell));
+            if all_still {
+                self.reflect_still(cell, at, links.of(k), reference, &mut item.exchanges);
+            } else {
+                self.reflect_cell(cell, at, links.of(k), now, reference, &mut item.exchanges);
+            }
+        }
+    }
+
+    /// Places of `g_i` of a link and of the other population that it needs.
+    #[inline(always)]
+    fn places_of(&self, cell: u32, link: &Link) -> (usize, usize) {
+        let (i, stride) = (usize::from(link.dir), self.layout.places.stride());
+        let own = OPPOSITE[i] * stride + cell as usize;
+        let within = i * stride + cell as usize;
+        let even = self.parity == Parity::Even;
+        (own, if even != link.near { within } else { link.odd as usize })
+    }
+
+    /// Asks memory for what a cell's links need.
+    #[inline(always)]
+    fn ask_for_cell(&self, cell: u32, links: &[Link]) {
+        for link in links {
+            let (own, other) = self.places_of(cell, link);
+            self.field.prefetch(own);
+            self.field.prefetch(other);
+        }
+    }
+
+    /// Reflects the links of a cell at walls at rest.
+    #[inline]
+    fn reflect_still(
+        &self,
+        cell: u32,
+        at: [i32; 3],
+        links: &[Link],
+        reference: &[[f64; 3]],
+        exchanges: &mut [(Fixture, Exchange)],
+    ) {
+        let all_fluid = self.owners.all_fluid();
+        let mut values = [(0.0, 0.0); Q];
+        for (link, value) in links.iter().zip(&mut values) {
+            let (own, other) = self.places_of(cell, link);
+            let g = self.field.get(own);
+            let factor = f64::from(link.own);
+            let f = if link.own == 1.0 {
+                g
+            } else if link.near && !all_fluid && !self.has_behind(cell, link.dir.into()) {
+                exchanges[usize::from(link.fixture)].1.fallbacks += 1;
+                g
+            } else {
+                factor * g + (1.0 - factor) * self.field.get(other)
+            };
+            *value = (g, f);
+        }
+        // Links of a cell mostly meet one fixture: its exchange is added once.
+        let (mut force, mut gain, mut count) = ([0.0; 3], 0.0, 0);
+        for (k, (link, (g, f))) in links.iter().zip(values).enumerate() {
+            let f = self.field.set(self.places_of(cell, link).0, f);
+            add_scaled(&mut force, C_F64[usize::from(link.dir)], g + f);
+            gain += f - g;
+            count += 1;
+            if links.get(k + 1).is_none_or(|next| next.fixture != link.fixture) {
+                let (fixture, exchange) = &mut exchanges[usize::from(link.fixture)];
+                // The arm to the surface is that to the cell but for a part along the force.
+                let arm = self.layout.grid.arm(reference[usize::from(fixture.0)], at);
+                add_scaled(&mut exchange.force, force, 1.0);
+                add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
+                exchange.mass += gain;
+                exchange.links += count;
+                (force, gain, count) = ([0.0; 3], 0.0, 0);
             }
         }
     }
@@ -115,6 +247,7 @@ impl<T: Real> After<'_, T> {
     fn reflect_cell(
         &self,
         cell: u32,
+        at: [i32; 3],
         links: &[Link],
         now: &[Now],
         reference: &[[f64; 3]],
@@ -133,18 +266,15 @@ impl<T: Real> After<'_, T> {
             };
             *value = (g, f);
         }
-        let at = self.layout.at(cell);
         for (link, (g, f)) in links.iter().zip(values) {
             let (fixture, exchange) = &mut exchanges[link.fixture as usize];
             let (i, c) = (link.dir as usize, C_F64[link.dir as usize]);
             let f = self.field.set(self.next_place(cell, OPPOSITE[i]), f);
             let force = c.map(|c| (g + f) * c);
             add_scaled(&mut exchange.force, force, 1.0);
-            if fixture.as_solid().is_some() {
-                let arm = self.layout.grid.arm(reference[fixture.0 as usize], at);
-                let wall = std::array::from_fn(|a| arm[a] + f64::from(link.q) * c[a]);
-                add_scaled(&mut exchange.torque, cross(wall, force), 1.0);
-            }
+            // The arm to the surface is that to the cell but for a part along the force.
+            let arm = self.layout.grid.arm(reference[fixture.0 as usize], at);
+            add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
             exchange.mass += f - g;
             exchange.links += 1;
         }
@@ -160,7 +290,7 @@ impl<T: Real> After<'_, T> {
         all: Option<&[f64; Q]>,
         exchange: &mut Exchange,
     ) -> f64 {
-        let (i, q) = (link.dir as usize, f64::from(link.q));
+        let (i, q) = (link.dir as usize, link.q());
         let push = all.map_or(0.0, |all| 6.0 * W[i] * density(all) * dot(C_F64[i], u));
         if q == 0.5 {
             g - push

@@ -289,11 +289,15 @@ struct Scratch<T>([[T; 16]; Q]);
 #[inline(always)]
 fn ask_for_pieces<T: Real>(sweep: &Sweep<T>, line: usize) {
     let entries = &sweep.places.lines()[line];
+    // The table itself is read first here.
+    prefetch(entries.as_ptr().wrapping_add(4 * AHEAD * Q));
     let mut mixed = entries[0];
     while mixed != 0 {
         let i = mixed.trailing_zeros() as usize;
         mixed &= mixed - 1;
-        for piece in &sweep.places.pieces()[entries[i] as usize..] {
+        let pieces = &sweep.places.pieces()[entries[i] as usize..];
+        prefetch(pieces.as_ptr().wrapping_add(64));
+        for piece in pieces {
             let lane = piece.lanes.trailing_zeros() as usize;
             prefetch(sweep.field.base().wrapping_add(piece.place as usize + lane));
             if piece.last {

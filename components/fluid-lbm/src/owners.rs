@@ -92,6 +92,12 @@ impl Owners {
         self.fluid[cell as usize / 8] >> (cell % 8) & 1 == 1
     }
 
+    /// Whether every cell is fluid.
+    #[inline(always)]
+    pub fn all_fluid(&self) -> bool {
+        self.fluid_cells == self.of.len()
+    }
+
     /// Memory that the map takes [bytes].
     pub fn bytes(&self) -> usize {
         4 * self.of.len() + self.fluid.len()

@@ -78,8 +78,7 @@ impl<T: Real> Before<'_, T> {
         let drho = self.mean_around(owners, cell, 1).or_else(|| self.mean_around(owners, cell, 2));
         let (drho, u) = (drho.unwrap_or(0.0), body.velocity_at(arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
-        if let Some(donor) = self.donor(owners, cell, body.outward(arm)) {
-            let of_donor = donor;
+        if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);
             for i in 0..Q {

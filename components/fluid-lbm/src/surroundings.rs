@@ -105,13 +105,16 @@ impl Surroundings {
         let (open, fixed): (Vec<_>, Vec<_>) =
             survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
         let (open, open_items) = OpenCells::new(&layout, &self.laws, &open);
-        let (fixed, fixed_items) = FixedLinks::new(fixed.iter().map(|blocked| {
-            let meets = match blocked.fixture.as_solid() {
-                None => (*blocked, 0.5),
-                Some(_) => self.ground.meet(layout.at(blocked.cell), blocked),
-            };
-            if self.halfway { (meets.0, 0.5) } else { meets }
-        }));
+        let (fixed, fixed_items) = FixedLinks::new(
+            &layout.places,
+            fixed.iter().map(|blocked| {
+                let meets = match blocked.fixture.as_solid() {
+                    None => (*blocked, 0.5),
+                    Some(_) => self.ground.meet(layout.at(blocked.cell), blocked),
+                };
+                if self.halfway { (meets.0, 0.5) } else { meets }
+            }),
+        );
         Built { layout, reflections: survey.reflections, fixed, fixed_items, open, open_items }
     }
 }

@@ -6,6 +6,7 @@ use common::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tremie_messages::BodyState;
+use tremie_messages::scene::{Course, Face, Geometry, Motion};
 
 /// The system's allocator, counting.
 struct Counting;
@@ -33,7 +34,18 @@ fn a_step_allocates_nothing() {
     let mut case = Case::new([40, 24, 24], [PERIODIC, WALL, WALL], 0.7);
     case.threads = 2;
     case.average_force = true;
-    let mut fluid = case.fluid();
+    let mut scene = case.scene();
+    scene.domain.faces[1] =
+        [Face::Symmetry, Face::Pressure { pressure: 0.0, course: Course::default() }];
+    scene.parts.push(part(
+        "rod",
+        Geometry::Cylinder { radius: 2.2, length: 30.0 },
+        [20.0, 20.1, 12.0],
+    ));
+    let mut stirrer = part("stirrer", Geometry::Box { size: [5.0, 2.0, 3.0] }, [0.0; 3]);
+    stirrer.motion = Motion::Prescribed(Vec::new());
+    scene.parts.push(stirrer);
+    let mut fluid = case.fluid_of(&scene);
     let mut bodies: Vec<BodyState> = (0..8)
         .map(|id| {
             let mut state =
@@ -43,7 +55,11 @@ fn a_step_allocates_nothing() {
             state
         })
         .collect();
-    let events: Vec<_> = bodies.iter().map(|b| added(b.id, 3.0)).collect();
+    let mut events: Vec<_> = bodies.iter().map(|b| added(b.id, 3.0)).collect();
+    let mut state = BodyState::at_rest(9, [12.0, 4.0, 4.0]);
+    state.velocity = [0.04, 0.01, 0.02];
+    bodies.push(state);
+    events.push(added_part(9, 1));
     fluid.apply_events(&events).unwrap();
     let mut loads = loads_of(&bodies);
     fluid.start(&bodies, &mut loads).unwrap();

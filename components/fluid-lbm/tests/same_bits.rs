@@ -1,15 +1,16 @@
 //! The same bits from every set of vector instructions and any number of threads: moving, spinning
 //! spheres that cover and uncover cells, walls, a periodic axis, a body force, rows that are no
-//! whole number of vectors.
+//! whole number of vectors; and again with mirrors, open faces, parts and a closure for turbulence.
 
 mod common;
 
 use common::*;
 use tremie_fluid_lbm::{Precision, Variant};
 use tremie_messages::BodyState;
+use tremie_messages::scene::{Course, Face, Geometry, Motion};
 
 /// Every bit of loads, balance and populations of a run.
-fn bits(precision: Precision, variant: Variant, threads: usize) -> Vec<u64> {
+fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> Vec<u64> {
     let mut case = Case::new([37, 20, 18], [PERIODIC, WALL, PERIODIC], 0.65);
     case.precision = precision;
     case.variant = variant;
@@ -17,7 +18,22 @@ fn bits(precision: Precision, variant: Variant, threads: usize) -> Vec<u64> {
     case.average_force = true;
     case.acceleration = [2e-5, 0.0, -1e-5];
     case.velocity = [0.01, 0.0, 0.02];
-    let mut fluid = case.fluid();
+    let mut scene = case.scene();
+    if rich {
+        case.smagorinsky = 0.15;
+        let course = Course::default();
+        scene.domain.faces[0] = [
+            Face::Pressure { pressure: 1e-3, course: course.clone() },
+            Face::Pressure { pressure: 0.0, course },
+        ];
+        scene.domain.faces[2] = [Face::Symmetry, Face::Symmetry];
+        let rod = Geometry::Cylinder { radius: 3.1, length: 40.0 };
+        scene.parts.push(part("rod", rod, [30.2, 10.3, 9.0]));
+        let mut stirrer = part("stirrer", Geometry::Box { size: [4.2, 1.3, 2.2] }, [0.0; 3]);
+        stirrer.motion = Motion::Prescribed(Vec::new());
+        scene.parts.push(stirrer);
+    }
+    let mut fluid = case.fluid_of(&scene);
     let mut bodies: Vec<BodyState> = (0..9)
         .map(|id| {
             let at = [4.0 + 3.9 * id as f64, 5.0 + (id * 7 % 10) as f64, 2.0 * id as f64];
@@ -27,7 +43,13 @@ fn bits(precision: Precision, variant: Variant, threads: usize) -> Vec<u64> {
             state
         })
         .collect();
-    let events: Vec<_> = bodies.iter().map(|b| added(b.id, 1.2 + 0.3 * b.id as f64)).collect();
+    let mut events: Vec<_> = bodies.iter().map(|b| added(b.id, 1.2 + 0.3 * b.id as f64)).collect();
+    if rich {
+        let mut state = BodyState::at_rest(100, [17.3, 6.2, 9.1]);
+        state.velocity = [0.02, 0.01, 0.0];
+        bodies.push(state);
+        events.push(added_part(100, 1));
+    }
     fluid.apply_events(&events).unwrap();
     let mut loads = loads_of(&bodies);
     fluid.start(&bodies, &mut loads).unwrap();
@@ -40,9 +62,15 @@ fn bits(precision: Precision, variant: Variant, threads: usize) -> Vec<u64> {
         for load in &loads {
             bits.extend(load.force.iter().chain(&load.torque).map(|x| x.to_bits()));
         }
+        let mut on_parts = Vec::new();
+        fluid.loads_on_parts(&mut on_parts);
+        for load in &on_parts {
+            bits.extend(load.force.iter().chain(&load.torque).map(|x| x.to_bits()));
+        }
+        closes(&fluid, if precision == Precision::F64 { 1e-10 } else { 1e-2 });
         let seen = fluid.diagnostics();
         assert!(seen.max_mach < 0.3);
-        bits.extend([seen.max_speed, seen.min_density_deviation].map(f64::to_bits));
+        bits.extend([seen.max_speed, seen.min_density_deviation, seen.max_tau].map(f64::to_bits));
     }
     for cell in cells(&fluid) {
         if !fluid.node(cell).solid {
@@ -52,11 +80,11 @@ fn bits(precision: Precision, variant: Variant, threads: usize) -> Vec<u64> {
     bits
 }
 
-fn all_equal(precision: Precision) {
-    let reference = bits(precision, Variant::Portable, 1);
+fn all_equal(precision: Precision, rich: bool) {
+    let reference = bits(precision, Variant::Portable, 1, rich);
     for variant in Variant::ALL.into_iter().filter(|v| v.available()) {
         for threads in [1, 2, 3] {
-            let found = bits(precision, variant, threads);
+            let found = bits(precision, variant, threads, rich);
             assert!(found == reference, "{precision:?} {variant:?} {threads} threads");
         }
     }
@@ -64,10 +92,20 @@ fn all_equal(precision: Precision) {
 
 #[test]
 fn in_f64() {
-    all_equal(Precision::F64);
+    all_equal(Precision::F64, false);
 }
 
 #[test]
 fn in_f32() {
-    all_equal(Precision::F32);
+    all_equal(Precision::F32, false);
+}
+
+#[test]
+fn in_f64_with_everything() {
+    all_equal(Precision::F64, true);
+}
+
+#[test]
+fn in_f32_with_everything() {
+    all_equal(Precision::F32, true);
 }
