@@ -42,11 +42,11 @@ fn a_negative_viscosity_is_refused() {
 }
 
 #[test]
-fn a_relaxation_time_of_one_half_is_refused() {
+fn a_relaxation_time_too_close_to_one_half_is_refused() {
     refused(
         "cell = \"0.5 mm\"",
-        "cell = \"0.5 mm\"\nrelaxation_time = 0.5",
-        &["relaxation", "0.5"],
+        "cell = \"0.5 mm\"\nrelaxation_time = 0.5001",
+        &["relaxation", "0.5001"],
     );
 }
 

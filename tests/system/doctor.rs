@@ -95,7 +95,7 @@ fn is_pointed_out(finding: &Value, value: f64) {
 #[test]
 fn the_published_numbers_are_doubted_one_by_one() {
     let (code, plan) = check(PUBLISHED, &[]);
-    assert_eq!(code, Some(0), "doubtful, not wrong");
+    assert_eq!(code, Some(0), "doubtful, but not wrong");
     is_pointed_out(finding(&plan, "fluid", "cells across the smallest sphere"), 2.667);
     let tau = finding(&plan, "fluid", "relaxation time");
     is_pointed_out(tau, 0.5);

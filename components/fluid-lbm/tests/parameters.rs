@@ -113,7 +113,7 @@ fn a_cell_that_does_not_fit_is_answered_with_those_that_do() {
 #[test]
 fn a_step_too_short_or_too_long_is_answered_with_one_that_would_do() {
     let mut scene = water();
-    let short = Parameters { time_step: Some(Time(1e-11)), ..Parameters::with_cell(0.5e-3) };
+    let short = Parameters { time_step: Some(Time(1e-9)), ..Parameters::with_cell(0.5e-3) };
     let text = problem(&short, &scene);
     assert!(text.contains("stability limit") && text.contains("at least"), "{text}");
     scene.fluid.as_mut().unwrap().expected_speed = Some(1.0);
@@ -163,7 +163,7 @@ fn an_assigned_step_may_be_shorter_but_not_too_short() {
     let fluid = FluidLbm::new(&water(), &parameters, 0.5 * step, 1).unwrap();
     assert!((fluid.tau() - 0.65).abs() < 1e-12);
     assert_eq!(fluid.time_step(), 0.5 * step);
-    for wrong in [1e-9 * step, 0.0, -step, f64::NAN] {
+    for wrong in [1e-6 * step, 0.0, -step, f64::NAN] {
         assert!(FluidLbm::new(&water(), &parameters, wrong, 1).is_err());
     }
 }
