@@ -111,13 +111,13 @@ pub fn all(
                     let references = read_table(&path)?;
                     table(check, short, &references, signals).map_err(of)
                 }
-                None => number(check, short, signals).map_err(of),
+                None => scalar(check, short, signals).map_err(of),
             }
         })
         .collect()
 }
 
-fn number(check: &Check, short: bool, signals: &Signals) -> Result<Finding, String> {
+fn scalar(check: &Check, short: bool, signals: &Signals) -> Result<Finding, String> {
     let value = check.value.as_ref().ok_or("it has no value")?;
     let mut found = measure::take(value, signals)?;
     if let Some(over) = &check.over {
@@ -202,9 +202,9 @@ mod tests {
             expected = 2.02
             tolerance = 0.01
             short_tolerance = 0.005"#;
-        let long = number(&check(text), false, &signals()).unwrap();
+        let long = scalar(&check(text), false, &signals()).unwrap();
         assert!(long.passed && long.found == 2.0, "{long}");
-        assert!(!number(&check(text), true, &signals()).unwrap().passed);
+        assert!(!scalar(&check(text), true, &signals()).unwrap().passed);
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
             let text = format!(
                 "name = \"x\"\nvalue = {{ signal = \"a.nan\", take = \"last\" }}\n{reference}\ntolerance = 1e9"
             );
-            assert!(!number(&check(&text), false, &signals()).unwrap().passed);
+            assert!(!scalar(&check(&text), false, &signals()).unwrap().passed);
         }
         let row = |signal: &str| Row { signal: signal.into(), expected: 1.5, x: 0.0 };
         let check = check("name = \"t\"\ntable = \"t.csv\"\ntolerance = 9.0");
