@@ -95,7 +95,7 @@ impl Solid {
     fn of_part(index: usize, part: &Part) -> Result<Self, Problem> {
         let key = format!("scene.parts[{index}].geometry");
         let surface =
-            Surface::of(&part.geometry).map_err(|error| Problem::new(key, error.to_string()))?;
+            Surface::of_part(part).map_err(|error| Problem::new(key, error.to_string()))?;
         let frame = Frame::of(&part.pose);
         let bounds =
             Bounds::of(surface.mesh().vertices.iter().map(|&vertex| frame.to_world(vertex)));
@@ -140,10 +140,7 @@ impl Solid {
                 if bounds.grown(centres.cell).meets(&Bounds::of([first, last])) {
                     surface.fill_row(&row(frame, centres, [y, z]), inside, scratch);
                 } else {
-                    inside.fill(false);
-                }
-                if *cavity {
-                    inside.iter_mut().for_each(|inside| *inside = !*inside);
+                    inside.fill(*cavity);
                 }
             }
         }
