@@ -32,7 +32,8 @@ impl<T: Collides> Solver<T> {
                 exchange.join(&item.exchange);
             }
             self.exchange.join(&exchange);
-            let mut given = with_image(grid, body, [exchange.force, exchange.torque]);
+            let mirrors = mirrors_of(grid, body);
+            let mut given = with_image(mirrors, [exchange.force, exchange.torque]);
             add_scaled(&mut balance.images, given[0], 1.0);
             add_scaled(&mut balance.images, exchange.force, -1.0);
             add_scaled(&mut balance.images, exchange.image, 1.0);
@@ -125,23 +126,39 @@ impl<T: Collides> Solver<T> {
     }
 }
 
+/// Axes across which a symmetry plane cuts a body.
+fn mirrors_of(grid: &Grid, body: &Body) -> [bool; 3] {
+    match body.part {
+        Some(_) => mirrors_of_part(grid, body.position),
+        None => near_mirrors(grid, body.position, body.radius),
+    }
+}
+
+/// Axes across which a symmetry plane cuts a part: it is its own image if its origin is on the plane;
+/// one whose origin is not just passes near.
+pub(crate) fn mirrors_of_part(grid: &Grid, origin: [f64; 3]) -> [bool; 3] {
+    near_mirrors(grid, origin, 1e-6)
+}
+
+fn near_mirrors(grid: &Grid, position: [f64; 3], reach: f64) -> [bool; 3] {
+    std::array::from_fn(|axis| {
+        let planes = [0.0, f64::from(grid.n[axis])];
+        (0..2).any(|side| {
+            grid.sides[axis][side] == Side::Symmetry
+                && (position[axis] - planes[side]).abs() < reach
+        })
+    })
+}
+
 /// Force and torque on a whole body, from those that the fluid of the box gives. A body that a
 /// symmetry plane cuts is its own mirror image: what is symmetric counts twice, what is not
 /// cancels.
-fn with_image(grid: &Grid, body: &Body, given: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+pub(crate) fn with_image(mirrors: [bool; 3], given: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     let [mut force, mut torque] = given;
-    for axis in 0..3 {
-        let (x, n) = (body.position[axis], f64::from(grid.n[axis]));
-        // A part is its own image if its origin is on the plane; one that is not just passes near.
-        let reach = if body.part.is_some() { 1e-6 } else { body.radius };
-        let cut = |side: usize, plane: f64| {
-            grid.sides[axis][side] == Side::Symmetry && (x - plane).abs() < reach
-        };
-        if cut(0, 0.0) || cut(1, n) {
-            for a in 0..3 {
-                (force[a], torque[a]) =
-                    if a == axis { (0.0, 2.0 * torque[a]) } else { (2.0 * force[a], 0.0) };
-            }
+    for axis in (0..3).filter(|&axis| mirrors[axis]) {
+        for a in 0..3 {
+            (force[a], torque[a]) =
+                if a == axis { (0.0, 2.0 * torque[a]) } else { (2.0 * force[a], 0.0) };
         }
     }
     [force, torque]

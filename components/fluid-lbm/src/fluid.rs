@@ -106,8 +106,9 @@ impl FluidLbm {
     }
 
     /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, without
-    /// buoyancy; the torque is about the origin of the part's frame. The id of a load is the part's
-    /// index in the scene. `loads` is cleared before.
+    /// buoyancy; the torque is about the origin of the part's frame. A part whose origin lies on a
+    /// symmetry plane is cut by it: the load is that on the whole. The id of a load is the part's index
+    /// in the scene. `loads` is cleared before.
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         solver!(&self.solver, s => s.loads_on_parts(loads));
     }

@@ -1,5 +1,6 @@
 //! What can be seen of the fluid.
 
+use crate::balance::{mirrors_of_part, with_image};
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::kernel::Collides;
@@ -101,12 +102,14 @@ impl<T: Collides> Solver<T> {
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         let (force, length) = (self.units.force(), self.units.cell);
         loads.clear();
-        loads.extend(self.surroundings.parts().map(|(fixture, part)| {
+        loads.extend(self.surroundings.parts().map(|(fixture, part, origin)| {
             let exchange = &self.fixtures[fixture];
+            let mirrors = mirrors_of_part(&self.layout.grid, origin.map(|x| x / length));
+            let [whole, turning] = with_image(mirrors, [exchange.force, exchange.torque]);
             Load {
                 id: part as u64,
-                force: exchange.force.map(|f| f * force),
-                torque: exchange.torque.map(|t| t * force * length),
+                force: whole.map(|f| f * force),
+                torque: turning.map(|t| t * force * length),
             }
         }));
     }

@@ -71,11 +71,12 @@ impl Surroundings {
         Self { ground, halfway: parameters.walls == Walls::Halfway, moving, laws, references }
     }
 
-    /// The parts that stand still: number of the fixture and index into the scene's parts.
-    pub fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
+    /// The parts that stand still: number of the fixture, index into the scene's parts and the point
+    /// about which torques count [m].
+    pub fn parts(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> {
         let first = usize::from(Fixture::FACES);
         let solids = self.ground.solids.iter().enumerate();
-        solids.filter_map(move |(k, solid)| solid.part.map(|part| (first + k, part)))
+        solids.filter_map(move |(k, solid)| Some((first + k, solid.part?, solid.reference)))
     }
 
     /// Whether a fixture's links need work besides reflection half-way.

@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use tremie_messages::scene::{Face, Scene};
+use tremie_messages::scene::{Face, Geometry, Scene};
 use tremie_messages::{BodyState, Load};
 
 /// A channel between walls along `axis`, whole, or its lower half with a mirror in the middle.
@@ -124,4 +124,47 @@ fn a_sphere_cut_in_half_feels_what_the_whole_one_does() {
         assert!((whole.torque[a] - half.torque[a]).abs() < 1e-12, "{whole:?} {half:?}");
     }
     assert!((mass - 2.0 * half_mass).abs() < 1e-9);
+}
+
+/// A quarter of a duct around a quarter of a box, between two mirrors, gives the load on the whole box:
+/// that in the whole duct, 1e-12 of the force. A part beside the mirrors keeps its own.
+#[test]
+fn a_part_that_mirrors_cut_counts_whole() {
+    let loads = |quarter: bool| {
+        let mut case = Case::new([14, 24, 24], [PERIODIC, WALL, WALL], 0.8);
+        case.acceleration[0] = 1e-5;
+        let mut scene = case.scene();
+        let cuboid = |a: f64| Geometry::Box { size: [a; 3] };
+        scene.parts.push(part("block", cuboid(6.6), [7.3, 12.0, 12.0]));
+        scene.parts.push(part("beside", cuboid(2.6), [2.1, 4.4, 4.4]));
+        if quarter {
+            for axis in 1..3 {
+                scene.domain.faces[axis][1] = Face::Symmetry;
+                scene.domain.max[axis] = 12.0;
+            }
+        } else {
+            // The images.
+            for at in [[2.1, 19.6, 4.4], [2.1, 4.4, 19.6], [2.1, 19.6, 19.6]] {
+                scene.parts.push(part(&format!("image {at:?}"), cuboid(2.6), at));
+            }
+        }
+        let mut fluid = case.fluid_of(&scene);
+        for _ in 0..200 {
+            fluid.step(&[], &mut []).unwrap();
+        }
+        let mut loads = Vec::new();
+        fluid.loads_on_parts(&mut loads);
+        loads
+    };
+    let (whole, quarter) = (loads(false), loads(true));
+    let scale = whole[0].force[0];
+    assert!(scale > 1e-3 && whole[1].force[0] > 1e-4, "{whole:?}");
+    for k in 0..2 {
+        for a in 0..3 {
+            let force = quarter[k].force[a] - whole[k].force[a];
+            let torque = quarter[k].torque[a] - whole[k].torque[a];
+            assert!(force.abs() < 1e-12 * scale, "{k} {a}: {quarter:?} {whole:?}");
+            assert!(torque.abs() < 1e-11 * scale, "{k} {a}: {quarter:?} {whole:?}");
+        }
+    }
 }
