@@ -9,7 +9,11 @@
 //! while they approach at `v_n`, and hold each other back while they separate: the leading term of
 //! lubrication theory (Jeffrey & Onishi, *J. Fluid Mech.* 139, 1984), cut off where the fluid solver
 //! resolves the gap itself (Nguyen & Ladd, *Phys. Rev. E* 66, 2002), and bounded where asperities
-//! meet. In contact the force is that at the roughness.
+//! meet. Bodies in contact feel the contact alone (Biegert, Vowinckel & Meiburg, *J. Comput. Phys.* 340,
+//! 2017): a collision of the soft bodies of a simulation lasts much longer than a real one, and a film
+//! between them would take the energy of the rebound.
+//!
+//! Each way through the gap costs `ln(h_c/h_r)` of the Stokes number `m* v/(6 pi eta R*^2)`.
 
 use crate::Parameters;
 use core::f64::consts::PI;
@@ -36,10 +40,10 @@ impl Squeeze {
         })
     }
 
-    /// Force over the speed of approach at a gap [kg/s].
+    /// Force over the speed of approach at a gap [kg/s]; a gap that is not positive is a contact.
     #[inline(always)]
     pub fn resistance(&self, gap: f64, radius: f64) -> f64 {
-        if gap >= self.cutoff {
+        if gap <= 0.0 || gap >= self.cutoff {
             return 0.0;
         }
         self.factor * radius * radius * (1.0 / gap.max(self.roughness) - 1.0 / self.cutoff)

@@ -32,7 +32,7 @@ pub struct Parameters {
 pub struct Lubrication {
     /// Gap from which on there is no such force.
     pub cutoff: Length,
-    /// Height of asperities: at smaller gaps the force grows no more.
+    /// Height of asperities: at smaller gaps the force grows no more, and in contact there is none.
     pub roughness: Length,
 }
 

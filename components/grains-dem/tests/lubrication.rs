@@ -87,6 +87,33 @@ fn a_slow_sphere_never_touches() {
     assert_eq!(dem.diagnostics().contacts, 0);
 }
 
+/// Elastic bodies lose `ln(h_c/h_r)` of the Stokes number each way: `e = 1 - 2 ln(h_c/h_r)/St`; 1e-3.
+/// Below twice the loss nothing leaves the gap.
+#[test]
+fn a_wet_rebound_loses_speed() {
+    let c = 6.0 * PI * ETA * 0.25 * D * D;
+    let loss = (CUTOFF / ROUGHNESS).ln();
+    let rebound = |stokes: f64| {
+        let v0 = stokes * c / mass(D);
+        let scene = wet(vec![sphere([5e-3, 5e-3, 0.62e-3], D, [0.0, 0.0, -v0])]);
+        let mut dem = GrainsDem::new(&scene, &parameters(), 1e-8, 1).unwrap();
+        for _ in 0..4_000 {
+            dem.advance(100, &[]).unwrap();
+            let state = state(&dem)[0];
+            if state.velocity[2] > 0.0 && state.position[2] > 0.5 * D + CUTOFF {
+                return state.velocity[2] / v0;
+            }
+        }
+        0.0
+    };
+    for stokes in [12.0, 27.0, 40.0] {
+        let (e, expected) = (rebound(stokes), 1.0 - 2.0 * loss / stokes);
+        println!("{stokes}: {e} {expected}");
+        assert!((e - expected).abs() < 1e-3, "{stokes}: {e} {expected}");
+    }
+    assert_eq!(rebound(8.0), 0.0);
+}
+
 #[test]
 fn lubrication_needs_a_fluid_and_a_roughness_below_the_cutoff() {
     let mut dry = wet(vec![sphere([5e-3; 3], D, [0.0; 3])]);
