@@ -1,5 +1,6 @@
 //! Numbers of the lattice, judged before the run.
 
+use crate::compression;
 use crate::lattice::CS2;
 use crate::parameters::{Parameters, Precision};
 use crate::resolution::Resolution;
@@ -32,6 +33,7 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     findings.extend(lattice.mach());
     findings.extend(resolution.cells_per_smallest_sphere.map(|cells| lattice.sphere(cells)));
     findings.extend(lattice.pressure_noise());
+    findings.extend(lattice.compression());
     findings.extend(lattice.softness());
     findings
 }
@@ -148,6 +150,11 @@ impl Lattice<'_> {
             ),
             "precision = \"f64\", or a longer time step",
         ))
+    }
+
+    fn compression(&self) -> Option<Finding> {
+        let step = self.resolution.time_step;
+        compression::finding(self.expected_pressure(), self.stiffness(), step, self.fluid.density)
     }
 
     /// The largest pressure that the scene gives [Pa].

@@ -22,6 +22,7 @@ mod cells;
 mod collision;
 #[cfg(feature = "component")]
 pub mod component;
+mod compression;
 mod course;
 mod error;
 mod field;
