@@ -4,6 +4,7 @@ use crate::error::FluidError;
 use crate::grid::Grid;
 use crate::lattice::cross;
 use crate::layout::Layout;
+use crate::mass::Account;
 use crate::part_body::PartBody;
 use crate::sphere::Spans;
 use crate::units::Units;
@@ -41,6 +42,8 @@ pub struct Body {
     pub entered: Vec<u32>,
     /// Force and torque that averaging holds back.
     pub carried: [[f64; 3]; 2],
+    /// What it owes the fluid.
+    pub account: Account,
 }
 
 impl Body {
@@ -63,6 +66,7 @@ impl Body {
             left: Vec::with_capacity(changes),
             entered: Vec::with_capacity(changes),
             carried: [[0.0; 3]; 2],
+            account: Account::default(),
         }
     }
 
@@ -260,6 +264,12 @@ impl Bodies {
     #[inline]
     pub fn with_handle(&self, handle: u32) -> &Body {
         &self.living[self.places[handle as usize] as usize]
+    }
+
+    /// The body with a handle, if it lives.
+    pub fn living_with_handle(&mut self, handle: u32) -> Option<&mut Body> {
+        let place = *self.places.get(handle as usize)? as usize;
+        self.living.get_mut(place).filter(|body| body.handle == handle)
     }
 
     /// The body with a handle, living or leaving.

@@ -71,6 +71,9 @@ pub struct Ledger {
     pub mass_uncovered: f64,
     /// Lost with isolated cells.
     pub mass_isolated: f64,
+    /// What moving bodies took beyond their volume and have not paid back, at the end of the step,
+    /// with `refill = "mass"`; part of no sum here.
+    pub mass_owed: f64,
 }
 
 impl Ledger {
@@ -131,6 +134,7 @@ impl Ledger {
             mass_covered: self.mass_covered * mass,
             mass_uncovered: self.mass_uncovered * mass,
             mass_isolated: self.mass_isolated * mass,
+            mass_owed: self.mass_owed * mass,
         }
     }
 }

@@ -67,6 +67,11 @@ pub struct Exchange {
     pub image_swept: [f64; 3],
     /// Mass that went to the fluid.
     pub mass: f64,
+    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; where
+    /// bodies keep accounts of mass.
+    pub receded: f64,
+    /// See `receded`.
+    pub weight: f64,
     /// Number of links.
     pub links: usize,
     /// Those without a second fluid cell where it was needed.
@@ -82,6 +87,8 @@ impl Exchange {
         add_scaled(&mut self.image, other.image, 1.0);
         add_scaled(&mut self.image_swept, other.image_swept, 1.0);
         self.mass += other.mass;
+        self.receded += other.receded;
+        self.weight += other.weight;
         self.links += other.links;
         self.fallbacks += other.fallbacks;
     }
@@ -116,6 +123,8 @@ pub struct After<'a, T: Real> {
     pub parity: Parity,
     /// Densities of the lines near bodies.
     pub drho: &'a Field<T>,
+    /// Whether bodies keep accounts of mass.
+    pub keeps_mass: bool,
 }
 
 impl<T: Real> After<'_, T> {

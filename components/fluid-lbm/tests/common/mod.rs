@@ -2,7 +2,9 @@
 //! numbers read as in papers.
 #![allow(dead_code)]
 
-use tremie_fluid_lbm::{Collision, FluidLbm, OpenFaces, Parameters, Precision, Variant, Walls};
+use tremie_fluid_lbm::{
+    Collision, FluidLbm, OpenFaces, Parameters, Precision, Refill, Variant, Walls,
+};
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
 };
@@ -32,6 +34,7 @@ pub struct Case {
     pub smagorinsky: f64,
     pub open_faces: OpenFaces,
     pub walls: Walls,
+    pub refill: Refill,
 }
 
 impl Case {
@@ -52,6 +55,7 @@ impl Case {
             smagorinsky: 0.0,
             open_faces: OpenFaces::Nee,
             walls: Walls::Bouzidi,
+            refill: Refill::Eqneq,
         }
     }
 
@@ -90,6 +94,7 @@ impl Case {
             smagorinsky: self.smagorinsky,
             open_faces: self.open_faces,
             walls: self.walls,
+            refill: self.refill,
             ..Parameters::with_cell(1.0)
         }
     }
