@@ -5,6 +5,7 @@
 
 use crate::bodies::Body;
 use crate::field::Real;
+use crate::gaps::Gaps;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
 use crate::ledger::add_scaled;
 use crate::links::{After, CHUNK, Exchange};
@@ -74,6 +75,8 @@ pub struct Batch {
     used: usize,
     sums: [[f64; LANES]; 10],
     exchange: Exchange,
+    /// Gaps that the item found.
+    pub gaps: Gaps,
 }
 
 impl Default for Batch {
@@ -104,6 +107,7 @@ impl Default for Batch {
             used: 0,
             sums: [[0.0; LANES]; 10],
             exchange: Exchange::default(),
+            gaps: Gaps::with_room(),
         }
     }
 }
@@ -114,6 +118,7 @@ impl Batch {
         (self.links, self.used) = (0, 0);
         self.sums = [[0.0; LANES]; 10];
         self.exchange = Exchange::default();
+        self.gaps.clear();
     }
 
     /// What the item exchanged.

@@ -40,6 +40,9 @@ pub struct Parameters {
     /// What cells hold that a body uncovered, and whether its motion keeps the mass.
     #[serde(default)]
     pub refill: Refill,
+    /// What presses on a body in a gap too narrow to hold a cell.
+    #[serde(default)]
+    pub gap_pressure: GapPressure,
     /// Precision of storage and collision. Loads and balances are f64 in either.
     #[serde(default)]
     pub precision: Precision,
@@ -111,6 +114,17 @@ pub enum Refill {
     Mass,
 }
 
+/// What presses on a body where another surface is so near that no cell is between them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum GapPressure {
+    /// The mean gauge pressure of the fluid cells next to the gap; nothing where surfaces touch.
+    #[default]
+    Nearest,
+    /// Nothing: gauge pressure zero.
+    Zero,
+}
+
 /// Precision of storage and collision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -143,6 +157,7 @@ impl Parameters {
             open_faces: OpenFaces::default(),
             walls: Walls::default(),
             refill: Refill::default(),
+            gap_pressure: GapPressure::default(),
             precision: Precision::default(),
             average_force: defaults::average_force(),
             mach_limit: defaults::mach_limit(),

@@ -15,7 +15,7 @@ use crate::ledger::{Ledger, add_scaled};
 use crate::links::{self, After, Exchange};
 use crate::open::{self, Next, OpenCells};
 use crate::owners::{Owners, Vacated};
-use crate::parameters::{Collision, OpenFaces, Parameters, Refill};
+use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::places::Parity;
 use crate::probes::Probes;
 use crate::refill::{Before, Content};
@@ -70,6 +70,8 @@ pub struct Solver<T: Collides> {
     pub(crate) average_force: bool,
     /// Whether bodies keep accounts of the mass that they owe.
     pub(crate) keeps_mass: bool,
+    /// Whether gaps without cells press on bodies.
+    pub(crate) gaps_press: bool,
     scheme: OpenFaces,
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub(crate) lift: [f64; 3],
@@ -98,6 +100,8 @@ pub struct Solver<T: Collides> {
     pub(crate) survey: Survey,
     pub(crate) exchange: Exchange,
     pub(crate) fixtures: Vec<Exchange>,
+    /// What gaps without cells gave to each fixture.
+    pub(crate) pressed: Vec<Exchange>,
     /// Room for sums over fixtures.
     pub(crate) impulses: Vec<[f64; 3]>,
 }
@@ -164,6 +168,7 @@ impl<T: Collides> Solver<T> {
             tau,
             mach_limit: parameters.mach_limit,
             average_force: parameters.average_force,
+            gaps_press: parameters.gap_pressure == GapPressure::Nearest,
             keeps_mass: parameters.refill == Refill::Mass,
             scheme: parameters.open_faces,
             lift: std::array::from_fn(|a| {
@@ -189,6 +194,7 @@ impl<T: Collides> Solver<T> {
             survey: Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE },
             exchange: Exchange::default(),
             fixtures: vec![Exchange::default(); fixtures],
+            pressed: vec![Exchange::default(); fixtures],
             impulses: vec![[0.0; 3]; fixtures],
         };
         let (velocity, pressure) = (fluid.velocity, fluid.pressure);
@@ -207,7 +213,7 @@ impl<T: Collides> Solver<T> {
             self.wanted.lines.resize_with(lines, AtomicU8::default);
             self.wanted.drho = Field::zeros(lines * T::LINE);
         }
-        self.link_items = links::items(&self.bodies);
+        self.link_items = links::items(&self.bodies, self.gaps_press);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
@@ -225,6 +231,7 @@ impl<T: Collides> Solver<T> {
         self.exchange = Exchange::default();
         for item in &mut self.link_items {
             item.exchange = Exchange::default();
+            item.gaps.clear();
         }
         self.give_loads(loads);
         self.end_balance(false);
@@ -367,6 +374,7 @@ impl<T: Collides> Solver<T> {
             parity: self.parity,
             drho: &self.wanted.drho,
             keeps_mass: self.keeps_mass,
+            ground: self.gaps_press.then_some(self.surroundings.ground()),
         };
         let bodies = &self.bodies;
         self.team.for_each_with(&mut self.link_items, &mut self.batches, |batch, _, item| {

@@ -71,6 +71,11 @@ impl Surroundings {
         Self { ground, halfway: parameters.walls == Walls::Halfway, moving, laws, references }
     }
 
+    /// The static geometry.
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
     /// The parts that stand still: number of the fixture and index into the scene's parts.
     pub fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
         let first = usize::from(Fixture::FACES);

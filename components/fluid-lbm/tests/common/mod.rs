@@ -3,7 +3,7 @@
 #![allow(dead_code)]
 
 use tremie_fluid_lbm::{
-    Collision, FluidLbm, OpenFaces, Parameters, Precision, Refill, Variant, Walls,
+    Collision, FluidLbm, GapPressure, OpenFaces, Parameters, Precision, Refill, Variant, Walls,
 };
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
@@ -35,6 +35,7 @@ pub struct Case {
     pub open_faces: OpenFaces,
     pub walls: Walls,
     pub refill: Refill,
+    pub gap_pressure: GapPressure,
 }
 
 impl Case {
@@ -56,6 +57,7 @@ impl Case {
             open_faces: OpenFaces::Nee,
             walls: Walls::Bouzidi,
             refill: Refill::Eqneq,
+            gap_pressure: GapPressure::Nearest,
         }
     }
 
@@ -95,6 +97,7 @@ impl Case {
             open_faces: self.open_faces,
             walls: self.walls,
             refill: self.refill,
+            gap_pressure: self.gap_pressure,
             ..Parameters::with_cell(1.0)
         }
     }
