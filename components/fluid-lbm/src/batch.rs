@@ -5,6 +5,7 @@
 
 use crate::bodies::Body;
 use crate::field::Real;
+use crate::gaps::Gaps;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
 use crate::ledger::add_scaled;
 use crate::links::{After, CHUNK, Exchange};
@@ -74,6 +75,8 @@ pub struct Batch {
     used: usize,
     sums: [[f64; LANES]; 10],
     exchange: Exchange,
+    /// Gaps that the item found.
+    pub gaps: Gaps,
 }
 
 impl Default for Batch {
@@ -104,6 +107,7 @@ impl Default for Batch {
             used: 0,
             sums: [[0.0; LANES]; 10],
             exchange: Exchange::default(),
+            gaps: Gaps::with_room(),
         }
     }
 }
@@ -114,6 +118,7 @@ impl Batch {
         (self.links, self.used) = (0, 0);
         self.sums = [[0.0; LANES]; 10];
         self.exchange = Exchange::default();
+        self.gaps.clear();
     }
 
     /// What the item exchanged.
@@ -172,6 +177,9 @@ impl Batch {
     /// Reflects all links of the batch and empties it.
     pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
         self.locate(body);
+        if after.keeps_mass {
+            self.pay(body);
+        }
         self.ask(after);
         self.reflect(after);
         self.add_up(body);
@@ -223,6 +231,18 @@ impl Batch {
             self.behind[k] = !far;
             (ax[k], ay[k], az[k]) = (wall[0], wall[1], wall[2]);
             (ux[k], uy[k], uz[k]) = (u[0], u[1], u[2]);
+        }
+    }
+
+    /// Adds up by how much the wall recedes, and adds what the body pays to what its motion pushes;
+    /// see `mass`.
+    fn pay(&mut self, body: &Body) {
+        let s = &mut *self.columns;
+        for k in 0..self.links {
+            let along = s.c[0][k] * s.u[0][k] + s.c[1][k] * s.u[1][k] + s.c[2][k] * s.u[2][k];
+            self.exchange.receded += s.weight[k] * along;
+            self.exchange.weight += s.weight[k];
+            s.push[k] -= body.account.pay * s.weight[k];
         }
     }
 

@@ -71,6 +71,11 @@ impl Surroundings {
         Self { ground, halfway: parameters.walls == Walls::Halfway, moving, laws, references }
     }
 
+    /// The static geometry.
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
     /// The parts that stand still: number of the fixture, index into the scene's parts and the point
     /// about which torques count [m].
     pub fn parts(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> {

@@ -5,7 +5,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Precision, Variant};
+use tremie_fluid_lbm::{Precision, Refill, Variant};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Course, Face, Geometry, Motion};
 
@@ -21,6 +21,7 @@ fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> V
     let mut scene = case.scene();
     if rich {
         case.smagorinsky = 0.15;
+        case.refill = Refill::Mass;
         let course = Course::default();
         scene.domain.faces[0] = [
             Face::Pressure { pressure: 1e-3, course: course.clone() },
