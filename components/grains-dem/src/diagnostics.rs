@@ -6,7 +6,7 @@ use crate::{
     contact::{Contact, Memory},
     forces::{Scenery, touch_of_balls, touch_of_wall},
     law::{Law, Reduced},
-    pairs::{Pairs, TOUCHING},
+    pairs::{BLOCK, Pairs, TOUCHING},
     wall_contacts::WallContacts,
     walls::Wall,
 };
@@ -78,18 +78,18 @@ pub(crate) fn add_bodies(out: &mut Diagnostics, bodies: &Bodies, domain: &Domain
 /// Adds the springs between bodies.
 pub(crate) fn add_pairs(out: &mut Diagnostics, pairs: &Pairs, at: Scenery<'_>) {
     let bodies = at.bodies;
-    for i in 0..bodies.len() {
-        for k in pairs.row(i) {
+    for (b, own) in pairs.bounds.windows(2).enumerate() {
+        for k in own[0] as usize..own[1] as usize {
             if pairs.state[k] & TOUCHING == 0 {
                 continue;
             }
             let entry = pairs.entries[k];
-            let j = entry.other as usize;
+            let (i, j) = (entry.body(b * BLOCK), entry.other as usize);
             let (a, b) = (&bodies.balls[i], &bodies.balls[j]);
             let (of_i, of_j) = (&bodies.predicted[i], &bodies.predicted[j]);
-            let d = at.between(i, j, entry.image);
+            let d = at.between(i, j, entry.image());
             let contact = touch_of_balls(d, a.radius, b.radius, of_i, of_j);
-            let law = &at.laws[entry.law as usize];
+            let law = &at.laws[entry.law()];
             let memory = pairs.memory(k);
             out.elastic_energy +=
                 elastic_energy(law, pairs.reduced[k], &contact, &memory, at.steps.after);

@@ -4,14 +4,18 @@ use crate::{
     Vec3,
     bodies::{Ball, Bodies, Twist, Wrench},
     contact::{self, Contact, Steps},
+    fetch::fetch,
+    integrate::Wandered,
+    lanes::LANES,
     law::{Law, Reduced},
     linear::LinearLaw,
     lubrication::Squeeze,
-    pairs::{ACTING, BLOCK, Entry, Hit, Pairs, Record, Rolling, TOUCHING},
-    tally::{Deepest, Other, Tally},
+    pairs::{ACTING, BLOCK, Entry, Pairs, Record, Rolling, TOUCHING},
+    tally::{Other, Tally},
     wall_contacts::{WallContacts, WallEntry},
     walls::Wall,
 };
+use core::ops::Range;
 use tremie_team::{Cut, Team};
 
 /// The contact of two spheres with centres `d` apart. Its point lies half way between the two
@@ -88,9 +92,9 @@ impl Scenery<'_> {
 
     /// From centre to centre of a pair.
     #[inline(always)]
-    pub fn between(&self, i: usize, j: usize, image: u16) -> Vec3 {
+    pub fn between(&self, i: usize, j: usize, image: u32) -> Vec3 {
         let bodies = self.bodies;
-        let mut image = i32::from(image);
+        let mut image = image as i32;
         if self.crossed {
             image += bodies.crossed[j] - bodies.crossed[i];
         }
@@ -100,29 +104,32 @@ impl Scenery<'_> {
 }
 
 /// Evaluates the contacts between bodies; what they give stands in the records of `pairs`. Adds what
-/// each block saw to `tallies`.
+/// each block saw to `tallies`; `wandered` tells how far the bodies of each have gone since neighbours
+/// were listed.
 pub(crate) fn between_bodies(
     team: &mut Team,
     pairs: &mut Pairs,
     scenery: Scenery<'_>,
+    wandered: &Wandered,
     tallies: &mut [Tally],
 ) {
     let bounds = &pairs.bounds;
     let pieces = (
         Cut::at(&mut pairs.state, bounds),
-        Cut::at(&mut pairs.hits, bounds),
         Cut::at(&mut pairs.xi, bounds),
         Cut::at(&mut pairs.records, bounds),
         Cut::at(&mut pairs.rolling, &pairs.rolling_bounds),
         Cut::every(tallies, 1),
     );
-    let (start, entries, reduced) = (&pairs.start, &pairs.entries, &pairs.reduced);
-    team.for_pieces(pieces, |b, (state, hits, xi, records, rolling, tally)| {
+    let (entries, gaps, reduced) = (&pairs.entries, &pairs.gaps, &pairs.reduced);
+    team.for_pieces(pieces, |b, (state, xi, records, rolling, tally)| {
         let own = bounds[b] as usize..bounds[b + 1] as usize;
+        let limit = wandered.limit(b);
+        let near = gaps[own.clone()].partition_point(|&gap| f64::from(gap) <= limit);
         let mut block = Block {
             scenery: &scenery,
-            first: own.start,
-            entries: &entries[own.clone()],
+            first: b * BLOCK,
+            entries: &entries[own.clone()][..near],
             reduced: &reduced[own],
             state,
             xi,
@@ -130,19 +137,16 @@ pub(crate) fn between_bodies(
             rolling,
             tally: &mut tally[0],
         };
-        let found = block.find(b, start, hits);
-        match scenery.one_law {
-            Some(law) => block.side_by_side(law, &hits[..found]),
-            None => hits[..found].iter().for_each(|&hit| block.one_by_one(hit)),
-        }
+        block.evaluate();
     });
 }
 
 /// The contacts of a block of bodies.
 pub(crate) struct Block<'a> {
     pub scenery: &'a Scenery<'a>,
-    /// Index of the first entry in the whole list.
+    /// Index of the first body.
     first: usize,
+    /// The entries whose bodies may have met.
     entries: &'a [Entry],
     pub reduced: &'a [Reduced],
     pub state: &'a mut [u8],
@@ -152,47 +156,70 @@ pub(crate) struct Block<'a> {
     pub tally: &'a mut Tally,
 }
 
+/// So many entries are looked at before those that act are evaluated: few enough to stay close.
+const TOGETHER: usize = 256;
+
+/// So many entries ahead bodies are fetched.
+const AHEAD: usize = 16;
+
 impl Block<'_> {
+    fn evaluate(&mut self) {
+        let mut hits = [0; TOGETHER + LANES];
+        let mut waiting = 0;
+        for begin in (0..self.entries.len()).step_by(TOGETHER) {
+            let end = self.entries.len().min(begin + TOGETHER);
+            let found = waiting + self.find(begin..end, &mut hits[waiting..]);
+            let Some(law) = self.scenery.one_law else {
+                hits[..found].iter().for_each(|&k| self.one_by_one(k as usize));
+                continue;
+            };
+            // Whole batches at once; the rest waits for company.
+            let last = end == self.entries.len();
+            let whole = if last { found } else { found / LANES * LANES };
+            self.side_by_side(law, &hits[..whole]);
+            hits.copy_within(whole..found, 0);
+            waiting = found - whole;
+        }
+    }
+
     /// Writes to `hits` the entries whose bodies feel each other, and says how many they are; the
     /// others forget that they touched.
     #[inline(always)]
-    fn find(&mut self, b: usize, start: &[u32], hits: &mut [Hit]) -> usize {
+    fn find(&mut self, range: Range<usize>, hits: &mut [u32]) -> usize {
         let scenery = self.scenery;
         let (balls, gap) = (&scenery.bodies.balls, scenery.reach());
         let mut found = 0;
-        for i in b * BLOCK..balls.len().min((b + 1) * BLOCK) {
-            let radius = balls[i].radius;
-            let row = start[i] as usize - self.first..start[i + 1] as usize - self.first;
-            for (k, entry) in row.clone().zip(&self.entries[row]) {
-                let j = entry.other as usize;
-                let reach = radius + balls[j].radius + gap;
-                let touches = scenery.between(i, j, entry.image).norm_squared() < reach * reach;
-                // Without a branch: which pairs of a list touch cannot be foretold.
-                hits[found] = Hit { body: i as u32, entry: k as u32 };
-                found += usize::from(touches);
-                self.state[k] &= u8::from(touches).wrapping_neg();
+        for k in range {
+            if let Some(entry) = self.entries.get(k + AHEAD) {
+                fetch(balls, entry.other as usize);
             }
+            let (i, j, d) = self.pair(k);
+            let reach = balls[i].radius + balls[j].radius + gap;
+            let touches = d.norm_squared() < reach * reach;
+            // Without a branch: which pairs of a list touch cannot be foretold.
+            hits[found] = k as u32;
+            found += usize::from(touches);
+            self.state[k] &= u8::from(touches).wrapping_neg();
         }
         found
     }
 
-    /// Bodies of a hit, from centre to centre.
+    /// Bodies of an entry.
     #[inline(always)]
-    pub fn pair(&self, hit: Hit) -> (usize, usize, Vec3) {
-        let (i, entry) = (hit.body as usize, self.entries[hit.entry as usize]);
-        let j = entry.other as usize;
-        (i, j, self.scenery.between(i, j, entry.image))
+    pub fn bodies(&self, k: usize) -> (usize, usize) {
+        (self.entries[k].body(self.first), self.entries[k].other as usize)
     }
 
-    /// Index of the other body of a hit.
+    /// Bodies of an entry, from centre to centre.
     #[inline(always)]
-    pub fn other(&self, hit: Hit) -> u32 {
-        self.entries[hit.entry as usize].other
+    pub fn pair(&self, k: usize) -> (usize, usize, Vec3) {
+        let (i, j) = self.bodies(k);
+        (i, j, self.scenery.between(i, j, self.entries[k].image()))
     }
 
-    fn one_by_one(&mut self, hit: Hit) {
-        let (scenery, k) = (self.scenery, hit.entry as usize);
-        let (i, j, d) = self.pair(hit);
+    fn one_by_one(&mut self, k: usize) {
+        let scenery = self.scenery;
+        let (i, j, d) = self.pair(k);
         let (a, b) = (&scenery.bodies.balls[i], &scenery.bodies.balls[j]);
         let predicted = &scenery.bodies.predicted;
         let contact = touch_of_balls(d, a.radius, b.radius, &predicted[i], &predicted[j]);
@@ -213,7 +240,7 @@ impl Block<'_> {
             normal: record.normal,
             overlap: record.overlap,
         };
-        let law = &scenery.laws[self.entries[k].law as usize];
+        let law = &scenery.laws[self.entries[k].law()];
         let force = contact::force(law, pair, &contact, &mut memory, touching, scenery.steps);
         self.xi[k] = memory.xi;
         *record = Record {
@@ -225,12 +252,8 @@ impl Block<'_> {
         if let Some(rolling) = self.rolling.get_mut(k) {
             *rolling = Rolling { displacement: memory.rolling, torque: force.rolling };
         }
-        self.tally.add(Deepest {
-            overlap: contact.overlap,
-            radius: a.radius.min(b.radius),
-            body: i as u32,
-            other: Other::Body(j as u32),
-        });
+        let ratio = contact.overlap / a.radius.min(b.radius);
+        self.tally.add(ratio, i as u32, Other::Body(j as u32));
     }
 }
 
@@ -282,6 +305,5 @@ fn of_wall(
     let f = contact::force(law, entry.reduced, &contact, memory, touched, steps);
     wrench.force += f.tangential - n * f.normal;
     wrench.torque += n.cross(&f.tangential) * arm + f.rolling;
-    let other = Other::Wall(entry.wall);
-    tally.add(Deepest { overlap: contact.overlap, radius: ball.radius, body: i as u32, other });
+    tally.add(contact.overlap / ball.radius, i as u32, Other::Wall(entry.wall));
 }

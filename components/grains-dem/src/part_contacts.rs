@@ -11,7 +11,7 @@ use crate::{
     pairs::BLOCK,
     parts::PlacedPart,
     periodic::PeriodicBox,
-    tally::{Deepest, Other, Tally},
+    tally::{Other, Tally},
 };
 use tremie_team::{Cut, Team};
 
@@ -271,8 +271,7 @@ impl Place<'_> {
             let lever = home + n * arm - Vec3::from(part.pose.position);
             on_part.force -= force;
             on_part.torque -= lever.cross(&force) + f.rolling;
-            let other = Other::Part(entry.part);
-            tally.add(Deepest { overlap, radius: ball.radius, body: self.body as u32, other });
+            tally.add(overlap / ball.radius, self.body as u32, Other::Part(entry.part));
         }
     }
 }

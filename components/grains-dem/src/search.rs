@@ -5,7 +5,8 @@ use crate::{
     bodies::{Ball, Bodies},
     cells::Cells,
     laws::Laws,
-    pairs::{BLOCK, Nearness, Pairs, PairsMaker},
+    pairs::{BLOCK, Pairs},
+    pairs_maker::{Nearness, PairsMaker},
     part_contacts::PartContacts,
     parts::PlacedPart,
     periodic::PeriodicBox,
@@ -22,8 +23,8 @@ const LISTS_PER_ORDER: u64 = 16;
 pub(crate) struct Search {
     /// How far beyond feeling each other neighbours are listed [m].
     pub skin: f64,
-    /// That, and the gap at which bodies feel each other.
-    gap: f64,
+    /// Gap up to which bodies feel each other [m].
+    reach: f64,
     cells: Cells,
     /// Contacts between bodies.
     pub pairs: Pairs,
@@ -72,7 +73,7 @@ impl Search {
         let range = if bodies > 0 { largest + reach + skin } else { bounds.size.max() };
         Self {
             skin,
-            gap: reach + skin,
+            reach,
             cells: Cells::new(bounds, range, bodies),
             pairs: Pairs::default(),
             walls: WallContacts::default(),
@@ -106,17 +107,19 @@ impl Search {
         let near = Nearness {
             cells: &self.cells,
             shifts: &around.bounds.shifts,
-            gap: self.gap,
+            reach: self.reach,
+            skin: self.skin,
             laws: &around.laws,
             previous: &self.order,
         };
         self.maker.make(&mut self.pairs, team, bodies, &near);
         std::mem::swap(&mut self.walls, &mut self.spare_walls);
         let (before, laws) = (&self.spare_walls, &around.wall_laws);
-        self.walls.make(before, &self.order, bodies, &around.walls, laws, self.gap);
+        let gap = self.reach + self.skin;
+        self.walls.make(before, &self.order, bodies, &around.walls, laws, gap);
         std::mem::swap(&mut self.parts, &mut self.spare_parts);
         let (before, laws) = (&self.spare_parts, (&around.laws, &around.part_materials[..]));
-        let reach = (&around.bounds, self.gap);
+        let reach = (&around.bounds, gap);
         self.parts.make(before, &self.order, bodies, &around.parts, laws, reach);
         around.parts.iter_mut().for_each(|part| part.moved = 0.0);
         self.rebuilds += 1;

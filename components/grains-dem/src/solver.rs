@@ -7,7 +7,7 @@ use crate::{
     diagnostics,
     driven::Driven,
     forces::{self, Scenery},
-    integrate::{self, Forces, Reach},
+    integrate::{self, Forces, Reach, Wandered},
     laws::{self, Laws},
     linear::LinearLaw,
     lubrication::Squeeze,
@@ -51,6 +51,7 @@ pub struct GrainsDem {
     /// What each block of bodies saw at the last evaluation, and how far it went.
     tallies: Vec<Tally>,
     reaches: Vec<Reach>,
+    wandered: Wandered,
     tally: Tally,
     max_overlap_ratio: f64,
     deep_overlaps: u64,
@@ -132,6 +133,7 @@ impl GrainsDem {
             crossed: false,
             tallies: vec![Tally::default(); blocks],
             reaches: vec![Reach::default(); blocks],
+            wandered: Wandered::none(blocks),
             tally: Tally::default(),
             max_overlap_ratio: 0.0,
             deep_overlaps: 0,
@@ -283,6 +285,7 @@ impl GrainsDem {
         integrate::first_half(team, bodies, bounds, forces, step, &mut self.reaches);
         let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
         self.crossed |= reach.crossed;
+        self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
         let mut wrapped = false;
         for part in &mut self.around.parts {
@@ -311,24 +314,26 @@ impl GrainsDem {
             squeeze: self.squeeze,
         };
         let (team, search) = (&mut self.team, &mut self.search);
-        forces::between_bodies(team, &mut search.pairs, scenery, &mut self.tallies);
+        let (wandered, tallies) = (&self.wandered, &mut self.tallies[..]);
+        forces::between_bodies(team, &mut search.pairs, scenery, wandered, tallies);
         let walls = &self.around.walls;
         forces::of_walls(team, &mut search.walls, walls, scenery, &mut self.tallies);
         let parts = &mut self.around.parts;
         search.parts.evaluate(team, parts, scenery, &mut self.tallies);
         self.tally = Tally::sum(&self.tallies);
         self.deep_overlaps += self.tally.deep;
-        self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio());
+        self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);
     }
 
     fn rebuild_lists(&mut self) {
         self.search.rebuild(&mut self.team, &mut self.bodies, &mut self.around);
         self.crossed = false;
+        self.wandered.begin();
     }
 
     fn check_overlap(&self) -> Result<(), GrainsError> {
         let deepest = self.tally.deepest;
-        if deepest.ratio() <= TOO_DEEP {
+        if deepest.ratio <= TOO_DEEP {
             return Ok(());
         }
         let id = |slot: u32| u64::from(self.bodies.id[slot as usize]);
@@ -344,7 +349,7 @@ impl GrainsDem {
                 format!("body {high}")
             }
         };
-        Err(GrainsError::Overlap { id: body, other, percent: 100.0 * deepest.ratio() })
+        Err(GrainsError::Overlap { id: body, other, percent: 100.0 * deepest.ratio })
     }
 
     /// Every centre must lie inside the domain.
