@@ -185,7 +185,7 @@ fn spring_of_pair(pairs: &Pairs, at: &Scenery, i: usize, place: u32) -> Option<f
     }
     let (entry, bodies) = (pairs.entries[k], at.bodies);
     // Seen from the other side all vectors are the opposite, and the energy is the same.
-    let (i, j, d, memory) = if place % 2 == 0 {
+    let (i, j, d, memory) = if place.is_multiple_of(2) {
         let j = entry.other as usize;
         (i, j, at.between(i, j, entry.image()), pairs.memory(k))
     } else {

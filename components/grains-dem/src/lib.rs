@@ -51,6 +51,7 @@ mod part_contacts;
 mod parts;
 mod periodic;
 mod placement;
+mod probes;
 mod random;
 mod resolve;
 mod rows;
@@ -67,6 +68,7 @@ pub use diagnostics::Diagnostics;
 pub use error::GrainsError;
 pub use findings::findings;
 pub use parameters::{Lubrication, Parameters};
+pub use probes::probe_signals;
 pub use resolve::{PairDamping, Resolution};
 pub use solver::GrainsDem;
 

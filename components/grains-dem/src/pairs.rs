@@ -175,7 +175,7 @@ impl Pairs {
                 continue;
             }
             let entry = self.entries[k];
-            if place % 2 == 0 && entry.other == j {
+            if place.is_multiple_of(2) && entry.other == j {
                 return Some(self.memory(k));
             }
             if place % 2 == 1 && of_j.contains(&k) && entry.body(block * BLOCK) == j as usize {

@@ -16,6 +16,7 @@ use crate::{
     parts::{self, PlacedPart},
     periodic::PeriodicBox,
     placement,
+    probes::Probes,
     search::{Search, Surroundings},
     tally::{Other, Tally},
     walls,
@@ -56,6 +57,7 @@ pub struct GrainsDem {
     fluid_impulse: Vec3,
     load_sums: Vec<Result<Vec3, GrainsError>>,
     survey: Survey,
+    probes: Probes,
 }
 
 impl GrainsDem {
@@ -107,6 +109,8 @@ impl GrainsDem {
         let materials: Vec<u16> =
             scene.bodies.iter().map(|set| laws.material(&set.material)).collect();
         let one_law = if plain { laws.only(&materials) } else { None };
+        let mass = spheres.iter().map(|sphere| sphere.mass).collect();
+        let probes = Probes::new(&scene.probes, mass, &bodies);
         let blocks = spheres.len().div_ceil(BLOCK);
         let events = events::initial(spheres, &parts);
         let bodies_of_run = events.len();
@@ -142,6 +146,7 @@ impl GrainsDem {
             fluid_impulse: Vec3::zeros(),
             load_sums: Vec::with_capacity(bodies_of_run.div_ceil(BLOCK)),
             survey: Survey::default(),
+            probes,
         }
     }
 
@@ -230,6 +235,8 @@ impl GrainsDem {
             };
             integrate::second_half(&mut self.team, &mut self.bodies, forces, self.dt);
         }
+        let duration = f64::from(substeps) * self.dt;
+        self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
         Ok(())
     }
 
@@ -252,6 +259,12 @@ impl GrainsDem {
             fluid_impulse: self.fluid_impulse.into(),
             ..sums
         }
+    }
+
+    /// Appends the values of the scene's probes, in the order of [`probe_signals`](crate::probe_signals):
+    /// flows are means over the last [`advance`](Self::advance), all else is of its end.
+    pub fn read_probes(&mut self, out: &mut Vec<f64>) {
+        self.probes.read(&mut self.team, &self.bodies, &self.around.bounds, out);
     }
 
     fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
