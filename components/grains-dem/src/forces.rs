@@ -119,17 +119,21 @@ pub(crate) fn between_bodies(
         Cut::at(&mut pairs.xi, bounds),
         Cut::at(&mut pairs.records, bounds),
         Cut::at(&mut pairs.rolling, &pairs.rolling_bounds),
+        Cut::every(&mut pairs.near, 1),
         Cut::every(tallies, 1),
     );
     let (entries, gaps, reduced) = (&pairs.entries, &pairs.gaps, &pairs.reduced);
-    team.for_pieces(pieces, |b, (state, xi, records, rolling, tally)| {
+    team.for_pieces(pieces, |b, (state, xi, records, rolling, near, tally)| {
         let own = bounds[b] as usize..bounds[b + 1] as usize;
         let limit = wandered.limit(b);
-        let near = gaps[own.clone()].partition_point(|&gap| f64::from(gap) <= limit);
+        let may_have_met = |gap: &&f32| f64::from(**gap) <= limit;
+        // The limit only grows, so that the search goes on where it ended.
+        let rest = &gaps[own.clone()][near[0] as usize..];
+        near[0] += rest.iter().take_while(may_have_met).count() as u32;
         let mut block = Block {
             scenery: &scenery,
             first: b * BLOCK,
-            entries: &entries[own.clone()][..near],
+            entries: &entries[own.clone()][..near[0] as usize],
             reduced: &reduced[own],
             state,
             xi,
@@ -192,6 +196,7 @@ impl Block<'_> {
         for k in range {
             if let Some(entry) = self.entries.get(k + AHEAD) {
                 fetch(balls, entry.other as usize);
+                fetch(self.records, k + AHEAD);
             }
             let (i, j, d) = self.pair(k);
             let reach = balls[i].radius + balls[j].radius + gap;

@@ -122,6 +122,8 @@ pub(crate) struct Pairs {
     pub entries: Vec<Entry>,
     /// How far each pair was from feeling each other when the list was made [m]: ascending in a block.
     pub gaps: Vec<f32>,
+    /// How many entries of each block may have met since.
+    pub near: Vec<u32>,
     /// Mass and radius of each pair.
     pub reduced: Vec<Reduced>,
     /// Which act, and which touch.
@@ -146,6 +148,12 @@ impl Pairs {
         &self.places[self.collected[i] as usize..self.collected[i + 1] as usize]
     }
 
+    /// Index of the body whose contact entry k is.
+    pub fn body_of(&self, k: usize) -> usize {
+        let block = self.bounds.partition_point(|&bound| bound as usize <= k) - 1;
+        self.entries[k].body(block * BLOCK)
+    }
+
     /// What entry k remembers.
     #[inline(always)]
     pub fn memory(&self, k: usize) -> Memory {
@@ -167,7 +175,7 @@ impl Pairs {
                 continue;
             }
             let entry = self.entries[k];
-            if place % 2 == 0 && entry.other == j {
+            if place.is_multiple_of(2) && entry.other == j {
                 return Some(self.memory(k));
             }
             if place % 2 == 1 && of_j.contains(&k) && entry.body(block * BLOCK) == j as usize {
@@ -176,13 +184,4 @@ impl Pairs {
         }
         None
     }
-
-    /// Number of bytes that the list takes for each entry, with the places where bodies find it.
-    pub const BYTES: usize = size_of::<Entry>()
-        + size_of::<f32>()
-        + size_of::<Reduced>()
-        + size_of::<u8>()
-        + size_of::<Vec3>()
-        + size_of::<Record>()
-        + 2 * size_of::<u32>();
 }

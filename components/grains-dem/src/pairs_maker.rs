@@ -71,6 +71,8 @@ impl PairsMaker {
             end += block.entries.len() as u32;
             pairs.bounds.push(end);
         }
+        pairs.near.clear();
+        pairs.near.resize(self.blocks.len(), 0);
         pairs.rolling_bounds.clear();
         if at.laws.resist_rolling() {
             pairs.rolling_bounds.extend(&pairs.bounds);

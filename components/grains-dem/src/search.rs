@@ -4,13 +4,17 @@ use crate::{
     Parameters, Vec3,
     bodies::{Ball, Bodies},
     cells::Cells,
+    contact::Steps,
+    forces::Scenery,
     laws::Laws,
+    linear::LinearLaw,
+    lubrication::Squeeze,
     pairs::{BLOCK, Pairs},
     pairs_maker::{Nearness, PairsMaker},
-    part_contacts::PartContacts,
+    part_contacts::{self, PartContacts},
     parts::PlacedPart,
     periodic::PeriodicBox,
-    wall_contacts::WallContacts,
+    wall_contacts::{self, WallContacts},
     walls::{Wall, WallLaws},
 };
 use tremie_team::{Cut, Team};
@@ -37,6 +41,8 @@ pub(crate) struct Search {
     maker: PairsMaker,
     spare_walls: WallContacts,
     spare_parts: PartContacts,
+    found_walls: Vec<wall_contacts::Found>,
+    found_parts: Vec<part_contacts::Found>,
     order: Vec<u32>,
     keys: Vec<(u64, u32)>,
 }
@@ -55,6 +61,26 @@ pub(crate) struct Surroundings {
     pub parts: Vec<PlacedPart>,
     /// Numbers of their materials.
     pub part_materials: Vec<u16>,
+    /// The law of all contacts between bodies, where it is one and linear.
+    pub one_law: Option<LinearLaw>,
+    /// Lubrication, if there is any.
+    pub squeeze: Option<Squeeze>,
+}
+
+impl Surroundings {
+    /// What forces between bodies are made from; `crossed` tells whether any body crossed a periodic
+    /// face since neighbours were listed.
+    pub fn scenery<'a>(&'a self, bodies: &'a Bodies, crossed: bool, steps: Steps) -> Scenery<'a> {
+        Scenery {
+            laws: self.laws.laws(),
+            shifts: &self.bounds.shifts,
+            bodies,
+            crossed,
+            steps,
+            one_law: self.one_law,
+            squeeze: self.squeeze,
+        }
+    }
 }
 
 /// The contacts of all bodies.
@@ -82,6 +108,8 @@ impl Search {
             maker: PairsMaker::default(),
             spare_walls: WallContacts::default(),
             spare_parts: PartContacts::default(),
+            found_walls: Vec::new(),
+            found_parts: Vec::new(),
             order: Vec::with_capacity(bodies),
             keys: Vec::with_capacity(bodies),
         }
@@ -113,14 +141,21 @@ impl Search {
             previous: &self.order,
         };
         self.maker.make(&mut self.pairs, team, bodies, &near);
-        std::mem::swap(&mut self.walls, &mut self.spare_walls);
-        let (before, laws) = (&self.spare_walls, &around.wall_laws);
         let gap = self.reach + self.skin;
-        self.walls.make(before, &self.order, bodies, &around.walls, laws, gap);
+        std::mem::swap(&mut self.walls, &mut self.spare_walls);
+        let (walls, laws) = (&around.walls[..], &around.wall_laws);
+        let near = wall_contacts::Nearness { walls, laws, gap, previous: &self.order };
+        self.walls.make(&self.spare_walls, &mut self.found_walls, team, bodies, &near);
         std::mem::swap(&mut self.parts, &mut self.spare_parts);
-        let (before, laws) = (&self.spare_parts, (&around.laws, &around.part_materials[..]));
-        let reach = (&around.bounds, gap);
-        self.parts.make(before, &self.order, bodies, &around.parts, laws, reach);
+        let near = part_contacts::Nearness {
+            parts: &around.parts,
+            laws: &around.laws,
+            materials: &around.part_materials,
+            bounds: &around.bounds,
+            gap,
+            previous: &self.order,
+        };
+        self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
         around.parts.iter_mut().for_each(|part| part.moved = 0.0);
         self.rebuilds += 1;
     }
