@@ -137,6 +137,11 @@ impl Ground {
         )
     }
 
+    /// The centres of its cells.
+    pub fn centres(&self) -> Centres {
+        self.centres
+    }
+
     /// Where a blocked link meets which solid: `q`, and the solid that it meets first.
     pub fn meet(&self, at: [i32; 3], blocked: &Blocked) -> (Blocked, f64) {
         let (grid, i) = (&self.grid, usize::from(blocked.dir));
