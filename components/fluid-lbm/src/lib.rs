@@ -54,6 +54,7 @@ mod solids;
 mod solver;
 mod sphere;
 mod surroundings;
+mod survey;
 mod tally;
 mod units;
 mod voxels;
