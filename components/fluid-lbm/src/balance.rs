@@ -3,11 +3,12 @@
 use crate::bodies::Body;
 use crate::cells::Fixture;
 use crate::grid::{Grid, Side};
-use crate::kernel::{Collides, Survey};
+use crate::kernel::Collides;
 use crate::lattice::cross;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::Exchange;
 use crate::solver::{Solver, before};
+use crate::survey::Survey;
 use tremie_messages::Load;
 
 impl<T: Collides> Solver<T> {

@@ -12,7 +12,7 @@
 //! next to the covered cells where its links begin, counted once for each link that sees them; both
 //! bodies' cells in a gap between two. A closed gap that parts two chambers so has the mean of the two,
 //! weighted by the cells that see it. A gap that sees no fluid takes the mean over the body's others;
-//! one without these is at gauge pressure zero. A part that stands still feels the opposite of what the
+//! one without these is at gauge pressure zero. What stands in a mirror counts as another. A part that stands still feels the opposite of what the
 //! body feels; between two parts that stand still there are no gap links.
 //!
 //! The force is that of a fluid that is not simulated: the ledger lists it by itself, as `gaps`.
@@ -23,7 +23,7 @@ use crate::field::Real;
 use crate::grid::{Grid, Reach, Side};
 use crate::ground::Ground;
 use crate::kernel::Collides;
-use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross};
+use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, Item};
 use crate::owners::{BODY, FLUID, ISOLATED, SHARED, VACATED};
@@ -45,9 +45,16 @@ pub struct Across(u32);
 impl Across {
     const BODIES: u32 = 1 << 31;
     const FROZEN: Self = Self(1 << 30);
+    /// Of a body's image in a mirror.
+    const IMAGE: u32 = 1 << 29;
 
-    fn body(handle: u32) -> Self {
-        Self(Self::BODIES + handle)
+    fn body(handle: u32, is_image: bool) -> Self {
+        Self(Self::BODIES + handle + if is_image { Self::IMAGE } else { 0 })
+    }
+
+    /// How a body is seen from across the gap.
+    fn seen_back(self, handle: u32) -> Self {
+        Self::body(handle, self.0 & Self::IMAGE != 0)
     }
 
     fn fixture(Fixture(number): Fixture) -> Self {
@@ -61,7 +68,7 @@ impl Across {
 
     /// The handle of the body, if it is one.
     fn as_body(self) -> Option<u32> {
-        self.0.checked_sub(Self::BODIES)
+        self.0.checked_sub(Self::BODIES).map(|handle| handle & !Self::IMAGE)
     }
 }
 
@@ -110,13 +117,13 @@ impl Gaps {
 }
 
 impl<T: Real> After<'_, T> {
-    /// Finds the gap links between a body and the walls of the domain.
-    pub fn gaps_at_walls(&self, bodies: &Bodies, body: &Body, ground: &Ground, gaps: &mut Gaps) {
+    /// Finds the gap links between a body and the walls of the domain, and what is in mirrors.
+    pub fn gaps_at_faces(&self, bodies: &Bodies, body: &Body, ground: &Ground, gaps: &mut Gaps) {
         let grid = &self.layout.grid;
         for (axis, side) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
             let x = body.position[axis];
             let far = [x, f64::from(grid.n[axis]) - x][side] - body.radius > 1.0;
-            if grid.sides[axis][side] != Side::Wall || far {
+            if !matches!(grid.sides[axis][side], Side::Wall | Side::Symmetry) || far {
                 continue;
             }
             let ([b, c], layer) = ([(axis + 1) % 3, (axis + 2) % 3], [0, grid.n[axis] - 1][side]);
@@ -130,7 +137,12 @@ impl<T: Real> After<'_, T> {
                     }
                     for i in (1..Q).filter(|&i| C[i][axis] == outward) {
                         let beyond = std::array::from_fn(|a| at[a] + C[i][a]);
-                        if grid.reach(beyond) == (Reach::Face { axis, side }) {
+                        // At edges the face that the link meets, and of mirrors the first.
+                        let is_here = match grid.reach(beyond) {
+                            Reach::Face { axis: a, side: s } => (a, s) == (axis, side),
+                            Reach::Cell { mirrors, .. } => mirrors.trailing_zeros() == axis as u32,
+                        };
+                        if is_here {
                             self.gap(bodies, body, ground, beyond, OPPOSITE[i], gaps);
                         }
                     }
@@ -195,13 +207,12 @@ impl<T: Real> After<'_, T> {
         i: usize,
     ) -> Option<(Across, f64)> {
         let (grid, back) = (&self.layout.grid, OPPOSITE[i]);
-        let at_other = match grid.reach(at) {
+        let (at_other, mirrors) = match grid.reach(at) {
             Reach::Face { axis, side } => {
                 let is_wall = grid.sides[axis][side] == Side::Wall;
                 return is_wall.then_some((Across::fixture(Fixture::face(axis, side)), 0.5));
             }
-            Reach::Cell { at, mirrors: 0 } => at,
-            Reach::Cell { .. } => return None,
+            Reach::Cell { at, mirrors } => (at, mirrors),
         };
         let Some(other) = self.layout.cell(at_other) else {
             let none = Fixture::solid(ground.solids.len() as u16);
@@ -209,19 +220,31 @@ impl<T: Real> After<'_, T> {
             let (met, distance) = ground.meet(own, &link);
             return Some((Across::fixture(met.fixture), distance));
         };
-        let arm = std::array::from_fn(|a| f64::from(at[a] + C[i][a]) + 0.5 - body.position[a]);
+        // An image is met where the other is met from the covered cell's image.
+        let is_image = mirrors != 0;
+        let from: [i32; 3] = std::array::from_fn(|a| {
+            let k = at[a] + C[i][a];
+            match mirrors >> a & 1 {
+                0 => k,
+                _ if at[a] < k => -1 - k,
+                _ => 2 * grid.n[a] - 1 - k,
+            }
+        });
+        let arm = std::array::from_fn(|a| f64::from(from[a]) + 0.5 - body.position[a]);
         let of_body = |handle: u32| {
-            let both = self.owners.of(cell) == SHARED
+            let both = !is_image
+                && self.owners.of(cell) == SHARED
                 && self.owners.claimants(cell).any(|claimant| claimant == handle);
-            let other = bodies.with_handle(handle);
+            let (other, back) = (bodies.with_handle(handle), mirrored(back, mirrors));
             let distance = if both { 0.0 } else { self.distance(body, other, arm, back) };
-            (Across::body(handle), distance)
+            (Across::body(handle, is_image), distance)
         };
         match self.owners.of(other) {
             FLUID | VACATED => None,
             ISOLATED => Some((Across::FROZEN, 1.0)),
             SHARED => {
-                let all = self.owners.claimants(other).filter(|&handle| handle != body.handle);
+                let all = self.owners.claimants(other);
+                let all = all.filter(|&handle| is_image || handle != body.handle);
                 all.map(of_body).min_by(|a, b| a.1.total_cmp(&b.1))
             }
             owner => Some(of_body(owner - BODY)),
@@ -255,7 +278,7 @@ fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64
     let mut found = around(own, |to| to == across);
     if let Some(other) = across.as_body() {
         let other = items_of(items, bodies.place_of(other));
-        let back = Across::body(bodies.living[place].handle);
+        let back = across.seen_back(bodies.living[place].handle);
         let [drho, cells] = around(other, |to| to == back);
         found = [found[0] + drho, found[1] + cells];
     }

@@ -55,6 +55,7 @@ mod solids;
 mod solver;
 mod sphere;
 mod surroundings;
+mod survey;
 mod tally;
 mod units;
 mod voxels;

@@ -165,7 +165,7 @@ impl<T: Real> After<'_, T> {
         if let Some(ground) = self.ground {
             item.gaps.take(&batch.gaps);
             if item.layers.start == 0 {
-                self.gaps_at_walls(bodies, body, ground, &mut item.gaps);
+                self.gaps_at_faces(bodies, body, ground, &mut item.gaps);
             }
         }
     }

@@ -123,3 +123,23 @@ fn spheres_near_the_floor() {
         }
     }
 }
+
+/// A sphere and its image in a mirror have a gap between them, and so have two parts' images at an
+/// edge of two mirrors: nothing acts.
+#[test]
+fn bodies_near_mirrors() {
+    let mirrors = |scene: &mut Scene| {
+        scene.domain.faces[0][0] = Face::Symmetry;
+        scene.domain.faces[1][1] = Face::Symmetry;
+    };
+    for body in [
+        (added(1, 4.1), [4.3, 8.1, 8.2]),
+        (added(1, 4.1), [4.3, 11.8, 8.2]),
+        (added_part(1, 0), [3.3, 12.6, 8.0]),
+    ] {
+        let (with, ..) = pressed(Nearest, mirrors, &[body]);
+        let (without, ..) = pressed(Zero, mirrors, &[body]);
+        is_near(with[0].force, [0.0; 3]);
+        assert!(without[0].force[0] < -PRESSURE, "{:?}", without[0]);
+    }
+}

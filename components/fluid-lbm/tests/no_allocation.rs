@@ -37,8 +37,10 @@ fn a_step_allocates_nothing() {
     case.average_force = true;
     case.refill = Refill::Mass;
     let mut scene = case.scene();
-    scene.domain.faces[1] =
-        [Face::Symmetry, Face::Pressure { pressure: 0.0, course: Course::default() }];
+    scene.domain.faces[1] = [
+        Face::Symmetry,
+        Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: true },
+    ];
     scene.parts.push(part(
         "rod",
         Geometry::Cylinder { radius: 2.2, length: 30.0 },

@@ -24,8 +24,8 @@ fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> V
         case.refill = Refill::Mass;
         let course = Course::default();
         scene.domain.faces[0] = [
-            Face::Pressure { pressure: 1e-3, course: course.clone() },
-            Face::Pressure { pressure: 0.0, course },
+            Face::Pressure { pressure: 1e-3, course: course.clone(), absorbing: false },
+            Face::Pressure { pressure: 0.0, course, absorbing: true },
         ];
         scene.domain.faces[2] = [Face::Symmetry, Face::Symmetry];
         let rod = Geometry::Cylinder { radius: 3.1, length: 40.0 };
