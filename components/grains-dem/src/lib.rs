@@ -40,6 +40,7 @@ mod laws;
 mod linear;
 mod loads;
 mod lubrication;
+mod memory;
 mod mesh_contact;
 mod motion;
 mod overlaps;
