@@ -19,6 +19,8 @@
 mod bodies;
 mod cells;
 mod check;
+mod check_law;
+mod check_packing;
 mod check_sizes;
 mod collect;
 #[cfg(feature = "component")]
@@ -49,6 +51,7 @@ mod pairs;
 mod pairs_maker;
 mod parameters;
 mod part_contacts;
+mod part_finder;
 mod parts;
 mod periodic;
 mod placement;
@@ -60,8 +63,10 @@ mod search;
 mod side_by_side;
 mod solver;
 mod stability;
+mod surroundings;
 mod tally;
 mod wall_contacts;
+mod wall_forces;
 mod walls;
 
 pub use damping::{damping_ratio, restitution};
