@@ -63,8 +63,9 @@ impl Grains for SoftSpheres {
             bodies: resolution.bodies as u64,
             signals: signals(&setup.hello.scene, resolution.spheres),
             work: "grain steps".into(),
+            memory: resolution.memory,
             notes: notes(&resolution),
-            findings: findings(&setup.hello.scene, &resolution),
+            findings: findings(&setup.hello.scene, &parameters, &resolution),
             warnings: resolution.warnings.clone(),
             resolution: numbers(&resolution),
             ..Description::default()

@@ -4,10 +4,11 @@ use crate::{
     Vec3,
     bodies::Bodies,
     contact::{Contact, Memory},
-    forces::{Scenery, touch_of_balls, touch_of_wall},
+    forces::{Scenery, touch_of_balls},
     law::{Law, Reduced},
     pairs::{BLOCK, Pairs, TOUCHING},
     search::Contacts,
+    wall_forces::touch_of_wall,
     walls::Wall,
 };
 use serde::Serialize;

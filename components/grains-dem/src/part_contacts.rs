@@ -2,29 +2,28 @@
 
 use crate::{
     Vec3,
-    bodies::{Bodies, Mobility, Wrench},
+    bodies::{Bodies, Wrench},
     contact::{self, Contact, Memory},
     forces::Scenery,
     law::{Law, Reduced},
-    laws::Laws,
     mesh_contact::{self, MOST, SAME},
     pairs::BLOCK,
+    part_finder::{Found, Nearness},
     parts::PlacedPart,
-    periodic::PeriodicBox,
     tally::{Other, Tally},
 };
 use tremie_team::{Cut, Team};
 
 /// A body near a part.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
-    part: u32,
-    law: u16,
+pub(crate) struct Entry {
+    pub part: u32,
+    pub law: u16,
     /// Number of contacts at the last evaluation; as many memories count.
-    touching: u8,
+    pub touching: u8,
     /// Mass and radius: the body's.
-    reduced: Reduced,
-    memories: [Memory; MOST],
+    pub reduced: Reduced,
+    pub memories: [Memory; MOST],
 }
 
 /// Rows of entries, one for each body near a part, in the order of memory.
@@ -47,32 +46,6 @@ pub(crate) struct PartContacts {
     pub on_parts: Vec<Wrench>,
     /// The same block by block.
     loads: Vec<Wrench>,
-}
-
-/// What one block of bodies found.
-#[derive(Debug, Default)]
-pub(crate) struct Found {
-    bodies: Vec<u32>,
-    /// Number of entries at the end of each body's row.
-    ends: Vec<u32>,
-    entries: Vec<Entry>,
-    /// Number of triangles at the end of each entry.
-    near: Vec<u32>,
-    triangles: Vec<(u32, u32)>,
-    room: Vec<u32>,
-}
-
-/// What bodies may meet, as a list is made from it.
-pub(crate) struct Nearness<'a> {
-    pub parts: &'a [PlacedPart],
-    pub laws: &'a Laws,
-    /// Numbers of the parts' materials.
-    pub materials: &'a [u16],
-    pub bounds: &'a PeriodicBox,
-    /// How far beyond touching contacts are listed [m].
-    pub gap: f64,
-    /// Where in memory each body stood when the list before was made.
-    pub previous: &'a [u32],
 }
 
 impl PartContacts {
@@ -123,7 +96,7 @@ impl PartContacts {
     }
 
     /// What the contacts of a body, by its place in this list, with a part remember.
-    fn remembered(&self, body: u32, part: u32) -> Option<(u8, [Memory; MOST])> {
+    pub fn remembered(&self, body: u32, part: u32) -> Option<(u8, [Memory; MOST])> {
         let p = self.bodies.binary_search(&body).ok()?;
         let row = &self.entries[self.start[p] as usize..self.start[p + 1] as usize];
         row.iter().find(|entry| entry.part == part).map(|entry| (entry.touching, entry.memories))
@@ -186,56 +159,6 @@ impl PartContacts {
             }
         }
         energy
-    }
-}
-
-impl Found {
-    /// Finds the parts near the bodies of block `b`.
-    fn find(&mut self, b: usize, before: &PartContacts, bodies: &Bodies, at: &Nearness) {
-        self.bodies.clear();
-        self.ends.clear();
-        self.entries.clear();
-        self.near.clear();
-        self.triangles.clear();
-        for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
-            if !bodies.mobility[i].is_free() {
-                continue;
-            }
-            let known = self.entries.len();
-            for (part, placed) in at.parts.iter().enumerate() {
-                let found = self.triangles.len();
-                let ball = &bodies.balls[i];
-                self.look(placed, ball.x, ball.radius + at.gap, at.bounds);
-                if self.triangles.len() == found {
-                    continue;
-                }
-                let (touching, memories) =
-                    before.remembered(at.previous[i], part as u32).unwrap_or_default();
-                self.near.push(self.triangles.len() as u32);
-                self.entries.push(Entry {
-                    part: part as u32,
-                    law: at.laws.between(at.materials[part], bodies.material[i]),
-                    touching,
-                    reduced: Reduced {
-                        root_mass: bodies.mobility[i].root_reduced_mass(Mobility::NONE),
-                        radius: ball.radius,
-                    },
-                    memories,
-                });
-            }
-            if self.entries.len() > known {
-                self.bodies.push(i as u32);
-                self.ends.push(self.entries.len() as u32);
-            }
-        }
-    }
-
-    /// Adds the triangles of a part near a place, through all images.
-    fn look(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
-        for (image, shift) in bounds.numbered_images() {
-            part.triangles_near(part.to_part(x + shift), reach, &mut self.room);
-            self.triangles.extend(self.room.iter().map(|&triangle| (triangle, image)));
-        }
     }
 }
 

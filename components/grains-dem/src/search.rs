@@ -4,18 +4,13 @@ use crate::{
     Parameters, Vec3,
     bodies::{Ball, Bodies},
     cells::Cells,
-    contact::Steps,
-    forces::Scenery,
-    laws::Laws,
-    linear::LinearLaw,
-    lubrication::Squeeze,
     pairs::{BLOCK, Pairs},
     pairs_maker::{Nearness, PairsMaker},
-    part_contacts::{self, PartContacts},
-    parts::PlacedPart,
+    part_contacts::PartContacts,
+    part_finder,
     periodic::PeriodicBox,
+    surroundings::Surroundings,
     wall_contacts::{self, WallContacts},
-    walls::{Wall, WallLaws},
 };
 use tremie_team::{Cut, Team};
 
@@ -42,45 +37,9 @@ pub(crate) struct Search {
     spare_walls: WallContacts,
     spare_parts: PartContacts,
     found_walls: Vec<wall_contacts::Found>,
-    found_parts: Vec<part_contacts::Found>,
+    found_parts: Vec<part_finder::Found>,
     order: Vec<u32>,
     keys: Vec<(u64, u32)>,
-}
-
-/// What bodies may touch, and how.
-pub(crate) struct Surroundings {
-    /// The domain.
-    pub bounds: PeriodicBox,
-    /// Laws of materials.
-    pub laws: Laws,
-    /// The walls.
-    pub walls: Vec<Wall>,
-    /// Their laws.
-    pub wall_laws: WallLaws,
-    /// The parts.
-    pub parts: Vec<PlacedPart>,
-    /// Numbers of their materials.
-    pub part_materials: Vec<u16>,
-    /// The law of all contacts between bodies, where it is one and linear.
-    pub one_law: Option<LinearLaw>,
-    /// Lubrication, if there is any.
-    pub squeeze: Option<Squeeze>,
-}
-
-impl Surroundings {
-    /// What forces between bodies are made from; `crossed` tells whether any body crossed a periodic
-    /// face since neighbours were listed.
-    pub fn scenery<'a>(&'a self, bodies: &'a Bodies, crossed: bool, steps: Steps) -> Scenery<'a> {
-        Scenery {
-            laws: self.laws.laws(),
-            shifts: &self.bounds.shifts,
-            bodies,
-            crossed,
-            steps,
-            one_law: self.one_law,
-            squeeze: self.squeeze,
-        }
-    }
 }
 
 /// The contacts of all bodies.
@@ -147,7 +106,7 @@ impl Search {
         let near = wall_contacts::Nearness { walls, laws, gap, previous: &self.order };
         self.walls.make(&self.spare_walls, &mut self.found_walls, team, bodies, &near);
         std::mem::swap(&mut self.parts, &mut self.spare_parts);
-        let near = part_contacts::Nearness {
+        let near = part_finder::Nearness {
             parts: &around.parts,
             laws: &around.laws,
             materials: &around.part_materials,

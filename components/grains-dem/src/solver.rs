@@ -8,18 +8,15 @@ use crate::{
     driven::Driven,
     events, forces,
     integrate::{self, Forces, Reach, Wandered},
-    laws::{self, Laws},
-    loads,
-    lubrication::Squeeze,
-    overlaps,
+    loads, overlaps,
     pairs::BLOCK,
     parts::{self, PlacedPart},
-    periodic::PeriodicBox,
     placement,
     probes::Probes,
-    search::{Search, Surroundings},
-    tally::{Other, Tally},
-    walls,
+    search::Search,
+    surroundings::Surroundings,
+    tally::Tally,
+    wall_forces,
 };
 use tremie_messages::{
     Problem,
@@ -35,7 +32,6 @@ const TOO_DEEP: f64 = 0.5;
 pub struct GrainsDem {
     domain: Domain,
     around: Surroundings,
-    surface_names: Vec<String>,
     gravity: Vec3,
     dt: f64,
     bodies: Bodies,
@@ -95,42 +91,25 @@ impl GrainsDem {
         (spheres, parts): (&[PlacedSphere], Vec<PlacedPart>),
         team: Team,
     ) -> Self {
-        let bounds = PeriodicBox::new(&scene.domain);
-        let mut laws = Laws::of_scene(scene);
-        let wall_laws = walls::laws_of_scene(scene, &mut laws);
+        let around = Surroundings::of_scene(scene, parameters, parts);
+        let laws = &around.laws;
         let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
         for ball in &mut bodies.balls {
-            ball.x = bounds.wrap(ball.x);
+            ball.x = around.bounds.wrap(ball.x);
         }
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
-        let squeeze = Squeeze::of(scene, parameters);
-        // Where no wall resists rolling either there is no room for its history.
-        let plain = squeeze.is_none() && !laws.resist_rolling();
-        let materials: Vec<u16> =
-            scene.bodies.iter().map(|set| laws.material(&set.material)).collect();
-        let one_law = if plain { laws.only(&materials) } else { None };
         let mass = spheres.iter().map(|sphere| sphere.mass).collect();
         let probes = Probes::new(&scene.probes, mass, &bodies);
         let blocks = spheres.len().div_ceil(BLOCK);
-        let events = events::initial(spheres, &parts);
+        let events = events::initial(spheres, &around.parts);
         let bodies_of_run = events.len();
         Self {
             domain: scene.domain.clone(),
-            surface_names: laws::surfaces(scene).into_iter().map(|s| s.name).collect(),
             gravity: scene.gravity.into(),
             dt,
             events,
-            search: Search::new(bounds.clone(), largest, parameters, spheres.len()),
-            around: Surroundings {
-                bounds,
-                part_materials: scene.parts.iter().map(|p| laws.material(&p.material)).collect(),
-                laws,
-                walls: walls::of_scene(scene),
-                wall_laws,
-                parts,
-                one_law,
-                squeeze,
-            },
+            search: Search::new(around.bounds.clone(), largest, parameters, spheres.len()),
+            around,
             bodies,
             team,
             driven: Driven::of_scene(scene, spheres),
@@ -315,7 +294,7 @@ impl GrainsDem {
         let (wandered, tallies) = (&self.wandered, &mut self.tallies[..]);
         forces::between_bodies(team, &mut search.pairs, scenery, wandered, tallies);
         let walls = &self.around.walls;
-        forces::of_walls(team, &mut search.walls, walls, scenery, &mut self.tallies);
+        wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
         let parts = &self.around.parts;
         search.parts.evaluate(team, parts, scenery, &mut self.tallies);
         self.tally = Tally::sum(&self.tallies);
@@ -335,19 +314,9 @@ impl GrainsDem {
             return Ok(());
         }
         let id = |slot: u32| u64::from(self.bodies.id[slot as usize]);
-        let (mut body, other) = (id(deepest.body), deepest.other);
-        let other = match other {
-            Other::Wall(wall) => self.surface_names[wall as usize].clone(),
-            Other::Part(part) => {
-                self.surface_names[self.around.walls.len() + part as usize].clone()
-            }
-            Other::Body(other) => {
-                let (low, high) = (body.min(id(other)), body.max(id(other)));
-                body = low;
-                format!("body {high}")
-            }
-        };
-        Err(GrainsError::Overlap { id: body, other, percent: 100.0 * deepest.ratio })
+        let (id, other) = self.around.name(id(deepest.body), deepest.other, id);
+        let percent = 100.0 * deepest.ratio;
+        Err(GrainsError::Overlap { id, other, percent })
     }
 
     /// Every centre must lie inside the domain.
