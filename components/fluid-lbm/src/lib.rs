@@ -10,7 +10,8 @@
 //! (`kernel`), where the places of populations already see to walls, mirrors and periodic faces
 //! (`places`); populations that ran into bodies (`links`), curved or moving walls (`fixed`) are
 //! reflected; cells at open faces get what these prescribe (`open`). The momentum exchanged is the
-//! load on the bodies.
+//! load on the bodies, with the pressure in gaps that hold no cell (`gaps`); what bodies took from the
+//! mass beyond their volume can be paid back (`mass`).
 //!
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.
@@ -20,6 +21,7 @@ mod batch;
 mod bodies;
 mod cells;
 mod collision;
+mod columns;
 #[cfg(feature = "component")]
 pub mod component;
 mod compression;

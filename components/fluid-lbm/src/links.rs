@@ -28,6 +28,7 @@ use crate::field::{Field, Real};
 use crate::gaps::Gaps;
 use crate::grid::Side;
 use crate::ground::Ground;
+use crate::lanes::Variant;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
@@ -128,6 +129,8 @@ pub struct After<'a, T: Real> {
     pub parity: Parity,
     /// Densities of the lines near bodies.
     pub drho: &'a Field<T>,
+    /// Which vector instructions.
+    pub variant: Variant,
     /// Whether bodies keep accounts of mass.
     pub keeps_mass: bool,
     /// The static geometry, if gaps press.
@@ -184,10 +187,15 @@ impl<T: Real> After<'_, T> {
         // mirrored on the way along y and z.
         let mut starts = [(Span::NONE, 0_u8); Q];
         let (mut first, mut last) = (i32::MAX, i32::MIN);
+        let to_y = [-1, 0, 1].map(|d| self.fold(1, y + d));
+        let to_z = [-1, 0, 1].map(|d| self.fold(2, z + d));
+        let around = to_z.map(|(z, _)| to_y.map(|(y, _)| body.spans.at(y, z)));
+        if around.iter().flatten().all(|span| span.is_empty()) {
+            return;
+        }
         for i in 1..Q {
-            let (to_y, mirror_y) = self.fold(1, y + C[i][1]);
-            let (to_z, mirror_z) = self.fold(2, z + C[i][2]);
-            let ends = body.spans.at(to_y, to_z);
+            let [dy, dz] = [1, 2].map(|a| (C[i][a] + 1) as usize);
+            let (ends, mirror_y, mirror_z) = (around[dz][dy], to_y[dy].1, to_z[dz].1);
             if !ends.is_empty() {
                 let mut start = Span { first: ends.first - C[i][0], last: ends.last - C[i][0] };
                 if !grid.periodic[0] {

@@ -77,6 +77,7 @@ pub struct Solver<T: Collides> {
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub(crate) lift: [f64; 3],
     kernel: Kernel<T>,
+    variant: Variant,
     pub(crate) team: Team,
     /// Room for the links of a body, for each thread.
     batches: Vec<Batch>,
@@ -176,6 +177,7 @@ impl<T: Collides> Solver<T> {
                 acceleration[a] - scene.gravity[a] / units.acceleration()
             }),
             kernel: T::kernel(variant),
+            variant,
             batches: (0..team.threads()).map(|_| Batch::default()).collect(),
             team,
             blocks: blocks.collect(),
@@ -374,6 +376,7 @@ impl<T: Collides> Solver<T> {
             owners: &self.owners,
             parity: self.parity,
             drho: &self.wanted.drho,
+            variant: self.variant,
             keeps_mass: self.keeps_mass,
             ground: self.gaps_press.then_some(self.surroundings.ground()),
         };
