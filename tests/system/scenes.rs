@@ -22,8 +22,9 @@ fn a_valve_from_its_numbers_can_be_run() {
         let checked = tremie().arg("check").arg(&folder).arg("--json").output().unwrap();
         let text = String::from_utf8_lossy(&checked.stdout);
         assert!(checked.status.success(), "{text}");
-        let cells = text.split("cells of").next().and_then(|t| t.rsplit(' ').nth(1)).unwrap();
-        let cells: f64 = cells.parse().unwrap();
+        // "... fluid: 24735 cells of 63000 are fluid ..."
+        let before = text.split(" are fluid").next().unwrap();
+        let cells: f64 = before.rsplit(' ').nth(3).unwrap().parse().unwrap();
         // A cell of 0.6 mm holds eight of 0.3 mm.
         assert!((8.0 * cells / volume - 1.0).abs() < 0.02, "{closure}: {cells}");
     }

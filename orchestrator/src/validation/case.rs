@@ -82,9 +82,7 @@ pub struct Check {
     pub name: String,
     /// The number to take.
     pub value: Option<Measure>,
-    /// What is taken off it.
-    pub minus: Option<Measure>,
-    /// What the rest is divided by.
+    /// What it is divided by.
     pub over: Option<Measure>,
     /// The reference for it.
     pub expected: Option<f64>,

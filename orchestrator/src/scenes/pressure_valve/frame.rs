@@ -5,7 +5,8 @@
 //! surface closes without a cut.
 
 use super::dimensions::{Closure, Dimensions};
-use std::f64::consts::PI;
+use std::cmp::Ordering;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use tremie_geometry::{CYLINDER_SEGMENTS, GeometryError, Mesh, Vec3, mend};
 
 /// Sectors around.
@@ -147,11 +148,13 @@ fn direction(k: usize) -> [f64; 2] {
         let (sin, cos) = libm::sincos(2.0 * PI * k as f64 / N as f64);
         [cos, sin]
     };
-    let [c, s] = if rest <= N / 8 {
-        eighth(rest)
-    } else {
-        let [c, s] = eighth(N / 4 - rest);
-        [s, c]
+    let [c, s] = match rest.cmp(&(N / 8)) {
+        Ordering::Less => eighth(rest),
+        Ordering::Equal => [FRAC_1_SQRT_2; 2],
+        Ordering::Greater => {
+            let [c, s] = eighth(N / 4 - rest);
+            [s, c]
+        }
     };
     // Zero stays positive: equal corners have equal bits.
     [[c, s], [-s, c], [-c, -s], [s, -c]][quarter].map(|x| x + 0.0)
