@@ -1,0 +1,12 @@
+//! A rubber seal that is pressed on a seat: its force and its shapes over one number, the compression.
+
+//!
+//! The section of the seal is meshed ([`mesh`]), made a model of its material and of what holds it,
+//! and compressed frame by frame ([`solid`]).
+//!
+//! Directions: r is the distance from the seal's axis and z points along it, away from the seat. SI
+//! units throughout; forces are those all round.
+
+pub mod material;
+pub mod mesh;
+pub mod solid;
