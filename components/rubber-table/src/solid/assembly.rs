@@ -215,14 +215,13 @@ impl Model {
         held + state.contact_force
     }
 
-    /// Edges of the outline that touch the seat's surface.
+    /// Edges of the outline whose middles touch the seat's surface.
     pub fn touching(&self, state: &State) -> Vec<[usize; 2]> {
         let Some(contact) = &self.contact else { return Vec::new() };
-        let touches = |feeler: &&Feeler| contact.touch(feeler, self.place(feeler, state)).is_some();
-        let mut edges: Vec<[usize; 2]> =
-            contact.feelers.iter().filter(touches).map(|feeler| feeler.nodes).collect();
-        edges.dedup();
-        edges
+        let touches = |feeler: &&Feeler| {
+            feeler.is_middle() && contact.touch(feeler, self.place(feeler, state)).is_some()
+        };
+        contact.feelers.iter().filter(touches).map(|feeler| feeler.nodes).collect()
     }
 
     /// Smallest ratio of an element's volumes, after over before.
