@@ -51,7 +51,7 @@ fn the_ring_of_the_valve_becomes_a_table() {
     assert!((work / contents.energies[40] - 1.0).abs() < 1e-6, "{work} {}", contents.energies[40]);
 }
 
-/// The table's own test of the issue: written, read, the same; and drawn.
+/// What is read is what was made, bit for bit.
 #[test]
 fn a_table_is_written_read_and_drawn() {
     let table = table(&RING.replace("[18, 12]", "[6, 4]"));
@@ -152,6 +152,10 @@ fn values_that_make_no_sense_are_all_told_at_once() {
     ] {
         assert!(error.contains(part), "{part}\n{error}");
     }
+    let error = refused(&RING.replace("[18, 12]", "[400, 101]"));
+    assert!(error.contains("40400 quadrilaterals"), "{error}");
+    let error = refused(&(RING.replace("[18, 12]", "[200, 200]") + "frames = 400\n"));
+    assert!(error.contains("at most 250") && error.contains("ring.toml:14:"), "{error}");
     let error = refused(&RING.replace("0.6 mm", "3 mm"));
     assert!(error.contains("less than the section's height"), "{error}");
     let error = refused(&format!(

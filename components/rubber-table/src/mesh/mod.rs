@@ -106,11 +106,12 @@ impl Mesh {
     /// # Errors
     /// If that is no section.
     pub fn new(
-        nodes: Vec<Point>,
+        mut nodes: Vec<Point>,
         mut quads: Vec<[usize; 4]>,
         boundaries: BTreeMap<String, Vec<[usize; 2]>>,
     ) -> Result<Self, MeshError> {
         check_finite(&nodes)?;
+        snap_to_axis(&mut nodes);
         check_quads(&nodes, &mut quads)?;
         let outline = outline(&quads)?;
         let mut mesh = Self { nodes, quads, outline, boundaries };
@@ -212,6 +213,14 @@ fn check_finite(nodes: &[Point]) -> Result<(), MeshError> {
     }
 }
 
+/// What lies on the axis but for round-off lies on it.
+fn snap_to_axis(nodes: &mut [Point]) {
+    let outermost = nodes.iter().map(|point| point[0]).fold(0.0, f64::max);
+    for point in nodes.iter_mut().filter(|point| point[0].abs() < 1e-9 * outermost) {
+        point[0] = 0.0;
+    }
+}
+
 fn check_quads(nodes: &[Point], quads: &mut [[usize; 4]]) -> Result<(), MeshError> {
     if quads.is_empty() {
         return Err(MeshError::Empty);
@@ -281,6 +290,9 @@ mod tests {
         assert!(matches!(new(unit(), twice), MeshError::EdgeShared { .. }));
         let shifted = unit().into_iter().map(|[r, z]| [r - 0.5, z]).collect();
         assert!(matches!(new(shifted, vec![[0, 1, 2, 3]]), MeshError::BeyondAxis { node: 0, .. }));
+        let mut rounded = unit();
+        rounded[0][0] = -1e-16;
+        assert_eq!(Mesh::new(rounded, vec![[0, 1, 2, 3]], none()).unwrap().nodes()[0][0], 0.0);
         let mut nan = unit();
         nan[0][0] = f64::NAN;
         assert!(matches!(new(nan, vec![[0, 1, 2, 3]]), MeshError::NotFinite { node: 0, .. }));

@@ -81,7 +81,7 @@ impl Spec {
     /// Reads the specification at `path`. Files that it names are looked for beside it.
     ///
     /// # Errors
-    /// Every problem found, each with its line.
+    /// What keeps it from being read, or all values that make no sense; each with its line.
     pub fn read(path: &Path) -> Result<Self, SpecErrors> {
         match std::fs::read_to_string(path) {
             Ok(text) => Self::parse(path, text),
@@ -140,6 +140,7 @@ fn model(document: &Document, folder: &Path, material: NeoHookean) -> Result<Mod
         );
         return Err(Problem::new("table.compression", found));
     }
+    check_size(mesh.quads().len(), document.table.frames)?;
     let seat = seat_of(document)?;
     let carrier = document.carrier();
     let bonded = carrier.bonded.iter().map(|name| Hold::bonded(name));
@@ -147,6 +148,26 @@ fn model(document: &Document, folder: &Path, material: NeoHookean) -> Result<Mod
     let holds: Vec<Hold> = bonded.chain(sliding).collect();
     Model::new(mesh, Symmetry::Axisymmetric, material, &holds, Some(seat), document.seat.stiffness)
         .map_err(|error| Problem::new("carrier", error.to_string()))
+}
+
+/// Beyond these sizes memory runs out before anything is gained.
+fn check_size(quads: usize, frames: usize) -> Result<(), Problem> {
+    const MOST_QUADS: usize = 40_000;
+    const MOST_VALUES: usize = 10_000_000;
+    if quads > MOST_QUADS {
+        let found = format!("found {quads} quadrilaterals, expected at most {MOST_QUADS}");
+        return Err(
+            Problem::new("section", found).help("a few thousand are within 0.1 % for most seals")
+        );
+    }
+    if quads * frames > MOST_VALUES {
+        let found = format!(
+            "found {frames} frames of {quads} quadrilaterals, expected at most {}",
+            MOST_VALUES / quads
+        );
+        return Err(Problem::new("table.frames", found).help("or mesh the section less finely"));
+    }
+    Ok(())
 }
 
 fn mesh_of(section: &Section, folder: &Path) -> Result<Mesh, Problem> {
