@@ -1,6 +1,7 @@
 //! Newton's method for one increment of compression.
 
-use super::assembly::{HELD, Model, State};
+use super::assembly::{Model, State};
+use super::hold::HELD;
 
 /// Why an increment found no equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

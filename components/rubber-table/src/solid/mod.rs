@@ -5,8 +5,10 @@ mod compress;
 pub mod contact;
 pub mod element;
 mod equilibrium;
+mod hold;
 mod skyline;
 
-pub use assembly::{Axial, Hold, Model, ModelError, State};
+pub use assembly::{Model, State};
 pub use compress::{Compression, Frame, Stuck, compress};
 pub use equilibrium::Failure;
+pub use hold::{Axial, Hold, ModelError};
