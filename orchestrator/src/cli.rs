@@ -1,9 +1,10 @@
 //! The command line of `tremie`.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Injection, InjectionKind};
+use tremie_messages::units::Length;
 
 /// Co-simulation of slurries: fluid and grains as programs that share memory.
 #[derive(Debug, Parser)]
@@ -29,6 +30,8 @@ pub enum Command {
     Conform(ConformArgs),
     /// Run scenes whose result is known, and compare.
     Validate(ValidateArgs),
+    /// Build a scene from numbers: its parts as STL files, and a manifest to start from.
+    Scene(SceneArgs),
     /// Remove what killed runs left in shared memory.
     Clean,
     /// Print the JSON schema of the manifest, for editors.
@@ -131,6 +134,31 @@ pub struct ValidateArgs {
     /// Where to write the report on all cases
     #[arg(long, value_name = "FILE", default_value = "VALIDATION.md")]
     pub report: PathBuf,
+}
+
+/// Arguments of `tremie scene`.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// Which scene
+    pub name: SceneName,
+    /// Where to write it
+    pub folder: PathBuf,
+    /// Change a dimension, as bore_radius="4.75 mm"; dimensions.toml lists them
+    #[arg(long, value_name = "KEY=VALUE", value_parser = parse_set)]
+    pub set: Vec<(String, String)>,
+    /// Lift at which the valve is held [default: 3.08 mm]
+    #[arg(long, value_name = "LENGTH")]
+    pub lift: Option<Length>,
+    /// Edge of a cell [default: 0.3 mm]
+    #[arg(long, value_name = "LENGTH")]
+    pub cell: Option<Length>,
+}
+
+/// Scenes that are built from numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SceneName {
+    /// A spring-loaded valve with a rubber seal, beside a conduit
+    PressureValve,
 }
 
 /// Where a run is shown.

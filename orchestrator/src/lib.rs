@@ -4,7 +4,7 @@
 //! components ([`launch`]) and asks each what it is, in a [`round`]; [`plan`] assigns steps and [`schedule`] the order of
 //! work; [`doctor`] says which numbers are doubtful; [`mod@run`] hands out the assignments; [`drive`] lets the
 //! windows go by over [`control`], with [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
-//! [`validation`] makes runs whose results are known.
+//! [`validation`] makes runs whose results are known; [`scenes`] builds scenes from numbers.
 
 pub mod cli;
 pub mod commands;
@@ -22,6 +22,7 @@ pub mod plan;
 pub mod registry;
 pub mod round;
 pub mod run;
+pub mod scenes;
 pub mod schedule;
 pub mod stop;
 pub mod terminal;

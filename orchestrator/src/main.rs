@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::View(arguments) => commands::view(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),
+        Command::Scene(arguments) => commands::scene(&arguments),
         Command::Clean => commands::clean(),
         Command::Schema => commands::schema(),
         Command::Component { name } => commands::component(&name),

@@ -12,6 +12,7 @@ mod fields;
 mod observers;
 mod running;
 mod same_bits;
+mod scenes;
 mod starting;
 mod tremie;
 mod validation;

@@ -3,11 +3,12 @@
 use crate::bodies::Body;
 use crate::cells::Fixture;
 use crate::grid::{Grid, Side};
-use crate::kernel::{Collides, Survey};
+use crate::kernel::Collides;
 use crate::lattice::cross;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::Exchange;
 use crate::solver::{Solver, before};
+use crate::survey::Survey;
 use tremie_messages::Load;
 
 impl<T: Collides> Solver<T> {
@@ -22,6 +23,7 @@ impl<T: Collides> Solver<T> {
 
     /// Gives the bodies their loads, from what their links exchanged, and balances them.
     pub(crate) fn give_loads(&mut self, loads: &mut [Load]) {
+        self.press();
         let (force_unit, torque_unit) = (self.units.force(), self.units.force() * self.units.cell);
         let (balance, grid) = (&mut self.balance, &self.layout.grid);
         self.exchange = Exchange::default();
@@ -32,10 +34,14 @@ impl<T: Collides> Solver<T> {
                 exchange.join(&item.exchange);
             }
             self.exchange.join(&exchange);
-            let mirrors = mirrors_of(grid, body);
-            let mut given = with_image(mirrors, [exchange.force, exchange.torque]);
+            let mut own = [exchange.force, exchange.torque];
+            for k in 0..2 {
+                add_scaled(&mut own[k], body.pressed[k], 1.0);
+            }
+            let mut given = with_image(mirrors_of(grid, body), own);
+            add_scaled(&mut balance.gaps, body.pressed[0], 1.0);
             add_scaled(&mut balance.images, given[0], 1.0);
-            add_scaled(&mut balance.images, exchange.force, -1.0);
+            add_scaled(&mut balance.images, own[0], -1.0);
             add_scaled(&mut balance.images, exchange.image, 1.0);
             if self.average_force {
                 let half = given.map(|v| v.map(|x| 0.5 * x));
@@ -85,6 +91,9 @@ impl<T: Collides> Solver<T> {
             let image = self.exchange.image_swept;
             balance.swept = std::array::from_fn(|a| self.exchange.swept[a] - image[a]);
             balance.mass_bodies = self.exchange.mass;
+        }
+        for (fixture, pressed) in self.fixtures.iter_mut().zip(&self.pressed) {
+            fixture.join(pressed);
         }
         balance.mass = mass
             + (balance.mass_walls + balance.mass_parts + balance.mass_open + balance.mass_bodies);

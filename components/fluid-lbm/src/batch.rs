@@ -4,19 +4,20 @@
 //! first-level cache, three places of the field, and the density, which the collision left.
 
 use crate::bodies::Body;
+use crate::columns::{self, Eight, LANES, Sums, Surface};
 use crate::field::Real;
+use crate::gaps::Gaps;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
 use crate::ledger::add_scaled;
 use crate::links::{After, CHUNK, Exchange};
 
-/// Links of a full batch.
-const LINKS: usize = 512;
+/// Links of a full batch: their cache lines, some three each, must fit in the first-level cache together
+/// with what is known of them.
+const LINKS: usize = 320;
 /// Links of a chunk of cells at most.
 const MOST: usize = CHUNK as usize * (Q - 1);
 /// Cells of a batch: those of the chunks that it holds.
 const CELLS: usize = 1024;
-/// Sums run in so many lanes.
-const LANES: usize = 8;
 
 /// A link of a body.
 #[derive(Clone, Copy, Debug)]
@@ -35,75 +36,37 @@ pub struct Link {
     pub q: f64,
 }
 
-type Column = [f64; LINKS];
-
-/// What is known of each link, in columns.
-#[repr(align(64))]
-struct Columns {
-    arm: [Column; 3],
-    c: [Column; 3],
-    /// Squared length of `c`.
-    cc: Column,
-    /// Where the link meets the surface.
-    q: Column,
-    /// Weight of the direction, times 6.
-    weight: Column,
-    /// Factors of `g_i` and of the other population, and what the wall's motion adds for density 1.
-    own: Column,
-    other: Column,
-    push: Column,
-    /// Velocity of the wall.
-    u: [Column; 3],
-    /// `g_i + f_i'` and `f_i' - g_i`.
-    sum: Column,
-    gain: Column,
-}
-
 /// Links that wait to be reflected.
 pub struct Batch {
-    columns: Box<Columns>,
+    eights: Box<[Eight]>,
     dirs: [u8; LINKS],
     mirrors: [u8; LINKS],
     slots: [u16; LINKS],
-    /// Whether the other population is that of the cell behind.
-    behind: [bool; LINKS],
     /// Places of `g_i`, of the other population, and of the result.
     places: [[u32; 3]; LINKS],
     links: usize,
     cells: [u32; CELLS],
     used: usize,
-    sums: [[f64; LANES]; 10],
+    sums: Sums,
     exchange: Exchange,
+    /// Gaps that the item found.
+    pub gaps: Gaps,
 }
 
 impl Default for Batch {
     fn default() -> Self {
-        let zero = [0.0; LINKS];
-        let columns = Columns {
-            arm: [zero; 3],
-            c: [zero; 3],
-            cc: [1.0; LINKS],
-            q: zero,
-            weight: zero,
-            own: zero,
-            other: zero,
-            push: zero,
-            u: [zero; 3],
-            sum: zero,
-            gain: zero,
-        };
         Self {
-            columns: Box::new(columns),
+            eights: vec![Eight::NONE; LINKS / LANES].into(),
             dirs: [0; LINKS],
             mirrors: [0; LINKS],
             slots: [0; LINKS],
-            behind: [false; LINKS],
             places: [[0; 3]; LINKS],
             links: 0,
             cells: [0; CELLS],
             used: 0,
             sums: [[0.0; LANES]; 10],
             exchange: Exchange::default(),
+            gaps: Gaps::with_room(),
         }
     }
 }
@@ -114,6 +77,7 @@ impl Batch {
         (self.links, self.used) = (0, 0);
         self.sums = [[0.0; LANES]; 10];
         self.exchange = Exchange::default();
+        self.gaps.clear();
     }
 
     /// What the item exchanged.
@@ -155,14 +119,14 @@ impl Batch {
     #[inline(always)]
     pub fn push(&mut self, link: Link) {
         let (k, c) = (self.links, C_F64[link.seen as usize]);
-        let columns = &mut *self.columns;
+        let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
         for a in 0..3 {
-            columns.arm[a][k] = link.arm[a];
-            columns.c[a][k] = c[a];
+            eight.arm[a][lane] = link.arm[a];
+            eight.c[a][lane] = c[a];
         }
-        columns.q[k] = link.q;
-        columns.cc[k] = SQUARE[link.seen as usize];
-        columns.weight[k] = 6.0 * W[link.seen as usize];
+        eight.q[lane] = link.q;
+        eight.cc[lane] = SQUARE[link.seen as usize];
+        eight.weight[lane] = 6.0 * W[link.seen as usize];
         self.dirs[k] = link.dir;
         self.mirrors[k] = link.mirrors;
         self.slots[k] = link.slot;
@@ -171,58 +135,34 @@ impl Batch {
 
     /// Reflects all links of the batch and empties it.
     pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
-        self.locate(body);
+        let full = self.links.div_ceil(LANES);
+        let r2 = body.part.is_none().then(|| body.r2());
+        let surface = Surface { r2, velocity: body.velocity, spin: body.spin };
+        columns::locate(after.variant, &mut self.eights[..full], surface);
+        if after.keeps_mass {
+            self.pay(body);
+        }
         self.ask(after);
         self.reflect(after);
-        self.add_up(body);
+        for k in self.links..full * LANES {
+            let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
+            (eight.sum[lane], eight.gain[lane]) = (0.0, 0.0);
+        }
+        columns::add_up(after.variant, &self.eights[..full], &mut self.sums);
+        self.add_images();
         self.exchange.links += self.links;
         (self.links, self.used) = (0, 0);
     }
 
-    /// Where each link meets the sphere.
-    fn meet_sphere(&mut self, r2: f64) {
-        let s = &mut *self.columns;
-        let ([ax, ay, az], [cx, cy, cz]) = (&s.arm, &s.c);
+    /// Adds up by how much the wall recedes, and adds what the body pays to what its motion pushes;
+    /// see `mass`.
+    fn pay(&mut self, body: &Body) {
         for k in 0..self.links {
-            let d = [ax[k], ay[k], az[k]];
-            let c = [cx[k], cy[k], cz[k]];
-            // As `sphere::wall_distance`, in the same order of operations.
-            let b = d[0] * c[0] + d[1] * c[1] + d[2] * c[2];
-            let gap = (d[0] * d[0] + (d[1] * d[1] + d[2] * d[2])) - r2;
-            let root = (b * b - s.cc[k] * gap).max(0.0).sqrt();
-            s.q[k] = (gap / (root - b)).clamp(f64::MIN_POSITIVE, 1.0);
-        }
-    }
-
-    /// What follows from where each link meets the body.
-    fn locate(&mut self, body: &Body) {
-        if body.part.is_none() {
-            self.meet_sphere(body.r2());
-        }
-        let (v, w) = (body.velocity, body.spin);
-        let s = &mut *self.columns;
-        let [ax, ay, az] = &mut s.arm;
-        let [cx, cy, cz] = &s.c;
-        let [ux, uy, uz] = &mut s.u;
-        for k in 0..self.links {
-            let d = [ax[k], ay[k], az[k]];
-            let c = [cx[k], cy[k], cz[k]];
-            let q = s.q[k];
-            let wall = [d[0] + q * c[0], d[1] + q * c[1], d[2] + q * c[2]];
-            let u = [
-                v[0] + (w[1] * wall[2] - w[2] * wall[1]),
-                v[1] + (w[2] * wall[0] - w[0] * wall[2]),
-                v[2] + (w[0] * wall[1] - w[1] * wall[0]),
-            ];
-            let push = s.weight[k] * (c[0] * u[0] + c[1] * u[1] + c[2] * u[2]);
-            let part = 0.5 / q;
-            let far = q >= 0.5;
-            s.own[k] = if far { part } else { 2.0 * q };
-            s.other[k] = if far { 1.0 - part } else { 1.0 - 2.0 * q };
-            s.push[k] = if far { part * push } else { push };
-            self.behind[k] = !far;
-            (ax[k], ay[k], az[k]) = (wall[0], wall[1], wall[2]);
-            (ux[k], uy[k], uz[k]) = (u[0], u[1], u[2]);
+            let (s, l) = (&mut self.eights[k / LANES], k % LANES);
+            let along = s.c[0][l] * s.u[0][l] + s.c[1][l] * s.u[1][l] + s.c[2][l] * s.u[2][l];
+            self.exchange.receded += s.weight[l] * along;
+            self.exchange.weight += s.weight[l];
+            s.push[l] -= body.account.pay * s.weight[l];
         }
     }
 
@@ -232,7 +172,7 @@ impl Batch {
         for k in 0..self.links {
             let (cell, i) = (self.number(self.slots[k]), self.dirs[k] as usize);
             let of = |parity, i| after.layout.place(parity, cell, i);
-            let other = of(if self.behind[k] { next } else { parity }, i);
+            let other = of(if self.is_near(k) { next } else { parity }, i);
             let places = [of(parity, OPPOSITE[i]), other, of(next, OPPOSITE[i])];
             for place in places {
                 after.field.prefetch(place);
@@ -242,69 +182,44 @@ impl Batch {
         }
     }
 
+    /// Whether a link meets the body in its first half, so that the other population is that of the
+    /// cell behind.
+    #[inline(always)]
+    fn is_near(&self, k: usize) -> bool {
+        self.eights[k / LANES].q[k % LANES] < 0.5
+    }
+
     /// Reads, interpolates and writes populations.
     fn reflect<T: Real>(&mut self, after: &After<T>) {
-        let s = &mut *self.columns;
         for k in 0..self.links {
+            let near = self.is_near(k);
             let [own, other, result] = self.places[k].map(|place| place as usize);
             let cell = self.cells[self.slots[k] as usize];
+            let (s, l) = (&mut self.eights[k / LANES], k % LANES);
             let g = after.field.get(own);
-            let push = s.push[k] * (1.0 + after.drho.get(cell as usize));
-            let f = if !self.behind[k] || after.has_behind(cell, self.dirs[k] as usize) {
-                s.own[k] * g + s.other[k] * after.field.get(other) - push
+            let push = s.push[l] * (1.0 + after.drho.get(cell as usize));
+            let f = if !near || after.has_behind(cell, self.dirs[k] as usize) {
+                s.own[l] * g + s.other[l] * after.field.get(other) - push
             } else {
                 self.exchange.fallbacks += 1;
                 g - push
             };
             let f = after.field.set(result, f);
-            (s.sum[k], s.gain[k]) = (g + f, f - g);
+            (s.sum[l], s.gain[l]) = (g + f, f - g);
         }
     }
 
-    /// Adds up force, torque, and what goes to the fluid.
-    fn add_up(&mut self, _: &Body) {
-        let s = &mut *self.columns;
-        let full = self.links.next_multiple_of(LANES);
-        for k in self.links..full {
-            (s.sum[k], s.gain[k]) = (0.0, 0.0);
-        }
-        for first in (0..full).step_by(LANES) {
-            for lane in 0..LANES {
-                let k = first + lane;
-                let (sum, gain) = (s.sum[k], s.gain[k]);
-                let [wx, wy, wz] = [s.arm[0][k], s.arm[1][k], s.arm[2][k]];
-                let swept = [gain * s.u[0][k], gain * s.u[1][k], gain * s.u[2][k]];
-                let fx = sum * s.c[0][k] + swept[0];
-                let fy = sum * s.c[1][k] + swept[1];
-                let fz = sum * s.c[2][k] + swept[2];
-                let terms = [
-                    fx,
-                    fy,
-                    fz,
-                    wy * fz - wz * fy,
-                    wz * fx - wx * fz,
-                    wx * fy - wy * fx,
-                    swept[0],
-                    swept[1],
-                    swept[2],
-                    gain,
-                ];
-                for t in 0..10 {
-                    self.sums[t][lane] += terms[t];
-                }
-            }
-        }
+    /// Adds up what links through mirrors gave across them.
+    fn add_images(&mut self) {
         for k in (0..self.links).filter(|&k| self.mirrors[k] != 0) {
-            let swept: [f64; 3] = std::array::from_fn(|a| s.gain[k] * s.u[a][k]);
+            let (s, l) = (&self.eights[k / LANES], k % LANES);
+            let swept: [f64; 3] = std::array::from_fn(|a| s.gain[l] * s.u[a][l]);
             let across =
                 |v: f64, a: usize| if self.mirrors[k] >> a & 1 == 1 { 2.0 * v } else { 0.0 };
-            let force = std::array::from_fn(|a| across(s.sum[k] * s.c[a][k] + swept[a], a));
+            let force = std::array::from_fn(|a| across(s.sum[l] * s.c[a][l] + swept[a], a));
+            let swept = std::array::from_fn(|a| across(swept[a], a));
             add_scaled(&mut self.exchange.image, force, 1.0);
-            add_scaled(
-                &mut self.exchange.image_swept,
-                std::array::from_fn(|a| across(swept[a], a)),
-                1.0,
-            );
+            add_scaled(&mut self.exchange.image_swept, swept, 1.0);
         }
     }
 }

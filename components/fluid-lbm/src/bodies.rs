@@ -4,6 +4,7 @@ use crate::error::FluidError;
 use crate::grid::Grid;
 use crate::lattice::cross;
 use crate::layout::Layout;
+use crate::mass::Account;
 use crate::part_body::PartBody;
 use crate::sphere::Spans;
 use crate::units::Units;
@@ -41,6 +42,10 @@ pub struct Body {
     pub entered: Vec<u32>,
     /// Force and torque that averaging holds back.
     pub carried: [[f64; 3]; 2],
+    /// Force and torque of the pressure in gaps in the last step.
+    pub pressed: [[f64; 3]; 2],
+    /// What it owes the fluid.
+    pub account: Account,
 }
 
 impl Body {
@@ -63,6 +68,8 @@ impl Body {
             left: Vec::with_capacity(changes),
             entered: Vec::with_capacity(changes),
             carried: [[0.0; 3]; 2],
+            pressed: [[0.0; 3]; 2],
+            account: Account::default(),
         }
     }
 
@@ -100,6 +107,14 @@ impl Body {
         match &self.part {
             Some(part) => [part.origin()[0] - 1 + j, part.origin()[1] - 1 + k],
             None => self.spans.shell_row(j, k),
+        }
+    }
+
+    /// Whether it covers a cell, given as seen from it.
+    pub fn covers(&self, [x, y, z]: [i32; 3]) -> bool {
+        match &self.part {
+            None => self.spans.at(y, z).contains(x),
+            Some(part) => part.inside(y, z, x, x) != 0,
         }
     }
 
@@ -256,10 +271,22 @@ impl Bodies {
         Self { surfaces, ..Self::default() }
     }
 
+    /// Place among the living of the body with a handle.
+    #[inline]
+    pub fn place_of(&self, handle: u32) -> usize {
+        self.places[handle as usize] as usize
+    }
+
     /// The living body with a handle.
     #[inline]
     pub fn with_handle(&self, handle: u32) -> &Body {
-        &self.living[self.places[handle as usize] as usize]
+        &self.living[self.place_of(handle)]
+    }
+
+    /// The body with a handle, if it lives.
+    pub fn living_with_handle(&mut self, handle: u32) -> Option<&mut Body> {
+        let place = *self.places.get(handle as usize)? as usize;
+        self.living.get_mut(place).filter(|body| body.handle == handle)
     }
 
     /// The body with a handle, living or leaving.

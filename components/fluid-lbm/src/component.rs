@@ -37,7 +37,7 @@ const CUT: &str = "velocity";
 const LATTICE: &str = "lattice";
 
 /// Signals, in the order in which they are pushed.
-const SIGNALS: [(&str, &str); 22] = [
+const SIGNALS: [(&str, &str); 23] = [
     ("max_speed", "m/s"),
     ("max_mach", "1"),
     ("min_pressure", "Pa"),
@@ -60,6 +60,7 @@ const SIGNALS: [(&str, &str); 22] = [
     ("body_impulse_z", "kg m/s"),
     ("max_relaxation_time", "1"),
     ("backflow_cells", "1"),
+    ("mass_owed", "kg"),
 ];
 
 /// Signals of each part that stands still, named `part.value`.
@@ -214,7 +215,7 @@ impl Fluid for LatticeFluid {
         values.push(largest_gap(ledger));
         values.extend(ledger.walls);
         values.extend(ledger.bodies);
-        values.extend([diagnostics.max_tau, diagnostics.entering as f64]);
+        values.extend([diagnostics.max_tau, diagnostics.entering as f64, ledger.mass_owed]);
         self.fluid.loads_on_parts(&mut self.on_parts);
         for load in &self.on_parts {
             values.extend(load.force);

@@ -38,7 +38,9 @@ impl Law {
                 profile: open.profile,
                 course: open.course.clone(),
             }),
-            Face::Pressure { pressure, course } => Some(Self::density(*pressure, course, units)),
+            Face::Pressure { pressure, course, .. } => {
+                Some(Self::density(*pressure, course, units))
+            }
         }
     }
 

@@ -1,8 +1,10 @@
 //! Numbers of the lattice, judged before the run.
 
+use crate::compression;
 use crate::lattice::CS2;
+use crate::narrow::Narrow;
 use crate::parameters::{Parameters, Precision};
-use crate::resolution::Resolution;
+use crate::resolution::{Mended, Resolution};
 use core::f64::consts::PI;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
@@ -14,6 +16,12 @@ use tremie_messages::scene::{
 const RESOLVED: f64 = 8.0;
 /// Cells across a sphere below which it may cover no cell at all.
 const UNSEEN: f64 = 2.0;
+/// Cells across a gap from which the flow through it is trusted.
+const WIDE: f64 = 4.0;
+/// Cells across a gap below which it may hold no cell.
+const SHUT: f64 = 1.0;
+/// Part of a surface's triangles whose mending a user should look at.
+const MENDED: f64 = 0.05;
 /// Relaxation time below which rounding and waves are damped too little to be safe.
 const LOW_TAU: f64 = 0.505;
 /// Relaxation time above which the flow lags behind changes.
@@ -31,7 +39,11 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     let mut findings = vec![lattice.relaxation_time(), lattice.speed()];
     findings.extend(lattice.mach());
     findings.extend(resolution.cells_per_smallest_sphere.map(|cells| lattice.sphere(cells)));
+    findings.extend(resolution.narrowest_gap.as_ref().map(|gap| lattice.gap(gap)));
+    findings.extend(resolution.narrowest_gap_of_bodies.as_ref().map(|gap| lattice.film(gap)));
+    findings.extend(resolution.mended.iter().map(mended));
     findings.extend(lattice.pressure_noise());
+    findings.extend(lattice.compression());
     findings.extend(lattice.softness());
     findings
 }
@@ -125,6 +137,44 @@ impl Lattice<'_> {
             )
     }
 
+    fn gap(&self, gap: &Narrow) -> Finding {
+        let remedy = format!(
+            "a cell of {} m makes it {WIDE}; or close it in the geometry, if nothing should flow there",
+            short(gap.cells * self.resolution.cell / WIDE)
+        );
+        Finding::new("cells across the narrowest gap", gap.cells, "1")
+            .because(place_of(gap))
+            .doubtful_if(
+                gap.cells < SHUT,
+                format!(
+                    "{}; below {SHUT} it may hold no cell: nothing flows there, and gap_pressure says what presses",
+                    place_of(gap)
+                ),
+                &remedy,
+            )
+            .doubtful_if(
+                gap.cells < WIDE,
+                format!("{}; the flow through it is trusted from {WIDE} on", place_of(gap)),
+                remedy,
+            )
+    }
+
+    fn film(&self, gap: &Narrow) -> Finding {
+        Finding::new("cells across the narrowest gap of a body", gap.cells, "1")
+            .because(format!("at the start, {}", place_of(gap)))
+            .doubtful_if(
+                gap.cells < SHUT,
+                format!(
+                    "at the start, {}; below {SHUT} no cell resolves the film between",
+                    place_of(gap)
+                ),
+                format!(
+                    "a cell of {} m makes it {SHUT}; or give the contact lubrication",
+                    short(gap.cells * self.resolution.cell / SHUT)
+                ),
+            )
+    }
+
     /// Rounding of the pressure: populations hold deviations from rest, of the order of speed and
     /// pressure, so their rounding is a part of that.
     fn pressure_noise(&self) -> Option<Finding> {
@@ -148,6 +198,11 @@ impl Lattice<'_> {
             ),
             "precision = \"f64\", or a longer time step",
         ))
+    }
+
+    fn compression(&self) -> Option<Finding> {
+        let step = self.resolution.time_step;
+        compression::finding(self.expected_pressure(), self.stiffness(), step, self.fluid.density)
     }
 
     /// The largest pressure that the scene gives [Pa].
@@ -200,6 +255,24 @@ impl Lattice<'_> {
             remedy,
         ))
     }
+}
+
+/// Where a gap is.
+fn place_of(gap: &Narrow) -> String {
+    let [x, y, z] = gap.place.map(short);
+    let [one, other] = &gap.between;
+    format!("between {one} and {other} at ({x}, {y}, {z}) m")
+}
+
+/// What mending did to the surface of a part.
+fn mended(mended: &Mended) -> Finding {
+    let Mended { part, changes, triangles, what } = mended;
+    let all = format!("of {triangles} triangles: {what}");
+    Finding::new(format!("repairs of {part}"), *changes as f64, "1").because(&all).doubtful_if(
+        *changes as f64 > MENDED * *triangles as f64,
+        format!("{all}; so much is rarely an accident of the export"),
+        "look at the part in the viewer, or export it again as one closed solid",
+    )
 }
 
 /// Volume of the spheres of a set [m³].

@@ -141,8 +141,14 @@ impl Grid {
     /// [cells].
     #[inline]
     pub fn arm(&self, point: [f64; 3], at: [i32; 3]) -> [f64; 3] {
+        self.shortest(point, at.map(|k| f64::from(k) + 0.5))
+    }
+
+    /// Vector between two points, through periodic faces where that is shorter [cells].
+    #[inline]
+    pub fn shortest(&self, from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| {
-            let d = f64::from(at[a]) + 0.5 - point[a];
+            let d = to[a] - from[a];
             if self.periodic[a] {
                 let n = f64::from(self.n[a]);
                 d - n * (d / n).round()

@@ -137,21 +137,26 @@ impl Ground {
         )
     }
 
+    /// The centres of its cells.
+    pub fn centres(&self) -> Centres {
+        self.centres
+    }
+
     /// Where a blocked link meets which solid: `q`, and the solid that it meets first.
     pub fn meet(&self, at: [i32; 3], blocked: &Blocked) -> (Blocked, f64) {
         let (grid, i) = (&self.grid, usize::from(blocked.dir));
         let to = std::array::from_fn(|a| at[a] + C[i][a]);
-        let mut ways = vec![(at, to)];
+        let (mut ways, mut count) = ([(at, to); 2], 1);
         if let Reach::Cell { at: end, mirrors } = grid.reach(to)
             && end != to
         {
             // As seen beyond the periodic face or in the mirror.
             let c = C[mirrored(i, mirrors)];
-            ways.push((std::array::from_fn(|a| end[a] - c[a]), end));
+            (ways[1], count) = ((std::array::from_fn(|a| end[a] - c[a]), end), 2);
         }
         let mut first = (*blocked, f64::INFINITY);
         for (number, solid) in self.solids.iter().enumerate() {
-            for &(from, to) in &ways {
+            for &(from, to) in &ways[..count] {
                 if let Some(q) = solid.crossing(&self.centres, from, to)
                     && q < first.1
                 {

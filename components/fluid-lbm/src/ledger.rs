@@ -43,10 +43,12 @@ pub struct Ledger {
     /// Impulse given out to the bodies as loads, but for buoyancy.
     pub delivered: [f64; 3],
     /// Impulse that averaging holds back for the next step, at the end of this one:
-    /// `images - bodies = delivered + carried - (carried one step before) + dropped`.
+    /// `images + gaps - bodies = delivered + carried - (carried one step before) + dropped`.
     pub carried: [f64; 3],
     /// Impulse that the fluid behind symmetry planes, which is not simulated, gives to bodies.
     pub images: [f64; 3],
+    /// Impulse that bodies get from gaps too narrow to hold a cell; the fluid does not lose it.
+    pub gaps: [f64; 3],
     /// Impulse that was held back for bodies that were removed.
     pub dropped: [f64; 3],
     /// Impulse of buoyancy and of the mean pressure gradient in the loads given out; the lattice
@@ -71,6 +73,9 @@ pub struct Ledger {
     pub mass_uncovered: f64,
     /// Lost with isolated cells.
     pub mass_isolated: f64,
+    /// What moving bodies took beyond their volume and have not paid back, at the end of the step,
+    /// with `refill = "mass"`; part of no sum here.
+    pub mass_owed: f64,
 }
 
 impl Ledger {
@@ -120,6 +125,7 @@ impl Ledger {
             delivered: v(self.delivered),
             carried: v(self.carried),
             images: v(self.images),
+            gaps: v(self.gaps),
             dropped: v(self.dropped),
             buoyancy: v(self.buoyancy),
             mass: self.mass * mass,
@@ -131,6 +137,7 @@ impl Ledger {
             mass_covered: self.mass_covered * mass,
             mass_uncovered: self.mass_uncovered * mass,
             mass_isolated: self.mass_isolated * mass,
+            mass_owed: self.mass_owed * mass,
         }
     }
 }

@@ -10,7 +10,8 @@
 //! (`kernel`), where the places of populations already see to walls, mirrors and periodic faces
 //! (`places`); populations that ran into bodies (`links`), curved or moving walls (`fixed`) are
 //! reflected; cells at open faces get what these prescribe (`open`). The momentum exchanged is the
-//! load on the bodies.
+//! load on the bodies, with the pressure in gaps that hold no cell (`gaps`); what bodies took from the
+//! mass beyond their volume can be paid back (`mass`).
 //!
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.
@@ -20,14 +21,17 @@ mod batch;
 mod bodies;
 mod cells;
 mod collision;
+mod columns;
 #[cfg(feature = "component")]
 pub mod component;
+mod compression;
 mod course;
 mod error;
 mod field;
 mod findings;
 mod fixed;
 mod fluid;
+mod gaps;
 mod grid;
 mod ground;
 mod kernel;
@@ -37,6 +41,8 @@ mod layout;
 mod leak;
 mod ledger;
 mod links;
+mod mass;
+mod narrow;
 mod observe;
 mod open;
 mod owners;
@@ -51,6 +57,7 @@ mod solids;
 mod solver;
 mod sphere;
 mod surroundings;
+mod survey;
 mod tally;
 mod units;
 mod voxels;
@@ -60,7 +67,8 @@ pub use findings::findings;
 pub use fluid::FluidLbm;
 pub use lanes::Variant;
 pub use ledger::Ledger;
+pub use narrow::Narrow;
 pub use observe::{Diagnostics, SliceNode};
-pub use parameters::{Collision, OpenFaces, Parameters, Precision, Walls};
+pub use parameters::{Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls};
 pub use probes::probe_signals;
-pub use resolution::Resolution;
+pub use resolution::{Mended, Resolution};

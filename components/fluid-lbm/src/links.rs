@@ -25,7 +25,10 @@
 use crate::batch::{Batch, Link};
 use crate::bodies::{Bodies, Body};
 use crate::field::{Field, Real};
+use crate::gaps::Gaps;
 use crate::grid::Side;
+use crate::ground::Ground;
+use crate::lanes::Variant;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
@@ -49,6 +52,8 @@ pub struct Item {
     layers: std::ops::Range<i32>,
     /// The exchange.
     pub exchange: Exchange,
+    /// Gaps that they found.
+    pub gaps: Gaps,
 }
 
 /// What links exchanged in a step.
@@ -67,6 +72,11 @@ pub struct Exchange {
     pub image_swept: [f64; 3],
     /// Mass that went to the fluid.
     pub mass: f64,
+    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; where
+    /// bodies keep accounts of mass.
+    pub receded: f64,
+    /// See `receded`.
+    pub weight: f64,
     /// Number of links.
     pub links: usize,
     /// Those without a second fluid cell where it was needed.
@@ -82,13 +92,15 @@ impl Exchange {
         add_scaled(&mut self.image, other.image, 1.0);
         add_scaled(&mut self.image_swept, other.image_swept, 1.0);
         self.mass += other.mass;
+        self.receded += other.receded;
+        self.weight += other.weight;
         self.links += other.links;
         self.fallbacks += other.fallbacks;
     }
 }
 
 /// The items of all bodies.
-pub fn items(bodies: &Bodies) -> Vec<Item> {
+pub fn items(bodies: &Bodies, gaps_press: bool) -> Vec<Item> {
     let mut items = Vec::new();
     for (place, body) in bodies.living.iter().enumerate() {
         let side = body.shell_side();
@@ -97,7 +109,8 @@ pub fn items(bodies: &Bodies) -> Vec<Item> {
         while first < side {
             let layers = first..(first + layers).min(side);
             first = layers.end;
-            items.push(Item { body: place, layers, exchange: Exchange::default() });
+            let gaps = if gaps_press { Gaps::with_room() } else { Gaps::default() };
+            items.push(Item { body: place, layers, exchange: Exchange::default(), gaps });
         }
     }
     items
@@ -116,6 +129,12 @@ pub struct After<'a, T: Real> {
     pub parity: Parity,
     /// Densities of the lines near bodies.
     pub drho: &'a Field<T>,
+    /// Which vector instructions.
+    pub variant: Variant,
+    /// Whether bodies keep accounts of mass.
+    pub keeps_mass: bool,
+    /// The static geometry, if gaps press.
+    pub ground: Option<&'a Ground>,
 }
 
 impl<T: Real> After<'_, T> {
@@ -146,6 +165,12 @@ impl<T: Real> After<'_, T> {
         }
         batch.flush(self, body);
         item.exchange = batch.exchange();
+        if let Some(ground) = self.ground {
+            item.gaps.take(&batch.gaps);
+            if item.layers.start == 0 {
+                self.gaps_at_faces(bodies, body, ground, &mut item.gaps);
+            }
+        }
     }
 
     /// Finds the links that begin in a row `(y, z)`, given as seen from the body.
@@ -162,10 +187,15 @@ impl<T: Real> After<'_, T> {
         // mirrored on the way along y and z.
         let mut starts = [(Span::NONE, 0_u8); Q];
         let (mut first, mut last) = (i32::MAX, i32::MIN);
+        let to_y = [-1, 0, 1].map(|d| self.fold(1, y + d));
+        let to_z = [-1, 0, 1].map(|d| self.fold(2, z + d));
+        let around = to_z.map(|(z, _)| to_y.map(|(y, _)| body.spans.at(y, z)));
+        if around.iter().flatten().all(|span| span.is_empty()) {
+            return;
+        }
         for i in 1..Q {
-            let (to_y, mirror_y) = self.fold(1, y + C[i][1]);
-            let (to_z, mirror_z) = self.fold(2, z + C[i][2]);
-            let ends = body.spans.at(to_y, to_z);
+            let [dy, dz] = [1, 2].map(|a| (C[i][a] + 1) as usize);
+            let (ends, mirror_y, mirror_z) = (around[dz][dy], to_y[dy].1, to_z[dz].1);
             if !ends.is_empty() {
                 let mut start = Span { first: ends.first - C[i][0], last: ends.last - C[i][0] };
                 if !grid.periodic[0] {
@@ -298,9 +328,44 @@ impl<T: Real> After<'_, T> {
                 }
             }
         }
+        if let Some(ground) = self.ground {
+            let range = u32::MAX >> (31 - (last - first));
+            let own = row.body.part.as_ref();
+            let own = own.map_or(0, |part| part.inside(row.y, row.z, first, last));
+            let solid = range & !fluid & !own;
+            if solid != 0 {
+                self.gaps_in(row, ground, first, solid, inside, batch);
+            }
+        }
         while used != 0 {
             self.layout.places.prefetch(batch.number(slots[used.trailing_zeros() as usize]));
             used &= used - 1;
+        }
+    }
+
+    /// Finds the gap links that begin in the cells of a row from `first` on whose bits are set in
+    /// `solid`; see `gaps`.
+    fn gaps_in(
+        &self,
+        row: &Row,
+        ground: &Ground,
+        first: i32,
+        solid: u32,
+        inside: &[u32; Q],
+        batch: &mut Batch,
+    ) {
+        let grid = &self.layout.grid;
+        for i in (1..Q).filter(|&i| row.mirrors[i] == 0) {
+            let mut links = solid & inside[i];
+            while links != 0 {
+                let x = first + links.trailing_zeros() as i32;
+                links &= links - 1;
+                let end = x + C[i][0];
+                if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
+                    let at = [x, row.y, row.z];
+                    self.gap(row.bodies, row.body, ground, at, i, &mut batch.gaps);
+                }
+            }
         }
     }
 
@@ -349,23 +414,29 @@ impl<T: Real> After<'_, T> {
         let q = if body.part.is_some() { link.q } else { wall_distance(link.arm, c, body.r2()) };
         self.owners.claimants(end).filter(|&handle| handle != body.handle).all(|handle| {
             let other = row.bodies.with_handle(handle);
-            // From the other body to the cell, by the shortest way.
-            let arm = std::array::from_fn(|a| {
-                let d = link.arm[a] + body.position[a] - other.position[a];
-                let n = f64::from(self.layout.grid.n[a]);
-                if self.layout.grid.periodic[a] { d - n * (d / n).round() } else { d }
-            });
-            let of_other = match &other.part {
-                None => wall_distance(arm, c, other.r2()),
-                Some(part) => {
-                    // The cell as that body sees it.
-                    let at =
-                        std::array::from_fn(|a| (arm[a] + other.position[a] - 0.5).round() as i32);
-                    part.meet(at, C[link.seen as usize])
-                }
-            };
+            let of_other = self.distance(body, other, link.arm, link.seen.into());
             q < of_other || (q == of_other && body.id < other.id)
         })
+    }
+}
+
+impl<T: Real> After<'_, T> {
+    /// Where the link `i` of a cell, at `arm` from a body, meets another body that holds its end.
+    pub fn distance(&self, body: &Body, other: &Body, arm: [f64; 3], i: usize) -> f64 {
+        // From the other body to the cell, by the shortest way.
+        let arm = std::array::from_fn(|a| {
+            let d = arm[a] + body.position[a] - other.position[a];
+            let n = f64::from(self.layout.grid.n[a]);
+            if self.layout.grid.periodic[a] { d - n * (d / n).round() } else { d }
+        });
+        match &other.part {
+            None => wall_distance(arm, C_F64[i], other.r2()),
+            Some(part) => {
+                // The cell as that body sees it.
+                let at = std::array::from_fn(|a| (arm[a] + other.position[a] - 0.5).round() as i32);
+                part.meet(at, C[i])
+            }
+        }
     }
 }
 

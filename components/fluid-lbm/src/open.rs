@@ -21,6 +21,20 @@
 //! pressure face. What is prescribed holds at the centre of `x_B`, half a cell inside the face. At a
 //! pressure face through which the fluid enters, `u_t = 0`; such cells are counted.
 //!
+//! An *absorbing* pressure face lets sound out. Of the two waves that meet there, the one that comes in
+//! is held to what the given pressure and the mean flow say, instead of the pressure itself:
+//!
+//! ```text
+//! drho = (drho_I + drho_given)/2 + (v_I - v_mean)/(2 c_s)      v: velocity out of the fluid, of x_I
+//! v    = v_I + c_s (drho_I - drho)
+//! v_mean += (v - v_mean) s c_s/L                                s = 1/4, L: the domain's length
+//! ```
+//!
+//! So a wave of circular frequency `w` is thrown back by `1/sqrt(1 + (2 w L/(s c_s))^2)` (Rudy &
+//! Strikwerda 1980, Poinsot & Lele 1992; the formula from Selle, Nicoud & Poinsot 2004), the domain's
+//! longest by 8 %, and where the flow is steady the pressure is the given one. `v_mean` is each cell's
+//! own and starts with the flow. Such faces are NEE in either scheme.
+//!
 //! Cells at two open faces belong to the one of the lower axis and look along both normals. Where a
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
 //! faces, NEBB would lack equations and NEE takes its place.
@@ -28,7 +42,7 @@
 use crate::course::{Law, Now};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Side};
-use crate::lattice::{C, C_F64, OPPOSITE, Q, W, dot, equilibrium};
+use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, equilibrium};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::Owners;
@@ -40,6 +54,10 @@ use tremie_messages::scene::Profile;
 
 /// Cells that are one item of work.
 const CELLS_PER_ITEM: usize = 512;
+
+/// Part of the way that the mean velocity at an absorbing face goes in the time in which sound crosses
+/// the domain.
+const RELAX: f64 = 0.25;
 
 /// A cell at an open face.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +73,9 @@ struct OpenCell {
     plain: bool,
     /// Factor of the velocity's profile.
     profile: f64,
+    /// What part of its difference the mean velocity takes over in a step, where the face absorbs; else
+    /// 0.
+    relax: f64,
 }
 
 /// The cells at open faces.
@@ -67,6 +88,8 @@ pub struct OpenCells {
 #[derive(Clone, Debug)]
 pub struct Item {
     cells: Range<usize>,
+    /// For each cell the mean velocity out of the fluid, at absorbing faces; not a number at first.
+    means: Vec<f64>,
     /// Momentum that the fluid gained.
     pub impulse: [f64; 3],
     /// Mass that the fluid gained.
@@ -96,7 +119,13 @@ pub struct Next<'a, T: Real> {
 
 impl OpenCells {
     /// Of the links that open faces block.
-    pub fn new(layout: &Layout, laws: &[Option<Law>], blocked: &[Blocked]) -> (Self, Vec<Item>) {
+    /// `absorbing` says it of each face.
+    pub fn new(
+        layout: &Layout,
+        laws: &[Option<Law>],
+        absorbing: [bool; 6],
+        blocked: &[Blocked],
+    ) -> (Self, Vec<Item>) {
         let mut own = Self::default();
         for links in blocked.chunk_by(|a, b| a.cell == b.cell) {
             let grid = &layout.grid;
@@ -121,12 +150,18 @@ impl OpenCells {
                 face: (2 * axis + side) as u8,
                 plain: unknown == across && open.len() == 1,
                 profile,
+                relax: if absorbing[2 * axis + side] {
+                    RELAX * CS2.sqrt() / f64::from(grid.n[axis])
+                } else {
+                    0.0
+                },
             });
         }
         let items = (0..own.cells.len())
             .step_by(CELLS_PER_ITEM)
             .map(|first| Item {
                 cells: first..(first + CELLS_PER_ITEM).min(own.cells.len()),
+                means: vec![f64::NAN; CELLS_PER_ITEM.min(own.cells.len() - first)],
                 impulse: [0.0; 3],
                 mass: 0.0,
                 entering: 0,
@@ -169,9 +204,9 @@ impl<T: Real> Next<'_, T> {
     /// Gives an item's cells their populations and records what entered.
     pub fn open(&self, cells: &OpenCells, item: &mut Item) {
         (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
-        for open in &cells.cells[item.cells.clone()] {
+        for (k, open) in cells.cells[item.cells.clone()].iter().enumerate() {
             if self.owners.is_fluid(open.cell) {
-                self.open_cell(open, item);
+                self.open_cell(open, k, item);
             }
         }
     }
@@ -180,14 +215,14 @@ impl<T: Real> Next<'_, T> {
         std::array::from_fn(|i| self.field.get(self.layout.place(self.parity, cell, i)))
     }
 
-    fn open_cell(&self, open: &OpenCell, item: &mut Item) {
+    fn open_cell(&self, open: &OpenCell, k: usize, item: &mut Item) {
         let old = self.populations(open.cell);
         let inner = (open.inner != crate::cells::NONE && self.owners.is_fluid(open.inner))
             .then(|| self.populations(open.inner));
-        let new = if self.scheme == OpenFaces::Nebb && open.plain {
+        let new = if self.scheme == OpenFaces::Nebb && open.plain && open.relax == 0.0 {
             self.bounce(open, &old, inner.as_ref(), item)
         } else {
-            self.extrapolate(open, &old, inner.as_ref(), item)
+            self.extrapolate(open, k, &old, inner.as_ref(), item)
         };
         for i in 0..Q {
             let f = self.field.set(self.layout.place(self.parity, open.cell, i), new[i]);
@@ -211,9 +246,33 @@ impl<T: Real> Next<'_, T> {
         std::array::from_fn(|a| if a == axis { u[a] } else { 0.0 })
     }
 
+    /// Density, less 1, and velocity at an absorbing face with density `given`, from those of the next
+    /// cell inside.
+    fn absorb(
+        &self,
+        open: &OpenCell,
+        mean: &mut f64,
+        given: f64,
+        drho: f64,
+        u: [f64; 3],
+    ) -> (f64, [f64; 3]) {
+        let (axis, outward) = (usize::from(open.face / 2), [-1.0, 1.0][usize::from(open.face % 2)]);
+        let (v, sound) = (u[axis] * outward, CS2.sqrt());
+        if mean.is_nan() {
+            *mean = v;
+        }
+        let here = 0.5 * (drho + given) + 0.5 * (v - *mean) / sound;
+        let out = v + sound * (drho - here);
+        *mean += open.relax * (out - *mean);
+        let mut velocity = u;
+        velocity[axis] = out * outward;
+        (here, velocity)
+    }
+
     fn extrapolate(
         &self,
         open: &OpenCell,
+        k: usize,
         old: &[f64; Q],
         inner: Option<&[f64; Q]>,
         item: &mut Item,
@@ -223,6 +282,10 @@ impl<T: Real> Next<'_, T> {
         let u = content.velocity(self.acceleration);
         let (drho, velocity) = match self.now[open.face as usize] {
             Now::Wall(given) => (content.drho, given.map(|v| v * open.profile)),
+            Now::Density(drho) if open.relax > 0.0 => {
+                let (drho, u) = self.absorb(open, &mut item.means[k], drho, content.drho, u);
+                (drho, self.limited(open, u, item))
+            }
             Now::Density(drho) => (drho, self.limited(open, u, item)),
         };
         std::array::from_fn(|i| {

@@ -37,6 +37,12 @@ pub struct Parameters {
     /// Walls of parts.
     #[serde(default)]
     pub walls: Walls,
+    /// What cells hold that a body uncovered, and whether its motion keeps the mass.
+    #[serde(default)]
+    pub refill: Refill,
+    /// What presses on a body in a gap too narrow to hold a cell.
+    #[serde(default)]
+    pub gap_pressure: GapPressure,
     /// Precision of storage and collision. Loads and balances are f64 in either.
     #[serde(default)]
     pub precision: Precision,
@@ -95,6 +101,30 @@ pub enum Walls {
     Halfway,
 }
 
+/// What cells hold that a body uncovered: the mean density around, the body's velocity, and the stress
+/// of the neighbour away from it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Refill {
+    /// No more than that; the mass drifts a little while bodies move.
+    #[default]
+    Eqneq,
+    /// And what a body took from the fluid beyond its volume is paid back along its surface, so that
+    /// a closed box keeps its mean density.
+    Mass,
+}
+
+/// What presses on a body where another surface is so near that no cell is between them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum GapPressure {
+    /// The mean gauge pressure of the fluid cells next to the gap; nothing where surfaces touch.
+    #[default]
+    Nearest,
+    /// Nothing: gauge pressure zero.
+    Zero,
+}
+
 /// Precision of storage and collision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -126,6 +156,8 @@ impl Parameters {
             smagorinsky: 0.0,
             open_faces: OpenFaces::default(),
             walls: Walls::default(),
+            refill: Refill::default(),
+            gap_pressure: GapPressure::default(),
             precision: Precision::default(),
             average_force: defaults::average_force(),
             mach_limit: defaults::mach_limit(),

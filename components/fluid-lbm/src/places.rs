@@ -93,8 +93,8 @@ pub struct Blocked {
 pub struct Places {
     /// Numbers from one plane to the next.
     stride: usize,
-    /// Cells in a line.
-    line: usize,
+    /// Cells in a line: 2 to this power. Division would cost more than the look-up.
+    line_bits: u32,
     /// For each line: bits of the directions that are in pieces, then for each direction the odd
     /// place of its first cell, or the first of its pieces.
     lines: Vec<[u32; Q]>,
@@ -131,8 +131,13 @@ impl Places {
     ) -> (Self, Survey) {
         let stride = stride(cells.len() as u64, line as u64) as usize;
         let count = cells.len().div_ceil(line);
-        let mut places =
-            Self { stride, line, lines: Vec::with_capacity(count), pieces: Vec::new() };
+        let mut places = Self {
+            stride,
+            line_bits: line.trailing_zeros(),
+            lines: Vec::with_capacity(count),
+            pieces: Vec::new(),
+        };
+        debug_assert!(line.is_power_of_two());
         let mut survey = Survey::default();
         let mut ends = vec![[End::Cell { cell: 0, mirrors: 0 }; Q]; line];
         let mut sheets = obstacles.sheets.as_slice();
@@ -204,7 +209,7 @@ impl Places {
                     None => survey.reflections.push(Reflection {
                         place,
                         mirror_cell: cell as i32 - lane as i32,
-                        line: (first / self.line) as u32,
+                        line: (first >> self.line_bits) as u32,
                         lanes: 1 << lane,
                         dir: i as u8,
                         mirrors,
@@ -212,7 +217,7 @@ impl Places {
                     }),
                 }
             }
-            let all = (u32::MAX >> (32 - self.line)) as u16;
+            let all = (u32::MAX >> (32 - (1 << self.line_bits))) as u16;
             match self.pieces[begin..] {
                 [Piece { place, lanes, .. }] if lanes == all => {
                     entry[i] = place;
@@ -260,7 +265,7 @@ impl Places {
     #[inline(always)]
     pub fn odd(&self, cell: u32, i: usize) -> usize {
         let cell = cell as usize;
-        let (line, lane) = (cell / self.line, cell % self.line);
+        let (line, lane) = (cell >> self.line_bits, cell & ((1 << self.line_bits) - 1));
         let entries = &self.lines[line];
         if i == 0 {
             return cell;
@@ -274,7 +279,7 @@ impl Places {
     /// Asks memory for what [`Places::odd`] reads for a cell.
     #[inline(always)]
     pub fn prefetch(&self, cell: u32) {
-        let entries = self.lines.as_ptr().wrapping_add(cell as usize / self.line);
+        let entries = self.lines.as_ptr().wrapping_add(cell as usize >> self.line_bits);
         prefetch(entries);
         prefetch(entries.cast::<u8>().wrapping_add(size_of::<[u32; Q]>() - 1));
     }
@@ -295,7 +300,9 @@ impl Places {
         if place == back * self.stride + cell as usize {
             return None;
         }
-        Some((place % self.stride) as u32)
+        // Mostly the plane of the link itself; another behind a mirror.
+        let plain = place.wrapping_sub(i * self.stride);
+        Some(if plain < self.stride { plain } else { place % self.stride } as u32)
     }
 
     /// Memory that the table takes [bytes].

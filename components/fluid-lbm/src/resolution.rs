@@ -3,10 +3,12 @@
 use crate::field::Field;
 use crate::ground::Ground;
 use crate::lattice::{CS2, Q};
+use crate::narrow::{Narrow, narrowest};
 use crate::parameters::{Parameters, Precision};
 use crate::places;
 use crate::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
+use tremie_geometry::Surface;
 use tremie_messages::Problem;
 use tremie_messages::scene::{Diameters, Domain, FluidMaterial, Placement, Scene};
 
@@ -29,10 +31,29 @@ pub struct Resolution {
     pub memory_bytes: u64,
     /// Cells that the fluid may fill.
     pub fluid_cells: usize,
+    /// The narrowest gap between parts and walls of the domain, within 8 cells.
+    pub narrowest_gap: Option<Narrow>,
+    /// The narrowest gap between a listed body and anything at the start, within 8 cells.
+    pub narrowest_gap_of_bodies: Option<Narrow>,
+    /// Parts whose files had to be mended.
+    pub mended: Vec<Mended>,
     /// What the geometry looks like in cells; sentences.
     pub notes: Vec<String>,
     /// What a user should know before trusting results; sentences.
     pub warnings: Vec<String>,
+}
+
+/// A part whose file had to be mended to make a closed surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mended {
+    /// Its name.
+    pub part: String,
+    /// Triangles and vertices that were changed.
+    pub changes: usize,
+    /// Triangles that it has now.
+    pub triangles: usize,
+    /// What was done, in words.
+    pub what: String,
 }
 
 impl Parameters {
@@ -72,6 +93,7 @@ impl Parameters {
             _ => return Err(vec![too_many(cells)]),
         };
         let smallest = smallest_diameter(scene).map(|d| d / self.cell.0);
+        let [narrowest_gap, narrowest_gap_of_bodies] = narrowest(scene, &ground);
         let resolution = Resolution {
             cells,
             cell: self.cell.0,
@@ -81,6 +103,9 @@ impl Parameters {
             cells_per_smallest_sphere: smallest,
             memory_bytes,
             fluid_cells,
+            narrowest_gap,
+            narrowest_gap_of_bodies,
+            mended: mended(scene, &ground),
             notes: ground.notes(),
             warnings: warnings(memory_bytes),
         };
@@ -200,6 +225,24 @@ impl Parameters {
         // table of places.
         Some(bytes(stride) + boxed / 4 + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
     }
+}
+
+/// Parts whose files had to be mended.
+fn mended(scene: &Scene, ground: &Ground) -> Vec<Mended> {
+    let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
+    let moving = ground.moving.iter().enumerate();
+    let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
+    let of = |(part, surface): (usize, &Surface)| {
+        let done = surface.repairs();
+        let changes = done.welded_near + done.dropped + done.turned + done.flipped;
+        (changes > 0).then(|| Mended {
+            part: scene.parts[part].name.clone(),
+            changes,
+            triangles: surface.mesh().triangles.len(),
+            what: done.to_string(),
+        })
+    };
+    fixed.chain(moving).filter_map(of).collect()
 }
 
 fn too_many(cells: [usize; 3]) -> Problem {

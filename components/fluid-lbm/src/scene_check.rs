@@ -79,7 +79,7 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
             let key = format!("scene.domain.faces.{name}");
             match face {
                 Face::Velocity(open) => check(key, &open.velocity, &open.course),
-                Face::Pressure { pressure, course } => check(key, &[*pressure], course),
+                Face::Pressure { pressure, course, .. } => check(key, &[*pressure], course),
                 Face::Wall { velocity } => check(key, velocity, &Course::default()),
                 Face::Periodic | Face::Symmetry => {}
             }

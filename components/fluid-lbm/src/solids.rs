@@ -146,6 +146,14 @@ impl Solid {
         }
     }
 
+    /// Its surface, unless it is a plane.
+    pub fn surface(&self) -> Option<&Surface> {
+        match &self.shape {
+            Shape::Part { surface, .. } => Some(surface),
+            Shape::Plane { .. } => None,
+        }
+    }
+
     /// Around its surface, if that is bounded [m].
     pub fn bounds(&self) -> Option<Bounds> {
         match &self.shape {

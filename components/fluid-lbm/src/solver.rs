@@ -8,19 +8,20 @@ use crate::course::Now;
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
-use crate::kernel::{Block, Collides, Kernel, Survey, Sweep, Wanted};
+use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lanes::Variant;
 use crate::layout::Layout;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::{self, After, Exchange};
 use crate::open::{self, Next, OpenCells};
 use crate::owners::{Owners, Vacated};
-use crate::parameters::{Collision, OpenFaces, Parameters};
+use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::places::Parity;
 use crate::probes::Probes;
 use crate::refill::{Before, Content};
 use crate::solids::Centres;
 use crate::surroundings::Surroundings;
+use crate::survey::Survey;
 use crate::tally::Tally;
 use crate::units::Units;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -33,7 +34,7 @@ const CELLS_PER_BLOCK: usize = 4096;
 
 /// A cell to refill, and what it then holds.
 #[derive(Clone, Copy, Debug)]
-struct Refill {
+struct Filled {
     vacated: Vacated,
     content: Content,
 }
@@ -68,10 +69,15 @@ pub struct Solver<T: Collides> {
     pub(crate) tau: f64,
     pub(crate) mach_limit: f64,
     pub(crate) average_force: bool,
+    /// Whether bodies keep accounts of the mass that they owe.
+    pub(crate) keeps_mass: bool,
+    /// Whether gaps without cells press on bodies.
+    pub(crate) gaps_press: bool,
     scheme: OpenFaces,
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub(crate) lift: [f64; 3],
     kernel: Kernel<T>,
+    variant: Variant,
     pub(crate) team: Team,
     /// Room for the links of a body, for each thread.
     batches: Vec<Batch>,
@@ -87,7 +93,7 @@ pub struct Solver<T: Collides> {
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) link_items: Vec<links::Item>,
     pub(crate) probes: Probes,
-    refills: Vec<Refill>,
+    refills: Vec<Filled>,
     /// The last step's balance, in lattice units and in SI.
     pub(crate) balance: Ledger,
     pub(crate) ledger: Ledger,
@@ -96,6 +102,8 @@ pub struct Solver<T: Collides> {
     pub(crate) survey: Survey,
     pub(crate) exchange: Exchange,
     pub(crate) fixtures: Vec<Exchange>,
+    /// What gaps without cells gave to each fixture.
+    pub(crate) pressed: Vec<Exchange>,
     /// Room for sums over fixtures.
     pub(crate) impulses: Vec<[f64; 3]>,
 }
@@ -162,11 +170,14 @@ impl<T: Collides> Solver<T> {
             tau,
             mach_limit: parameters.mach_limit,
             average_force: parameters.average_force,
+            gaps_press: parameters.gap_pressure == GapPressure::Nearest,
+            keeps_mass: parameters.refill == Refill::Mass,
             scheme: parameters.open_faces,
             lift: std::array::from_fn(|a| {
                 acceleration[a] - scene.gravity[a] / units.acceleration()
             }),
             kernel: T::kernel(variant),
+            variant,
             batches: (0..team.threads()).map(|_| Batch::default()).collect(),
             team,
             blocks: blocks.collect(),
@@ -186,6 +197,7 @@ impl<T: Collides> Solver<T> {
             survey: Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE },
             exchange: Exchange::default(),
             fixtures: vec![Exchange::default(); fixtures],
+            pressed: vec![Exchange::default(); fixtures],
             impulses: vec![[0.0; 3]; fixtures],
         };
         let (velocity, pressure) = (fluid.velocity, fluid.pressure);
@@ -204,7 +216,7 @@ impl<T: Collides> Solver<T> {
             self.wanted.lines.resize_with(lines, AtomicU8::default);
             self.wanted.drho = Field::zeros(lines * T::LINE);
         }
-        self.link_items = links::items(&self.bodies);
+        self.link_items = links::items(&self.bodies, self.gaps_press);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
@@ -222,9 +234,11 @@ impl<T: Collides> Solver<T> {
         self.exchange = Exchange::default();
         for item in &mut self.link_items {
             item.exchange = Exchange::default();
+            item.gaps.clear();
         }
         self.give_loads(loads);
         self.end_balance(false);
+        self.settle_accounts();
         Ok(())
     }
 
@@ -240,6 +254,7 @@ impl<T: Collides> Solver<T> {
         self.open();
         self.give_loads(loads);
         self.end_balance(true);
+        self.settle_accounts();
         Ok(())
     }
 
@@ -281,26 +296,27 @@ impl<T: Collides> Solver<T> {
 
     /// Balances what left the fluid with covered and isolated cells.
     fn count_losses(&mut self) {
-        let mut balance = self.balance;
-        let before = self.before();
-        for &cell in &self.owners.covered {
-            let content = before.content(cell);
-            add_scaled(&mut balance.covered, content.j, -1.0);
-            balance.mass_covered -= 1.0 + content.drho;
+        for k in 0..self.owners.covered.len() {
+            let cell = self.owners.covered[k];
+            let content = self.before().content(cell);
+            add_scaled(&mut self.balance.covered, content.j, -1.0);
+            self.balance.mass_covered -= 1.0 + content.drho;
+            self.charge(cell, content.drho);
         }
-        for &cell in &self.owners.enclosed {
-            let content = before.content(cell);
-            add_scaled(&mut balance.isolated, content.j, -1.0);
-            balance.mass_isolated -= 1.0 + content.drho;
+        for k in 0..self.owners.enclosed.len() {
+            let cell = self.owners.enclosed[k];
+            let content = self.before().content(cell);
+            add_scaled(&mut self.balance.isolated, content.j, -1.0);
+            self.balance.mass_isolated -= 1.0 + content.drho;
+            self.charge(cell, content.drho);
         }
-        self.balance = balance;
     }
 
     /// Fills the cells that joined the fluid.
     fn refill(&mut self) {
         self.refills.clear();
         for &vacated in &self.owners.vacated {
-            self.refills.push(Refill { vacated, content: Content::default() });
+            self.refills.push(Filled { vacated, content: Content::default() });
         }
         let before = before!(self);
         let (owners, bodies) = (&self.owners, &self.bodies);
@@ -308,9 +324,11 @@ impl<T: Collides> Solver<T> {
             let body = bodies.any_with_handle(refill.vacated.handle);
             refill.content = before.refill(owners, refill.vacated.cell, body);
         });
-        for refill in &self.refills {
-            add_scaled(&mut self.balance.uncovered, refill.content.j, 1.0);
-            self.balance.mass_uncovered += 1.0 + refill.content.drho;
+        for k in 0..self.refills.len() {
+            let Filled { vacated, content } = self.refills[k];
+            add_scaled(&mut self.balance.uncovered, content.j, 1.0);
+            self.balance.mass_uncovered += 1.0 + content.drho;
+            self.credit(vacated.handle, content.drho);
         }
     }
 
@@ -358,6 +376,9 @@ impl<T: Collides> Solver<T> {
             owners: &self.owners,
             parity: self.parity,
             drho: &self.wanted.drho,
+            variant: self.variant,
+            keeps_mass: self.keeps_mass,
+            ground: self.gaps_press.then_some(self.surroundings.ground()),
         };
         let bodies = &self.bodies;
         self.team.for_each_with(&mut self.link_items, &mut self.batches, |batch, _, item| {

@@ -18,6 +18,8 @@ use tremie_messages::scene::{Face, Scene};
 pub struct Surroundings {
     ground: Ground,
     halfway: bool,
+    /// Which faces let sound out, `2 axis + side`.
+    absorbing: [bool; 6],
     /// Surfaces of the parts that move, by index of the part.
     pub moving: Vec<Option<Arc<Surface>>>,
     /// For each fixture what it prescribes; `None` for a face that prescribes nothing.
@@ -68,7 +70,16 @@ impl Surroundings {
         laws.push(None);
         references.push([0.0; 3]);
         let moving = std::mem::take(&mut ground.moving);
-        Self { ground, halfway: parameters.walls == Walls::Halfway, moving, laws, references }
+        let faces: Vec<_> = scene.domain.faces.iter().flatten().collect();
+        let absorbing =
+            std::array::from_fn(|k| matches!(faces[k], Face::Pressure { absorbing: true, .. }));
+        let halfway = parameters.walls == Walls::Halfway;
+        Self { ground, halfway, absorbing, moving, laws, references }
+    }
+
+    /// The static geometry.
+    pub fn ground(&self) -> &Ground {
+        &self.ground
     }
 
     /// The parts that stand still: number of the fixture, index into the scene's parts and the point
@@ -105,7 +116,7 @@ impl Surroundings {
         };
         let (open, fixed): (Vec<_>, Vec<_>) =
             survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
-        let (open, open_items) = OpenCells::new(&layout, &self.laws, &open);
+        let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open);
         let (fixed, fixed_items) = FixedLinks::new(
             &layout.places,
             fixed.iter().map(|blocked| {

@@ -5,6 +5,7 @@ mod common;
 use common::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use tremie_fluid_lbm::Refill;
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Course, Face, Geometry, Motion};
 
@@ -34,9 +35,12 @@ fn a_step_allocates_nothing() {
     let mut case = Case::new([40, 24, 24], [PERIODIC, WALL, WALL], 0.7);
     case.threads = 2;
     case.average_force = true;
+    case.refill = Refill::Mass;
     let mut scene = case.scene();
-    scene.domain.faces[1] =
-        [Face::Symmetry, Face::Pressure { pressure: 0.0, course: Course::default() }];
+    scene.domain.faces[1] = [
+        Face::Symmetry,
+        Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: true },
+    ];
     scene.parts.push(part(
         "rod",
         Geometry::Cylinder { radius: 2.2, length: 30.0 },

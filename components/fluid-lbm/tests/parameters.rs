@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use tremie_fluid_lbm::{Collision, FluidError, FluidLbm, Parameters, Precision, findings};
-use tremie_messages::scene::{BodySet, Motion, Placement, Plane, Scene, Sphere};
+use tremie_messages::scene::{BodySet, Geometry, Motion, Placement, Plane, Scene, Sphere};
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Problem, Verdict};
 
@@ -250,4 +250,30 @@ fn a_slice_shows_velocity_pressure_and_solids() {
 fn a_fluid_may_change_its_thread() {
     fn send<T: Send>(_: &T) {}
     send(&Case::new([4; 3], [PERIODIC; 3], 0.8).fluid());
+}
+
+/// A file with a triangle turned round says so.
+#[test]
+fn what_was_mended_is_told() {
+    let file = std::env::temp_dir().join(format!("tremie-turned-{}.obj", std::process::id()));
+    // A tetrahedron whose last face winds the wrong way.
+    let text = "v 2 2 2\nv 6 2 2\nv 2 6 2\nv 2 2 6\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n";
+    std::fs::write(&file, text).unwrap();
+    let case = Case::new([12; 3], [WALL; 3], 0.8);
+    let mut scene = case.scene();
+    let path = file.to_str().unwrap().into();
+    scene.parts.push(part("wedge", Geometry::File { path, unit: 1.0 }, [1.0; 3]));
+    let parameters = case.parameters();
+    let resolution = parameters.resolve(&scene);
+    std::fs::remove_file(&file).unwrap();
+    let resolution = resolution.unwrap();
+    let findings = findings(&parameters, &scene, &resolution);
+    let found = findings.iter().find(|f| f.quantity == "repairs of wedge").unwrap();
+    assert_eq!((found.value, found.verdict), (1.0, Verdict::Doubtful));
+    assert!(found.why.contains("1 triangles turned round"), "{found:?}");
+    // The wedge is three cells from three walls.
+    let gap = findings.iter().find(|f| f.quantity == "cells across the narrowest gap").unwrap();
+    assert_eq!((gap.value, gap.verdict), (3.0, Verdict::Doubtful));
+    assert!(gap.why.starts_with("between wedge and the lower x face"), "{gap:?}");
+    assert!(gap.remedy.contains("0.75 m"), "{gap:?}");
 }

@@ -218,7 +218,8 @@ fn parts_may_prescribe_pressures() {
 fn parts_may_prescribe_velocities() {
     let case = Case::new([24, 8, 8], [WALL, SYMMETRY, SYMMETRY], 0.8);
     let mut scene = case.scene();
-    scene.domain.faces[0][1] = Face::Pressure { pressure: 0.0, course: Course::default() };
+    scene.domain.faces[0][1] =
+        Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
     let mut feed = part("feed", cuboid([6.0, 30.0, 30.0]), [0.2, 4.0, 4.0]);
     let velocity = [0.01, 0.0, 0.0];
     feed.boundary =

@@ -5,7 +5,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Precision, Variant};
+use tremie_fluid_lbm::{Precision, Refill, Variant};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Course, Face, Geometry, Motion};
 
@@ -21,10 +21,11 @@ fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> V
     let mut scene = case.scene();
     if rich {
         case.smagorinsky = 0.15;
+        case.refill = Refill::Mass;
         let course = Course::default();
         scene.domain.faces[0] = [
-            Face::Pressure { pressure: 1e-3, course: course.clone() },
-            Face::Pressure { pressure: 0.0, course },
+            Face::Pressure { pressure: 1e-3, course: course.clone(), absorbing: false },
+            Face::Pressure { pressure: 0.0, course, absorbing: true },
         ];
         scene.domain.faces[2] = [Face::Symmetry, Face::Symmetry];
         let rod = Geometry::Cylinder { radius: 3.1, length: 40.0 };

@@ -3,27 +3,21 @@
 use crate::{
     Lubrication, Parameters, Vec3,
     bodies::Ball,
-    check_sizes,
+    check_law, check_packing,
     encounters::Population,
     laws,
     overlaps::TOUCHING,
-    packing::{self, Sizes},
+    packing::{self},
     periodic::PeriodicBox,
     walls,
 };
 use tremie_messages::{
     Problem,
-    scene::{
-        BodySet, ContactLaw, Damping, Domain, Motion, Packing, Placement, Plane, Scene, Sphere,
-        Spring,
-    },
+    scene::{BodySet, Domain, Motion, Placement, Plane, Scene, Sphere},
     units::Length,
 };
 
-/// More spheres than memory holds: a slip in a unit.
-const MOST_SPHERES: f64 = 1e8;
-
-const AXES: [&str; 3] = ["x", "y", "z"];
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Checks numbers and geometry, but not overlaps between bodies.
 pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
@@ -63,12 +57,17 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
                 }
             }
             Placement::Packed(packed) => {
-                packing(&format!("{key}.placement.packed"), packed, &scene.domain, &mut problems);
+                check_packing::packing(
+                    &format!("{key}.placement.packed"),
+                    packed,
+                    &scene.domain,
+                    &mut problems,
+                );
             }
         }
     }
     for (i, pair) in scene.contacts.iter().enumerate() {
-        law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
+        check_law::law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
     }
     if problems.is_empty() {
         whole(scene, parameters, &mut problems);
@@ -204,87 +203,6 @@ fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &m
             let message = format!("puts the sphere {overlap:.3e} m into {name}");
             problems.push(Problem::new(key.as_str(), message));
         }
-    }
-}
-
-fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Problem>) {
-    let key = |name: &str| format!("{key}.{name}");
-    if !(packing.fraction > 0.0 && packing.fraction < 0.74) {
-        let message = format!("is {}, expected a solid fraction in (0, 0.74)", packing.fraction);
-        problems.push(Problem::new(key("fraction"), message));
-    }
-    let Some(largest) = check_sizes::diameters(&key("diameters"), &packing.diameters, problems)
-    else {
-        return;
-    };
-    let size = Vec3::from(packing.max) - Vec3::from(packing.min);
-    let spheres =
-        packing.fraction * size.x * size.y * size.z / Sizes::new(&packing.diameters).mean_volume();
-    if spheres > MOST_SPHERES {
-        let message = format!("asks for more than {spheres:.1e} spheres");
-        problems.push(Problem::new(key("fraction"), message).help("use fewer or larger ones"));
-    }
-    for axis in 0..3 {
-        let (low, high) = (packing.min[axis], packing.max[axis]);
-        let name = AXES[axis];
-        if high - low < largest || (high - low).is_nan() {
-            let message = format!(
-                "leaves {} m in {name}, where the largest sphere needs {largest} m",
-                high - low
-            );
-            problems.push(Problem::new(key("max"), message));
-        }
-        // A region typed in another unit may differ from the domain by rounding.
-        let tolerance = 1e-9 * (domain.max[axis] - domain.min[axis]);
-        if low < domain.min[axis] - tolerance {
-            problems.push(Problem::new(key("min"), format!("is outside the domain in {name}")));
-        }
-        if high > domain.max[axis] + tolerance {
-            problems.push(Problem::new(key("max"), format!("is outside the domain in {name}")));
-        }
-    }
-}
-
-fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
-    let mut not_negative = |name: &str, value: f64| {
-        if !(value >= 0.0 && value.is_finite()) {
-            let message = format!("is {value}, expected 0 or more");
-            problems.push(Problem::new(format!("{key}.{name}"), message));
-        }
-    };
-    let stiffest = match law.spring {
-        Spring::Linear { normal_stiffness, tangential_stiffness } => {
-            not_negative("tangential_stiffness", tangential_stiffness);
-            ("normal_stiffness", normal_stiffness)
-        }
-        Spring::Hertz { effective_modulus, effective_shear_modulus } => {
-            not_negative("effective_shear_modulus", effective_shear_modulus);
-            ("effective_modulus", effective_modulus)
-        }
-    };
-    not_negative("friction", law.friction);
-    not_negative("rolling_friction", law.rolling_friction);
-    match law.damping {
-        Damping::Coefficients { normal, tangential } => {
-            not_negative("damping.coefficients.normal", normal);
-            not_negative("damping.coefficients.tangential", tangential);
-        }
-        Damping::Restitution(e) => {
-            if !(e > 0.0 && e <= 1.0) {
-                let message = format!("is {e}, expected a coefficient of restitution in (0, 1]");
-                problems.push(Problem::new(format!("{key}.damping.restitution"), message));
-            }
-        }
-    }
-    let (name, value) = stiffest;
-    if !is_positive(value) {
-        problems.push(not_positive(format!("{key}.{name}"), value));
-    }
-    let hertz = matches!(law.spring, Spring::Hertz { .. });
-    if hertz && matches!(law.damping, Damping::Coefficients { .. }) {
-        let message = "gives dashpots by coefficients, which goes with linear springs only";
-        let help = "give the restitution of Hertz's springs";
-        problems.push(Problem::new(format!("{key}.damping"), message).help(help));
     }
 }
 

@@ -2,17 +2,29 @@
 
 use crate::{
     bodies::Wrench,
+    fetch::fetch,
     pairs::{ACTING, Pairs},
     search::Contacts,
 };
 
-/// So many contacts of a body are looked at together.
-const TOGETHER: usize = 32;
+/// So many places of contacts are looked at together.
+const TOGETHER: usize = 256;
 
 /// Where the bodies of one block collect their forces, one body after the other.
 pub(crate) struct Collector<'a> {
     pairs: &'a Pairs,
     surfaces: [Few<'a>; 2],
+    /// Places of contacts that act, of the bodies looked at last.
+    acting: [u32; TOGETHER],
+    /// Where those of the next body begin.
+    next: usize,
+    /// Where those of each of these bodies end.
+    ends: [u16; TOGETHER],
+    /// The first of these bodies, and the first after them.
+    from: usize,
+    until: usize,
+    /// Index of the block's last body, and one more.
+    end: usize,
 }
 
 /// Forces of surfaces on few of the bodies of a block.
@@ -41,14 +53,23 @@ impl<'a> Few<'a> {
 }
 
 impl<'a> Collector<'a> {
-    /// The forces of block `b`.
-    pub fn new(contacts: Contacts<'a>, b: usize) -> Self {
+    /// The forces of block `b`, whose bodies are `range`.
+    pub fn new(contacts: Contacts<'a>, b: usize, range: std::ops::Range<usize>) -> Self {
         let (walls, parts) = (contacts.walls, contacts.parts);
         let surfaces = [
             Few::of_block(&walls.bodies, &walls.wrench, &walls.bounds, b),
             Few::of_block(&parts.bodies, &parts.wrench, &parts.bounds, b),
         ];
-        Self { pairs: contacts.pairs, surfaces }
+        Self {
+            pairs: contacts.pairs,
+            surfaces,
+            acting: [0; TOGETHER],
+            next: 0,
+            ends: [0; TOGETHER],
+            from: range.start,
+            until: range.start,
+            end: range.end,
+        }
     }
 
     /// Contact force and torque on body `i` of the block, each in its turn: first those of
@@ -56,24 +77,19 @@ impl<'a> Collector<'a> {
     #[inline(always)]
     pub fn on(&mut self, i: usize, radius: f64) -> Wrench {
         let mut sum = Wrench::zero();
-        let pairs = self.pairs;
-        let places = &pairs.places[pairs.collected[i] as usize..pairs.collected[i + 1] as usize];
-        for places in places.chunks(TOGETHER) {
-            // Without a branch: which pairs of a list touch cannot be foretold.
-            let mut acting = [0; TOGETHER];
-            let mut count = 0;
-            for &place in places {
-                acting[count] = place;
-                count += usize::from(pairs.state[(place / 2) as usize] & ACTING);
+        if i >= self.until {
+            self.look(i);
+        }
+        if i < self.until {
+            let end = self.ends[i - self.from] as usize;
+            for &place in &self.acting[self.next..end] {
+                add(&mut sum, self.pairs, place, radius);
             }
-            for &place in &acting[..count] {
-                let k = (place / 2) as usize;
-                let sign = 1.0 - 2.0 * f64::from(place % 2);
-                let wrench = pairs.records[k].on(sign, radius);
-                sum.force += wrench.force;
-                sum.torque += wrench.torque;
-                if let Some(rolling) = pairs.rolling.get(k) {
-                    sum.torque += rolling.torque * sign;
+            self.next = end;
+        } else {
+            for place in self.pairs.places_of(i) {
+                if self.pairs.state[(place / 2) as usize] & ACTING != 0 {
+                    add(&mut sum, self.pairs, *place, radius);
                 }
             }
         }
@@ -84,5 +100,42 @@ impl<'a> Collector<'a> {
             }
         }
         sum
+    }
+
+    /// Notes which contacts act on bodies from `i` on, as many as there is room for, and asks for
+    /// their records. There is none for a body with more neighbours than that.
+    fn look(&mut self, i: usize) {
+        (self.from, self.until, self.next) = (i, i, 0);
+        let (pairs, mut count, mut seen) = (self.pairs, 0, 0);
+        while self.until < self.end && self.until - i < TOGETHER {
+            let places = pairs.places_of(self.until);
+            seen += places.len();
+            if seen > TOGETHER {
+                break;
+            }
+            for &place in places {
+                let k = (place / 2) as usize;
+                // Without a branch: which pairs of a list touch cannot be foretold.
+                self.acting[count] = place;
+                count += usize::from(pairs.state[k] & ACTING);
+            }
+            self.ends[self.until - i] = count as u16;
+            self.until += 1;
+        }
+        for &place in &self.acting[..count] {
+            fetch(&pairs.records, (place / 2) as usize);
+        }
+    }
+}
+
+#[inline(always)]
+fn add(sum: &mut Wrench, pairs: &Pairs, place: u32, radius: f64) {
+    let k = (place / 2) as usize;
+    let sign = 1.0 - 2.0 * f64::from(place % 2);
+    let wrench = pairs.records[k].on(sign, radius);
+    sum.force += wrench.force;
+    sum.torque += wrench.torque;
+    if let Some(rolling) = pairs.rolling.get(k) {
+        sum.torque += rolling.torque * sign;
     }
 }

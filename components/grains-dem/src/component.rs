@@ -1,7 +1,7 @@
 //! The discrete elements as a component of a run.
 
 use crate::findings::findings;
-use crate::{GrainsDem, Parameters, Resolution};
+use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::scene::Scene;
 use tremie_sdk::messages::start::{Description, Signal};
@@ -63,8 +63,9 @@ impl Grains for SoftSpheres {
             bodies: resolution.bodies as u64,
             signals: signals(&setup.hello.scene, resolution.spheres),
             work: "grain steps".into(),
+            memory: resolution.memory,
             notes: notes(&resolution),
-            findings: findings(&setup.hello.scene, &resolution),
+            findings: findings(&setup.hello.scene, &parameters, &resolution),
             warnings: resolution.warnings.clone(),
             resolution: numbers(&resolution),
             ..Description::default()
@@ -124,6 +125,7 @@ impl Grains for SoftSpheres {
             values.extend(force);
             values.extend(torque);
         }
+        self.grains.read_probes(values);
     }
 }
 
@@ -140,6 +142,7 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
         let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", part.name), unit);
         all.extend(PART.iter().map(of));
     }
+    all.extend(probe_signals(scene).into_iter().map(|(name, unit)| signal(name, unit)));
     all
 }
 

@@ -4,14 +4,16 @@ use crate::{
     Vec3,
     bodies::Bodies,
     contact::{Contact, Memory},
-    forces::{Scenery, touch_of_balls, touch_of_wall},
+    forces::{Scenery, touch_of_balls},
     law::{Law, Reduced},
-    pairs::{Pairs, TOUCHING},
-    wall_contacts::WallContacts,
+    pairs::{BLOCK, Pairs, TOUCHING},
+    search::Contacts,
+    wall_forces::touch_of_wall,
     walls::Wall,
 };
 use serde::Serialize;
 use tremie_messages::scene::Domain;
+use tremie_team::{Cut, Team};
 
 /// Sums over the free bodies and their contacts, at the end of the last substep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -44,88 +46,166 @@ pub struct Diagnostics {
     pub fluid_impulse: [f64; 3],
 }
 
-/// Sums over bodies into `out`.
-pub(crate) fn add_bodies(out: &mut Diagnostics, bodies: &Bodies, domain: &Domain, gravity: Vec3) {
-    let strength = gravity.norm_squared().sqrt();
-    let up = if strength > 0.0 { -gravity / strength } else { Vec3::zeros() };
-    let corner = |a: usize| {
-        if up[a] > 0.0 { domain.min[a] } else { domain.max[a] }
-    };
-    let lowest = Vec3::from_fn(|a, _| corner(a)).dot(&up);
-    let mut momentum = Vec3::zeros();
-    let mut square = 0.0f64;
-    let (mut height, mut free) = (0.0, 0usize);
-    for i in 0..bodies.len() {
-        let mobility = bodies.mobility[i];
-        if !mobility.is_free() {
-            continue;
-        }
-        let (mass, twist) = (1.0 / mobility.inverse_mass, &bodies.twists[i]);
-        let h = bodies.balls[i].x.dot(&up) - lowest;
-        out.kinetic_energy += 0.5 * mass * twist.v.norm_squared();
-        out.rotational_energy += 0.5 * twist.w.norm_squared() / mobility.inverse_inertia;
-        out.potential_energy += mass * strength * h;
-        momentum += twist.v * mass;
-        square = square.max(twist.v.norm_squared());
-        height += h;
-        free += 1;
-    }
-    out.momentum = momentum.into();
-    out.max_speed = square.sqrt();
-    out.mean_height = if free > 0 { height / free as f64 } else { 0.0 };
+/// What is looked at.
+pub(crate) struct Seen<'a> {
+    /// Bodies and laws.
+    pub scenery: Scenery<'a>,
+    /// Contacts of all kinds.
+    pub contacts: Contacts<'a>,
+    /// The walls.
+    pub walls: &'a [Wall],
+    /// The domain.
+    pub domain: &'a Domain,
+    /// Acceleration of weight [m/s²].
+    pub gravity: Vec3,
 }
 
-/// Adds the springs between bodies.
-pub(crate) fn add_pairs(out: &mut Diagnostics, pairs: &Pairs, at: Scenery<'_>) {
-    let bodies = at.bodies;
-    for i in 0..bodies.len() {
-        for k in pairs.row(i) {
-            if pairs.state[k] & TOUCHING == 0 {
-                continue;
+/// Sums over bodies, in the order of their ids: in fixed blocks, and these in their order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Survey {
+    /// Energy in the springs that count as a body's, in the order of memory [J].
+    springs: Vec<f64>,
+    blocks: Vec<Sums>,
+}
+
+/// Sums over free bodies.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    kinetic: f64,
+    rotational: f64,
+    potential: f64,
+    elastic: f64,
+    momentum: Vec3,
+    /// Square of the largest speed [m²/s²].
+    square: f64,
+    height: f64,
+    free: usize,
+}
+
+impl Survey {
+    /// Energies, momentum, largest speed and mean height.
+    pub fn sums(&mut self, team: &mut Team, seen: &Seen) -> Diagnostics {
+        let (bodies, gravity) = (seen.scenery.bodies, seen.gravity);
+        self.springs.resize(bodies.len(), 0.0);
+        team.for_pieces(Cut::every(&mut self.springs, BLOCK), |b, springs: &mut [f64]| {
+            add_springs(springs, b, seen);
+        });
+        let strength = gravity.norm_squared().sqrt();
+        let up = if strength > 0.0 { -gravity / strength } else { Vec3::zeros() };
+        let domain = seen.domain;
+        let corner = |a: usize| if up[a] > 0.0 { domain.min[a] } else { domain.max[a] };
+        let lowest = Vec3::from_fn(|a, _| corner(a)).dot(&up);
+        self.blocks.resize(bodies.len().div_ceil(BLOCK), Sums::default());
+        let springs = &self.springs;
+        team.for_each(&mut self.blocks, |b, sums| {
+            *sums = Sums::default();
+            for &slot in &bodies.slot[b * BLOCK..bodies.len().min((b + 1) * BLOCK)] {
+                let slot = slot as usize;
+                sums.elastic += springs[slot];
+                sums.add(bodies, slot, bodies.balls[slot].x.dot(&up) - lowest, strength);
             }
-            let entry = pairs.entries[k];
-            let j = entry.other as usize;
-            let (a, b) = (&bodies.balls[i], &bodies.balls[j]);
-            let (of_i, of_j) = (&bodies.predicted[i], &bodies.predicted[j]);
-            let d = at.between(i, j, entry.image);
-            let contact = touch_of_balls(d, a.radius, b.radius, of_i, of_j);
-            let law = &at.laws[entry.law as usize];
-            let memory = pairs.memory(k);
-            out.elastic_energy +=
-                elastic_energy(law, pairs.reduced[k], &contact, &memory, at.steps.after);
+        });
+        self.blocks.iter().fold(Sums::default(), |all, sums| all.and(sums)).diagnostics()
+    }
+}
+
+impl Sums {
+    fn add(&mut self, bodies: &Bodies, slot: usize, height: f64, gravity: f64) {
+        let (mobility, twist) = (bodies.mobility[slot], &bodies.twists[slot]);
+        if !mobility.is_free() {
+            return;
+        }
+        let (mass, square) = (1.0 / mobility.inverse_mass, twist.v.norm_squared());
+        self.kinetic += 0.5 * mass * square;
+        self.rotational += 0.5 * twist.w.norm_squared() / mobility.inverse_inertia;
+        self.potential += mass * gravity * height;
+        self.momentum += twist.v * mass;
+        self.square = self.square.max(square);
+        self.height += height;
+        self.free += 1;
+    }
+
+    fn and(self, other: &Self) -> Self {
+        Self {
+            kinetic: self.kinetic + other.kinetic,
+            rotational: self.rotational + other.rotational,
+            potential: self.potential + other.potential,
+            elastic: self.elastic + other.elastic,
+            momentum: self.momentum + other.momentum,
+            square: self.square.max(other.square),
+            height: self.height + other.height,
+            free: self.free + other.free,
+        }
+    }
+
+    fn diagnostics(self) -> Diagnostics {
+        Diagnostics {
+            kinetic_energy: self.kinetic,
+            rotational_energy: self.rotational,
+            potential_energy: self.potential,
+            elastic_energy: self.elastic,
+            momentum: self.momentum.into(),
+            max_speed: self.square.sqrt(),
+            mean_height: if self.free > 0 { self.height / self.free as f64 } else { 0.0 },
+            ..Diagnostics::default()
         }
     }
 }
 
-/// Adds the springs between bodies and walls.
-pub(crate) fn add_walls(
-    out: &mut Diagnostics,
-    list: &WallContacts,
-    walls: &[Wall],
-    at: Scenery<'_>,
-) {
-    for (p, &i) in list.bodies.iter().enumerate() {
-        let (ball, twist) = (&at.bodies.balls[i as usize], &at.bodies.predicted[i as usize]);
-        for entry in &list.entries[list.start[p] as usize..list.start[p + 1] as usize] {
-            let (contact, _) = touch_of_wall(ball, twist, &walls[entry.wall as usize]);
+/// Energies in the springs of a block of bodies: those between bodies count as the one's with the
+/// smaller id.
+fn add_springs(springs: &mut [f64], b: usize, seen: &Seen) {
+    let Contacts { pairs, walls, parts } = seen.contacts;
+    let (at, first) = (&seen.scenery, b * BLOCK);
+    for (i, energy) in (first..).zip(&mut *springs) {
+        let of_pair = |&place: &u32| spring_of_pair(pairs, at, i, place);
+        *energy = pairs.places_of(i).iter().filter_map(of_pair).sum();
+    }
+    for p in walls.bounds[b] as usize..walls.bounds[b + 1] as usize {
+        let i = walls.bodies[p] as usize;
+        let (ball, twist) = (&at.bodies.balls[i], &at.bodies.predicted[i]);
+        for entry in walls.row(p) {
+            let (contact, _) = touch_of_wall(ball, twist, &seen.walls[entry.wall as usize]);
             if contact.overlap > 0.0 {
                 let (law, pair) = (&at.laws[entry.law as usize], entry.reduced);
-                out.elastic_energy +=
+                springs[i - first] +=
                     elastic_energy(law, pair, &contact, &entry.memory, at.steps.after);
             }
         }
     }
+    for p in parts.bounds[b] as usize..parts.bounds[b + 1] as usize {
+        springs[parts.bodies[p] as usize - first] += parts.elastic_energy(p, at.laws);
+    }
+}
+
+/// The spring of body i's contact at a place, if it touches and the other body's id is larger.
+fn spring_of_pair(pairs: &Pairs, at: &Scenery, i: usize, place: u32) -> Option<f64> {
+    let k = (place / 2) as usize;
+    if pairs.state[k] & TOUCHING == 0 {
+        return None;
+    }
+    let (entry, bodies) = (pairs.entries[k], at.bodies);
+    // Seen from the other side all vectors are the opposite, and the energy is the same.
+    let (i, j, d, memory) = if place.is_multiple_of(2) {
+        let j = entry.other as usize;
+        (i, j, at.between(i, j, entry.image()), pairs.memory(k))
+    } else {
+        let j = pairs.body_of(k);
+        (i, j, -at.between(j, i, entry.image()), pairs.memory(k).of_other_side())
+    };
+    if bodies.id[j] < bodies.id[i] {
+        return None;
+    }
+    let (a, b) = (&bodies.balls[i], &bodies.balls[j]);
+    let (of_i, of_j) = (&bodies.predicted[i], &bodies.predicted[j]);
+    let contact = touch_of_balls(d, a.radius, b.radius, of_i, of_j);
+    let law = &at.laws[entry.law()];
+    Some(elastic_energy(law, pairs.reduced[k], &contact, &memory, at.steps.after))
 }
 
 /// Normal, tangential and rolling spring; displacements are taken back the half step that they are
 /// ahead.
-pub(crate) fn elastic_energy(
-    law: &Law,
-    pair: Reduced,
-    contact: &Contact,
-    memory: &Memory,
-    dt: f64,
-) -> f64 {
+fn elastic_energy(law: &Law, pair: Reduced, contact: &Contact, memory: &Memory, dt: f64) -> f64 {
     let n = contact.normal;
     let across = |v: Vec3| v - n * v.dot(&n);
     let k_t = law.at(contact.overlap, contact.overlap, pair).k_t;

@@ -1,7 +1,9 @@
 //! Numbers of the contacts, judged before the run.
 
 use crate::check::MIN_STEPS_PER_CONTACT;
+use crate::memory::PAIRS;
 use crate::resolve::Resolution;
+use crate::{Lubrication, Parameters};
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Damping, Scene};
@@ -13,8 +15,10 @@ const ACCURATE_STEPS: f64 = 15.0;
 const STRONG: f64 = 0.6;
 
 /// What is known of the contacts before the run, each number with a verdict.
-pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
+pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution) -> Vec<Finding> {
     let mut findings = Vec::new();
+    findings.extend(memory_of_sphere(resolution));
+    findings.extend(parameters.lubrication.and_then(|law| cutoff(law, resolution)));
     if let (Some(contact), Some(step)) = (resolution.contact_time, resolution.time_step) {
         findings.push(steps_per_contact(contact, step));
     }
@@ -45,6 +49,35 @@ pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
         );
     }
     findings
+}
+
+fn memory_of_sphere(resolution: &Resolution) -> Option<Finding> {
+    let (spheres, memory) = (resolution.spheres as f64, resolution.memory as f64);
+    let why = format!(
+        "{} MB in all, with {PAIRS} pairs listed a sphere as in a dense packing",
+        short(memory * 1e-6)
+    );
+    (spheres > 0.0).then(|| Finding::new("memory of a sphere", memory / spheres, "B").because(why))
+}
+
+/// Gap over the radius beyond which the leading term of lubrication theory is not the force.
+const NARROW: f64 = 0.5;
+
+/// The fluid's cells are not known here; what they must be is.
+fn cutoff(law: Lubrication, resolution: &Resolution) -> Option<Finding> {
+    let (gap, radius) = (law.cutoff.0, 0.5 * resolution.smallest_diameter);
+    let cells = format!(
+        "for a fluid with cells of {} m or more: finer ones resolve such gaps, and the force would count twice",
+        short(gap)
+    );
+    let finding = Finding::new("lubrication cut-off over the smallest radius", gap / radius, "1");
+    (radius > 0.0).then(|| {
+        finding.because(cells).doubtful_if(
+            gap > NARROW * radius,
+            format!("the leading term of lubrication theory is for gaps much smaller than a radius, at most {NARROW} of it"),
+            format!("a cut-off of {} m or less, and cells of a fluid no larger than that", short(NARROW * radius)),
+        )
+    })
 }
 
 fn steps_per_contact(contact: f64, step: f64) -> Finding {

@@ -2,16 +2,18 @@
 
 use crate::{
     Vec3,
-    bodies::{Ball, Bodies, Twist, Wrench},
+    bodies::{Bodies, Twist},
     contact::{self, Contact, Steps},
+    fetch::fetch,
+    integrate::Wandered,
+    lanes::LANES,
     law::{Law, Reduced},
     linear::LinearLaw,
     lubrication::Squeeze,
-    pairs::{ACTING, BLOCK, Entry, Hit, Pairs, Record, Rolling, TOUCHING},
-    tally::{Deepest, Other, Tally},
-    wall_contacts::{WallContacts, WallEntry},
-    walls::Wall,
+    pairs::{ACTING, BLOCK, Entry, Pairs, Record, Rolling, TOUCHING},
+    tally::{Other, Tally},
 };
+use core::ops::Range;
 use tremie_team::{Cut, Team};
 
 /// The contact of two spheres with centres `d` apart. Its point lies half way between the two
@@ -35,22 +37,6 @@ pub(crate) fn touch_of_balls(
         twist: 0.5 * (i.w + j.w).dot(&normal),
         rolling: i.w - j.w,
     }
-}
-
-/// The contact of a sphere with a wall, and the distance of its point from the centre.
-#[inline(always)]
-pub(crate) fn touch_of_wall(ball: &Ball, twist: &Twist, wall: &Wall) -> (Contact, f64) {
-    let overlap = wall.overlap(ball);
-    let normal = -wall.normal;
-    let arm = ball.radius - 0.5 * overlap;
-    let contact = Contact {
-        normal,
-        overlap,
-        velocity: (twist.v - wall.velocity) + twist.w.cross(&normal) * arm,
-        twist: 0.5 * twist.w.dot(&normal),
-        rolling: twist.w,
-    };
-    (contact, arm)
 }
 
 /// What the forces between bodies are made from, besides the list.
@@ -88,9 +74,9 @@ impl Scenery<'_> {
 
     /// From centre to centre of a pair.
     #[inline(always)]
-    pub fn between(&self, i: usize, j: usize, image: u16) -> Vec3 {
+    pub fn between(&self, i: usize, j: usize, image: u32) -> Vec3 {
         let bodies = self.bodies;
-        let mut image = i32::from(image);
+        let mut image = image as i32;
         if self.crossed {
             image += bodies.crossed[j] - bodies.crossed[i];
         }
@@ -100,29 +86,36 @@ impl Scenery<'_> {
 }
 
 /// Evaluates the contacts between bodies; what they give stands in the records of `pairs`. Adds what
-/// each block saw to `tallies`.
+/// each block saw to `tallies`; `wandered` tells how far the bodies of each have gone since neighbours
+/// were listed.
 pub(crate) fn between_bodies(
     team: &mut Team,
     pairs: &mut Pairs,
     scenery: Scenery<'_>,
+    wandered: &Wandered,
     tallies: &mut [Tally],
 ) {
     let bounds = &pairs.bounds;
     let pieces = (
         Cut::at(&mut pairs.state, bounds),
-        Cut::at(&mut pairs.hits, bounds),
         Cut::at(&mut pairs.xi, bounds),
         Cut::at(&mut pairs.records, bounds),
         Cut::at(&mut pairs.rolling, &pairs.rolling_bounds),
+        Cut::every(&mut pairs.near, 1),
         Cut::every(tallies, 1),
     );
-    let (start, entries, reduced) = (&pairs.start, &pairs.entries, &pairs.reduced);
-    team.for_pieces(pieces, |b, (state, hits, xi, records, rolling, tally)| {
+    let (entries, gaps, reduced) = (&pairs.entries, &pairs.gaps, &pairs.reduced);
+    team.for_pieces(pieces, |b, (state, xi, records, rolling, near, tally)| {
         let own = bounds[b] as usize..bounds[b + 1] as usize;
+        let limit = wandered.limit(b);
+        let may_have_met = |gap: &&f32| f64::from(**gap) <= limit;
+        // The limit only grows, so that the search goes on where it ended.
+        let rest = &gaps[own.clone()][near[0] as usize..];
+        near[0] += rest.iter().take_while(may_have_met).count() as u32;
         let mut block = Block {
             scenery: &scenery,
-            first: own.start,
-            entries: &entries[own.clone()],
+            first: b * BLOCK,
+            entries: &entries[own.clone()][..near[0] as usize],
             reduced: &reduced[own],
             state,
             xi,
@@ -130,19 +123,16 @@ pub(crate) fn between_bodies(
             rolling,
             tally: &mut tally[0],
         };
-        let found = block.find(b, start, hits);
-        match scenery.one_law {
-            Some(law) => block.side_by_side(law, &hits[..found]),
-            None => hits[..found].iter().for_each(|&hit| block.one_by_one(hit)),
-        }
+        block.evaluate();
     });
 }
 
 /// The contacts of a block of bodies.
 pub(crate) struct Block<'a> {
     pub scenery: &'a Scenery<'a>,
-    /// Index of the first entry in the whole list.
+    /// Index of the first body.
     first: usize,
+    /// The entries whose bodies may have met.
     entries: &'a [Entry],
     pub reduced: &'a [Reduced],
     pub state: &'a mut [u8],
@@ -152,47 +142,71 @@ pub(crate) struct Block<'a> {
     pub tally: &'a mut Tally,
 }
 
+/// So many entries are looked at before those that act are evaluated: few enough to stay close.
+const TOGETHER: usize = 256;
+
+/// So many entries ahead bodies are fetched.
+const AHEAD: usize = 16;
+
 impl Block<'_> {
+    fn evaluate(&mut self) {
+        let mut hits = [0; TOGETHER + LANES];
+        let mut waiting = 0;
+        for begin in (0..self.entries.len()).step_by(TOGETHER) {
+            let end = self.entries.len().min(begin + TOGETHER);
+            let found = waiting + self.find(begin..end, &mut hits[waiting..]);
+            let Some(law) = self.scenery.one_law else {
+                hits[..found].iter().for_each(|&k| self.one_by_one(k as usize));
+                continue;
+            };
+            // Whole batches at once; the rest waits for company.
+            let last = end == self.entries.len();
+            let whole = if last { found } else { found / LANES * LANES };
+            self.side_by_side(law, &hits[..whole]);
+            hits.copy_within(whole..found, 0);
+            waiting = found - whole;
+        }
+    }
+
     /// Writes to `hits` the entries whose bodies feel each other, and says how many they are; the
     /// others forget that they touched.
     #[inline(always)]
-    fn find(&mut self, b: usize, start: &[u32], hits: &mut [Hit]) -> usize {
+    fn find(&mut self, range: Range<usize>, hits: &mut [u32]) -> usize {
         let scenery = self.scenery;
         let (balls, gap) = (&scenery.bodies.balls, scenery.reach());
         let mut found = 0;
-        for i in b * BLOCK..balls.len().min((b + 1) * BLOCK) {
-            let radius = balls[i].radius;
-            let row = start[i] as usize - self.first..start[i + 1] as usize - self.first;
-            for (k, entry) in row.clone().zip(&self.entries[row]) {
-                let j = entry.other as usize;
-                let reach = radius + balls[j].radius + gap;
-                let touches = scenery.between(i, j, entry.image).norm_squared() < reach * reach;
-                // Without a branch: which pairs of a list touch cannot be foretold.
-                hits[found] = Hit { body: i as u32, entry: k as u32 };
-                found += usize::from(touches);
-                self.state[k] &= u8::from(touches).wrapping_neg();
+        for k in range {
+            if let Some(entry) = self.entries.get(k + AHEAD) {
+                fetch(balls, entry.other as usize);
+                fetch(self.records, k + AHEAD);
             }
+            let (i, j, d) = self.pair(k);
+            let reach = balls[i].radius + balls[j].radius + gap;
+            let touches = d.norm_squared() < reach * reach;
+            // Without a branch: which pairs of a list touch cannot be foretold.
+            hits[found] = k as u32;
+            found += usize::from(touches);
+            self.state[k] &= u8::from(touches).wrapping_neg();
         }
         found
     }
 
-    /// Bodies of a hit, from centre to centre.
+    /// Bodies of an entry.
     #[inline(always)]
-    pub fn pair(&self, hit: Hit) -> (usize, usize, Vec3) {
-        let (i, entry) = (hit.body as usize, self.entries[hit.entry as usize]);
-        let j = entry.other as usize;
-        (i, j, self.scenery.between(i, j, entry.image))
+    pub fn bodies(&self, k: usize) -> (usize, usize) {
+        (self.entries[k].body(self.first), self.entries[k].other as usize)
     }
 
-    /// Index of the other body of a hit.
+    /// Bodies of an entry, from centre to centre.
     #[inline(always)]
-    pub fn other(&self, hit: Hit) -> u32 {
-        self.entries[hit.entry as usize].other
+    pub fn pair(&self, k: usize) -> (usize, usize, Vec3) {
+        let (i, j) = self.bodies(k);
+        (i, j, self.scenery.between(i, j, self.entries[k].image()))
     }
 
-    fn one_by_one(&mut self, hit: Hit) {
-        let (scenery, k) = (self.scenery, hit.entry as usize);
-        let (i, j, d) = self.pair(hit);
+    fn one_by_one(&mut self, k: usize) {
+        let scenery = self.scenery;
+        let (i, j, d) = self.pair(k);
         let (a, b) = (&scenery.bodies.balls[i], &scenery.bodies.balls[j]);
         let predicted = &scenery.bodies.predicted;
         let contact = touch_of_balls(d, a.radius, b.radius, &predicted[i], &predicted[j]);
@@ -213,7 +227,7 @@ impl Block<'_> {
             normal: record.normal,
             overlap: record.overlap,
         };
-        let law = &scenery.laws[self.entries[k].law as usize];
+        let law = &scenery.laws[self.entries[k].law()];
         let force = contact::force(law, pair, &contact, &mut memory, touching, scenery.steps);
         self.xi[k] = memory.xi;
         *record = Record {
@@ -225,63 +239,7 @@ impl Block<'_> {
         if let Some(rolling) = self.rolling.get_mut(k) {
             *rolling = Rolling { displacement: memory.rolling, torque: force.rolling };
         }
-        self.tally.add(Deepest {
-            overlap: contact.overlap,
-            radius: a.radius.min(b.radius),
-            body: i as u32,
-            other: Other::Body(j as u32),
-        });
+        let ratio = contact.overlap / a.radius.min(b.radius);
+        self.tally.add(ratio, i as u32, Other::Body(j as u32));
     }
-}
-
-/// Evaluates the contacts with walls, and adds what each block saw to `tallies`.
-pub(crate) fn of_walls(
-    team: &mut Team,
-    list: &mut WallContacts,
-    walls: &[Wall],
-    scenery: Scenery<'_>,
-    tallies: &mut [Tally],
-) {
-    let pieces = (
-        Cut::at(&mut list.entries, &list.entry_bounds),
-        Cut::at(&mut list.wrench, &list.bounds),
-        Cut::every(tallies, 1),
-    );
-    let (bodies, start, bounds) = (&list.bodies, &list.start, &list.bounds);
-    team.for_pieces(pieces, |b, (entries, wrench, tally)| {
-        let mut entries = entries.iter_mut();
-        for (p, wrench) in (bounds[b] as usize..).zip(wrench) {
-            *wrench = Wrench::zero();
-            let count = (start[p + 1] - start[p]) as usize;
-            for entry in entries.by_ref().take(count) {
-                of_wall(entry, walls, bodies[p] as usize, &scenery, wrench, &mut tally[0]);
-            }
-        }
-    });
-}
-
-fn of_wall(
-    entry: &mut WallEntry,
-    walls: &[Wall],
-    i: usize,
-    scenery: &Scenery<'_>,
-    wrench: &mut Wrench,
-    tally: &mut Tally,
-) {
-    let ball = &scenery.bodies.balls[i];
-    let predicted = &scenery.bodies.predicted[i];
-    let (contact, arm) = touch_of_wall(ball, predicted, &walls[entry.wall as usize]);
-    let touched = std::mem::replace(&mut entry.touching, contact.overlap > 0.0);
-    let n = contact.normal;
-    wrench.force -= n * scenery.lubrication(&contact, entry.reduced);
-    if contact.overlap <= 0.0 {
-        return;
-    }
-    let law = &scenery.laws[entry.law as usize];
-    let (memory, steps) = (&mut entry.memory, scenery.steps);
-    let f = contact::force(law, entry.reduced, &contact, memory, touched, steps);
-    wrench.force += f.tangential - n * f.normal;
-    wrench.torque += n.cross(&f.tangential) * arm + f.rolling;
-    let other = Other::Wall(entry.wall);
-    tally.add(Deepest { overlap: contact.overlap, radius: ball.radius, body: i as u32, other });
 }

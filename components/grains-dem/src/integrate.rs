@@ -49,6 +49,39 @@ impl Reach {
     }
 }
 
+/// How far the bodies of each block have gone at most since neighbours were listed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wandered {
+    blocks: Vec<f64>,
+    all: f64,
+}
+
+impl Wandered {
+    /// Of `blocks` blocks, none of which has moved.
+    pub fn none(blocks: usize) -> Self {
+        Self { blocks: vec![0.0; blocks], all: 0.0 }
+    }
+
+    /// Distances count from here on.
+    pub fn begin(&mut self) {
+        self.blocks.fill(0.0);
+        self.all = 0.0;
+    }
+
+    /// Takes in how far the bodies of each block are away from where they were.
+    pub fn extend(&mut self, reaches: &[Reach]) {
+        for (block, reach) in self.blocks.iter_mut().zip(reaches) {
+            *block = block.max(reach.farthest.sqrt());
+            self.all = self.all.max(*block);
+        }
+    }
+
+    /// Gap that a body of block `b` and any other can have closed [m], with room for rounding.
+    pub fn limit(&self, b: usize) -> f64 {
+        (self.blocks[b] + self.all) * (1.0 + 1e-6)
+    }
+}
+
 /// Acceleration and angular acceleration of a body under contact forces, loads and weight.
 #[inline(always)]
 fn acceleration(
@@ -107,9 +140,9 @@ pub(crate) fn first_half(
     );
     let work = |b: usize, arrays: Arrays<'_>| {
         let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
-        let mut collector = Collector::new(forces.contacts, b);
-        let (mut farthest, mut any_crossed) = (0.0, false);
         let first = b * BLOCK;
+        let mut collector = Collector::new(forces.contacts, b, first..first + balls.len());
+        let (mut farthest, mut any_crossed) = (0.0, false);
         // Slices of equal length spare the loop its bounds checks.
         let n = balls.len();
         let (twists, predicted) = (&mut twists[..n], &mut predicted[..n]);
@@ -150,7 +183,8 @@ pub(crate) fn first_half(
 pub(crate) fn second_half(team: &mut Team, bodies: &mut Bodies, forces: Forces<'_>, dt: f64) {
     let (balls, load, mobility) = (&bodies.balls, &bodies.load, &bodies.mobility);
     team.for_pieces(Cut::every(&mut bodies.twists, BLOCK), |b, twists: &mut [Twist]| {
-        let mut collector = Collector::new(forces.contacts, b);
+        let own = b * BLOCK..b * BLOCK + twists.len();
+        let mut collector = Collector::new(forces.contacts, b, own);
         for (i, twist) in (b * BLOCK..).zip(twists) {
             let contact = collector.on(i, balls[i].radius);
             let load = forces.loaded.then_some(&load[i]);

@@ -36,6 +36,8 @@ pub(crate) struct Outcome {
     pub tangential: Lane3,
     pub force: Lane,
     pub overlap: Lane,
+    /// Overlap over the smaller radius.
+    pub ratio: Lane,
     /// Displacement to remember [m].
     pub xi: Lane3,
 }
@@ -94,7 +96,15 @@ impl LinearLaw {
         if !self.tension {
             f_n = f_n.positive();
         }
-        let mut out = Outcome { normal: n, tangential: Lane3::ZERO, force: f_n, overlap, xi: b.xi };
+        let smaller = b.radius_i.less(b.radius_j, b.radius_i, b.radius_j);
+        let mut out = Outcome {
+            normal: n,
+            tangential: Lane3::ZERO,
+            force: f_n,
+            overlap,
+            ratio: overlap.over(smaller),
+            xi: b.xi,
+        };
         if self.mu > 0.0 {
             let v = velocity - n * v_n;
             let limit = all(self.mu) * f_n.positive();

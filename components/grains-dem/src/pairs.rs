@@ -1,42 +1,66 @@
 //! Pairs of bodies that may touch, with what each contact remembers and what force it last gave.
 //!
-//! Each pair stands once, in the row of one of its bodies; which of the two does not matter, because
+//! Each pair stands once, in the block of one of its bodies; which of the two does not matter, because
 //! the formulae of a contact give exactly opposite numbers to the other side. A body collects its
 //! forces from a list of its own, in the order of the others' ids: so sums do not depend on where
 //! bodies stand in memory, on when neighbours were listed, or on threads.
+//!
+//! A block lists first the pairs that touched when the list was made, then the others by their gap.
+//! Two bodies that have not come as far as their gap cannot touch, so a step looks at the head of the
+//! list only, and what contacts remember lies close together.
 
 use crate::{
     Vec3,
-    bodies::{Bodies, Wrench},
-    cells::Cells,
+    bodies::Wrench,
     contact::{Contact, Memory},
     law::Reduced,
-    laws::Laws,
-    rows::near,
 };
-use tremie_team::{Cut, Team};
 
 /// Bodies that are one item of work.
 pub(crate) const BLOCK: usize = 512;
 
-/// A possible contact of a row.
+/// A possible contact.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Entry {
     /// Index of the other body.
     pub other: u32,
-    /// Image through which it is seen; see [`crate::periodic::image`].
-    pub image: u16,
+    /// From the lowest bit on: 9 bits for the body's place in its block, 5 for the image through which
+    /// the other is seen (see [`crate::periodic::image`]), 16 for the number of the law.
+    tags: u32,
+}
+
+impl Entry {
+    /// A contact of `body` under a law with another, seen through an image.
+    pub fn new(body: usize, other: u32, image: u32, law: u16) -> Self {
+        Self { other, tags: (body % BLOCK) as u32 | image << 9 | u32::from(law) << 14 }
+    }
+
+    /// Index of the body whose contact it is, in a block that begins at `first`.
+    #[inline(always)]
+    pub fn body(self, first: usize) -> usize {
+        first + self.tags as usize % BLOCK
+    }
+
+    /// Image through which the other is seen.
+    #[inline(always)]
+    pub fn image(self) -> u32 {
+        self.tags >> 9 & 31
+    }
+
     /// Number of the law.
-    pub law: u16,
+    #[inline(always)]
+    pub fn law(self) -> usize {
+        (self.tags >> 14) as usize
+    }
 }
 
 /// What a contact gave at the last evaluation: 64 bytes, read as a whole.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Record {
-    /// Unit normal, away from the body of the row.
+    /// Unit normal, away from the body of the entry.
     pub normal: Vec3,
-    /// Tangential force on the body of the row [N].
+    /// Tangential force on the body of the entry [N].
     pub tangential: Vec3,
     /// Normal force, positive when pushing [N].
     pub force: f64,
@@ -58,7 +82,7 @@ impl Record {
         Self { normal: contact.normal, force, overlap: contact.overlap, ..Self::NONE }
     }
 
-    /// What it does to a body of `radius`, of whose row it is or not (then `sign` is -1).
+    /// What it does to a body of `radius`, whose entry it is or not (then `sign` is -1).
     #[inline(always)]
     pub fn on(&self, sign: f64, radius: f64) -> Wrench {
         Wrench {
@@ -74,20 +98,13 @@ impl Record {
 pub(crate) struct Rolling {
     /// Displacement that is remembered [m]; see [`Memory::rolling`].
     pub displacement: Vec3,
-    /// Torque on the body of the row [N·m].
+    /// Torque on the body of the entry [N·m].
     pub torque: Vec3,
 }
 
 impl Rolling {
     pub const NONE: Self =
         Self { displacement: Vec3::new(0.0, 0.0, 0.0), torque: Vec3::new(0.0, 0.0, 0.0) };
-}
-
-/// A contact that acts: the body of the row, and the entry.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Hit {
-    pub body: u32,
-    pub entry: u32,
 }
 
 /// Bits of an entry's state.
@@ -97,14 +114,16 @@ pub(crate) const TOUCHING: u8 = 2;
 /// The list.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pairs {
-    /// `start[i]..start[i + 1]` are the entries of body i.
-    pub start: Vec<u32>,
-    /// Entries of the blocks of bodies.
+    /// Entries of the blocks of bodies: from `bounds[b]` to `bounds[b + 1]`.
     pub bounds: Vec<u32>,
     /// As `bounds` where there is rolling friction; else all zero.
     pub rolling_bounds: Vec<u32>,
     /// The possible contacts.
     pub entries: Vec<Entry>,
+    /// How far each pair was from feeling each other when the list was made [m]: ascending in a block.
+    pub gaps: Vec<f32>,
+    /// How many entries of each block may have met since.
+    pub near: Vec<u32>,
     /// Mass and radius of each pair.
     pub reduced: Vec<Reduced>,
     /// Which act, and which touch.
@@ -115,8 +134,6 @@ pub(crate) struct Pairs {
     pub records: Vec<Record>,
     /// Rolling friction, where any law has it.
     pub rolling: Vec<Rolling>,
-    /// Room to gather those that act.
-    pub hits: Vec<Hit>,
     /// `collected[i]..collected[i + 1]` are body i's places in `places`.
     pub collected: Vec<u32>,
     /// Contacts of each body by the other's id: twice the entry, and one more where the body is the
@@ -124,41 +141,17 @@ pub(crate) struct Pairs {
     pub places: Vec<u32>,
 }
 
-/// What it takes to make a list: buffers that are kept.
-#[derive(Debug, Default)]
-pub(crate) struct PairsMaker {
-    before: Pairs,
-    blocks: Vec<Found>,
-    keys: Vec<u64>,
-    place_bounds: Vec<u32>,
-}
-
-/// What one block of bodies found.
-#[derive(Debug, Default)]
-struct Found {
-    entries: Vec<Entry>,
-    ends: Vec<u32>,
-}
-
-/// What the list is made from.
-pub(crate) struct Nearness<'a> {
-    /// The bodies sorted by cell.
-    pub cells: &'a Cells,
-    /// Displacements of images.
-    pub shifts: &'a [Vec3; 27],
-    /// How far beyond touching pairs are listed [m].
-    pub gap: f64,
-    /// Laws of materials.
-    pub laws: &'a Laws,
-    /// Where in memory each body stood when the list before was made.
-    pub previous: &'a [u32],
-}
-
 impl Pairs {
-    /// Entries of body i.
+    /// Where body i finds its contacts; see [`Pairs::places`].
     #[inline(always)]
-    pub fn row(&self, i: usize) -> std::ops::Range<usize> {
-        self.start[i] as usize..self.start[i + 1] as usize
+    pub fn places_of(&self, i: usize) -> &[u32] {
+        &self.places[self.collected[i] as usize..self.collected[i + 1] as usize]
+    }
+
+    /// Index of the body whose contact entry k is.
+    pub fn body_of(&self, k: usize) -> usize {
+        let block = self.bounds.partition_point(|&bound| bound as usize <= k) - 1;
+        self.entries[k].body(block * BLOCK)
     }
 
     /// What entry k remembers.
@@ -173,166 +166,22 @@ impl Pairs {
     }
 
     /// What the pair of bodies i and j, by their places in this list, remembers, if it touched.
-    fn remembered(&self, i: u32, j: u32) -> Option<Memory> {
-        let find = |i: u32, j: u32| {
-            self.row(i as usize)
-                .find(|&k| self.state[k] & TOUCHING != 0 && self.entries[k].other == j)
-        };
-        match find(i, j) {
-            Some(k) => Some(self.memory(k)),
-            None => find(j, i).map(|k| self.memory(k).of_other_side()),
-        }
-    }
-}
-
-impl PairsMaker {
-    /// Makes the list anew. Contacts that it knew keep their history.
-    pub fn make(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, near: &Nearness) {
-        std::mem::swap(pairs, &mut self.before);
-        self.find(pairs, team, bodies, near);
-        self.fill(pairs, team, bodies, near);
-        self.collect(pairs, team, bodies);
-    }
-
-    /// Finds the entries, block by block, and says where each row begins.
-    fn find(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, at: &Nearness) {
-        let n = bodies.len();
-        self.blocks.resize_with(n.div_ceil(BLOCK), Found::default);
-        let (balls, mobility, material) = (&bodies.balls, &bodies.mobility, &bodies.material);
-        team.for_each(&mut self.blocks, |b, block| {
-            block.entries.clear();
-            block.ends.clear();
-            for i in b * BLOCK..n.min((b + 1) * BLOCK) {
-                near(at.cells, at.shifts, balls, mobility, at.gap, i, |seen, j| {
-                    block.entries.push(Entry {
-                        other: seen.other,
-                        image: seen.image as u16,
-                        law: at.laws.between(material[i], material[j]),
-                    });
-                });
-                block.ends.push(block.entries.len() as u32);
+    pub fn remembered(&self, i: u32, j: u32) -> Option<Memory> {
+        let block = j as usize / BLOCK;
+        let of_j = self.bounds[block] as usize..self.bounds[block + 1] as usize;
+        for &place in self.places_of(i as usize) {
+            let k = (place / 2) as usize;
+            if self.state[k] & TOUCHING == 0 {
+                continue;
             }
-        });
-        pairs.start.clear();
-        pairs.bounds.clear();
-        pairs.start.push(0);
-        pairs.bounds.push(0);
-        let mut offset = 0;
-        for block in &self.blocks {
-            pairs.start.extend(block.ends.iter().map(|end| offset + end));
-            offset += block.entries.len() as u32;
-            pairs.bounds.push(offset);
-        }
-        pairs.rolling_bounds.clear();
-        if at.laws.resist_rolling() {
-            pairs.rolling_bounds.extend(&pairs.bounds);
-        } else {
-            pairs.rolling_bounds.resize(pairs.bounds.len(), 0);
-        }
-    }
-
-    /// Copies the entries into the list and gives them their history.
-    fn fill(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, at: &Nearness) {
-        let count = pairs.start[bodies.len()] as usize;
-        pairs.entries.resize(count, Entry::default());
-        pairs.reduced.resize(count, Reduced { root_mass: 0.0, radius: 0.0 });
-        pairs.state.resize(count, 0);
-        pairs.xi.resize(count, Vec3::zeros());
-        pairs.records.resize(count, Record::NONE);
-        pairs.hits.resize(count, Hit::default());
-        let rolls = pairs.rolling_bounds.last().is_some_and(|&end| end > 0);
-        pairs.rolling.resize(if rolls { count } else { 0 }, Rolling::NONE);
-        let bounds = &pairs.bounds;
-        let pieces = (
-            Cut::at(&mut pairs.entries, bounds),
-            Cut::at(&mut pairs.reduced, bounds),
-            Cut::at(&mut pairs.state, bounds),
-            Cut::at(&mut pairs.xi, bounds),
-            Cut::at(&mut pairs.records, bounds),
-            Cut::at(&mut pairs.rolling, &pairs.rolling_bounds),
-        );
-        let (blocks, before, start) = (&self.blocks, &self.before, &pairs.start);
-        let known = before.start.len() == start.len();
-        team.for_pieces(pieces, |b, (entries, reduced, state, xi, records, rolling)| {
-            entries.copy_from_slice(&blocks[b].entries);
-            let mut k = 0;
-            for (i, &end) in (b * BLOCK..).zip(&blocks[b].ends) {
-                for k in std::mem::replace(&mut k, end as usize)..end as usize {
-                    let j = entries[k].other as usize;
-                    reduced[k] = reduced_of(bodies, i, j);
-                    state[k] = 0;
-                    let (i, j) = (at.previous[i], at.previous[j]);
-                    let Some(memory) = known.then(|| before.remembered(i, j)).flatten() else {
-                        continue;
-                    };
-                    state[k] = TOUCHING;
-                    xi[k] = memory.xi;
-                    records[k].normal = memory.normal;
-                    records[k].overlap = memory.overlap;
-                    if let Some(rolling) = rolling.get_mut(k) {
-                        rolling.displacement = memory.rolling;
-                    }
-                }
+            let entry = self.entries[k];
+            if place.is_multiple_of(2) && entry.other == j {
+                return Some(self.memory(k));
             }
-        });
-    }
-
-    /// Lists for each body its contacts by the other's id.
-    fn collect(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies) {
-        let n = bodies.len();
-        let collected = &mut pairs.collected;
-        collected.clear();
-        collected.resize(n + 2, 0);
-        // Counted two places further up, so that the places below serve as cursors.
-        for i in 0..n {
-            collected[i + 2] += pairs.start[i + 1] - pairs.start[i];
-        }
-        for entry in &pairs.entries {
-            collected[entry.other as usize + 2] += 1;
-        }
-        for i in 2..n + 2 {
-            collected[i] += collected[i - 1];
-        }
-        self.keys.resize(2 * pairs.entries.len(), 0);
-        let id = &bodies.id;
-        for i in 0..n {
-            for k in pairs.start[i]..pairs.start[i + 1] {
-                let j = pairs.entries[k as usize].other as usize;
-                for (body, other, side) in [(i, j, 0), (j, i, 1)] {
-                    let place = &mut collected[body + 1];
-                    self.keys[*place as usize] =
-                        u64::from(id[other]) << 32 | u64::from(2 * k + side);
-                    *place += 1;
-                }
+            if place % 2 == 1 && of_j.contains(&k) && entry.body(block * BLOCK) == j as usize {
+                return Some(self.memory(k).of_other_side());
             }
         }
-        collected.pop();
-        pairs.places.resize(self.keys.len(), 0);
-        self.place_bounds.clear();
-        self.place_bounds.extend((0..n).step_by(BLOCK).map(|i| pairs.collected[i]));
-        self.place_bounds.push(pairs.collected[n]);
-        let pieces = (
-            Cut::at(&mut self.keys, &self.place_bounds),
-            Cut::at(&mut pairs.places, &self.place_bounds),
-        );
-        let collected = &pairs.collected;
-        team.for_pieces(pieces, |b, (keys, places)| {
-            let first = collected[b * BLOCK] as usize;
-            for i in b * BLOCK..n.min((b + 1) * BLOCK) {
-                let own = collected[i] as usize - first..collected[i + 1] as usize - first;
-                keys[own].sort_unstable();
-            }
-            for (place, key) in places.iter_mut().zip(keys) {
-                *place = *key as u32;
-            }
-        });
-    }
-}
-
-fn reduced_of(bodies: &Bodies, i: usize, j: usize) -> Reduced {
-    let (a, b) = (bodies.balls[i].radius, bodies.balls[j].radius);
-    Reduced {
-        root_mass: bodies.mobility[i].root_reduced_mass(bodies.mobility[j]),
-        radius: a * b / (a + b),
+        None
     }
 }

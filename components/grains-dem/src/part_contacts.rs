@@ -2,29 +2,28 @@
 
 use crate::{
     Vec3,
-    bodies::{Bodies, Mobility, Wrench},
+    bodies::{Bodies, Wrench},
     contact::{self, Contact, Memory},
     forces::Scenery,
     law::{Law, Reduced},
-    laws::Laws,
     mesh_contact::{self, MOST, SAME},
     pairs::BLOCK,
+    part_finder::{Found, Nearness},
     parts::PlacedPart,
-    periodic::PeriodicBox,
-    tally::{Deepest, Other, Tally},
+    tally::{Other, Tally},
 };
 use tremie_team::{Cut, Team};
 
 /// A body near a part.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
-    part: u32,
-    law: u16,
+pub(crate) struct Entry {
+    pub part: u32,
+    pub law: u16,
     /// Number of contacts at the last evaluation; as many memories count.
-    touching: u8,
+    pub touching: u8,
     /// Mass and radius: the body's.
-    reduced: Reduced,
-    memories: [Memory; MOST],
+    pub reduced: Reduced,
+    pub memories: [Memory; MOST],
 }
 
 /// Rows of entries, one for each body near a part, in the order of memory.
@@ -43,67 +42,39 @@ pub(crate) struct PartContacts {
     /// `near[e]..near[e + 1]` are the triangles of entry e, with the images that see them.
     near: Vec<u32>,
     triangles: Vec<(u32, u32)>,
-    /// Forces on the parts, block by block.
+    /// Forces on the parts and torques about their reference points, at the last evaluation.
+    pub on_parts: Vec<Wrench>,
+    /// The same block by block.
     loads: Vec<Wrench>,
-    room: Vec<u32>,
 }
 
 impl PartContacts {
-    /// Makes the list anew from bodies closer than `gap` to a part. `before` is the list before, with
-    /// bodies by their `previous` places.
+    /// Makes the list anew. `before` is the list before; `found` is room to work in.
     pub fn make(
         &mut self,
         before: &Self,
-        previous: &[u32],
+        found: &mut Vec<Found>,
+        team: &mut Team,
         bodies: &Bodies,
-        parts: &[PlacedPart],
-        (laws, materials): (&Laws, &[u16]),
-        (bounds, gap): (&PeriodicBox, f64),
+        at: &Nearness,
     ) {
         self.clear();
-        for i in 0..bodies.len() {
-            if i.is_multiple_of(BLOCK) {
-                self.end_block();
-            }
-            if !bodies.mobility[i].is_free() {
-                continue;
-            }
-            for (part, placed) in parts.iter().enumerate() {
-                let found = self.triangles.len();
-                self.find(placed, bodies.balls[i].x, bodies.balls[i].radius + gap, bounds);
-                if self.triangles.len() == found {
-                    continue;
-                }
-                let (touching, memories) =
-                    before.remembered(previous[i], part as u32).unwrap_or_default();
-                self.near.push(self.triangles.len() as u32);
-                self.entries.push(Entry {
-                    part: part as u32,
-                    law: laws.between(materials[part], bodies.material[i]),
-                    touching,
-                    reduced: Reduced {
-                        root_mass: bodies.mobility[i].root_reduced_mass(Mobility::NONE),
-                        radius: bodies.balls[i].radius,
-                    },
-                    memories,
-                });
-            }
-            if self.entries.len() > self.start[self.bodies.len()] as usize {
-                self.bodies.push(i as u32);
-                self.start.push(self.entries.len() as u32);
-            }
+        found.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
+        if !at.parts.is_empty() {
+            team.for_each(found, |b, found| found.find(b, before, bodies, at));
         }
-        self.end_block();
+        for found in found {
+            let (first, triangles) = (self.entries.len() as u32, self.triangles.len() as u32);
+            self.bodies.extend(&found.bodies);
+            self.start.extend(found.ends.iter().map(|end| first + end));
+            self.entries.extend(&found.entries);
+            self.near.extend(found.near.iter().map(|end| triangles + end));
+            self.triangles.extend(&found.triangles);
+            self.end_block();
+        }
         self.wrench.resize(self.bodies.len(), Wrench::zero());
-        self.loads.resize((self.bounds.len() - 1) * parts.len(), Wrench::zero());
-    }
-
-    /// Adds the triangles of a part near a body, through all images.
-    fn find(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
-        for (image, shift) in bounds.numbered_images() {
-            part.triangles_near(part.to_part(x + shift), reach, &mut self.room);
-            self.triangles.extend(self.room.iter().map(|&triangle| (triangle, image)));
-        }
+        self.on_parts.resize(at.parts.len(), Wrench::zero());
+        self.loads.resize((self.bounds.len() - 1) * at.parts.len(), Wrench::zero());
     }
 
     fn clear(&mut self) {
@@ -116,6 +87,7 @@ impl PartContacts {
         self.near.clear();
         self.near.push(0);
         self.triangles.clear();
+        self.end_block();
     }
 
     fn end_block(&mut self) {
@@ -124,18 +96,17 @@ impl PartContacts {
     }
 
     /// What the contacts of a body, by its place in this list, with a part remember.
-    fn remembered(&self, body: u32, part: u32) -> Option<(u8, [Memory; MOST])> {
+    pub fn remembered(&self, body: u32, part: u32) -> Option<(u8, [Memory; MOST])> {
         let p = self.bodies.binary_search(&body).ok()?;
         let row = &self.entries[self.start[p] as usize..self.start[p + 1] as usize];
         row.iter().find(|entry| entry.part == part).map(|entry| (entry.touching, entry.memories))
     }
 
-    /// Evaluates the contacts; adds what each block saw to `tallies`, and leaves on each part the sum
-    /// of the forces on it.
+    /// Evaluates the contacts; adds what each block saw to `tallies`, and sums the forces on the parts.
     pub fn evaluate(
         &mut self,
         team: &mut Team,
-        parts: &mut [PlacedPart],
+        parts: &[PlacedPart],
         scenery: Scenery<'_>,
         tallies: &mut [Tally],
     ) {
@@ -150,14 +121,13 @@ impl PartContacts {
         );
         let (bodies, start, bounds) = (&self.bodies, &self.start, &self.bounds);
         let (near, triangles, first) = (&self.near, &self.triangles, &self.entry_bounds);
-        let placed = &*parts;
         team.for_pieces(pieces, |b, (entries, wrench, loads, tally)| {
             loads.fill(Wrench::zero());
             for (p, wrench) in (bounds[b] as usize..).zip(wrench) {
                 *wrench = Wrench::zero();
                 for e in start[p] as usize..start[p + 1] as usize {
                     let entry = &mut entries[e - first[b] as usize];
-                    let part = &placed[entry.part as usize];
+                    let part = &parts[entry.part as usize];
                     let load = &mut loads[entry.part as usize];
                     let near = &triangles[near[e] as usize..near[e + 1] as usize];
                     let place = Place { body: bodies[p] as usize, part, near, scenery: &scenery };
@@ -165,22 +135,22 @@ impl PartContacts {
                 }
             }
         });
-        for (k, part) in parts.iter_mut().enumerate() {
-            part.wrench = Wrench::zero();
-            for load in self.loads.iter().skip(k).step_by(placed_count(&self.loads, &self.bounds)) {
-                part.wrench.force += load.force;
-                part.wrench.torque += load.torque;
+        self.on_parts.fill(Wrench::zero());
+        for block in self.loads.chunks(parts.len()) {
+            for (sum, load) in self.on_parts.iter_mut().zip(block) {
+                sum.force += load.force;
+                sum.torque += load.torque;
             }
         }
     }
 }
 
 impl PartContacts {
-    /// Energy in the springs of all contacts [J], tangential ones at the displacement that they will
-    /// have half a step later.
-    pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
+    /// Energy in the springs of the contacts of a body, by its place in this list [J], tangential ones
+    /// at the displacement that they will have half a step later.
+    pub fn elastic_energy(&self, p: usize, laws: &[Law]) -> f64 {
         let mut energy = 0.0;
-        for entry in &self.entries {
+        for entry in &self.entries[self.start[p] as usize..self.start[p + 1] as usize] {
             let law = &laws[entry.law as usize];
             for memory in &entry.memories[..entry.touching as usize] {
                 let k_t = law.at(memory.overlap, memory.overlap, entry.reduced).k_t;
@@ -190,11 +160,6 @@ impl PartContacts {
         }
         energy
     }
-}
-
-/// Number of parts, from the number of their loads in all blocks.
-fn placed_count(loads: &[Wrench], bounds: &[u32]) -> usize {
-    loads.len() / (bounds.len() - 1)
 }
 
 /// A body and a part near it.
@@ -271,8 +236,7 @@ impl Place<'_> {
             let lever = home + n * arm - Vec3::from(part.pose.position);
             on_part.force -= force;
             on_part.torque -= lever.cross(&force) + f.rolling;
-            let other = Other::Part(entry.part);
-            tally.add(Deepest { overlap, radius: ball.radius, body: self.body as u32, other });
+            tally.add(overlap / ball.radius, self.body as u32, Other::Part(entry.part));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     Vec3,
-    bodies::{Twist, Wrench},
+    bodies::Twist,
     mesh_contact::Triangle,
     motion::{Path, turn},
     periodic::PeriodicBox,
@@ -25,8 +25,6 @@ pub(crate) struct PlacedPart {
     pub twist: Twist,
     /// How far any of its points can have gone since neighbours were listed [m].
     pub moved: f64,
-    /// Force of grains on it and torque about its reference point, at the last evaluation.
-    pub wrench: Wrench,
 }
 
 /// Loads the surfaces of all parts.
@@ -65,7 +63,6 @@ impl PlacedPart {
             frame: Frame::of(&part.pose),
             twist,
             moved: 0.0,
-            wrench: Wrench::zero(),
         }
     }
 

@@ -96,6 +96,17 @@ impl PeriodicBox {
         x
     }
 
+    /// The shortest of the ways between two places that `way` is one of.
+    pub fn shortest(&self, way: Vec3) -> Vec3 {
+        Vec3::from_fn(|a, _| {
+            if !self.periodic[a] {
+                return way[a];
+            }
+            let size = self.size[a];
+            way[a] - size * libm::floor(way[a] / size + 0.5)
+        })
+    }
+
     /// Displacements of all images of a body, its own place included.
     pub fn images(&self) -> impl Iterator<Item = Vec3> + '_ {
         self.numbered_images().map(|(_, shift)| shift)
@@ -133,6 +144,8 @@ mod tests {
         let far = bounds.wrap(Vec3::new(-5.25, 4.0, 0.5 - 1e-18));
         assert!((far.x - 0.75).abs() < 1e-12 && far.y == 4.0);
         assert!(far.z >= 0.5 && far.z < 0.7);
+        let way = bounds.shortest(Vec3::new(1.75, 2.0, -0.15));
+        assert!((way - Vec3::new(-0.25, 2.0, 0.05)).norm() < 1e-12, "{way}");
         assert_eq!(bounds.shifts[SELF_IMAGE as usize], Vec3::zeros());
         assert_eq!(bounds.shifts[image([1, 0, -1]) as usize], Vec3::new(2.0, 0.0, 0.5 - 0.7));
     }

@@ -7,7 +7,7 @@ use crate::{
     encounters::{Encounter, Population, contact_time, damping_ratio, largest_overlap},
     law::{Law, Reduced},
     lubrication::Squeeze,
-    overlaps, parts, placement,
+    memory, overlaps, parts, placement,
     stability::Stability,
 };
 use serde::Serialize;
@@ -35,6 +35,8 @@ pub struct Resolution {
     pub bodies: usize,
     /// Number of spheres.
     pub spheres: usize,
+    /// Memory that the spheres take, if they are packed densely [bytes].
+    pub memory: u64,
     /// Number of spheres that move under forces.
     pub free_bodies: usize,
     /// Smallest diameter [m]; 0 without bodies.
@@ -100,6 +102,7 @@ impl Parameters {
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
         let given = self.time_step.map(|step| step.0);
         let [smallest_diameter, largest_diameter] = population.diameters();
+        let rolling = scene.contacts.iter().any(|pair| pair.law.rolling_friction > 0.0);
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
             stable_time_step: finite(limits.dense),
@@ -108,6 +111,7 @@ impl Parameters {
             hertz: encounters.iter().any(|e| matches!(e.law.spring, Spring::Hertz { .. })),
             bodies: population.bodies() + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
+            memory: (population.bodies() * memory::of_sphere(rolling)) as u64,
             free_bodies: population.free(),
             smallest_diameter,
             largest_diameter,

@@ -39,7 +39,7 @@ impl Rows {
         self.neighbours.clear();
         self.start.push(0);
         for i in 0..balls.len() {
-            near(cells, shifts, balls, mobility, gap, i, |neighbour, _| {
+            near(cells, shifts, balls, mobility, gap, i, |neighbour, _, _| {
                 self.neighbours.push(neighbour);
             });
             self.start.push(self.neighbours.len() as u32);
@@ -54,7 +54,7 @@ impl Rows {
 }
 
 /// Visits the bodies of body i's row: those ahead of it in the cells whose surfaces are closer to
-/// i's than `gap`, where at least one of the two is free.
+/// i's than `gap`, where at least one of the two is free; with them goes the square of the distance.
 #[inline(always)]
 pub(crate) fn near(
     cells: &Cells,
@@ -63,18 +63,16 @@ pub(crate) fn near(
     mobility: &[Mobility],
     gap: f64,
     i: usize,
-    mut visit: impl FnMut(Neighbour, usize),
+    mut visit: impl FnMut(Neighbour, usize, f64),
 ) {
     let ball = balls[i];
     cells.ahead(i, |other, image| {
         let j = other as usize;
         let reach = ball.radius + balls[j].radius + gap;
         let distance = (balls[j].x - ball.x) + shifts[image as usize];
-        if distance.norm_squared() < reach * reach
-            && (mobility[i].is_free() || mobility[j].is_free())
-            && j != i
-        {
-            visit(Neighbour { other, image }, j);
+        let square = distance.norm_squared();
+        if square < reach * reach && (mobility[i].is_free() || mobility[j].is_free()) && j != i {
+            visit(Neighbour { other, image }, j, square);
         }
     });
 }

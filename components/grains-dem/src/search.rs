@@ -4,13 +4,13 @@ use crate::{
     Parameters, Vec3,
     bodies::{Ball, Bodies},
     cells::Cells,
-    laws::Laws,
-    pairs::{BLOCK, Nearness, Pairs, PairsMaker},
+    pairs::{BLOCK, Pairs},
+    pairs_maker::{Nearness, PairsMaker},
     part_contacts::PartContacts,
-    parts::PlacedPart,
+    part_finder,
     periodic::PeriodicBox,
-    wall_contacts::WallContacts,
-    walls::{Wall, WallLaws},
+    surroundings::Surroundings,
+    wall_contacts::{self, WallContacts},
 };
 use tremie_team::{Cut, Team};
 
@@ -22,8 +22,8 @@ const LISTS_PER_ORDER: u64 = 16;
 pub(crate) struct Search {
     /// How far beyond feeling each other neighbours are listed [m].
     pub skin: f64,
-    /// That, and the gap at which bodies feel each other.
-    gap: f64,
+    /// Gap up to which bodies feel each other [m].
+    reach: f64,
     cells: Cells,
     /// Contacts between bodies.
     pub pairs: Pairs,
@@ -36,24 +36,10 @@ pub(crate) struct Search {
     maker: PairsMaker,
     spare_walls: WallContacts,
     spare_parts: PartContacts,
+    found_walls: Vec<wall_contacts::Found>,
+    found_parts: Vec<part_finder::Found>,
     order: Vec<u32>,
     keys: Vec<(u64, u32)>,
-}
-
-/// What bodies may touch, and how.
-pub(crate) struct Surroundings {
-    /// The domain.
-    pub bounds: PeriodicBox,
-    /// Laws of materials.
-    pub laws: Laws,
-    /// The walls.
-    pub walls: Vec<Wall>,
-    /// Their laws.
-    pub wall_laws: WallLaws,
-    /// The parts.
-    pub parts: Vec<PlacedPart>,
-    /// Numbers of their materials.
-    pub part_materials: Vec<u16>,
 }
 
 /// The contacts of all bodies.
@@ -72,7 +58,7 @@ impl Search {
         let range = if bodies > 0 { largest + reach + skin } else { bounds.size.max() };
         Self {
             skin,
-            gap: reach + skin,
+            reach,
             cells: Cells::new(bounds, range, bodies),
             pairs: Pairs::default(),
             walls: WallContacts::default(),
@@ -81,6 +67,8 @@ impl Search {
             maker: PairsMaker::default(),
             spare_walls: WallContacts::default(),
             spare_parts: PartContacts::default(),
+            found_walls: Vec::new(),
+            found_parts: Vec::new(),
             order: Vec::with_capacity(bodies),
             keys: Vec::with_capacity(bodies),
         }
@@ -106,18 +94,27 @@ impl Search {
         let near = Nearness {
             cells: &self.cells,
             shifts: &around.bounds.shifts,
-            gap: self.gap,
+            reach: self.reach,
+            skin: self.skin,
             laws: &around.laws,
             previous: &self.order,
         };
         self.maker.make(&mut self.pairs, team, bodies, &near);
+        let gap = self.reach + self.skin;
         std::mem::swap(&mut self.walls, &mut self.spare_walls);
-        let (before, laws) = (&self.spare_walls, &around.wall_laws);
-        self.walls.make(before, &self.order, bodies, &around.walls, laws, self.gap);
+        let (walls, laws) = (&around.walls[..], &around.wall_laws);
+        let near = wall_contacts::Nearness { walls, laws, gap, previous: &self.order };
+        self.walls.make(&self.spare_walls, &mut self.found_walls, team, bodies, &near);
         std::mem::swap(&mut self.parts, &mut self.spare_parts);
-        let (before, laws) = (&self.spare_parts, (&around.laws, &around.part_materials[..]));
-        let reach = (&around.bounds, self.gap);
-        self.parts.make(before, &self.order, bodies, &around.parts, laws, reach);
+        let near = part_finder::Nearness {
+            parts: &around.parts,
+            laws: &around.laws,
+            materials: &around.part_materials,
+            bounds: &around.bounds,
+            gap,
+            previous: &self.order,
+        };
+        self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
         around.parts.iter_mut().for_each(|part| part.moved = 0.0);
         self.rebuilds += 1;
     }

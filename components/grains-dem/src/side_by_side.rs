@@ -1,34 +1,38 @@
 //! Contacts of one linear law, several at once.
 
 use crate::{
+    fetch::fetch,
     forces::Block,
     lanes::LANES,
     linear::{Batch, LinearLaw, Outcome},
-    pairs::{ACTING, Hit, Record, TOUCHING},
-    tally::{Deepest, Other},
+    pairs::{ACTING, Record, TOUCHING},
+    tally::Other,
 };
 
 impl Block<'_> {
-    /// Evaluates the contacts of `hits`.
-    pub fn side_by_side(&mut self, law: LinearLaw, hits: &[Hit]) {
+    /// Evaluates the contacts of the entries `hits`.
+    pub fn side_by_side(&mut self, law: LinearLaw, hits: &[u32]) {
         let (kernel, steps) = (law.kernel, self.scenery.steps);
-        let mut batch = Batch::ZERO;
-        for hits in hits.chunks(LANES) {
-            for (lane, &hit) in hits.iter().enumerate() {
-                self.put(&mut batch, lane, hit);
+        let (mut batch, all) = (Batch::ZERO, hits);
+        for (first, hits) in (0..).step_by(LANES).zip(hits.chunks(LANES)) {
+            for (lane, &k) in hits.iter().enumerate() {
+                if let Some(&next) = all.get(first + lane + LANES) {
+                    let (_, j) = self.bodies(next as usize);
+                    fetch(&self.scenery.bodies.predicted, j);
+                }
+                self.put(&mut batch, lane, k as usize);
             }
             // Lanes beyond the last hit hold what was there before, and nobody takes them.
             let outcome = kernel(&law, &batch, steps);
-            for (lane, &hit) in hits.iter().enumerate() {
-                self.take(&outcome, &batch, lane, hit);
+            for (lane, &k) in hits.iter().enumerate() {
+                self.take(&outcome, lane, k as usize);
             }
         }
     }
 
     #[inline(always)]
-    fn put(&self, batch: &mut Batch, lane: usize, hit: Hit) {
-        let k = hit.entry as usize;
-        let (i, j, d) = self.pair(hit);
+    fn put(&self, batch: &mut Batch, lane: usize, k: usize) {
+        let (i, j, d) = self.pair(k);
         let bodies = self.scenery.bodies;
         let (a, b) = (&bodies.predicted[i], &bodies.predicted[j]);
         batch.d.set(lane, &d);
@@ -45,8 +49,7 @@ impl Block<'_> {
     }
 
     #[inline(always)]
-    fn take(&mut self, outcome: &Outcome, batch: &Batch, lane: usize, hit: Hit) {
-        let k = hit.entry as usize;
+    fn take(&mut self, outcome: &Outcome, lane: usize, k: usize) {
         let (normal, overlap) = (outcome.normal.get(lane), outcome.overlap.0[lane]);
         self.state[k] = ACTING;
         if overlap <= 0.0 {
@@ -62,12 +65,7 @@ impl Block<'_> {
             force: outcome.force.0[lane],
             overlap,
         };
-        let (a, b) = (batch.radius_i.0[lane], batch.radius_j.0[lane]);
-        self.tally.add(Deepest {
-            overlap,
-            radius: a.min(b),
-            body: hit.body,
-            other: Other::Body(self.other(hit)),
-        });
+        let (i, j) = self.bodies(k);
+        self.tally.add(outcome.ratio.0[lane], i as u32, Other::Body(j as u32));
     }
 }

@@ -2,28 +2,26 @@
 
 use crate::{
     Diagnostics, GrainsError, Parameters, Vec3,
-    bodies::{Bodies, PlacedSphere, Wrench},
+    bodies::{Bodies, PlacedSphere},
     contact::Steps,
-    diagnostics,
+    diagnostics::{Seen, Survey},
     driven::Driven,
-    forces::{self, Scenery},
-    integrate::{self, Forces, Reach},
-    laws::{self, Laws},
-    linear::LinearLaw,
-    lubrication::Squeeze,
-    overlaps,
+    events, forces,
+    integrate::{self, Forces, Reach, Wandered},
+    loads, overlaps,
     pairs::BLOCK,
     parts::{self, PlacedPart},
-    periodic::PeriodicBox,
     placement,
-    search::{Search, Surroundings},
-    tally::{Other, Tally},
-    walls,
+    probes::Probes,
+    search::Search,
+    surroundings::Surroundings,
+    tally::Tally,
+    wall_forces,
 };
 use tremie_messages::{
     Problem,
     body::{BodyEvent, BodyState, Load},
-    scene::{Domain, Motion, Scene},
+    scene::{Domain, Scene},
 };
 use tremie_team::Team;
 
@@ -34,15 +32,12 @@ const TOO_DEEP: f64 = 0.5;
 pub struct GrainsDem {
     domain: Domain,
     around: Surroundings,
-    surface_names: Vec<String>,
     gravity: Vec3,
     dt: f64,
     bodies: Bodies,
     events: Vec<BodyEvent>,
     search: Search,
     team: Team,
-    one_law: Option<LinearLaw>,
-    squeeze: Option<Squeeze>,
     driven: Driven,
     /// Substeps since the start.
     steps: u64,
@@ -51,10 +46,14 @@ pub struct GrainsDem {
     /// What each block of bodies saw at the last evaluation, and how far it went.
     tallies: Vec<Tally>,
     reaches: Vec<Reach>,
+    wandered: Wandered,
     tally: Tally,
     max_overlap_ratio: f64,
     deep_overlaps: u64,
     fluid_impulse: Vec3,
+    load_sums: Vec<Result<Vec3, GrainsError>>,
+    survey: Survey,
+    probes: Probes,
 }
 
 impl GrainsDem {
@@ -92,50 +91,41 @@ impl GrainsDem {
         (spheres, parts): (&[PlacedSphere], Vec<PlacedPart>),
         team: Team,
     ) -> Self {
-        let bounds = PeriodicBox::new(&scene.domain);
-        let mut laws = Laws::of_scene(scene);
-        let wall_laws = walls::laws_of_scene(scene, &mut laws);
+        let around = Surroundings::of_scene(scene, parameters, parts);
+        let laws = &around.laws;
         let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
         for ball in &mut bodies.balls {
-            ball.x = bounds.wrap(ball.x);
+            ball.x = around.bounds.wrap(ball.x);
         }
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
-        let squeeze = Squeeze::of(scene, parameters);
-        // Where no wall resists rolling either there is no room for its history.
-        let plain = squeeze.is_none() && !laws.resist_rolling();
-        let materials: Vec<u16> =
-            scene.bodies.iter().map(|set| laws.material(&set.material)).collect();
-        let one_law = if plain { laws.only(&materials) } else { None };
+        let mass = spheres.iter().map(|sphere| sphere.mass).collect();
+        let probes = Probes::new(&scene.probes, mass, &bodies);
         let blocks = spheres.len().div_ceil(BLOCK);
+        let events = events::initial(spheres, &around.parts);
+        let bodies_of_run = events.len();
         Self {
             domain: scene.domain.clone(),
-            surface_names: laws::surfaces(scene).into_iter().map(|s| s.name).collect(),
             gravity: scene.gravity.into(),
             dt,
-            events: events(spheres, &parts),
-            search: Search::new(bounds.clone(), largest, parameters, spheres.len()),
-            around: Surroundings {
-                bounds,
-                part_materials: scene.parts.iter().map(|p| laws.material(&p.material)).collect(),
-                laws,
-                walls: walls::of_scene(scene),
-                wall_laws,
-                parts,
-            },
+            events,
+            search: Search::new(around.bounds.clone(), largest, parameters, spheres.len()),
+            around,
             bodies,
             team,
-            one_law,
-            squeeze,
             driven: Driven::of_scene(scene, spheres),
             steps: 0,
             loaded: false,
             crossed: false,
             tallies: vec![Tally::default(); blocks],
             reaches: vec![Reach::default(); blocks],
+            wandered: Wandered::none(blocks),
             tally: Tally::default(),
             max_overlap_ratio: 0.0,
             deep_overlaps: 0,
             fluid_impulse: Vec3::zeros(),
+            load_sums: Vec::with_capacity(bodies_of_run.div_ceil(BLOCK)),
+            survey: Survey::default(),
+            probes,
         }
     }
 
@@ -152,8 +142,8 @@ impl GrainsDem {
     /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
     /// of the last substep.
     pub fn part_loads(&self) -> impl ExactSizeIterator<Item = ([f64; 3], [f64; 3])> + '_ {
-        let parts = self.around.parts.iter();
-        parts.map(|part| (part.wrench.force.into(), part.wrench.torque.into()))
+        let wrenches = self.search.parts.on_parts.iter();
+        wrenches.map(|wrench| (wrench.force.into(), wrench.torque.into()))
     }
 
     /// Radii of the spheres [m], by ascending id.
@@ -224,49 +214,45 @@ impl GrainsDem {
             };
             integrate::second_half(&mut self.team, &mut self.bodies, forces, self.dt);
         }
+        let duration = f64::from(substeps) * self.dt;
+        self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
         Ok(())
     }
 
     /// Energies, momentum, contacts.
-    pub fn diagnostics(&self) -> Diagnostics {
-        let mut out = Diagnostics {
+    pub fn diagnostics(&mut self) -> Diagnostics {
+        let steps = Steps { before: self.dt, after: self.dt };
+        let seen = Seen {
+            scenery: self.around.scenery(&self.bodies, self.crossed, steps),
+            contacts: self.search.contacts(),
+            walls: &self.around.walls,
+            domain: &self.domain,
+            gravity: self.gravity,
+        };
+        let sums = self.survey.sums(&mut self.team, &seen);
+        Diagnostics {
             contacts: self.tally.contacts,
             max_overlap_ratio: self.max_overlap_ratio,
             deep_overlaps: self.deep_overlaps,
             list_rebuilds: self.search.rebuilds,
             fluid_impulse: self.fluid_impulse.into(),
-            ..Diagnostics::default()
-        };
-        let scenery = Scenery {
-            laws: self.around.laws.laws(),
-            shifts: &self.around.bounds.shifts,
-            bodies: &self.bodies,
-            crossed: self.crossed,
-            steps: Steps { before: self.dt, after: self.dt },
-            one_law: self.one_law,
-            squeeze: self.squeeze,
-        };
-        diagnostics::add_bodies(&mut out, &self.bodies, &self.domain, self.gravity);
-        diagnostics::add_pairs(&mut out, &self.search.pairs, scenery);
-        out.elastic_energy += self.search.parts.elastic_energy(scenery.laws);
-        diagnostics::add_walls(&mut out, &self.search.walls, &self.around.walls, scenery);
-        out
+            ..sums
+        }
+    }
+
+    /// Appends the values of the scene's probes, in the order of [`probe_signals`](crate::probe_signals):
+    /// flows are means over the last [`advance`](Self::advance), all else is of its end.
+    pub fn read_probes(&mut self, out: &mut Vec<f64>) {
+        self.probes.read(&mut self.team, &self.bodies, &self.around.bounds, out);
     }
 
     fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
         self.loaded = !loads.is_empty();
-        if !self.loaded {
-            return Ok(());
-        }
-        check_loads(loads, self.body_count())?;
-        let duration = f64::from(substeps) * self.dt;
-        for (load, &slot) in loads.iter().zip(&self.bodies.slot) {
-            let slot = slot as usize;
-            let wrench = Wrench { force: load.force.into(), torque: load.torque.into() };
-            if self.bodies.mobility[slot].is_free() {
-                self.fluid_impulse += wrench.force * duration;
-            }
-            self.bodies.load[slot] = wrench;
+        if self.loaded {
+            let count = self.body_count();
+            let (bodies, sums) = (&mut self.bodies, &mut self.load_sums);
+            let force = loads::take(&mut self.team, bodies, loads, count, sums)?;
+            self.fluid_impulse += force * (f64::from(substeps) * self.dt);
         }
         Ok(())
     }
@@ -283,6 +269,7 @@ impl GrainsDem {
         integrate::first_half(team, bodies, bounds, forces, step, &mut self.reaches);
         let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
         self.crossed |= reach.crossed;
+        self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
         let mut wrapped = false;
         for part in &mut self.around.parts {
@@ -301,50 +288,35 @@ impl GrainsDem {
     /// Contact forces at the predicted velocities, `before` after the last evaluation.
     fn evaluate_forces(&mut self, before: f64) {
         self.tallies.fill(Tally::default());
-        let scenery = Scenery {
-            laws: self.around.laws.laws(),
-            shifts: &self.around.bounds.shifts,
-            bodies: &self.bodies,
-            crossed: self.crossed,
-            steps: Steps { before, after: self.dt },
-            one_law: self.one_law,
-            squeeze: self.squeeze,
-        };
+        let steps = Steps { before, after: self.dt };
+        let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
         let (team, search) = (&mut self.team, &mut self.search);
-        forces::between_bodies(team, &mut search.pairs, scenery, &mut self.tallies);
+        let (wandered, tallies) = (&self.wandered, &mut self.tallies[..]);
+        forces::between_bodies(team, &mut search.pairs, scenery, wandered, tallies);
         let walls = &self.around.walls;
-        forces::of_walls(team, &mut search.walls, walls, scenery, &mut self.tallies);
-        let parts = &mut self.around.parts;
+        wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
+        let parts = &self.around.parts;
         search.parts.evaluate(team, parts, scenery, &mut self.tallies);
         self.tally = Tally::sum(&self.tallies);
         self.deep_overlaps += self.tally.deep;
-        self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio());
+        self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);
     }
 
     fn rebuild_lists(&mut self) {
         self.search.rebuild(&mut self.team, &mut self.bodies, &mut self.around);
         self.crossed = false;
+        self.wandered.begin();
     }
 
     fn check_overlap(&self) -> Result<(), GrainsError> {
         let deepest = self.tally.deepest;
-        if deepest.ratio() <= TOO_DEEP {
+        if deepest.ratio <= TOO_DEEP {
             return Ok(());
         }
         let id = |slot: u32| u64::from(self.bodies.id[slot as usize]);
-        let (mut body, other) = (id(deepest.body), deepest.other);
-        let other = match other {
-            Other::Wall(wall) => self.surface_names[wall as usize].clone(),
-            Other::Part(part) => {
-                self.surface_names[self.around.walls.len() + part as usize].clone()
-            }
-            Other::Body(other) => {
-                let (low, high) = (body.min(id(other)), body.max(id(other)));
-                body = low;
-                format!("body {high}")
-            }
-        };
-        Err(GrainsError::Overlap { id: body, other, percent: 100.0 * deepest.ratio() })
+        let (id, other) = self.around.name(id(deepest.body), deepest.other, id);
+        let percent = 100.0 * deepest.ratio;
+        Err(GrainsError::Overlap { id, other, percent })
     }
 
     /// Every centre must lie inside the domain.
@@ -359,56 +331,5 @@ impl GrainsDem {
                 Err(GrainsError::LeftDomain { id, x, y, z })
             }
         }
-    }
-}
-
-fn check_loads(loads: &[Load], bodies: usize) -> Result<(), GrainsError> {
-    if loads.len() != bodies {
-        return Err(GrainsError::LoadCount { found: loads.len(), expected: bodies });
-    }
-    for (index, load) in loads.iter().enumerate() {
-        let (found, expected) = (load.id, index as u64);
-        if found != expected {
-            return Err(GrainsError::LoadOrder { index, found, expected });
-        }
-        if !load.is_finite() {
-            return Err(GrainsError::LoadNotFinite { id: found });
-        }
-    }
-    Ok(())
-}
-
-/// Spheres by their order, then the parts that move.
-fn events(spheres: &[PlacedSphere], parts: &[PlacedPart]) -> Vec<BodyEvent> {
-    let mut events: Vec<BodyEvent> = (0..).zip(spheres).map(|(id, s)| added(id, s)).collect();
-    for (table, part) in (0..).zip(parts).filter(|(_, part)| part.moves()) {
-        events.push(BodyEvent {
-            id: events.len() as u64,
-            kind: BodyEvent::ADDED,
-            shape: BodyEvent::PART,
-            motion: BodyEvent::PRESCRIBED,
-            set: 0,
-            mass: 0.0,
-            size: [part.bounding_radius(), 0.0, 0.0],
-            table,
-        });
-    }
-    events
-}
-
-fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
-    BodyEvent {
-        id,
-        kind: BodyEvent::ADDED,
-        shape: BodyEvent::SPHERE,
-        motion: match sphere.motion {
-            Motion::Free => BodyEvent::FREE,
-            Motion::Fixed => BodyEvent::FIXED,
-            Motion::Prescribed(_) => BodyEvent::PRESCRIBED,
-        },
-        set: sphere.set as u32,
-        mass: sphere.mass,
-        size: [sphere.ball.radius, 0.0, 0.0],
-        table: 0,
     }
 }

@@ -17,10 +17,8 @@ pub(crate) struct Tally {
 /// The deepest contact of an evaluation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Deepest {
-    /// Overlap [m].
-    pub overlap: f64,
-    /// Smaller radius [m].
-    pub radius: f64,
+    /// Overlap over the smaller radius.
+    pub ratio: f64,
     /// Index of the body.
     pub body: u32,
     /// What it overlaps.
@@ -37,41 +35,31 @@ pub(crate) enum Other {
 
 impl Default for Deepest {
     fn default() -> Self {
-        Self { overlap: 0.0, radius: 1.0, body: 0, other: Other::Body(0) }
-    }
-}
-
-impl Deepest {
-    /// Overlap over the smaller radius.
-    pub fn ratio(&self) -> f64 {
-        self.overlap / self.radius
+        Self { ratio: 0.0, body: 0, other: Other::Body(0) }
     }
 }
 
 impl Tally {
+    /// Adds a contact of a body, with its overlap over the smaller radius.
     #[inline(always)]
-    pub fn add(&mut self, seen: Deepest) {
+    pub fn add(&mut self, ratio: f64, body: u32, other: Other) {
         self.contacts += 1;
-        self.deep += u64::from(seen.overlap > DEEP * seen.radius);
-        self.take_deeper(seen);
+        self.deep += u64::from(ratio > DEEP);
+        if ratio > self.deepest.ratio {
+            self.deepest = Deepest { ratio, body, other };
+        }
     }
 
-    /// The sum of tallies, in their order.
+    /// The sum of tallies.
     pub fn sum(tallies: &[Self]) -> Self {
         let mut sum = Self::default();
         for tally in tallies {
             sum.contacts += tally.contacts;
             sum.deep += tally.deep;
-            sum.take_deeper(tally.deepest);
+            if tally.deepest.ratio > sum.deepest.ratio {
+                sum.deepest = tally.deepest;
+            }
         }
         sum
-    }
-
-    #[inline(always)]
-    fn take_deeper(&mut self, seen: Deepest) {
-        // Compared without a division, because this runs for every contact.
-        if seen.overlap * self.deepest.radius > self.deepest.overlap * seen.radius {
-            self.deepest = seen;
-        }
     }
 }

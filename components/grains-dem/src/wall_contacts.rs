@@ -7,6 +7,7 @@ use crate::{
     pairs::BLOCK,
     walls::{Wall, WallLaws},
 };
+use tremie_team::Team;
 
 /// A possible contact with a wall.
 #[derive(Clone, Copy, Debug)]
@@ -40,48 +41,45 @@ pub(crate) struct WallContacts {
     pub entry_bounds: Vec<u32>,
 }
 
+/// What one block of bodies found.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    bodies: Vec<u32>,
+    /// Number of entries at the end of each body's row.
+    ends: Vec<u32>,
+    entries: Vec<WallEntry>,
+}
+
+/// What bodies may meet, as a list is made from it.
+pub(crate) struct Nearness<'a> {
+    pub walls: &'a [Wall],
+    pub laws: &'a WallLaws,
+    /// How far beyond touching contacts are listed [m].
+    pub gap: f64,
+    /// Where in memory each body stood when the list before was made.
+    pub previous: &'a [u32],
+}
+
 impl WallContacts {
-    /// Makes the list anew from bodies closer than `gap` to a wall. `before` is the list before, with
-    /// bodies by their `previous` places.
+    /// Makes the list anew. `before` is the list before; `found` is room to work in.
     pub fn make(
         &mut self,
         before: &Self,
-        previous: &[u32],
+        found: &mut Vec<Found>,
+        team: &mut Team,
         bodies: &Bodies,
-        walls: &[Wall],
-        laws: &WallLaws,
-        gap: f64,
+        at: &Nearness,
     ) {
+        found.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
+        team.for_each(found, |b, found| found.find(b, before, bodies, at));
         self.clear();
-        for i in 0..bodies.len() {
-            if i.is_multiple_of(BLOCK) {
-                self.end_block();
-            }
-            let (ball, mobility) = (&bodies.balls[i], bodies.mobility[i]);
-            if !mobility.is_free() {
-                continue;
-            }
-            for (wall, plane) in walls.iter().enumerate() {
-                if plane.overlap(ball) > -gap {
-                    let remembered = before.remembered(previous[i], wall as u32);
-                    self.entries.push(WallEntry {
-                        wall: wall as u32,
-                        law: laws[wall][bodies.material[i] as usize],
-                        touching: remembered.is_some(),
-                        reduced: Reduced {
-                            root_mass: mobility.root_reduced_mass(Mobility::NONE),
-                            radius: ball.radius,
-                        },
-                        memory: remembered.unwrap_or_default(),
-                    });
-                }
-            }
-            if self.entries.len() > self.start[self.bodies.len()] as usize {
-                self.bodies.push(i as u32);
-                self.start.push(self.entries.len() as u32);
-            }
+        for found in found {
+            let first = self.entries.len() as u32;
+            self.bodies.extend(&found.bodies);
+            self.start.extend(found.ends.iter().map(|end| first + end));
+            self.entries.extend(&found.entries);
+            self.end_block();
         }
-        self.end_block();
         self.wrench.resize(self.bodies.len(), Wrench::zero());
     }
 
@@ -92,6 +90,7 @@ impl WallContacts {
         self.entries.clear();
         self.bounds.clear();
         self.entry_bounds.clear();
+        self.end_block();
     }
 
     fn end_block(&mut self) {
@@ -99,10 +98,53 @@ impl WallContacts {
         self.entry_bounds.push(self.entries.len() as u32);
     }
 
+    /// The entries of a body, by its place in this list.
+    pub fn row(&self, p: usize) -> &[WallEntry] {
+        &self.entries[self.start[p] as usize..self.start[p + 1] as usize]
+    }
+
     /// What the contact of a body, by its place in this list, with a wall remembers, if it touched.
     fn remembered(&self, body: u32, wall: u32) -> Option<Memory> {
         let p = self.bodies.binary_search(&body).ok()?;
-        let row = &self.entries[self.start[p] as usize..self.start[p + 1] as usize];
-        row.iter().find(|entry| entry.wall == wall && entry.touching).map(|entry| entry.memory)
+        self.row(p)
+            .iter()
+            .find(|entry| entry.wall == wall && entry.touching)
+            .map(|entry| entry.memory)
+    }
+}
+
+impl Found {
+    /// Finds the walls near the bodies of block `b`.
+    fn find(&mut self, b: usize, before: &WallContacts, bodies: &Bodies, at: &Nearness) {
+        self.bodies.clear();
+        self.ends.clear();
+        self.entries.clear();
+        for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
+            let (ball, mobility) = (&bodies.balls[i], bodies.mobility[i]);
+            if !mobility.is_free() {
+                continue;
+            }
+            let known = self.entries.len();
+            for (wall, plane) in at.walls.iter().enumerate() {
+                if plane.overlap(ball) <= -at.gap {
+                    continue;
+                }
+                let remembered = before.remembered(at.previous[i], wall as u32);
+                self.entries.push(WallEntry {
+                    wall: wall as u32,
+                    law: at.laws[wall][bodies.material[i] as usize],
+                    touching: remembered.is_some(),
+                    reduced: Reduced {
+                        root_mass: mobility.root_reduced_mass(Mobility::NONE),
+                        radius: ball.radius,
+                    },
+                    memory: remembered.unwrap_or_default(),
+                });
+            }
+            if self.entries.len() > known {
+                self.bodies.push(i as u32);
+                self.ends.push(self.entries.len() as u32);
+            }
+        }
     }
 }

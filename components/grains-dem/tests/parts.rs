@@ -146,14 +146,14 @@ fn a_convex_edge_gives_no_energy() {
     }
     scene.parts = vec![part(cuboid([10e-3, 10e-3, 4e-3]), [5e-3, 10e-3, 8e-3], Motion::Fixed)];
     let mut dem = make(&scene, DT);
-    let energy = |dem: &GrainsDem| {
+    let energy = |dem: &mut GrainsDem| {
         let d = dem.diagnostics();
         d.kinetic_energy + d.rotational_energy + d.potential_energy + d.elastic_energy
     };
-    let start = energy(&dem);
+    let start = energy(&mut dem);
     for _ in 0..300 {
         dem.advance(50, &[]).unwrap();
-        let change = (energy(&dem) - start) / (mass(D) * G * D);
+        let change = (energy(&mut dem) - start) / (mass(D) * G * D);
         assert!(change.abs() < 2e-3, "{change}");
     }
     let end = state(&dem)[0];

@@ -39,6 +39,12 @@ pub enum GeometryError {
         /// Its value [m].
         found: f64,
     },
+    /// A profile that cannot be turned about its axis.
+    #[error("the profile makes no solid: {why}")]
+    Profile {
+        /// The reason.
+        why: String,
+    },
     /// A corner has a coordinate that is infinite or no number.
     #[error("triangle {triangle} has a corner at {found:?}, which is no point")]
     NotFinite {

@@ -1,7 +1,7 @@
 //! Surfaces of rigid parts: what fluid, grains, viewer and orchestrator must agree on.
 //!
 //! [`load`] turns a part's [`Geometry`](tremie_messages::scene::Geometry) into a [`Mesh`]: triangles
-//! from an STL or OBJ file or from a box, cylinder or sphere, in metres, welded, closed, with all
+//! from an STL or OBJ file, a box, cylinder or sphere, or a profile turned about an axis, in metres, welded, closed, with all
 //! normals outward. [`Surface`] answers questions about such a mesh, in the part's own frame; a
 //! [`Frame`] takes points there and back.
 //!
@@ -50,6 +50,7 @@ mod moments;
 mod nesting;
 mod orient;
 mod read;
+mod revolve;
 mod row;
 mod shapes;
 mod surface;

@@ -1,6 +1,7 @@
 //! Triangles of a part.
 
 use crate::mend::{Repairs, mend};
+use crate::revolve::revolved;
 use crate::{Bounds, Frame, GeometryError, Vec3, read, shapes};
 use std::path::Path;
 use tremie_messages::scene::{Geometry, Pose};
@@ -47,6 +48,10 @@ pub fn load(geometry: &Geometry) -> Result<Loaded, GeometryError> {
         Geometry::Box { size } => shape(shapes::cuboid(*size)?),
         Geometry::Cylinder { radius, length } => shape(shapes::cylinder(*radius, *length)?),
         Geometry::Sphere { radius } => shape(shapes::sphere(*radius)?),
+        Geometry::Revolved { profile } => {
+            let (mesh, repairs) = mend(revolved(profile)?)?;
+            Ok(Loaded { mesh, repairs })
+        }
     }
 }
 

@@ -5,7 +5,9 @@ use crate::features::Features;
 use crate::moments::signed_volume;
 use crate::orient::turn_round;
 use crate::tree::{Tree, Walk};
-use crate::{Bounds, EdgeKind, Fault, GeometryError, Mesh, Vec3, VertexKind, load};
+use crate::{
+    Bounds, EdgeKind, Fault, GeometryError, Loaded, Mesh, Repairs, Vec3, VertexKind, load,
+};
 use tremie_messages::scene::{Geometry, Part};
 
 /// A closed surface in its part's frame, ready to be asked about points, segments, rows of points,
@@ -24,6 +26,7 @@ pub struct Surface {
     /// How often the surface is taken to go around points far away: 1 for a cavity.
     pub(crate) far: i32,
     bounding_radius: f64,
+    repairs: Repairs,
 }
 
 impl Surface {
@@ -41,7 +44,8 @@ impl Surface {
     /// # Errors
     /// As [`load`].
     pub fn of(geometry: &Geometry) -> Result<Self, GeometryError> {
-        Self::new(load(geometry)?.mesh)
+        let Loaded { mesh, repairs } = load(geometry)?;
+        Ok(Self { repairs, ..Self::new(mesh)? })
     }
 
     /// The surface of a mesh that needs no repair: one from [`load`] or [`mend`](crate::mend).
@@ -73,14 +77,14 @@ impl Surface {
     pub fn inside_out(mut self) -> Self {
         self.mesh.triangles.iter_mut().for_each(turn_round);
         let edges = pair(&self.mesh.triangles);
-        Self::assembled(self.mesh, edges, 1 - self.far)
+        Self { repairs: self.repairs, ..Self::assembled(self.mesh, edges, 1 - self.far) }
     }
 
     fn assembled(mesh: Mesh, edges: Edges, far: i32) -> Self {
         let tree = Tree::of((0..mesh.triangles.len()).map(|t| mesh.corners(t)));
         let features = Features::of(&mesh, edges.twins);
         let bounding_radius = mesh.bounding_radius();
-        Self { mesh, tree, features, far, bounding_radius }
+        Self { mesh, tree, features, far, bounding_radius, repairs: Repairs::default() }
     }
 
     /// Whether the space outside is solid, and that inside free.
@@ -91,6 +95,11 @@ impl Surface {
     /// Its triangles. Those of a cavity face inward: its volume is negative.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// What was repaired when its mesh was loaded.
+    pub fn repairs(&self) -> &Repairs {
+        &self.repairs
     }
 
     /// The least box around it, in the part's frame.

@@ -118,6 +118,8 @@ quantities! {
     AngularVelocity, AngularVelocity, "an angular velocity", "2 rad/s", "rad/s";
     /// An acceleration [m/s²].
     Acceleration, Acceleration, "an acceleration", "9.81 m/s2", "m/s2";
+    /// Mass [kg].
+    Mass, Mass, "a mass", "9.2 g", "kg";
     /// A mass density [kg/m³].
     Density, MassDensity, "a density", "970 kg/m3", "kg/m3";
     /// A dynamic viscosity [Pa·s].

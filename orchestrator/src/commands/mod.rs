@@ -5,11 +5,13 @@
 
 mod interrupts;
 mod run;
+mod scene;
 mod simple;
 mod validate;
 mod view;
 
 pub use run::{check, run};
+pub use scene::scene;
 pub use simple::{clean, component, components, conform, schema};
 pub use validate::validate;
 pub use view::view;

@@ -71,7 +71,8 @@ mod tests {
         assert!((closed.value - 0.3 * 2.0 / 3.0 * 6.0).abs() < 1e-12, "{}", closed.value);
         let through = findings(&scene(inflow.clone(), open(0.2, Profile::Uniform))).unwrap();
         assert_eq!(through.verdict, Verdict::Ok, "{through:?}");
-        let pressure = Face::Pressure { pressure: 0.0, course: Course::default() };
+        let pressure =
+            Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
         assert_eq!(findings(&scene(inflow, pressure)), None);
         assert_eq!(findings(&scene(Face::WALL, Face::WALL)), None);
     }

@@ -82,7 +82,9 @@ pub struct Check {
     pub name: String,
     /// The number to take.
     pub value: Option<Measure>,
-    /// What it is divided by.
+    /// What is taken off it.
+    pub minus: Option<Measure>,
+    /// What the rest is divided by.
     pub over: Option<Measure>,
     /// The reference for it.
     pub expected: Option<f64>,

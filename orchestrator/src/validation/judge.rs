@@ -120,6 +120,9 @@ pub fn all(
 fn scalar(check: &Check, short: bool, signals: &Signals) -> Result<Finding, String> {
     let value = check.value.as_ref().ok_or("it has no value")?;
     let mut found = measure::take(value, signals)?;
+    if let Some(minus) = &check.minus {
+        found -= measure::take(minus, signals)?;
+    }
     if let Some(over) = &check.over {
         found /= measure::take(over, signals)?;
     }

@@ -2,7 +2,9 @@
 //! numbers read as in papers.
 #![allow(dead_code)]
 
-use tremie_fluid_lbm::{Collision, FluidLbm, OpenFaces, Parameters, Precision, Variant, Walls};
+use tremie_fluid_lbm::{
+    Collision, FluidLbm, GapPressure, OpenFaces, Parameters, Precision, Refill, Variant, Walls,
+};
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
 };
@@ -32,6 +34,8 @@ pub struct Case {
     pub smagorinsky: f64,
     pub open_faces: OpenFaces,
     pub walls: Walls,
+    pub refill: Refill,
+    pub gap_pressure: GapPressure,
 }
 
 impl Case {
@@ -52,6 +56,8 @@ impl Case {
             smagorinsky: 0.0,
             open_faces: OpenFaces::Nee,
             walls: Walls::Bouzidi,
+            refill: Refill::Eqneq,
+            gap_pressure: GapPressure::Nearest,
         }
     }
 
@@ -90,6 +96,8 @@ impl Case {
             smagorinsky: self.smagorinsky,
             open_faces: self.open_faces,
             walls: self.walls,
+            refill: self.refill,
+            gap_pressure: self.gap_pressure,
             ..Parameters::with_cell(1.0)
         }
     }

@@ -119,3 +119,25 @@ fn diagonals_of_a_box_are_no_edges_and_its_corners_are() {
         }
     }
 }
+
+/// A cone frustum with a bore: volume and centre by formula; and the same as a shape on the axis.
+#[test]
+fn a_turned_profile_has_the_volume_of_the_round_solid() {
+    let (a, b, bore, height) = (4.75e-3, 6.5e-3, 2e-3, 0.991e-3);
+    let frustum = PI * height / 3.0 * (a * a + a * b + b * b);
+    let solid = |profile: &[[f64; 2]]| Geometry::Revolved { profile: profile.to_vec() };
+    let whole = solid(&[[0.0, 0.0], [a, 0.0], [b, height], [0.0, height]]);
+    let ring = solid(&[[bore, 0.0], [a, 0.0], [b, height], [bore, height]]);
+    for (geometry, volume) in [(whole, frustum), (ring, frustum - PI * bore * bore * height)] {
+        let surface = Surface::of(&geometry).unwrap();
+        let moments = surface.mesh().moments();
+        near(moments.volume, volume, 1e-13 * frustum);
+        near(moments.centroid[0], 0.0, 1e-16);
+        assert!(surface.contains([0.5 * (bore + a), 0.0, 0.5 * height]));
+    }
+    let why = |profile: &[[f64; 2]]| Mesh::of(&solid(profile)).unwrap_err().to_string();
+    assert!(why(&[[0.0, 0.0], [1.0, 0.0]]).contains("three or more"));
+    assert!(why(&[[1.0, 0.0], [-1.0, 0.0], [1.0, 1.0]]).contains("less than zero"));
+    assert!(why(&[[1.0, 0.0], [0.0, 0.0], [1.0, 1.0]]).contains("on the axis"));
+    assert!(why(&[[1.0, 0.0], [2.0, 0.0], [1.0, 1.0], [1.0, 0.0]]).contains("are both at"));
+}

@@ -61,6 +61,10 @@ pub enum Face {
         pressure: f64,
         /// How it changes with time.
         course: Course,
+        /// Whether sound passes through instead of being thrown back; the pressure then holds on
+        /// average over the time that sound takes to cross the domain a few times.
+        #[serde(default)]
+        absorbing: bool,
     },
 }
 

@@ -54,6 +54,13 @@ pub enum Geometry {
         /// Radius [m].
         radius: f64,
     },
+    /// What a profile sweeps when it turns about the z axis: a nozzle, a valve, a ring.
+    Revolved {
+        /// Corners `[r, z]` of the profile [m], either way round. A profile that begins and ends on
+        /// the axis is closed by it; any other is closed by its last edge, from the last corner to the
+        /// first.
+        profile: Vec<[f64; 2]>,
+    },
 }
 
 /// Position and orientation of a frame.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A place whose values are signals of the fluid, named `probe.value`.
+/// A place whose values are signals of the fluid and of the grains, named `probe.value`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
@@ -12,7 +12,10 @@ pub struct Probe {
     pub shape: ProbeShape,
 }
 
-/// Where a probe measures. Means are over the fluid cells there; none counts that a body covers.
+/// Where a probe measures.
+///
+/// The fluid's means are over its cells there; none counts that a body covers. The grains answer to
+/// sections and regions; where parts are solid does not enter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProbeShape {
@@ -25,7 +28,10 @@ pub enum ProbeShape {
         /// The other [m].
         to: [f64; 3],
     },
-    /// A rectangle across an axis: `flow_rate` [m³/s] along the axis, and mean `pressure`.
+    /// A rectangle across an axis. Of the fluid: `flow_rate` [m³/s] along the axis, and mean
+    /// `pressure`. Of the grains, counted as their centres pass: `mass_flow_rate` [kg/s] along the axis,
+    /// mean over the window; `crossings`, how many passed in the window, less those that passed back;
+    /// `mass_passed` [kg] since the start, likewise.
     Section {
         /// The axis: 0, 1, 2 for x, y, z.
         axis: usize,
@@ -36,8 +42,11 @@ pub enum ProbeShape {
         /// Upper corner [m].
         max: [f64; 3],
     },
-    /// Mean over a box: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`, and `solid_fraction`, the
-    /// part of its cells that moving bodies cover.
+    /// Mean over a box. Of the fluid: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`, and
+    /// `solid_fraction`, the part of its cells that moving bodies cover. Of the grains: `solid_fraction`,
+    /// the part of its volume that spheres fill, by the volumes that they and the box have in common;
+    /// `number` of centres in it; and `velocity_x`, `velocity_y`, `velocity_z`, the mean over the
+    /// volume filled.
     Region {
         /// Lower corner [m].
         min: [f64; 3],

@@ -68,7 +68,13 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
         ("velocity", table.velocity.is_some()),
         ("pressure", table.pressure.is_some()),
     ];
-    match findings.only_one(&kinds, "what the face is", at)? {
+    let kind = findings.only_one(&kinds, "what the face is", at)?;
+    if kind != "pressure" && table.absorbing.is_some() {
+        let message =
+            format!("a face with a {kind} throws sound back; only a pressure can absorb it");
+        findings.problem(&path::join(at, "absorbing"), message);
+    }
+    match kind {
         "wall" => moving_wall(table, axis, at, findings),
         "velocity" => open_velocity(table, axis, at, findings),
         _ => {
@@ -77,7 +83,8 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
                 findings.problem(&path::join(at, "profile"), message);
             }
             let course = course(table.ramp, table.course.as_deref(), at, findings);
-            Some(Face::Pressure { pressure: table.pressure?.0, course: course? })
+            let absorbing = table.absorbing.unwrap_or(false);
+            Some(Face::Pressure { pressure: table.pressure?.0, course: course?, absorbing })
         }
     }
 }

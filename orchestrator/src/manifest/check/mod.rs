@@ -20,7 +20,7 @@ use super::document::Document;
 use super::path;
 use super::read::Findings;
 use super::spec::Spec;
-use tremie_messages::scene::Domain;
+use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
     Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity,
 };
@@ -56,7 +56,17 @@ pub(super) fn notes(spec: &Spec) -> Vec<String> {
         notes.push("scene.fluid is not used: no component has the role fluid".into());
     }
     if !spec.scene.probes.is_empty() && !has(Role::Fluid) {
-        notes.push("scene.probes are not used: no component has the role fluid".into());
+        let areas = |probe: &Probe| {
+            matches!(probe.shape, ProbeShape::Section { .. } | ProbeShape::Region { .. })
+        };
+        let unused = match has(Role::Grains) {
+            true if spec.scene.probes.iter().all(areas) => None,
+            true => Some("points and lines in scene.probes"),
+            false => Some("scene.probes"),
+        };
+        notes.extend(
+            unused.map(|what| format!("{what} are not used: no component has the role fluid")),
+        );
     }
     if !spec.scene.bodies.is_empty() && !has(Role::Grains) {
         notes.push("scene.bodies are not used: no component has the role grains".into());

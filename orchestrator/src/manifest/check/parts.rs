@@ -69,6 +69,7 @@ fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geom
         ("box", table.box_.is_some()),
         ("cylinder", table.cylinder.is_some()),
         ("sphere", table.sphere.is_some()),
+        ("revolved", table.revolved.is_some()),
     ];
     let kind = findings.only_one(&kinds, "the part's surface", at)?;
     if kind != "file" && table.unit.is_some() {
@@ -100,6 +101,10 @@ fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geom
             let radius = findings.positive(&cylinder.radius, &key, "radius");
             let length = findings.positive(&cylinder.length, &key, "length");
             Some(Geometry::Cylinder { radius: radius?, length: length? })
+        }
+        "revolved" => {
+            let profile = findings.required(&table.revolved.as_ref()?.profile, &key, "profile")?;
+            Some(Geometry::Revolved { profile: profile.iter().map(|p| p.map(|x| x.0)).collect() })
         }
         _ => {
             let radius = findings.positive(&table.sphere.as_ref()?.radius, &key, "radius");

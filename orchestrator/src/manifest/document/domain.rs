@@ -78,6 +78,9 @@ pub(in super::super) struct FaceTable {
     pub profile: Option<Profile>,
     /// The fluid comes and goes at this gauge pressure, without its hydrostatic part.
     pub pressure: Option<Pressure>,
+    /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
+    /// holds on average (default: false).
+    pub absorbing: Option<bool>,
     /// Time in which velocity or pressure rise from zero (default: none).
     pub ramp: Option<Time>,
     /// Factor of velocity or pressure over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::{Angle, AngularVelocity, Length, Pressure, Time, Velocity};
 
-/// A rigid part with a closed surface. Exactly one of `file`, `box`, `cylinder` and `sphere`.
+/// A rigid part with a closed surface. Exactly one of `file`, `box`, `cylinder`, `sphere` and `revolved`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct PartTable {
@@ -23,6 +23,8 @@ pub(in super::super) struct PartTable {
     pub cylinder: Option<CylinderTable>,
     /// A sphere about the origin of the part's frame.
     pub sphere: Option<PartSphereTable>,
+    /// A profile turned about the z axis of the part's frame.
+    pub revolved: Option<RevolvedTable>,
     /// Where the origin of the part's frame is (default: at the world's).
     pub position: Option<[Length; 3]>,
     /// How the part's frame is turned (default: not).
@@ -67,6 +69,16 @@ pub(in super::super) struct CylinderTable {
 pub(in super::super) struct PartSphereTable {
     /// Radius. Required.
     pub radius: Option<Length>,
+}
+
+/// A profile turned about the z axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct RevolvedTable {
+    /// Its corners, radius and z: `[["0 mm", "0 mm"], ["5 mm", "0 mm"], ["0 mm", "8 mm"]]` is a cone. The
+    /// axis closes a profile that begins and ends on it; the last corner and the first close any other.
+    /// Required.
+    pub profile: Option<Vec<[Length; 2]>>,
 }
 
 /// A rotation by the right-hand rule.

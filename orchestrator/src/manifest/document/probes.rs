@@ -4,19 +4,19 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::Length;
 
-/// A place where the run measures the flow. Exactly one of `point`, `line`, `section` and `region`.
+/// A place where the run measures fluid and grains. Exactly one of `point`, `line`, `section` and `region`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ProbeTable {
     /// Name, unique in the scene: letters, digits, `_`. Required.
     pub name: Option<String>,
-    /// A point: pressure and velocity, interpolated.
+    /// A point: pressure and velocity of the fluid, interpolated.
     pub point: Option<[Length; 3]>,
     /// A line: their means along it.
     pub line: Option<LineTable>,
-    /// A rectangle across an axis: rate of flow and mean pressure.
+    /// A rectangle across an axis: rate of flow and mean pressure; mass and number of grains that pass.
     pub section: Option<SectionTable>,
-    /// A box: means of pressure, velocity and solid fraction.
+    /// A box: means of pressure, velocity and solid fraction; fraction, number and velocity of grains.
     pub region: Option<RegionTable>,
 }
 

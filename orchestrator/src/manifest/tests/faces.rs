@@ -19,7 +19,7 @@ fn each_face_can_be_what_a_fluid_meets() {
         r#"
 x = { lower = "symmetry", upper = { wall = { velocity = ["0 m/s", "1 m/s", "0 m/s"] } } }
 y = "symmetry"
-z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", ramp = "0.1 s" }, upper = { pressure = "2 kPa", course = [["0 s", 0.0], ["1 s", 1.0]] } }
+z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", ramp = "0.1 s" }, upper = { pressure = "2 kPa", absorbing = true, course = [["0 s", 0.0], ["1 s", 1.0]] } }
 "#,
     );
     let domain = read(&text).unwrap().spec.scene.domain;
@@ -32,7 +32,8 @@ z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", r
         course: Course(vec![[0.0, 0.0], [0.1, 1.0]]),
     };
     let course = Course(vec![[0.0, 0.0], [1.0, 1.0]]);
-    assert_eq!(*z, [Face::Velocity(inflow), Face::Pressure { pressure: 2000.0, course }]);
+    let outflow = Face::Pressure { pressure: 2000.0, course, absorbing: true };
+    assert_eq!(*z, [Face::Velocity(inflow), outflow]);
     reads_back(&text);
 }
 
@@ -41,7 +42,8 @@ fn a_face_that_is_left_out_is_a_wall() {
     let text = with_faces("x = { upper = { pressure = \"0 Pa\" } }");
     let faces = read(&text).unwrap().spec.scene.domain.faces;
     assert_eq!(faces[0][0], Face::WALL);
-    assert_eq!(faces[0][1], Face::Pressure { pressure: 0.0, course: Course::default() });
+    let open = Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+    assert_eq!(faces[0][1], open);
 }
 
 #[test]
@@ -55,6 +57,8 @@ fn a_wrong_face_is_one_problem() {
     refused(sliding, &["nothing passes", "wall = { velocity"]);
     let pushing = "x = { lower = { wall = { velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"] } } }";
     refused(pushing, &["moves only along itself"]);
+    let deaf = "x = { lower = { wall = { velocity = [\"0 m/s\", \"1 m/s\", \"0 m/s\"] }, absorbing = true } }";
+    refused(deaf, &["x.lower.absorbing", "only a pressure"]);
     let both =
         "x = { lower = { pressure = \"1 Pa\", velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"] } }";
     refused(both, &["found both velocity and pressure"]);

@@ -47,8 +47,24 @@ fn a_part_can_turn_move_and_drive_the_fluid() {
 }
 
 #[test]
+fn a_part_can_be_turned_on_a_lathe() {
+    let at = "position = [\"50 mm\", \"50 mm\", \"60 mm\"]";
+    let profile = "[[\"0 mm\", \"0 mm\"], [\"5 mm\", \"0 mm\"], [\"0 mm\", \"8 mm\"]]";
+    let text = with_part(&format!("revolved = {{ profile = {profile} }}\n{at}"));
+    let part = &read(&text).unwrap().spec.scene.parts[0];
+    let profile = vec![[0.0, 0.0], [5e-3, 0.0], [0.0, 8e-3]];
+    assert_eq!(part.geometry, Geometry::Revolved { profile });
+    reads_back(&text);
+    let wrong = "[[\"1 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"], [\"1 mm\", \"1 mm\"]]";
+    refused(
+        &format!("revolved = {{ profile = {wrong} }}\n{at}"),
+        &["makes no solid", "on the axis"],
+    );
+}
+
+#[test]
 fn a_wrong_part_is_one_problem() {
-    refused("", &["the part's surface", "file, box, cylinder, sphere"]);
+    refused("", &["the part's surface", "file, box, cylinder, sphere, revolved"]);
     refused(&format!("{BOX}\nsphere = {{ radius = \"1 mm\" }}"), &["found both box and sphere"]);
     refused(&BOX.replace("\"20 mm\"", "\"0 mm\""), &["box.size[1]", "more than zero"]);
     refused(&format!("{BOX}\nunit = \"mm\""), &["only a file has a unit"]);

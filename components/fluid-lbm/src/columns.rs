@@ -1,0 +1,181 @@
+//! Arithmetic of a batch of links, eight at a time: where they meet the body, what that means for
+//! populations, and sums. See `links` for the formulae.
+//!
+//! Written once for plain arrays and compiled for each set of vector instructions; no operation here is
+//! fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
+
+use crate::lanes::Variant;
+
+/// Links that are done together.
+pub const LANES: usize = 8;
+
+/// A number of each of eight links.
+pub type Lane = [f64; LANES];
+
+/// Eight links, in columns.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct Eight {
+    /// From the body's centre to the cell's; then to where the link meets the surface.
+    pub arm: [Lane; 3],
+    /// Direction as seen by the body.
+    pub c: [Lane; 3],
+    /// Squared length of `c`.
+    pub cc: Lane,
+    /// Where the link meets the surface; found here for a sphere.
+    pub q: Lane,
+    /// Weight of the direction, times 6.
+    pub weight: Lane,
+    /// Factor of `g_i`.
+    pub own: Lane,
+    /// Factor of the other population.
+    pub other: Lane,
+    /// What the wall's motion takes for density 1.
+    pub push: Lane,
+    /// Velocity of the wall.
+    pub u: [Lane; 3],
+    /// `g_i + f_i'`.
+    pub sum: Lane,
+    /// `f_i' - g_i`.
+    pub gain: Lane,
+}
+
+impl Eight {
+    /// Links of no direction.
+    pub const NONE: Self = Self {
+        arm: [[0.0; LANES]; 3],
+        c: [[0.0; LANES]; 3],
+        cc: [1.0; LANES],
+        q: [0.5; LANES],
+        weight: [0.0; LANES],
+        own: [0.0; LANES],
+        other: [0.0; LANES],
+        push: [0.0; LANES],
+        u: [[0.0; LANES]; 3],
+        sum: [0.0; LANES],
+        gain: [0.0; LANES],
+    };
+}
+
+/// What of a body its links need.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Squared radius of a sphere.
+    pub r2: Option<f64>,
+    /// Velocity.
+    pub velocity: [f64; 3],
+    /// Angular velocity.
+    pub spin: [f64; 3],
+}
+
+/// Sums over links: force, torque, `gain u`, and `gain`.
+pub type Sums = [Lane; 10];
+
+/// Compiles a function for each variant, and calls the one that is asked for.
+macro_rules! variants {
+    ($(#[$doc:meta])* $name:ident = $inner:ident($($arg:ident: $type:ty),*)) => {
+        $(#[$doc])*
+        pub fn $name(variant: Variant, $($arg: $type),*) {
+            #[cfg(target_arch = "x86_64")]
+            {
+                #[target_feature(enable = "avx2")]
+                unsafe fn avx2($($arg: $type),*) {
+                    $inner($($arg),*);
+                }
+                #[target_feature(enable = "avx512f,avx512vl")]
+                unsafe fn avx512($($arg: $type),*) {
+                    $inner($($arg),*);
+                }
+                match variant {
+                    // SAFETY: the processor has the instructions.
+                    Variant::Avx2 if variant.available() => return unsafe { avx2($($arg),*) },
+                    // SAFETY: as above.
+                    Variant::Avx512 if variant.available() => return unsafe { avx512($($arg),*) },
+                    _ => {}
+                }
+            }
+            let _ = variant;
+            $inner($($arg),*);
+        }
+    };
+}
+
+variants! {
+    /// Finds where links meet the body and what follows from that.
+    locate = locate_all(links: &mut [Eight], body: Surface)
+}
+
+variants! {
+    /// Adds what links exchanged to sums.
+    add_up = add_all(links: &[Eight], sums: &mut Sums)
+}
+
+#[inline(always)]
+fn locate_all(links: &mut [Eight], body: Surface) {
+    for eight in links {
+        if let Some(r2) = body.r2 {
+            meet_sphere(eight, r2);
+        }
+        let (v, w) = (body.velocity, body.spin);
+        for k in 0..LANES {
+            let d = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
+            let c = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
+            let q = eight.q[k];
+            let wall = [d[0] + q * c[0], d[1] + q * c[1], d[2] + q * c[2]];
+            let u = [
+                v[0] + (w[1] * wall[2] - w[2] * wall[1]),
+                v[1] + (w[2] * wall[0] - w[0] * wall[2]),
+                v[2] + (w[0] * wall[1] - w[1] * wall[0]),
+            ];
+            let push = eight.weight[k] * (c[0] * u[0] + c[1] * u[1] + c[2] * u[2]);
+            let part = 0.5 / q;
+            let far = q >= 0.5;
+            eight.own[k] = if far { part } else { 2.0 * q };
+            eight.other[k] = if far { 1.0 - part } else { 1.0 - 2.0 * q };
+            eight.push[k] = if far { part * push } else { push };
+            for a in 0..3 {
+                eight.arm[a][k] = wall[a];
+                eight.u[a][k] = u[a];
+            }
+        }
+    }
+}
+
+/// As `sphere::wall_distance`, in the same order of operations.
+#[inline(always)]
+fn meet_sphere(eight: &mut Eight, r2: f64) {
+    for k in 0..LANES {
+        let d = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
+        let c = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
+        let b = d[0] * c[0] + d[1] * c[1] + d[2] * c[2];
+        let gap = (d[0] * d[0] + (d[1] * d[1] + d[2] * d[2])) - r2;
+        let root = (b * b - eight.cc[k] * gap).max(0.0).sqrt();
+        eight.q[k] = (gap / (root - b)).clamp(f64::MIN_POSITIVE, 1.0);
+    }
+}
+
+#[inline(always)]
+fn add_all(links: &[Eight], sums: &mut Sums) {
+    let mut own = *sums;
+    for eight in links {
+        for k in 0..LANES {
+            let (sum, gain) = (eight.sum[k], eight.gain[k]);
+            let [wx, wy, wz] = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
+            let swept = [gain * eight.u[0][k], gain * eight.u[1][k], gain * eight.u[2][k]];
+            let fx = sum * eight.c[0][k] + swept[0];
+            let fy = sum * eight.c[1][k] + swept[1];
+            let fz = sum * eight.c[2][k] + swept[2];
+            own[0][k] += fx;
+            own[1][k] += fy;
+            own[2][k] += fz;
+            own[3][k] += wy * fz - wz * fy;
+            own[4][k] += wz * fx - wx * fz;
+            own[5][k] += wx * fy - wy * fx;
+            own[6][k] += swept[0];
+            own[7][k] += swept[1];
+            own[8][k] += swept[2];
+            own[9][k] += gain;
+        }
+    }
+    *sums = own;
+}

@@ -1,0 +1,322 @@
+//! Gaps too narrow to hold a cell, and the pressure in them: `gap_pressure`.
+//!
+//! Where a body is so near to a wall, a part or another body that the cells of the one adjoin those of
+//! the other, it has no links, and nothing would press on it there. A *gap link* goes from a cell that
+//! a body covers to a neighbour that is covered by something else, or is a wall's, or is frozen because
+//! no neighbour is fluid. It counts where the two surfaces, met on that link, are apart by more than
+//! [`CONTACT`]; surfaces in contact press on each other and the fluid on neither. A gap link of
+//! direction `i` into the body gives it what a link would, `2 w_i drho c_i` at its surface, so that a
+//! flat face feels pressure times area.
+//!
+//! All gap links between the same two make one gap with one pressure: the mean over the fluid cells
+//! next to the covered cells where its links begin, counted once for each link that sees them; both
+//! bodies' cells in a gap between two. A closed gap that parts two chambers so has the mean of the two,
+//! weighted by the cells that see it. A gap that sees no fluid takes the mean over the body's others;
+//! one without these is at gauge pressure zero. What stands in a mirror counts as another. A part that stands still feels the opposite of what the
+//! body feels; between two parts that stand still there are no gap links.
+//!
+//! The force is that of a fluid that is not simulated: the ledger lists it by itself, as `gaps`.
+
+use crate::bodies::{Bodies, Body};
+use crate::cells::Fixture;
+use crate::field::Real;
+use crate::grid::{Grid, Reach, Side};
+use crate::ground::Ground;
+use crate::kernel::Collides;
+use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
+use crate::ledger::add_scaled;
+use crate::links::{After, Exchange, Item};
+use crate::owners::{BODY, FLUID, ISOLATED, SHARED, VACATED};
+use crate::places::Blocked;
+use crate::solver::Solver;
+use crate::sphere::{inside, wall_distance};
+
+/// Surfaces nearer than this part of a link are in contact.
+const CONTACT: f64 = 1e-3;
+
+/// Gaps of an item at most; those beyond count as the last.
+const ROOM: usize = 24;
+
+/// What is on the other side of a gap: a fixture, a body's handle beyond [`Across::BODIES`], or a
+/// frozen cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Across(u32);
+
+impl Across {
+    const BODIES: u32 = 1 << 31;
+    const FROZEN: Self = Self(1 << 30);
+    /// Of a body's image in a mirror.
+    const IMAGE: u32 = 1 << 29;
+
+    fn body(handle: u32, is_image: bool) -> Self {
+        Self(Self::BODIES + handle + if is_image { Self::IMAGE } else { 0 })
+    }
+
+    /// How a body is seen from across the gap.
+    fn seen_back(self, handle: u32) -> Self {
+        Self::body(handle, self.0 & Self::IMAGE != 0)
+    }
+
+    fn fixture(Fixture(number): Fixture) -> Self {
+        Self(number.into())
+    }
+
+    /// The number of the fixture, if it is one.
+    fn as_fixture(self) -> Option<usize> {
+        (self.0 < Self::FROZEN.0).then_some(self.0 as usize)
+    }
+
+    /// The handle of the body, if it is one.
+    fn as_body(self) -> Option<u32> {
+        self.0.checked_sub(Self::BODIES).map(|handle| handle & !Self::IMAGE)
+    }
+}
+
+/// A gap, or the part of it that an item of links found.
+#[derive(Clone, Copy, Debug)]
+struct Gap {
+    across: Across,
+    /// Sum over the fluid cells next to it of the density minus 1, and their number.
+    drho: f64,
+    cells: f64,
+    /// Force and torque on the body for each unit of `drho`.
+    load: [[f64; 3]; 2],
+}
+
+/// The gaps of an item of links.
+#[derive(Clone, Debug, Default)]
+pub struct Gaps(Vec<Gap>);
+
+impl Gaps {
+    /// None, with room for those of an item.
+    pub fn with_room() -> Self {
+        Self(Vec::with_capacity(ROOM))
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Becomes what another is.
+    pub fn take(&mut self, other: &Self) {
+        self.0.clear();
+        self.0.extend_from_slice(&other.0);
+    }
+
+    fn to(&mut self, across: Across) -> &mut Gap {
+        let place = self.0.iter().position(|gap| gap.across == across);
+        let place = place.unwrap_or_else(|| {
+            if self.0.len() < ROOM {
+                self.0.push(Gap { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] });
+            }
+            self.0.len() - 1
+        });
+        &mut self.0[place]
+    }
+}
+
+impl<T: Real> After<'_, T> {
+    /// Finds the gap links between a body and the walls of the domain, and what is in mirrors.
+    pub fn gaps_at_faces(&self, bodies: &Bodies, body: &Body, ground: &Ground, gaps: &mut Gaps) {
+        let grid = &self.layout.grid;
+        for (axis, side) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+            let x = body.position[axis];
+            let far = [x, f64::from(grid.n[axis]) - x][side] - body.radius > 1.0;
+            if !matches!(grid.sides[axis][side], Side::Wall | Side::Symmetry) || far {
+                continue;
+            }
+            let ([b, c], layer) = ([(axis + 1) % 3, (axis + 2) % 3], [0, grid.n[axis] - 1][side]);
+            let outward = [-1, 1][side];
+            for k in range(grid, body, c) {
+                for j in range(grid, body, b) {
+                    let mut at = [layer; 3];
+                    (at[b], at[c]) = (j, k);
+                    if !body.covers(at) {
+                        continue;
+                    }
+                    for i in (1..Q).filter(|&i| C[i][axis] == outward) {
+                        let beyond = std::array::from_fn(|a| at[a] + C[i][a]);
+                        // At edges the face that the link meets, and of mirrors the first.
+                        let is_here = match grid.reach(beyond) {
+                            Reach::Face { axis: a, side: s } => (a, s) == (axis, side),
+                            Reach::Cell { mirrors, .. } => mirrors.trailing_zeros() == axis as u32,
+                        };
+                        if is_here {
+                            self.gap(bodies, body, ground, beyond, OPPOSITE[i], gaps);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Records the gap link `i` that leads from `at`, as seen from the body, into the body, if it is
+    /// one.
+    pub fn gap(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        ground: &Ground,
+        at: [i32; 3],
+        i: usize,
+        gaps: &mut Gaps,
+    ) {
+        let (grid, c) = (&self.layout.grid, C_F64[i]);
+        let own = std::array::from_fn(|a| grid.wrap(a, at[a] + C[i][a]));
+        let Some(cell) = grid.contains(own).then(|| self.layout.cell(own)).flatten() else {
+            return;
+        };
+        let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - body.position[a]);
+        let q = match &body.part {
+            None if inside(arm, body.r2()) => return,
+            None => wall_distance(arm, c, body.r2()),
+            Some(part) => part.meet(at, C[i]),
+        };
+        let Some((across, far)) = self.across(bodies, body, ground, at, (own, cell), i) else {
+            return;
+        };
+        // Both as seen from the covered cell.
+        if far - (1.0 - q) <= CONTACT {
+            return;
+        }
+        let gap = gaps.to(across);
+        let surface = std::array::from_fn(|a| arm[a] + q * c[a]);
+        let force = c.map(|c| 2.0 * W[i] * c);
+        add_scaled(&mut gap.load[0], force, 1.0);
+        add_scaled(&mut gap.load[1], cross(surface, force), 1.0);
+        for k in 1..Q {
+            if let Some(next) = self.layout.neighbour(cell, k)
+                && self.owners.is_fluid(next)
+            {
+                gap.drho += self.drho.get(next as usize);
+                gap.cells += 1.0;
+            }
+        }
+    }
+
+    /// What the cell `at` belongs to, and how far its surface is from the covered cell on the link
+    /// between them. `None` if they are not two, or the cell is fluid.
+    fn across(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        ground: &Ground,
+        at: [i32; 3],
+        (own, cell): ([i32; 3], u32),
+        i: usize,
+    ) -> Option<(Across, f64)> {
+        let (grid, back) = (&self.layout.grid, OPPOSITE[i]);
+        let (at_other, mirrors) = match grid.reach(at) {
+            Reach::Face { axis, side } => {
+                let is_wall = grid.sides[axis][side] == Side::Wall;
+                return is_wall.then_some((Across::fixture(Fixture::face(axis, side)), 0.5));
+            }
+            Reach::Cell { at, mirrors } => (at, mirrors),
+        };
+        let Some(other) = self.layout.cell(at_other) else {
+            let none = Fixture::solid(ground.solids.len() as u16);
+            let link = Blocked { cell, dir: back as u8, fixture: none };
+            let (met, distance) = ground.meet(own, &link);
+            return Some((Across::fixture(met.fixture), distance));
+        };
+        // An image is met where the other is met from the covered cell's image.
+        let is_image = mirrors != 0;
+        let from: [i32; 3] = std::array::from_fn(|a| {
+            let k = at[a] + C[i][a];
+            match mirrors >> a & 1 {
+                0 => k,
+                _ if at[a] < k => -1 - k,
+                _ => 2 * grid.n[a] - 1 - k,
+            }
+        });
+        let arm = std::array::from_fn(|a| f64::from(from[a]) + 0.5 - body.position[a]);
+        let of_body = |handle: u32| {
+            let both = !is_image
+                && self.owners.of(cell) == SHARED
+                && self.owners.claimants(cell).any(|claimant| claimant == handle);
+            let (other, back) = (bodies.with_handle(handle), mirrored(back, mirrors));
+            let distance = if both { 0.0 } else { self.distance(body, other, arm, back) };
+            (Across::body(handle, is_image), distance)
+        };
+        match self.owners.of(other) {
+            FLUID | VACATED => None,
+            ISOLATED => Some((Across::FROZEN, 1.0)),
+            SHARED => {
+                let all = self.owners.claimants(other);
+                let all = all.filter(|&handle| is_image || handle != body.handle);
+                all.map(of_body).min_by(|a, b| a.1.total_cmp(&b.1))
+            }
+            owner => Some(of_body(owner - BODY)),
+        }
+    }
+}
+
+/// Cells along an axis that a body may cover, in the box unless that wraps around.
+fn range(grid: &Grid, body: &Body, axis: usize) -> std::ops::RangeInclusive<i32> {
+    let first = (body.position[axis] - body.radius).floor() as i32 - 1;
+    let last = (body.position[axis] + body.radius).floor() as i32 + 1;
+    if grid.periodic[axis] { first..=last } else { first.max(0)..=last.min(grid.n[axis] - 1) }
+}
+
+/// The items of a body.
+fn items_of(items: &[Item], place: usize) -> &[Item] {
+    let first = items.partition_point(|item| item.body < place);
+    let count = items[first..].partition_point(|item| item.body == place);
+    &items[first..first + count]
+}
+
+/// Sum of the densities around a body's gaps that `wanted` says, and number of the cells.
+fn around(items: &[Item], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
+    let gaps = items.iter().flat_map(|item| &item.gaps.0).filter(|gap| wanted(gap.across));
+    gaps.fold([0.0; 2], |[drho, cells], gap| [drho + gap.drho, cells + gap.cells])
+}
+
+/// Density minus 1 in the gap between a body and something.
+fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64 {
+    let own = items_of(items, place);
+    let mut found = around(own, |to| to == across);
+    if let Some(other) = across.as_body() {
+        let other = items_of(items, bodies.place_of(other));
+        let back = across.seen_back(bodies.living[place].handle);
+        let [drho, cells] = around(other, |to| to == back);
+        found = [found[0] + drho, found[1] + cells];
+    }
+    if found[1] == 0.0 {
+        found = around(own, |_| true);
+    }
+    if found[1] == 0.0 { 0.0 } else { found[0] / found[1] }
+}
+
+impl<T: Collides> Solver<T> {
+    /// Finds what the pressure in gaps gives to bodies and fixtures, from what the links' search
+    /// found.
+    pub(crate) fn press(&mut self) {
+        if !self.gaps_press {
+            return;
+        }
+        self.pressed.fill(Exchange::default());
+        for place in 0..self.bodies.living.len() {
+            let mut load = [[0.0; 3]; 2];
+            for item in items_of(&self.link_items, place) {
+                for gap in &item.gaps.0 {
+                    let drho = drho_in(&self.link_items, &self.bodies, place, gap.across);
+                    let part = gap.load.map(|v| v.map(|x| x * drho));
+                    add_scaled(&mut load[0], part[0], 1.0);
+                    add_scaled(&mut load[1], part[1], 1.0);
+                    if let Some(number) = gap.across.as_fixture() {
+                        let position = self.bodies.living[place].position;
+                        let to = self.surroundings.references[number];
+                        // From the fixture's reference to the body, by the shortest way.
+                        let arm = self.layout.grid.shortest(to, position);
+                        let fixture = &mut self.pressed[number];
+                        add_scaled(&mut fixture.force, part[0], -1.0);
+                        add_scaled(&mut fixture.torque, part[1], -1.0);
+                        add_scaled(&mut fixture.torque, cross(arm, part[0]), -1.0);
+                    }
+                }
+            }
+            self.bodies.living[place].pressed = load;
+        }
+    }
+}

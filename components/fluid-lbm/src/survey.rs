@@ -1,0 +1,126 @@
+//! Sums and extremes over cells, taken while they collide.
+
+use crate::collision::Moments;
+use crate::field::Real;
+use crate::lanes::Lanes;
+
+/// Sums over the fluid cells of a block of lines, before their collision.
+#[derive(Clone, Copy, Debug)]
+pub struct Survey {
+    /// Sum of the densities minus 1.
+    pub excess: f64,
+    /// Sum of `h_i c_i` (without the half force of a step).
+    pub j: [f64; 3],
+    /// Largest `u.u`.
+    pub speed2: f64,
+    /// Smallest density minus 1.
+    pub min_drho: f64,
+    /// Largest density minus 1.
+    pub max_drho: f64,
+    /// Largest relaxation time of the closure; 0 without one.
+    pub max_tau: f64,
+}
+
+impl Survey {
+    /// Of no cells.
+    pub const NONE: Self = Self {
+        excess: 0.0,
+        j: [0.0; 3],
+        speed2: 0.0,
+        min_drho: f64::INFINITY,
+        max_drho: f64::NEG_INFINITY,
+        max_tau: 0.0,
+    };
+
+    /// Adds another block.
+    pub fn join(&mut self, other: &Self) {
+        self.excess += other.excess;
+        for a in 0..3 {
+            self.j[a] += other.j[a];
+        }
+        self.speed2 = self.speed2.max(other.speed2);
+        self.min_drho = self.min_drho.min(other.min_drho);
+        self.max_drho = self.max_drho.max(other.max_drho);
+        self.max_tau = self.max_tau.max(other.max_tau);
+    }
+}
+
+/// Running sums, one for each place of a 64-byte line, so that the order of additions is the same
+/// for vectors of any length.
+pub struct Sums<V> {
+    excess: [f64; 16],
+    j: [[f64; 16]; 3],
+    speed2: V,
+    min_drho: V,
+    max_drho: V,
+    max_tau: V,
+}
+
+impl<V: Lanes> Sums<V> {
+    /// Of no cells.
+    ///
+    /// # Safety
+    /// The processor has the variant's instructions.
+    #[inline(always)]
+    pub unsafe fn new() -> Self {
+        // SAFETY: by contract.
+        let zero = unsafe { V::splat(0.0) };
+        Self {
+            excess: [0.0; 16],
+            j: [[0.0; 16]; 3],
+            speed2: zero,
+            min_drho: zero,
+            max_drho: zero,
+            max_tau: zero,
+        }
+    }
+
+    /// Adds the moments of the vector at lane `lane` of a line.
+    #[inline(always)]
+    pub fn add<const LES: bool>(&mut self, lane: usize, m: &Moments<V>) {
+        debug_assert!(lane + V::N <= 16);
+        // SAFETY: `lane` is a multiple of N, which divides LINE, so `lane + N <= LINE <= 16`.
+        unsafe {
+            m.drho.add_to(self.excess.as_mut_ptr().add(lane));
+            m.j[0].add_to(self.j[0].as_mut_ptr().add(lane));
+            m.j[1].add_to(self.j[1].as_mut_ptr().add(lane));
+            m.j[2].add_to(self.j[2].as_mut_ptr().add(lane));
+        }
+        self.speed2 = m.speed2.max(self.speed2);
+        self.min_drho = m.drho.min(self.min_drho);
+        self.max_drho = m.drho.max(self.max_drho);
+        if LES {
+            self.max_tau = m.tau.max(self.max_tau);
+        }
+    }
+
+    /// Adds up the lanes, in their order.
+    ///
+    /// # Safety
+    /// The processor has the variant's instructions.
+    #[inline(always)]
+    pub unsafe fn survey(&self) -> Survey {
+        let mut survey = Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE };
+        let mut k = 0;
+        while k < V::Scalar::LINE {
+            survey.excess += self.excess[k];
+            survey.j[0] += self.j[0][k];
+            survey.j[1] += self.j[1][k];
+            survey.j[2] += self.j[2][k];
+            k += 1;
+        }
+        let mut lanes = [V::Scalar::from_f64(0.0); 16];
+        // SAFETY: a vector has at most 16 lanes.
+        unsafe {
+            self.speed2.store(lanes.as_mut_ptr());
+            survey.speed2 = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
+            self.min_drho.store(lanes.as_mut_ptr());
+            survey.min_drho = lanes.iter().fold(0.0, |m, &x| x.to_f64().min(m));
+            self.max_drho.store(lanes.as_mut_ptr());
+            survey.max_drho = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
+            self.max_tau.store(lanes.as_mut_ptr());
+            survey.max_tau = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
+        }
+        survey
+    }
+}

@@ -1,0 +1,39 @@
+//! The bodies at the start, as they are announced to the other components.
+
+use crate::{bodies::PlacedSphere, parts::PlacedPart};
+use tremie_messages::{body::BodyEvent, scene::Motion};
+
+/// Spheres by their order, then the parts that move.
+pub(crate) fn initial(spheres: &[PlacedSphere], parts: &[PlacedPart]) -> Vec<BodyEvent> {
+    let mut events: Vec<BodyEvent> = (0..).zip(spheres).map(|(id, s)| added(id, s)).collect();
+    for (table, part) in (0..).zip(parts).filter(|(_, part)| part.moves()) {
+        events.push(BodyEvent {
+            id: events.len() as u64,
+            kind: BodyEvent::ADDED,
+            shape: BodyEvent::PART,
+            motion: BodyEvent::PRESCRIBED,
+            set: 0,
+            mass: 0.0,
+            size: [part.bounding_radius(), 0.0, 0.0],
+            table,
+        });
+    }
+    events
+}
+
+fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
+    BodyEvent {
+        id,
+        kind: BodyEvent::ADDED,
+        shape: BodyEvent::SPHERE,
+        motion: match sphere.motion {
+            Motion::Free => BodyEvent::FREE,
+            Motion::Fixed => BodyEvent::FIXED,
+            Motion::Prescribed(_) => BodyEvent::PRESCRIBED,
+        },
+        set: sphere.set as u32,
+        mass: sphere.mass,
+        size: [sphere.ball.radius, 0.0, 0.0],
+        table: 0,
+    }
+}

@@ -1,0 +1,63 @@
+//! Loads of the fluid, taken in the order of ids into the order of memory.
+
+use crate::{
+    GrainsError, Vec3,
+    bodies::{Bodies, Wrench},
+    pairs::BLOCK,
+};
+use tremie_messages::body::Load;
+use tremie_team::{Cut, Team};
+
+/// What one block of loads came to: the sum of the forces on free bodies, or the first load that
+/// cannot be taken.
+type Sum = Result<Vec3, GrainsError>;
+
+/// Takes the loads of a window, `bodies_of_run` many, and gives the sum of the forces on free spheres
+/// [N]. `sums` is room to work in.
+///
+/// # Errors
+/// Loads that do not match the bodies or are not finite.
+pub(crate) fn take(
+    team: &mut Team,
+    bodies: &mut Bodies,
+    loads: &[Load],
+    bodies_of_run: usize,
+    sums: &mut Vec<Sum>,
+) -> Result<Vec3, GrainsError> {
+    if loads.len() != bodies_of_run {
+        return Err(GrainsError::LoadCount { found: loads.len(), expected: bodies_of_run });
+    }
+    sums.clear();
+    sums.resize_with(loads.len().div_ceil(BLOCK), || Ok(Vec3::zeros()));
+    let (slot, mobility) = (&bodies.slot, &bodies.mobility);
+    team.for_each(sums, |b, sum| {
+        *sum = (b * BLOCK..loads.len().min((b + 1) * BLOCK)).try_fold(Vec3::zeros(), |sum, k| {
+            check(k, &loads[k])?;
+            let free = slot.get(k).is_some_and(|&slot| mobility[slot as usize].is_free());
+            Ok(if free { sum + Vec3::from(loads[k].force) } else { sum })
+        });
+    });
+    let mut force = Vec3::zeros();
+    for sum in sums.drain(..) {
+        force += sum?;
+    }
+    let id = &bodies.id;
+    team.for_pieces(Cut::every(&mut bodies.load, BLOCK), |b, own: &mut [Wrench]| {
+        for (own, &id) in own.iter_mut().zip(&id[b * BLOCK..]) {
+            let load = &loads[id as usize];
+            *own = Wrench { force: load.force.into(), torque: load.torque.into() };
+        }
+    });
+    Ok(force)
+}
+
+fn check(index: usize, load: &Load) -> Result<(), GrainsError> {
+    let (found, expected) = (load.id, index as u64);
+    if found != expected {
+        return Err(GrainsError::LoadOrder { index, found, expected });
+    }
+    if !load.is_finite() {
+        return Err(GrainsError::LoadNotFinite { id: found });
+    }
+    Ok(())
+}

@@ -1,0 +1,121 @@
+//! What the scene's probes see of the spheres.
+//!
+//! Sums are taken over blocks of ids, and these in their order: the same bits on any number of
+//! threads.
+
+mod overlap;
+mod regions;
+mod sections;
+
+use crate::{Vec3, bodies::Bodies, pairs::BLOCK, periodic::PeriodicBox};
+use regions::Region;
+use sections::Section;
+use tremie_messages::scene::{Probe, ProbeShape, Scene};
+use tremie_team::Team;
+
+/// Names and units of the values of a scene's probes, in their order: `probe.value`. Points and lines
+/// are the fluid's alone.
+pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
+    let mut signals = Vec::new();
+    for probe in &scene.probes {
+        for (value, unit) in values(&probe.shape) {
+            signals.push((format!("{}.{value}", probe.name), *unit));
+        }
+    }
+    signals
+}
+
+fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
+    match shape {
+        ProbeShape::Point(_) | ProbeShape::Line { .. } => &[],
+        ProbeShape::Section { .. } => {
+            &[("mass_flow_rate", "kg/s"), ("crossings", "1"), ("mass_passed", "kg")]
+        }
+        ProbeShape::Region { .. } => &[
+            ("solid_fraction", "1"),
+            ("number", "1"),
+            ("velocity_x", "m/s"),
+            ("velocity_y", "m/s"),
+            ("velocity_z", "m/s"),
+        ],
+    }
+}
+
+/// The probes of a scene that see spheres.
+#[derive(Debug, Default)]
+pub(crate) struct Probes {
+    kinds: Vec<Kind>,
+    sections: Vec<Section>,
+    regions: Vec<Region>,
+    /// Masses by id [kg]: given motions have one too.
+    mass: Vec<f64>,
+    /// Positions by id when sections were last looked at.
+    before: Vec<Vec3>,
+    crossings: Vec<sections::Sum>,
+    contents: Vec<regions::Sum>,
+}
+
+/// Which of the lists the next probe stands in.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Section,
+    Region,
+}
+
+impl Probes {
+    /// Of a scene with spheres of these masses, by id.
+    pub fn new(probes: &[Probe], mass: Vec<f64>, bodies: &Bodies) -> Self {
+        let mut own = Self::default();
+        for probe in probes {
+            match probe.shape {
+                ProbeShape::Point(_) | ProbeShape::Line { .. } => {}
+                ProbeShape::Section { axis, position, min, max } => {
+                    own.kinds.push(Kind::Section);
+                    own.sections.push(Section::new(axis, position, min, max));
+                }
+                ProbeShape::Region { min, max } => {
+                    own.kinds.push(Kind::Region);
+                    own.regions.push(Region { min: min.into(), max: max.into() });
+                }
+            }
+        }
+        if !own.sections.is_empty() {
+            own.before = bodies.slot.iter().map(|&slot| bodies.balls[slot as usize].x).collect();
+            own.mass = mass;
+        }
+        let blocks = bodies.len().div_ceil(BLOCK);
+        own.crossings.resize(blocks * own.sections.len(), sections::Sum::default());
+        own.contents.resize(blocks * own.regions.len(), regions::Sum::default());
+        own
+    }
+
+    /// Notes which spheres crossed a section since the last time, `duration` [s] ago.
+    pub fn pass(&mut self, team: &mut Team, bodies: &Bodies, bounds: &PeriodicBox, duration: f64) {
+        if !self.sections.is_empty() {
+            let (before, sums) = (&mut self.before, &mut self.crossings);
+            sections::pass(&mut self.sections, before, sums, team, (bodies, &self.mass, bounds));
+            self.sections.iter_mut().for_each(|section| section.end(duration));
+        }
+    }
+
+    /// Appends the values of all probes to `out`, SI units.
+    pub fn read(
+        &mut self,
+        team: &mut Team,
+        bodies: &Bodies,
+        bounds: &PeriodicBox,
+        out: &mut Vec<f64>,
+    ) {
+        regions::look(&self.regions, &mut self.contents, team, bodies, bounds);
+        let (mut sections, mut regions) = (self.sections.iter(), self.regions.iter().enumerate());
+        for kind in &self.kinds {
+            match kind {
+                Kind::Section => out.extend(sections.next().into_iter().flat_map(Section::values)),
+                Kind::Region => out.extend(regions.next().into_iter().flat_map(|(k, region)| {
+                    let sums = self.contents.iter().skip(k).step_by(self.regions.len());
+                    region.values(sums)
+                })),
+            }
+        }
+    }
+}

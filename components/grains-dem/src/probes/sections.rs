@@ -1,0 +1,99 @@
+//! Rectangles across an axis: which spheres pass through.
+
+use crate::{Vec3, bodies::Bodies, pairs::BLOCK, periodic::PeriodicBox};
+use tremie_team::{Cut, Team};
+
+/// A rectangle across an axis, and what has passed it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Section {
+    axis: usize,
+    position: f64,
+    min: [f64; 3],
+    max: [f64; 3],
+    /// In the last window.
+    last: Sum,
+    /// Mean mass flow rate of the last window [kg/s].
+    rate: f64,
+    /// Since the start [kg].
+    passed: f64,
+}
+
+/// Centres that passed along the axis, less those that passed against it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sum {
+    number: i64,
+    /// Their mass [kg].
+    mass: f64,
+}
+
+impl Section {
+    /// Across an axis at a position, between two corners [m].
+    pub fn new(axis: usize, position: f64, min: [f64; 3], max: [f64; 3]) -> Self {
+        Self { axis, position, min, max, last: Sum::default(), rate: 0.0, passed: 0.0 }
+    }
+
+    /// Ends a window [s].
+    pub fn end(&mut self, duration: f64) {
+        self.rate = if duration > 0.0 { self.last.mass / duration } else { 0.0 };
+        self.passed += self.last.mass;
+    }
+
+    /// Mass flow rate, crossings, mass passed since the start.
+    pub fn values(&self) -> [f64; 3] {
+        [self.rate, self.last.number as f64, self.passed]
+    }
+
+    /// Times that a straight way `d` from `x` leads through: 1 along the axis, -1 against it.
+    fn crossed(&self, x: Vec3, d: Vec3, bounds: &PeriodicBox) -> i64 {
+        let a = self.axis;
+        let length = if bounds.periodic[a] { bounds.size[a] } else { 0.0 };
+        // Across a periodic face the section is met again, one domain length further.
+        let images = if length > 0.0 { &[-1.0, 0.0, 1.0][..] } else { &[0.0] };
+        let mut crossed = 0;
+        for image in images {
+            let ahead = self.position + image * length - x[a];
+            let sign =
+                i64::from(ahead > 0.0 && d[a] >= ahead) - i64::from(ahead <= 0.0 && d[a] < ahead);
+            if sign != 0 {
+                let at = bounds.wrap(x + d * (ahead / d[a]));
+                let inside = |b: usize| b == a || (at[b] >= self.min[b] && at[b] <= self.max[b]);
+                crossed += if (0..3).all(inside) { sign } else { 0 };
+            }
+        }
+        crossed
+    }
+}
+
+/// Sums what passed since positions were `before`, by id, and takes the new ones. Ways are straight,
+/// and along periodic axes shorter than half the domain.
+pub(super) fn pass(
+    sections: &mut [Section],
+    before: &mut [Vec3],
+    sums: &mut [Sum],
+    team: &mut Team,
+    (bodies, mass, bounds): (&Bodies, &[f64], &PeriodicBox),
+) {
+    let seen = &*sections;
+    let pieces = (Cut::every(before, BLOCK), Cut::every(sums, sections.len()));
+    team.for_pieces(pieces, |b, (before, sums): (&mut [Vec3], &mut [Sum])| {
+        sums.fill(Sum::default());
+        for (id, before) in (b * BLOCK..).zip(before) {
+            let x = bodies.balls[bodies.slot[id] as usize].x;
+            let from = std::mem::replace(before, x);
+            let way = bounds.shortest(x - from);
+            for (section, sum) in seen.iter().zip(&mut *sums) {
+                let crossed = section.crossed(from, way, bounds);
+                sum.number += crossed;
+                sum.mass += crossed as f64 * mass[id];
+            }
+        }
+    });
+    let count = sections.len();
+    for (k, section) in sections.iter_mut().enumerate() {
+        section.last = Sum::default();
+        for sum in sums.iter().skip(k).step_by(count) {
+            section.last.number += sum.number;
+            section.last.mass += sum.mass;
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! What bodies may touch, and how.
+
+use crate::{
+    Parameters,
+    bodies::Bodies,
+    contact::Steps,
+    forces::Scenery,
+    laws::{self, Laws},
+    linear::LinearLaw,
+    lubrication::Squeeze,
+    parts::PlacedPart,
+    periodic::PeriodicBox,
+    tally::Other,
+    walls::{self, Wall, WallLaws},
+};
+use tremie_messages::scene::Scene;
+
+/// Domain, walls, parts, and the laws between all of them and the bodies.
+pub(crate) struct Surroundings {
+    /// The domain.
+    pub bounds: PeriodicBox,
+    /// Laws of materials.
+    pub laws: Laws,
+    /// The walls.
+    pub walls: Vec<Wall>,
+    /// Their laws.
+    pub wall_laws: WallLaws,
+    /// The parts.
+    pub parts: Vec<PlacedPart>,
+    /// Numbers of their materials.
+    pub part_materials: Vec<u16>,
+    /// The law of all contacts between bodies, where it is one and linear.
+    pub one_law: Option<LinearLaw>,
+    /// Lubrication, if there is any.
+    pub squeeze: Option<Squeeze>,
+    /// What a user calls the walls, and after them the parts.
+    names: Vec<String>,
+}
+
+impl Surroundings {
+    /// Those of a scene with its parts placed.
+    pub fn of_scene(scene: &Scene, parameters: &Parameters, parts: Vec<PlacedPart>) -> Self {
+        let mut laws = Laws::of_scene(scene);
+        let wall_laws = walls::laws_of_scene(scene, &mut laws);
+        let squeeze = Squeeze::of(scene, parameters);
+        // Where no wall resists rolling either there is no room for its history.
+        let plain = squeeze.is_none() && !laws.resist_rolling();
+        let materials: Vec<u16> =
+            scene.bodies.iter().map(|set| laws.material(&set.material)).collect();
+        Self {
+            bounds: PeriodicBox::new(&scene.domain),
+            names: laws::surfaces(scene).into_iter().map(|surface| surface.name).collect(),
+            part_materials: scene.parts.iter().map(|part| laws.material(&part.material)).collect(),
+            one_law: if plain { laws.only(&materials) } else { None },
+            laws,
+            walls: walls::of_scene(scene),
+            wall_laws,
+            parts,
+            squeeze,
+        }
+    }
+
+    /// What a user calls the other side of a contact of two bodies by their ids, and the id that the
+    /// contact goes by.
+    pub fn name(&self, body: u64, other: Other, id: impl Fn(u32) -> u64) -> (u64, String) {
+        match other {
+            Other::Wall(wall) => (body, self.names[wall as usize].clone()),
+            Other::Part(part) => (body, self.names[self.walls.len() + part as usize].clone()),
+            Other::Body(other) => {
+                let (low, high) = (body.min(id(other)), body.max(id(other)));
+                (low, format!("body {high}"))
+            }
+        }
+    }
+
+    /// What forces between bodies are made from; `crossed` tells whether any body crossed a periodic
+    /// face since neighbours were listed.
+    pub fn scenery<'a>(&'a self, bodies: &'a Bodies, crossed: bool, steps: Steps) -> Scenery<'a> {
+        Scenery {
+            laws: self.laws.laws(),
+            shifts: &self.bounds.shifts,
+            bodies,
+            crossed,
+            steps,
+            one_law: self.one_law,
+            squeeze: self.squeeze,
+        }
+    }
+}

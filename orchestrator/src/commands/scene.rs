@@ -1,0 +1,123 @@
+//! `tremie scene`: parts and a manifest from numbers.
+
+use super::WRONG_INPUT;
+use crate::cli::{SceneArgs, SceneName};
+use crate::scenes::pressure_valve::{self as valve, Dimensions, Steady};
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use tremie_geometry::{GeometryError, Mesh};
+use tremie_messages::scene::Geometry;
+
+/// `tremie scene NAME FOLDER`.
+pub fn scene(arguments: &SceneArgs) -> ExitCode {
+    let SceneName::PressureValve = arguments.name;
+    match write_valve(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(SceneError::Numbers(lines)) => {
+            for line in lines {
+                eprintln!("error: {line}");
+            }
+            ExitCode::from(WRONG_INPUT)
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Why no scene was written.
+#[derive(Debug, thiserror::Error)]
+enum SceneError {
+    #[error("{}", .0.join("; "))]
+    Numbers(Vec<String>),
+    #[error("cannot write {}: {why}", path.display())]
+    Write { path: PathBuf, why: String },
+}
+
+fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
+    let numbers = numbers(&arguments.set)?;
+    let misfits = numbers.misfits();
+    if !misfits.is_empty() {
+        return Err(SceneError::Numbers(misfits.iter().map(ToString::to_string).collect()));
+    }
+    let defaults = Steady::default();
+    let run = Steady {
+        lift: arguments.lift.unwrap_or(defaults.lift),
+        cell: arguments.cell.unwrap_or(defaults.cell),
+        ..defaults
+    };
+    if run.lift < numbers.lip {
+        let (lift, lip) = (run.lift, numbers.lip);
+        let line =
+            format!("the lift is {lift}, but the rigid ring touches the seat below {lip}, its lip");
+        return Err(SceneError::Numbers(vec![line]));
+    }
+    let folder = &arguments.folder;
+    fs::create_dir_all(folder).map_err(|error| cannot_write(folder, &error))?;
+    let numbers_text = toml::to_string(&numbers).expect("plain quantities have a form in TOML");
+    write(&folder.join("dimensions.toml"), numbers_text.as_bytes())?;
+    // Past the openings by more than a cell, so that the domain's faces cut the space.
+    let bad = |error: GeometryError| SceneError::Numbers(vec![error.to_string()]);
+    let frame = valve::frame(&numbers, 4.0 * run.cell.0).map_err(bad)?;
+    let turned = |profile| Mesh::of(&Geometry::Revolved { profile }).map_err(bad);
+    let meshes = [
+        ("frame.stl", frame),
+        ("valve.stl", turned(valve::steel(&numbers))?),
+        ("ring.stl", turned(valve::ring(&numbers))?),
+    ];
+    for (name, mesh) in &meshes {
+        write_stl(&folder.join(name), mesh)?;
+    }
+    let manifest = valve::manifest(&numbers, &run, "frame.stl");
+    write(&folder.join("manifest.toml"), manifest.as_bytes())?;
+    tell(&numbers, folder);
+    Ok(())
+}
+
+/// The usual numbers with those of the command line in place of some.
+fn numbers(sets: &[(String, String)]) -> Result<Dimensions, SceneError> {
+    let mut table = toml::Table::new();
+    for (key, value) in sets {
+        let read = format!("value = {value}").parse::<toml::Table>();
+        let read = read.ok().and_then(|mut table| table.remove("value"));
+        // Quotes around a quantity may be left out.
+        table.insert(key.clone(), read.unwrap_or_else(|| toml::Value::String(value.clone())));
+    }
+    table.try_into().map_err(|error: toml::de::Error| {
+        SceneError::Numbers(vec![error.message().trim().to_string()])
+    })
+}
+
+fn tell(numbers: &Dimensions, folder: &Path) {
+    println!(
+        "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml and manifest.toml are in {}",
+        folder.display()
+    );
+    println!(
+        "depth of the cone {:.3} mm, disc {:.3} mm thick, rubber {:.1} mm3, steel {:.1} mm3",
+        1e3 * numbers.cone_depth(),
+        1e3 * numbers.disc_thickness(),
+        1e9 * numbers.rubber_volume(),
+        1e9 * (numbers.moving_mass.0 - numbers.rubber.0 * numbers.rubber_volume())
+            / numbers.steel.0,
+    );
+    println!("check it with: tremie check {}", folder.display());
+}
+
+fn write_stl(path: &Path, mesh: &Mesh) -> Result<(), SceneError> {
+    let file = File::create(path).map_err(|error| cannot_write(path, &error))?;
+    let mut file = BufWriter::new(file);
+    mesh.write_stl(&mut file, 1e-3).map_err(|error| cannot_write(path, &error))?;
+    file.flush().map_err(|error| cannot_write(path, &error))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
+    fs::write(path, bytes).map_err(|error| cannot_write(path, &error))
+}
+
+fn cannot_write(path: &Path, why: &impl ToString) -> SceneError {
+    SceneError::Write { path: path.into(), why: why.to_string() }
+}

@@ -1,0 +1,285 @@
+//! The numbers of a pressure valve.
+
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use tremie_messages::units::{Angle, Density, Length, Mass};
+
+/// The numbers that make a valve, in the valve's frame: y along its axis, zero on the flat of the seat
+/// and up with the lift; z along the conduit, in the direction of the flow; the plane x = 0 a mirror.
+///
+/// Radii of the rubber, slope of the cone, lip and moving mass are those that Mutabaruka and Kamrin
+/// (*Comput. Part. Mech.* 5, 2018) state; the rest stands in drawings of theirs that were not
+/// available, and was chosen to fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Dimensions {
+    /// Radius of the conduit and of the bore that leads from it to the seat.
+    pub bore_radius: Length,
+    /// Height y of the conduit's axis.
+    pub conduit_axis: Length,
+    /// Where the conduit begins, along z.
+    pub inlet: Length,
+    /// Where the conduit ends, along z: with a pressure closure.
+    pub blind_end: Length,
+    /// What is at the conduit's end.
+    pub closure: Closure,
+    /// Safety closure: radius of the orifice in the conduit.
+    pub orifice_radius: Length,
+    /// Safety closure: where the orifice begins and ends, along z.
+    pub orifice: [Length; 2],
+    /// Safety closure: where the conduit opens, along z.
+    pub second_outlet: Length,
+    /// Slope of the seat's cone from the horizontal.
+    pub cone_slope: Angle,
+    /// Inner radius of the rubber ring, where the cone ends.
+    pub rubber_inner_radius: Length,
+    /// Outer radius of the rubber ring and of the disc above it.
+    pub rubber_outer_radius: Length,
+    /// Height of the undeformed rubber ring.
+    pub rubber_height: Length,
+    /// How far the undeformed ring protrudes below the metal.
+    pub lip: Length,
+    /// Radius of the chamber above the seat.
+    pub chamber_radius: Length,
+    /// Height of the chamber: where the fluid leaves.
+    pub chamber_height: Length,
+    /// Mass of steel and rubber that move.
+    pub moving_mass: Mass,
+    /// Density of the steel.
+    pub steel: Density,
+    /// Density of the rubber.
+    pub rubber: Density,
+}
+
+/// What is at the end of the conduit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Closure {
+    /// A wall: all that enters must leave through the valve.
+    Pressure,
+    /// An orifice and a second outlet.
+    Safety,
+}
+
+impl Default for Dimensions {
+    fn default() -> Self {
+        let mm = |x: f64| Length(1e-3 * x);
+        Self {
+            bore_radius: mm(4.75),
+            conduit_axis: mm(-9.0),
+            inlet: mm(-15.6),
+            blind_end: mm(4.75),
+            closure: Closure::Pressure,
+            orifice_radius: mm(2.0),
+            orifice: [mm(7.0), mm(9.0)],
+            second_outlet: mm(15.6),
+            cone_slope: Angle(29.53 * PI / 180.0),
+            rubber_inner_radius: mm(6.5),
+            rubber_outer_radius: mm(11.0),
+            rubber_height: mm(3.0),
+            lip: mm(0.48),
+            chamber_radius: mm(15.0),
+            chamber_height: mm(15.0),
+            moving_mass: Mass(9.2e-3),
+            steel: Density(7850.0),
+            rubber: Density(1200.0),
+        }
+    }
+}
+
+/// A dimension that does not go with the others.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{key} is {found}, but {rule}")]
+pub struct Misfit {
+    /// The key.
+    pub key: &'static str,
+    /// Its value.
+    pub found: String,
+    /// What must hold.
+    pub rule: String,
+}
+
+impl Dimensions {
+    /// Depth of the cone [m]: from the flat of the seat down to the bore.
+    pub fn cone_depth(&self) -> f64 {
+        let slope = libm::sin(self.cone_slope.0) / libm::cos(self.cone_slope.0);
+        (self.rubber_inner_radius.0 - self.bore_radius.0) * slope
+    }
+
+    /// Height of the hub above the metal's datum [m]: as high as the rubber reaches.
+    pub fn hub_height(&self) -> f64 {
+        self.rubber_height.0 - self.lip.0
+    }
+
+    /// Volume of the plug, the part of the valve in the cone [m³].
+    pub fn plug_volume(&self) -> f64 {
+        let (a, b) = (self.bore_radius.0, self.rubber_inner_radius.0);
+        PI * self.cone_depth() / 3.0 * (a * a + a * b + b * b)
+    }
+
+    /// Volume of the hub inside the rubber ring [m³].
+    pub fn hub_volume(&self) -> f64 {
+        PI * self.rubber_inner_radius.0 * self.rubber_inner_radius.0 * self.hub_height()
+    }
+
+    /// Volume of the rubber ring [m³].
+    pub fn rubber_volume(&self) -> f64 {
+        let (a, b) = (self.rubber_inner_radius.0, self.rubber_outer_radius.0);
+        PI * (b * b - a * a) * self.rubber_height.0
+    }
+
+    /// Thickness of the steel disc above the rubber [m]: what the moving mass leaves for it.
+    pub fn disc_thickness(&self) -> f64 {
+        let steel = (self.moving_mass.0 - self.rubber.0 * self.rubber_volume()) / self.steel.0;
+        let disc = steel - self.plug_volume() - self.hub_volume();
+        disc / (PI * self.rubber_outer_radius.0 * self.rubber_outer_radius.0)
+    }
+
+    /// Everything that does not fit together.
+    pub fn misfits(&self) -> Vec<Misfit> {
+        let mut misfits = Vec::new();
+        let mut rule = |holds: bool, key: &'static str, found: String, rule: String| {
+            if !holds {
+                misfits.push(Misfit { key, found, rule });
+            }
+        };
+        let bore = self.bore_radius;
+        for (key, length) in [
+            ("bore_radius", bore),
+            ("rubber_height", self.rubber_height),
+            ("chamber_height", self.chamber_height),
+            ("orifice_radius", self.orifice_radius),
+        ] {
+            rule(length.0 > 0.0, key, length.to_string(), "must be more than zero".into());
+        }
+        rule(
+            self.cone_slope.0 > 0.0 && self.cone_slope.0 < 0.5 * PI,
+            "cone_slope",
+            self.cone_slope.to_string(),
+            "must be between 0 and 90 degrees".into(),
+        );
+        let inner = self.rubber_inner_radius;
+        rule(
+            inner > bore,
+            "rubber_inner_radius",
+            inner.to_string(),
+            format!("must be more than bore_radius, {bore}: the cone lies between them"),
+        );
+        let outer = self.rubber_outer_radius;
+        rule(
+            outer > inner,
+            "rubber_outer_radius",
+            outer.to_string(),
+            format!("must be more than rubber_inner_radius, {inner}"),
+        );
+        rule(
+            self.chamber_radius > outer,
+            "chamber_radius",
+            self.chamber_radius.to_string(),
+            format!("must be more than rubber_outer_radius, {outer}: the fluid passes between"),
+        );
+        rule(
+            self.lip.0 >= 0.0 && self.lip < self.rubber_height,
+            "lip",
+            self.lip.to_string(),
+            format!("must be between zero and rubber_height, {}", self.rubber_height),
+        );
+        let crown = self.conduit_axis.0 + bore.0;
+        rule(
+            crown < -self.cone_depth(),
+            "conduit_axis",
+            self.conduit_axis.to_string(),
+            format!(
+                "must leave the conduit below the cone, which ends at {} m",
+                -self.cone_depth()
+            ),
+        );
+        rule(
+            self.inlet.0 < -self.chamber_radius.0,
+            "inlet",
+            self.inlet.to_string(),
+            format!(
+                "must be below -chamber_radius, -{}: else the chamber opens there too",
+                self.chamber_radius
+            ),
+        );
+        let [from, to] = self.orifice;
+        match self.closure {
+            Closure::Pressure => rule(
+                self.blind_end >= bore,
+                "blind_end",
+                self.blind_end.to_string(),
+                format!("must be at least bore_radius, {bore}: the bore ends there"),
+            ),
+            Closure::Safety => {
+                rule(
+                    self.orifice_radius < bore,
+                    "orifice_radius",
+                    self.orifice_radius.to_string(),
+                    format!("must be less than bore_radius, {bore}"),
+                );
+                rule(
+                    from >= bore && to > from && self.second_outlet > to,
+                    "orifice",
+                    format!("[{from}, {to}]"),
+                    format!(
+                        "must begin at bore_radius, {bore}, or later, and end before second_outlet, {}",
+                        self.second_outlet
+                    ),
+                );
+                rule(
+                    self.second_outlet > self.chamber_radius,
+                    "second_outlet",
+                    self.second_outlet.to_string(),
+                    format!(
+                        "must be more than chamber_radius, {}: else the chamber opens there too",
+                        self.chamber_radius
+                    ),
+                );
+            }
+        }
+        rule(
+            self.disc_thickness() > 0.0,
+            "moving_mass",
+            self.moving_mass.to_string(),
+            "must leave something for the disc: plug, hub and rubber alone are heavier".into(),
+        );
+        misfits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Volumes by hand from the stated radii, the thickness that the moving mass leaves.
+    #[test]
+    fn the_stated_numbers_give_the_known_volumes() {
+        let valve = Dimensions::default();
+        let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-3;
+        assert!(near(valve.cone_depth(), 0.991e-3));
+        assert!(near(valve.rubber_volume(), 742.2e-9));
+        assert!(near(valve.plug_volume(), 99.3e-9));
+        assert!(near(valve.hub_volume(), 334.5e-9));
+        assert!(near(valve.disc_thickness(), 1.643e-3), "{}", valve.disc_thickness());
+        assert_eq!(valve.misfits(), []);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let keys = |change: fn(&mut Dimensions)| {
+            let mut valve = Dimensions::default();
+            change(&mut valve);
+            valve.misfits().iter().map(|misfit| misfit.key).collect::<Vec<_>>()
+        };
+        assert_eq!(keys(|v| v.rubber_inner_radius = Length(4e-3)), ["rubber_inner_radius"]);
+        assert_eq!(keys(|v| v.conduit_axis = Length(-5e-3)), ["conduit_axis"]);
+        assert_eq!(keys(|v| v.moving_mass = Mass(4e-3)), ["moving_mass"]);
+        assert_eq!(keys(|v| v.inlet = Length(-14e-3)), ["inlet"]);
+        let safety = |v: &mut Dimensions| {
+            v.closure = Closure::Safety;
+            v.orifice = [Length(7e-3), Length(6e-3)];
+        };
+        assert_eq!(keys(safety), ["orifice"]);
+    }
+}

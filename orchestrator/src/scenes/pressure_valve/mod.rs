@@ -1,0 +1,15 @@
+//! A spring-loaded valve with a rubber seal, beside a conduit, after Mutabaruka and Kamrin (*Comput. Part.
+//! Mech.* 5, 2018).
+//!
+//! Slurry comes along the conduit, turns up into the bore, lifts the valve, passes the cone and the gap
+//! under the rubber ring, and leaves through the chamber above.
+
+mod dimensions;
+mod frame;
+mod manifest;
+mod moving;
+
+pub use dimensions::{Closure, Dimensions, Misfit};
+pub use frame::frame;
+pub use manifest::{Steady, manifest};
+pub use moving::{ring, steel, steel_and_ring};
