@@ -4,6 +4,8 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use tremie_messages::Problem;
 
+pub use tremie_messages::nearest;
+
 /// Reads `parameters` as `P`, which should carry `deny_unknown_fields`.
 ///
 /// # Errors
@@ -42,16 +44,6 @@ pub fn explain(path: &str, message: &str) -> Problem {
         }
         None => Problem::of_parameter(path, message),
     }
-}
-
-/// The candidate closest to `word`, if one is close enough to have been meant.
-pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
-    candidates
-        .iter()
-        .map(|candidate| (strsim::damerau_levenshtein(word, candidate), *candidate))
-        .filter(|(distance, candidate)| *distance <= 1 + candidate.len() / 3)
-        .min()
-        .map(|(_, candidate)| candidate)
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ pub mod units;
 
 pub use body::{BodyEvent, BodyState, Load};
 pub use finding::{Finding, Verdict};
-pub use problem::Problem;
+pub use problem::{Problem, nearest};
 pub use role::Role;
 pub use stamp::Stamp;
 

@@ -47,3 +47,26 @@ impl std::fmt::Display for Problem {
 }
 
 impl std::error::Error for Problem {}
+
+/// The candidate closest to `word`, if one is close enough to have been meant.
+pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
+    candidates
+        .iter()
+        .map(|candidate| (strsim::damerau_levenshtein(word, candidate), *candidate))
+        .filter(|(distance, candidate)| *distance <= 1 + candidate.len() / 3)
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_of_the_pen_is_near_and_another_word_is_not() {
+        let words = ["frames", "compression"];
+        assert_eq!(nearest("frame", &words), Some("frames"));
+        assert_eq!(nearest("compresion", &words), Some("compression"));
+        assert_eq!(nearest("viscosity", &words), None);
+    }
+}

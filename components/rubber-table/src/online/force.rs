@@ -1,0 +1,179 @@
+//! One force from the loads on a ring's surface (Mutabaruka and Kamrin, Eq. 24 to 26, with their
+//! missing signs).
+
+use crate::table::{FacetKind, Surface};
+
+/// How the load where the ring touches its seat is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// Its component along the axis, less the pressure around over the projected area: conjugate to
+    /// the table's force, also where the surface is curved.
+    #[default]
+    Axial,
+    /// Its pressure, less the pressure around, times the area, as published: |A| (P_A - P_B).
+    Pressure,
+}
+
+/// The force that compresses a ring, and what it is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EffectiveForce {
+    /// Towards the carrier [N].
+    pub force: f64,
+    /// Mean pressure on what touches the seat [Pa].
+    pub seat_pressure: f64,
+    /// Mean pressure on what is exposed [Pa].
+    pub exposed_pressure: f64,
+    /// Area of what touches the seat [m²].
+    pub seat_area: f64,
+    /// Area of what is exposed [m²].
+    pub exposed_area: f64,
+}
+
+/// The force of `loads`, the resultant [N] on each triangle of `surface`, whose vertices are at
+/// `places` [m]; both as seen along the ring's axis z. Shear on what is exposed does not count: a
+/// pressure all around changes no shape, and only what differs from it compresses.
+pub fn effective_force(
+    form: Form,
+    surface: &Surface,
+    places: &[[f64; 3]],
+    loads: &[[f64; 3]],
+) -> EffectiveForce {
+    let mut seat = Sum::default();
+    let mut exposed = Sum::default();
+    for ((triangle, kind), load) in surface.triangles.iter().zip(&surface.kinds).zip(loads) {
+        let sum = match kind {
+            FacetKind::Seat => &mut seat,
+            FacetKind::Exposed => &mut exposed,
+            FacetKind::Bonded => continue,
+        };
+        sum.add(triangle.map(|vertex| places[vertex as usize]), load);
+    }
+    let (seat_pressure, exposed_pressure) = (seat.pressure(), exposed.pressure());
+    let force = match form {
+        Form::Axial => seat.axial - exposed_pressure * seat.projected,
+        Form::Pressure => seat.area * (seat_pressure - exposed_pressure),
+    };
+    EffectiveForce {
+        force,
+        seat_pressure,
+        exposed_pressure,
+        seat_area: seat.area,
+        exposed_area: exposed.area,
+    }
+}
+
+/// Sums over the triangles of a surface.
+#[derive(Default)]
+struct Sum {
+    area: f64,
+    /// Area as seen from the seat.
+    projected: f64,
+    /// Load inwards [N].
+    inward: f64,
+    /// Load along the axis [N].
+    axial: f64,
+}
+
+impl Sum {
+    fn add(&mut self, [a, b, c]: [[f64; 3]; 3], load: &[f64; 3]) {
+        let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
+        let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
+        let cross =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let twice = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt();
+        if twice > 0.0 {
+            let outward = cross[0] * load[0] + cross[1] * load[1] + cross[2] * load[2];
+            self.inward -= outward / twice;
+        }
+        self.area += 0.5 * twice;
+        self.projected -= 0.5 * cross[2];
+        self.axial += load[2];
+    }
+
+    fn pressure(&self) -> f64 {
+        if self.area > 0.0 { self.inward / self.area } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::{Contents, Facets, Table};
+
+    /// A ring with a tilted foot.
+    fn ring() -> (Surface, Vec<[f64; 3]>) {
+        let frame = |c: f64| vec![[1.0, c], [2.0, 0.3 + c], [2.0, 1.0], [1.0, 1.0]];
+        let table = Table::new(Contents {
+            compressions: vec![0.0, 0.1],
+            forces: vec![0.0, 1.0],
+            vertices: vec![frame(0.0), frame(0.1)],
+            facets: Facets {
+                seat: vec![[0, 1]],
+                exposed: vec![[1, 2], [3, 0]],
+                bonded: vec![[2, 3]],
+            },
+            ..Contents::default()
+        })
+        .unwrap();
+        let surface = table.surface(16);
+        let places = surface.places(&frame(0.0));
+        (surface, places)
+    }
+
+    /// Normal of each triangle times its area.
+    fn normals(surface: &Surface, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let cross = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|vertex| places[vertex as usize]);
+            let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
+            let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
+            [
+                0.5 * (u[1] * v[2] - u[2] * v[1]),
+                0.5 * (u[2] * v[0] - u[0] * v[2]),
+                0.5 * (u[0] * v[1] - u[1] * v[0]),
+            ]
+        };
+        surface.triangles.iter().map(cross).collect()
+    }
+
+    #[test]
+    fn a_pressure_all_around_compresses_nothing() {
+        let (surface, places) = ring();
+        let loads: Vec<[f64; 3]> =
+            normals(&surface, &places).into_iter().map(|n| n.map(|n| -4.65e5 * n)).collect();
+        for form in [Form::Axial, Form::Pressure] {
+            let found = effective_force(form, &surface, &places, &loads);
+            assert!(found.force.abs() < 1e-12 * 4.65e5 * found.seat_area, "{form:?}: {found:?}");
+            assert!((found.exposed_pressure / 4.65e5 - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_push_along_the_axis_counts_whole_and_its_pressure_with_the_slope() {
+        let (surface, places) = ring();
+        let mut loads = vec![[0.0; 3]; surface.triangles.len()];
+        loads[3] = [0.0, 0.0, 7.0];
+        let axial = effective_force(Form::Axial, &surface, &places, &loads);
+        assert!((axial.force - 7.0).abs() < 1e-12);
+        let pressure = effective_force(Form::Pressure, &surface, &places, &loads);
+        // Of 16 sectors' flat facets, the foot's slope is steeper than the section's.
+        let normal = normals(&surface, &places)[3];
+        let size = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+        assert!((pressure.force + 7.0 * normal[2] / size).abs() < 1e-12 && pressure.force < 7.0);
+    }
+
+    #[test]
+    fn loads_on_steel_and_shear_around_count_nothing() {
+        let (surface, places) = ring();
+        let mut loads = vec![[0.0; 3]; surface.triangles.len()];
+        for (load, kind) in loads.iter_mut().zip(&surface.kinds) {
+            match kind {
+                FacetKind::Bonded => *load = [3.0, 1.0, -5.0],
+                FacetKind::Exposed => *load = [0.0, 0.0, 2.0],
+                FacetKind::Seat => {}
+            }
+        }
+        for form in [Form::Axial, Form::Pressure] {
+            assert!(effective_force(form, &surface, &places, &loads).force.abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The compression at the end of a step (Mutabaruka and Kamrin, Eq. 27 and 28).
+//!
+//! The ring obeys F(d) = h(d) + ν d'/dt, with F the effective force, which falls as the ring retreats.
+//! F is stiff: so the step is implicit, and the equation is solved by repetition,
+//!
+//! d ← { [F(d) - h(d)] dt/η + d0 ν/η + d } / (1 + ν/η),
+//!
+//! whose fixed point F = h + ν (d - d0)/dt does not depend on η, a number of the method alone. Each pass
+//! shrinks the error by [η - (k + h') dt] / (η + ν), where k = -dF/dd: it converges while
+//! 2η > (k + h') dt - ν, fastest at η = (k + h') dt.
+
+use crate::table::{BeyondTable, Bracket, Table};
+
+/// The method's number η [N·s/m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Eta {
+    /// Always this one.
+    Fixed(f64),
+    /// (k + h') dt of the step, but at least this: converges whatever the contacts' stiffness.
+    AtLeast(f64),
+}
+
+/// The ring's law, and how it is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// Damping ν [N·s/m].
+    pub damping: f64,
+    /// The method's number.
+    pub eta: Eta,
+    /// A step is settled when a pass changes the compression by less than this times the first change.
+    pub tolerance: f64,
+    /// Most passes of a step.
+    pub most_passes: u32,
+}
+
+impl Default for Law {
+    /// Damping and η of Mutabaruka and Kamrin.
+    fn default() -> Self {
+        Self { damping: 80.0, eta: Eta::AtLeast(10.0), tolerance: 1e-8, most_passes: 100 }
+    }
+}
+
+/// What a fluid adds to the resistance of a surface without mass, where its load is known only from
+/// the last exchange: without it, such a surface is unstable.
+///
+/// The law becomes (ν + Z) (d - d0)/dt - Z d'old = F - h: a force on changes of the velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Impedance(
+    /// Z [N·s/m].
+    pub f64,
+);
+
+impl Impedance {
+    /// Z = ρ c A + m/dt: acoustic impedance of a face of `area` [m²] in a fluid of `density` [kg/m³] and
+    /// `sound_speed` [m/s], and the `added_mass` [kg] that it must move within `exchange` [s].
+    pub fn of_fluid(
+        density: f64,
+        sound_speed: f64,
+        area: f64,
+        added_mass: f64,
+        exchange: f64,
+    ) -> Self {
+        Self(density * sound_speed * area + added_mass / exchange)
+    }
+}
+
+/// A ring at the start of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Start {
+    /// Compression [m].
+    pub compression: f64,
+    /// Its rate over the step before [m/s].
+    pub rate: f64,
+    /// Length of the step [s].
+    pub dt: f64,
+    /// Sum of the normal stiffnesses of all contacts on what touches the seat, k [N/m].
+    pub contact_stiffness: f64,
+    /// What the fluid adds; none while the ring is in contact.
+    pub impedance: Impedance,
+}
+
+/// A step on its way.
+#[derive(Clone, Debug)]
+pub struct Step<'a> {
+    table: &'a Table,
+    law: Law,
+    start: Start,
+    eta: f64,
+    trial: f64,
+    at: Bracket,
+    first_change: f64,
+    passes: u32,
+    /// Compression and force of the pass before.
+    before: Option<(f64, f64)>,
+}
+
+/// What a pass came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// Another pass is needed, with the force at the new trial.
+    Again,
+    /// The step is done.
+    Settled(Settled),
+}
+
+/// The end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settled {
+    /// Compression [m].
+    pub compression: f64,
+    /// Its rate over the step [m/s].
+    pub rate: f64,
+    /// How many passes it took.
+    pub passes: u32,
+}
+
+/// Why a step did not settle.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// Compressed beyond the table.
+    #[error(transparent)]
+    Beyond(#[from] BeyondTable),
+    /// A force that is no number.
+    #[error(
+        "the force on the ring at a compression of {compression} m is {force}; a load is not finite"
+    )]
+    NotFinite {
+        /// The compression [m].
+        compression: f64,
+        /// What was given.
+        force: f64,
+    },
+    /// A force that grows as the ring retreats.
+    #[error(
+        "the force on the ring grows by {slope:.3e} N/m as the ring retreats, where contacts of {stiffness:.3e} N/m should let go; \
+             its direction is wrong: it must point from the seat to the carrier"
+    )]
+    WrongSign {
+        /// Measured slope of the force [N/m].
+        slope: f64,
+        /// Stiffness of the contacts [N/m].
+        stiffness: f64,
+    },
+    /// Too many passes.
+    #[error(
+        "the ring's compression did not settle in {passes} passes: the last changed it by {change:.1e} m; eta is {eta:.3e} N s/m and must exceed \
+             {least:.3e} N s/m, half of contact stiffness times step less damping; use an eta that adapts, or a smaller step"
+    )]
+    NotSettled {
+        /// How many were made.
+        passes: u32,
+        /// What the last one changed [m].
+        change: f64,
+        /// The method's number [N·s/m].
+        eta: f64,
+        /// What it must exceed [N·s/m].
+        least: f64,
+    },
+}
+
+impl<'a> Step<'a> {
+    /// Begins a step; the first trial is the compression at its start.
+    ///
+    /// # Errors
+    /// If that lies beyond the table.
+    pub fn begin(table: &'a Table, law: Law, start: Start) -> Result<Self, StepError> {
+        let at = table.bracket(start.compression)?;
+        let newton = (start.contact_stiffness + table.slope(at)) * start.dt;
+        let eta = match law.eta {
+            Eta::Fixed(eta) => eta,
+            Eta::AtLeast(least) => least.max(newton),
+        };
+        let trial = start.compression.max(0.0);
+        Ok(Self { table, law, start, eta, trial, at, first_change: 0.0, passes: 0, before: None })
+    }
+
+    /// The compression for which the force is wanted [m].
+    pub fn trial(&self) -> f64 {
+        self.trial
+    }
+
+    /// Where the trial lies in the table: gives its shape.
+    pub fn bracket(&self) -> Bracket {
+        self.at
+    }
+
+    /// One pass, with the effective `force` [N] at the trial.
+    ///
+    /// # Errors
+    /// If the trial leaves the table, the force is no number or has the wrong sign, or passes run out.
+    pub fn pass(&mut self, force: f64) -> Result<Outcome, StepError> {
+        if !force.is_finite() {
+            return Err(StepError::NotFinite { compression: self.trial, force });
+        }
+        self.check_sign(force)?;
+        let next = self.next(force).max(0.0);
+        let change = (next - self.trial).abs();
+        self.before = Some((self.trial, force));
+        self.at = self.table.bracket(next)?;
+        self.trial = next;
+        self.passes += 1;
+        if self.passes == 1 {
+            self.first_change = change;
+        }
+        // What round-off could change is none.
+        let least = 8.0 * f64::EPSILON * self.table.last_compression();
+        if change <= self.law.tolerance * self.first_change + least {
+            let rate = (next - self.start.compression) / self.start.dt;
+            return Ok(Outcome::Settled(Settled { compression: next, rate, passes: self.passes }));
+        }
+        if self.passes >= self.law.most_passes {
+            let newton = (self.start.contact_stiffness + self.table.slope(self.at)) * self.start.dt;
+            let least = (0.5 * (newton - self.law.damping - self.start.impedance.0)).max(0.0);
+            return Err(StepError::NotSettled {
+                passes: self.passes,
+                change,
+                eta: self.eta,
+                least,
+            });
+        }
+        Ok(Outcome::Again)
+    }
+
+    fn next(&self, force: f64) -> f64 {
+        let Start { compression, rate, dt, impedance: Impedance(z), .. } = self.start;
+        let damping = self.law.damping + z;
+        let drive = force + z * rate - self.table.force(self.at);
+        (drive * dt + compression * damping + self.trial * self.eta) / (self.eta + damping)
+    }
+
+    /// A force may grow a little as the ring retreats, because its surface turns; not as much as its
+    /// contacts are stiff.
+    fn check_sign(&self, force: f64) -> Result<(), StepError> {
+        let Some((trial, before)) = self.before else { return Ok(()) };
+        let (moved, stiffness) = (self.trial - trial, self.start.contact_stiffness);
+        let slope = (force - before) / moved;
+        // Changes that round-off could make say nothing.
+        let is_clear = (force - before).abs() > 1e-6 * force.abs().max(before.abs());
+        match stiffness > 0.0 && is_clear && slope > 0.5 * stiffness {
+            true => Err(StepError::WrongSign { slope, stiffness }),
+            false => Ok(()),
+        }
+    }
+}
+
+/// A whole step: asks `force` for the effective force [N] at each trial.
+///
+/// # Errors
+/// As [`Step::pass`].
+pub fn relax(
+    table: &Table,
+    law: Law,
+    start: Start,
+    mut force: impl FnMut(Bracket) -> f64,
+) -> Result<Settled, StepError> {
+    let mut step = Step::begin(table, law, start)?;
+    loop {
+        if let Outcome::Settled(settled) = step.pass(force(step.bracket()))? {
+            return Ok(settled);
+        }
+    }
+}

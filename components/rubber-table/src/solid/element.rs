@@ -1,0 +1,270 @@
+//! The four-node element with mean dilatation (Q1P0).
+//!
+//! One pressure for the element, K (J_e - 1) with J_e the mean of J over it: full integration of the
+//! volumetric term locks where K is far above G (Nagtegaal, Parks and Rice 1974; Simo, Taylor and
+//! Pister 1985). Shape change is integrated at 2 by 2 Gauss points.
+
+use crate::material::{self, NeoHookean, Tensor};
+
+/// What the section stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symmetry {
+    /// A ring: the first coordinate is the distance from the axis, forces are those all round.
+    Axisymmetric,
+    /// A long strip that does not change its length: forces are those on a metre of it.
+    PlaneStrain,
+}
+
+impl Symmetry {
+    /// How much of the solid stands behind a point of the section, by radius [m].
+    pub fn depth(self, r: f64) -> f64 {
+        match self {
+            Self::Axisymmetric => core::f64::consts::TAU * r,
+            Self::PlaneStrain => 1.0,
+        }
+    }
+}
+
+/// Positions of the Gauss points along an edge, each with weight 1.
+const GAUSS: [f64; 2] = [-0.577_350_269_189_625_8, 0.577_350_269_189_625_8];
+
+/// Corners of the reference square, in order.
+const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+/// A Gauss point of an element.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    /// Reference volume that it stands for [m³].
+    volume: f64,
+    /// Derivatives of each node's shape function by the two reference coordinates [1/m].
+    gradients: [[f64; 2]; 4],
+    /// Each node's share of the hoop stretch: N/R, or 0 in plane strain [1/m].
+    hoop: [f64; 4],
+}
+
+/// An element in its reference configuration. Unknowns are (u_r, u_z) of node 0, then of node 1, ...
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    points: [Point; 4],
+    volume: f64,
+}
+
+/// What an element stores, how it resists, and how stiffly.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Stored energy [J].
+    pub energy: f64,
+    /// Derivative of the energy by the displacements [N].
+    pub force: [f64; 8],
+    /// Its second derivative [N/m].
+    pub stiffness: [[f64; 8]; 8],
+}
+
+/// An element that has been turned inside out at a Gauss point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inverted;
+
+/// Jacobian of the map from the reference square at its point (x, y), and the shape functions.
+fn map(corners: &[[f64; 2]; 4], x: f64, y: f64) -> ([f64; 4], [[f64; 2]; 4], [[f64; 2]; 2]) {
+    let values = CORNERS.map(|[a, b]| 0.25 * (1.0 + a * x) * (1.0 + b * y));
+    let slopes = CORNERS.map(|[a, b]| [0.25 * a * (1.0 + b * y), 0.25 * b * (1.0 + a * x)]);
+    let mut jacobian = [[0.0; 2]; 2];
+    for (slope, corner) in slopes.iter().zip(corners) {
+        for i in 0..2 {
+            for j in 0..2 {
+                jacobian[i][j] += slope[i] * corner[j];
+            }
+        }
+    }
+    (values, slopes, jacobian)
+}
+
+/// Smallest determinant of the map from the reference square over the corners [m²]: an element may
+/// take part where it is positive.
+pub fn least_jacobian(corners: &[[f64; 2]; 4]) -> f64 {
+    let at = |corner: &[f64; 2]| {
+        let (_, _, j) = map(corners, corner[0], corner[1]);
+        j[0][0] * j[1][1] - j[0][1] * j[1][0]
+    };
+    CORNERS.iter().map(at).fold(f64::INFINITY, f64::min)
+}
+
+impl Element {
+    /// The element with these corners (r, z) [m], counter-clockwise.
+    pub fn new(corners: &[[f64; 2]; 4], symmetry: Symmetry) -> Self {
+        let point = |x: f64, y: f64| {
+            let (values, slopes, j) = map(corners, x, y);
+            let det = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+            let gradients = slopes.map(|[a, b]| {
+                [(j[1][1] * a - j[0][1] * b) / det, (j[0][0] * b - j[1][0] * a) / det]
+            });
+            let radius: f64 = (0..4).map(|n| values[n] * corners[n][0]).sum();
+            let hoop = match symmetry {
+                Symmetry::Axisymmetric => values.map(|value| value / radius),
+                Symmetry::PlaneStrain => [0.0; 4],
+            };
+            Point { volume: det * symmetry.depth(radius), gradients, hoop }
+        };
+        let [a, b] = GAUSS;
+        let points = [point(a, a), point(b, a), point(b, b), point(a, b)];
+        Self { points, volume: points.iter().map(|point| point.volume).sum() }
+    }
+
+    /// Volume as meshed [m³].
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    /// Size of the derivative of the volume by the displacements, undeformed [m²].
+    pub fn dilatation_size(&self) -> f64 {
+        let entry = |dof: usize| -> f64 {
+            let cof = material::cofactor(&material::IDENTITY);
+            self.points.iter().map(|p| p.volume * material::dot(&p.column(dof), &cof)).sum()
+        };
+        (0..8).map(|dof| entry(dof) * entry(dof)).sum::<f64>().sqrt()
+    }
+
+    /// Ratio of the element's volumes after and before.
+    ///
+    /// # Errors
+    /// If a Gauss point is inside out.
+    pub fn volume_ratio(&self, u: &[f64; 8]) -> Result<f64, Inverted> {
+        let mut sum = 0.0;
+        for point in &self.points {
+            sum += point.volume * checked_volume(&point.gradient(u))?;
+        }
+        Ok(sum / self.volume)
+    }
+
+    /// Mises stress [Pa], mean over the element.
+    pub fn mises_stress(&self, material: &NeoHookean, u: &[f64; 8]) -> f64 {
+        let stress = |point: &Point| point.volume * material.mises_stress(&point.gradient(u));
+        self.points.iter().map(stress).sum::<f64>() / self.volume
+    }
+
+    /// Energy, force and stiffness at displacements `u` [m].
+    ///
+    /// # Errors
+    /// If a Gauss point is inside out.
+    pub fn respond(&self, material: &NeoHookean, u: &[f64; 8]) -> Result<Response, Inverted> {
+        let change = self.volume_ratio(u)? - 1.0;
+        let pressure = material.bulk_modulus * change;
+        let mut out = Response { energy: 0.0, force: [0.0; 8], stiffness: [[0.0; 8]; 8] };
+        let mut dilatation = [0.0; 8];
+        for point in &self.points {
+            let f = point.gradient(u);
+            let cof = material::cofactor(&f);
+            let stress = material.isochoric_stress(&f);
+            let tangent = material.isochoric_tangent(&f);
+            let curved = material::cofactor_tangent(&f);
+            let total: Tensor = std::array::from_fn(|i| stress[i] + pressure * cof[i]);
+            let b: [Tensor; 8] = std::array::from_fn(|dof| point.column(dof));
+            out.energy += point.volume * material.isochoric_energy(&f);
+            for i in 0..8 {
+                out.force[i] += point.volume * material::dot(&b[i], &total);
+                dilatation[i] += point.volume * material::dot(&b[i], &cof);
+                let row: Tensor = std::array::from_fn(|c| {
+                    (0..5).map(|a| b[i][a] * (tangent[a][c] + pressure * curved[a][c])).sum()
+                });
+                for j in 0..=i {
+                    out.stiffness[i][j] += point.volume * material::dot(&row, &b[j]);
+                }
+            }
+        }
+        out.energy += 0.5 * pressure * change * self.volume;
+        let bulk = material.bulk_modulus / self.volume;
+        for i in 0..8 {
+            for j in 0..=i {
+                out.stiffness[i][j] += bulk * dilatation[i] * dilatation[j];
+                out.stiffness[j][i] = out.stiffness[i][j];
+            }
+        }
+        Ok(out)
+    }
+}
+
+impl Point {
+    /// The deformation gradient.
+    fn gradient(&self, u: &[f64; 8]) -> Tensor {
+        let mut f = material::IDENTITY;
+        for node in 0..4 {
+            let [by_r, by_z] = self.gradients[node];
+            let (ur, uz) = (u[2 * node], u[2 * node + 1]);
+            f[0] += ur * by_r;
+            f[1] += ur * by_z;
+            f[2] += uz * by_r;
+            f[3] += uz * by_z;
+            f[4] += ur * self.hoop[node];
+        }
+        f
+    }
+
+    /// Derivative of the deformation gradient by one displacement [1/m].
+    fn column(&self, dof: usize) -> Tensor {
+        let [by_r, by_z] = self.gradients[dof / 2];
+        match dof % 2 {
+            0 => [by_r, by_z, 0.0, 0.0, self.hoop[dof / 2]],
+            _ => [0.0, 0.0, by_r, by_z, 0.0],
+        }
+    }
+}
+
+fn checked_volume(f: &Tensor) -> Result<f64, Inverted> {
+    // The section and the hoop may not both be inside out either.
+    let section = f[0] * f[3] - f[1] * f[2];
+    if section > 0.0 && f[4] > 0.0 { Ok(section * f[4]) } else { Err(Inverted) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RUBBER: NeoHookean = NeoHookean { shear_modulus: 3e5, bulk_modulus: 8e6 };
+    const CORNERS_OF_RING: [[f64; 2]; 4] = [[1.0, 0.1], [1.9, -0.1], [2.1, 1.0], [0.8, 1.2]];
+    const BENT: [f64; 8] = [0.03, -0.02, 0.05, 0.01, -0.04, 0.06, 0.02, -0.05];
+
+    #[test]
+    fn force_and_stiffness_are_derivatives_of_energy() {
+        const STEP: f64 = 1e-5;
+        for symmetry in [Symmetry::Axisymmetric, Symmetry::PlaneStrain] {
+            let element = Element::new(&CORNERS_OF_RING, symmetry);
+            let here = element.respond(&RUBBER, &BENT).unwrap();
+            for i in 0..8 {
+                let at = |sign: f64| {
+                    let mut u = BENT;
+                    u[i] += sign * STEP;
+                    element.respond(&RUBBER, &u).unwrap()
+                };
+                let (above, below) = (at(1.0), at(-1.0));
+                let slope = (above.energy - below.energy) / (2.0 * STEP);
+                assert!((slope - here.force[i]).abs() < 1e-2, "{slope} {}", here.force[i]);
+                for j in 0..8 {
+                    let slope = (above.force[j] - below.force[j]) / (2.0 * STEP);
+                    let found = here.stiffness[i][j];
+                    assert!((slope - found).abs() < 1.0, "{i} {j}: {slope} {found}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_ring_has_its_volume() {
+        let ring =
+            Element::new(&[[1.0, 0.0], [2.0, 0.0], [2.0, 0.5], [1.0, 0.5]], Symmetry::Axisymmetric);
+        assert!((ring.volume() - core::f64::consts::PI * 3.0 * 0.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn what_is_inside_out_is_refused() {
+        let element = Element::new(&CORNERS_OF_RING, Symmetry::Axisymmetric);
+        let mut u = [0.0; 8];
+        u[5] = -2.0;
+        u[7] = -2.0;
+        assert_eq!(element.respond(&RUBBER, &u).unwrap_err(), Inverted);
+        // Through the axis and mirrored: the volume would be positive again.
+        let u = [-3.0, 0.0, -4.0, 0.0, -4.2, 0.0, -2.6, 0.0];
+        assert_eq!(element.respond(&RUBBER, &u).unwrap_err(), Inverted);
+        assert!(least_jacobian(&CORNERS_OF_RING) > 0.0);
+        assert!(least_jacobian(&[[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]) < 0.0);
+    }
+}

@@ -1,0 +1,60 @@
+//! A step of the ring allocates nothing: neither its passes nor the shapes and forces that they need.
+
+mod common;
+
+use common::{RUBBER, model, press, ring};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use tremie_rubber_table::make::tabulate;
+use tremie_rubber_table::online::{Form, Impedance, Law, Start, effective_force, relax};
+use tremie_rubber_table::solid::Hold;
+use tremie_rubber_table::solid::contact::Seat;
+
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: hands every call to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `System.alloc` above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn a_step_allocates_nothing() {
+    let model = model(ring([6, 4]), RUBBER, &[Hold::bonded("top")], Some(Seat::flat(0.0)));
+    let table = tabulate(&model, &press(&model, 0.6e-3, 41), "test".into(), None).unwrap();
+    let surface = table.surface(24);
+    let mut section = table.contents().vertices[0].clone();
+    let mut places = surface.places(&section);
+    let loads: Vec<[f64; 3]> = places.iter().map(|place| [0.0, 0.0, 10.0 * place[0]]).collect();
+    let loads: Vec<[f64; 3]> = loads.into_iter().cycle().take(surface.triangles.len()).collect();
+    let start = Start {
+        compression: 0.1e-3,
+        rate: 0.0,
+        dt: 1e-7,
+        contact_stiffness: 1e6,
+        impedance: Impedance(5.0),
+    };
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    for form in [Form::Axial, Form::Pressure] {
+        let settled = relax(&table, Law::default(), start, |at| {
+            table.vertices_into(at, &mut section);
+            surface.place_into(&section, &mut places);
+            effective_force(form, &surface, &places, &loads).force
+        });
+        assert!(settled.unwrap().passes > 3);
+    }
+    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+}

@@ -1,0 +1,36 @@
+//! Sections that several tests press.
+#![allow(dead_code, reason = "each test uses some of them")]
+
+use tremie_rubber_table::material::NeoHookean;
+use tremie_rubber_table::mesh::{self, Mesh};
+use tremie_rubber_table::solid::contact::Seat;
+use tremie_rubber_table::solid::element::Symmetry;
+use tremie_rubber_table::solid::{Compression, Frame, Hold, Model, compress};
+
+/// Rubber as in Mutabaruka and Kamrin, but for its bulk modulus in units of the shear modulus.
+pub fn rubber(bulk_over_shear: f64) -> NeoHookean {
+    NeoHookean { shear_modulus: 3e5, bulk_modulus: 3e5 * bulk_over_shear }
+}
+
+/// Their rubber.
+pub const RUBBER: NeoHookean = NeoHookean { shear_modulus: 3e5, bulk_modulus: 8e6 };
+
+/// A ring of radii 6.5 and 11 mm, 3 mm high.
+pub fn ring(elements: [usize; 2]) -> Mesh {
+    mesh::rectangle(6.5e-3, 11e-3, 3e-3, elements).unwrap()
+}
+
+/// An axisymmetric section.
+pub fn model(mesh: Mesh, material: NeoHookean, holds: &[Hold], seat: Option<Seat>) -> Model {
+    Model::new(mesh, Symmetry::Axisymmetric, material, holds, seat, 1000.0).unwrap()
+}
+
+/// All frames of a compression from rest to `largest` [m].
+pub fn press(model: &Model, largest: f64, frames: usize) -> Vec<Frame> {
+    compress(model, &Compression { largest, frames, tolerance: 1e-9 }).unwrap()
+}
+
+/// Stiffness at rest [N/m]: of the first nanometres.
+pub fn first_slope(model: &Model) -> f64 {
+    press(model, 1e-8, 2)[1].force / 1e-8
+}
