@@ -32,6 +32,9 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Build a scene from numbers: its parts as STL files, and a manifest to start from.
     Scene(SceneArgs),
+    /// Make or import the table of a rubber seal.
+    #[command(subcommand)]
+    Rubber(RubberCommand),
     /// Remove what killed runs left in shared memory.
     Clean,
     /// Print the JSON schema of the manifest, for editors.
@@ -159,6 +162,41 @@ pub struct SceneArgs {
 pub enum SceneName {
     /// A spring-loaded valve with a rubber seal, beside a conduit
     PressureValve,
+}
+
+/// Tables of rubber seals.
+#[derive(Debug, Subcommand)]
+pub enum RubberCommand {
+    /// Compress a seal by finite elements, and keep its force and shapes.
+    MakeTable(MakeTableArgs),
+    /// Make a table of another program's results.
+    Import(ImportArgs),
+}
+
+/// Arguments of `tremie rubber make-table`.
+#[derive(Debug, Args)]
+pub struct MakeTableArgs {
+    /// What the seal is: section, rubber, seat (a TOML file)
+    pub spec: PathBuf,
+    /// Where to write the table; its pictures go beside it [default: SPEC with .json]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `tremie rubber import`.
+#[derive(Debug, Args)]
+pub struct ImportArgs {
+    /// A CalculiX .frd file, or a folder with frames.csv, vertices.csv and facets.csv
+    pub results: PathBuf,
+    /// Where to write the table; its pictures go beside it [default: RESULTS with .json]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Unit of length of the .frd file
+    #[arg(long, value_name = "LENGTH", default_value = "1 mm")]
+    pub length: Length,
+    /// Unit of force of the .frd file, in newtons
+    #[arg(long, value_name = "NEWTONS", default_value_t = 1.0)]
+    pub force: f64,
 }
 
 /// Where a run is shown.

@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         Command::Conform(arguments) => commands::conform(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),
         Command::Scene(arguments) => commands::scene(&arguments),
+        Command::Rubber(command) => commands::rubber(&command),
         Command::Clean => commands::clean(),
         Command::Schema => commands::schema(),
         Command::Component { name } => commands::component(&name),

@@ -5,7 +5,7 @@
     ccx RING                                             run it
     calculix.py compare RING.dat TABLE.json              forces of both, and the largest difference
 
-TABLE.json: cargo run --release -p tremie-rubber-table --example make_table -- ring.toml TABLE.json
+TABLE.json: tremie rubber make-table ring.toml -o TABLE.json
 
 CalculiX has no elements with mean dilatation; quadratic ones with reduced integration (CAX8R) do not lock either. Its
 neo-Hookean energy is C10 (I1bar - 3) + (J - 1)^2 / D1, the same as G/2 and K/2.

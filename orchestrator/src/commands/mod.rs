@@ -4,12 +4,14 @@
 //! user ended a run.
 
 mod interrupts;
+mod rubber;
 mod run;
 mod scene;
 mod simple;
 mod validate;
 mod view;
 
+pub use rubber::rubber;
 pub use run::{check, run};
 pub use scene::scene;
 pub use simple::{clean, component, components, conform, schema};
