@@ -2,7 +2,7 @@
 
 use super::WRONG_INPUT;
 use crate::cli::{ImportArgs, MakeTableArgs, RubberCommand};
-use std::error::Error;
+use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
@@ -19,26 +19,26 @@ pub fn rubber(command: &RubberCommand) -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err((code, error)) => {
-            eprintln!("error: {error}");
+        Err((code, text)) => {
+            eprintln!("{}", text.trim_end());
             ExitCode::from(code)
         }
     }
 }
 
 /// An exit code and what to say.
-type Failed = (u8, Box<dyn Error>);
+type Failed = (u8, String);
 
-fn wrong(error: impl Into<Box<dyn Error>>) -> Failed {
-    (WRONG_INPUT, error.into())
+fn wrong(error: impl Display) -> Failed {
+    (WRONG_INPUT, format!("error: {error}"))
 }
 
-fn failed(error: impl Into<Box<dyn Error>>) -> Failed {
-    (1, error.into())
+fn failed(error: impl Display) -> Failed {
+    (1, format!("error: {error}"))
 }
 
 fn make_table(arguments: &MakeTableArgs) -> Result<(), Failed> {
-    let spec = Spec::read(&arguments.spec).map_err(wrong)?;
+    let spec = Spec::read(&arguments.spec).map_err(|errors| (WRONG_INPUT, errors.to_string()))?;
     let table = make(&spec).map_err(failed)?;
     let out = arguments.out.clone().unwrap_or_else(|| arguments.spec.with_extension("json"));
     keep(&table, &out)
