@@ -1,5 +1,6 @@
 //! The built-in components: the one place where the orchestrator names them.
 
+use schemars::{Schema, SchemaGenerator};
 use tremie_messages::Role;
 use tremie_sdk::Line;
 
@@ -11,6 +12,8 @@ pub struct BuiltIn {
     pub role: Role,
     /// What it is, in a line.
     pub about: &'static str,
+    /// What can be set of it.
+    pub settings: fn(&mut SchemaGenerator) -> Schema,
     /// Takes part in a run.
     pub run: fn(Line) -> Result<(), String>,
 }
@@ -20,31 +23,36 @@ pub const BUILT_IN: &[BuiltIn] = &[
     BuiltIn {
         name: "fluid-lbm",
         role: Role::Fluid,
-        about: "lattice Boltzmann, D3Q19, moving spheres",
+        about: "lattice Boltzmann, D3Q19: parts, open faces, moving spheres and parts",
+        settings: SchemaGenerator::subschema_for::<tremie_fluid_lbm::Parameters>,
         run: tremie_sdk::run_fluid::<tremie_fluid_lbm::component::LatticeFluid>,
     },
     BuiltIn {
         name: "grains-dem",
         role: Role::Grains,
-        about: "discrete elements, spheres with friction",
+        about: "discrete elements: spheres, walls and parts, friction",
+        settings: SchemaGenerator::subschema_for::<tremie_grains_dem::Parameters>,
         run: tremie_sdk::run_grains::<tremie_grains_dem::component::SoftSpheres>,
     },
     BuiltIn {
         name: "viewer",
         role: Role::Observer,
         about: "streams the run into the Rerun viewer",
+        settings: SchemaGenerator::subschema_for::<tremie_viewer::Parameters>,
         run: tremie_sdk::run_observer::<tremie_viewer::Viewer>,
     },
     BuiltIn {
         name: "recorder",
         role: Role::Observer,
         about: "writes the run to an MCAP file",
+        settings: SchemaGenerator::subschema_for::<tremie_recorder::Parameters>,
         run: tremie_sdk::run_observer::<tremie_recorder::Recorder>,
     },
     BuiltIn {
         name: "fields",
         role: Role::Observer,
         about: "writes whole fields, bodies and parts for ParaView (VTK)",
+        settings: SchemaGenerator::subschema_for::<tremie_fields::Parameters>,
         run: tremie_sdk::run_observer::<tremie_fields::Fields>,
     },
 ];

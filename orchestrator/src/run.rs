@@ -241,7 +241,7 @@ impl Prepared {
             self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll);
         let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
-        if let Err(error) = self.assign(&assignments, spec.run.start_within, interrupts) {
+        if let Err(error) = self.assign(&assignments, manifest, interrupts) {
             end_all(&mut self.peers, QUIT_GRACE);
             return Err(error);
         }
@@ -319,7 +319,7 @@ impl Prepared {
     fn assign(
         &mut self,
         assignments: &[Assignment],
-        within: f64,
+        manifest: &Manifest,
         interrupts: &AtomicUsize,
     ) -> Result<(), RunError> {
         for (peer, assignment) in self.peers.iter_mut().zip(assignments) {
@@ -329,20 +329,25 @@ impl Prepared {
             peers: &mut self.peers,
             news: &self.news,
             early: &mut self.early,
-            within: units::wait(within),
+            within: units::wait(manifest.spec.run.start_within),
             interrupts,
         };
-        let ready = round.collect(|_, reply| match reply {
+        let mut refused = Vec::new();
+        let components = &manifest.spec.components;
+        let ready = round.collect(|index, reply| match reply {
             Reply::Ready {} => Ok(()),
             Reply::Refusal { problems } => {
-                Err(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+                let why = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; ");
+                refused.extend(manifest.absolute(&components[index].name, problems));
+                Err(why)
             }
             Reply::Fault(fault) => Err(fault.to_string()),
             other => Err(format!("it answered the assignment with {other:?}")),
         });
         ready.map_err(|unanswered| match unanswered {
             Unanswered::Interrupted => RunError::Interrupted,
-            Unanswered::Failed(failed) => self.not_ready(&failed),
+            Unanswered::Failed(failed) if refused.is_empty() => self.not_ready(&failed),
+            Unanswered::Failed(_) => RunError::Input(refused),
         })
     }
 

@@ -199,7 +199,11 @@ impl Progress {
             parts.push(format!("{} grains", self.bodies));
         }
         for (name, compute, wait) in &self.shares {
-            parts.push(format!("{name} {:.0}+{:.0} %", 100.0 * compute, 100.0 * wait));
+            parts.push(format!(
+                "{name} computes {:.0} %, waits {:.0} %",
+                100.0 * compute,
+                100.0 * wait
+            ));
         }
         if let Some(left) = self.seconds_left() {
             parts.push(format!("{} left", HumanDuration(Duration::from_secs_f64(left.min(1e9)))));

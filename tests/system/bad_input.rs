@@ -78,6 +78,18 @@ fn overlapping_grains_are_named() {
 }
 
 #[test]
+fn a_packing_that_cannot_be_made_is_refused_at_its_line() {
+    let start = SMALL.find("spheres").unwrap();
+    let end = SMALL.find("[[scene.contacts]]").unwrap();
+    let packing = "packing = { min = [\"0 mm\", \"0 mm\", \"0 mm\"], max = [\"12 mm\", \"12 mm\", \"16 mm\"], fraction = 0.7, diameter = \"3 mm\" }\n\n";
+    refused(
+        &SMALL[start..end],
+        packing,
+        &["scene.bodies[0].packing.fraction", "manifest.toml:18", "is 0.7000, but only 0."],
+    );
+}
+
+#[test]
 fn a_missing_program_comes_with_where_it_was_looked_for() {
     refused("\"fluid-lbm\"\n", "\"fluid-lbn\"\n", &["fluid-lbn", "fluid-lbm"]);
 }

@@ -1,6 +1,6 @@
 //! Every example, in its short form.
 
-use crate::tremie::run;
+use crate::tremie::{run, tremie};
 
 #[test]
 fn settling_sphere() {
@@ -27,4 +27,53 @@ fn suspension_in_another_fluid_by_one_line() {
     assert_eq!(changed, 1);
     let ran = crate::tremie::run_text(&swapped, &["--until", "20 ms"]).succeeded();
     assert!(ran.signals()["fluid.largest_drag"].last().unwrap() > &0.0);
+}
+
+#[test]
+fn flanged_line() {
+    let ran = run("examples/flanged-line/short.toml", &[]).succeeded();
+    let signals = ran.signals();
+    let late: Vec<usize> =
+        (0..signals["time"].len()).filter(|&k| signals["time"][k] > 0.04).collect();
+    let mean = |name: &str| late.iter().map(|&k| signals[name][k]).sum::<f64>() / late.len() as f64;
+    let outlet = mean("fluid.outlet.flow_rate");
+    assert!(outlet > 5e-6, "{outlet} m3/s");
+    // Down is against the axis z. Above the choke's lower flange there is sand only in the hopper.
+    for section in ["above_choke", "throat", "below_choke"] {
+        let down = -mean(&format!("fluid.{section}.flow_rate"));
+        assert!((down / outlet - 1.0).abs() < 0.03, "{section}: {down} m3/s, outlet {outlet} m3/s");
+    }
+    let pressure = mean("fluid.inlet.pressure");
+    assert!((pressure / 150.0 - 1.0).abs() < 0.03, "{pressure} Pa");
+    let height = &signals["grains.mean_height"];
+    assert!(height.last().unwrap() + 1e-3 < height[0], "the sand does not sink");
+}
+
+/// One part a cell lower leaves a slit of a cell above it.
+#[test]
+fn a_slit_of_a_cell_between_flanges_is_found_at_its_place() {
+    let cell = 0.5;
+    for (part, height, above) in [("choke", 35.0, "hopper"), ("bend", 23.0, "choke")] {
+        let number = if part == "choke" { 1 } else { 2 };
+        let lower = format!(
+            "scene.parts[{number}].position=[\"16 mm\", \"16 mm\", \"{} mm\"]",
+            height - cell
+        );
+        let output = tremie()
+            .args(["check", "examples/flanged-line", "--json", "--set", &lower])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        for words in ["scene.fluid.outside[0]", "leaks", part, above] {
+            assert!(said.contains(words), "expected \"{words}\" in: {said}");
+        }
+        let place = said.split("narrowest at (").nth(1).and_then(|rest| rest.split(')').next());
+        let place: Vec<f64> =
+            place.unwrap().split(", ").map(|x| 1e3 * x.parse::<f64>().unwrap()).collect();
+        // In the slit, and between bore and rim of the flanges, seen from the axis of the bore.
+        assert!(place[2] < height && place[2] > height - cell, "{place:?} mm, slit at {height} mm");
+        let radius = (place[0] - 16.0).hypot(place[1] - 16.0);
+        assert!((6.0..11.0).contains(&radius), "{place:?} mm");
+    }
 }

@@ -1,5 +1,7 @@
 //! What can go wrong while the fluid runs.
 
+use tremie_messages::finding::short;
+
 /// A fault of a running fluid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FluidError {
@@ -90,7 +92,7 @@ pub enum FluidError {
     #[error(
         "the fluid is not finite in cell {cell:?} at ({}, {}, {}) m: {value}; \
          a larger relaxation time, a smaller time step or a finer cell makes the run stable",
-        position[0], position[1], position[2]
+        short(position[0]), short(position[1]), short(position[2])
     )]
     NonFinite {
         /// Cell.
@@ -103,8 +105,9 @@ pub enum FluidError {
     /// The fluid moves too fast for a nearly incompressible flow.
     #[error(
         "the fluid moves at {speed:.4} m/s (Mach {mach:.3}, limit {limit}) in cell {cell:?} at ({}, {}, {}) m; \
-         a time step of at most {remedy:.3e} s would keep the limit",
-        position[0], position[1], position[2]
+         a time step of at most {remedy:.3e} s would keep the limit; so does a larger expected_speed of the \
+         scene's fluid, where that sets the step",
+        short(position[0]), short(position[1]), short(position[2])
     )]
     Mach {
         /// Cell.

@@ -12,6 +12,7 @@ use crate::voxels::Voxels;
 use std::sync::Arc;
 use tremie_geometry::Surface;
 use tremie_messages::Problem;
+use tremie_messages::finding::short;
 use tremie_messages::scene::Scene;
 
 /// The static geometry of a scene in cells.
@@ -125,12 +126,13 @@ impl Ground {
             Problem::new(
                 format!("scene.fluid.outside[{k}]"),
                 format!(
-                    "the fluid leaks to {}; the widest way there is narrowest at {}, about {:.0} cells \
-                     ({:.3e} m) wide{between}",
+                    "the fluid leaks to {}; the widest way there is narrowest at {}, about {:.0} {} \
+                     ({} m) wide{between}",
                     text(point),
                     text(place),
                     found.width,
-                    found.width * self.centres.cell
+                    if found.width.round() == 1.0 { "cell" } else { "cells" },
+                    short(found.width * self.centres.cell)
                 ),
             )
             .help("close the gap in the geometry, or choose cells larger than it"),
@@ -192,7 +194,7 @@ impl Ground {
             names.sort_unstable();
             names.dedup();
             notes.push(format!(
-                "{} links pass through walls thinner than a cell, of {}; they are walls",
+                "{} links between cells pass through walls or edges thinner than a cell, of {}; they end there",
                 obstacles.sheets.len() / 2,
                 names.join(", ")
             ));
@@ -213,5 +215,5 @@ fn cell_of(grid: &Grid, centres: &Centres, point: [f64; 3]) -> Option<[i32; 3]> 
 
 /// A point as text.
 fn text([x, y, z]: [f64; 3]) -> String {
-    format!("({x:.4e}, {y:.4e}, {z:.4e}) m")
+    format!("({}, {}, {}) m", short(x), short(y), short(z))
 }

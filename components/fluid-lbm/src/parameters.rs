@@ -9,8 +9,7 @@ use tremie_messages::units::{Length, Time};
 /// Parameters of the lattice-Boltzmann fluid.
 ///
 /// At most one of `time_step` and `relaxation_time` is given. With neither, the relaxation time is
-/// [`Parameters::DEFAULT_TAU`], or less where the scene's expected speed would exceed Mach
-/// [`Parameters::DEFAULT_MACH`].
+/// 0.8, or less where the scene's expected speed would exceed Mach 0.1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {

@@ -181,6 +181,7 @@ impl Parameters {
     /// Cells along each axis, with a problem for each edge that is not a whole number of cells.
     fn cells(&self, domain: &Domain, problems: &mut Vec<Problem>) -> [usize; 3] {
         let size = domain.size();
+        let common = common_cell(size, self.cell.0);
         std::array::from_fn(|axis| {
             let exact = size[axis] / self.cell.0;
             let whole = exact.round().max(1.0);
@@ -197,7 +198,12 @@ impl Parameters {
                             self.cell.0
                         ),
                     )
-                    .help(format!("the nearest cells that fit this edge are {below:.6e} m and {above:.6e} m")),
+                    .help(match common {
+                        Some(cell) => format!("a cell of {cell:.9e} m fits all edges"),
+                        None => format!(
+                            "the nearest cells that fit this edge are {below:.6e} m and {above:.6e} m"
+                        ),
+                    }),
                 );
             }
             // A lattice that cannot exist is refused by its memory; the cast saturates.
@@ -245,6 +251,27 @@ fn mended(scene: &Scene, ground: &Ground) -> Vec<Mended> {
     fixed.chain(moving).filter_map(of).collect()
 }
 
+/// The cell nearest to `wanted` of which all edges of a box are whole numbers, within a factor of
+/// two; `None` if there is none.
+fn common_cell(size: [f64; 3], wanted: f64) -> Option<f64> {
+    let shortest = size.into_iter().fold(f64::INFINITY, f64::min);
+    let (fewest, most) = (0.5 * shortest / wanted, 2.0 * shortest / wanted);
+    if most > 1e5 {
+        return None;
+    }
+    let fits = |cell: &f64| {
+        size.iter().all(|edge| {
+            let exact = edge / cell;
+            (exact - exact.round()).abs() <= 1e-9 * exact
+        })
+    };
+    let off = |cell: &f64| (cell / wanted).ln().abs();
+    ((fewest.ceil().max(1.0) as u32)..=(most as u32))
+        .map(|count| shortest / f64::from(count))
+        .filter(fits)
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
 fn too_many(cells: [usize; 3]) -> Problem {
     Problem::of_parameter("cell", format!("makes {cells:?} cells, more than fit in memory"))
         .help("choose a larger cell or a smaller domain")
@@ -279,4 +306,18 @@ fn warnings(memory_bytes: u64) -> Vec<String> {
         ));
     }
     warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_for_all_edges_is_the_nearest_that_fits_each() {
+        // 4 mm divides all edges, so do its parts: 4/7 and 4/6 mm are the nearest.
+        let found = common_cell([0.044, 0.028, 0.06], 0.6e-3).unwrap();
+        assert!((found - 4e-3 / 7.0).abs() < 1e-12, "{found}");
+        assert_eq!(common_cell([1.0, std::f64::consts::SQRT_2, 1.0], 0.1), None);
+        assert_eq!(common_cell([1.0, 1.0, 1e9], 1e-12), None);
+    }
 }

@@ -3,7 +3,7 @@
 use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
-use tremie_sdk::messages::scene::Scene;
+use tremie_sdk::messages::scene::{Face, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::{Grains, Setup, SolverError};
@@ -64,7 +64,7 @@ impl Grains for SoftSpheres {
             signals: signals(&setup.hello.scene, resolution.spheres),
             work: "grain steps".into(),
             memory: resolution.memory,
-            notes: notes(&resolution),
+            notes: notes(&setup.hello.scene, &resolution),
             findings: findings(&setup.hello.scene, &parameters, &resolution),
             warnings: resolution.warnings.clone(),
             resolution: numbers(&resolution),
@@ -146,13 +146,22 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     all
 }
 
-fn notes(resolution: &Resolution) -> Vec<String> {
+fn notes(scene: &Scene, resolution: &Resolution) -> Vec<String> {
     let Resolution { spheres, smallest_diameter, largest_diameter, .. } = resolution;
     let mut notes = vec![if smallest_diameter == largest_diameter {
         format!("{spheres} spheres of {smallest_diameter:.4e} m")
     } else {
         format!("{spheres} spheres of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
     }];
+    let open = scene.domain.faces.iter().flatten().any(Face::is_open);
+    if open && resolution.free_bodies > 0 {
+        notes.push("open faces are walls to grains: none comes or goes there".into());
+    }
+    if resolution.time_step.is_some() && resolution.time_step == resolution.stable_time_step {
+        notes.push(
+            "stability in a dense packing, not the steps in a collision, sets the time step".into(),
+        );
+    }
     if resolution.hertz {
         notes.push(format!(
             "collisions under Hertz's law are resolved up to {:.3e} m/s",

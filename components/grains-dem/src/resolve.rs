@@ -115,7 +115,7 @@ impl Parameters {
             free_bodies: population.free(),
             smallest_diameter,
             largest_diameter,
-            warnings: warnings(given, derived, &limits),
+            warnings: warnings(given, &limits),
             pairs,
             limits,
         };
@@ -220,21 +220,14 @@ fn limits(encounters: &[Encounter<'_>], speed: f64, squeeze: Option<Squeeze>) ->
     Limits { contact, pair: single.largest_step(), dense: dense.largest_step() }
 }
 
-fn warnings(given: Option<f64>, derived: f64, limits: &Limits) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if let Some(step) = given {
-        if step > limits.dense {
-            warnings.push(format!(
-                "the time step is stable for isolated contacts only; a dense packing needs \
-                 {:.3e} s or less",
-                limits.dense
-            ));
-        }
-    } else if derived == limits.dense && derived.is_finite() {
-        warnings.push(format!(
-            "stability in a dense packing, not the steps per contact, sets the time step \
-             {derived:.3e} s"
-        ));
-    }
-    warnings
+fn warnings(given: Option<f64>, limits: &Limits) -> Vec<String> {
+    let unstable = given.is_some_and(|step| step > limits.dense);
+    let sentence = || {
+        format!(
+            "the time step is stable for isolated contacts only; a dense packing needs \
+             {:.3e} s or less",
+            limits.dense
+        )
+    };
+    unstable.then(sentence).into_iter().collect()
 }

@@ -82,11 +82,17 @@ fn some_windows(
         drop(over);
         ended
     });
-    let summary = ended?.close();
     if interrupts.load(Ordering::Relaxed) > 0 {
         return Err(RunError::Interrupted);
     }
-    Ok((summary.ending, summary.windows, summary.wall_time))
+    match ended {
+        // The time was over while the components were still getting ready.
+        Err(RunError::Interrupted) => Ok((Ending::Interrupted, 0, time.as_secs_f64())),
+        ended => {
+            let summary = ended?.close();
+            Ok((summary.ending, summary.windows, summary.wall_time))
+        }
+    }
 }
 
 fn judged((count, seconds): (u64, f64), windows: u64) -> Finding {

@@ -22,7 +22,9 @@ impl<S: Between> Drive<'_, S> {
         for (watched, peer) in self.physics.iter().enumerate() {
             let totals = self.monitor.totals()[watched];
             let name = &self.peers[*peer].name;
-            let share = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / elapsed.max(1e-9);
+            // What was waited before the first window counts as well.
+            let spent = (totals.compute + totals.wait + totals.exchange) as f64 * 1e-9;
+            let share = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / elapsed.max(spent).max(1e-9);
             progress.shares.push((name.clone(), share(totals.compute), share(totals.wait)));
             let unit = self.descriptions[*peer].work.clone();
             let rate = totals.work as f64 / (totals.compute as f64 * 1e-9).max(1e-9);

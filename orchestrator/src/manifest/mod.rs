@@ -111,8 +111,8 @@ pub fn schema_text() -> String {
 }
 
 impl Manifest {
-    /// Gives problems of `component`, whose keys are relative to its settings, the full keys of
-    /// the manifest.
+    /// Gives problems of `component`, whose keys are relative to its settings or those of the scene
+    /// as components see it, the keys of the manifest.
     pub fn absolute(&self, component: &str, problems: Vec<Problem>) -> Vec<Problem> {
         let Some(component) = self.spec.component(component) else {
             return problems;
@@ -126,10 +126,24 @@ impl Manifest {
                     let (own, shared) = (path::join(&own, key), path::join(&shared, key));
                     let known = [own, shared].into_iter().find(|key| self.source.knows(key));
                     problem.key = known.unwrap_or_else(|| self.settings_key(component, key));
+                } else {
+                    problem.key = self.written(&problem.key);
                 }
                 problem
             })
             .collect()
+    }
+
+    /// The key of the manifest for one of the scene: bodies have their `placement` by `packing` or
+    /// `spheres` there.
+    fn written(&self, key: &str) -> String {
+        let key = key.replacen(".placement.packed", ".packing", 1).replacen(
+            ".placement.listed",
+            ".spheres",
+            1,
+        );
+        let either = ["packing", "spheres"].map(|word| key.replacen("placement", word, 1));
+        either.into_iter().find(|either| self.source.knows(either)).unwrap_or(key)
     }
 
     /// Where a key that the manifest does not hold would be written: in the component's settings.

@@ -6,6 +6,8 @@ use super::document::{
 };
 use super::spec::is_lossless_by_default;
 use super::{Manifest, spec};
+use crate::registry::BUILT_IN;
+use schemars::generate::SchemaSettings;
 use std::collections::BTreeMap;
 use std::path::Path;
 use tremie_messages::Role;
@@ -25,18 +27,34 @@ impl Manifest {
     }
 }
 
-/// The JSON schema of manifests.
+/// The JSON schema of manifests, with the settings of the built-in components.
 pub(super) fn schema() -> serde_json::Value {
-    let mut schema = serde_json::Value::from(schemars::schema_for!(Document));
-    drop_null(&mut schema);
+    use serde_json::{Value, json};
+    let mut generator = SchemaSettings::draft2020_12().into_generator();
+    let mut schema = Value::from(generator.root_schema_for::<Document>());
+    drop_null(&mut schema, false);
+    let settings: serde_json::Map<_, _> = (BUILT_IN.iter())
+        .map(|component| (component.name.to_string(), (component.settings)(&mut generator).into()))
+        .collect();
+    let mut settings = json!({ "properties": settings, "$defs": generator.take_definitions(true) });
+    // Of settings, no description tells the default.
+    drop_null(&mut settings, true);
+    schema["properties"]["settings"]["properties"] = settings["properties"].take();
+    if let (Value::Object(all), Value::Object(more)) =
+        (&mut schema["$defs"], settings["$defs"].take())
+    {
+        for (name, definition) in more {
+            all.entry(name).or_insert(definition);
+        }
+    }
     schema
 }
 
 /// A key that may be left out is not one that may be null: TOML has no null.
-fn drop_null(schema: &mut serde_json::Value) {
+fn drop_null(schema: &mut serde_json::Value, keep_defaults: bool) {
     use serde_json::Value;
     match schema {
-        Value::Array(items) => items.iter_mut().for_each(drop_null),
+        Value::Array(items) => items.iter_mut().for_each(|item| drop_null(item, keep_defaults)),
         Value::Object(map) => {
             if let Some(Value::Array(types)) = map.get_mut("type") {
                 types.retain(|name| name != "null");
@@ -48,9 +66,12 @@ fn drop_null(schema: &mut serde_json::Value) {
             if let Some(Value::Array(options)) = map.get_mut("anyOf") {
                 options.retain(|option| option.get("type") != Some(&Value::from("null")));
             }
-            // Defaults stand in the descriptions; those that serde knows are only "nothing".
-            map.remove("default");
-            map.values_mut().for_each(drop_null);
+            // Defaults of the manifest stand in the descriptions; those that serde knows are only
+            // "nothing".
+            if !keep_defaults || map.get("default") == Some(&Value::Null) {
+                map.remove("default");
+            }
+            map.values_mut().for_each(|value| drop_null(value, keep_defaults));
         }
         _ => {}
     }

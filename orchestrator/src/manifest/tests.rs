@@ -393,6 +393,8 @@ fn the_schema_names_every_table_and_no_null() {
         "rotation",
         "probes",
         "section",
+        "relaxation_time",
+        "steps_per_contact",
     ] {
         assert!(schema.contains(word), "{word}");
     }

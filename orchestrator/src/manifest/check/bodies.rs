@@ -5,6 +5,8 @@ use super::super::path;
 use super::super::read::Findings;
 use super::course::motion;
 use super::diameters::diameters;
+use super::point;
+use crate::plan::short;
 use std::collections::BTreeSet;
 use tremie_messages::scene::{BodySet, Motion, Packing, Placement, Sphere};
 
@@ -149,12 +151,17 @@ fn region_holds(min: &[f64; 3], max: &[f64; 3], diameter: f64, at: &str, finding
         findings.problem(
             &key,
             format!(
-                "found {max:?} m, expected more than the lower corner {min:?} m along each axis"
+                "found {} m, expected more than the lower corner {} m along each axis",
+                point(max),
+                point(min)
             ),
         );
     } else if narrowest < diameter * (1.0 - 1e-9) {
-        let message =
-            format!("the region is {narrowest} m wide, too narrow for spheres of {diameter} m");
+        let message = format!(
+            "the region is {} m wide, too narrow for spheres of {} m",
+            short(narrowest),
+            short(diameter)
+        );
         findings.problem(&key, message);
     }
 }

@@ -20,6 +20,7 @@ use super::document::Document;
 use super::path;
 use super::read::Findings;
 use super::spec::Spec;
+use crate::plan::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
     Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity,
@@ -93,7 +94,12 @@ quantities!(Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Visco
 
 /// A domain's corners, for messages.
 fn extent(domain: &Domain) -> String {
-    format!("{:?} m to {:?} m", domain.min, domain.max)
+    format!("{} m to {} m", point(&domain.min), point(&domain.max))
+}
+
+/// A point [m] as a person would write it.
+fn point(x: &[f64; 3]) -> String {
+    format!("[{}, {}, {}]", short(x[0]), short(x[1]), short(x[2]))
 }
 
 impl Quantity for f64 {

@@ -67,6 +67,11 @@ fn material(
             }
         }
     }
+    if table.inside.is_empty() && !table.outside.is_empty() {
+        let key = path::join(at, "outside");
+        let message = "there is no `inside`: a leak is a way from a point inside to one outside";
+        findings.problem_with_help(&key, message, "add inside = [[X, Y, Z]], a point in the fluid");
+    }
     let points = |list: &[[_; 3]]| list.iter().map(|point| point.map(metres)).collect();
     Some(FluidMaterial {
         density: density?,

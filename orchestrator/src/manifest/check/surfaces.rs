@@ -2,9 +2,9 @@
 
 use super::super::path;
 use super::super::read::Findings;
-use super::extent;
+use super::{extent, point};
 use crate::plan::short;
-use tremie_geometry::{Bounds, Mesh};
+use tremie_geometry::{Bounds, GeometryError, Mesh};
 use tremie_messages::Problem;
 use tremie_messages::scene::{Domain, Geometry, Motion, Part};
 
@@ -30,9 +30,24 @@ pub(super) fn check(domain: &Domain, parts: &[Option<Part>], findings: &mut Find
                 inside(part, &bounds, domain, &at, findings);
             }
             Err(error) => {
-                error.problems(&key).into_iter().for_each(|problem| findings.add(problem))
+                let explained = error.problems(&key).into_iter().map(|p| explain(p, &error));
+                explained.for_each(|problem| findings.add(problem));
             }
         }
+    }
+}
+
+/// What the manifest's reader must know besides: where a file is looked for, whose places are told.
+fn explain(mut problem: Problem, error: &GeometryError) -> Problem {
+    match error {
+        GeometryError::Read { .. } => {
+            problem.help("a relative path begins at the manifest's folder")
+        }
+        GeometryError::Faults(_) => {
+            problem.message += "; places are those of the part's own frame";
+            problem
+        }
+        _ => problem,
     }
 }
 
@@ -63,9 +78,9 @@ fn inside(part: &Part, bounds: &Bounds, domain: &Domain, at: &str, findings: &mu
         return;
     }
     let message = format!(
-        "the part reaches from {:?} m to {:?} m, wholly outside the domain, which is {}",
-        bounds.min,
-        bounds.max,
+        "the part reaches from {} m to {} m, wholly outside the domain, which is {}",
+        point(&bounds.min),
+        point(&bounds.max),
         extent(domain)
     );
     findings.problem_with_help(at, message, "give it a position, or check its unit");

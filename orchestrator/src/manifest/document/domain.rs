@@ -72,11 +72,12 @@ pub(in super::super) enum FaceName {
 pub(in super::super) struct FaceTable {
     /// A wall that moves along itself.
     pub wall: Option<MovingWallTable>,
-    /// The fluid enters, or leaves, with this velocity.
+    /// The fluid enters, or leaves, with this velocity. To grains the face is a wall.
     pub velocity: Option<[Velocity; 3]>,
     /// How the velocity varies over the face (default: uniform).
     pub profile: Option<Profile>,
-    /// The fluid comes and goes at this gauge pressure, without its hydrostatic part.
+    /// The fluid comes and goes at this gauge pressure, without its hydrostatic part. To grains the
+    /// face is a wall.
     pub pressure: Option<Pressure>,
     /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
     /// holds on average (default: false).
@@ -139,7 +140,8 @@ pub(in super::super) struct FluidTable {
     /// nothing is solid).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub inside: Vec<[Length; 3]>,
-    /// Points that no way may lead to: a fluid that reaches one leaks, and is refused.
+    /// Points that no way may lead to from those inside: a fluid that reaches one leaks, and is
+    /// refused, with the narrowest place of the way and the parts beside it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<[Length; 3]>,
 }

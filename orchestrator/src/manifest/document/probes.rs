@@ -14,7 +14,8 @@ pub(in super::super) struct ProbeTable {
     pub point: Option<[Length; 3]>,
     /// A line: their means along it.
     pub line: Option<LineTable>,
-    /// A rectangle across an axis: rate of flow and mean pressure; mass and number of grains that pass.
+    /// A rectangle across an axis: rate of flow of the fluid alone, positive along the axis, and mean
+    /// pressure; mass and number of grains that pass.
     pub section: Option<SectionTable>,
     /// A box: means of pressure, velocity and solid fraction; fraction, number and velocity of grains.
     pub region: Option<RegionTable>,

@@ -83,6 +83,8 @@ fn a_fluid_has_a_pressure_and_places() {
     assert_eq!((fluid.inside, fluid.outside), (vec![[1e-3; 3]], vec![[0.09; 3]]));
     reads_back(&text);
     one_problem(&text.replace("[\"9 cm\"", "[\"19 cm\""), &["outside[0]", "not inside the domain"]);
+    let nowhere = text.replace("inside = [[\"1 mm\", \"1 mm\", \"1 mm\"]]\n", "");
+    one_problem(&nowhere, &["scene.fluid.outside", "there is no `inside`", "add inside"]);
 }
 
 #[test]
