@@ -33,7 +33,7 @@ use tremie_messages::scene::{Face, Reservoir, Scene};
 use tremie_team::Team;
 
 /// Largest velocity at a face [cells a step]; the lattice fails soon beyond it.
-const FASTEST: f64 = 0.1;
+pub const FASTEST: f64 = 0.1;
 
 /// A cell at the face.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! What a reservoir's numbers mean on the lattice, before it runs.
 
 use crate::piston::LEAST;
-use crate::reservoir::{name, reservoirs_of};
+use crate::reservoir::{FASTEST, name, reservoirs_of};
 use crate::resolution::Resolution;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
@@ -10,13 +10,14 @@ use tremie_messages::scene::{Face, Reservoir, Scene};
 /// Relative difference between the area of cells at a face and the piston's that goes unsaid.
 const AREA: f64 = 0.01;
 
-/// Of each reservoir: the area that its face has, and how long it lasts.
+/// Of each reservoir: the area that its face has, how fast its piston is, and how long it lasts.
 pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
     let cells = &resolution.reservoir_cells;
     let of = |((axis, side, reservoir), cells): ((usize, usize, &Reservoir), &(_, _, usize))| {
         let name = name(axis, side);
         let face = cells.2 as f64 * resolution.cell * resolution.cell;
-        [Some(area(scene, axis, &name, reservoir, face)), life(&name, reservoir)]
+        let area = area(scene, axis, &name, reservoir, face);
+        [Some(area), Some(speed(&name, reservoir, resolution)), life(&name, reservoir)]
     };
     reservoirs_of(scene).zip(cells).flat_map(of).flatten().collect()
 }
@@ -44,6 +45,18 @@ fn area(scene: &Scene, axis: usize, name: &str, reservoir: &Reservoir, face: f64
             why,
             "give the area of the bore at the face, or a cell that meets it better",
         )
+}
+
+/// The piston's speed on the lattice, which a steady flow has at the face.
+fn speed(name: &str, reservoir: &Reservoir, resolution: &Resolution) -> Finding {
+    let piston = reservoir.piston.abs();
+    let cells = piston * resolution.time_step / resolution.cell;
+    let step = 0.5 * FASTEST * resolution.cell / piston;
+    Finding::new(format!("cells that the piston of {name} moves in a step"), cells, "1").wrong_if(
+        cells > FASTEST,
+        format!("above {FASTEST} a run ends: the flow at the face is too fast for the lattice"),
+        format!("a time step of {} s makes it {}", short(step), 0.5 * FASTEST),
+    )
 }
 
 /// The time in which a piston that never slows down would empty the reservoir.
@@ -76,10 +89,11 @@ mod tests {
 
     #[test]
     fn areas_that_differ_are_doubtful() {
-        let [area, life] = &of(&scene(20.1, Face::WALL))[..] else { panic!() };
+        let [area, speed, life] = &of(&scene(20.1, Face::WALL))[..] else { panic!() };
+        assert_eq!(speed.verdict, Verdict::Wrong, "{speed:?}");
         assert!(area.verdict == Verdict::Ok && (area.value - 20.0 / 20.1).abs() < 1e-12);
         assert!((life.value - 4.75).abs() < 1e-12, "{life:?}");
-        let [area, _] = &of(&scene(22.0, Face::WALL))[..] else { panic!() };
+        let [area, ..] = &of(&scene(22.0, Face::WALL))[..] else { panic!() };
         assert_eq!(area.verdict, Verdict::Doubtful);
         assert!(area.why.contains("20 m2 of the piston's 22 m2"), "{area:?}");
     }

@@ -53,7 +53,7 @@ pub(in super::super) enum FaceEntry {
     /// By its name.
     Name(FaceName),
     /// One that moves or is open.
-    Table(FaceTable),
+    Table(Box<FaceTable>),
 }
 
 /// What a face is.
