@@ -7,6 +7,7 @@ use crate::kernel::Collides;
 use crate::lattice::cross;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::Exchange;
+use crate::reservoir::ReservoirFace;
 use crate::solver::{Solver, before};
 use crate::survey::Survey;
 use tremie_messages::Load;
@@ -85,6 +86,10 @@ impl<T: Collides> Solver<T> {
             for item in &self.open_items {
                 add_scaled(&mut balance.open, item.impulse, 1.0);
                 balance.mass_open += item.mass;
+            }
+            for (impulse, mass) in self.reservoirs.iter().flat_map(ReservoirFace::gained) {
+                add_scaled(&mut balance.open, impulse, 1.0);
+                balance.mass_open += mass;
             }
             let image = self.exchange.image;
             balance.bodies = std::array::from_fn(|a| image[a] - self.exchange.force[a]);

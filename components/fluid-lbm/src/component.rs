@@ -1,7 +1,9 @@
 //! The lattice fluid as a component of a run.
 
 use crate::findings::findings;
-use crate::{FluidLbm, Ledger, Parameters, SliceNode, probe_signals};
+use crate::{
+    FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_signals, reservoir_signals,
+};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::scene::{Motion, Placement, Scene};
@@ -22,6 +24,7 @@ pub struct LatticeFluid {
     partial: Vec<Load>,
     nodes: Vec<SliceNode>,
     on_parts: Vec<Load>,
+    reservoirs: Vec<ReservoirState>,
 }
 
 /// The plane that observers see.
@@ -80,6 +83,8 @@ fn signals(scene: &Scene) -> Vec<Signal> {
         let of_part = OF_PARTS.iter();
         signals.extend(of_part.map(|(name, unit)| signal(&format!("{}.{name}", part.name), unit)));
     }
+    let of_reservoirs = reservoir_signals(scene);
+    signals.extend(of_reservoirs.iter().map(|(name, unit)| signal(name, unit)));
     signals.extend(probe_signals(scene).iter().map(|(name, unit)| signal(name, unit)));
     signals
 }
@@ -172,6 +177,7 @@ impl Fluid for LatticeFluid {
             partial: Vec::new(),
             nodes: Vec::new(),
             on_parts: Vec::new(),
+            reservoirs: Vec::new(),
         })
     }
 
@@ -221,6 +227,8 @@ impl Fluid for LatticeFluid {
             values.extend(load.force);
             values.extend(load.torque);
         }
+        self.fluid.reservoirs(&mut self.reservoirs);
+        values.extend(self.reservoirs.iter().flat_map(ReservoirState::values));
         self.fluid.probes(values);
     }
 

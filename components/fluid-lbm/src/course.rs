@@ -25,6 +25,8 @@ pub enum Law {
         /// Factor over time [s].
         course: Course,
     },
+    /// The density follows from the flow: see `reservoir`.
+    Reservoir,
 }
 
 impl Law {
@@ -41,6 +43,7 @@ impl Law {
             Face::Pressure { pressure, course, .. } => {
                 Some(Self::density(*pressure, course, units))
             }
+            Face::Reservoir(_) => Some(Self::Reservoir),
         }
     }
 
@@ -61,15 +64,16 @@ impl Law {
         Self::Density { drho: pressure / units.pressure() / CS2, course: course.clone() }
     }
 
-    /// What holds at a time [s].
-    pub fn at(&self, time: f64) -> Now {
-        match self {
+    /// What holds at a time [s]; `None` where that depends on the flow.
+    pub fn at(&self, time: f64) -> Option<Now> {
+        Some(match self {
             Self::Wall(velocity) => Now::Wall(*velocity),
             Self::Velocity { velocity, course, .. } => {
                 Now::Wall(velocity.map(|v| v * course.at(time)))
             }
             Self::Density { drho, course } => Now::Density(drho * course.at(time)),
-        }
+            Self::Reservoir => return None,
+        })
     }
 }
 

@@ -102,6 +102,37 @@ pub enum FluidError {
         /// What was found there.
         value: String,
     },
+    /// The piston of a reservoir has come to the face.
+    #[error(
+        "the reservoir at {face} is spent at {time} s: {left:.1} % of its {volume} m³ is left, and the piston may leave no \
+         less than 5 %; a larger volume lasts longer, a stop before that time ends the stroke"
+    )]
+    ReservoirSpent {
+        /// Name of the face.
+        face: String,
+        /// Volume that is left [%].
+        left: f64,
+        /// Volume at time zero [m³].
+        volume: f64,
+        /// Time [s].
+        time: f64,
+    },
+    /// The fluid passes the face of a reservoir too fast for the lattice.
+    #[error(
+        "the fluid passes the reservoir's face {face} at {speed:.4} m/s (limit {limit:.4} m/s, a tenth of a cell a step) \
+         while the gauge pressure there is {pressure:.4e} Pa; a smaller time step raises the limit, a slower ramp of the \
+         piston lowers the speed"
+    )]
+    ReservoirFlow {
+        /// Name of the face.
+        face: String,
+        /// Largest speed through the face [m/s].
+        speed: f64,
+        /// Limit [m/s].
+        limit: f64,
+        /// Gauge pressure of the reservoir [Pa].
+        pressure: f64,
+    },
     /// The fluid moves too fast for a nearly incompressible flow.
     #[error(
         "the fluid moves at {speed:.4} m/s (Mach {mach:.3}, limit {limit}) in cell {cell:?} at ({}, {}, {}) m; \

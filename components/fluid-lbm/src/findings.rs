@@ -4,6 +4,7 @@ use crate::compression;
 use crate::lattice::CS2;
 use crate::narrow::Narrow;
 use crate::parameters::{Parameters, Precision};
+use crate::reservoir_findings as reservoirs;
 use crate::resolution::{Mended, Resolution};
 use core::f64::consts::PI;
 use tremie_messages::Finding;
@@ -45,6 +46,7 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     findings.extend(lattice.pressure_noise());
     findings.extend(lattice.compression());
     findings.extend(lattice.softness());
+    findings.extend(reservoirs::findings(scene, resolution));
     findings
 }
 

@@ -5,6 +5,7 @@ use crate::lanes::Variant;
 use crate::ledger::Ledger;
 use crate::observe::{Diagnostics, SliceNode};
 use crate::parameters::{Parameters, Precision};
+use crate::reservoir::ReservoirState;
 use crate::solver::Solver;
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
@@ -95,7 +96,8 @@ impl FluidLbm {
     /// torques [N m] of the fluid on them, buoyancy included.
     ///
     /// # Errors
-    /// States that are not those of the living bodies, or not finite.
+    /// States that are not those of the living bodies, or not finite; a reservoir that is spent, or
+    /// whose flow is too fast for the lattice.
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         solver!(&mut self.solver, s => s.step(bodies, loads))
     }
@@ -117,6 +119,13 @@ impl FluidLbm {
     /// [`crate::probe_signals`], SI units. A probe whose cells are all covered by bodies reads 0.
     pub fn probes(&mut self, values: &mut Vec<f64>) {
         solver!(&mut self.solver, s => s.probes(values));
+    }
+
+    /// What the reservoirs beyond the domain's faces are like, in the order of the faces: lower before
+    /// upper, x before y before z. `states` is cleared before.
+    pub fn reservoirs(&self, states: &mut Vec<ReservoirState>) {
+        states.clear();
+        solver!(&self.solver, s => states.extend(s.reservoirs()));
     }
 
     /// Memory that populations and tables take [bytes].

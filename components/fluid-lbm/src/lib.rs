@@ -9,7 +9,8 @@
 //! they uncover join it (`owners`, `refill`); all fluid cells collide and stream in one array
 //! (`kernel`), where the places of populations already see to walls, mirrors and periodic faces
 //! (`places`); populations that ran into bodies (`links`), curved or moving walls (`fixed`) are
-//! reflected; cells at open faces get what these prescribe (`open`). The momentum exchanged is the
+//! reflected; cells at open faces get what these prescribe (`open`,
+//! `reservoir`, `piston`). The momentum exchanged is the
 //! load on the bodies, with the pressure in gaps that hold no cell (`gaps`); what bodies took from the
 //! mass beyond their volume can be paid back (`mass`).
 //!
@@ -48,9 +49,12 @@ mod open;
 mod owners;
 mod parameters;
 mod part_body;
+mod piston;
 mod places;
 mod probes;
 mod refill;
+mod reservoir;
+mod reservoir_findings;
 mod resolution;
 mod scene_check;
 mod solids;
@@ -71,4 +75,5 @@ pub use narrow::Narrow;
 pub use observe::{Diagnostics, SliceNode};
 pub use parameters::{Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls};
 pub use probes::probe_signals;
+pub use reservoir::{ReservoirState, reservoir_signals};
 pub use resolution::{Mended, Resolution};

@@ -6,6 +6,7 @@ use crate::field::Field;
 use crate::kernel::Collides;
 use crate::lattice::{CS2, Q, dot, equilibrium};
 use crate::ledger::Ledger;
+use crate::reservoir::{ReservoirFace, ReservoirState};
 use crate::solver::{Solver, before};
 use tremie_messages::Load;
 
@@ -129,6 +130,7 @@ impl<T: Collides> Solver<T> {
             + self.tally.bytes()
             + self.fixed.bytes()
             + self.open.bytes()
+            + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()
             + self.owners.bytes()
             + self.wanted.bytes()
     }
@@ -227,8 +229,30 @@ impl<T: Collides> Solver<T> {
             let u = std::array::from_fn(|k| u[k] / self.units.velocity() - 0.5 * a[k]);
             self.before().put(cell, &std::array::from_fn(|i| equilibrium(i, drho, u)));
         }
+        self.fill_reservoirs();
         self.measure();
         self.begin_balance();
         self.end_balance(false);
+    }
+
+    /// Gives the reservoirs the mean density and velocity of the cells at their faces.
+    fn fill_reservoirs(&mut self) {
+        for reservoir in &mut self.reservoirs {
+            let (before, axis, inward) = (before!(self), reservoir.axis(), reservoir.inward());
+            let (mut count, mut drho, mut velocity) = (0.0, 0.0, 0.0);
+            for cell in reservoir.cells().filter(|&cell| self.owners.is_fluid(cell)) {
+                let content = before.content(cell);
+                count += 1.0;
+                drho += content.drho;
+                velocity += inward * content.j[axis] / (1.0 + content.drho);
+            }
+            reservoir.fill(drho / f64::max(count, 1.0), velocity / f64::max(count, 1.0));
+        }
+    }
+
+    /// See [`crate::FluidLbm::reservoirs`].
+    pub fn reservoirs(&self) -> impl Iterator<Item = ReservoirState> {
+        let acceleration = self.relaxation.acceleration;
+        self.reservoirs.iter().map(move |r| r.state(acceleration, &self.units))
     }
 }

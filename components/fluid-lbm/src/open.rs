@@ -53,7 +53,7 @@ use std::ops::Range;
 use tremie_messages::scene::Profile;
 
 /// Cells that are one item of work.
-const CELLS_PER_ITEM: usize = 512;
+pub const CELLS_PER_ITEM: usize = 512;
 
 /// Part of the way that the mean velocity at an absorbing face goes in the time in which sound crosses
 /// the domain.
@@ -177,7 +177,7 @@ impl OpenCells {
 }
 
 /// The open faces at which a cell lies, lower axes first.
-fn open_faces(grid: &Grid, at: [i32; 3]) -> Vec<(usize, usize)> {
+pub fn open_faces(grid: &Grid, at: [i32; 3]) -> Vec<(usize, usize)> {
     let mut faces = Vec::new();
     for axis in 0..3 {
         for side in 0..2 {
@@ -211,7 +211,8 @@ impl<T: Real> Next<'_, T> {
         }
     }
 
-    fn populations(&self, cell: u32) -> [f64; Q] {
+    /// Populations that the next collision finds in a cell.
+    pub fn populations(&self, cell: u32) -> [f64; Q] {
         std::array::from_fn(|i| self.field.get(self.layout.place(self.parity, cell, i)))
     }
 
@@ -224,14 +225,27 @@ impl<T: Real> Next<'_, T> {
         } else {
             self.extrapolate(open, k, &old, inner.as_ref(), item)
         };
+        self.replace(open.cell, open.unknown, [&old, &new], &mut item.impulse, &mut item.mass);
+    }
+
+    /// Replaces the old populations of a cell by new ones and adds up what the fluid gained. The
+    /// `unknown` ones come through an open face.
+    pub fn replace(
+        &self,
+        cell: u32,
+        unknown: u32,
+        [old, new]: [&[f64; Q]; 2],
+        impulse: &mut [f64; 3],
+        mass: &mut f64,
+    ) {
         for i in 0..Q {
-            let f = self.field.set(self.layout.place(self.parity, open.cell, i), new[i]);
+            let f = self.field.set(self.layout.place(self.parity, cell, i), new[i]);
             let gain = f - old[i];
-            add_scaled(&mut item.impulse, C_F64[i], gain);
-            item.mass += gain;
+            add_scaled(impulse, C_F64[i], gain);
+            *mass += gain;
             // What was there had left through the face in the opposite direction.
-            if open.unknown >> i & 1 == 1 {
-                add_scaled(&mut item.impulse, C_F64[i], 2.0 * old[i]);
+            if unknown >> i & 1 == 1 {
+                add_scaled(impulse, C_F64[i], 2.0 * old[i]);
             }
         }
     }

@@ -6,6 +6,7 @@ use crate::lattice::{CS2, Q};
 use crate::narrow::{Narrow, narrowest};
 use crate::parameters::{Parameters, Precision};
 use crate::places;
+use crate::reservoir::{face_of, name, reservoirs_of};
 use crate::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::Surface;
@@ -35,6 +36,8 @@ pub struct Resolution {
     pub narrowest_gap: Option<Narrow>,
     /// The narrowest gap between a listed body and anything at the start, within 8 cells.
     pub narrowest_gap_of_bodies: Option<Narrow>,
+    /// Cells of the fluid at the faces that have a reservoir: axis, side, number.
+    pub reservoir_cells: Vec<(usize, usize, usize)>,
     /// Parts whose files had to be mended.
     pub mended: Vec<Mended>,
     /// What the geometry looks like in cells; sentences.
@@ -92,6 +95,7 @@ impl Parameters {
             Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes,
             _ => return Err(vec![too_many(cells)]),
         };
+        let reservoir_cells = reservoir_cells(scene, &ground)?;
         let smallest = smallest_diameter(scene).map(|d| d / self.cell.0);
         let [narrowest_gap, narrowest_gap_of_bodies] = narrowest(scene, &ground);
         let resolution = Resolution {
@@ -105,6 +109,7 @@ impl Parameters {
             fluid_cells,
             narrowest_gap,
             narrowest_gap_of_bodies,
+            reservoir_cells,
             mended: mended(scene, &ground),
             notes: ground.notes(),
             warnings: warnings(memory_bytes),
@@ -231,6 +236,26 @@ impl Parameters {
         // table of places.
         Some(bytes(stride) + boxed / 4 + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
     }
+}
+
+/// Cells of the fluid at each face that has a reservoir.
+fn reservoir_cells(
+    scene: &Scene,
+    ground: &Ground,
+) -> Result<Vec<(usize, usize, usize)>, Vec<Problem>> {
+    let of = |(axis, side, _)| {
+        let own =
+            |index: &usize| face_of(&ground.grid, ground.grid.at(*index)) == Some((axis, side));
+        let solid = &ground.voxels.obstacles.solid;
+        let count = (0..ground.grid.len()).filter(|k| solid[*k] == 0).filter(own).count();
+        if count > 0 {
+            return Ok((axis, side, count));
+        }
+        let key = format!("scene.domain.faces.{}", name(axis, side));
+        let found = "the reservoir at this face reaches no fluid: solids cover all cells there";
+        Err(vec![Problem::new(key, found).help("let the bore end at the face of the domain")])
+    };
+    reservoirs_of(scene).map(of).collect()
 }
 
 /// Parts whose files had to be mended.

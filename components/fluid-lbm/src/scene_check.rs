@@ -1,7 +1,10 @@
 //! What this fluid cannot honour in a scene.
 
+use crate::reservoir::{name, reservoirs_of};
 use tremie_messages::Problem;
-use tremie_messages::scene::{Course, Domain, Face, Motion, PartBoundary, ProbeShape, Scene};
+use tremie_messages::scene::{
+    Course, Domain, Face, Motion, PartBoundary, ProbeShape, Reservoir, Scene,
+};
 
 /// Checks of the scene that concern a fluid.
 pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
@@ -38,6 +41,7 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
     }
     check_domain(&scene.domain, problems);
     check_open(scene, problems);
+    check_reservoirs(scene, problems);
     for (index, part) in scene.parts.iter().enumerate() {
         if part.motion != Motion::Fixed && part.cavity {
             problems.push(
@@ -81,6 +85,9 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
                 Face::Velocity(open) => check(key, &open.velocity, &open.course),
                 Face::Pressure { pressure, course, .. } => check(key, &[*pressure], course),
                 Face::Wall { velocity } => check(key, velocity, &Course::default()),
+                Face::Reservoir(reservoir) => {
+                    check(key, &reservoir_numbers(reservoir), &reservoir.course);
+                }
                 Face::Periodic | Face::Symmetry => {}
             }
         }
@@ -114,6 +121,35 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
                 format!("scene.planes[{index}].normal"),
                 format!("must have length 1, found {:?}", plane.normal),
             ));
+        }
+    }
+}
+
+/// All numbers of a reservoir but those of its course.
+fn reservoir_numbers(reservoir: &Reservoir) -> [f64; 5] {
+    let Reservoir { area, volume, piston, relaxation, stop, .. } = *reservoir;
+    [area, volume, piston, relaxation, stop.unwrap_or(0.0)]
+}
+
+/// Checks of what only makes sense within bounds.
+fn check_reservoirs(scene: &Scene, problems: &mut Vec<Problem>) {
+    for (axis, side, reservoir) in reservoirs_of(scene) {
+        let key = format!("scene.domain.faces.{}", name(axis, side));
+        for (what, value, unit) in
+            [("area", reservoir.area, "m²"), ("volume", reservoir.volume, "m³")]
+        {
+            if value <= 0.0 {
+                let found =
+                    format!("the reservoir's {what} must be positive, found {value} {unit}");
+                problems.push(Problem::new(&key, found));
+            }
+        }
+        if !(0.0..=1.0).contains(&reservoir.relaxation) {
+            let found = format!(
+                "the reservoir's relaxation must be from 0 to 1, found {}",
+                reservoir.relaxation
+            );
+            problems.push(Problem::new(&key, found).help("0.02 is the default; 0 switches it off"));
         }
     }
 }

@@ -19,6 +19,7 @@ use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::places::Parity;
 use crate::probes::Probes;
 use crate::refill::{Before, Content};
+use crate::reservoir::ReservoirFace;
 use crate::solids::Centres;
 use crate::surroundings::Surroundings;
 use crate::survey::Survey;
@@ -91,6 +92,7 @@ pub struct Solver<T: Collides> {
     pub(crate) fixed_items: Vec<fixed::Item>,
     pub(crate) open: OpenCells,
     pub(crate) open_items: Vec<open::Item>,
+    pub(crate) reservoirs: Vec<ReservoirFace>,
     pub(crate) link_items: Vec<links::Item>,
     pub(crate) probes: Probes,
     refills: Vec<Filled>,
@@ -189,6 +191,7 @@ impl<T: Collides> Solver<T> {
             fixed_items: built.fixed_items,
             open: built.open,
             open_items: built.open_items,
+            reservoirs: built.reservoirs,
             link_items: Vec::new(),
             probes,
             refills: Vec::new(),
@@ -245,13 +248,17 @@ impl<T: Collides> Solver<T> {
     /// See [`crate::FluidLbm::step`].
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.check(bodies, loads.len())?;
+        let begin = self.steps as f64 * self.units.time_step;
+        for reservoir in &mut self.reservoirs {
+            reservoir.advance(begin, &self.units)?;
+        }
         self.begin_balance();
         self.move_bodies(bodies);
         self.collide();
         self.steps += 1;
         self.reflect();
         self.parity = self.parity.flipped();
-        self.open();
+        self.open()?;
         self.give_loads(loads);
         self.end_balance(true);
         self.settle_accounts();
@@ -386,8 +393,8 @@ impl<T: Collides> Solver<T> {
         });
         let time = self.steps as f64 * self.units.time_step;
         for (law, now) in self.surroundings.laws.iter().zip(&mut self.now) {
-            if let Some(law) = law {
-                *now = law.at(time);
+            if let Some(prescribed) = law.as_ref().and_then(|law| law.at(time)) {
+                *now = prescribed;
             }
         }
         let (fixed, now, references) = (&self.fixed, &self.now, &self.surroundings.references);
@@ -396,8 +403,9 @@ impl<T: Collides> Solver<T> {
         });
     }
 
-    /// Gives the cells at open faces their populations.
-    fn open(&mut self) {
+    /// Gives the cells at open faces their populations; those at reservoirs first, because other faces
+    /// read the cells inside.
+    fn open(&mut self) -> Result<(), FluidError> {
         let next = Next {
             field: &self.field,
             layout: &self.layout,
@@ -407,8 +415,12 @@ impl<T: Collides> Solver<T> {
             now: &self.now,
             scheme: self.scheme,
         };
+        for reservoir in &mut self.reservoirs {
+            reservoir.apply(&next, &mut self.team, &self.units)?;
+        }
         let open = &self.open;
         self.team.for_each(&mut self.open_items, |_, item| next.open(open, item));
+        Ok(())
     }
 
     /// Adds up what the fluid exchanged with each fixture: force and torque on it.

@@ -8,11 +8,12 @@ use crate::ground::Ground;
 use crate::layout::Layout;
 use crate::open::{self, OpenCells};
 use crate::parameters::{Parameters, Walls};
-use crate::places::Reflection;
+use crate::places::{Blocked, Reflection};
+use crate::reservoir::{ReservoirFace, face_of};
 use crate::units::Units;
 use std::sync::Arc;
 use tremie_geometry::Surface;
-use tremie_messages::scene::{Face, Scene};
+use tremie_messages::scene::{Face, Reservoir, Scene};
 
 /// Faces of the domain and static solids.
 pub struct Surroundings {
@@ -20,6 +21,9 @@ pub struct Surroundings {
     halfway: bool,
     /// Which faces let sound out, `2 axis + side`.
     absorbing: [bool; 6],
+    /// Which faces have a reservoir, `2 axis + side`.
+    reservoirs: [Option<Reservoir>; 6],
+    units: Units,
     /// Surfaces of the parts that move, by index of the part.
     pub moving: Vec<Option<Arc<Surface>>>,
     /// For each fixture what it prescribes; `None` for a face that prescribes nothing.
@@ -42,6 +46,8 @@ pub struct Built {
     pub open: OpenCells,
     /// Their items of work.
     pub open_items: Vec<open::Item>,
+    /// Faces with a reservoir.
+    pub reservoirs: Vec<ReservoirFace>,
 }
 
 /// What faces are to the box of cells.
@@ -51,7 +57,7 @@ pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
             Face::Periodic => Side::Periodic,
             Face::Wall { .. } => Side::Wall,
             Face::Symmetry => Side::Symmetry,
-            Face::Velocity(_) | Face::Pressure { .. } => Side::Open,
+            Face::Velocity(_) | Face::Pressure { .. } | Face::Reservoir(_) => Side::Open,
         })
     })
 }
@@ -73,8 +79,13 @@ impl Surroundings {
         let faces: Vec<_> = scene.domain.faces.iter().flatten().collect();
         let absorbing =
             std::array::from_fn(|k| matches!(faces[k], Face::Pressure { absorbing: true, .. }));
+        let reservoirs = std::array::from_fn(|k| match faces[k] {
+            Face::Reservoir(reservoir) => Some(reservoir.clone()),
+            _ => None,
+        });
         let halfway = parameters.walls == Walls::Halfway;
-        Self { ground, halfway, absorbing, moving, laws, references }
+        let units = *units;
+        Self { ground, halfway, absorbing, reservoirs, units, moving, laws, references }
     }
 
     /// The static geometry.
@@ -116,6 +127,12 @@ impl Surroundings {
         };
         let (open, fixed): (Vec<_>, Vec<_>) =
             survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
+        let reservoirs = self.reservoir_faces(&layout, &open);
+        let has_reservoir = |blocked: &Blocked| {
+            let face = face_of(&layout.grid, layout.at(blocked.cell));
+            face.is_some_and(|(axis, side)| self.reservoirs[2 * axis + side].is_some())
+        };
+        let open: Vec<_> = open.into_iter().filter(|blocked| !has_reservoir(blocked)).collect();
         let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open);
         let (fixed, fixed_items) = FixedLinks::new(
             &layout.places,
@@ -127,6 +144,17 @@ impl Surroundings {
                 if self.halfway { (meets.0, 0.5) } else { meets }
             }),
         );
-        Built { layout, reflections: survey.reflections, fixed, fixed_items, open, open_items }
+        let reflections = survey.reflections;
+        Built { layout, reflections, fixed, fixed_items, open, open_items, reservoirs }
+    }
+
+    /// The faces with a reservoir, of the links that open faces block.
+    fn reservoir_faces(&self, layout: &Layout, open: &[Blocked]) -> Vec<ReservoirFace> {
+        let faces = self.reservoirs.iter().enumerate();
+        let of = |(k, reservoir): (usize, &Option<Reservoir>)| {
+            let reservoir = reservoir.as_ref()?;
+            Some(ReservoirFace::new(layout, [k / 2, k % 2], reservoir, open, &self.units))
+        };
+        faces.filter_map(of).collect()
     }
 }

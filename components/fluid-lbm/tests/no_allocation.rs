@@ -7,7 +7,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use tremie_fluid_lbm::Refill;
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Course, Face, Geometry, Motion};
+use tremie_messages::scene::{Course, Face, Geometry, Motion, Reservoir};
 
 /// The system's allocator, counting.
 struct Counting;
@@ -41,6 +41,7 @@ fn a_step_allocates_nothing() {
         Face::Symmetry,
         Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: true },
     ];
+    scene.domain.faces[2][0] = Face::Reservoir(Reservoir::new(960.0, 96_000.0, 1e-3));
     scene.parts.push(part(
         "rod",
         Geometry::Cylinder { radius: 2.2, length: 30.0 },

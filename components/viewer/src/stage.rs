@@ -29,7 +29,7 @@ pub fn log(
         for side in 0..2 {
             let kind = match scene.domain.faces[axis][side] {
                 Face::Wall { .. } => "wall",
-                Face::Velocity(_) | Face::Pressure { .. } => "open",
+                Face::Velocity(_) | Face::Pressure { .. } | Face::Reservoir(_) => "open",
                 Face::Periodic | Face::Symmetry => continue,
             };
             let (axis_name, side_name) = (["x", "y", "z"][axis], ["0", "1"][side]);
@@ -64,7 +64,7 @@ fn face(scene: &Scene, axis: usize, side: usize) -> Mesh3D {
     let triangles = if side == 0 { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
     let pull = scene.gravity[axis] * if side == 0 { -1.0 } else { 1.0 };
     let colour = match domain.faces[axis][side] {
-        Face::Velocity(_) => parts::VELOCITY,
+        Face::Velocity(_) | Face::Reservoir(_) => parts::VELOCITY,
         Face::Pressure { .. } => parts::PRESSURE,
         _ if pull > 0.0 => FLOOR,
         _ => WALL,
@@ -149,6 +149,7 @@ fn kind(face: &Face) -> &'static str {
         Face::Symmetry => "symmetry",
         Face::Velocity(_) => "velocity",
         Face::Pressure { .. } => "pressure",
+        Face::Reservoir(_) => "reservoir",
     }
 }
 

@@ -110,6 +110,10 @@ macro_rules! quantities {
 quantities! {
     /// A length [m].
     Length, Length, "a length", "0.3 mm", "m";
+    /// An area [m²].
+    Area, Area, "an area", "70.9 mm2", "m2";
+    /// A volume [m³].
+    Volume, Volume, "a volume", "4 L", "m3";
     /// A duration [s].
     Time, Time, "a time", "20 ms", "s";
     /// A speed or a component of a velocity [m/s].
@@ -200,6 +204,9 @@ mod tests {
         assert_eq!("-9.81 m/s2".parse::<Acceleration>().unwrap().0, -9.81);
         assert_eq!("1e7 N/m".parse::<Stiffness>().unwrap().0, 1e7);
         assert_eq!("3 kg/s".parse::<Dashpot>().unwrap().0, 3.0);
+        assert!(("70.9 mm2".parse::<Area>().unwrap().0 - 70.9e-6).abs() < 1e-18);
+        assert_eq!("4e-3 m3".parse::<Volume>().unwrap().0, 4e-3);
+        assert!(("4 L".parse::<Volume>().unwrap().0 - 4e-3).abs() < 1e-15);
         assert_eq!("2 min".parse::<Time>().unwrap().0, 120.0);
         assert_eq!("100 Hz".parse::<Frequency>().unwrap().0, 100.0);
         assert_eq!("70 GPa".parse::<Pressure>().unwrap().0, 70e9);

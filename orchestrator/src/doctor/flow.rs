@@ -9,6 +9,9 @@ pub(super) fn findings(scene: &Scene) -> Option<Finding> {
     let faces = || scene.domain.faces.iter().flatten();
     let balanced = faces().any(|face| matches!(face, Face::Pressure { .. }))
         || scene.parts.iter().any(|part| part.boundary != PartBoundary::Wall);
+    if !balanced && let Some(finding) = pistons(scene) {
+        return Some(finding);
+    }
     let driven = faces().any(|face| matches!(face, Face::Velocity(_)));
     if balanced || !driven {
         return None;
@@ -31,6 +34,25 @@ pub(super) fn findings(scene: &Scene) -> Option<Finding> {
     ))
 }
 
+/// What the pistons of reservoirs displace where nothing lets it out. A reservoir gives way, so that the
+/// pressure rises as long as a piston moves, and no further.
+fn pistons(scene: &Scene) -> Option<Finding> {
+    let faces = || scene.domain.faces.iter().flatten();
+    let rate = |face: &Face| match face {
+        Face::Reservoir(reservoir) => Some(reservoir.piston * reservoir.area),
+        _ => None,
+    };
+    let net = faces().filter_map(rate).reduce(|a, b| a + b)?;
+    let stopped =
+        |face: &Face| matches!(face, Face::Reservoir(r) if r.stop.is_none() && r.piston != 0.0);
+    let finding = Finding::new("flow displaced by pistons", net, "m3/s");
+    Some(finding.doubtful_if(
+        faces().any(stopped),
+        "a piston moves without end and no face has a pressure, so it compresses the fluid until the run fails",
+        "give one face a pressure, as { pressure = \"0 Pa\" }, or the piston a stop",
+    ))
+}
+
 /// Rate of flow along the axis through a face, at the course's factor 1 [m³/s].
 fn rate(scene: &Scene, axis: usize, open: &OpenVelocity) -> f64 {
     let size = scene.domain.size();
@@ -47,7 +69,7 @@ fn rate(scene: &Scene, axis: usize, open: &OpenVelocity) -> f64 {
 mod tests {
     use super::*;
     use tremie_messages::Verdict;
-    use tremie_messages::scene::{Course, Domain, FluidMaterial};
+    use tremie_messages::scene::{Course, Domain, FluidMaterial, Reservoir};
 
     fn scene(lower: Face, upper: Face) -> Scene {
         let domain = Domain::new(
@@ -75,5 +97,17 @@ mod tests {
             Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
         assert_eq!(findings(&scene(inflow, pressure)), None);
         assert_eq!(findings(&scene(Face::WALL, Face::WALL)), None);
+    }
+
+    #[test]
+    fn a_piston_needs_a_way_out_or_an_end() {
+        let mut reservoir = Reservoir::new(6.0, 1.0, 0.5);
+        let endless = findings(&scene(Face::Reservoir(reservoir.clone()), Face::WALL)).unwrap();
+        assert_eq!((endless.verdict, endless.value), (Verdict::Doubtful, 3.0));
+        reservoir.stop = Some(1.0);
+        let stroke = findings(&scene(Face::Reservoir(reservoir.clone()), Face::WALL)).unwrap();
+        assert_eq!(stroke.verdict, Verdict::Ok);
+        let outlet = Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+        assert_eq!(findings(&scene(Face::Reservoir(reservoir), outlet)), None);
     }
 }

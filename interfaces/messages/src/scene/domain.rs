@@ -1,5 +1,6 @@
 //! The box, what its faces are, and the fluid in it.
 
+use super::reservoir::Reservoir;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -66,6 +67,8 @@ pub enum Face {
         #[serde(default)]
         absorbing: bool,
     },
+    /// The fluid comes from, and goes to, a reservoir with a piston that is not simulated.
+    Reservoir(Reservoir),
 }
 
 impl Face {
@@ -76,7 +79,7 @@ impl Face {
 
     /// Whether fluid may pass.
     pub fn is_open(&self) -> bool {
-        matches!(self, Self::Velocity(_) | Self::Pressure { .. })
+        matches!(self, Self::Velocity(_) | Self::Pressure { .. } | Self::Reservoir(_))
     }
 }
 

@@ -7,12 +7,14 @@ mod contacts;
 mod domain;
 mod parts;
 mod probes;
+mod reservoir;
 
 pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
 pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
+pub use reservoir::{Reservoir, ReservoirMode};
 
 use serde::{Deserialize, Serialize};
 

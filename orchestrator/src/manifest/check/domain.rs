@@ -4,7 +4,7 @@ use super::super::document::{AxisEntry, DomainTable, FaceEntry, FaceName, FaceTa
 use super::super::path;
 use super::super::read::Findings;
 use super::course::course;
-use tremie_messages::scene::{Domain, Face, OpenVelocity, Profile};
+use tremie_messages::scene::{Domain, Face, OpenVelocity, Profile, Reservoir};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -67,6 +67,7 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
         ("wall", table.wall.is_some()),
         ("velocity", table.velocity.is_some()),
         ("pressure", table.pressure.is_some()),
+        ("reservoir", table.reservoir.is_some()),
     ];
     let kind = findings.only_one(&kinds, "what the face is", at)?;
     if kind != "pressure" && table.absorbing.is_some() {
@@ -77,6 +78,7 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
     match kind {
         "wall" => moving_wall(table, axis, at, findings),
         "velocity" => open_velocity(table, axis, at, findings),
+        "reservoir" => reservoir(table, at, findings),
         _ => {
             if table.profile.is_some() {
                 let message = "a pressure is the same all over the face, and has no profile";
@@ -114,6 +116,37 @@ fn moving_wall(table: &FaceTable, axis: usize, at: &str, findings: &mut Findings
         return None;
     }
     Some(Face::Wall { velocity })
+}
+
+fn reservoir(table: &FaceTable, at: &str, findings: &mut Findings) -> Option<Face> {
+    for (key, is_there) in [
+        ("profile", table.profile.is_some()),
+        ("ramp", table.ramp.is_some()),
+        ("course", table.course.is_some()),
+    ] {
+        if is_there {
+            let message = "a reservoir has none; its piston may have a ramp or a course";
+            findings.problem(&path::join(at, key), message);
+        }
+    }
+    let at = path::join(at, "reservoir");
+    let table = table.reservoir.as_ref()?;
+    let area = findings.positive(&table.area, &at, "area");
+    let volume = findings.positive(&table.volume, &at, "volume");
+    let course = course(table.ramp, table.course.as_deref(), &at, findings);
+    let key = |name: &str| path::join(&at, name);
+    let right = table.stop.is_none_or(|stop| findings.above_zero(stop, &key("stop")));
+    let relaxation = table.relaxation.unwrap_or(Reservoir::RELAXATION);
+    if !(0.0..=1.0).contains(&relaxation) {
+        let message = format!("found {relaxation}, expected a number from 0 to 1");
+        findings.problem(&key("relaxation"), message);
+        return None;
+    }
+    let (area, volume, course) = (area?, volume?, course?);
+    let piston = table.piston.map_or(0.0, |velocity| velocity.0);
+    let stop = table.stop.map(|time| time.0);
+    let reservoir = Reservoir::new(area, volume, piston);
+    right.then_some(Face::Reservoir(Reservoir { course, stop, relaxation, ..reservoir }))
 }
 
 fn open_velocity(

@@ -23,7 +23,7 @@ use super::spec::Spec;
 use crate::plan::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
-    Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity,
+    Area, Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity, Volume,
 };
 use tremie_messages::{Problem, Role};
 
@@ -90,7 +90,7 @@ macro_rules! quantities {
     )+};
 }
 
-quantities!(Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity);
+quantities!(Area, Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity, Volume);
 
 /// A domain's corners, for messages.
 fn extent(domain: &Domain) -> String {

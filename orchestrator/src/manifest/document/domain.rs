@@ -4,7 +4,9 @@ use super::forms::{Form, Never, read};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use tremie_messages::scene::Profile;
-use tremie_messages::units::{Acceleration, Density, Length, Pressure, Time, Velocity, Viscosity};
+use tremie_messages::units::{
+    Acceleration, Area, Density, Length, Pressure, Time, Velocity, Viscosity, Volume,
+};
 
 /// The box in which everything happens.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -51,7 +53,7 @@ pub(in super::super) enum FaceEntry {
     /// By its name.
     Name(FaceName),
     /// One that moves or is open.
-    Table(FaceTable),
+    Table(Box<FaceTable>),
 }
 
 /// What a face is.
@@ -66,7 +68,7 @@ pub(in super::super) enum FaceName {
     Symmetry,
 }
 
-/// A face that moves or is open. Exactly one of `wall`, `velocity` and `pressure`.
+/// A face that moves or is open. Exactly one of `wall`, `velocity`, `pressure` and `reservoir`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct FaceTable {
@@ -82,10 +84,34 @@ pub(in super::super) struct FaceTable {
     /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
     /// holds on average (default: false).
     pub absorbing: Option<bool>,
+    /// The fluid comes from a reservoir with a piston that is not simulated.
+    pub reservoir: Option<ReservoirTable>,
     /// Time in which velocity or pressure rise from zero (default: none).
     pub ramp: Option<Time>,
     /// Factor of velocity or pressure over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.
     pub course: Option<Vec<(Time, f64)>>,
+}
+
+/// A cylinder beyond the face, of uniform density, closed by a piston. The physics depends on the ratio
+/// of volume and area alone: where symmetry planes cut it, both may be those of the whole.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct ReservoirTable {
+    /// Area of the piston, which is that of the fluid at the face. Required.
+    pub area: Option<Area>,
+    /// Volume between piston and face at the start. Required.
+    pub volume: Option<Volume>,
+    /// Velocity of the piston towards the domain (default: it stands still).
+    pub piston: Option<Velocity>,
+    /// Time in which the piston's velocity rises from zero (default: none).
+    pub ramp: Option<Time>,
+    /// Factor of the piston's velocity over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.
+    pub course: Option<Vec<(Time, f64)>>,
+    /// Time from which on the piston stands still (default: never).
+    pub stop: Option<Time>,
+    /// Part of its difference from the face's mean that the normal velocity of a cell at the face loses
+    /// in a step, from 0 to 1 (default: 0.02); 0 switches it off.
+    pub relaxation: Option<f64>,
 }
 
 /// A wall that moves along itself.
@@ -110,7 +136,8 @@ impl<'de> Deserialize<'de> for AxisEntry {
 
 impl<'de> Deserialize<'de> for FaceEntry {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "\"wall\", \"symmetry\", or a table with wall, velocity or pressure";
+        let expecting =
+            "\"wall\", \"symmetry\", or a table with wall, velocity, pressure or reservoir";
         let form: Form<_, Never, _> = read(deserializer, expecting)?;
         Ok(match form {
             Form::Word(name) => Self::Name(name),

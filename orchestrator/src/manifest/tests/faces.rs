@@ -1,7 +1,7 @@
 //! Faces of the domain, the fluid, and probes.
 
 use super::*;
-use tremie_messages::scene::{Course, Face, OpenVelocity, ProbeShape, Profile};
+use tremie_messages::scene::{Course, Face, OpenVelocity, ProbeShape, Profile, Reservoir};
 
 /// The good manifest with other lines for the domain's faces.
 fn with_faces(lines: &str) -> String {
@@ -37,6 +37,48 @@ z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", r
     reads_back(&text);
 }
 
+/// A manifest with a reservoir of the given keys.
+fn with_reservoir(keys: &str) -> String {
+    with_faces(&format!(
+        "x = {{ lower = {{ reservoir = {{ {keys} }} }}, upper = {{ pressure = \"0 Pa\" }} }}"
+    ))
+}
+
+#[test]
+fn a_face_can_have_a_reservoir() {
+    let cylinder = "area = \"70.9 mm2\", volume = \"4e-3 m3\"";
+    let text = with_reservoir(&format!(
+        "{cylinder}, piston = \"6 m/s\", ramp = \"0.2 ms\", stop = \"25 ms\", relaxation = 0.1"
+    ));
+    let face = |text: &str| read(text).unwrap().spec.scene.domain.faces[0][0].clone();
+    let area = "70.9 mm2".parse::<tremie_messages::units::Area>().unwrap().0;
+    let piston = Reservoir {
+        course: Course(vec![[0.0, 0.0], [0.2e-3, 1.0]]),
+        stop: Some(25e-3),
+        relaxation: 0.1,
+        ..Reservoir::new(area, 4e-3, 6.0)
+    };
+    assert_eq!(face(&text), Face::Reservoir(piston));
+    reads_back(&text);
+    let still = with_reservoir(cylinder);
+    assert_eq!(face(&still), Face::Reservoir(Reservoir::new(area, 4e-3, 0.0)));
+    reads_back(&still);
+    let wrong = |more: &str, words: &[&str]| {
+        one_problem(&with_reservoir(&format!("{cylinder}, {more}")), words)
+    };
+    wrong("stop = \"0 s\"", &["reservoir.stop", "more than zero"]);
+    wrong("relaxation = 1.5", &["reservoir.relaxation", "from 0 to 1"]);
+    wrong("ramp = \"1 s\", course = [[\"0 s\", 1.0]]", &["both ramp and course"]);
+    wrong("pistn = \"1 m/s\"", &["did you mean \"piston\"?"]);
+    one_problem(&with_reservoir("area = \"70.9 mm2\""), &["volume"]);
+    one_problem(&still.replace("70.9 mm2", "70.9 mm"), &["an area with a unit", "70.9 mm2"]);
+    one_problem(&still.replace("70.9 mm2", "0 mm2"), &["reservoir.area", "more than zero"]);
+    one_problem(
+        &still.replace("m3\" }", "m3\" }, ramp = \"1 s\""),
+        &["x.lower.ramp", "its piston may"],
+    );
+}
+
 #[test]
 fn a_face_that_is_left_out_is_a_wall() {
     let text = with_faces("x = { upper = { pressure = \"0 Pa\" } }");
@@ -52,7 +94,7 @@ fn a_wrong_face_is_one_problem() {
     refused("x = { lower = \"periodic\" }", &["x.lower", "joins both", "x = \"periodic\""]);
     refused("x = { lowr = \"wall\" }", &["did you mean \"lower\"?"]);
     refused("x = { lower = \"open\" }", &["found \"open\"", "\"symmetry\""]);
-    refused("x = { lower = {} }", &["what the face is", "wall, velocity, pressure"]);
+    refused("x = { lower = {} }", &["what the face is", "wall, velocity, pressure, reservoir"]);
     let sliding = "x = { lower = { velocity = [\"0 m/s\", \"1 m/s\", \"0 m/s\"] } }";
     refused(sliding, &["nothing passes", "wall = { velocity"]);
     let pushing = "x = { lower = { wall = { velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"] } } }";
