@@ -45,7 +45,7 @@ pub fn manifest(valve: &Dimensions, run: &Steady, frame: &str) -> String {
         Closure::Pressure => "\"wall\"",
         Closure::Safety => "{ pressure = \"0 Pa\" }",
     };
-    let lifted = |profile: Vec<[f64; 2]>| {
+    let written = |profile: Vec<[f64; 2]>| {
         let corners =
             profile.iter().map(|[r, y]| format!("[\"{} mm\", \"{} mm\"]", mm(*r), mm(*y)));
         corners.collect::<Vec<_>>().join(", ")
@@ -124,7 +124,7 @@ signals = "5 us"
         half_cell = mm(0.5 * cell),
         axis = mm(valve.conduit_axis.0),
         inside = mm(valve.inlet.0 + 5.0 * cell),
-        profile = lifted(moving::steel_and_ring(valve)),
+        profile = written(moving::steel_and_ring(valve)),
         middle = mm(middle),
         near = mm(near),
         far = mm(far),
