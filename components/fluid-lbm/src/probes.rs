@@ -17,13 +17,7 @@ const SAMPLES_PER_ITEM: usize = 2048;
 
 /// Names and units of the values of a scene's probes, in their order: `probe.value`.
 pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
-    let mut signals = Vec::new();
-    for probe in &scene.probes {
-        for (value, unit) in values(&probe.shape) {
-            signals.push((format!("{}.{value}", probe.name), *unit));
-        }
-    }
-    signals
+    scene.probe_signals(values)
 }
 
 fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {

@@ -16,13 +16,7 @@ use tremie_team::Team;
 /// Names and units of the values of a scene's probes, in their order: `probe.value`. Points and lines
 /// are the fluid's alone.
 pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
-    let mut signals = Vec::new();
-    for probe in &scene.probes {
-        for (value, unit) in values(&probe.shape) {
-            signals.push((format!("{}.{value}", probe.name), *unit));
-        }
-    }
-    signals
+    scene.probe_signals(values)
 }
 
 fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {

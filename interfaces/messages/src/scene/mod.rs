@@ -55,6 +55,20 @@ impl Scene {
         }
     }
 
+    /// Names and units of what is measured at the probes, `probe.value` in their order; `values` says
+    /// what a component measures at a probe of a shape.
+    pub fn probe_signals(
+        &self,
+        values: impl Fn(&ProbeShape) -> &'static [(&'static str, &'static str)],
+    ) -> Vec<(String, &'static str)> {
+        let named = |probe: &Probe| {
+            let of =
+                |(value, unit): &(&str, &'static str)| (format!("{}.{value}", probe.name), *unit);
+            values(&probe.shape).iter().map(of).collect::<Vec<_>>()
+        };
+        self.probes.iter().flat_map(named).collect()
+    }
+
     /// The contact law between two materials, in either order.
     pub fn law(&self, one: &str, other: &str) -> Option<&ContactLaw> {
         let of = |pair: &&PairLaw| {
