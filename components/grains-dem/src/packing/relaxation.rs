@@ -10,7 +10,7 @@ use crate::{
     Vec3,
     bodies::{Ball, Mobility},
     cells::Cells,
-    rows::Rows,
+    rows::{Neighbour, Rows},
 };
 
 /// Sweeps before the fraction is called out of reach.
@@ -35,6 +35,9 @@ pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec
     let mut crowd = Crowd::new(region, radii, seed);
     if crowd.comes_free(SWEEPS) {
         crowd.balls.truncate(radii.len());
+        for ball in &mut crowd.balls {
+            ball.x = region.bounds.wrap(ball.x);
+        }
         return Ok(crowd.balls);
     }
     let mut factor = 1.0;
@@ -94,7 +97,7 @@ impl<'a> Crowd<'a> {
             region,
             free: radii.len(),
             skin,
-            cells: Cells::new(region.bounds(), largest + skin, balls.len()),
+            cells: Cells::new(region.bounds.clone(), largest + skin, balls.len()),
             list: Rows::default(),
             reference: Vec::new(),
             clear: vec![(Vec3::zeros(), 0.0); radii.len()],
@@ -106,10 +109,13 @@ impl<'a> Crowd<'a> {
     }
 
     fn list_neighbours(&mut self) {
+        let bounds = &self.region.bounds;
+        for ball in &mut self.balls[..self.free] {
+            ball.x = bounds.wrap(ball.x);
+        }
         let (cells, balls, mobility) = (&mut self.cells, &self.balls, &self.mobility);
         cells.sort(balls);
-        let still = [Vec3::zeros(); 27];
-        self.list.fill(cells, &still, balls, mobility, self.skin);
+        self.list.fill(cells, &bounds.shifts, balls, mobility, self.skin);
         self.reference.clear();
         self.reference.extend(balls.iter().map(|ball| ball.x));
     }
@@ -117,7 +123,7 @@ impl<'a> Crowd<'a> {
     fn sweep(&mut self) {
         for i in 0..self.balls.len() {
             for k in self.list.row(i) {
-                self.push_apart(i, self.list.neighbours[k].other as usize);
+                self.push_apart(i, self.list.neighbours[k]);
             }
         }
         for ball in &mut self.balls[..self.free] {
@@ -150,8 +156,14 @@ impl<'a> Crowd<'a> {
         }
     }
 
-    fn push_apart(&mut self, i: usize, j: usize) {
-        let d = self.balls[j].x - self.balls[i].x;
+    /// From body i to a neighbour of it.
+    fn way(&self, i: usize, to: Neighbour) -> Vec3 {
+        let shift = self.region.bounds.shifts[to.image as usize];
+        self.balls[to.other as usize].x - self.balls[i].x + shift
+    }
+
+    fn push_apart(&mut self, i: usize, neighbour: Neighbour) {
+        let (j, d) = (neighbour.other as usize, self.way(i, neighbour));
         let reach = (self.balls[i].radius + self.balls[j].radius) * (1.0 + SLACK);
         let square = d.norm_squared();
         if square >= reach * reach {
@@ -198,9 +210,10 @@ impl<'a> Crowd<'a> {
         let balls = &self.balls;
         (0..balls.len()).all(|i| {
             self.list.row(i).all(|k| {
-                let other = &balls[self.list.neighbours[k].other as usize];
+                let neighbour = self.list.neighbours[k];
+                let other = &balls[neighbour.other as usize];
                 let reach = (balls[i].radius + other.radius) * (1.0 - CLEAR);
-                (other.x - balls[i].x).norm_squared() >= reach * reach
+                self.way(i, neighbour).norm_squared() >= reach * reach
             })
         }) && balls[..self.free].iter().all(|ball| {
             self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)
