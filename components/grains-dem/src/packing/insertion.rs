@@ -8,16 +8,22 @@ const TRIES: usize = 2000;
 
 const NONE: u32 = u32::MAX;
 
-/// Inserts spheres of the given radii, the largest first; `None` when one does not fit.
-pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Vec<Ball>> {
+/// Numbers of the spheres in the order in which they are inserted: the largest first.
+pub(super) fn order(radii: &[f64]) -> Vec<usize> {
     let mut largest_first: Vec<usize> = (0..radii.len()).collect();
     largest_first.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]).then(a.cmp(&b)));
+    largest_first
+}
+
+/// Inserts spheres of the given radii, and gives them in that [`order`]; `None` when one does not
+/// fit.
+pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Vec<Ball>> {
     let reach = region.obstacles.iter().map(|ball| ball.radius).chain(radii.iter().copied());
     let mut grid = Grid::new(region, 2.0 * reach.fold(0.0, f64::max), radii.len());
     for &obstacle in &region.obstacles {
         grid.add(obstacle);
     }
-    for index in largest_first {
+    for index in order(radii) {
         let radius = radii[index];
         let mut random = place_stream(seed, index);
         let mut places =
