@@ -204,14 +204,14 @@ fn sliding(
         findings.problem(&path::join(at, name), message);
         return None;
     }
-    let Some(slider) = &motion.slider else {
+    let Some(given) = &motion.slider else {
         if !findings.is_unreadable(&key) {
             let message = "found an empty table, expected slider";
             findings.problem(&key, message);
         }
         return None;
     };
-    self::slider::slider(slider, &path::join(&key, "slider"), findings)
+    slider::slider(given, &path::join(&key, "slider"), findings)
         .map(|slider| Motion::Slider(Box::new(slider)))
 }
 

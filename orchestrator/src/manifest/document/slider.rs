@@ -40,7 +40,7 @@ impl PartMotionEntry {
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct PartMotionTable {
     /// Along one axis, on a spring, between stops.
-    pub slider: Option<SliderTable>,
+    pub slider: Option<Box<SliderTable>>,
 }
 
 /// A part that moves along one axis under forces. The part's position is where it is at lift 0.
