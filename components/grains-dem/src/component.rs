@@ -3,7 +3,7 @@
 use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
-use tremie_sdk::messages::scene::{Face, Scene};
+use tremie_sdk::messages::scene::{Face, Motion, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::{Grains, Setup, SolverError};
@@ -50,6 +50,16 @@ const PART: [(&str, &str); 6] = [
     ("torque_x", "N m"),
     ("torque_y", "N m"),
     ("torque_z", "N m"),
+];
+
+/// Signals of each slider: forces are along its axis, on the whole part.
+const SLIDER: [(&str, &str); 6] = [
+    ("lift", "m"),
+    ("velocity", "m/s"),
+    ("spring_force", "N"),
+    ("contact_force", "N"),
+    ("stop_force", "N"),
+    ("fluid_force", "N"),
 ];
 
 impl Grains for SoftSpheres {
@@ -121,10 +131,17 @@ impl Grains for SoftSpheres {
             values.extend(body.position);
             values.extend(body.velocity);
         }
-        for (force, torque) in self.grains.part_loads() {
+        let mut sliders = self.grains.sliders().peekable();
+        for (part, (force, torque)) in self.grains.part_loads().enumerate() {
             values.extend(force);
             values.extend(torque);
+            if let Some(s) = sliders.next_if(|slider| slider.part == part) {
+                let forces = [s.spring_force, s.contact_force, s.stop_force, s.fluid_force];
+                values.extend([s.lift, s.velocity]);
+                values.extend(forces);
+            }
         }
+        drop(sliders);
         self.grains.read_probes(values);
     }
 }
@@ -141,6 +158,9 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     for part in &scene.parts {
         let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", part.name), unit);
         all.extend(PART.iter().map(of));
+        if matches!(part.motion, Motion::Slider(_)) {
+            all.extend(SLIDER.iter().map(of));
+        }
     }
     all.extend(probe_signals(scene).into_iter().map(|(name, unit)| signal(name, unit)));
     all

@@ -44,6 +44,15 @@ pub enum GrainsError {
         /// Overlap over the smaller radius [%].
         percent: f64,
     },
+    /// The lift of a slider is no number.
+    #[error(
+        "the slider of scene.parts[{part}] is nowhere: its motion has diverged; reduce the time step, or lower \
+         the stiffness of its spring or stops"
+    )]
+    SliderLost {
+        /// Index of the part.
+        part: usize,
+    },
     /// A body is somewhere that is not a place in the domain.
     #[error(
         "body {id} left the domain at ({x:.6e}, {y:.6e}, {z:.6e}) m: reduce the time step, raise \

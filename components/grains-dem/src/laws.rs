@@ -1,7 +1,7 @@
 //! The contact laws of a scene as a table by materials.
 
-use crate::{law::Law, linear::LinearLaw};
-use tremie_messages::scene::{Face, Scene};
+use crate::{law::Law, linear::LinearLaw, mirrors};
+use tremie_messages::scene::{Face, Motion, Scene};
 
 /// Materials of a scene by number, and the law of each pair of them.
 #[derive(Clone, Debug)]
@@ -21,6 +21,8 @@ pub(crate) struct Surface<'a> {
     pub material: &'a str,
     /// Whether it is a mirror, without friction.
     pub mirror: bool,
+    /// What a push finds [kg]: infinite but for sliders, whose mirrored half takes its part of the mass.
+    pub mass: f64,
 }
 
 impl Laws {
@@ -98,7 +100,7 @@ impl Laws {
 
 /// Everything but bodies that grains may meet.
 pub(crate) fn surfaces(scene: &Scene) -> Vec<Surface<'_>> {
-    let domain = &scene.domain;
+    let (domain, mass) = (&scene.domain, f64::INFINITY);
     let mut found = Vec::new();
     for (axis, faces) in domain.faces.iter().enumerate() {
         for (side, face) in faces.iter().enumerate() {
@@ -106,17 +108,23 @@ pub(crate) fn surfaces(scene: &Scene) -> Vec<Surface<'_>> {
                 let (side, axis) = (["lower", "upper"][side], ["x", "y", "z"][axis]);
                 let name = format!("the domain's {side} face in {axis}");
                 let mirror = *face == Face::Symmetry;
-                found.push(Surface { name, material: &domain.material, mirror });
+                found.push(Surface { name, material: &domain.material, mirror, mass });
             }
         }
     }
     for (i, plane) in scene.planes.iter().enumerate() {
         let name = format!("plane {i}");
-        found.push(Surface { name, material: &plane.material, mirror: false });
+        found.push(Surface { name, material: &plane.material, mirror: false, mass });
     }
     for part in &scene.parts {
         let name = format!("part \"{}\"", part.name);
-        found.push(Surface { name, material: &part.material, mirror: false });
+        let mass = match &part.motion {
+            Motion::Slider(slider) => {
+                slider.mass / mirrors::whole(mirrors::of_part(domain, part.pose.position))
+            }
+            _ => mass,
+        };
+        found.push(Surface { name, material: &part.material, mirror: false, mass });
     }
     found
 }

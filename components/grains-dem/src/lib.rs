@@ -44,6 +44,7 @@ mod check;
 mod check_law;
 mod check_packing;
 mod check_sizes;
+mod check_slider;
 mod collect;
 #[cfg(feature = "component")]
 pub mod component;
@@ -66,6 +67,7 @@ mod loads;
 mod lubrication;
 mod memory;
 mod mesh_contact;
+mod mirrors;
 mod motion;
 mod overlaps;
 mod packing;
@@ -83,7 +85,10 @@ mod resolve;
 mod rows;
 mod search;
 mod side_by_side;
+mod slider;
+mod slider_times;
 mod solver;
+mod springs;
 mod stability;
 mod surroundings;
 mod tally;
@@ -98,6 +103,8 @@ pub use findings::findings;
 pub use parameters::{Lubrication, Parameters};
 pub use probes::probe_signals;
 pub use resolve::{PairDamping, Resolution};
+pub use slider::SliderState;
+pub use slider_times::SliderTimes;
 pub use solver::GrainsDem;
 
 /// A vector in the world frame.

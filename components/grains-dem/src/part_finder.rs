@@ -2,7 +2,7 @@
 
 use crate::{
     Vec3,
-    bodies::{Bodies, Mobility},
+    bodies::Bodies,
     law::Reduced,
     laws::Laws,
     pairs::BLOCK,
@@ -65,7 +65,7 @@ impl Found {
                     law: at.laws.between(at.materials[part], bodies.material[i]),
                     touching,
                     reduced: Reduced {
-                        root_mass: bodies.mobility[i].root_reduced_mass(Mobility::NONE),
+                        root_mass: bodies.mobility[i].root_reduced_mass(placed.mobility()),
                         radius: ball.radius,
                     },
                     memories,

@@ -8,6 +8,7 @@ use crate::{
     pairs_maker::{Nearness, PairsMaker},
     part_contacts::PartContacts,
     part_finder,
+    parts::PlacedPart,
     periodic::PeriodicBox,
     surroundings::Surroundings,
     wall_contacts::{self, WallContacts},
@@ -115,7 +116,7 @@ impl Search {
             previous: &self.order,
         };
         self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
-        around.parts.iter_mut().for_each(|part| part.moved = 0.0);
+        around.parts.iter_mut().for_each(PlacedPart::begin_list);
         self.rebuilds += 1;
     }
 }

@@ -10,10 +10,11 @@ use crate::{
     integrate::{self, Forces, Reach, Wandered},
     loads, overlaps,
     pairs::BLOCK,
-    parts::{self, PlacedPart},
+    parts::{self, PlacedPart, Step},
     placement,
     probes::Probes,
     search::Search,
+    slider::SliderState,
     surroundings::Surroundings,
     tally::Tally,
     wall_forces,
@@ -140,10 +141,20 @@ impl GrainsDem {
     }
 
     /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
-    /// of the last substep.
+    /// of the last substep. A part whose origin lies on a symmetry plane is cut by it: the load is
+    /// that on the whole.
     pub fn part_loads(&self) -> impl ExactSizeIterator<Item = ([f64; 3], [f64; 3])> + '_ {
-        let wrenches = self.search.parts.on_parts.iter();
-        wrenches.map(|wrench| (wrench.force.into(), wrench.torque.into()))
+        let parts = self.around.parts.iter().zip(&self.search.parts.on_parts);
+        parts.map(|(part, wrench)| {
+            let whole = part.whole(wrench);
+            (whole.force.into(), whole.torque.into())
+        })
+    }
+
+    /// The sliders, in the order of the scene's parts, at the end of the last substep.
+    pub fn sliders(&self) -> impl Iterator<Item = SliderState> + '_ {
+        let parts = self.around.parts.iter().enumerate();
+        parts.filter_map(|(part, placed)| Some(SliderState::of(part, placed.slider()?)))
     }
 
     /// Radii of the spheres [m], by ascending id.
@@ -213,6 +224,7 @@ impl GrainsDem {
                 gravity: self.gravity,
             };
             integrate::second_half(&mut self.team, &mut self.bodies, forces, self.dt);
+            self.around.parts.iter_mut().for_each(|part| part.finish(self.dt));
         }
         let duration = f64::from(substeps) * self.dt;
         self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
@@ -228,6 +240,7 @@ impl GrainsDem {
             walls: &self.around.walls,
             domain: &self.domain,
             gravity: self.gravity,
+            parts: &self.around.parts,
         };
         let sums = self.survey.sums(&mut self.team, &seen);
         Diagnostics {
@@ -254,6 +267,16 @@ impl GrainsDem {
             let force = loads::take(&mut self.team, bodies, loads, count, sums)?;
             self.fluid_impulse += force * (f64::from(substeps) * self.dt);
         }
+        let of_parts = loads.get(self.bodies.len()..).unwrap_or_default();
+        let mut of_parts = of_parts.iter();
+        for part in self.around.parts.iter_mut().filter(|part| part.moves()) {
+            let load = of_parts.next();
+            if let Some(slider) = part.slider_mut() {
+                slider.take(load);
+                let force = slider.axis * slider.pushes.fluid;
+                self.fluid_impulse += force * (f64::from(substeps) * self.dt);
+            }
+        }
         Ok(())
     }
 
@@ -272,10 +295,12 @@ impl GrainsDem {
         self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
         let mut wrapped = false;
+        let step = Step { from, to, dt: self.dt, finish };
         for part in &mut self.around.parts {
-            wrapped |= part.advance(from, to, &self.around.bounds);
+            wrapped |= part.advance(&step, &self.around.bounds);
         }
         self.steps += 1;
+        self.check_sliders()?;
         let limit = 0.5 * self.search.skin;
         let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
         if far || reach.farthest >= limit * limit || reach.farthest.is_nan() {
@@ -297,6 +322,11 @@ impl GrainsDem {
         wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
         let parts = &self.around.parts;
         search.parts.evaluate(team, parts, scenery, &mut self.tallies);
+        for (part, push) in self.around.parts.iter_mut().zip(&search.parts.pushes) {
+            if let Some(slider) = part.slider_mut() {
+                slider.evaluate(push.force());
+            }
+        }
         self.tally = Tally::sum(&self.tallies);
         self.deep_overlaps += self.tally.deep;
         self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);
@@ -317,6 +347,15 @@ impl GrainsDem {
         let (id, other) = self.around.name(id(deepest.body), deepest.other, id);
         let percent = 100.0 * deepest.ratio;
         Err(GrainsError::Overlap { id, other, percent })
+    }
+
+    /// A slider must be somewhere.
+    fn check_sliders(&self) -> Result<(), GrainsError> {
+        let lost = |slider: &SliderState| !slider.lift.is_finite();
+        match self.sliders().find(lost) {
+            None => Ok(()),
+            Some(slider) => Err(GrainsError::SliderLost { part: slider.part }),
+        }
     }
 
     /// Every centre must lie inside the domain.

@@ -8,6 +8,7 @@ mod domain;
 mod parts;
 mod probes;
 mod reservoir;
+mod slider;
 
 pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
@@ -15,6 +16,7 @@ pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profi
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
+pub use slider::{Slider, SliderSpring, Stops};
 
 use serde::{Deserialize, Serialize};
 

@@ -10,6 +10,7 @@ mod forms;
 mod parts;
 mod probes;
 mod scene;
+mod slider;
 mod values;
 
 pub(super) use bodies::*;
@@ -18,6 +19,7 @@ pub(super) use domain::*;
 pub(super) use parts::*;
 pub(super) use probes::*;
 pub(super) use scene::*;
+pub(super) use slider::*;
 pub(super) use values::{ComponentEntry, DiameterEntry};
 
 use schemars::JsonSchema;
