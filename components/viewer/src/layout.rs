@@ -61,14 +61,14 @@ pub fn layout(shown: &Shown<'_>) -> Container {
     Container::new(ContainerKind::Horizontal, "Tremie").with(left, 3.0).with(right, 2.0)
 }
 
-/// The scene with cuts; behind it, where there are streamlines, the scene with them instead.
+/// The scene with streamlines, where there are any, and behind it with cuts, which hide what is behind them.
 fn scenes(shown: &Shown<'_>) -> Part {
     let without = |what: &str| vec!["+ /scene/**".to_string(), format!("- /scene/{what}/**")];
-    let scene = space("Scene", shown.overview, without("streamlines"));
+    let with_cuts = |name| space(name, shown.overview, without("streamlines"));
     if !shown.streamlines {
-        return scene.into();
+        return with_cuts("Scene").into();
     }
-    tabs("Scene", [scene, space("Streamlines", shown.overview, without("cuts"))]).into()
+    tabs("Scene", [space("Scene", shown.overview, without("cuts")), with_cuts("Cuts")]).into()
 }
 
 fn log() -> View {

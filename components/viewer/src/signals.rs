@@ -1,4 +1,5 @@
-//! Watched scalars as plots, one for each component and unit.
+//! Watched scalars as plots: for each component and unit one of what was measured at probes, parts and
+//! reservoirs, and one of what is true of the whole.
 
 use crate::view::part;
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines};
@@ -9,7 +10,20 @@ pub fn path(from: &str, name: &str) -> String {
     format!("signals/{}/{}", part(from), part(name))
 }
 
-/// Signals of one component in one unit: one plot.
+/// What a plot shows; the first are shown first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    /// Measured at a probe, part or reservoir that the user named.
+    Measured,
+    /// Of the whole.
+    Whole,
+    /// Pure numbers, and torques.
+    Minor,
+    /// [`BOOKKEEPING`].
+    Books,
+}
+
+/// Signals of one component and one kind in one unit: one plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// Title, as `fluid [m/s]`.
@@ -39,27 +53,42 @@ const PALETTE: [[u8; 3]; 7] = [
 
 /// Plots for the signals of these streams.
 pub fn plots(frames: &[FrameStream]) -> Vec<Plot> {
-    let mut plots: Vec<Plot> = Vec::new();
+    let mut plots: Vec<(Kind, Plot)> = Vec::new();
     for frame in frames {
         let FrameContent::Signals(signals) = &frame.content else {
             continue;
         };
         for signal in signals {
+            let kind = kind(signal);
+            let of = if signal.name.contains('.') { " at probes and parts" } else { "" };
             let title = match signal.unit.as_str() {
-                "1" | "" => frame.from.clone(),
-                unit => format!("{} [{unit}]", frame.from),
+                "1" | "" => format!("{}{of}", frame.from),
+                unit => format!("{}{of} [{unit}]", frame.from),
             };
-            let books = BOOKKEEPING.iter().any(|word| signal.name.contains(word));
             let path = path(&frame.from, &signal.name);
-            match plots.iter_mut().find(|plot| plot.title == title && plot.first != books) {
-                Some(plot) => plot.paths.push(path),
-                None => plots.push(Plot { title, paths: vec![path], first: !books }),
+            match plots.iter_mut().find(|(other, plot)| *other == kind && plot.title == title) {
+                Some((_, plot)) => plot.paths.push(path),
+                None => {
+                    let first = kind != Kind::Books;
+                    plots.push((kind, Plot { title, paths: vec![path], first }));
+                }
             }
         }
     }
-    // Pure numbers last: what has a unit says more of the flow.
-    plots.sort_by_key(|plot| !plot.title.ends_with(']'));
-    plots
+    plots.sort_by_key(|(kind, _)| *kind);
+    plots.into_iter().map(|(_, plot)| plot).collect()
+}
+
+fn kind(signal: &Signal) -> Kind {
+    let measured = signal.name.contains('.');
+    if !measured && BOOKKEEPING.iter().any(|word| signal.name.contains(word)) {
+        return Kind::Books;
+    }
+    match signal.unit.as_str() {
+        "1" | "" | "N m" => Kind::Minor,
+        _ if measured => Kind::Measured,
+        _ => Kind::Whole,
+    }
 }
 
 /// Names the lines of a component's signals.
@@ -120,6 +149,8 @@ mod tests {
                     signal("mass", "kg"),
                     signal("mean_speed", "m/s"),
                     signal("momentum_gap", "N s"),
+                    signal("outlet.mass_flow_rate", "kg/s"),
+                    signal("choke.torque_x", "N m"),
                 ],
             ),
             stream("grains", vec![signal("max_speed", "m/s")]),
@@ -129,11 +160,13 @@ mod tests {
         assert_eq!(
             titles,
             [
+                ("fluid at probes and parts [kg/s]", 1, true),
                 ("fluid [m/s]", 2, true),
-                ("fluid [kg]", 1, false),
-                ("fluid [N s]", 1, false),
                 ("grains [m/s]", 1, true),
                 ("fluid", 1, true),
+                ("fluid at probes and parts [N m]", 1, true),
+                ("fluid [kg]", 1, false),
+                ("fluid [N s]", 1, false),
             ]
         );
     }
