@@ -10,6 +10,7 @@ mod examples;
 mod faults;
 mod fields;
 mod observers;
+mod report;
 mod running;
 mod same_bits;
 mod scenes;

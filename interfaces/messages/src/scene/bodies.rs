@@ -75,6 +75,7 @@ pub struct Sphere {
 #[serde(deny_unknown_fields)]
 pub struct Packing {
     /// Lower corner of the region [m]; whole spheres lie inside the region and outside all parts.
+    /// Along an axis on which the region spans a periodic domain, spheres lie across its faces too.
     pub min: [f64; 3],
     /// Upper corner of the region [m].
     pub max: [f64; 3],
