@@ -14,6 +14,7 @@ mod report;
 mod running;
 mod same_bits;
 mod scenes;
+mod sliders;
 mod starting;
 mod tremie;
 mod validation;

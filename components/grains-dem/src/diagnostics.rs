@@ -113,6 +113,9 @@ impl Survey {
         });
         let mut all = self.blocks.iter().fold(Sums::default(), |all, sums| all.and(sums));
         seen.parts.iter().filter_map(PlacedPart::slider).for_each(|slider| all.slide(slider));
+        for surface in &seen.contacts.surfaces.held {
+            all.elastic += surface.elastic_energy(seen.scenery.laws);
+        }
         all.diagnostics()
     }
 }
@@ -173,7 +176,7 @@ impl Sums {
 /// Energies in the springs of a block of bodies: those between bodies count as the one's with the
 /// smaller id.
 fn add_springs(springs: &mut [f64], b: usize, seen: &Seen) {
-    let Contacts { pairs, walls, parts } = seen.contacts;
+    let Contacts { pairs, walls, parts, .. } = seen.contacts;
     let (at, first) = (&seen.scenery, b * BLOCK);
     for (i, energy) in (first..).zip(&mut *springs) {
         let of_pair = |&place: &u32| spring_of_pair(pairs, at, i, place);

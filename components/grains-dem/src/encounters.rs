@@ -8,7 +8,7 @@ use crate::{
 use core::f64::consts::PI;
 use tremie_messages::{
     Problem,
-    scene::{ContactLaw, Face, Motion, Scene, Spring},
+    scene::{BodySet, ContactLaw, Face, Motion, Scene, Spring},
 };
 
 /// Mass [kg], infinite where the motion is given, and radius [m].
@@ -74,6 +74,12 @@ impl<'a> Population<'a> {
         }
         all.speed = speed(scene);
         all
+    }
+
+    /// Mass and radius of the lightest body of a set.
+    pub fn lightest(set: &BodySet) -> Option<Grain> {
+        let smallest = packing::diameters_of(set).into_iter().reduce(f64::min)?;
+        Some((placement::mass(set.density, smallest), 0.5 * smallest))
     }
 
     /// Number of bodies.

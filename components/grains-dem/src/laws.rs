@@ -1,6 +1,6 @@
 //! The contact laws of a scene as a table by materials.
 
-use crate::{law::Law, linear::LinearLaw, mirrors};
+use crate::{law::Law, linear::LinearLaw, mirrors, surface::DeformableSurface};
 use tremie_messages::scene::{Face, Motion, Scene};
 
 /// Materials of a scene by number, and the law of each pair of them.
@@ -26,8 +26,8 @@ pub(crate) struct Surface<'a> {
 }
 
 impl Laws {
-    /// The table of a scene.
-    pub fn of_scene(scene: &Scene) -> Self {
+    /// The table of a scene, and of surfaces besides.
+    pub fn of_scene(scene: &Scene, others: &[DeformableSurface]) -> Self {
         let mut materials: Vec<String> = Vec::new();
         let mut add = |name: &str| {
             if !materials.iter().any(|known| known == name) {
@@ -38,6 +38,7 @@ impl Laws {
         scene.planes.iter().for_each(|plane| add(&plane.material));
         scene.parts.iter().for_each(|part| add(&part.material));
         scene.bodies.iter().for_each(|set| add(&set.material));
+        others.iter().for_each(|surface| add(&surface.material));
         let mut laws = vec![Law::none()];
         let mut of_pair = vec![0; materials.len() * materials.len()];
         for pair in &scene.contacts {

@@ -179,9 +179,7 @@ impl PartContacts {
         for entry in &self.entries[self.start[p] as usize..self.start[p + 1] as usize] {
             let law = &laws[entry.law as usize];
             for memory in &entry.memories[..entry.touching as usize] {
-                let k_t = law.at(memory.overlap, memory.overlap, entry.reduced).k_t;
-                let across = memory.xi.norm_squared() + memory.rolling.norm_squared();
-                energy += law.normal_energy(memory.overlap, entry.reduced) + 0.5 * k_t * across;
+                energy += law.remembered_energy(memory, entry.reduced);
             }
         }
         energy
@@ -268,7 +266,7 @@ impl Place<'_> {
 }
 
 /// The memory whose normal is closest to `n`, if it turned by less than 10 degrees.
-fn closest(memories: &[Memory], n: Vec3) -> Option<usize> {
+pub(crate) fn closest(memories: &[Memory], n: Vec3) -> Option<usize> {
     let along = |k: usize| memories[k].normal.dot(&n);
     let best = (0..memories.len()).max_by(|&a, &b| along(a).total_cmp(&along(b)))?;
     (along(best) > SAME).then_some(best)

@@ -5,6 +5,7 @@ use crate::{
     bodies::Bodies,
     law::Reduced,
     laws::Laws,
+    mesh_contact::distance,
     pairs::BLOCK,
     part_contacts::{Entry, PartContacts},
     parts::PlacedPart,
@@ -81,8 +82,12 @@ impl Found {
     /// Adds the triangles of a part near a place, through all images.
     fn look(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
         for (image, shift) in bounds.numbered_images() {
-            part.triangles_near(part.to_part(x + shift), reach, &mut self.room);
-            self.triangles.extend(self.room.iter().map(|&triangle| (triangle, image)));
+            let x = part.to_part(x + shift);
+            part.triangles_near(x, reach, &mut self.room);
+            // Long triangles have boxes that are near much that they are not.
+            let near = |triangle: &&u32| distance(x, part.triangle(**triangle).corners) < reach;
+            let near = self.room.iter().filter(near);
+            self.triangles.extend(near.map(|&triangle| (triangle, image)));
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::{
 use tremie_geometry::{Bounds, Frame, Surface};
 use tremie_messages::{
     Problem,
+    body::BodyState,
     scene::{Motion, Part, Pose, Scene},
 };
 
@@ -252,6 +253,29 @@ impl PlacedPart {
             self.surface.triangles_near(&bounds, out);
         } else {
             out.clear();
+        }
+    }
+
+    /// A triangle in the world.
+    pub fn placed_triangle(&self, index: u32) -> Triangle {
+        let Triangle { corners, normal } = self.triangle(index);
+        let place = |corner: Vec3| self.frame.to_world(corner.into()).into();
+        Triangle { corners: corners.map(place), normal: self.to_world(normal) }
+    }
+
+    /// Whether a point of the world can be closer to the solid than `gap`.
+    pub fn is_near(&self, x: Vec3, gap: f64) -> bool {
+        self.cavity || self.surface.bounds().grown(gap).contains(self.to_part(x).into())
+    }
+
+    /// Pose and velocity as those of the body `id`.
+    pub fn state(&self, id: u64) -> BodyState {
+        BodyState {
+            id,
+            position: self.pose.position,
+            orientation: self.pose.orientation,
+            velocity: self.twist.v.into(),
+            angular_velocity: self.twist.w.into(),
         }
     }
 

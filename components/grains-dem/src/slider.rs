@@ -41,6 +41,9 @@ pub(crate) struct Pushes {
     pub stops: f64,
     pub contacts: f64,
     pub fluid: f64,
+    /// Of contacts on surfaces that it carries, and what else they bring.
+    pub surface: f64,
+    pub carried: f64,
 }
 
 /// The motion of a part along an axis.
@@ -90,8 +93,8 @@ impl Slider {
     }
 
     fn acceleration(&self) -> f64 {
-        let Pushes { spring, stops, contacts, fluid } = self.pushes;
-        (spring + stops + contacts + fluid + self.constant) / self.mass
+        let Pushes { spring, stops, contacts, fluid, surface, carried } = self.pushes;
+        (spring + stops + contacts + fluid + surface + carried + self.constant) / self.mass
     }
 
     /// Half kick, drift and prediction of a substep; with `finish` the half kick that ends the substep
@@ -111,6 +114,13 @@ impl Slider {
         self.pushes.contacts = self.whole * contacts;
         self.pushes.spring = -self.spring.force(self.lift);
         self.pushes.stops = self.stops.force(self.lift, self.predicted);
+        (self.pushes.surface, self.pushes.carried) = (0.0, 0.0);
+    }
+
+    /// Takes, besides, what a surface brings that it carries: the force of its contacts, and another.
+    pub fn carry(&mut self, contacts: Vec3, other: Vec3) {
+        self.pushes.surface += contacts.dot(&self.axis);
+        self.pushes.carried += other.dot(&self.axis);
     }
 
     /// Half kick that ends a substep.
@@ -198,11 +208,15 @@ pub struct SliderState {
     pub stop_force: f64,
     /// Force of the fluid, buoyancy included, as the last loads gave it [N].
     pub fluid_force: f64,
+    /// Force of contacts on the surfaces that it carries [N].
+    pub surface_force: f64,
+    /// What else was given for these surfaces [N].
+    pub carrier_force: f64,
 }
 
 impl SliderState {
     pub(crate) fn of(part: usize, slider: &Slider) -> Self {
-        let Pushes { spring, stops, contacts, fluid } = slider.pushes;
+        let Pushes { spring, stops, contacts, fluid, surface, carried } = slider.pushes;
         Self {
             part,
             lift: slider.lift,
@@ -211,6 +225,8 @@ impl SliderState {
             contact_force: contacts,
             stop_force: stops,
             fluid_force: fluid,
+            surface_force: surface,
+            carrier_force: carried,
         }
     }
 }
