@@ -55,6 +55,8 @@ pub struct Waiting {
     pub looked: u64,
     /// The window that the component works on.
     pub window: u64,
+    /// Inside a window: place of the message in its exchange; else 0.
+    pub turn: u64,
 }
 
 /// What the orchestrator knows of a run in progress.
@@ -215,10 +217,14 @@ impl Monitor {
         if all.iter().any(|wait| wait.looked <= last_began) {
             return None;
         }
-        // A sender that has completed the window of what it owes claims to have sent it.
+        // A sender that has completed the window of what it owes claims to have sent it; inside a
+        // window, one that waits for a later message of the same exchange.
         let claims_to_have_sent = |wait: &Waiting| {
-            let sender = self.watched.iter().position(|c| c.name == wait.from);
-            sender.is_some_and(|sender| self.next[sender] > wait.owed)
+            let Some(sender) = self.watched.iter().position(|c| c.name == wait.from) else {
+                return false;
+            };
+            let later = all[sender].owed == wait.owed && all[sender].turn > wait.turn;
+            self.next[sender] > wait.owed || (wait.turn > 0 && later)
         };
         let (index, wait) = (self.waiting.iter().enumerate())
             .filter_map(|(index, wait)| Some((index, wait.as_ref()?)))
@@ -332,6 +338,7 @@ mod tests {
             since,
             looked,
             window,
+            turn: 0,
         };
         m.waiting(1, wait("fluid", 4, 100, 160, 5));
         m.waiting(1, wait("fluid", 4, 100, 220, 5));
@@ -343,6 +350,30 @@ mod tests {
         assert_eq!((fault.blamed.as_str(), fault.noticed_by.as_str()), ("grains", "fluid"));
         m.resumed(0, now);
         assert_eq!(m.lost_message(), None);
+    }
+
+    #[test]
+    fn inside_a_window_the_one_that_waits_for_a_later_message_has_lost_an_earlier() {
+        let (mut m, now) = (monitor(), Instant::now());
+        for index in 0..2 {
+            m.report(index, &report(0, 0), &[0.0, 0.0][..=index], now).unwrap();
+        }
+        let wait = |from: &str, turn| Waiting {
+            from: from.into(),
+            what: "a trial".into(),
+            owed: 1,
+            since: 100,
+            looked: 200,
+            window: 1,
+            turn,
+        };
+        for [early, late] in [["fluid", "grains"], ["grains", "fluid"]] {
+            let index = usize::from(early == "grains");
+            m.waiting(index, wait(late, 7));
+            m.waiting(1 - index, wait(early, 8));
+            let fault = m.lost_message().unwrap();
+            assert_eq!((fault.blamed.as_str(), fault.noticed_by.as_str()), (late, early));
+        }
     }
 
     #[test]

@@ -35,6 +35,13 @@ pub const BUILT_IN: &[BuiltIn] = &[
         run: tremie_sdk::run_grains::<tremie_grains_dem::component::SoftSpheres>,
     },
     BuiltIn {
+        name: "rubber-table",
+        role: Role::Rubber,
+        about: "seals of rubber by a table of force and shapes",
+        settings: SchemaGenerator::subschema_for::<tremie_rubber_table::Parameters>,
+        run: tremie_sdk::run_rubber::<tremie_rubber_table::component::Seals>,
+    },
+    BuiltIn {
         name: "viewer",
         role: Role::Observer,
         about: "streams the run into the Rerun viewer",

@@ -3,16 +3,21 @@
 //! The section of the seal is meshed ([`mesh`]), made a model of its material and of what holds it,
 //! and compressed frame by frame ([`solid`]). What comes out is a [`table`], which can also come from
 //! another program's results. [`make::make`] does all this from a [`spec`], [`picture`] draws it, and
-//! [`online`] is what a run does with it.
+//! [`online`] is what a run does with it, as a component of the role rubber.
 //!
 //! Directions: r is the distance from the seal's axis and z points along it, away from the seat. SI
 //! units throughout; forces are those all round.
 
+#[cfg(feature = "component")]
+pub mod component;
 pub mod make;
 pub mod material;
 pub mod mesh;
 pub mod online;
+mod parameters;
 pub mod picture;
 pub mod solid;
 pub mod spec;
 pub mod table;
+
+pub use parameters::{ForceForm, Parameters};

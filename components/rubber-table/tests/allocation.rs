@@ -5,8 +5,10 @@ mod common;
 use common::{RUBBER, model, press, ring};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use tremie_messages::scene::{DeformableSurface, Pose};
+use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
 use tremie_rubber_table::make::tabulate;
-use tremie_rubber_table::online::{Form, Impedance, Law, Start, effective_force, relax};
+use tremie_rubber_table::online::{Form, Impedance, Law, Seal, Start, effective_force, relax};
 use tremie_rubber_table::solid::Hold;
 use tremie_rubber_table::solid::contact::Seat;
 
@@ -55,6 +57,37 @@ fn a_step_allocates_nothing() {
             effective_force(form, &surface, &places, &loads).force
         });
         assert!(settled.unwrap().passes > 3);
+    }
+    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    a_seal_allocates_nothing(table);
+}
+
+/// In the same test: others would count with it.
+fn a_seal_allocates_nothing(table: tremie_rubber_table::table::Table) {
+    let scene = DeformableSurface {
+        name: "ring".into(),
+        carrier: "disc".into(),
+        table: "ring.json".into(),
+        pose: Pose::IDENTITY,
+        sectors: 60,
+        material: "rubber".into(),
+        seat_stiffness: 1e10,
+        section: table.outline().section,
+    };
+    let mut seal = Seal::new(&scene, table, Law::default(), Form::Axial, None, 1e-7).unwrap();
+    let mut vertices = vec![SurfaceVertex::default(); seal.vertex_count()];
+    let load =
+        |facet| FacetLoad { facet, force: [0.0, 0.0, 0.1], stiffness: 1e5, ..FacetLoad::default() };
+    let loads: Vec<FacetLoad> = (0..200).map(load).collect();
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    seal.begin_window(loads.iter().copied());
+    for _ in 0..3 {
+        seal.begin_substep(&BodyState::at_rest(0, [0.0; 3]));
+        seal.write(&mut vertices);
+        while !seal.pass(loads.iter().copied()).unwrap() {
+            seal.write(&mut vertices);
+        }
+        assert!(seal.resultant().force[2] > 0.0);
     }
     assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
 }

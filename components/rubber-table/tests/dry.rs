@@ -230,7 +230,9 @@ fn errors_shrink_by_the_factor_of_theory() {
         let law = Law { eta: Eta::Fixed(eta), damping, ..Law::default() };
         let mut step = Step::begin(&table, law, START).unwrap();
         let mut trials = vec![step.trial()];
-        while step.pass(contact(step.bracket())).unwrap() == Outcome::Again && trials.len() < 5 {
+        while step.pass(&table, contact(step.bracket())).unwrap() == Outcome::Again
+            && trials.len() < 5
+        {
             trials.push(step.trial());
         }
         let factor = (trials[3] - trials[2]) / (trials[2] - trials[1]);

@@ -4,7 +4,7 @@ use crate::line::Line;
 use crate::physics::SolverError;
 use crate::stop::Stop;
 use std::time::{Duration, Instant, SystemTime};
-use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, Wait};
+use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, Wait, spin};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::schedule::Edge;
@@ -21,6 +21,25 @@ pub struct Spent {
     pub compute: u64,
     /// Waiting for peers or credit.
     pub wait: u64,
+}
+
+/// What a component waits for.
+pub struct Owed<'a> {
+    /// The peer that owes it.
+    pub from: &'a str,
+    /// What it is, as `state of window 7`.
+    pub what: &'a dyn Fn() -> String,
+    /// The window that it belongs to.
+    pub window: u64,
+    /// Inside a window: its place in the exchange; else 0.
+    pub turn: u64,
+}
+
+impl Owed<'_> {
+    fn waiting(&self, since: u64, looked: u64, window: u64) -> Reply {
+        let (from, what, owed) = (self.from.to_string(), (self.what)(), self.window);
+        Reply::Waiting { from, what, owed, since, looked, window, turn: self.turn }
+    }
 }
 
 /// A component's place in its run, while windows go by.
@@ -150,15 +169,25 @@ impl<S: Between> Context<S> {
         self.fault(FaultKind::Solver, &self.component, error.to_string())
     }
 
+    /// The stamp of a message inside the present window, of the trial `iteration` of `substep`.
+    pub fn inside(&self, substep: u32, iteration: u32) -> Stamp {
+        let clock = &self.assignment.clock;
+        let (begin, made) = (self.window.saturating_sub(1), u64::from(substep));
+        let ticks = clock.ticks_per_window * made / u64::from(self.assignment.substeps.max(1));
+        Stamp {
+            run: self.run,
+            window: self.window,
+            ticks: begin * clock.ticks_per_window + ticks,
+            events: begin,
+            substep,
+            iteration,
+        }
+    }
+
     /// Waits until `check` gives something; ends at the deadline, or at once when aborted.
-    ///
-    /// `from` is the peer that is waited for, `what` what it owes, as `state of window 7`, and `owed`
-    /// that window.
     pub fn wait<T>(
         &mut self,
-        from: &str,
-        what: &dyn Fn() -> String,
-        owed: u64,
+        owed: &Owed<'_>,
         mut check: impl FnMut() -> Result<Option<T>, Stop>,
     ) -> Result<T, Stop> {
         if let Some(found) = check()? {
@@ -166,10 +195,10 @@ impl<S: Between> Context<S> {
         }
         let begin = Instant::now();
         let deadline = begin + units::wait(self.assignment.transport.deadline);
-        let Self { bell, credit, granted, finish, line, component, window, .. } = self;
+        let Self { bell, credit, granted, finish, line, window, .. } = self;
         let mut told: Option<Instant> = None;
         let since = clock();
-        let ended = bell.wait(deadline, || {
+        let look = || {
             let looked = clock();
             if let Some(found) = check()? {
                 return Ok(Some(found));
@@ -177,30 +206,26 @@ impl<S: Between> Context<S> {
             heed_credit(credit, granted, finish)?;
             if told.unwrap_or(begin).elapsed() > LONG_WAIT {
                 told = Some(Instant::now());
-                let from = from.to_string();
-                let (what, window) = (what(), *window);
-                let waiting = Reply::Waiting { from, what, owed, since, looked, window };
-                let _ = line.reply(&waiting);
+                let _ = line.reply(&owed.waiting(since, looked, *window));
             }
             Ok::<_, Stop>(None)
-        });
+        };
+        // Inside a window nobody rings.
+        let ended = if owed.turn > 0 { spin(deadline, look) } else { bell.wait(deadline, look) };
         if told.is_some() {
             let _ = line.reply(&Reply::Resumed {});
         }
         self.spent.wait += begin.elapsed().as_nanos() as u64;
         match ended? {
             Wait::Ready(found) => Ok(found),
-            Wait::TimedOut => Err(Stop::Fault(Fault {
-                kind: FaultKind::Deadline,
-                noticed_by: component.clone(),
-                blamed: from.to_string(),
-                window: *window,
-                message: format!(
+            Wait::TimedOut => {
+                let text = format!(
                     "{} did not come within the deadline of {} s (run.deadline)",
-                    what(),
+                    (owed.what)(),
                     self.assignment.transport.deadline
-                ),
-            })),
+                );
+                Err(self.fault(FaultKind::Deadline, owed.from, text))
+            }
         }
     }
 

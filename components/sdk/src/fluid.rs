@@ -3,6 +3,7 @@
 use crate::context::Context;
 use crate::frames::Shows;
 use crate::impulse::Impulse;
+use crate::inside::Sizes;
 use crate::physics::Fluid;
 use crate::ports::{InPort, OutPort};
 use crate::role::Player;
@@ -13,7 +14,7 @@ use tremie_channels::{Between, Loan, Received};
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::schedule::Content;
 use tremie_messages::start::{FaultKind, VolumeGrid};
-use tremie_messages::{BodyEvent, BodyState, Load, Problem, Stamp};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, Stamp, SurfaceVertex};
 
 /// A fluid with its edges.
 pub struct FluidPlayer<S: Between, F: Fluid> {
@@ -26,6 +27,12 @@ pub struct FluidPlayer<S: Between, F: Fluid> {
     /// The loads of the present window, in the memory that the receiver will read.
     loads: Option<Loan<S, Stamp, Load>>,
     impulse: Impulse,
+    sizes: Sizes,
+    surface: Option<InPort<S, SurfaceVertex>>,
+    vertices: Option<Received<S, Stamp, SurfaceVertex>>,
+    surface_load: Option<OutPort<S, FacetLoad>>,
+    /// Loads on deformable surfaces in the present window.
+    facets: Vec<FacetLoad>,
 }
 
 impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
@@ -40,6 +47,7 @@ impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
 
 impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let sizes = Sizes::of(&setup.hello.scene);
         Ok(Self {
             fluid: F::create(setup)?,
             ids: Vec::new(),
@@ -49,6 +57,11 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
             load: None,
             loads: None,
             impulse: Impulse::default(),
+            sizes,
+            surface: None,
+            vertices: None,
+            surface_load: None,
+            facets: sizes.room_for_loads(),
         })
     }
 
@@ -58,13 +71,19 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
                 Content::Events => self.events = Some(InPort::open(context, edge)?),
                 Content::State => self.state = Some(InPort::open(context, edge)?),
                 Content::Load => self.load = Some(OutPort::open(context, edge)?),
+                Content::Surface => self.surface = Some(InPort::open(context, edge)?),
+                Content::SurfaceLoad => {
+                    self.surface_load = Some(OutPort::open(context, edge)?);
+                }
+                _ => {}
             }
         }
         Ok(())
     }
 
     fn connect(&mut self) -> Result<(), Stop> {
-        self.load.as_ref().map_or(Ok(()), OutPort::connect)
+        self.load.as_ref().map_or(Ok(()), OutPort::connect)?;
+        self.surface_load.as_ref().map_or(Ok(()), OutPort::connect)
     }
 
     fn receive(
@@ -85,6 +104,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
                 self.bodies = Some(port.take_checked(context, lag, ids)?);
                 Ok(())
             }
+            (Content::Surface, ..) => self.take_surface(context, lag),
             _ => Ok(()),
         }
     }
@@ -97,10 +117,19 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
             *load = Load { id: body.id, ..Load::default() };
         }
         let begin = Instant::now();
-        let done = match context.window {
-            0 => self.fluid.start(bodies, loads),
-            _ => self.fluid.advance(context.substeps, bodies, loads),
+        let vertices = self.vertices.as_ref().map(|message| message.values());
+        let window = context.window;
+        let (fluid, substeps, facets) = (&mut self.fluid, context.substeps, &mut self.facets);
+        facets.clear();
+        let mut advance = || {
+            vertices.map_or(Ok(()), |vertices| fluid.surface(vertices))?;
+            match window {
+                0 => fluid.start(bodies, loads)?,
+                _ => fluid.advance(substeps, bodies, loads)?,
+            }
+            vertices.map_or(Ok(()), |_| fluid.surface_loads(facets))
         };
+        let done = advance();
         context.spent.compute += begin.elapsed().as_nanos() as u64;
         self.impulse.add(loads, context.assignment.clock.window());
         self.loads = loan;
@@ -108,8 +137,14 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
     }
 
     fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop> {
-        match (content, &self.load, self.loads.take()) {
-            (Content::Load, Some(port), Some(loads)) => port.send_checked(context, loads),
+        match (content, &self.load, &self.surface_load) {
+            (Content::Load, Some(port), _) => match self.loads.take() {
+                Some(loads) => port.send_checked(context, loads),
+                None => Ok(()),
+            },
+            (Content::SurfaceLoad, _, Some(port)) => {
+                port.send_checked(context, port.loan_copy(&self.facets)?)
+            }
             _ => Ok(()),
         }
     }
@@ -125,6 +160,16 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
 }
 
 impl<S: Between, F: Fluid> FluidPlayer<S, F> {
+    fn take_surface(&mut self, context: &mut Context<S>, lag: u64) -> Result<(), Stop> {
+        let Some(port) = &self.surface else { return Ok(()) };
+        self.vertices = None;
+        let message = port.take(context, lag)?;
+        port.check_count(context, message.values(), self.sizes.vertices)?;
+        port.check_finite(context, message.values())?;
+        self.vertices = Some(message);
+        Ok(())
+    }
+
     fn take_events(&mut self, context: &Context<S>, events: &[BodyEvent]) -> Result<(), Stop> {
         for event in events {
             match (event.kind, self.ids.binary_search(&event.id)) {

@@ -3,6 +3,7 @@
 use crate::context::Context;
 use crate::frames::Shows;
 use crate::impulse::Impulse;
+use crate::inside::{GrainsInside, Sizes};
 use crate::physics::Grains;
 use crate::ports::{InPort, OutPort};
 use crate::role::Player;
@@ -23,6 +24,9 @@ pub struct GrainsPlayer<S: Between, G: Grains> {
     load: Option<InPort<S, Load>>,
     loads: Option<Received<S, Stamp, Load>>,
     impulse: Impulse,
+    sizes: Sizes,
+    /// Where a rubber sits opposite: the exchange with it inside a window.
+    inside: Option<GrainsInside<S>>,
 }
 
 impl<S: Between, G: Grains> Shows for GrainsPlayer<S, G> {
@@ -44,6 +48,8 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
             load: None,
             loads: None,
             impulse: Impulse::default(),
+            sizes: Sizes::of(&setup.hello.scene),
+            inside: None,
         };
         player.note_events();
         Ok(player)
@@ -55,14 +61,17 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
                 Content::Events => self.events = Some(OutPort::open(context, edge)?),
                 Content::State => self.state = Some(OutPort::open(context, edge)?),
                 Content::Load => self.load = Some(InPort::open(context, edge)?),
+                _ => {}
             }
         }
+        self.inside = GrainsInside::open(context, self.sizes)?;
         Ok(())
     }
 
     fn connect(&mut self) -> Result<(), Stop> {
         self.events.as_ref().map_or(Ok(()), OutPort::connect)?;
-        self.state.as_ref().map_or(Ok(()), OutPort::connect)
+        self.state.as_ref().map_or(Ok(()), OutPort::connect)?;
+        self.inside.as_ref().map_or(Ok(()), GrainsInside::connect)
     }
 
     fn receive(
@@ -82,14 +91,20 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
 
     fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop> {
         if context.window == 0 {
-            return Ok(());
+            let Self { inside, grains, .. } = self;
+            return inside.as_mut().map_or(Ok(()), |inside| inside.start(context, grains));
         }
         let loads = self.loads.as_ref().map_or(&[][..], |message| message.values());
         self.impulse.add(loads, context.assignment.clock.window());
-        let begin = Instant::now();
-        let done = self.grains.advance(context.substeps, loads);
-        context.spent.compute += begin.elapsed().as_nanos() as u64;
-        done.map_err(|error| context.solver_failed(&error))?;
+        match &mut self.inside {
+            Some(inside) => inside.window(context, &mut self.grains, loads)?,
+            None => {
+                let begin = Instant::now();
+                let done = self.grains.advance(context.substeps, loads);
+                context.spent.compute += begin.elapsed().as_nanos() as u64;
+                done.map_err(|error| context.solver_failed(&error))?;
+            }
+        }
         self.note_events();
         Ok(())
     }

@@ -1,16 +1,18 @@
 //! What the author of a Tremie component needs.
 //!
-//! Implement [`Fluid`], [`Grains`] or [`Observer`], and call [`main_fluid`] (or its like) from
+//! Implement [`Fluid`], [`Grains`], [`Rubber`] or [`Observer`], and call [`main_fluid`] (or its like) from
 //! `main`. The sdk does the rest: the start contract, shared memory, stamps, deadlines, frames for
 //! observers, and the guards that turn every failure into a fault with both sides named.
 //!
 //! `examples/minimal-fluid` is a whole fluid of about a hundred lines.
 
 mod context;
+mod finite;
 mod fluid;
 mod frames;
 mod grains;
 mod impulse;
+mod inside;
 pub mod line;
 mod observe;
 pub mod observer;
@@ -19,6 +21,7 @@ mod physics;
 mod ports;
 mod program;
 mod role;
+mod rubber;
 mod serve;
 pub mod setup;
 mod stop;
@@ -27,9 +30,10 @@ pub use context::credit_spec;
 pub use frames::frame_spec;
 pub use line::Line;
 pub use observer::{Moment, Observer, ObserverError};
-pub use physics::{Fluid, Grains, SolverError};
+pub use physics::{Fluid, Grains, Rubber, SolverError};
 pub use program::{
-    main_fluid, main_grains, main_observer, main_of, run_fluid, run_grains, run_observer,
+    main_fluid, main_grains, main_observer, main_of, main_rubber, run_fluid, run_grains,
+    run_observer, run_rubber,
 };
 pub use setup::Setup;
 pub use tremie_messages as messages;

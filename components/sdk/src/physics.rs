@@ -3,7 +3,7 @@
 use crate::setup::Setup;
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::start::{Description, VolumeGrid};
-use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
 
 /// A solver failed: a sentence that says what, where, found, expected, what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -14,6 +14,13 @@ impl SolverError {
     /// From any error.
     pub fn from_error(error: impl std::error::Error) -> Self {
         Self(error.to_string())
+    }
+
+    /// Of a solver that cannot take part in runs with deformable surfaces.
+    fn no_surfaces(program: &str) -> Self {
+        Self(format!(
+            "{program} has no deformable surfaces, and the scene has; take another program for its role, or leave out scene.surfaces and the rubber"
+        ))
     }
 }
 
@@ -60,6 +67,26 @@ pub trait Fluid: Sized {
         bodies: &[BodyState],
         loads: &mut [Load],
     ) -> Result<(), SolverError>;
+
+    /// The deformable surfaces as they are with the bodies of the next [`Fluid::start`] or
+    /// [`Fluid::advance`]: all vertices, numbered as `tremie_geometry::Turned` does it. Called only in runs
+    /// that have some.
+    ///
+    /// # Errors
+    /// If the solver fails, or has no such surfaces.
+    fn surface(&mut self, _vertices: &[SurfaceVertex]) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
+
+    /// Pushes the loads on the facets of the deformable surfaces that the last [`Fluid::start`] or
+    /// [`Fluid::advance`] found; there is room for [`FacetLoad::MOST_PER_FACET`] times the facets. Loads on
+    /// the parts that carry them do not count them.
+    ///
+    /// # Errors
+    /// If the solver fails, or has no such surfaces.
+    fn surface_loads(&mut self, _loads: &mut Vec<FacetLoad>) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
 
     /// Pushes the values of the signals, in the order of the description.
     fn signals(&mut self, values: &mut Vec<f64>);
@@ -122,5 +149,123 @@ pub trait Grains: Sized {
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {
         self.count() as u64
+    }
+
+    /// States of the parts that carry the scene's deformable surfaces, as they are now, one for each
+    /// surface. Their ids are set by the sdk.
+    ///
+    /// # Errors
+    /// If the solver has no such surfaces.
+    fn carriers(&self, _carriers: &mut [BodyState]) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
+
+    /// In runs with deformable surfaces: begins a window, in place of [`Grains::advance`]. Then each
+    /// substep is [`Grains::begin_substep`], [`Grains::contacts`] for each trial and
+    /// [`Grains::finish_substep`].
+    ///
+    /// # Errors
+    /// If the solver fails, or has no such surfaces.
+    fn begin_window(&mut self, _loads: &[Load]) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
+
+    /// Takes all bodies to where they are at the end of the next substep, before the forces there are
+    /// known.
+    ///
+    /// # Errors
+    /// If the solver fails, or has no such surfaces.
+    fn begin_substep(&mut self) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
+
+    /// Pushes the loads of contacts on the facets of a trial of the deformable surfaces; there is room for
+    /// [`FacetLoad::MOST_PER_FACET`] times the facets. Changes nothing that a later call could tell.
+    ///
+    /// # Errors
+    /// If the solver fails, or has no such surfaces.
+    fn contacts(
+        &mut self,
+        _vertices: &[SurfaceVertex],
+        _loads: &mut Vec<FacetLoad>,
+    ) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
+
+    /// Ends the substep with the accepted surfaces: finds all forces, those of contacts with the surfaces
+    /// among them, and hands each surface's carrier the surface's contacts and, of `resultants`, what
+    /// besides acts on the surface.
+    ///
+    /// # Errors
+    /// If the solver fails, or has no such surfaces.
+    fn finish_substep(
+        &mut self,
+        _vertices: &[SurfaceVertex],
+        _resultants: &[Load],
+    ) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
+}
+
+/// Rubber: shapes deformable surfaces under the loads on them, in substeps of the grains.
+///
+/// All values in SI units, world frame. `carriers` has the state of the part that carries each surface,
+/// in the scene's order; its `id` is the surface's number.
+pub trait Rubber: Sized {
+    /// Name and version of the program.
+    const PROGRAM: &'static str;
+
+    /// Checks scene and parameters, and says what the rubber needs. A `step` is the longest that it can
+    /// take; it makes the grains' substeps.
+    ///
+    /// # Errors
+    /// Every problem of the input.
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>>;
+
+    /// Builds the solver for the assigned step ([`Setup::assignment`] is there).
+    ///
+    /// # Errors
+    /// Every problem of the input.
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>>;
+
+    /// The start exchange: takes the surfaces to where their carriers are; lets no time pass.
+    ///
+    /// # Errors
+    /// If the solver fails.
+    fn start(&mut self, carriers: &[BodyState]) -> Result<(), SolverError>;
+
+    /// Begins a window, with the fluid's loads on the facets, constant through it; none where no fluid
+    /// sits opposite.
+    ///
+    /// # Errors
+    /// If the solver fails.
+    fn begin_window(&mut self, loads: &[FacetLoad]) -> Result<(), SolverError>;
+
+    /// Begins a substep, at whose end the carriers will be where `carriers` says.
+    ///
+    /// # Errors
+    /// If the solver fails.
+    fn begin_substep(&mut self, carriers: &[BodyState]) -> Result<(), SolverError>;
+
+    /// Writes all vertices as they are now: the start, a trial, or what was accepted.
+    fn surface(&self, vertices: &mut [SurfaceVertex]);
+
+    /// Takes the loads of contacts on the trial; `true` if the surfaces are settled by it, else there is
+    /// another trial now.
+    ///
+    /// # Errors
+    /// If the solver fails.
+    fn pass(&mut self, contacts: &[FacetLoad]) -> Result<bool, SolverError>;
+
+    /// Writes what the surfaces pass on to their carriers besides the contacts: force, and torque about
+    /// the carrier's reference point, one for each surface. Ids are set by the sdk.
+    fn resultants(&self, loads: &mut [Load]);
+
+    /// Pushes the values of the signals, in the order of the description.
+    fn signals(&mut self, values: &mut Vec<f64>);
+
+    /// Work done in one substep, in the description's unit.
+    fn work(&self) -> u64 {
+        0
     }
 }

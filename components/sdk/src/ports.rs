@@ -1,48 +1,15 @@
 //! Ends of the edges between components: checked where they are received, damaged on purpose where
 //! a test asks for it.
 
-use crate::context::Context;
+use crate::context::{Context, Owed};
+use crate::finite::{Finite, OfBody};
 use crate::stop::Stop;
 use tremie_channels::{
     Between, ChannelError, ChannelSpec, Loan, Received, Receiver, Ringer, Sender,
 };
 use tremie_messages::schedule::Edge;
 use tremie_messages::start::{FaultKind, InjectionKind};
-use tremie_messages::{BodyState, Load, Message, Stamp};
-
-/// A value that says whether all its numbers are finite.
-pub trait Finite {
-    /// Whether every number is finite.
-    fn is_finite(&self) -> bool;
-    /// Spoils the value, for tests of the guards.
-    fn spoil(&mut self);
-    /// Id of the body it belongs to.
-    fn id(&self) -> u64;
-}
-
-impl Finite for BodyState {
-    fn is_finite(&self) -> bool {
-        self.is_finite()
-    }
-    fn spoil(&mut self) {
-        self.velocity[0] = f64::NAN;
-    }
-    fn id(&self) -> u64 {
-        self.id
-    }
-}
-
-impl Finite for Load {
-    fn is_finite(&self) -> bool {
-        self.is_finite()
-    }
-    fn spoil(&mut self) {
-        self.force[0] = f64::NAN;
-    }
-    fn id(&self) -> u64 {
-        self.id
-    }
-}
+use tremie_messages::{FacetLoad, Message, Stamp};
 
 /// The receiving end of an edge.
 pub struct InPort<S: Between, T: Message> {
@@ -75,31 +42,106 @@ impl<S: Between, T: Message> InPort<S, T> {
     /// Waits for the message that the schedule foretells, and checks its stamp.
     pub fn take(&self, context: &mut Context<S>, lag: u64) -> Result<Received<S, Stamp, T>, Stop> {
         let expected = context.expected(&self.edge, lag);
-        let what = || format!("{} of window {}", self.edge.content.name(), expected.window);
+        let message = self.next(context, expected, 0)?;
+        self.check(context, message, expected, |found| *found == expected)
+    }
+
+    /// Waits for a message inside the present window, whose place in the exchange is `turn`. Its stamp
+    /// is `expected`, or that of an accepted surface where `or_final`.
+    pub fn take_inside(
+        &self,
+        context: &mut Context<S>,
+        expected: Stamp,
+        turn: u64,
+        or_final: bool,
+    ) -> Result<Received<S, Stamp, T>, Stop> {
+        let message = self.next(context, expected, turn)?;
+        let accepted = Stamp { iteration: expected.iteration | Stamp::FINAL, ..expected };
+        let is_right = |found: &Stamp| *found == expected || (or_final && *found == accepted);
+        self.check(context, message, expected, is_right)
+    }
+
+    /// Name of the sending component.
+    pub fn from(&self) -> &str {
+        &self.edge.from
+    }
+
+    fn next(
+        &self,
+        context: &mut Context<S>,
+        expected: Stamp,
+        turn: u64,
+    ) -> Result<Received<S, Stamp, T>, Stop> {
+        let what = || {
+            let name = self.edge.content.name();
+            match turn {
+                0 => format!("{name} of window {}", expected.window),
+                _ => format!("{name} of window {}, substep {}", expected.window, expected.substep),
+            }
+        };
         let window = context.window;
         let look = || {
             let broken = |error| Stop::on_edge(error, &self.edge, &self.edge.to, window);
             self.receiver.take().map_err(broken)
         };
-        let message = context.wait(&self.edge.from, &what, expected.window, look)?;
-        if *message.header() == expected {
+        let owed = Owed { from: &self.edge.from, what: &what, window: expected.window, turn };
+        context.wait(&owed, look)
+    }
+
+    fn check(
+        &self,
+        context: &Context<S>,
+        message: Received<S, Stamp, T>,
+        expected: Stamp,
+        is_right: impl Fn(&Stamp) -> bool,
+    ) -> Result<Received<S, Stamp, T>, Stop> {
+        let found = message.header();
+        if is_right(found) {
             return Ok(message);
         }
-        let found = message.header();
         let kind = if found.window == expected.window && found.substep != expected.substep {
             FaultKind::Substeps
         } else {
             FaultKind::Stamp
         };
-        Err(context.fault(
-            kind,
-            &self.edge.from,
-            format!("on {}, expected {expected}; found {found}", self.edge.label()),
-        ))
+        let text = format!("on {}, expected {expected}; found {found}", self.edge.label());
+        Err(context.fault(kind, &self.edge.from, text))
+    }
+
+    /// A fault of the sender: a message of another number of values than expected, or with values that
+    /// do not fit.
+    pub fn miscounted(&self, context: &Context<S>, found: &str) -> Stop {
+        let text = format!("on {}, {found}", self.edge.label());
+        context.fault(FaultKind::Count, &self.edge.from, text)
     }
 }
 
-impl<S: Between, T: Message + Finite> InPort<S, T> {
+impl<S: Between, T: Finite> InPort<S, T> {
+    /// Checks that there are `count` values.
+    pub fn check_count(
+        &self,
+        context: &Context<S>,
+        values: &[T],
+        count: usize,
+    ) -> Result<(), Stop> {
+        if values.len() == count {
+            return Ok(());
+        }
+        let text = format!("expected {count} values, found {}", values.len());
+        Err(self.miscounted(context, &text))
+    }
+
+    /// Checks that all values are finite.
+    pub fn check_finite(&self, context: &Context<S>, values: &[T]) -> Result<(), Stop> {
+        let Some(place) = T::first_wrong(values) else { return Ok(()) };
+        let value = &values[place];
+        let (label, owner) = (self.edge.label(), value.owner(place));
+        let text = format!("on {label}, the values of {owner} are not finite: {value:?}");
+        Err(context.fault(FaultKind::NotFinite, &self.edge.from, text))
+    }
+}
+
+impl<S: Between, T: OfBody> InPort<S, T> {
     /// As [`InPort::take`], and checks that values are finite and belong to the bodies `ids`.
     pub fn take_checked(
         &self,
@@ -108,25 +150,41 @@ impl<S: Between, T: Message + Finite> InPort<S, T> {
         ids: impl ExactSizeIterator<Item = u64>,
     ) -> Result<Received<S, Stamp, T>, Stop> {
         let message = self.take(context, lag)?;
-        let values = message.values();
-        let label = || self.edge.label();
-        if values.len() != ids.len() {
-            let text =
-                format!("on {}, expected {} values, found {}", label(), ids.len(), values.len());
-            return Err(context.fault(FaultKind::Count, &self.edge.from, text));
-        }
+        self.check_bodies(context, message.values(), ids)?;
+        Ok(message)
+    }
+
+    /// Checks that values are finite and belong to the bodies `ids`.
+    pub fn check_bodies(
+        &self,
+        context: &Context<S>,
+        values: &[T],
+        ids: impl ExactSizeIterator<Item = u64>,
+    ) -> Result<(), Stop> {
+        self.check_count(context, values, ids.len())?;
         for (value, id) in values.iter().zip(ids) {
             if value.id() != id {
-                let text = format!("on {}, expected body {id}, found body {}", label(), value.id());
-                return Err(context.fault(FaultKind::Count, &self.edge.from, text));
-            }
-            if !value.is_finite() {
-                let text =
-                    format!("on {}, the values of body {id} are not finite: {value:?}", label());
-                return Err(context.fault(FaultKind::NotFinite, &self.edge.from, text));
+                let text = format!("expected body {id}, found body {}", value.id());
+                return Err(self.miscounted(context, &text));
             }
         }
-        Ok(message)
+        self.check_finite(context, values)
+    }
+}
+
+impl<S: Between> InPort<S, FacetLoad> {
+    /// Checks that loads are finite, and of facets that there are.
+    pub fn check_facets(
+        &self,
+        context: &Context<S>,
+        loads: &[FacetLoad],
+        facets: usize,
+    ) -> Result<(), Stop> {
+        if let Some(wrong) = loads.iter().find(|load| load.facet >= facets as u64) {
+            let text = format!("expected facets below {facets}, found {}", wrong.facet);
+            return Err(self.miscounted(context, &text));
+        }
+        self.check_finite(context, loads)
     }
 }
 
@@ -165,7 +223,7 @@ impl<S: Between, T: Message> OutPort<S, T> {
     }
 }
 
-impl<S: Between, T: Message + Finite> OutPort<S, T> {
+impl<S: Between, T: Finite> OutPort<S, T> {
     /// As [`OutPort::send`], after a check that the solver's values are finite, and with the fault
     /// that is injected into this window, if any.
     pub fn send_checked(
@@ -173,52 +231,76 @@ impl<S: Between, T: Message + Finite> OutPort<S, T> {
         context: &Context<S>,
         mut loan: Loan<S, Stamp, T>,
     ) -> Result<(), Stop> {
-        if let Some(value) = loan.values().iter().find(|value| !value.is_finite()) {
-            let text = format!(
-                "its {} of body {} is not finite: {value:?}",
-                self.edge.content.name(),
-                value.id()
-            );
-            return Err(context.fault(FaultKind::NotFinite, &context.component, text));
-        }
+        self.check_finite(context, loan.values())?;
         match context.injection() {
             None => self.send(context, loan),
-            Some(kind) => self.send_damaged(context, loan, kind),
+            Some(kind) => {
+                self.send_damaged(loan, self.stamp(context), kind)?;
+                Ok(self.ringer.ring()?)
+            }
         }
     }
 
-    fn send_damaged(
+    /// Sends `loan` inside the present window, after a check that its values are finite. Rings only
+    /// where the receiver may sleep by now.
+    pub fn send_inside(
         &self,
         context: &Context<S>,
         mut loan: Loan<S, Stamp, T>,
+        stamp: Stamp,
+        ring: bool,
+    ) -> Result<(), Stop> {
+        self.check_finite(context, loan.values())?;
+        let sent = loan.send(stamp).and_then(|()| if ring { self.ringer.ring() } else { Ok(()) });
+        sent.map_err(|error| self.broken(error, context.window))
+    }
+
+    /// Loans a message with these values.
+    pub fn loan_copy(&self, values: &[T]) -> Result<Loan<S, Stamp, T>, Stop> {
+        let mut loan = self.loan(values.len())?;
+        loan.values().copy_from_slice(values);
+        Ok(loan)
+    }
+
+    fn check_finite(&self, context: &Context<S>, values: &[T]) -> Result<(), Stop> {
+        let Some(place) = T::first_wrong(values) else { return Ok(()) };
+        let value = &values[place];
+        let (name, owner) = (self.edge.content.name(), value.owner(place));
+        let text = format!("its {name} of {owner} is not finite: {value:?}");
+        Err(context.fault(FaultKind::NotFinite, &context.component, text))
+    }
+
+    /// Sends `loan` with a fault of that kind; as it is, where the kind is none of a message.
+    pub fn send_damaged(
+        &self,
+        mut loan: Loan<S, Stamp, T>,
+        stamp: Stamp,
         kind: InjectionKind,
     ) -> Result<(), Stop> {
         match kind {
-            InjectionKind::Drop => return Ok(()),
+            InjectionKind::Drop => {}
             InjectionKind::Duplicate => {
                 let copy = loan.values().to_vec();
-                self.send(context, loan)?;
-                self.sender.send_copy(self.stamp(context), &copy)?;
+                loan.send(stamp)?;
+                self.sender.send_copy(stamp, &copy)?;
             }
             InjectionKind::Stale => {
-                let mut stamp = self.stamp(context);
-                stamp.window = stamp.window.saturating_sub(1);
-                loan.send(stamp)?;
+                loan.send(Stamp { window: stamp.window.saturating_sub(1), ..stamp })?;
             }
             InjectionKind::Count => {
                 let short = loan.values().len().saturating_sub(1);
                 let copy = loan.values()[..short].to_vec();
                 drop(loan);
-                self.sender.send_copy(self.stamp(context), &copy)?;
+                self.sender.send_copy(stamp, &copy)?;
             }
             InjectionKind::Nan => {
                 if let Some(first) = loan.values().first_mut() {
                     first.spoil();
                 }
-                return self.send(context, loan);
+                loan.send(stamp)?;
             }
-            _ => return self.send(context, loan),
+            _ => loan.send(stamp)?,
         }
-        Ok(self.ringer.ring()?)
+        Ok(())
     }
 }

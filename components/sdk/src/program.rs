@@ -6,7 +6,8 @@ use crate::impulse::Impulse;
 use crate::line::Line;
 use crate::observe::serve_observer;
 use crate::observer::Observer;
-use crate::physics::{Fluid, Grains};
+use crate::physics::{Fluid, Grains, Rubber};
+use crate::rubber::RubberPlayer;
 use crate::serve::{Introduction, introduce, serve};
 use crate::setup::Setup;
 use std::process::ExitCode;
@@ -44,6 +45,20 @@ pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
     }
 }
 
+/// Takes part in a run as its rubber, over `line`.
+///
+/// # Errors
+/// A sentence for standard error.
+pub fn run_rubber<R: Rubber>(mut line: Line) -> Result<(), String> {
+    match introduce(&mut line, Role::Rubber, R::PROGRAM, R::describe)? {
+        Introduction::Dismissed => Ok(()),
+        Introduction::Assigned(all) if all.1.transport.between_processes => {
+            serve::<Processes, RubberPlayer<Processes, R>>(line, *all)
+        }
+        Introduction::Assigned(all) => serve::<Threads, RubberPlayer<Threads, R>>(line, *all),
+    }
+}
+
 /// Watches a run, over `line`.
 ///
 /// # Errors
@@ -66,6 +81,11 @@ pub fn main_fluid<F: Fluid>() -> ExitCode {
 /// The whole `main` of a program that is grains.
 pub fn main_grains<G: Grains>() -> ExitCode {
     main_of(G::PROGRAM, "grains", run_grains::<G>)
+}
+
+/// The whole `main` of a program that is rubber.
+pub fn main_rubber<R: Rubber>() -> ExitCode {
+    main_of(R::PROGRAM, "rubber", run_rubber::<R>)
 }
 
 /// The whole `main` of a program that is an observer.

@@ -27,4 +27,8 @@ pub trait Player<S: Between>: Shows + Sized {
     fn signals(&mut self, values: &mut Vec<f64>);
     /// Work done in one substep.
     fn work(&self) -> u64;
+    /// Whether it commits faults that end its own process inside a window, not before one.
+    fn ends_inside() -> bool {
+        false
+    }
 }

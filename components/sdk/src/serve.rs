@@ -167,7 +167,7 @@ fn live<S: Between, P: Player<S>>(player: &mut P, context: &mut Context<S>) -> R
         if window == 0 {
             player.connect()?;
         } else {
-            context.substeps = substeps_to_make(context)?;
+            context.substeps = substeps_to_make(context, P::ends_inside())?;
         }
         play(player, context, if window == 0 { &script.start } else { &script.window })?;
         values.clear();
@@ -202,23 +202,32 @@ fn play<S: Between, P: Player<S>>(
     Ok(())
 }
 
-/// The assigned substeps, unless a fault is injected into this window.
-fn substeps_to_make<S: Between>(context: &Context<S>) -> Result<u32, Stop> {
+/// The assigned substeps, unless a fault is injected into this window. Ends the component there, if
+/// that is the fault and it is not to be committed inside the window.
+fn substeps_to_make<S: Between>(context: &Context<S>, ends_inside: bool) -> Result<u32, Stop> {
     let assigned = context.assignment.substeps;
     match context.injection() {
         Some(InjectionKind::SubstepMore) => Ok(assigned + 1),
         Some(InjectionKind::SubstepLess) => Ok(assigned - 1),
-        Some(InjectionKind::Hang) => loop {
+        Some(kind) if !ends_inside => end_here(kind).map(|()| assigned),
+        _ => Ok(assigned),
+    }
+}
+
+/// Commits a fault that stops this component; does nothing where it is of another kind.
+pub fn end_here(kind: InjectionKind) -> Result<(), Stop> {
+    match kind {
+        InjectionKind::Hang => loop {
             std::thread::park();
         },
-        Some(InjectionKind::Exit) => std::process::exit(0),
-        Some(InjectionKind::Kill) => {
+        InjectionKind::Exit => std::process::exit(0),
+        InjectionKind::Kill => {
             let _ = rustix::process::kill_process(
                 rustix::process::getpid(),
                 rustix::process::Signal::KILL,
             );
             Err(Stop::Aborted)
         }
-        _ => Ok(assigned),
+        _ => Ok(()),
     }
 }

@@ -17,6 +17,7 @@ mod bell;
 mod error;
 mod receiver;
 mod sender;
+mod spin;
 pub mod sweep;
 mod wire;
 
@@ -25,3 +26,4 @@ pub use bell::{Bell, Ringer, Wait};
 pub use error::ChannelError;
 pub use receiver::{Received, Receiver};
 pub use sender::{Loan, Sender};
+pub use spin::spin;

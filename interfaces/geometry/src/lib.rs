@@ -55,6 +55,7 @@ mod row;
 mod shapes;
 mod surface;
 mod tree;
+mod turned;
 mod vector;
 mod weld;
 mod write;
@@ -72,6 +73,7 @@ pub use moments::Moments;
 pub use row::{Row, RowScratch};
 pub use shapes::{CYLINDER_SEGMENTS, SPHERE_LEVELS};
 pub use surface::Surface;
+pub use turned::Turned;
 
 /// A point or vector, in the frame that its user names.
 pub type Vec3 = [f64; 3];

@@ -1,8 +1,8 @@
 //! What Tremie's components say to each other.
 //!
 //! Two kinds of things live here. *Messages* cross shared memory in every coupling window: plain
-//! `repr(C)` values in SI units, world frame, `f64`, without pointers ([`body`], [`stamp`],
-//! [`control`], [`frame`]). *Documents* cross once, as JSON, when a component starts: the scene
+//! `repr(C)` values in SI units, world frame, `f64`, without pointers ([`body`], [`surface`],
+//! [`stamp`], [`control`], [`frame`]). *Documents* cross once, as JSON, when a component starts: the scene
 //! and the start contract ([`scene`], [`start`], [`schedule`]). Nothing here knows how they travel.
 
 pub mod body;
@@ -15,6 +15,7 @@ pub mod scene;
 pub mod schedule;
 pub mod stamp;
 pub mod start;
+pub mod surface;
 pub mod units;
 
 pub use body::{BodyEvent, BodyState, Load};
@@ -22,6 +23,7 @@ pub use finding::{Finding, Verdict};
 pub use problem::{Problem, nearest};
 pub use role::Role;
 pub use stamp::Stamp;
+pub use surface::{FacetLoad, SurfaceVertex};
 
 /// Version of everything in this crate that crosses a process boundary. A component of another
 /// version is refused at the handshake, before anything is computed.

@@ -22,7 +22,7 @@ pub enum Schedule {
 
 /// What travels on an edge between two components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub enum Content {
     /// [`crate::BodyEvent`]s of a window, even none.
     Events,
@@ -30,7 +30,24 @@ pub enum Content {
     State,
     /// [`crate::Load`]s found in a window.
     Load,
+    /// [`crate::SurfaceVertex`]es of the deformable surfaces at a window's end.
+    Surface,
+    /// [`crate::FacetLoad`]s of a fluid, found in a window.
+    SurfaceLoad,
+    /// Inside a window: [`crate::BodyState`]s of the parts that carry surfaces, at a substep's end; `id` is
+    /// the surface's number in the scene.
+    Carrier,
+    /// Inside a window: [`crate::SurfaceVertex`]es of a trial, or of the accepted surfaces.
+    Trial,
+    /// Inside a window: [`crate::FacetLoad`]s of contacts on a trial.
+    Contact,
+    /// Inside a window: [`crate::Load`]s that the accepted surfaces pass on to their carriers, contacts
+    /// left out; `id` is the surface's number in the scene.
+    Resultant,
 }
+
+/// Most trials of a substep: a rubber that wants more does not converge.
+pub const MOST_TRIALS: u32 = 10_000;
 
 impl Content {
     /// Name in services and messages.
@@ -39,7 +56,21 @@ impl Content {
             Content::Events => "events",
             Content::State => "state",
             Content::Load => "load",
+            Content::Surface => "surface",
+            Content::SurfaceLoad => "surface_load",
+            Content::Carrier => "carrier",
+            Content::Trial => "trial",
+            Content::Contact => "contact",
+            Content::Resultant => "resultant",
         }
+    }
+}
+
+impl Content {
+    /// Whether it travels inside a window, between grains and rubber, as part of their advance; no
+    /// operation of a script names its edge.
+    pub fn is_inside_window(self) -> bool {
+        matches!(self, Content::Carrier | Content::Trial | Content::Contact | Content::Resultant)
     }
 }
 

@@ -21,10 +21,27 @@ pub struct Stamp {
     /// Number of the last event list that the content takes into account. Loads carry the number
     /// of the list that they answer, so that a changed set of bodies never meets old loads.
     pub events: u64,
-    /// Substeps that the sender made in this window (0 in the start exchange).
+    /// Substeps that the sender made in this window (0 in the start exchange); inside the window, the
+    /// substep that is being made, from 1.
     pub substep: u32,
-    /// Iteration inside a substep; 0 outside the rubber loop.
+    /// Trial of a substep that the message belongs to, from 1; 0 outside the exchange inside a window.
+    /// With [`Stamp::FINAL`] it belongs to the accepted surface, which follows the last trial.
     pub iteration: u32,
+}
+
+impl Stamp {
+    /// The bit of [`Stamp::iteration`] that tells the accepted surface of a substep from a trial.
+    pub const FINAL: u32 = 1 << 31;
+
+    /// Whether the message belongs to the accepted surface of a substep.
+    pub fn is_final(&self) -> bool {
+        self.iteration & Self::FINAL != 0
+    }
+
+    /// Number of the trial, without the bit that says final.
+    pub fn trial(&self) -> u32 {
+        self.iteration & !Self::FINAL
+    }
 }
 
 // SAFETY: six integers, 40 bytes, no padding.
@@ -38,6 +55,11 @@ impl std::fmt::Display for Stamp {
             f,
             "window {}, substep {}, tick {}, event list {}, run {:016x}",
             self.window, self.substep, self.ticks, self.events, self.run
-        )
+        )?;
+        match (self.trial(), self.is_final()) {
+            (0, false) => Ok(()),
+            (trial, false) => write!(f, ", trial {trial}"),
+            (trial, true) => write!(f, ", trial {trial}, the accepted one"),
+        }
     }
 }

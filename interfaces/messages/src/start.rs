@@ -71,6 +71,10 @@ pub enum Reply {
         looked: u64,
         /// Window that the component works on.
         window: u64,
+        /// Inside a window: which message of the exchange between grains and rubber is owed, counted so
+        /// that later ones have larger numbers; else 0.
+        #[serde(default)]
+        turn: u64,
     },
     /// An observer took no frames for too long; the component sends it no more.
     GaveUp {

@@ -51,8 +51,8 @@ impl<S: Between> Drive<'_, S> {
         reply: Reply,
     ) -> Result<(), Trouble> {
         match reply {
-            Reply::Waiting { from, what, owed, since, looked, window } => {
-                let wait = Waiting { from, what, owed, since, looked, window };
+            Reply::Waiting { from, what, owed, since, looked, window, turn } => {
+                let wait = Waiting { from, what, owed, since, looked, window, turn };
                 self.monitor.waiting(watched, wait);
             }
             Reply::Resumed {} => self.monitor.resumed(watched, Instant::now()),

@@ -3,6 +3,7 @@
 use super::document::{
     AxisEntry, BodiesTable, ComponentEntry, Document, DomainTable, FaceEntry, FaceName,
     MaterialTable, MotionName, MotionPointTable, PartMotionEntry, PartMotionTable, PartTable,
+    SurfaceTable,
 };
 use super::spec::is_lossless_by_default;
 use super::{Manifest, spec};
@@ -18,6 +19,9 @@ use tremie_messages::units::{
 
 /// Frames that a run gives to observers unless told otherwise.
 const FRAMES: f64 = 200.0;
+/// Steps in which the section of a surface is turned unless told otherwise: its polygons have a radius
+/// that is 0.1 % off at most.
+const SECTORS: u32 = 60;
 
 impl Manifest {
     /// The manifest as it was understood, in TOML: overrides and defaults filled in, all in SI
@@ -120,6 +124,10 @@ impl Document {
             part.material = part.material.take().or_else(|| scene.domain.material.clone());
             fill_part(part, folder);
         }
+        for surface in &mut scene.surfaces {
+            surface.material = surface.material.take().or_else(|| scene.domain.material.clone());
+            fill_surface(surface, folder);
+        }
         for set in &mut scene.bodies {
             fill_bodies(set, self.run.seed, &scene.materials);
         }
@@ -160,11 +168,23 @@ fn fill_part(part: &mut PartTable, folder: &Path) {
         slider.force.get_or_insert(Force(0.0));
     }
     if let Some(file) = &mut part.file {
-        // The resolved manifest is read back from another folder.
-        let full = folder.join(&*file);
-        *file = std::path::absolute(&full).unwrap_or(full).to_string_lossy().into_owned();
+        make_absolute(file, folder);
     }
     fill_course(&mut part.course);
+}
+
+fn fill_surface(surface: &mut SurfaceTable, folder: &Path) {
+    surface.position.get_or_insert([Length(0.0); 3]);
+    surface.sectors.get_or_insert(SECTORS);
+    if let Some(table) = &mut surface.table {
+        make_absolute(table, folder);
+    }
+}
+
+/// The resolved manifest is read back from another folder.
+fn make_absolute(file: &mut String, folder: &Path) {
+    let full = folder.join(&*file);
+    *file = std::path::absolute(&full).unwrap_or(full).to_string_lossy().into_owned();
 }
 
 fn fill_bodies(
@@ -213,6 +233,7 @@ fn role_by_name(name: &str) -> Option<Role> {
     match name {
         "fluid" => Some(Role::Fluid),
         "grains" => Some(Role::Grains),
+        "rubber" => Some(Role::Rubber),
         "viewer" | "recorder" | "fields" => Some(Role::Observer),
         _ => None,
     }

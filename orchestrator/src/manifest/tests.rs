@@ -5,6 +5,7 @@ use tremie_messages::scene::{Damping, Diameters, Face, Motion, Placement};
 mod contacts;
 mod faces;
 mod parts;
+mod seals;
 
 /// A manifest that is right; tests break one line of it.
 const GOOD: &str = r#"[run]

@@ -2,6 +2,7 @@
 
 use super::{Described, Options};
 use crate::manifest::Spec;
+use tremie_messages::start::InjectionKind;
 use tremie_messages::{Problem, Role};
 use tremie_sdk::parameters::nearest;
 
@@ -32,6 +33,8 @@ pub(super) fn stops(spec: &Spec, described: &[Described<'_>]) -> Vec<Problem> {
 pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Problem> {
     let physics = spec.components.iter().filter(|component| component.role != Role::Observer);
     let names: Vec<&str> = physics.map(|component| component.name.as_str()).collect();
+    let makes_own_substeps =
+        |name: &str| spec.components.iter().all(|c| c.name != name || c.role != Role::Rubber);
     let mut problems = Vec::new();
     for (name, injection) in &options.injections {
         if !names.contains(&name.as_str()) {
@@ -40,6 +43,11 @@ pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Pr
                 format!("there is no component of the physics called \"{name}\""),
             );
             problems.push(suggest(problem, name, &names, "components"));
+        }
+        let of_substeps = [InjectionKind::SubstepMore, InjectionKind::SubstepLess];
+        if of_substeps.contains(&injection.kind) && !makes_own_substeps(name) {
+            let message = format!("{name} makes the substeps of the grains, no number of its own");
+            problems.push(Problem::new("--inject", message).help("let the grains make the fault"));
         }
         if injection.window == 0 || injection.window > windows {
             let window = injection.window;

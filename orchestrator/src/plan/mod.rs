@@ -17,11 +17,12 @@ pub(crate) use steps::short;
 use crate::manifest::{ComponentSpec, Spec};
 use crate::schedule::{self, Wiring};
 use steps::{Steps, Wish};
-use tremie_messages::schedule::{Edge, Schedule, Script};
+use tremie_messages::scene::{DeformableSurface, Scene};
+use tremie_messages::schedule::{Content, Edge, Schedule, Script};
 use tremie_messages::start::{
     Assignment, Clock, Description, FrameContent, FrameStream, Injection, Transport,
 };
-use tremie_messages::{Problem, Role};
+use tremie_messages::{FacetLoad, Problem, Role};
 
 /// Most rows in the table of signals unless the manifest says how often.
 const MOST_SIGNAL_ROWS: u64 = 20_000;
@@ -162,16 +163,27 @@ fn pair<'a>(
     if problems.is_empty() { Ok(described) } else { Err(problems) }
 }
 
-/// What the physics wants of its steps, in the order of the components.
+/// What the physics wants of its steps, in the order of the components. A rubber has no steps of its own:
+/// where it bounds them, it bounds those of the grains.
 fn wishes(described: &[Described<'_>]) -> Vec<Wish> {
-    let physics = described.iter().filter(|(spec, _)| spec.role != Role::Observer);
+    let rubber = described.iter().find(|(spec, _)| spec.role == Role::Rubber);
+    let bound = rubber.and_then(|(_, description)| description.step);
     let wish = |(spec, description): &Described<'_>| Wish {
         name: spec.name.clone(),
         key: spec.key(),
-        step: description.step,
+        step: match (spec.role, description.step, bound) {
+            (Role::Grains, Some(step), Some(bound)) => Some(step.min(bound)),
+            (Role::Grains, None, bound) => bound,
+            (_, step, _) => step,
+        },
         sync_iter: spec.sync_iter,
     };
-    physics.map(wish).collect()
+    described.iter().filter(|(spec, _)| has_steps(spec.role)).map(wish).collect()
+}
+
+/// Whether a component of that role sets steps of its own.
+fn has_steps(role: Role) -> bool {
+    matches!(role, Role::Fluid | Role::Grains)
 }
 
 fn assemble(
@@ -185,7 +197,7 @@ fn assemble(
     let body_capacity = body_capacity(described);
     let frames_every = windows_in(spec.outputs.frames, window, steps.windows);
     let substeps = substeps_of_all(described, &steps);
-    let edges = edges(wiring, &substeps, body_capacity);
+    let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
     let frames = streams::streams(described, body_capacity, |observer| {
         windows_in(spec.interval(observer), window, steps.windows)
     });
@@ -245,17 +257,38 @@ fn body_capacity(described: &[Described<'_>]) -> u64 {
     grains.map(|(_, description)| description.bodies).max().unwrap_or(0)
 }
 
-/// Substeps of all components; an observer counts in windows.
+/// Substeps of all components; a rubber makes those of the grains, an observer counts in windows.
 fn substeps_of_all(described: &[Described<'_>], steps: &Steps) -> Vec<u32> {
-    let mut physics = steps.substeps.iter();
+    let with_steps = described.iter().map(|(spec, _)| spec.role).filter(|role| has_steps(*role));
+    let substeps = |role: Role| {
+        let mut all = with_steps.clone().zip(&steps.substeps);
+        all.find(|(of, _)| *of == role).map_or(1, |(_, substeps)| *substeps)
+    };
     let of = |(spec, _): &Described<'_>| match spec.role {
         Role::Observer => 1,
-        _ => physics.next().copied().unwrap_or(1),
+        Role::Rubber => substeps(Role::Grains),
+        role => substeps(role),
     };
     described.iter().map(of).collect()
 }
 
-fn edges(wiring: &Wiring, substeps: &[u32], body_capacity: u64) -> Vec<Edge> {
+/// Most values in a message. Shared memory is never of size zero, even where a scene has no bodies.
+fn capacity(content: Content, bodies: u64, scene: &Scene) -> u64 {
+    let sum = |of: fn(&DeformableSurface) -> usize| -> u64 {
+        scene.surfaces.iter().map(|surface| of(surface) as u64).sum()
+    };
+    let values = match content {
+        Content::Events | Content::State | Content::Load => bodies,
+        Content::Carrier | Content::Resultant => scene.surfaces.len() as u64,
+        Content::Surface | Content::Trial => sum(DeformableSurface::vertex_count),
+        Content::SurfaceLoad | Content::Contact => {
+            FacetLoad::MOST_PER_FACET as u64 * sum(DeformableSurface::facet_count)
+        }
+    };
+    values.max(1)
+}
+
+fn edges(wiring: &Wiring, substeps: &[u32], capacity: impl Fn(Content) -> u64) -> Vec<Edge> {
     let edge = |link: &schedule::Link| {
         let (from, to) = (&wiring.members[link.from].name, &wiring.members[link.to].name);
         Edge {
@@ -263,8 +296,7 @@ fn edges(wiring: &Wiring, substeps: &[u32], body_capacity: u64) -> Vec<Edge> {
             to: to.clone(),
             content: link.content,
             service: format!("{from}/{}/{to}", link.content.name()),
-            // Shared memory is never of size zero, even where a scene has no bodies.
-            capacity: body_capacity.max(1),
+            capacity: capacity(link.content),
             depth: link.depth,
             sender_substeps: substeps[link.from],
             events_lag: link.events_lag,

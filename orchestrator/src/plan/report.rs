@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::fmt;
 use tremie_messages::schedule::{Content, Edge, Schedule};
 use tremie_messages::start::{FrameContent, FrameStream};
-use tremie_messages::{BodyEvent, BodyState, Load, Stamp, frame};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Stamp, SurfaceVertex, frame};
 
 impl Plan {
     /// The plan in lines: time, components, edges, frames, notes. Warnings are apart, in
@@ -134,7 +134,10 @@ fn edge_memory(edge: &Edge) -> u64 {
     let value = match edge.content {
         Content::Events => size_of::<BodyEvent>(),
         Content::State => size_of::<BodyState>(),
-        Content::Load => size_of::<Load>(),
+        Content::Load | Content::Resultant => size_of::<Load>(),
+        Content::Carrier => size_of::<BodyState>(),
+        Content::Surface | Content::Trial => size_of::<SurfaceVertex>(),
+        Content::SurfaceLoad | Content::Contact => size_of::<FacetLoad>(),
     };
     memory(size_of::<Stamp>(), value, edge.capacity, edge.depth)
 }

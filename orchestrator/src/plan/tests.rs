@@ -335,3 +335,52 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_rubber_makes_the_substeps_of_the_grains_and_bounds_them() {
+    use tremie_messages::scene::{DeformableSurface, Pose, Section, SectionEdge};
+    let mut spec = spec(&[]);
+    spec.components.push(ComponentSpec {
+        name: "rubber".into(),
+        role: Role::Rubber,
+        program: "rubber-table".into(),
+        ..spec.component("grains").unwrap().clone()
+    });
+    // A disc: its first and last points are on the axis.
+    let edge = |a: u32| SectionEdge { points: [a, a + 1], kind: Default::default() };
+    let section = Section {
+        points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        edges: (0..3).map(edge).collect(),
+    };
+    spec.scene.surfaces.push(DeformableSurface {
+        name: "seal".into(),
+        carrier: "disc".into(),
+        table: String::new(),
+        pose: Pose::IDENTITY,
+        sectors: 10,
+        material: "rubber".into(),
+        seat_stiffness: 1e9,
+        section,
+    });
+    for (bound, substeps) in [(None, 3), (Some(5e-8), 3), (Some(2e-8), 6)] {
+        let mut descriptions = descriptions();
+        descriptions.push(("rubber".into(), Description { step: bound, ..Description::default() }));
+        let plan = make(&spec, &descriptions, &Options::default()).unwrap();
+        let of = |name: &str| plan.components.iter().find(|c| c.name == name).unwrap();
+        assert_eq!((of("grains").substeps, of("rubber").substeps), (substeps, substeps));
+        assert_eq!((of("fluid").substeps, of("viewer").substeps), (1, 1));
+        let edge = |content| plan.edges.iter().find(|edge| edge.content == content).unwrap();
+        let capacity = |content| edge(content).capacity;
+        assert_eq!([Content::Surface, Content::Trial].map(capacity), [22, 22]);
+        assert_eq!([Content::SurfaceLoad, Content::Contact].map(capacity), [160, 160]);
+        assert_eq!([Content::Carrier, Content::Resultant].map(capacity), [1, 1]);
+        assert_eq!(edge(Content::Trial).sender_substeps, substeps);
+        assert_eq!(edge(Content::SurfaceLoad).service, "fluid/surface_load/rubber");
+    }
+    let injection = Injection { kind: InjectionKind::SubstepMore, window: 3 };
+    let options = Options { injections: vec![("rubber".into(), injection)] };
+    let mut descriptions = descriptions();
+    descriptions.push(("rubber".into(), Description::default()));
+    let problems = make(&spec, &descriptions, &options).unwrap_err();
+    assert!(problems[0].message.contains("substeps of the grains"), "{problems:?}");
+}

@@ -1,7 +1,7 @@
 //! Proof that scripts neither lock up nor overrun a channel.
 
 use super::graph::{Graph, Place};
-use super::{Link, Member, Wiring};
+use super::{INSIDE_BOUND, Link, Member, Wiring};
 use tremie_messages::schedule::Op;
 
 /// Why scripts cannot be carried out for ever.
@@ -61,18 +61,23 @@ struct Hit {
 ///
 /// Each operation of the scripts is an event of a marked graph; the order inside a script and the
 /// edges are its places; a message that is received `lag` windows after it was sent makes `lag`
-/// tokens.
+/// tokens. The advances of two components with an exchange inside the window are one event.
 ///
 /// # Errors
 /// The first of these that does not hold.
 pub fn check(wiring: &Wiring) -> Result<(), ScheduleError> {
     let mut left = vec![0; wiring.links.len()];
     for phase in [Phase::Start, Phase::Window] {
-        let (mut graph, labels) = scripts_as_graph(wiring, phase)?;
+        let events = events(wiring, phase)?;
+        let (mut graph, labels) = scripts_as_graph(wiring, phase, &events)?;
         let mut channels = Vec::new();
         for (index, link) in wiring.links.iter().enumerate() {
-            let sends = hits(wiring, index, phase, true);
-            let receives = hits(wiring, index, phase, false);
+            let sends = hits(wiring, index, phase, &events, true);
+            let receives = hits(wiring, index, phase, &events, false);
+            if link.content.is_inside_window() {
+                inside(wiring, link, sends.len() + receives.len())?;
+                continue;
+            }
             if let Some(place) =
                 channel(link, &label(wiring, link), phase, &sends, &receives, &mut left[index])?
             {
@@ -92,22 +97,74 @@ pub fn check(wiring: &Wiring) -> Result<(), ScheduleError> {
     Ok(())
 }
 
+/// Events of all operations, counted through the members: a number of its own for each, but one for the
+/// advances of two members with an exchange inside the window.
+fn events(wiring: &Wiring, phase: Phase) -> Result<Vec<usize>, ScheduleError> {
+    let firsts: Vec<usize> = (wiring.members.iter())
+        .scan(0, |next, member| {
+            let first = *next;
+            *next += script(member, phase).len();
+            Some(first)
+        })
+        .collect();
+    let count = wiring.members.iter().map(|member| script(member, phase).len()).sum();
+    let mut events: Vec<usize> = (0..count).collect();
+    for link in wiring.links.iter().filter(|link| link.content.is_inside_window()) {
+        let advance = |member: usize| {
+            let ops = script(&wiring.members[member], phase);
+            let mut all = (0..ops.len()).filter(|op| ops[*op] == Op::Advance);
+            match (all.next(), all.next()) {
+                (Some(op), None) => Ok(firsts[member] + op),
+                (found, _) => Err(ScheduleError::Unbalanced {
+                    edge: label(wiring, link),
+                    message: format!(
+                        "{} advances {} in a round of its script, expected once: the exchange is part of it",
+                        wiring.members[member].name,
+                        if found.is_some() { "more than once" } else { "never" }
+                    ),
+                }),
+            }
+        };
+        let (one, other) = (advance(link.from)?, advance(link.to)?);
+        let (keep, gone) = (events[one].min(events[other]), events[one].max(events[other]));
+        events.iter_mut().filter(|event| **event == gone).for_each(|event| *event = keep);
+    }
+    Ok(events)
+}
+
+/// An edge inside a window is named by no operation, and holds what the exchange has under way.
+fn inside(wiring: &Wiring, link: &Link, hits: usize) -> Result<(), ScheduleError> {
+    let edge = label(wiring, link);
+    if hits > 0 {
+        let message = "it belongs to an exchange inside the window, but a script names it".into();
+        return Err(ScheduleError::Unbalanced { edge, message });
+    }
+    if link.depth < INSIDE_BOUND {
+        return Err(ScheduleError::Overflow { edge, bound: INSIDE_BOUND, depth: link.depth });
+    }
+    Ok(())
+}
+
 /// The scripts alone: each operation after the one before; in windows, the first after the last of
 /// the window before.
-fn scripts_as_graph(wiring: &Wiring, phase: Phase) -> Result<(Graph, Vec<String>), ScheduleError> {
-    let mut graph = Graph::default();
-    let mut labels = Vec::new();
+fn scripts_as_graph(
+    wiring: &Wiring,
+    phase: Phase,
+    events: &[usize],
+) -> Result<(Graph, Vec<String>), ScheduleError> {
+    let mut graph = Graph { events: events.len(), places: Vec::new() };
+    let mut labels: Vec<String> = Vec::new();
     for member in &wiring.members {
-        let first = graph.events;
+        let first = labels.len();
         for op in script(member, phase) {
+            let number = labels.len();
             labels.push(format!("{} {}", member.name, words(wiring, member, *op)?));
-            let event = graph.event();
-            if event > first {
-                graph.place(event - 1, event, 0);
+            if number > first {
+                graph.place(events[number - 1], events[number], 0);
             }
         }
-        if phase == Phase::Window && graph.events > first {
-            graph.place(graph.events - 1, first, 1);
+        if phase == Phase::Window && labels.len() > first {
+            graph.place(events[labels.len() - 1], events[first], 1);
         }
     }
     Ok((graph, labels))
@@ -171,9 +228,15 @@ fn holds(wiring: &Wiring, graph: &Graph, link: &Link, place: Place) -> Result<()
 }
 
 /// Operations of the link, with the member that carries them out.
-fn hits(wiring: &Wiring, link: usize, phase: Phase, sending: bool) -> Vec<(usize, Hit)> {
+fn hits(
+    wiring: &Wiring,
+    link: usize,
+    phase: Phase,
+    events: &[usize],
+    sending: bool,
+) -> Vec<(usize, Hit)> {
     let mut hits = Vec::new();
-    let mut event = 0;
+    let mut number = 0;
     for (index, member) in wiring.members.iter().enumerate() {
         for op in script(member, phase) {
             let lag = match *op {
@@ -183,8 +246,8 @@ fn hits(wiring: &Wiring, link: usize, phase: Phase, sending: bool) -> Vec<(usize
                 }
                 _ => None,
             };
-            hits.extend(lag.map(|lag| (index, Hit { event, lag })));
-            event += 1;
+            hits.extend(lag.map(|lag| (index, Hit { event: events[number], lag })));
+            number += 1;
         }
     }
     hits

@@ -7,11 +7,24 @@
 //! | | start exchange | window k |
 //! | --- | --- | --- |
 //! | grains | send events, send state | take loads of k-1, advance, send events, send state |
-//! | fluid, serial | take events, take state, look, send loads | take events, take state, advance, send loads |
-//! | fluid, parallel | as serial | advance, send loads, take events, take state |
+//! | rubber | look, send surface | take surface loads of k-1, advance, send surface |
+//! | fluid, serial | take events, state, surface; look, send loads | take events, state, surface; advance, send loads |
+//! | fluid, parallel | as serial | advance, send loads; take events, state, surface |
 //!
 //! In a parallel schedule the fluid of window k advances with the bodies at the window's start, and
-//! takes the bodies at its end only afterwards; its loads of window k answer event list k-1.
+//! takes the bodies at its end only afterwards; its loads of window k answer event list k-1. The surface is
+//! treated as a body is, and its loads as those on bodies.
+//!
+//! # Inside a window
+//!
+//! Grains and rubber advance together, in an exchange of their own that has as many messages as the rubber
+//! needs trials (`tremie_sdk`, `inside.rs`): its edges are in no script, and outside the marked graph. What
+//! the graph must know of it is that both advances are one event, which neither begins alone: [`check`]
+//! merges them, and a schedule in which one of them had to wait for the other's next window locks up.
+//! Inside, each side sends only what the other waits for, and sends nothing more until it has the answer:
+//! so at most one message is under way on each edge, whatever the number of trials; and two where the
+//! carriers of the start exchange, which nobody answers, are followed by those of the first substep. The
+//! tests carry the exchange out in any order of turns and count.
 
 mod check;
 mod graph;
@@ -58,8 +71,8 @@ pub struct Link {
     pub events_lag: u64,
 }
 
-/// Wires up components of the given names and roles. One fluid and one grains exchange messages;
-/// either alone just advances; observers do nothing here (they follow their frames).
+/// Wires up components of the given names and roles. One fluid, one grains and one rubber exchange
+/// messages; any alone just advances; observers do nothing here (they follow their frames).
 pub fn wire(schedule: Schedule, components: &[(&str, Role)]) -> Wiring {
     let members = components.iter().map(|(name, role)| Member {
         name: (*name).to_string(),
@@ -68,8 +81,16 @@ pub fn wire(schedule: Schedule, components: &[(&str, Role)]) -> Wiring {
     });
     let mut wiring = Wiring { members: members.collect(), links: Vec::new() };
     let find = |wanted| components.iter().position(|(_, role)| *role == wanted);
-    if let (Some(grains), Some(fluid)) = (find(Role::Grains), find(Role::Fluid)) {
+    let (grains, fluid, rubber) = (find(Role::Grains), find(Role::Fluid), find(Role::Rubber));
+    if let (Some(grains), Some(fluid)) = (grains, fluid) {
         couple(&mut wiring, schedule, grains, fluid);
+    }
+    // A surface has no carrier without grains.
+    if let (Some(grains), Some(rubber)) = (grains, rubber) {
+        join(&mut wiring, grains, rubber);
+        if let Some(fluid) = fluid {
+            immerse(&mut wiring, schedule, rubber, fluid, grains);
+        }
     }
     wiring
 }
@@ -79,31 +100,67 @@ fn alone() -> Script {
     Script { start: vec![Op::Advance], window: vec![Op::Advance] }
 }
 
-// Places of the three edges in the lists of both components.
+// Places of the first three edges in the lists of grains and fluid.
 const EVENTS: usize = 0;
 const STATE: usize = 1;
 const LOAD: usize = 2;
 
 fn couple(wiring: &mut Wiring, schedule: Schedule, grains: usize, fluid: usize) {
-    let link = |from, to, content, events_lag| Link {
-        from,
-        to,
-        content,
-        depth: depth(schedule),
-        events_lag,
-    };
     let lag = u64::from(schedule == Schedule::Parallel);
-    wiring.links = vec![
-        link(grains, fluid, Content::Events, 0),
-        link(grains, fluid, Content::State, 0),
-        link(fluid, grains, Content::Load, lag),
-    ];
-    for member in [grains, fluid] {
-        wiring.members[member].links = vec![EVENTS, STATE, LOAD];
-    }
+    let depth = depth(schedule);
+    wiring.link(Link { from: grains, to: fluid, content: Content::Events, depth, events_lag: 0 });
+    wiring.link(Link { from: grains, to: fluid, content: Content::State, depth, events_lag: 0 });
+    wiring.link(Link { from: fluid, to: grains, content: Content::Load, depth, events_lag: lag });
     wiring.members[grains].script = grains_script();
-    wiring.members[fluid].script = fluid_script(schedule);
+    let hear = [Op::Receive { edge: EVENTS, lag: 0 }, Op::Receive { edge: STATE, lag: 0 }];
+    let work = [Op::Advance, Op::Send { edge: LOAD }];
+    wiring.members[fluid].script = fluid_script(schedule, &hear, &work);
 }
+
+/// The exchange of grains and rubber inside a window.
+fn join(wiring: &mut Wiring, grains: usize, rubber: usize) {
+    for (from, to, content) in [
+        (grains, rubber, Content::Carrier),
+        (rubber, grains, Content::Trial),
+        (grains, rubber, Content::Contact),
+        (rubber, grains, Content::Resultant),
+    ] {
+        wiring.link(Link { from, to, content, depth: INSIDE_BOUND + 1, events_lag: 0 });
+    }
+}
+
+/// The rubber's surface in the fluid.
+fn immerse(wiring: &mut Wiring, schedule: Schedule, rubber: usize, fluid: usize, grains: usize) {
+    let lag = u64::from(schedule == Schedule::Parallel);
+    let depth = depth(schedule);
+    let link = |from, to, content, events_lag| Link { from, to, content, depth, events_lag };
+    let [sent, heard] = wiring.link(link(rubber, fluid, Content::Surface, 0));
+    let [told, taken] = wiring.link(link(fluid, rubber, Content::SurfaceLoad, lag));
+    let tell = [Op::Advance, Op::Send { edge: sent }];
+    let window = [&[Op::Receive { edge: taken, lag: 1 }][..], &tell].concat();
+    wiring.members[rubber].script = Script { start: tell.to_vec(), window };
+    // In the start exchange grains tell where the carriers are.
+    wiring.members[grains].script.start.insert(0, Op::Advance);
+    let hear = [EVENTS, STATE, heard].map(|edge| Op::Receive { edge, lag: 0 });
+    let work = [Op::Advance, Op::Send { edge: LOAD }, Op::Send { edge: told }];
+    wiring.members[fluid].script = fluid_script(schedule, &hear, &work);
+}
+
+impl Wiring {
+    /// Adds an edge; returns its places in the lists of sender and receiver.
+    fn link(&mut self, link: Link) -> [usize; 2] {
+        let ends = [link.from, link.to];
+        self.links.push(link);
+        ends.map(|member| {
+            let links = &mut self.members[member].links;
+            links.push(self.links.len() - 1);
+            links.len() - 1
+        })
+    }
+}
+
+/// Most messages under way on an edge inside a window.
+const INSIDE_BOUND: u64 = 2;
 
 /// Most messages that a channel holds: those that the schedule has under way at once (1 serial,
 /// 2 parallel; [`check`] proves it) and one more. The one more keeps a sender that breaks the
@@ -122,9 +179,7 @@ fn grains_script() -> Script {
     Script { start: tell.to_vec(), window }
 }
 
-fn fluid_script(schedule: Schedule) -> Script {
-    let hear = [Op::Receive { edge: EVENTS, lag: 0 }, Op::Receive { edge: STATE, lag: 0 }];
-    let work = [Op::Advance, Op::Send { edge: LOAD }];
+fn fluid_script(schedule: Schedule, hear: &[Op], work: &[Op]) -> Script {
     let serial = [hear, work].concat();
     let window = match schedule {
         Schedule::Serial => serial.clone(),

@@ -3,25 +3,47 @@ use proptest::prelude::*;
 use std::collections::VecDeque;
 
 const BOTH: [(&str, Role); 2] = [("fluid", Role::Fluid), ("grains", Role::Grains)];
+const TRIO: [(&str, Role); 3] =
+    [("fluid", Role::Fluid), ("grains", Role::Grains), ("rubber", Role::Rubber)];
+const DRY: [(&str, Role); 2] = [("grains", Role::Grains), ("rubber", Role::Rubber)];
 const SCHEDULES: [Schedule; 2] = [Schedule::Serial, Schedule::Parallel];
 const FLUID: usize = 0;
 const GRAINS: usize = 1;
 
-/// Carries scripts out step by step, as real components do, with channels of bounded depth.
+/// Carries scripts out step by step, as real components do, with channels of bounded depth; advances
+/// that belong to an exchange inside the window message by message.
 struct Play<'a> {
     wiring: &'a Wiring,
-    /// Next operation of each member: window and index.
-    at: Vec<(u64, usize)>,
+    /// Next operation of each member: window, index, and message inside an advance.
+    at: Vec<(u64, usize, usize)>,
     channels: Vec<VecDeque<u64>>,
     most: Vec<usize>,
     windows: u64,
+}
+
+/// What one side of the exchange inside a window does: contents, and whether it sends them. Two
+/// substeps, of as many trials as it happens.
+fn exchange(window: u64, is_grains: bool) -> Vec<(Content, bool)> {
+    let mut messages = Vec::new();
+    let substeps = if window == 0 { 0 } else { 2 };
+    for substep in 0..substeps {
+        messages.push((Content::Carrier, is_grains));
+        for _ in 0..1 + (3 * window + 5 * substep) % 4 {
+            messages.push((Content::Trial, !is_grains));
+            messages.push((Content::Contact, is_grains));
+        }
+        // The accepted surface.
+        messages.push((Content::Trial, !is_grains));
+        messages.push((Content::Resultant, !is_grains));
+    }
+    if window == 0 { vec![(Content::Carrier, is_grains)] } else { messages }
 }
 
 impl<'a> Play<'a> {
     fn new(wiring: &'a Wiring, windows: u64) -> Self {
         Self {
             wiring,
-            at: vec![(0, 0); wiring.members.len()],
+            at: vec![(0, 0, 0); wiring.members.len()],
             channels: vec![VecDeque::new(); wiring.links.len()],
             most: vec![0; wiring.links.len()],
             windows,
@@ -30,7 +52,7 @@ impl<'a> Play<'a> {
 
     fn op(&mut self, member: usize) -> Option<Op> {
         loop {
-            let (window, index) = self.at[member];
+            let (window, index, _) = self.at[member];
             if window > self.windows {
                 return None;
             }
@@ -38,9 +60,16 @@ impl<'a> Play<'a> {
             let ops = if window == 0 { &script.start } else { &script.window };
             match ops.get(index) {
                 Some(op) => return Some(*op),
-                None => self.at[member] = (window + 1, 0),
+                None => self.at[member] = (window + 1, 0, 0),
             }
         }
+    }
+
+    /// The channel of a content inside the window that the member has; and whether it is the sender.
+    fn inside(&self, member: usize, content: Content) -> Option<(usize, bool)> {
+        let link = self.wiring.links.iter().position(|link| link.content == content)?;
+        let Link { from, to, .. } = self.wiring.links[link];
+        (from == member || to == member).then_some((link, from == member))
     }
 
     /// Whether the member could do its next operation; an error if a message is not the foretold one.
@@ -50,14 +79,12 @@ impl<'a> Play<'a> {
         };
         let window = self.at[member].0;
         match op {
-            Op::Advance => {}
+            Op::Advance => return self.advance(member, window),
             Op::Send { edge } => {
                 let link = self.wiring.members[member].links[edge];
-                if self.channels[link].len() as u64 >= self.wiring.links[link].depth {
+                if !self.send(link, window) {
                     return Ok(false);
                 }
-                self.channels[link].push_back(window);
-                self.most[link] = self.most[link].max(self.channels[link].len());
             }
             Op::Receive { edge, lag } => {
                 let link = self.wiring.members[member].links[edge];
@@ -69,7 +96,48 @@ impl<'a> Play<'a> {
                 }
             }
         }
-        self.at[member].1 += 1;
+        self.next(member);
+        Ok(true)
+    }
+
+    fn next(&mut self, member: usize) {
+        let (window, index, _) = self.at[member];
+        self.at[member] = (window, index + 1, 0);
+    }
+
+    fn send(&mut self, link: usize, window: u64) -> bool {
+        if self.channels[link].len() as u64 >= self.wiring.links[link].depth {
+            return false;
+        }
+        self.channels[link].push_back(window);
+        self.most[link] = self.most[link].max(self.channels[link].len());
+        true
+    }
+
+    fn advance(&mut self, member: usize, window: u64) -> Result<bool, String> {
+        let Some((_, is_grains)) = self.inside(member, Content::Carrier) else {
+            self.next(member);
+            return Ok(true);
+        };
+        let messages = exchange(window, is_grains);
+        let Some((content, sends)) = messages.get(self.at[member].2) else {
+            self.next(member);
+            return Ok(true);
+        };
+        let (link, is_sender) = self.inside(member, *content).unwrap();
+        assert_eq!(is_sender, *sends);
+        if is_sender {
+            if !self.send(link, window) {
+                return Ok(false);
+            }
+        } else {
+            match self.channels[link].pop_front() {
+                None => return Ok(false),
+                Some(found) if found != window => return Err(format!("{window}, found {found}")),
+                Some(_) => {}
+            }
+        }
+        self.at[member].2 += 1;
         Ok(true)
     }
 
@@ -139,6 +207,67 @@ fn depth_is_what_is_needed_and_one_more() {
 }
 
 #[test]
+fn rubber_takes_part_as_fluid_and_grains_do() {
+    let receive = |edge, lag| Op::Receive { edge, lag };
+    let send = |edge| Op::Send { edge };
+    for schedule in SCHEDULES {
+        let wiring = wire(schedule, &TRIO);
+        check(&wiring).unwrap();
+        let content =
+            |member: usize, edge: usize| wiring.links[wiring.members[member].links[edge]].content;
+        let [fluid, grains, rubber] = [0, 1, 2].map(|m| wiring.members[m].script.clone());
+        assert_eq!(rubber.start, [Op::Advance, send(4)]);
+        assert_eq!(rubber.window, [receive(5, 1), Op::Advance, send(4)]);
+        assert_eq!([content(2, 4), content(2, 5)], [Content::Surface, Content::SurfaceLoad]);
+        assert_eq!(grains.start, [Op::Advance, send(EVENTS), send(STATE)]);
+        assert_eq!(grains.window, [receive(LOAD, 1), Op::Advance, send(EVENTS), send(STATE)]);
+        let hear = [receive(EVENTS, 0), receive(STATE, 0), receive(3, 0)];
+        let work = [Op::Advance, send(LOAD), send(4)];
+        assert_eq!([content(0, 3), content(0, 4)], [Content::Surface, Content::SurfaceLoad]);
+        assert_eq!(fluid.start, [&hear[..], &work].concat());
+        let parallel = schedule == Schedule::Parallel;
+        let window = if parallel { [work, hear].concat() } else { [hear, work].concat() };
+        assert_eq!(fluid.window, window);
+        let load = wiring.links.iter().find(|link| link.content == Content::SurfaceLoad).unwrap();
+        assert_eq!(load.events_lag, u64::from(parallel));
+    }
+    let dry = wire(Schedule::Serial, &DRY);
+    check(&dry).unwrap();
+    assert_eq!(dry.members[0].script, alone());
+    assert_eq!(dry.members[1].script, alone());
+    assert!(dry.links.iter().all(|link| link.content.is_inside_window() && link.depth == 3));
+}
+
+#[test]
+fn an_exchange_inside_a_window_that_cannot_begin_is_named() {
+    // The fluid wants the surface before it gives the loads of the window before; the rubber advances
+    // only with the grains, which want those loads first.
+    let mut wiring = wire(Schedule::Serial, &TRIO);
+    let rubber = &mut wiring.members[2].script;
+    rubber.start = vec![Op::Send { edge: 4 }, Op::Advance];
+    rubber.window = vec![Op::Send { edge: 4 }, Op::Receive { edge: 5, lag: 1 }, Op::Advance];
+    check(&wiring).unwrap();
+    // And only after it has heard what the fluid finds with the grains' state of the same window.
+    wiring.members[2].script.start.insert(1, Op::Receive { edge: 5, lag: 0 });
+    wiring.members[2].script.window[1] = Op::Receive { edge: 5, lag: 0 };
+    let ScheduleError::Deadlock { cycle } = check(&wiring).unwrap_err() else { panic!() };
+    assert!(cycle.iter().any(|op| op.contains("surface_load")), "{cycle:?}");
+    assert_eq!(Play::new(&wiring, 3).run(&[]), Ok(false));
+    // An edge of the exchange is in no script, and each side advances once.
+    let mut wiring = wire(Schedule::Serial, &DRY);
+    wiring.members[0].script.window.push(Op::Send { edge: 0 });
+    assert!(check(&wiring).unwrap_err().to_string().contains("exchange inside the window"));
+    for script in [vec![], vec![Op::Advance; 2]] {
+        let mut wiring = wire(Schedule::Serial, &DRY);
+        wiring.members[1].script.window = script;
+        assert!(check(&wiring).unwrap_err().to_string().contains("expected once"));
+    }
+    let mut wiring = wire(Schedule::Serial, &DRY);
+    wiring.links[1].depth = 0;
+    assert!(matches!(check(&wiring), Err(ScheduleError::Overflow { bound: 2, .. })));
+}
+
+#[test]
 fn a_circle_of_waiting_is_named() {
     // The fluid's loads of a window need the state of that window, and grains wait for them.
     let mut wiring = wire(Schedule::Serial, &BOTH);
@@ -170,6 +299,26 @@ fn a_missing_send_is_named() {
 
 proptest! {
     #[test]
+    fn with_rubber_no_order_of_turns_locks_up_or_has_too_much_under_way(
+        turns in prop::collection::vec(0usize..3, 0..40),
+        parallel: bool,
+        wet: bool,
+    ) {
+        let members = if wet { &TRIO[..] } else { &DRY[..] };
+        let wiring = wire(SCHEDULES[usize::from(parallel)], members);
+        let mut play = Play::new(&wiring, 20);
+        prop_assert_eq!(play.run(&turns), Ok(true));
+        for (link, most) in wiring.links.iter().zip(&play.most) {
+            let bound = match link.content {
+                Content::Carrier => INSIDE_BOUND as usize,
+                content if content.is_inside_window() => 1,
+                _ => 1 + usize::from(parallel),
+            };
+            prop_assert!(*most <= bound, "{:?}", link.content);
+        }
+    }
+
+    #[test]
     fn no_order_of_turns_locks_up(turns in prop::collection::vec(0usize..2, 0..40), parallel: bool) {
         let wiring = wire(SCHEDULES[usize::from(parallel)], &BOTH);
         let mut play = Play::new(&wiring, 20);
@@ -180,13 +329,15 @@ proptest! {
     /// Whatever is swapped, dropped or doubled in a script: if the check accepts it, it runs in any order.
     #[test]
     fn what_the_check_accepts_runs(
-        damage in prop::collection::vec((0usize..2, any::<bool>(), 0usize..3, 0usize..4, 0usize..4), 1..3),
-        turns in prop::collection::vec(0usize..2, 0..20),
+        damage in prop::collection::vec((0usize..3, any::<bool>(), 0usize..3, 0usize..4, 0usize..4), 1..3),
+        turns in prop::collection::vec(0usize..3, 0..20),
         parallel: bool,
+        rubber: bool,
     ) {
-        let mut wiring = wire(SCHEDULES[usize::from(parallel)], &BOTH);
+        let members = if rubber { &TRIO[..] } else { &BOTH[..] };
+        let mut wiring = wire(SCHEDULES[usize::from(parallel)], members);
         for (member, start, kind, a, b) in damage {
-            let script = &mut wiring.members[member].script;
+            let script = &mut wiring.members[member % members.len()].script;
             let ops = if start { &mut script.start } else { &mut script.window };
             if ops.is_empty() {
                 continue;

@@ -38,32 +38,69 @@ pub fn effective_force(
     places: &[[f64; 3]],
     loads: &[[f64; 3]],
 ) -> EffectiveForce {
-    let mut seat = Sum::default();
-    let mut exposed = Sum::default();
+    let mut sums = Sums::default();
     for ((triangle, kind), load) in surface.triangles.iter().zip(&surface.kinds).zip(loads) {
-        let sum = match kind {
-            FacetKind::Seat => &mut seat,
-            FacetKind::Exposed => &mut exposed,
-            FacetKind::Bonded => continue,
-        };
-        sum.add(triangle.map(|vertex| places[vertex as usize]), load);
+        let corners = triangle.map(|vertex| places[vertex as usize]);
+        sums.add_area(*kind, corners, 1.0);
+        sums.add_load(*kind, corners, *load);
     }
-    let (seat_pressure, exposed_pressure) = (seat.pressure(), exposed.pressure());
-    let force = match form {
-        Form::Axial => seat.axial - exposed_pressure * seat.projected,
-        Form::Pressure => seat.area * (seat_pressure - exposed_pressure),
-    };
-    EffectiveForce {
-        force,
-        seat_pressure,
-        exposed_pressure,
-        seat_area: seat.area,
-        exposed_area: exposed.area,
+    sums.force(form)
+}
+
+/// Areas and loads of a ring, collected triangle by triangle, in any order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    seat: Sum,
+    exposed: Sum,
+}
+
+impl Sums {
+    /// Adds the area of `times` triangles that are all turned about the axis from the one with these
+    /// `corners` [m].
+    pub fn add_area(&mut self, kind: FacetKind, corners: [[f64; 3]; 3], times: f64) {
+        if let Some(sum) = self.of(kind) {
+            let cross = twice_area(corners);
+            sum.area += 0.5 * times * length(cross);
+            sum.projected -= 0.5 * times * cross[2];
+        }
+    }
+
+    /// Adds a load [N] on the triangle with these `corners` [m].
+    pub fn add_load(&mut self, kind: FacetKind, corners: [[f64; 3]; 3], load: [f64; 3]) {
+        if let Some(sum) = self.of(kind) {
+            sum.inward += inward(corners, load);
+            sum.axial += load[2];
+        }
+    }
+
+    /// The force of all loads.
+    pub fn force(&self, form: Form) -> EffectiveForce {
+        let Self { seat, exposed } = self;
+        let (seat_pressure, exposed_pressure) = (seat.pressure(), exposed.pressure());
+        let force = match form {
+            Form::Axial => seat.axial - exposed_pressure * seat.projected,
+            Form::Pressure => seat.area * (seat_pressure - exposed_pressure),
+        };
+        EffectiveForce {
+            force,
+            seat_pressure,
+            exposed_pressure,
+            seat_area: seat.area,
+            exposed_area: exposed.area,
+        }
+    }
+
+    fn of(&mut self, kind: FacetKind) -> Option<&mut Sum> {
+        match kind {
+            FacetKind::Seat => Some(&mut self.seat),
+            FacetKind::Exposed => Some(&mut self.exposed),
+            FacetKind::Bonded => None,
+        }
     }
 }
 
-/// Sums over the triangles of a surface.
-#[derive(Default)]
+/// Sums over the triangles of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Sum {
     area: f64,
     /// Area as seen from the seat.
@@ -75,24 +112,32 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, [a, b, c]: [[f64; 3]; 3], load: &[f64; 3]) {
-        let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
-        let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
-        let cross =
-            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let twice = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt();
-        if twice > 0.0 {
-            let outward = cross[0] * load[0] + cross[1] * load[1] + cross[2] * load[2];
-            self.inward -= outward / twice;
-        }
-        self.area += 0.5 * twice;
-        self.projected -= 0.5 * cross[2];
-        self.axial += load[2];
-    }
-
     fn pressure(&self) -> f64 {
         if self.area > 0.0 { self.inward / self.area } else { 0.0 }
     }
+}
+
+/// The part of a load [N] that presses on the triangle with these corners; 0 where it has no area.
+pub fn inward(corners: [[f64; 3]; 3], load: [f64; 3]) -> f64 {
+    let cross = twice_area(corners);
+    let twice = length(cross);
+    let outward = cross[0] * load[0] + cross[1] * load[1] + cross[2] * load[2];
+    if twice > 0.0 { -outward / twice } else { 0.0 }
+}
+
+/// Area of the triangle with these corners [m²].
+pub fn area(corners: [[f64; 3]; 3]) -> f64 {
+    0.5 * length(twice_area(corners))
+}
+
+fn twice_area([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
+    let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 #[cfg(test)]

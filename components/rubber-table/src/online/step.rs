@@ -81,8 +81,7 @@ pub struct Start {
 
 /// A step on its way.
 #[derive(Clone, Debug)]
-pub struct Step<'a> {
-    table: &'a Table,
+pub struct Step {
     law: Law,
     start: Start,
     eta: f64,
@@ -158,12 +157,12 @@ pub enum StepError {
     },
 }
 
-impl<'a> Step<'a> {
+impl Step {
     /// Begins a step; the first trial is the compression at its start.
     ///
     /// # Errors
     /// If that lies beyond the table.
-    pub fn begin(table: &'a Table, law: Law, start: Start) -> Result<Self, StepError> {
+    pub fn begin(table: &Table, law: Law, start: Start) -> Result<Self, StepError> {
         let at = table.bracket(start.compression)?;
         let newton = (start.contact_stiffness + table.slope(at)) * start.dt;
         let eta = match law.eta {
@@ -171,7 +170,7 @@ impl<'a> Step<'a> {
             Eta::AtLeast(least) => least.max(newton),
         };
         let trial = start.compression.max(0.0);
-        Ok(Self { table, law, start, eta, trial, at, first_change: 0.0, passes: 0, before: None })
+        Ok(Self { law, start, eta, trial, at, first_change: 0.0, passes: 0, before: None })
     }
 
     /// The compression for which the force is wanted [m].
@@ -184,32 +183,32 @@ impl<'a> Step<'a> {
         self.at
     }
 
-    /// One pass, with the effective `force` [N] at the trial.
+    /// One pass, with the effective `force` [N] at the trial; `table` is the one that it began with.
     ///
     /// # Errors
     /// If the trial leaves the table, the force is no number or has the wrong sign, or passes run out.
-    pub fn pass(&mut self, force: f64) -> Result<Outcome, StepError> {
+    pub fn pass(&mut self, table: &Table, force: f64) -> Result<Outcome, StepError> {
         if !force.is_finite() {
             return Err(StepError::NotFinite { compression: self.trial, force });
         }
         self.check_sign(force)?;
-        let next = self.next(force).max(0.0);
+        let next = self.next(table, force).max(0.0);
         let change = (next - self.trial).abs();
         self.before = Some((self.trial, force));
-        self.at = self.table.bracket(next)?;
+        self.at = table.bracket(next)?;
         self.trial = next;
         self.passes += 1;
         if self.passes == 1 {
             self.first_change = change;
         }
         // What round-off could change is none.
-        let least = 8.0 * f64::EPSILON * self.table.last_compression();
+        let least = 8.0 * f64::EPSILON * table.last_compression();
         if change <= self.law.tolerance * self.first_change + least {
             let rate = (next - self.start.compression) / self.start.dt;
             return Ok(Outcome::Settled(Settled { compression: next, rate, passes: self.passes }));
         }
         if self.passes >= self.law.most_passes {
-            let newton = (self.start.contact_stiffness + self.table.slope(self.at)) * self.start.dt;
+            let newton = (self.start.contact_stiffness + table.slope(self.at)) * self.start.dt;
             let least = (0.5 * (newton - self.law.damping - self.start.impedance.0)).max(0.0);
             return Err(StepError::NotSettled {
                 passes: self.passes,
@@ -221,10 +220,10 @@ impl<'a> Step<'a> {
         Ok(Outcome::Again)
     }
 
-    fn next(&self, force: f64) -> f64 {
+    fn next(&self, table: &Table, force: f64) -> f64 {
         let Start { compression, rate, dt, impedance: Impedance(z), .. } = self.start;
         let damping = self.law.damping + z;
-        let drive = force + z * rate - self.table.force(self.at);
+        let drive = force + z * rate - table.force(self.at);
         (drive * dt + compression * damping + self.trial * self.eta) / (self.eta + damping)
     }
 
@@ -255,7 +254,7 @@ pub fn relax(
 ) -> Result<Settled, StepError> {
     let mut step = Step::begin(table, law, start)?;
     loop {
-        if let Outcome::Settled(settled) = step.pass(force(step.bracket()))? {
+        if let Outcome::Settled(settled) = step.pass(table, force(step.bracket()))? {
             return Ok(settled);
         }
     }

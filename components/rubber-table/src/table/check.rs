@@ -60,6 +60,18 @@ pub enum TableError {
         /// Its radius [m].
         radius: f64,
     },
+    /// A vertex that leaves the axis.
+    #[error(
+        "vertex {vertex} lies on the axis at rest and has radius {radius} m in frame {frame}; what is on the axis stays there"
+    )]
+    LeavesAxis {
+        /// The vertex, from 0.
+        vertex: usize,
+        /// The frame, from 0.
+        frame: usize,
+        /// Its radius [m].
+        radius: f64,
+    },
     /// A facet or quadrilateral that names a vertex which is not there.
     #[error("{what} name vertex {vertex}, but there are {count}, counted from 0")]
     NoSuchVertex {
@@ -101,9 +113,22 @@ pub(super) fn check(contents: &Contents) -> Result<(), TableError> {
     for (frame, vertices) in contents.vertices.iter().enumerate() {
         check_vertices(frame, vertices)?;
     }
+    check_axis(contents)?;
     check_outline(contents)?;
     check_bond(contents)?;
     check_extras(contents)
+}
+
+/// A surface turned about the axis has one vertex for a point on it, and many for any other.
+fn check_axis(contents: &Contents) -> Result<(), TableError> {
+    for (frame, vertices) in contents.vertices.iter().enumerate() {
+        let left = (contents.vertices[0].iter().zip(vertices))
+            .position(|(rest, now)| rest[0] == 0.0 && now[0] != 0.0);
+        if let Some(vertex) = left {
+            return Err(TableError::LeavesAxis { vertex, frame, radius: vertices[vertex][0] });
+        }
+    }
+    Ok(())
 }
 
 fn check_lengths(contents: &Contents) -> Result<(), TableError> {

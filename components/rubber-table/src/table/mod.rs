@@ -36,7 +36,8 @@ mod surface;
 
 pub use check::TableError;
 pub use file::FileError;
-pub use surface::{FacetKind, Surface};
+pub use surface::{Outline, Surface};
+pub use tremie_messages::scene::FacetKind;
 
 use crate::mesh::Point;
 use serde::{Deserialize, Serialize};
@@ -186,6 +187,15 @@ impl Table {
     pub fn vertices_into(&self, at: Bracket, out: &mut [Point]) {
         let (a, b) = (&self.contents.vertices[at.frame], &self.contents.vertices[at.frame + 1]);
         for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+            *out = [mix(at.weight, a[0], b[0]), mix(at.weight, a[1], b[1])];
+        }
+    }
+
+    /// As [`Table::vertices_into`], for these `vertices` alone.
+    pub fn vertices_of_into(&self, at: Bracket, vertices: &[usize], out: &mut [Point]) {
+        let (a, b) = (&self.contents.vertices[at.frame], &self.contents.vertices[at.frame + 1]);
+        for (out, vertex) in out.iter_mut().zip(vertices) {
+            let (a, b) = (a[*vertex], b[*vertex]);
             *out = [mix(at.weight, a[0], b[0]), mix(at.weight, a[1], b[1])];
         }
     }

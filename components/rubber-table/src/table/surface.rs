@@ -1,123 +1,60 @@
-//! The outline revolved about the axis: a closed surface of triangles, or open where it is cut.
+//! The outline of the table's section, and the surface in space that it sweeps.
 
-use super::{Facets, Table};
-use crate::mesh::Point;
-
-/// What becomes of a piece of the surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FacetKind {
-    /// A: touches the seat in the last frame.
-    Seat,
-    /// B: stays free.
-    Exposed,
-    /// Held by steel.
-    Bonded,
-}
+use super::Table;
+use tremie_geometry::Turned;
+use tremie_messages::scene::{FacetKind, Section, SectionEdge};
 
 /// The surface of the ring in space, the axis along z. Which vertices a triangle has never changes;
-/// where they are follows from the section.
+/// where they are follows from the section's.
+pub type Surface = Turned;
+
+/// The outline without what lies inside, and where its points come from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surface {
-    /// Vertices of each triangle, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
-    /// What becomes of each: all of the seat first, then the exposed, then the bonded.
-    pub kinds: Vec<FacetKind>,
-    /// Vertex of the section behind each vertex.
-    pub section: Vec<usize>,
-    /// Cosine and sine of each vertex's angle about the axis.
-    turns: Vec<[f64; 2]>,
+pub struct Outline {
+    /// The outline at rest: what a scene says of the seal.
+    pub section: Section,
+    /// Vertex of the table behind each of its points.
+    pub vertices: Vec<usize>,
 }
 
 impl Table {
-    /// Revolves the outline in `sectors` steps, at least 3.
+    /// The outline, its points in the order in which the facets name them.
+    pub fn outline(&self) -> Outline {
+        let rest = &self.contents().vertices[0];
+        let mut place = vec![None; rest.len()];
+        let mut outline = Outline { section: Section::default(), vertices: Vec::new() };
+        for (kind, [a, b]) in self.edges() {
+            let mut point = |vertex: usize| {
+                *place[vertex].get_or_insert_with(|| {
+                    outline.section.points.push(rest[vertex]);
+                    outline.vertices.push(vertex);
+                    outline.vertices.len() as u32 - 1
+                })
+            };
+            let points = [point(a), point(b)];
+            outline.section.edges.push(SectionEdge { points, kind });
+        }
+        outline
+    }
+
+    /// Revolves the outline in `sectors` steps, at least 3. The points of its section are all the
+    /// vertices of the table.
     pub fn surface(&self, sectors: usize) -> Surface {
-        let contents = self.contents();
-        let on_axis: Vec<bool> = (0..contents.vertices[0].len())
-            .map(|vertex| contents.vertices.iter().all(|frame| frame[vertex][0] == 0.0))
-            .collect();
-        Revolution::new(&contents.facets, &on_axis, sectors.max(3)).surface(&contents.facets)
-    }
-}
-
-impl Surface {
-    /// Writes the places of all vertices [m] for `section`, as from
-    /// [`Table::vertices_into`](super::Table::vertices_into), into `out`.
-    pub fn place_into(&self, section: &[Point], out: &mut [[f64; 3]]) {
-        for ((out, vertex), [cos, sin]) in out.iter_mut().zip(&self.section).zip(&self.turns) {
-            let [r, z] = section[*vertex];
-            *out = [r * cos, r * sin, z];
-        }
+        let points = self.contents().vertices[0].clone();
+        let edge =
+            |(kind, ends): (_, [usize; 2])| SectionEdge { points: ends.map(|v| v as u32), kind };
+        Turned::new(&Section { points, edges: self.edges().map(edge).collect() }, sectors)
     }
 
-    /// Places of all vertices [m] for `section`.
-    pub fn places(&self, section: &[Point]) -> Vec<[f64; 3]> {
-        let mut out = vec![[0.0; 3]; self.section.len()];
-        self.place_into(section, &mut out);
-        out
-    }
-}
-
-/// Numbers of the vertices in space: on each circle as many as sectors, on the axis one.
-struct Revolution {
-    sectors: usize,
-    /// First number of each of the section's vertices; `usize::MAX` of those inside.
-    first: Vec<usize>,
-    on_axis: Vec<bool>,
-    section: Vec<usize>,
-    turns: Vec<[f64; 2]>,
-}
-
-impl Revolution {
-    fn new(facets: &Facets, on_axis: &[bool], sectors: usize) -> Self {
-        let (first, on_axis) = (vec![usize::MAX; on_axis.len()], on_axis.to_vec());
-        let mut out = Self { sectors, first, on_axis, section: Vec::new(), turns: Vec::new() };
-        let edges = facets.seat.iter().chain(&facets.exposed).chain(&facets.bonded);
-        for &vertex in edges.flatten() {
-            if out.first[vertex] == usize::MAX {
-                out.first[vertex] = out.section.len();
-                for k in 0..if out.on_axis[vertex] { 1 } else { sectors } {
-                    let (sin, cos) =
-                        libm::sincos(core::f64::consts::TAU * k as f64 / sectors as f64);
-                    out.section.push(vertex);
-                    out.turns.push([cos, sin]);
-                }
-            }
-        }
-        out
-    }
-
-    fn surface(self, facets: &Facets) -> Surface {
-        let mut triangles = Vec::new();
-        let mut kinds = Vec::new();
-        for (kind, edges) in [
+    fn edges(&self) -> impl Iterator<Item = (FacetKind, [usize; 2])> {
+        let facets = &self.contents().facets;
+        [
             (FacetKind::Seat, &facets.seat),
             (FacetKind::Exposed, &facets.exposed),
             (FacetKind::Bonded, &facets.bonded),
-        ] {
-            for edge in edges {
-                self.revolve(*edge, &mut triangles);
-            }
-            kinds.resize(triangles.len(), kind);
-        }
-        Surface { triangles, kinds, section: self.section, turns: self.turns }
-    }
-
-    fn revolve(&self, [a, b]: [usize; 2], out: &mut Vec<[u32; 3]>) {
-        for k in 0..self.sectors {
-            let (a0, a1) = (self.at(a, k), self.at(a, k + 1));
-            let (b0, b1) = (self.at(b, k), self.at(b, k + 1));
-            if a0 != a1 {
-                out.push([a0, a1, b1]);
-            }
-            if b0 != b1 {
-                out.push([a0, b1, b0]);
-            }
-        }
-    }
-
-    fn at(&self, vertex: usize, k: usize) -> u32 {
-        let turn = if self.on_axis[vertex] { 0 } else { k % self.sectors };
-        (self.first[vertex] + turn) as u32
+        ]
+        .into_iter()
+        .flat_map(|(kind, edges)| edges.iter().map(move |edge| (kind, *edge)))
     }
 }
 
@@ -126,63 +63,44 @@ mod tests {
     use super::super::Contents;
     use super::super::tests::example;
     use super::*;
-    use std::collections::BTreeMap;
 
-    fn volume(surface: &Surface, section: &[Point]) -> f64 {
-        let places = surface.places(section);
-        let part = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|vertex| places[vertex as usize]);
-            let cross =
-                [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
-            (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0
-        };
-        surface.triangles.iter().map(part).sum()
-    }
-
-    /// Each edge is passed once in each direction.
-    fn is_closed(surface: &Surface) -> bool {
-        let mut balance = BTreeMap::new();
-        for [a, b, c] in &surface.triangles {
-            for (a, b) in [(a, b), (b, c), (c, a)] {
-                *balance.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { 1 } else { -1 };
-            }
+    #[test]
+    fn the_outline_turns_into_the_same_surface_as_the_whole_section() {
+        // A vertex inside, and one more in the middle of nothing.
+        let mut contents = example();
+        for frame in &mut contents.vertices {
+            frame.insert(0, [1.5, 0.5]);
+            frame.push([1.2, 0.6]);
         }
-        balance.values().all(|sum| *sum == 0)
-    }
-
-    /// A regular polygon has sin(x)/x of its circle's area, x = 2π/sectors.
-    fn polygon(sectors: usize) -> f64 {
-        let x = core::f64::consts::TAU / sectors as f64;
-        libm::sin(x) / x
+        for [a, b] in (contents.facets.seat.iter_mut())
+            .chain(&mut contents.facets.exposed)
+            .chain(&mut contents.facets.bonded)
+        {
+            (*a, *b) = (*a + 1, *b + 1);
+        }
+        contents.quads = vec![[1, 2, 3, 4]];
+        let table = Table::new(contents).unwrap();
+        let outline = table.outline();
+        assert_eq!(outline.vertices, [1, 2, 3, 4]);
+        let (whole, alone) = (table.surface(12), Turned::new(&outline.section, 12));
+        assert_eq!((&whole.triangles, &whole.kinds), (&alone.triangles, &alone.kinds));
+        let at = table.bracket(0.2).unwrap();
+        let section = table.vertices(at);
+        let points: Vec<_> = outline.vertices.iter().map(|vertex| section[*vertex]).collect();
+        assert_eq!(whole.places(&section), alone.places(&points));
+        assert!(alone.kinds.is_sorted());
     }
 
     #[test]
-    fn a_ring_is_closed_outward_and_has_its_volume() {
-        let table = Table::new(example()).unwrap();
-        for sectors in [3, 12] {
-            let surface = table.surface(sectors);
-            assert!(is_closed(&surface));
-            let exact = core::f64::consts::PI * 3.0 * polygon(sectors);
-            assert!((volume(&surface, &example().vertices[0]) / exact - 1.0).abs() < 1e-12);
-            let count = |kind| surface.kinds.iter().filter(|k| **k == kind).count();
-            assert_eq!(
-                [FacetKind::Seat, FacetKind::Exposed, FacetKind::Bonded].map(count),
-                [2 * sectors, 4 * sectors, 2 * sectors]
-            );
-            assert!(surface.kinds.is_sorted());
-        }
-    }
-
-    #[test]
-    fn a_disc_has_single_vertices_on_the_axis() {
+    fn what_is_on_the_axis_stays_there() {
         let frame = |c: f64| vec![[0.0, c], [2.0 + c, c], [2.0, 1.0], [0.0, 1.0]];
         let mut contents = Contents { vertices: [0.0, 0.1, 0.3].map(frame).to_vec(), ..example() };
         // The axis is no surface.
         contents.facets.exposed.pop();
         let surface = Table::new(contents.clone()).unwrap().surface(8);
-        assert!(is_closed(&surface));
         assert_eq!(surface.section.iter().filter(|vertex| **vertex == 0).count(), 1);
-        let exact = core::f64::consts::PI * 4.0 * polygon(8);
-        assert!((volume(&surface, &contents.vertices[0]) / exact - 1.0).abs() < 1e-12);
+        contents.vertices[1][0][0] = 0.05;
+        let error = Table::new(contents).unwrap_err().to_string();
+        assert!(error.contains("vertex 0") && error.contains("axis"), "{error}");
     }
 }

@@ -8,3 +8,4 @@ mod files;
 mod mending;
 mod questions;
 mod shapes;
+mod turned;

@@ -9,6 +9,7 @@ mod parts;
 mod probes;
 mod reservoir;
 mod slider;
+mod surfaces;
 
 pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
@@ -17,6 +18,7 @@ pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
 pub use slider::{Slider, SliderSpring, Stops};
+pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge};
 
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +36,9 @@ pub struct Scene {
     pub planes: Vec<Plane>,
     /// Surfaces of rigid parts: walls, things that move, regions with boundary conditions.
     pub parts: Vec<Part>,
+    /// Surfaces that change their shape: seals of rubber, each carried by a part.
+    #[serde(default)]
+    pub surfaces: Vec<DeformableSurface>,
     /// Spheres, in sets of one material and motion.
     pub bodies: Vec<BodySet>,
     /// Contact laws, one for each pair of materials that may touch.
@@ -51,6 +56,7 @@ impl Scene {
             fluid: None,
             planes: Vec::new(),
             parts: Vec::new(),
+            surfaces: Vec::new(),
             bodies: Vec::new(),
             contacts: Vec::new(),
             probes: Vec::new(),

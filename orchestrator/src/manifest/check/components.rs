@@ -38,6 +38,10 @@ fn component(
     if table.sync_iter.is_some() && role == Some(Role::Observer) {
         findings.problem(&path::join(&at, "sync_iter"), "an observer makes no substeps");
     }
+    if table.sync_iter.is_some() && role == Some(Role::Rubber) {
+        let message = "a rubber makes the substeps of the grains, expected no number of its own";
+        findings.problem_with_help(&path::join(&at, "sync_iter"), message, "give it to the grains");
+    }
     let program = program?;
     let mut own = settings.get(stem(&program)).cloned().unwrap_or_default();
     own.extend(table.settings.clone().unwrap_or_default());
@@ -86,7 +90,7 @@ fn role(table: &ComponentTable, at: &str, findings: &mut Findings) -> Option<Rol
         findings.problem_with_help(
             &key,
             "missing: what the component stands for; its name does not say it",
-            "add role = \"fluid\", \"grains\" or \"observer\"",
+            "add role = \"fluid\", \"grains\", \"rubber\" or \"observer\"",
         );
     }
     table.role
@@ -125,11 +129,41 @@ fn moved(document: &Document, grains: bool, findings: &mut Findings) -> bool {
     first.is_none()
 }
 
+/// Whether surfaces and a rubber to shape them are both there, or neither; and grains to carry them.
+fn shaped(
+    document: &Document,
+    rubber: Option<&ComponentSpec>,
+    grains: Option<&ComponentSpec>,
+    findings: &mut Findings,
+) -> bool {
+    let has_surface = !document.scene.surfaces.is_empty();
+    let (key, message, help) = match rubber {
+        None if has_surface && !findings.is_unreadable("components") => (
+            path::item("scene.surfaces", 0),
+            "nobody shapes this surface: there is no component with the role rubber",
+            "add rubber = \"rubber-table\" to [components]",
+        ),
+        Some(rubber) if !has_surface && !findings.is_unreadable("scene.surfaces") => (
+            rubber.key(),
+            "a rubber needs a surface to shape, and the scene has none",
+            "add [[scene.surfaces]] with name, carrier and table",
+        ),
+        Some(rubber) if grains.is_none() && !findings.is_unreadable("components") => (
+            rubber.key(),
+            "a rubber needs grains, which move its carrier and find its contacts; there is no component with the role grains",
+            "add grains = \"grains-dem\" to [components]",
+        ),
+        _ => return true,
+    };
+    findings.problem_with_help(&key, message, help);
+    false
+}
+
 /// What only all components together can have wrong.
 fn together(components: &[ComponentSpec], document: &Document, findings: &mut Findings) -> bool {
     let of = |role| components.iter().filter(move |component| component.role == role);
     let mut right = true;
-    for role in [Role::Fluid, Role::Grains] {
+    for role in [Role::Fluid, Role::Grains, Role::Rubber] {
         if let Some(second) = of(role).nth(1) {
             let first = of(role).next().map_or("", |component| &component.name);
             findings.problem(
@@ -152,6 +186,7 @@ fn together(components: &[ComponentSpec], document: &Document, findings: &mut Fi
         right = false;
     }
     right &= moved(document, of(Role::Grains).next().is_some(), findings);
+    right &= shaped(document, of(Role::Rubber).next(), of(Role::Grains).next(), findings);
     let physics = components.iter().any(|component| component.role != Role::Observer);
     if !physics && !findings.is_unreadable("components") {
         findings.problem_with_help(

@@ -6,7 +6,8 @@ use super::super::read::Findings;
 use super::materials;
 use std::collections::{BTreeMap, BTreeSet};
 use tremie_messages::scene::{
-    BodySet, ContactLaw, Damping, Domain, Face, Motion, PairLaw, Part, Plane, Spring,
+    BodySet, ContactLaw, Damping, DeformableSurface, Domain, Face, Motion, PairLaw, Part, Plane,
+    Spring,
 };
 use tremie_messages::units::Dashpot;
 
@@ -15,6 +16,7 @@ pub(super) struct Surroundings<'a> {
     pub domain: &'a Domain,
     pub planes: &'a [Plane],
     pub parts: &'a [Part],
+    pub surfaces: &'a [DeformableSurface],
     pub bodies: &'a [BodySet],
 }
 
@@ -107,7 +109,8 @@ fn touching(around: &Surroundings<'_>) -> Vec<([String; 2], bool)> {
     let is_closed = (0..3).any(|a| around.domain.faces[a][0] != Face::Periodic);
     let walls = (is_closed.then_some(&around.domain.material).into_iter())
         .chain(around.planes.iter().map(|plane| &plane.material))
-        .chain(around.parts.iter().map(|part| &part.material));
+        .chain(around.parts.iter().map(|part| &part.material))
+        .chain(around.surfaces.iter().map(|surface| &surface.material));
     let walls: Vec<&String> = walls.collect();
     for (i, set) in around.bodies.iter().enumerate() {
         for other in &around.bodies[i..] {

@@ -14,6 +14,7 @@ mod placement;
 mod probes;
 mod run;
 mod scene;
+mod seals;
 mod slider;
 mod surfaces;
 

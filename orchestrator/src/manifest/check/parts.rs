@@ -23,7 +23,7 @@ fn part(
     names: &mut BTreeSet<String>,
     findings: &mut Findings,
 ) -> Option<Part> {
-    let name = name(table, at, names, findings);
+    let name = name(&table.name, "part", at, names, findings);
     let geometry = geometry(table, at, findings);
     let orientation = match &table.rotation {
         Some(rotation) => orientation(rotation, &path::join(at, "rotation"), findings),
@@ -46,14 +46,15 @@ fn part(
     })
 }
 
-/// Names of parts become parts of the names of signals.
-fn name(
-    table: &PartTable,
+/// The name of a `what`, which becomes part of the names of signals.
+pub(super) fn name(
+    name: &Option<String>,
+    what: &str,
     at: &str,
     names: &mut BTreeSet<String>,
     findings: &mut Findings,
 ) -> Option<String> {
-    let name = findings.required(&table.name, at, "name")?;
+    let name = findings.required(name, at, "name")?;
     let key = path::join(at, "name");
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if name.is_empty() || !name.chars().all(plain) {
@@ -62,7 +63,7 @@ fn name(
         return None;
     }
     if !names.insert(name.clone()) {
-        findings.problem(&key, format!("a second part with the name \"{name}\""));
+        findings.problem(&key, format!("a second {what} with the name \"{name}\""));
     }
     Some(name)
 }
@@ -119,7 +120,11 @@ fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geom
 
 /// The unit quaternion `(x, y, z, w)` of a rotation by an angle about an axis. By `libm`, so that it
 /// has the same bits on every machine.
-fn orientation(table: &RotationTable, at: &str, findings: &mut Findings) -> Option<[f64; 4]> {
+pub(super) fn orientation(
+    table: &RotationTable,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<[f64; 4]> {
     let axis = findings.required(&table.axis, at, "axis");
     let angle = findings.required(&table.angle, at, "angle");
     let axis = axis?;

@@ -4,7 +4,7 @@ use super::super::document::{FluidTable, PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
-use super::{bodies, domain, materials, parts, placement, probes, surfaces};
+use super::{bodies, domain, materials, parts, placement, probes, seals, surfaces};
 use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Part, Plane, Scene};
 
 pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene> {
@@ -13,6 +13,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     materials::materials(table, findings);
     let planes = planes(&table.planes, findings);
     let parts = parts::parts(&table.parts, findings);
+    let seals = seals::surfaces(&table.surfaces, &table.parts, findings);
     let bodies = bodies::bodies(&table.bodies, findings);
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
     if let Some(domain) = &domain {
@@ -21,9 +22,9 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     }
     let parts: Option<Vec<Part>> = parts.into_iter().collect();
     let bodies: Option<Vec<BodySet>> = bodies.into_iter().collect();
-    let around = match (&domain, &planes, &parts, &bodies) {
-        (Some(domain), Some(planes), Some(parts), Some(bodies)) => {
-            Some(Surroundings { domain, planes, parts, bodies })
+    let around = match (&domain, &planes, &parts, &seals, &bodies) {
+        (Some(domain), Some(planes), Some(parts), Some(surfaces), Some(bodies)) => {
+            Some(Surroundings { domain, planes, parts, surfaces, bodies })
         }
         _ => None,
     };
@@ -35,6 +36,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         domain: domain?,
         planes: planes?,
         parts: parts?,
+        surfaces: seals?,
         bodies: bodies?,
         probes: probes?,
     })

@@ -11,6 +11,7 @@ mod parts;
 mod probes;
 mod scene;
 mod slider;
+mod surfaces;
 mod values;
 
 pub(super) use bodies::*;
@@ -20,6 +21,7 @@ pub(super) use parts::*;
 pub(super) use probes::*;
 pub(super) use scene::*;
 pub(super) use slider::*;
+pub(super) use surfaces::*;
 pub(super) use values::{ComponentEntry, DiameterEntry};
 
 use schemars::JsonSchema;
@@ -74,11 +76,12 @@ pub(super) struct RunTable {
 pub(super) struct ComponentTable {
     /// A built-in component, or the path of any other program. Required.
     pub program: Option<String>,
-    /// What it stands for (default: by name, where that is fluid, grains, viewer, recorder or fields).
+    /// What it stands for (default: by name, where that is fluid, grains, rubber, viewer, recorder or fields).
     pub role: Option<Role>,
     /// Threads that it may use to compute (default: all cores for a fluid, else one).
     pub threads: Option<NonZeroU32>,
-    /// Substeps in a coupling window, fixed (default: as few as are stable).
+    /// Substeps in a coupling window, fixed (default: as few as are stable). A rubber makes those of the
+    /// grains.
     pub sync_iter: Option<NonZeroU32>,
     /// For an observer: whether physics waits, boundedly, rather than lose a frame of it
     /// (default: only for the programs `recorder` and `fields`).

@@ -2,6 +2,7 @@
 
 use super::{
     BodiesTable, ContactTable, DomainTable, FluidTable, MaterialTable, PartTable, ProbeTable,
+    SurfaceTable,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,7 +19,7 @@ pub(in super::super) struct SceneTable {
     pub domain: DomainTable,
     /// The fluid's material; left out for a dry run.
     pub fluid: Option<FluidTable>,
-    /// Materials of bodies, parts and walls, by name.
+    /// Materials of bodies, parts, surfaces and walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, MaterialTable>,
     /// Walls inside the domain.
@@ -27,6 +28,9 @@ pub(in super::super) struct SceneTable {
     /// Rigid parts with closed surfaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartTable>,
+    /// Seals of rubber: surfaces that change their shape, each carried by a part.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceTable>,
     /// Bodies, in sets of one material and motion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodiesTable>,

@@ -1,0 +1,378 @@
+//! A seal of a scene, through windows, substeps and trials.
+
+use super::force::{EffectiveForce, Form, Sums, area, inward};
+use super::placed::Placed;
+use super::step::{Impedance, Law, Outcome, Settled, Start, Step, StepError};
+use crate::mesh::Point;
+use crate::table::{FacetKind, Surface, Table};
+use tremie_messages::scene::DeformableSurface;
+use tremie_messages::{BodyState, FacetLoad, Load, SurfaceVertex};
+
+/// What a fluid adds to the resistance of a seal that is out of contact: ρ c for each area, and a mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Water {
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Speed of sound [m/s].
+    pub sound_speed: f64,
+    /// Mass of fluid that moves with the seal's foot [kg]; `None`: ρ A^(3/2), A the foot's area.
+    pub added_mass: Option<f64>,
+    /// Time between two exchanges with the fluid [s].
+    pub exchange: f64,
+}
+
+/// Why a seal cannot go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SealError {
+    /// Its compression was not found.
+    #[error("the seal \"{name}\": {error}")]
+    Step {
+        /// Name of the surface.
+        name: String,
+        /// Why.
+        error: StepError,
+    },
+    /// The table is not the one of the scene.
+    #[error(
+        "the table {file} of the seal \"{name}\" has another outline than the scene; did it change since the manifest was read? Start the run anew"
+    )]
+    OtherTable {
+        /// Name of the surface.
+        name: String,
+        /// The table's file.
+        file: String,
+    },
+}
+
+/// What a seal shows at a window's end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Readings {
+    /// Compression [m].
+    pub compression: f64,
+    /// Its rate over the last substep [m/s].
+    pub rate: f64,
+    /// Effective force on the seal, F [N].
+    pub force: f64,
+    /// Force of the table at this compression, h [N].
+    pub table_force: f64,
+    /// Mean pressure of contacts on what touches the seat [Pa].
+    pub seat_pressure: f64,
+    /// Largest pressure of contacts on a facet of it [Pa].
+    pub peak_seat_pressure: f64,
+    /// Passes of the window's substeps: their mean.
+    pub mean_passes: f64,
+    /// Most passes of a substep of the window.
+    pub most_passes: u32,
+}
+
+/// A seal of a scene: its state, and the trial of a substep.
+///
+/// Loads and vertices are in the world's frame. The fluid's loads are constant through a window: the
+/// force that they make is found once, on the surface that the window begins with.
+#[derive(Clone, Debug)]
+pub struct Seal {
+    name: String,
+    table: Table,
+    surface: Surface,
+    /// Vertices of the table behind the section's points.
+    outline: Vec<usize>,
+    sectors: f64,
+    /// Triangles of the first sector: all others are turned from these.
+    first_sector: Vec<usize>,
+    law: Law,
+    form: Form,
+    impedance: Impedance,
+    dt: f64,
+    placed: Placed,
+    settled: Settled,
+    /// The section at the start of the substep, now, and its rate.
+    before: Vec<Point>,
+    points: Vec<Point>,
+    rates: Vec<Point>,
+    /// Of the trial that the next pass is about; `None` where there is none.
+    trial: Option<Trial>,
+    fluid: FromFluid,
+    /// Load inwards on each facet [N], while the peak is sought; else 0.
+    pressing: Vec<f64>,
+    passes: Passes,
+    readings: Readings,
+}
+
+/// A substep on its way. The step begins with the first pass, which tells how stiff the contacts are.
+#[derive(Clone, Debug)]
+struct Trial(Option<Step>);
+
+/// What the fluid does through a window.
+#[derive(Clone, Copy, Debug, Default)]
+struct FromFluid {
+    /// Its part of the effective force [N].
+    effective: f64,
+    /// Resultant [N], and its moment about the world's origin [N m].
+    force: [f64; 3],
+    moment: [f64; 3],
+}
+
+/// Passes of a window.
+#[derive(Clone, Copy, Debug, Default)]
+struct Passes {
+    substeps: u32,
+    all: u32,
+    most: u32,
+}
+
+impl Seal {
+    /// A seal at rest, in steps of `dt` [s]. `water`: the fluid that it moves in, if any.
+    ///
+    /// # Errors
+    /// If `table` is not the one that `scene` was made with.
+    pub fn new(
+        scene: &DeformableSurface,
+        table: Table,
+        law: Law,
+        form: Form,
+        water: Option<Water>,
+        dt: f64,
+    ) -> Result<Self, SealError> {
+        let outline = table.outline();
+        let (name, file) = (scene.name.clone(), scene.table.clone());
+        if outline.section != scene.section {
+            return Err(SealError::OtherTable { name, file });
+        }
+        let surface = Surface::of(scene);
+        let points = outline.section.points;
+        let mut seal = Self {
+            name,
+            first_sector: first_sector(scene),
+            sectors: f64::from(scene.sectors.max(3)),
+            placed: Placed::new(scene.pose, &surface),
+            pressing: vec![0.0; surface.triangles.len()],
+            before: points.clone(),
+            rates: vec![[0.0; 2]; points.len()],
+            points,
+            outline: outline.vertices,
+            settled: Settled { compression: 0.0, rate: 0.0, passes: 0 },
+            impedance: Impedance::default(),
+            trial: None,
+            fluid: FromFluid::default(),
+            passes: Passes::default(),
+            readings: Readings::default(),
+            table,
+            surface,
+            law,
+            form,
+            dt,
+        };
+        seal.impedance = water.map_or(Impedance::default(), |water| seal.impedance_of(water));
+        Ok(seal)
+    }
+
+    /// Number of its vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.surface.vertex_count()
+    }
+
+    /// Number of its facets.
+    pub fn facet_count(&self) -> usize {
+        self.surface.triangles.len()
+    }
+
+    /// What a fluid adds to its resistance while it is out of contact.
+    pub fn impedance(&self) -> Impedance {
+        self.impedance
+    }
+
+    /// What it shows.
+    pub fn readings(&self) -> Readings {
+        self.readings
+    }
+
+    /// Takes it to where its carrier is; its shape stays.
+    pub fn follow(&mut self, carrier: &BodyState) {
+        self.placed.follow(carrier, &self.surface);
+    }
+
+    /// Begins a window, with the fluid's loads.
+    pub fn begin_window(&mut self, loads: impl Iterator<Item = FacetLoad>) {
+        let mut sums = self.areas();
+        let mut fluid = FromFluid::default();
+        for FacetLoad { facet, force, point, .. } in loads {
+            let facet = facet as usize;
+            let local = self.placed.turn_to_section(force);
+            sums.add_load(self.surface.kinds[facet], self.corners(facet), local);
+            let moment = cross(point, force);
+            for i in 0..3 {
+                fluid.force[i] += force[i];
+                fluid.moment[i] += moment[i];
+            }
+        }
+        fluid.effective = sums.force(self.form).force;
+        self.fluid = fluid;
+        self.passes = Passes::default();
+    }
+
+    /// Begins a substep, at whose end the carrier is there. The first trial has the shape of before.
+    pub fn begin_substep(&mut self, carrier: &BodyState) {
+        self.follow(carrier);
+        self.before.copy_from_slice(&self.points);
+        self.rates.fill([0.0; 2]);
+        self.trial = Some(Trial(None));
+    }
+
+    /// Whether the substep is done.
+    pub fn is_settled(&self) -> bool {
+        self.trial.is_none()
+    }
+
+    /// Writes the vertices: of the trial, or of what was accepted.
+    pub fn write(&self, out: &mut [SurfaceVertex]) {
+        self.placed.write(&self.surface, &self.points, &self.rates, out);
+    }
+
+    /// A pass, with the loads of contacts on the trial; `true` if it settled the substep.
+    ///
+    /// # Errors
+    /// If the step fails.
+    pub fn pass(
+        &mut self,
+        contacts: impl Iterator<Item = FacetLoad> + Clone,
+    ) -> Result<bool, SealError> {
+        let Some(Trial(step)) = self.trial.take() else { return Ok(true) };
+        let (of_contacts, stiffness) = self.collect(contacts.clone());
+        let force = of_contacts.force + self.fluid.effective;
+        let wrong = |error| SealError::Step { name: self.name.clone(), error };
+        let mut step = match step {
+            Some(step) => step,
+            None => Step::begin(&self.table, self.law, self.begin(stiffness)).map_err(wrong)?,
+        };
+        let outcome = step.pass(&self.table, force).map_err(wrong)?;
+        let peak = match outcome {
+            Outcome::Again => 0.0,
+            Outcome::Settled(_) => self.peak(contacts),
+        };
+        let at = step.bracket();
+        self.shape(at);
+        match outcome {
+            Outcome::Again => self.trial = Some(Trial(Some(step))),
+            Outcome::Settled(settled) => {
+                let Settled { compression, rate, passes } = settled;
+                self.settled = settled;
+                self.passes.add(passes);
+                self.readings = Readings {
+                    compression,
+                    rate,
+                    force,
+                    table_force: self.table.force(at),
+                    seat_pressure: of_contacts.seat_pressure,
+                    peak_seat_pressure: peak,
+                    mean_passes: f64::from(self.passes.all) / f64::from(self.passes.substeps),
+                    most_passes: self.passes.most,
+                };
+            }
+        }
+        Ok(matches!(outcome, Outcome::Settled(_)))
+    }
+
+    /// What it passes on to its carrier besides the contacts: the fluid's loads, about the carrier's
+    /// reference point.
+    pub fn resultant(&self) -> Load {
+        let FromFluid { force, moment, .. } = self.fluid;
+        let about = cross(self.placed.reference(), force);
+        Load { id: 0, force, torque: std::array::from_fn(|i| moment[i] - about[i]) }
+    }
+
+    fn begin(&self, contact_stiffness: f64) -> Start {
+        let Settled { compression, rate, .. } = self.settled;
+        // In contact, the seat holds the foot, and the fluid has no way to shake it.
+        let is_free = contact_stiffness == 0.0;
+        let impedance = if is_free { self.impedance } else { Impedance::default() };
+        Start { compression, rate, dt: self.dt, contact_stiffness, impedance }
+    }
+
+    fn impedance_of(&self, water: Water) -> Impedance {
+        let Water { density, sound_speed, added_mass, exchange } = water;
+        let foot = self.areas().force(self.form).seat_area;
+        let mass = added_mass.unwrap_or(density * foot * foot.sqrt());
+        Impedance::of_fluid(density, sound_speed, foot, mass, exchange)
+    }
+
+    /// The section at a place of the table, and its rate over the substep.
+    fn shape(&mut self, at: crate::table::Bracket) {
+        self.table.vertices_of_into(at, &self.outline, &mut self.points);
+        for ((rate, now), before) in self.rates.iter_mut().zip(&self.points).zip(&self.before) {
+            *rate = [(now[0] - before[0]) / self.dt, (now[1] - before[1]) / self.dt];
+        }
+    }
+
+    /// Areas of the present shape.
+    fn areas(&self) -> Sums {
+        let mut sums = Sums::default();
+        for &triangle in &self.first_sector {
+            sums.add_area(self.surface.kinds[triangle], self.corners(triangle), self.sectors);
+        }
+        sums
+    }
+
+    /// Corners of a facet, in the section's frame.
+    fn corners(&self, facet: usize) -> [[f64; 3]; 3] {
+        self.surface.triangles[facet].map(|v| self.surface.place(&self.points, v as usize))
+    }
+
+    /// The contacts' part of the effective force, and their stiffness where the seal touches its seat.
+    fn collect(&self, contacts: impl Iterator<Item = FacetLoad>) -> (EffectiveForce, f64) {
+        let mut sums = self.areas();
+        let mut seat_stiffness = 0.0;
+        for FacetLoad { facet, force, stiffness, .. } in contacts {
+            let facet = facet as usize;
+            let kind = self.surface.kinds[facet];
+            let local = self.placed.turn_to_section(force);
+            sums.add_load(kind, self.corners(facet), local);
+            if kind == FacetKind::Seat {
+                seat_stiffness += stiffness;
+            }
+        }
+        (sums.force(self.form), seat_stiffness)
+    }
+
+    /// Largest pressure of contacts on a facet that touches the seat [Pa].
+    fn peak(&mut self, contacts: impl Iterator<Item = FacetLoad> + Clone) -> f64 {
+        let mut peak = 0.0f64;
+        for FacetLoad { facet, force, .. } in contacts.clone() {
+            let facet = facet as usize;
+            if self.surface.kinds[facet] != FacetKind::Seat {
+                continue;
+            }
+            let corners = self.corners(facet);
+            self.pressing[facet] += inward(corners, self.placed.turn_to_section(force));
+            let area = area(corners);
+            if area > 0.0 {
+                peak = peak.max(self.pressing[facet] / area);
+            }
+        }
+        contacts.for_each(|load| self.pressing[load.facet as usize] = 0.0);
+        peak
+    }
+}
+
+impl Passes {
+    fn add(&mut self, passes: u32) {
+        self.substeps += 1;
+        self.all += passes;
+        self.most = self.most.max(passes);
+    }
+}
+
+/// Triangles of the first sector: each edge has as many in each sector as it has ends off the axis.
+fn first_sector(scene: &DeformableSurface) -> Vec<usize> {
+    let mut next = 0;
+    let mut first = Vec::new();
+    for edge in &scene.section.edges {
+        let ends = edge.points.iter().filter(|point| !scene.section.is_on_axis(**point)).count();
+        first.extend(next..next + ends);
+        next += ends * scene.sectors.max(3) as usize;
+    }
+    first
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

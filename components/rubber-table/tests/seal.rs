@@ -1,0 +1,236 @@
+//! A seal of a scene: the one-dimensional law in space, on a carrier that is turned and moves.
+
+use tremie_geometry::Frame;
+use tremie_messages::scene::{DeformableSurface, FacetKind, Pose};
+use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
+use tremie_rubber_table::online::{
+    Eta, Form, Impedance, Law, Seal, SealError, Start, StepError, Water, relax,
+};
+use tremie_rubber_table::table::{Contents, Facets, Surface, Table};
+
+const DT: f64 = 1e-7;
+const STIFFNESS: f64 = 1e5;
+/// h' of the ring [N/m].
+const SLOPE: f64 = 1.194e5;
+
+/// A ring with a flat foot whose force is proportional to its compression.
+fn ring() -> Table {
+    let compressions = vec![0.0, 0.3e-3, 0.6e-3];
+    let frame = |c: &f64| vec![[6.5e-3, *c], [11e-3, *c], [11e-3, 3e-3], [6.5e-3, 3e-3]];
+    Table::new(Contents {
+        forces: compressions.iter().map(|c| SLOPE * c).collect(),
+        vertices: compressions.iter().map(frame).collect(),
+        compressions,
+        facets: Facets { seat: vec![[0, 1]], exposed: vec![[1, 2], [3, 0]], bonded: vec![[2, 3]] },
+        ..Contents::default()
+    })
+    .unwrap()
+}
+
+/// The ring below its carrier's origin, its axis along the carrier's y.
+fn scene() -> DeformableSurface {
+    let quarter = 0.5f64.sqrt();
+    DeformableSurface {
+        name: "ring".into(),
+        carrier: "disc".into(),
+        table: "ring.json".into(),
+        pose: Pose { position: [0.0, -3e-3, 0.0], orientation: [-quarter, 0.0, 0.0, quarter] },
+        sectors: 12,
+        material: "rubber".into(),
+        seat_stiffness: 1e10,
+        section: ring().outline().section,
+    }
+}
+
+fn seal(law: Law, water: Option<Water>) -> Seal {
+    Seal::new(&scene(), ring(), law, Form::Axial, water, DT).unwrap()
+}
+
+fn carrier(height: f64) -> BodyState {
+    BodyState { velocity: [0.0, -0.2, 0.0], ..BodyState::at_rest(0, [1e-3, height, -2e-3]) }
+}
+
+/// Springs on the plane y = 0 below each vertex of the foot, as loads on the first facet of each.
+fn springs(surface: &Surface, vertices: &[SurfaceVertex]) -> Vec<FacetLoad> {
+    let mut loads = Vec::new();
+    for sector in 0..12 {
+        let facet = 2 * sector;
+        assert_eq!(surface.kinds[facet], FacetKind::Seat);
+        let point = vertices[surface.triangles[facet][0] as usize].position;
+        let depth = -point[1];
+        if depth > 0.0 {
+            let force = [0.0, STIFFNESS * depth, 0.0];
+            loads.push(FacetLoad { facet: facet as u64, force, point, stiffness: STIFFNESS });
+        }
+    }
+    loads
+}
+
+/// A substep of the seal above the plane; the vertices that were accepted, and the passes.
+fn substep(seal: &mut Seal, height: f64) -> (Vec<SurfaceVertex>, u32) {
+    let surface = Surface::of(&scene());
+    let mut vertices = vec![SurfaceVertex::default(); seal.vertex_count()];
+    seal.begin_substep(&carrier(height));
+    for pass in 1.. {
+        assert!(!seal.is_settled());
+        seal.write(&mut vertices);
+        if seal.pass(springs(&surface, &vertices).into_iter()).unwrap() {
+            seal.write(&mut vertices);
+            return (vertices, pass);
+        }
+    }
+    unreachable!()
+}
+
+#[test]
+fn a_seal_in_space_obeys_the_law_of_one_number() {
+    for eta in [Eta::Fixed(10.0), Eta::AtLeast(10.0)] {
+        let law = Law { eta, ..Law::default() };
+        let mut seal = seal(law, None);
+        let (mut compression, mut rate) = (0.0, 0.0);
+        seal.follow(&carrier(1e-4));
+        for step in 0..200 {
+            // It comes down through the plane; the foot is 3 mm below the carrier's origin.
+            let gap = 1e-5 - 0.2 * DT * f64::from(step) - 1e-5;
+            seal.begin_window(std::iter::empty());
+            let (vertices, passes) = substep(&mut seal, 3e-3 + gap);
+            let start = Start {
+                compression,
+                rate,
+                dt: DT,
+                contact_stiffness: if gap + compression < 0.0 { 12.0 * STIFFNESS } else { 0.0 },
+                impedance: Impedance::default(),
+            };
+            let force = |at: tremie_rubber_table::table::Bracket| {
+                12.0 * STIFFNESS * (-(gap + (at.frame as f64 + at.weight) * 0.3e-3)).max(0.0)
+            };
+            let expected = relax(&ring(), law, start, force).unwrap();
+            let found = seal.readings();
+            assert!((found.compression - expected.compression).abs() < 1e-12, "{step}: {found:?}");
+            assert!(passes.abs_diff(expected.passes) <= 1, "{step}: {passes} {expected:?}");
+            (compression, rate) = (expected.compression, expected.rate);
+            // The foot moves with the carrier and retreats from it.
+            let foot = vertices[0];
+            assert!((foot.position[1] - gap - compression).abs() < 1e-12);
+            assert!((foot.velocity[1] - (rate - 0.2)).abs() < 1e-4, "{foot:?} {rate}");
+            assert_eq!(found.most_passes, passes);
+        }
+        assert!(seal.readings().compression > 1e-7 && seal.readings().seat_pressure > 0.0);
+    }
+}
+
+/// Loads of a pressure on all facets.
+fn pressed(surface: &Surface, vertices: &[SurfaceVertex], pressure: f64) -> Vec<FacetLoad> {
+    let load = |(facet, triangle): (usize, &[u32; 3])| {
+        let [a, b, c] = triangle.map(|v| vertices[v as usize].position);
+        let (u, v): ([f64; 3], [f64; 3]) =
+            (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+        let cross =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let point = std::array::from_fn(|i| (a[i] + b[i] + c[i]) / 3.0);
+        let force = cross.map(|n| -0.5 * pressure * n);
+        FacetLoad { facet: facet as u64, force, point, stiffness: 0.0 }
+    };
+    surface.triangles.iter().enumerate().map(load).collect()
+}
+
+#[test]
+fn a_fluid_at_rest_compresses_nothing_and_one_below_lifts_seal_and_carrier() {
+    let surface = Surface::of(&scene());
+    let mut seal = seal(Law::default(), None);
+    seal.follow(&carrier(0.1));
+    let mut vertices = vec![SurfaceVertex::default(); seal.vertex_count()];
+    seal.write(&mut vertices);
+    let mut loads = pressed(&surface, &vertices, 4.65e5);
+    seal.begin_window(loads.iter().copied());
+    let resultant = seal.resultant();
+    let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!(size(resultant.force) < 1e-9 && size(resultant.torque) < 1e-11, "{resultant:?}");
+    substep(&mut seal, 0.1);
+    let still = seal.readings();
+    assert!(still.force.abs() < 1e-9 && still.compression < 1e-15, "{still:?}");
+    // The same below alone: pressure times the foot's area lifts, and compresses.
+    loads.retain(|load| surface.kinds[load.facet as usize] == FacetKind::Seat);
+    seal.begin_window(loads.iter().copied());
+    let area = std::f64::consts::PI * (11e-3f64.powi(2) - 6.5e-3f64.powi(2));
+    let lift = 4.65e5 * area;
+    let found = seal.resultant();
+    assert!((found.force[1] / lift - 1.0).abs() < 1e-12, "{found:?} {lift}");
+    assert!(found.force[0].abs() + found.force[2].abs() < 1e-9 * lift);
+    // About its own axis, which the carrier's origin lies on.
+    assert!(size(found.torque) < 1e-9 * lift, "{found:?}");
+    substep(&mut seal, 0.1);
+    assert!((seal.readings().force / lift - 1.0).abs() < 1e-12);
+    assert!(seal.readings().compression > 0.0);
+}
+
+#[test]
+fn loads_of_contacts_are_seen_along_the_turned_axis() {
+    let surface = Surface::of(&scene());
+    let mut seal = seal(Law::default(), None);
+    // The carrier lies on its side: its y axis along the world's x.
+    let half = 0.5f64.sqrt();
+    let body =
+        BodyState { orientation: [0.0, 0.0, -half, half], ..BodyState::at_rest(0, [0.0; 3]) };
+    let frame = Frame::of(&Pose { position: [0.0; 3], orientation: body.orientation });
+    let towards = frame.turn_to_world([0.0, 1.0, 0.0]);
+    seal.begin_window(std::iter::empty());
+    seal.begin_substep(&body);
+    let force = towards.map(|x| 7.0 * x);
+    let load = FacetLoad { facet: 3, force, stiffness: 1.0, ..FacetLoad::default() };
+    assert_eq!(surface.kinds[3], FacetKind::Seat);
+    while !seal.pass([load].into_iter()).unwrap() {}
+    let found = seal.readings();
+    assert!((found.force - 7.0).abs() < 1e-12, "{found:?}");
+    // On one of 24 facets of the foot.
+    let facet = std::f64::consts::PI * (11e-3f64.powi(2) - 6.5e-3f64.powi(2)) / 24.0;
+    assert!((found.seat_pressure * 24.0 * facet / 7.0 - 1.0).abs() < 1e-9);
+    assert!(found.peak_seat_pressure > found.seat_pressure * 12.0, "{found:?}");
+}
+
+#[test]
+fn a_seal_that_is_free_in_a_fluid_feels_its_impedance_until_it_touches() {
+    let water = Water { density: 1000.0, sound_speed: 2500.0, added_mass: None, exchange: 1.2e-7 };
+    let wet = seal(Law::default(), Some(water));
+    let area = std::f64::consts::PI * (11e-3f64.powi(2) - 6.5e-3f64.powi(2));
+    let expected = 2.5e6 * area + 1000.0 * area.powf(1.5) / 1.2e-7;
+    assert!((wet.impedance().0 / expected - 1.0).abs() < 1e-12);
+    // The valve of the prototype: 617 N s/m, and 4 g of added mass chosen by hand.
+    assert!(
+        (2.5e6 * area / 617.0 - 1.0).abs() < 0.01 && (1e3 * area.powf(1.5) - 3.9e-3).abs() < 1e-4
+    );
+    let rate = |force: f64, stiffness: f64| {
+        let mut seal = wet.clone();
+        seal.begin_window(std::iter::empty());
+        seal.begin_substep(&carrier(0.0));
+        let load =
+            FacetLoad { facet: 0, force: [0.0, force, 0.0], stiffness, ..FacetLoad::default() };
+        while !seal.pass([load].into_iter()).unwrap() {}
+        seal.readings().rate
+    };
+    // From rest: (nu + Z + h' dt) d' = F, without Z in contact.
+    for (stiffness, z) in [(0.0, expected), (1e5, 0.0)] {
+        let law = 5.0 / (80.0 + z + SLOPE * DT);
+        assert!((rate(5.0, stiffness) / law - 1.0).abs() < 1e-6, "{stiffness}");
+    }
+}
+
+#[test]
+fn what_cannot_go_on_is_said_with_the_seals_name() {
+    let mut other = scene();
+    other.section.points[0][0] += 1e-9;
+    let error = Seal::new(&other, ring(), Law::default(), Form::Axial, None, DT).unwrap_err();
+    assert!(matches!(error, SealError::OtherTable { .. }), "{error}");
+    assert!(error.to_string().contains("ring.json"), "{error}");
+    let mut seal = seal(Law { damping: 1e-3, ..Law::default() }, None);
+    seal.begin_window(std::iter::empty());
+    seal.begin_substep(&carrier(0.0));
+    let load = FacetLoad { facet: 0, force: [0.0, 1e6, 0.0], ..FacetLoad::default() };
+    let error = loop {
+        if let Err(error) = seal.pass([load].into_iter()) {
+            break error;
+        }
+    };
+    assert!(matches!(error, SealError::Step { error: StepError::Beyond(_), .. }), "{error}");
+    assert!(error.to_string().contains("\"ring\"") && error.to_string().contains("table"));
+}

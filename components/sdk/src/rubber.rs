@@ -1,0 +1,105 @@
+//! The rubber's side of a window.
+
+use crate::context::Context;
+use crate::frames::Shows;
+use crate::inside::{RubberInside, Sizes};
+use crate::physics::Rubber;
+use crate::ports::{InPort, OutPort};
+use crate::role::Player;
+use crate::setup::Setup;
+use crate::stop::Stop;
+use tremie_channels::{Between, Received};
+use tremie_messages::schedule::Content;
+use tremie_messages::{FacetLoad, Problem, Stamp, SurfaceVertex};
+
+/// Rubber with its edges.
+pub struct RubberPlayer<S: Between, R: Rubber> {
+    rubber: R,
+    sizes: Sizes,
+    inside: Option<RubberInside<S>>,
+    surface: Option<OutPort<S, SurfaceVertex>>,
+    load: Option<InPort<S, FacetLoad>>,
+    loads: Option<Received<S, Stamp, FacetLoad>>,
+}
+
+impl<S: Between, R: Rubber> Shows for RubberPlayer<S, R> {}
+
+impl<S: Between, R: Rubber> Player<S> for RubberPlayer<S, R> {
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        Ok(Self {
+            rubber: R::create(setup)?,
+            sizes: Sizes::of(&setup.hello.scene),
+            inside: None,
+            surface: None,
+            load: None,
+            loads: None,
+        })
+    }
+
+    fn open(&mut self, context: &Context<S>) -> Result<(), Stop> {
+        self.inside = RubberInside::open(context, self.sizes)?;
+        for edge in &context.assignment.edges {
+            match edge.content {
+                Content::Surface => self.surface = Some(OutPort::open(context, edge)?),
+                Content::SurfaceLoad => self.load = Some(InPort::open(context, edge)?),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn connect(&mut self) -> Result<(), Stop> {
+        self.surface.as_ref().map_or(Ok(()), OutPort::connect)?;
+        self.inside.as_ref().map_or(Ok(()), RubberInside::connect)
+    }
+
+    fn receive(
+        &mut self,
+        context: &mut Context<S>,
+        content: Content,
+        lag: u64,
+    ) -> Result<(), Stop> {
+        let (Content::SurfaceLoad, Some(port)) = (content, &self.load) else {
+            return Ok(());
+        };
+        // Given back before the next is taken: the channel lends only a few at a time.
+        self.loads = None;
+        let loads = port.take(context, lag)?;
+        port.check_facets(context, loads.values(), self.sizes.facets)?;
+        self.loads = Some(loads);
+        Ok(())
+    }
+
+    fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop> {
+        let Some(inside) = &self.inside else { return Ok(()) };
+        match context.window {
+            0 => inside.start(context, &mut self.rubber),
+            _ => {
+                let loads = self.loads.as_ref().map_or(&[][..], |message| message.values());
+                inside.window(context, &mut self.rubber, loads)
+            }
+        }
+    }
+
+    fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop> {
+        let (Content::Surface, Some(port)) = (content, &self.surface) else {
+            return Ok(());
+        };
+        let mut loan = port.loan(self.sizes.vertices)?;
+        self.rubber.surface(loan.values());
+        // Faults on purpose are committed inside the window.
+        port.send(context, loan)
+    }
+
+    fn signals(&mut self, values: &mut Vec<f64>) {
+        self.rubber.signals(values);
+    }
+
+    fn work(&self) -> u64 {
+        self.rubber.work()
+    }
+
+    fn ends_inside() -> bool {
+        true
+    }
+}

@@ -1,0 +1,92 @@
+//! Deformable surfaces: seals of rubber.
+
+use super::Pose;
+use serde::{Deserialize, Serialize};
+
+/// A surface that changes its shape: what a section sweeps when it turns about the z axis, carried by
+/// a part.
+///
+/// It is shaped by the component with the role rubber; all others know from here which vertices its
+/// facets have (`tremie_geometry::Turned`), and get told where they are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeformableSurface {
+    /// Name, unique among the surfaces and parts of the scene.
+    pub name: String,
+    /// Name of the part that carries it, to which it is bonded.
+    pub carrier: String,
+    /// File of the table of its force and shapes, absolute path.
+    pub table: String,
+    /// Where the section's frame is in the carrier's.
+    pub pose: Pose,
+    /// Steps in which the section is turned.
+    pub sectors: u32,
+    /// Its material, for contacts.
+    pub material: String,
+    /// Stiffness of its contact with walls, planes and parts other than its carrier, for each unit of its
+    /// area [N/m³].
+    pub seat_stiffness: f64,
+    /// What is turned.
+    pub section: Section,
+}
+
+/// The outline of a section, in the half plane of radius and height.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Section {
+    /// Radius and height `[r, z]` of each point at rest [m]. One with the radius 0 stays on the axis.
+    pub points: Vec<[f64; 2]>,
+    /// Its edges, the material to their left: those of the seat first, then the exposed, then the bonded.
+    pub edges: Vec<SectionEdge>,
+}
+
+/// An edge of a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SectionEdge {
+    /// The points where it begins and ends.
+    pub points: [u32; 2],
+    /// What becomes of it.
+    pub kind: FacetKind,
+}
+
+/// What becomes of a piece of a deformable surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FacetKind {
+    /// A: touches the seat when fully compressed.
+    #[default]
+    Seat,
+    /// B: stays free.
+    Exposed,
+    /// Held by the carrier.
+    Bonded,
+}
+
+impl Section {
+    /// Whether a point is on the axis, and stays there.
+    pub fn is_on_axis(&self, point: u32) -> bool {
+        self.points[point as usize][0] == 0.0
+    }
+}
+
+impl DeformableSurface {
+    /// Number of its vertices: on the axis one for each point of an edge, else one for each sector.
+    pub fn vertex_count(&self) -> usize {
+        let section = &self.section;
+        let mut used = vec![false; section.points.len()];
+        section.edges.iter().flat_map(|edge| edge.points).for_each(|p| used[p as usize] = true);
+        let vertices = |point: usize| {
+            if section.is_on_axis(point as u32) { 1 } else { self.sectors as usize }
+        };
+        (0..used.len()).filter(|&point| used[point]).map(vertices).sum()
+    }
+
+    /// Number of its facets: two for each edge and sector, one where the edge ends on the axis.
+    pub fn facet_count(&self) -> usize {
+        let of = |edge: &SectionEdge| {
+            edge.points.iter().filter(|point| !self.section.is_on_axis(**point)).count()
+        };
+        self.section.edges.iter().map(of).sum::<usize>() * self.sectors as usize
+    }
+}
