@@ -34,6 +34,9 @@ impl<T: Collides> Solver<T> {
             while let Some(item) = items.next_if(|item| item.body == place) {
                 exchange.join(&item.exchange);
             }
+            if self.slips {
+                exchange.join(&self.slip.on_body(body.handle));
+            }
             self.exchange.join(&exchange);
             let mut own = [exchange.force, exchange.torque];
             for k in 0..2 {
@@ -96,6 +99,7 @@ impl<T: Collides> Solver<T> {
             let image = self.exchange.image_swept;
             balance.swept = std::array::from_fn(|a| self.exchange.swept[a] - image[a]);
             balance.mass_bodies = self.exchange.mass;
+            balance.frozen = self.declared.impulse.map(|x| -x);
         }
         for (fixture, pressed) in self.fixtures.iter_mut().zip(&self.pressed) {
             fixture.join(pressed);
@@ -105,7 +109,8 @@ impl<T: Collides> Solver<T> {
         for a in 0..3 {
             balance.momentum[a] = self.survey.j[a]
                 + (balance.body_force[a] + balance.bodies[a] + balance.swept[a])
-                + (balance.walls[a] + balance.symmetry[a] + balance.parts[a] + balance.open[a]);
+                + (balance.walls[a] + balance.symmetry[a] + balance.parts[a] + balance.open[a])
+                + balance.frozen[a];
             balance.momentum_change[a] = balance.momentum[a] - old.0[a];
         }
         balance.mass_change = balance.mass - old.1;

@@ -93,6 +93,11 @@ impl Batch {
         }
     }
 
+    /// Counts a volume by which the wall recedes where it has no links; see `mass`.
+    pub fn recede(&mut self, volume: f64) {
+        self.exchange.receded += volume;
+    }
+
     /// Makes room for a chunk of cells, if there is not enough.
     #[inline]
     pub fn make_room<T: Real>(&mut self, after: &After<T>, body: &Body) {

@@ -27,10 +27,12 @@ pub struct Body {
     pub part: Option<Box<PartBody>>,
     /// Centre or origin, in the box along periodic axes.
     pub position: [f64; 3],
-    /// Velocity.
+    /// Velocity of its wall: what it was given, and further by what it changed by since the last step.
     pub velocity: [f64; 3],
-    /// Angular velocity.
+    /// Angular velocity, likewise.
     pub spin: [f64; 3],
+    /// Velocity and angular velocity that it was given last.
+    given: [[f64; 3]; 2],
     /// Cells inside.
     pub spans: Spans,
     /// Cells inside one step before.
@@ -65,6 +67,7 @@ impl Body {
             position: [0.0; 3],
             velocity: [0.0; 3],
             spin: [0.0; 3],
+            given: [[0.0; 3]; 2],
             previous: spans.clone(),
             spans,
             placed: false,
@@ -130,9 +133,15 @@ impl Body {
     }
 
     /// Takes over a state; true if the body is now elsewhere.
-    fn take(&mut self, state: &BodyState, units: &Units, grid: &Grid) -> bool {
-        self.velocity = state.velocity.map(|v| v / units.velocity());
-        self.spin = state.angular_velocity.map(|w| w * units.time_step);
+    fn take(&mut self, state: &BodyState, lead: f64, units: &Units, grid: &Grid) -> bool {
+        let velocity = state.velocity.map(|v| v / units.velocity());
+        let spin = state.angular_velocity.map(|w| w * units.time_step);
+        let before = if self.placed { self.given } else { [velocity, spin] };
+        let further = |now: [f64; 3], before: [f64; 3]| {
+            std::array::from_fn(|a| now[a] + lead * (now[a] - before[a]))
+        };
+        (self.velocity, self.spin) = (further(velocity, before[0]), further(spin, before[1]));
+        self.given = [velocity, spin];
         let position = grid.canonical(units.position_to_lattice(state.position));
         let elsewhere = match &mut self.part {
             Some(part) => part.place(position, state.orientation),
@@ -287,13 +296,19 @@ pub struct Bodies {
     surfaces: Vec<Option<Arc<Surface>>>,
     /// Where they are in the scene, and how exactly they are followed.
     roundings: Vec<Rounding>,
+    /// How many steps ahead velocities are taken.
+    lead: f64,
 }
 
 impl Bodies {
     /// None, in a scene whose moving parts have the given surfaces and roundings of poses, by index of
-    /// the part.
-    pub fn with_surfaces(surfaces: Vec<Option<Arc<Surface>>>, roundings: Vec<Rounding>) -> Self {
-        Self { surfaces, roundings, ..Self::default() }
+    /// the part; velocities are taken `lead` steps ahead.
+    pub fn with_surfaces(
+        surfaces: Vec<Option<Arc<Surface>>>,
+        roundings: Vec<Rounding>,
+        lead: f64,
+    ) -> Self {
+        Self { surfaces, roundings, lead, ..Self::default() }
     }
 
     /// Place among the living of the body with a handle.
@@ -344,8 +359,9 @@ impl Bodies {
                     self.places.push(0);
                 }
                 let part = surface_of(event, &self.surfaces).map(|surface| {
-                    let rounding = self.roundings[event.table as usize];
-                    Box::new(PartBody::new(surface.clone(), rounding, units.cell))
+                    let index = event.table as usize;
+                    let rounding = self.roundings[index];
+                    Box::new(PartBody::new(index, surface.clone(), rounding, units.cell))
                 });
                 let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
                 self.living.insert(place, Body::new(event.id, handle, radius, part));
@@ -390,9 +406,15 @@ impl Bodies {
     pub fn take(&mut self, states: &[BodyState], units: &Units, grid: &Grid) -> bool {
         let mut moved = std::mem::take(&mut self.changed);
         for (body, state) in self.living.iter_mut().zip(states) {
-            moved |= body.take(state, units, grid);
+            moved |= body.take(state, self.lead, units, grid);
         }
         moved
+    }
+
+    /// Whether a part has come, gone or moved by a step.
+    pub fn parts_moved(&self) -> bool {
+        self.living.iter().any(|body| body.moved && body.part.is_some())
+            || self.leaving.iter().any(|body| body.part.is_some())
     }
 
     /// Forgets the bodies that left, once nobody needs them.

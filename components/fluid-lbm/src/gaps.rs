@@ -15,12 +15,16 @@
 //! one without these is at gauge pressure zero. What stands in a mirror counts as another. A part that stands still feels the opposite of what the
 //! body feels; between two parts that stand still there are no gap links.
 //!
+//! Gaps that the scene declares have a pressure of their own, by rule, and their cells may be frozen: see
+//! `declared`. A link into such a cell is a gap link as wide as a cell.
+//!
 //! Gap links between a moving part and what stands still are found with its other links, and follow its
 //! motion as they do (see `part_links`); the others are found in each step.
 //!
 //! The force is that of a fluid that is not simulated: the ledger lists it by itself, as `gaps`.
 
 use crate::balance::mirrors_of_part;
+use crate::batch::Link;
 use crate::bodies::{Bodies, Body};
 use crate::cells::Fixture;
 use crate::field::Real;
@@ -31,9 +35,9 @@ use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, dot, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, Item};
-use crate::owners::{BODY, FLUID, ISOLATED, SHARED, VACATED};
+use crate::owners::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
 use crate::part_body::{Facets, PartBody};
-use crate::part_links::Site;
+use crate::part_links::{Site, recession};
 use crate::places::Blocked;
 use crate::solver::Solver;
 use crate::sphere::{inside, wall_distance};
@@ -94,6 +98,8 @@ impl GapLinks {
 impl Across {
     const BODIES: u32 = 1 << 31;
     const FROZEN: Self = Self(1 << 30);
+    /// Of a gap that the scene declares, by its number beyond this.
+    const DECLARED: u32 = 1 << 28;
     /// Of a body's image in a mirror.
     const IMAGE: u32 = 1 << 29;
 
@@ -110,9 +116,20 @@ impl Across {
         Self(number.into())
     }
 
+    /// A gap that the scene declares.
+    pub fn declared(gap: u16) -> Self {
+        Self(Self::DECLARED + u32::from(gap))
+    }
+
     /// The number of the fixture, if it is one.
     fn as_fixture(self) -> Option<usize> {
-        (self.0 < Self::FROZEN.0).then_some(self.0 as usize)
+        (self.0 < Self::DECLARED).then_some(self.0 as usize)
+    }
+
+    /// The number of the gap, if the scene declares it.
+    fn as_declared(self) -> Option<u16> {
+        let is_one = (Self::DECLARED..Self::IMAGE).contains(&self.0);
+        is_one.then(|| (self.0 - Self::DECLARED) as u16)
     }
 
     /// The handle of the body, if it is one.
@@ -178,7 +195,15 @@ impl<T: Real> After<'_, T> {
             Side::Periodic | Side::Open => false,
         };
         each_beyond(grid, body, is_wanted, |at, i| {
-            self.gap(bodies, body, ground, at, i, gaps);
+            // A part's links to what stands still, and into frozen cells, are known.
+            let is_known = body.part.is_some()
+                && match beyond(self.layout, at) {
+                    Beyond::Stored { cell, .. } => self.owners.of(cell) == FROZEN,
+                    Beyond::Fixture(_) | Beyond::Open => true,
+                };
+            if !is_known {
+                self.gap(bodies, body, ground, at, i, gaps);
+            }
         });
     }
 
@@ -223,14 +248,25 @@ impl<T: Real> After<'_, T> {
         }
     }
 
-    /// Records the gap links between a part and what stands still.
-    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) {
-        let mut first = 0;
+    /// Records a part's link into a frozen cell of a declared gap.
+    pub fn press_frozen(&self, gap: u16, link: &Link, gaps: &mut Gaps) {
+        gaps.to(Across::declared(gap)).add(link.arm, link.seen.into(), link.q);
+    }
+
+    /// Records the gap links between a part and what stands still. Returns the volume by which the
+    /// part recedes from declared gaps.
+    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) -> f64 {
+        let (mut first, mut receded) = (0, 0.0);
         for link in &list.links {
             let witnesses = &list.witnesses[first..link.end as usize];
             first = link.end as usize;
             let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
             let by = dot(link.slope.map(f64::from), part.drift_at(arm));
+            if link.across.as_declared().is_some() {
+                let (dir, q) = (link.dir, link.q + by);
+                let link = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
+                receded += recession(body, &link);
+            }
             if link.width + by <= CONTACT {
                 continue;
             }
@@ -243,6 +279,7 @@ impl<T: Real> After<'_, T> {
                 }
             }
         }
+        receded
     }
 
     /// What the cell `at` belongs to, and how far its surface is from the covered cell on the link
@@ -283,7 +320,7 @@ impl<T: Real> After<'_, T> {
         };
         match self.owners.of(other) {
             FLUID | VACATED => None,
-            ISOLATED => Some((Across::FROZEN, 1.0)),
+            ISOLATED | FROZEN => Some((Across::FROZEN, 1.0)),
             SHARED => {
                 let all = self.owners.claimants(other);
                 let all = all.filter(|&handle| is_image || handle != body.handle);
@@ -382,6 +419,15 @@ impl Site<'_> {
         let Beyond::Fixture(face) = beyond(self.layout, at) else { return };
         let Some((across, far)) = fixture(ground, face, (own, cell), i) else { return };
         let meeting = part.meet_among(facets, at, C[i]);
+        let place =
+            std::array::from_fn(|a| f64::from(at[a]) + 0.5 + meeting.q * f64::from(C[i][a]));
+        let across = match across.as_fixture().map(|number| Fixture(number as u16)) {
+            Some(fixture) => {
+                let gap = self.declared.between(part.index, fixture, place);
+                gap.map_or(across, Across::declared)
+            }
+            None => across,
+        };
         let width = far - (1.0 - meeting.q);
         // It may come apart before the next search.
         if width < -1.0 {
@@ -480,19 +526,32 @@ impl<T: Collides> Solver<T> {
     /// Finds what the pressure in gaps gives to bodies and fixtures, from what the links' search
     /// found.
     pub(crate) fn press(&mut self) {
-        if !self.gaps_press {
+        if !self.gaps_press && self.declared.is_empty() {
             return;
         }
+        let items = &self.link_items;
+        self.declared.settle_nearest(|gap| around(items, |to| to == Across::declared(gap)));
         self.pressed.fill(Exchange::default());
         for place in 0..self.bodies.living.len() {
             let mut load = [[0.0; 3]; 2];
             for item in items_of(&self.link_items, place) {
                 for gap in &item.gaps.0 {
-                    let drho = drho_in(&self.link_items, &self.bodies, place, gap.across);
+                    let declared = gap.across.as_declared();
+                    let drho = match declared {
+                        Some(number) => self.declared.drho(number),
+                        None if self.gaps_press => {
+                            drho_in(&self.link_items, &self.bodies, place, gap.across)
+                        }
+                        None => 0.0,
+                    };
                     let part = gap.load.map(|v| v.map(|x| x * drho));
                     add_scaled(&mut load[0], part[0], 1.0);
                     add_scaled(&mut load[1], part[1], 1.0);
-                    if let Some(number) = gap.across.as_fixture() {
+                    let still = declared.map_or_else(
+                        || gap.across.as_fixture(),
+                        |number| self.declared.still_side(number),
+                    );
+                    if let Some(number) = still {
                         let position = self.bodies.living[place].position;
                         let to = self.surroundings.references[number];
                         // From the fixture's reference to the body, by the shortest way.

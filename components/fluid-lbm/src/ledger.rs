@@ -4,7 +4,7 @@
 ///
 /// Impulses [kg m/s] and masses [kg] that entered the fluid (positive) during the step. They add
 /// up: `momentum_change = body_force + walls + symmetry + parts + open + bodies + swept + covered +
-/// uncovered + isolated`, and alike for mass. `momentum` is measured over all fluid cells inside the collision and carried
+/// uncovered + isolated + frozen`, and alike for mass. `momentum` is measured over all fluid cells inside the collision and carried
 /// to the end of the step by what the step exchanged afterwards; an exchange that were not listed
 /// would therefore show as a gap between `momentum_change` and the sum of the terms, one step
 /// later.
@@ -35,10 +35,12 @@ pub struct Ledger {
     pub swept: [f64; 3],
     /// Lost with cells that bodies covered.
     pub covered: [f64; 3],
-    /// Gained with cells that bodies uncovered.
+    /// Gained with cells that bodies uncovered, and those that thawed.
     pub uncovered: [f64; 3],
-    /// Lost with cells that were left without any fluid neighbour.
+    /// Lost with cells that were left without any fluid neighbour, and those that froze.
     pub isolated: [f64; 3],
+    /// Given by frozen cells of gaps and pockets.
+    pub frozen: [f64; 3],
 
     /// Impulse given out to the bodies as loads, but for buoyancy.
     pub delivered: [f64; 3],
@@ -92,6 +94,7 @@ impl Ledger {
                 + self.covered[a]
                 + self.uncovered[a]
                 + self.isolated[a]
+                + self.frozen[a]
         })
     }
 
@@ -122,6 +125,7 @@ impl Ledger {
             covered: v(self.covered),
             uncovered: v(self.uncovered),
             isolated: v(self.isolated),
+            frozen: v(self.frozen),
             delivered: v(self.delivered),
             carried: v(self.carried),
             images: v(self.images),

@@ -11,7 +11,8 @@
 //! (`places`); populations that ran into bodies (`links`), curved or moving walls (`fixed`) are
 //! reflected; cells at open faces get what these prescribe (`open`,
 //! `reservoir`, `piston`). The momentum exchanged is the
-//! load on the bodies, with the pressure in gaps that hold no cell (`gaps`); what bodies took from the
+//! load on the bodies, with the pressure in gaps that hold no cell (`gaps`). Gaps that the scene
+//! declares are frozen while they are thin (`declared`), and may slip (`slip`). What bodies took from the
 //! mass beyond their volume can be paid back (`mass`).
 //!
 //! # Same bits
@@ -27,6 +28,7 @@ mod columns;
 pub mod component;
 mod compression;
 mod course;
+mod declared;
 mod error;
 mod field;
 mod findings;
@@ -58,6 +60,7 @@ mod reservoir;
 mod reservoir_findings;
 mod resolution;
 mod scene_check;
+mod slip;
 mod solids;
 mod solver;
 mod sphere;

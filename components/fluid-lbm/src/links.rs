@@ -139,6 +139,8 @@ pub struct After<'a, T: Real> {
     pub keeps_mass: bool,
     /// The static geometry, if gaps press.
     pub ground: Option<&'a Ground>,
+    /// For each cell the declared gap that it may be frozen in; empty without such gaps.
+    pub gap_of: &'a [u16],
 }
 
 impl Item {

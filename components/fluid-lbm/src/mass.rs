@@ -17,6 +17,10 @@
 //! fiftieth of what is owed goes to the fluid cells at the body's links, in proportion to weight and
 //! density: the surface breathes, and the momentum that a closed surface gives by that is zero.
 //!
+//! Where a body borders a declared gap that holds no fluid (see `declared`), its surface has no links, but
+//! the sum over its gap links counts in `space` as well: what such a gap draws in as it widens leaves the
+//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new.
+//!
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
 
@@ -77,7 +81,8 @@ impl<T: Collides> Solver<T> {
             owner => owner.checked_sub(BODY),
         };
         let of_neighbours = || (1..Q).find_map(|i| holder(layout.neighbour(cell, i)?));
-        if let Some(handle) = holder(cell).or_else(of_neighbours)
+        let of_gaps = || self.declared.any_mover(&self.bodies);
+        if let Some(handle) = holder(cell).or_else(of_neighbours).or_else(of_gaps)
             && let Some(body) = self.bodies.living_with_handle(handle)
             && body.account.is_open
         {
@@ -109,6 +114,9 @@ impl<T: Collides> Solver<T> {
                 gain += item.exchange.mass;
                 receded += item.exchange.receded;
                 weight += item.exchange.weight;
+            }
+            if self.slips {
+                gain += self.slip.on_body(body.handle).mass;
             }
             body.account.is_open = true;
             body.account.settle(gain, receded, weight, mean);

@@ -30,6 +30,8 @@ pub struct Diagnostics {
     pub uncovered: usize,
     /// Cells now frozen because no neighbour is fluid.
     pub isolated: usize,
+    /// Cells now frozen in declared gaps and pockets.
+    pub frozen: usize,
     /// Links between fluid and bodies.
     pub links: usize,
     /// Links on which a second fluid node was missing, so that they fell back to half-way
@@ -91,6 +93,7 @@ impl<T: Collides> Solver<T> {
             covered: self.owners.covered.len(),
             uncovered: self.owners.vacated.len(),
             isolated: self.owners.isolated,
+            frozen: self.owners.frozen,
             links: self.exchange.links,
             fallback_links: self.exchange.fallbacks,
             fluid_cells: self.owners.fluid_cells,
@@ -132,6 +135,7 @@ impl<T: Collides> Solver<T> {
             + self.open.bytes()
             + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()
             + self.owners.bytes()
+            + self.declared.bytes()
             + self.wanted.bytes()
     }
 

@@ -13,6 +13,8 @@ pub type Owner = u32;
 
 /// Nobody: the cell is fluid.
 pub const FLUID: Owner = 0;
+/// A cell of a gap that is too thin to hold fluid, or of a pocket; see `declared`.
+pub const FROZEN: Owner = 1;
 /// A cell without fluid neighbours.
 pub const ISOLATED: Owner = 2;
 /// Released in this step and not yet fluid.
@@ -45,8 +47,10 @@ pub struct Owners {
     pub covered: Vec<u32>,
     /// Fluid cells that were left without fluid neighbours in this step.
     pub enclosed: Vec<u32>,
-    /// Frozen cells, at the end of the last step.
+    /// Cells without fluid neighbours, at the end of the last step.
     pub isolated: usize,
+    /// Frozen cells of gaps and pockets.
+    pub frozen: usize,
     /// Fluid cells.
     pub fluid_cells: usize,
 }
@@ -66,6 +70,7 @@ impl Owners {
             covered: Vec::new(),
             enclosed: Vec::new(),
             isolated: 0,
+            frozen: 0,
             fluid_cells: cells,
         }
     }
@@ -133,6 +138,8 @@ impl Owners {
         self.fluid_cells -= usize::from(was == FLUID);
         self.isolated += usize::from(owner == ISOLATED);
         self.isolated -= usize::from(was == ISOLATED);
+        self.frozen += usize::from(owner == FROZEN);
+        self.frozen -= usize::from(was == FROZEN);
     }
 
     /// Begins a step: nothing was covered or uncovered.
@@ -177,6 +184,27 @@ impl Owners {
             self.set(cell as usize, SHARED);
         }
         self.share(cell, handle);
+    }
+
+    /// A cell of a gap freezes.
+    pub fn freeze(&mut self, cell: u32) {
+        if self.of(cell) == FLUID {
+            self.enclosed.push(cell);
+        }
+        self.set(cell as usize, FROZEN);
+    }
+
+    /// A frozen cell thaws.
+    pub fn thaw(&mut self, vacated: Vacated) {
+        self.set(vacated.cell as usize, VACATED);
+        self.vacated.push(vacated);
+    }
+
+    /// Forgets released cells that froze.
+    pub fn forget_frozen_vacated(&mut self) {
+        let mut vacated = std::mem::take(&mut self.vacated);
+        vacated.retain(|v| self.of(v.cell) == VACATED);
+        self.vacated = vacated;
     }
 
     fn share(&mut self, cell: u32, handle: u32) {

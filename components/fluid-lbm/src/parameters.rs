@@ -42,6 +42,10 @@ pub struct Parameters {
     /// What presses on a body in a gap too narrow to hold a cell.
     #[serde(default)]
     pub gap_pressure: GapPressure,
+    /// Lattice viscosity `(tau - 1/2)/3` below which the walls of gaps slip that the scene says may;
+    /// above it they hold the fluid as real ones do.
+    #[serde(default = "defaults::slip_viscosity")]
+    pub slip_viscosity: f64,
     /// How far a part that moves comes before its cells and links are found anew [cells]: the next
     /// power of two below. In between, wall distances follow it to first order; a cell is covered at
     /// most that much, by half along an axis, too early or too late. 0 finds them in each step.
@@ -54,6 +58,13 @@ pub struct Parameters {
     /// two-step oscillation.
     #[serde(default = "defaults::average_force")]
     pub average_force: bool,
+    /// How many steps ahead of its state a body's wall moves, by what its velocity changed by in the
+    /// last step: 0 for the velocity given. A body that moves under the fluid's force gets the force of
+    /// a step after it, half a step later still with `average_force`; that lag feeds sound between
+    /// body and walls, at the rate `rho cs^2 A^2 lag / (M V)`, and at a small viscosity nothing damps
+    /// it. 1 makes up for both, and is stable with `average_force` alone.
+    #[serde(default)]
+    pub velocity_lead: f64,
     /// Largest Mach number: of the scene's expected speed at the start, of the flow while running.
     #[serde(default = "defaults::mach_limit")]
     pub mach_limit: f64,
@@ -69,6 +80,9 @@ mod defaults {
     }
     pub fn mach_limit() -> f64 {
         0.17
+    }
+    pub fn slip_viscosity() -> f64 {
+        0.01
     }
     pub fn part_step() -> f64 {
         1.0 / 32.0
@@ -168,9 +182,11 @@ impl Parameters {
             walls: Walls::default(),
             refill: Refill::default(),
             gap_pressure: GapPressure::default(),
+            slip_viscosity: defaults::slip_viscosity(),
             part_step: defaults::part_step(),
             precision: Precision::default(),
             average_force: defaults::average_force(),
+            velocity_lead: 0.0,
             mach_limit: defaults::mach_limit(),
         }
     }
@@ -242,6 +258,27 @@ impl Parameters {
                     format!("must be from 0 to 1, found {}", self.smagorinsky),
                 )
                 .help("0.1 to 0.2 is customary; 0 turns the closure off"),
+            );
+        }
+        if !(self.slip_viscosity.is_finite() && self.slip_viscosity >= 0.0) {
+            let found = format!("must not be negative, found {}", self.slip_viscosity);
+            problems
+                .push(Problem::of_parameter("slip_viscosity", found).help("0.01 is the default"));
+        }
+        if !(0.0..=2.0).contains(&self.velocity_lead) {
+            let found = format!("must be from 0 to 2 steps, found {}", self.velocity_lead);
+            problems.push(
+                Problem::of_parameter("velocity_lead", found)
+                    .help("0 takes the velocity as it is; 1 makes up for the lag of the force"),
+            );
+        }
+        if self.velocity_lead > 0.0 && !self.average_force {
+            problems.push(
+                Problem::of_parameter(
+                    "velocity_lead",
+                    "is more than 0, but `average_force` is off",
+                )
+                .help("leave average_force on: else the lattice's two-step oscillation is fed"),
             );
         }
         let is_fine = self.part_step == 0.0 || self.part_step >= SMALLEST_PART_STEP;

@@ -45,6 +45,8 @@ struct Placed {
 /// A part as a body in the fluid.
 #[derive(Clone, Debug)]
 pub struct PartBody {
+    /// Its index among the parts of the scene.
+    pub index: usize,
     surface: Arc<Surface>,
     /// Edge of a cell [m].
     cell: f64,
@@ -144,7 +146,7 @@ fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 
 impl PartBody {
     /// A part with a surface; `cell` is the edge of a cell [m].
-    pub fn new(surface: Arc<Surface>, rounding: Rounding, cell: f64) -> Self {
+    pub fn new(index: usize, surface: Arc<Surface>, rounding: Rounding, cell: f64) -> Self {
         let moments = surface.mesh().moments();
         let side = (2.0 * surface.bounding_radius() / cell).ceil() as i32 + 2;
         let layer = Layer {
@@ -154,6 +156,7 @@ impl PartBody {
         };
         let cover = Cover { origin: [0; 3], side, layers: vec![layer; side as usize] };
         Self {
+            index,
             volume: moments.volume / (cell * cell * cell),
             centroid: moments.centroid,
             orientation: [0.0, 0.0, 0.0, 1.0],
@@ -361,6 +364,16 @@ impl PartBody {
     pub fn outward(&self, arm: [f64; 3]) -> [f64; 3] {
         let point = self.frame.turn_to_part(arm.map(|x| x * self.cell));
         self.frame.turn_to_world(self.surface.closest(point).normal)
+    }
+
+    /// The way from the centre of a cell to the nearest point of its surface, if it is no longer than
+    /// `reach`.
+    pub fn nearest(&self, grid: &Grid, at: [i32; 3], reach: f64) -> Option<[f64; 3]> {
+        let arm = grid.arm(self.found?.position, at).map(|x| x * self.cell);
+        let point = self.frame.turn_to_part(arm);
+        let closest = self.surface.closest_within(point, reach.max(0.0) * self.cell)?;
+        let way = std::array::from_fn(|a| closest.point[a] - point[a]);
+        Some(self.frame.turn_to_world(way).map(|x| x / self.cell))
     }
 
     /// From its origin to the centre of its volume.

@@ -9,14 +9,15 @@
 use crate::batch::{Batch, Link};
 use crate::bodies::{Bodies, Body};
 use crate::cells::NONE;
+use crate::declared::{DeclaredGaps, NONE as NO_GAP};
 use crate::field::Real;
 use crate::gaps::GapLinks;
 use crate::grid::Grid;
 use crate::ground::Ground;
-use crate::lattice::{C, Q, mirrored};
+use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
 use crate::layout::Layout;
 use crate::links::{After, fold};
-use crate::owners::SHARED;
+use crate::owners::{FROZEN, SHARED};
 use crate::part_body::{Facets, PartBody};
 
 /// A link, as it was when it was found.
@@ -57,6 +58,8 @@ pub struct Site<'a> {
     pub layout: &'a Layout,
     /// The static geometry, if gaps press.
     pub ground: Option<&'a Ground>,
+    /// The gaps that the scene declares.
+    pub declared: &'a DeclaredGaps,
     /// Cells of a line.
     pub line: usize,
 }
@@ -183,15 +186,20 @@ impl PartLinks {
 
     fn find_gaps(&mut self, site: &Site, part: &PartBody, at: [i32; 3], found: &[(usize, u8)]) {
         let Some(ground) = site.ground else { return };
-        part.facets_near(at, &mut self.facets);
-        for &(i, _) in found.iter().filter(|(_, mirrors)| *mirrors == 0) {
-            site.static_gap(part, &self.facets, ground, at, i, &mut self.gaps);
+        let mut near = None;
+        for &(i, mirrors) in found {
+            let (at, seen) = as_seen(&site.layout.grid, at, i, mirrors);
+            if near != Some(at) {
+                part.facets_near(at, &mut self.facets);
+                near = Some(at);
+            }
+            site.static_gap(part, &self.facets, ground, at, seen, &mut self.gaps);
         }
     }
 }
 
 /// A cell and a direction as the body sees them, of a link that is mirrored at some axes.
-fn as_seen(grid: &Grid, mut at: [i32; 3], i: usize, mirrors: u8) -> ([i32; 3], usize) {
+pub fn as_seen(grid: &Grid, mut at: [i32; 3], i: usize, mirrors: u8) -> ([i32; 3], usize) {
     for a in 0..3 {
         if mirrors >> a & 1 == 1 {
             at[a] = if C[i][a] < 0 { -1 - at[a] } else { 2 * grid.n[a] - 1 - at[a] };
@@ -215,7 +223,7 @@ impl<T: Real> After<'_, T> {
             let cell = run[0].cell;
             if !self.owners.is_fluid(cell) {
                 if let Some(ground) = self.ground {
-                    self.gaps_of_run(bodies, body, ground, run, batch);
+                    self.gaps_of_run(bodies, body, part, ground, run, batch);
                 }
                 continue;
             }
@@ -233,23 +241,46 @@ impl<T: Real> After<'_, T> {
             }
         }
         if self.ground.is_some() {
-            self.press_on(body, part, &list.gaps, &mut batch.gaps);
+            let receded = self.press_on(body, part, &list.gaps, &mut batch.gaps);
+            batch.recede(receded);
         }
     }
 
-    /// Finds the gap links between a part and another body that holds the cell where links begin.
+    /// Finds the gap links between a part and what holds the cell where links begin: another body, or
+    /// nobody if it is frozen.
     fn gaps_of_run(
         &self,
         bodies: &Bodies,
         body: &Body,
+        part: &PartBody,
         ground: &Ground,
         run: &[PartLink],
         batch: &mut Batch,
     ) {
+        let cell = run[0].cell;
+        if self.owners.of(cell) == FROZEN {
+            for link in run {
+                batch.recede(recession(body, &link.now(body, part, 0)));
+            }
+        }
+        let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
+        if let Some(gap) = gap.filter(|_| self.owners.of(cell) == FROZEN) {
+            for link in run {
+                self.press_frozen(gap, &link.now(body, part, 0), &mut batch.gaps);
+            }
+            return;
+        }
         for link in run.iter().filter(|link| link.mirrors == 0) {
             self.gap(bodies, body, ground, link.at, link.dir.into(), &mut batch.gaps);
         }
     }
+}
+
+/// Volume by which a wall recedes along a link.
+pub fn recession(body: &Body, link: &Link) -> f64 {
+    let c = C_F64[usize::from(link.seen)];
+    let wall = std::array::from_fn(|a| link.arm[a] + link.q * c[a]);
+    6.0 * W[usize::from(link.seen)] * dot(c, body.velocity_at(wall))
 }
 
 impl PartLink {

@@ -71,12 +71,12 @@ impl<T: Real> Before<'_, T> {
         Content::of(&self.populations(cell))
     }
 
-    /// Fills a cell that `body` uncovered, from cells that were fluid before. Returns what the cell
-    /// now holds.
-    pub fn refill(&self, owners: &Owners, cell: u32, body: &Body) -> Content {
+    /// Fills a cell that `body` uncovered, from cells that were fluid before, or with the density `1 +
+    /// alone` if there are none near. Returns what the cell now holds.
+    pub fn refill(&self, owners: &Owners, cell: u32, body: &Body, alone: f64) -> Content {
         let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
         let drho = self.mean_around(owners, cell, 1).or_else(|| self.mean_around(owners, cell, 2));
-        let (drho, u) = (drho.unwrap_or(0.0), body.velocity_at(arm));
+        let (drho, u) = (drho.unwrap_or(alone), body.velocity_at(arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
         if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);

@@ -3,7 +3,8 @@
 use crate::reservoir::{name, reservoirs_of};
 use tremie_messages::Problem;
 use tremie_messages::scene::{
-    Course, Domain, Face, Motion, PartBoundary, ProbeShape, Reservoir, Scene,
+    Course, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion, PartBoundary,
+    ProbeShape, Reservoir, Scene,
 };
 
 /// Checks of the scene that concern a fluid.
@@ -42,6 +43,9 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
     check_domain(&scene.domain, problems);
     check_open(scene, problems);
     check_reservoirs(scene, problems);
+    for (index, gap) in scene.gaps.iter().enumerate() {
+        check_gap(scene, gap, &format!("scene.gaps[{index}]"), problems);
+    }
     for (index, part) in scene.parts.iter().enumerate() {
         if part.motion != Motion::Fixed && part.cavity {
             problems.push(
@@ -151,6 +155,75 @@ fn check_reservoirs(scene: &Scene, problems: &mut Vec<Problem>) {
             );
             problems.push(Problem::new(&key, found).help("0.02 is the default; 0 switches it off"));
         }
+    }
+}
+
+/// Thickest gap that may be frozen or slip [cells]: beyond, a lattice resolves it.
+const THICKEST_GAP: f64 = 8.0;
+
+/// Checks of a gap that opens and closes.
+fn check_gap(scene: &Scene, gap: &Gap, key: &str, problems: &mut Vec<Problem>) {
+    let mut problem = |what: &str, message: String, help: &str| {
+        problems.push(Problem::new(format!("{key}.{what}"), message).help(help));
+    };
+    for side in &gap.between {
+        match side {
+            GapSide::Part(name) if !scene.parts.iter().any(|part| part.name == *name) => {
+                problem("between", format!("no part is named {name}"), "name a part or a face");
+            }
+            GapSide::Face { axis, side }
+                if !(*axis < 3
+                    && *side < 2
+                    && matches!(scene.domain.faces[*axis][*side], Face::Wall { .. })) =>
+            {
+                let help = "a gap is between parts and walls of the domain";
+                problem("between", format!("face {side} of axis {axis} is no wall"), help);
+            }
+            GapSide::Part(_) | GapSide::Face { .. } => {}
+        }
+    }
+    if gap.between[0] == gap.between[1] {
+        problem("between", "both sides are the same".into(), "name two");
+    }
+    let ordered = 0.0 <= gap.close_at && gap.close_at <= gap.open_at;
+    if !(ordered && gap.open_at > 0.0 && gap.open_at <= THICKEST_GAP) {
+        let found = format!(
+            "needs 0 <= close_at <= open_at <= {THICKEST_GAP} cells, found {} and {}",
+            gap.close_at, gap.open_at
+        );
+        problem("open_at", found, "1.5 and 0.5 suit a flat gap, 2 and 0.5 a slanted one");
+    }
+    if !(0.0..=THICKEST_GAP).contains(&gap.slip_below) {
+        let found = format!("must be from 0 to {THICKEST_GAP} cells, found {}", gap.slip_below);
+        problem("slip_below", found, "3 suits a gap that closes; 0 keeps the walls rough");
+    }
+    if let GapRule::Probes(weights) = &gap.pressure {
+        for GapWeight { probe, weight } in weights {
+            if !scene.probes.iter().any(|known| known.name == *probe) {
+                problem("pressure", format!("no probe is named {probe}"), "add it to the scene");
+            }
+            if !(weight.is_finite() && *weight >= 0.0) {
+                let found = format!("weights must not be negative, found {weight}");
+                problem("pressure", found, "equal weights give the mean");
+            }
+        }
+        if weights.iter().map(|w| w.weight).sum::<f64>() <= 0.0 {
+            problem("pressure", "no probe has a weight".into(), "name at least one probe");
+        }
+    }
+    let (finite, ascend) = match gap.region {
+        None => (true, true),
+        Some(GapRegion::Box { min, max }) => {
+            (min.iter().chain(&max).all(|x| x.is_finite()), (0..3).all(|a| min[a] < max[a]))
+        }
+        Some(GapRegion::Ring { axis, through, radii }) => (
+            through.iter().chain(&radii).all(|x| x.is_finite()),
+            axis < 3 && 0.0 <= radii[0] && radii[0] < radii[1],
+        ),
+    };
+    if !(finite && ascend) {
+        let help = "a box needs min below max, a ring an inner radius below the outer";
+        problem("region", "holds no point".into(), help);
     }
 }
 

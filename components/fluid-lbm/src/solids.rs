@@ -37,7 +37,7 @@ enum Shape {
 }
 
 /// The centres of the cells.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Centres {
     /// Edge of a cell [m].
     pub cell: f64,
@@ -194,6 +194,22 @@ impl Solid {
             }
             Shape::Part { surface, frame, .. } => {
                 surface.closest(frame.to_part(point)).distance.abs()
+            }
+        }
+    }
+
+    /// The way from a point [m] to the nearest one of the surface [m], if it is at most `reach` [m] long.
+    pub fn way_within(&self, point: [f64; 3], reach: f64) -> Option<[f64; 3]> {
+        match &self.shape {
+            Shape::Plane { point: on, normal } => {
+                let height = dot(std::array::from_fn(|a| point[a] - on[a]), *normal);
+                (height.abs() <= reach).then(|| normal.map(|n| -height * n))
+            }
+            Shape::Part { surface, frame, .. } => {
+                let seen = frame.to_part(point);
+                let closest = surface.closest_within(seen, reach)?;
+                let way = std::array::from_fn(|a| closest.point[a] - seen[a]);
+                Some(frame.turn_to_world(way))
             }
         }
     }

@@ -5,11 +5,13 @@ use crate::bodies::{Bodies, Body};
 use crate::cells::Fixture;
 use crate::collision::Relaxation;
 use crate::course::Now;
+use crate::declared::DeclaredGaps;
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lanes::Variant;
+use crate::lattice::CS2;
 use crate::layout::Layout;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::{self, After, Exchange};
@@ -22,6 +24,7 @@ use crate::places::Parity;
 use crate::probes::Probes;
 use crate::refill::{Before, Content};
 use crate::reservoir::ReservoirFace;
+use crate::slip::Slip;
 use crate::solids::Centres;
 use crate::surroundings::Surroundings;
 use crate::survey::Survey;
@@ -76,6 +79,12 @@ pub struct Solver<T: Collides> {
     pub(crate) keeps_mass: bool,
     /// Whether gaps without cells press on bodies.
     pub(crate) gaps_press: bool,
+    /// Gaps that the scene declares, and by cell.
+    pub(crate) declared: DeclaredGaps,
+    gap_of: Vec<u16>,
+    /// Links that slip in them, and whether any do.
+    pub(crate) slip: Slip,
+    pub(crate) slips: bool,
     scheme: OpenFaces,
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub(crate) lift: [f64; 3],
@@ -162,6 +171,7 @@ impl<T: Collides> Solver<T> {
         let fixtures = surroundings.laws.len();
         let centres = Centres { cell: units.cell, min: units.min };
         let probes = Probes::new(&scene.probes, &built.layout, &centres);
+        let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let mut solver = Self {
             units,
             field: Field::new(built.layout.places.stride()),
@@ -170,6 +180,7 @@ impl<T: Collides> Solver<T> {
             bodies: Bodies::with_surfaces(
                 std::mem::take(&mut surroundings.moving),
                 roundings(scene, parameters, &units),
+                parameters.velocity_lead,
             ),
             relaxation,
             parity: Parity::Even,
@@ -179,6 +190,10 @@ impl<T: Collides> Solver<T> {
             average_force: parameters.average_force,
             gaps_press: parameters.gap_pressure == GapPressure::Nearest,
             keeps_mass: parameters.refill == Refill::Mass,
+            gap_of: declared.by_cell().to_vec(),
+            slip: Slip::default(),
+            slips: declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity,
+            declared,
             scheme: parameters.open_faces,
             lift: std::array::from_fn(|a| {
                 acceleration[a] - scene.gravity[a] / units.acceleration()
@@ -224,7 +239,8 @@ impl<T: Collides> Solver<T> {
             self.wanted.lines.resize_with(lines, AtomicU8::default);
             self.wanted.drho = Field::zeros(lines * T::LINE);
         }
-        self.link_items = links::items(&self.bodies, self.gaps_press);
+        let press = self.gaps_press || !self.declared.is_empty();
+        self.link_items = links::items(&self.bodies, press);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
@@ -273,7 +289,8 @@ impl<T: Collides> Solver<T> {
     /// Moves the bodies: covers and uncovers cells, refills.
     fn move_bodies(&mut self, states: &[BodyState]) {
         self.owners.begin();
-        if !self.bodies.take(states, &self.units, &self.layout.grid) {
+        let moved = self.bodies.take(states, &self.units, &self.layout.grid);
+        if !moved && !self.declared.is_fresh() {
             return;
         }
         let (layout, lines) = (&self.layout, &self.wanted.lines);
@@ -297,18 +314,39 @@ impl<T: Collides> Solver<T> {
                 self.owners.claim(cell, body.handle);
             }
         }
-        self.owners.settle(layout);
+        self.freeze();
         self.count_losses();
         self.refill();
         self.owners.admit();
+        if !self.declared.is_empty() {
+            self.declared.find_mouths(&self.owners, &self.layout);
+        }
+        if self.slips {
+            self.slip.find(&self.declared, &self.owners, &self.layout);
+        }
         self.bodies.forget_leaving();
         self.find_links();
+    }
+
+    /// Freezes and thaws cells of gaps, and decides which cells are isolated.
+    fn freeze(&mut self) {
+        let (layout, bodies, owners) = (&self.layout, &self.bodies, &mut self.owners);
+        if self.declared.is_empty() {
+            return owners.settle(layout);
+        }
+        if bodies.parts_moved() || self.declared.is_fresh() {
+            self.declared.measure(layout, bodies, &mut self.team);
+        }
+        self.declared.freeze(owners, bodies);
+        owners.settle(layout);
+        self.declared.close_pockets(owners, layout);
     }
 
     /// Finds the links of parts that have moved, and wants the densities that they need.
     fn find_links(&mut self) {
         let (layout, ground) = (&self.layout, self.surroundings.ground());
-        let site = Site { layout, ground: self.gaps_press.then_some(ground), line: T::LINE };
+        let ground = (self.gaps_press || !self.declared.is_empty()).then_some(ground);
+        let site = Site { layout, ground, declared: &self.declared, line: T::LINE };
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);
         self.team.for_each(&mut self.link_items, |_, item| {
             item.find(&site, bodies);
@@ -348,10 +386,11 @@ impl<T: Collides> Solver<T> {
             self.refills.push(Filled { vacated, content: Content::default() });
         }
         let before = before!(self);
-        let (owners, bodies) = (&self.owners, &self.bodies);
+        let (owners, bodies, declared) = (&self.owners, &self.bodies, &self.declared);
         self.team.for_each(&mut self.refills, |_, refill| {
-            let body = bodies.any_with_handle(refill.vacated.handle);
-            refill.content = before.refill(owners, refill.vacated.cell, body);
+            let Vacated { cell, handle } = refill.vacated;
+            let body = bodies.any_with_handle(handle);
+            refill.content = before.refill(owners, cell, body, declared.drho_at(cell));
         });
         for k in 0..self.refills.len() {
             let Filled { vacated, content } = self.refills[k];
@@ -407,9 +446,15 @@ impl<T: Collides> Solver<T> {
             drho: &self.wanted.drho,
             variant: self.variant,
             keeps_mass: self.keeps_mass,
-            ground: self.gaps_press.then_some(self.surroundings.ground()),
+            ground: (self.gaps_press || !self.declared.is_empty())
+                .then_some(self.surroundings.ground()),
+            gap_of: &self.gap_of,
         };
         let bodies = &self.bodies;
+        if self.slips {
+            self.slip.read(&after, bodies, &mut self.team);
+        }
+        self.declared.reflect(&after);
         self.team.for_each_with(&mut self.link_items, &mut self.batches, |batch, _, item| {
             after.reflect(bodies, item, batch);
         });
@@ -423,6 +468,9 @@ impl<T: Collides> Solver<T> {
         self.team.for_each(&mut self.fixed_items, |_, item| {
             after.reflect_fixed(fixed, now, references, item);
         });
+        if self.slips {
+            self.slip.write(&after, bodies, references, &mut self.team);
+        }
     }
 
     /// Gives the cells at open faces their populations; those at reservoirs first, because other faces
@@ -458,6 +506,11 @@ impl<T: Collides> Solver<T> {
         for item in &self.fixed_items {
             for (Fixture(number), exchange) in &item.exchanges {
                 self.fixtures[usize::from(*number)].join(exchange);
+            }
+        }
+        if self.slips {
+            for (number, fixture) in self.fixtures.iter_mut().enumerate() {
+                fixture.join(&self.slip.on_fixture(number));
             }
         }
         mirrors

@@ -393,6 +393,7 @@ fn the_schema_names_every_table_and_no_null() {
         "cavity",
         "rotation",
         "probes",
+        "slip_below",
         "section",
         "relaxation_time",
         "steps_per_contact",

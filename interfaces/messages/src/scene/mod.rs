@@ -5,6 +5,7 @@
 mod bodies;
 mod contacts;
 mod domain;
+mod gaps;
 mod parts;
 mod probes;
 mod reservoir;
@@ -14,6 +15,7 @@ mod surfaces;
 pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
 pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
+pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
@@ -45,6 +47,9 @@ pub struct Scene {
     pub contacts: Vec<PairLaw>,
     /// Where the run measures.
     pub probes: Vec<Probe>,
+    /// Gaps that open and close.
+    #[serde(default)]
+    pub gaps: Vec<Gap>,
 }
 
 impl Scene {
@@ -60,6 +65,7 @@ impl Scene {
             bodies: Vec::new(),
             contacts: Vec::new(),
             probes: Vec::new(),
+            gaps: Vec::new(),
         }
     }
 

@@ -8,6 +8,7 @@ mod contacts;
 mod course;
 mod diameters;
 mod domain;
+mod gaps;
 mod materials;
 mod parts;
 mod placement;

@@ -16,7 +16,7 @@ pub(super) fn probes(
     let probes: Vec<_> = (tables.iter().enumerate())
         .map(|(i, table)| {
             let at = path::item("scene.probes", i);
-            let name = name(table, &at, &mut names, findings);
+            let name = name(&table.name, &at, &mut names, findings);
             let shape = shape(table, &at, domain?, findings);
             Some(Probe { name: name?, shape: shape? })
         })
@@ -24,21 +24,21 @@ pub(super) fn probes(
     probes.into_iter().collect()
 }
 
-/// Names of probes become parts of the names of signals.
-fn name(
-    table: &ProbeTable,
+/// Names of probes become parts of the names of signals; those of gaps are made alike.
+pub(super) fn name(
+    name: &Option<String>,
     at: &str,
     names: &mut BTreeSet<String>,
     findings: &mut Findings,
 ) -> Option<String> {
-    let name = findings.required(&table.name, at, "name")?;
+    let name = findings.required(name, at, "name")?;
     let key = path::join(at, "name");
     if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
         findings.problem(&key, format!("found \"{name}\", expected letters, digits and \"_\""));
         return None;
     }
     if !names.insert(name.clone()) {
-        findings.problem(&key, format!("a second probe with the name \"{name}\""));
+        findings.problem(&key, format!("a second probe or gap with the name \"{name}\""));
     }
     Some(name)
 }
@@ -108,7 +108,7 @@ fn section(
     })
 }
 
-fn region(
+pub(super) fn region(
     table: &RegionTable,
     at: &str,
     domain: &Domain,

@@ -4,7 +4,7 @@ use super::super::document::{FluidTable, PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
-use super::{bodies, domain, materials, parts, placement, probes, seals, surfaces};
+use super::{bodies, domain, gaps, materials, parts, placement, probes, seals, surfaces};
 use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Part, Plane, Scene};
 
 pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene> {
@@ -16,6 +16,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let seals = seals::surfaces(&table.surfaces, &table.parts, findings);
     let bodies = bodies::bodies(&table.bodies, findings);
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
+    let gaps = gaps::gaps(table, domain.as_ref(), findings);
     if let Some(domain) = &domain {
         placement::check(domain, planes.as_deref().unwrap_or(&[]), &bodies, findings);
         surfaces::check(domain, &parts, findings);
@@ -39,6 +40,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         surfaces: seals?,
         bodies: bodies?,
         probes: probes?,
+        gaps: gaps?,
     })
 }
 

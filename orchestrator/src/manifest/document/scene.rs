@@ -1,8 +1,8 @@
 //! The manifest's table of the scene.
 
 use super::{
-    BodiesTable, ContactTable, DomainTable, FluidTable, MaterialTable, PartTable, ProbeTable,
-    SurfaceTable,
+    BodiesTable, ContactTable, DomainTable, FluidTable, GapTable, MaterialTable, PartTable,
+    ProbeTable, SurfaceTable,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -40,6 +40,9 @@ pub(in super::super) struct SceneTable {
     /// Where the run measures the flow.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<ProbeTable>,
+    /// Gaps that open and close.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<GapTable>,
 }
 
 /// A plane wall.

@@ -1,7 +1,10 @@
-//! Faces of the domain, the fluid, and probes.
+//! Faces of the domain, the fluid, gaps and probes.
 
 use super::*;
-use tremie_messages::scene::{Course, Face, OpenVelocity, ProbeShape, Profile, Reservoir};
+use tremie_messages::scene::{
+    Course, Face, GapRegion, GapRule, GapSide, GapWeight, OpenVelocity, ProbeShape, Profile,
+    Reservoir,
+};
 
 /// The good manifest with other lines for the domain's faces.
 fn with_faces(lines: &str) -> String {
@@ -130,6 +133,64 @@ fn a_fluid_has_a_pressure_and_places() {
 }
 
 #[test]
+fn gaps_are_read_and_checked() {
+    let text = format!(
+        "{GOOD}{}",
+        r#"
+[[scene.parts]]
+name = "plug"
+cylinder = { radius = "5 mm", length = "8 mm" }
+position = ["50 mm", "50 mm", "50 mm"]
+
+[[scene.probes]]
+name = "tap"
+point = ["1 mm", "2 mm", "3 mm"]
+
+[[scene.gaps]]
+name = "foot"
+between = ["plug", "lower z"]
+
+[[scene.gaps]]
+name = "rim"
+between = ["plug", "upper z"]
+open_at = 2
+close_at = 0.25
+pressure_at = ["tap"]
+slip_below = 3
+ring = { axis = "z", through = ["50 mm", "50 mm", "0 mm"], radii = ["2 mm", "5 mm"] }
+"#
+    );
+    let gaps = read(&text).unwrap().spec.scene.gaps;
+    let face = |side| GapSide::Face { axis: 2, side };
+    assert_eq!(gaps[0].between, [GapSide::Part("plug".into()), face(0)]);
+    assert_eq!((gaps[0].open_at, gaps[0].close_at, gaps[0].slip_below), (1.5, 0.5, 0.0));
+    assert_eq!((&gaps[0].pressure, gaps[0].region), (&GapRule::Nearest, None));
+    assert_eq!((gaps[1].open_at, gaps[1].close_at, gaps[1].slip_below), (2.0, 0.25, 3.0));
+    let weight = GapWeight { probe: "tap".into(), weight: 1.0 };
+    assert_eq!(gaps[1].pressure, GapRule::Probes(vec![weight]));
+    let (through, radii) = ([0.05, 0.05, 0.0], [2e-3, 5e-3]);
+    assert_eq!(gaps[1].region, Some(GapRegion::Ring { axis: 2, through, radii }));
+    reads_back(&text);
+    for (from, to, words) in [
+        ("[\"plug\", \"upper z\"]", "[\"plug\", \"top\"]", "name of a part, or a face"),
+        ("[\"plug\", \"upper z\"]", "[\"plug\", \"plug\"]", "twice"),
+        ("close_at = 0.25", "close_at = 3", "from 0 to `open_at`"),
+        ("pressure_at = [\"tap\"]", "pressure_at = [\"tip\"]", "name of a probe"),
+        ("pressure_at = [\"tap\"]", "pressure_at = [\"tap\"]\nweights = [0]", "not all 0"),
+        (
+            "pressure_at = [\"tap\"]",
+            "pressure_at = [\"tap\"]\npressure = \"zero\"",
+            "leave one out",
+        ),
+        ("[\"2 mm\", \"5 mm\"]", "[\"5 mm\", \"2 mm\"]", "then a larger one"),
+        ("\"rim\"", "\"foot\"", "a second probe or gap"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        one_problem(&text.replace(from, to), &[words]);
+    }
+}
+
+#[test]
 fn probes_are_read_in_each_shape() {
     let text = format!(
         "{GOOD}{}",
@@ -161,7 +222,7 @@ region = { min = ["0 mm", "0 mm", "0 mm"], max = ["1 mm", "1 mm", "1 mm"] }
     reads_back(&text);
     for (from, to, words) in [
         ("\"tap\"", "\"the tap\"", "letters, digits"),
-        ("\"tap\"", "\"bed\"", "a second probe"),
+        ("\"tap\"", "\"bed\"", "a second probe or gap"),
         ("[\"1 mm\", \"2 mm\"", "[\"1 mm\", \"2 m\"", "not inside the domain"),
         ("at = \"150 mm\"", "at = \"15 m\"", "outside the domain"),
         ("axis = \"z\"", "axis = \"w\"", "\"x\", \"y\" or \"z\""),

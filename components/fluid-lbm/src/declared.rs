@@ -1,0 +1,575 @@
+//! Gaps that the scene declares: which of their cells are frozen, and what presses in them.
+//!
+//! The thickness of a gap at a cell is the distance of the cell's centre from one side plus that from
+//! the other: between two flat walls their distance, wherever the cell is between them. It counts where
+//! the ways to the two sides are opposite to within 26 degrees: beside the end of a gap they are not. A
+//! cell of a gap is frozen, which is solid to its neighbours, while the thickness is less than `open_at`; once
+//! it is fluid it stays so down to `close_at`. A cell that a body uncovers begins frozen, unless the
+//! gap there is open. Thickness is found anew with the cells of the moving side (see `part_body`).
+//!
+//! Where cells freeze, fluid cells may be left with no way through faces of cells to more than
+//! [`POCKET`] others: such pockets are frozen too, until a neighbour becomes fluid. (One that hangs on
+//! by a diagonal link fills and empties through that alone, and its pressure runs away.)
+//!
+//! The sides feel the pressure of the gap on their links into frozen cells, and on gap links between
+//! them (see `gaps`). Freezing takes a cell's mass and momentum from the fluid as covering does, and
+//! the moving side's account has it (see `mass`); a cell that thaws gets the mean density of the fluid
+//! around, or that of the gap.
+
+use crate::bodies::{Bodies, Body};
+use crate::cells::Fixture;
+use crate::field::Real;
+use crate::grid::Side;
+use crate::lattice::{C, C_F64, OPPOSITE, Q, dot, mirrored};
+use crate::layout::Layout;
+use crate::ledger::add_scaled;
+use crate::links::{After, density};
+use crate::owners::{FLUID, FROZEN, Owners, VACATED, Vacated};
+use crate::probes::samples;
+use crate::solids::Centres;
+use crate::surroundings::Surroundings;
+use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
+use tremie_team::Team;
+
+/// Fluid cells with a way to fewer others than this are a pocket.
+const POCKET: usize = 64;
+
+/// Candidates that are one item of work.
+const CELLS_PER_ITEM: usize = 256;
+
+/// Cosine of the angle between the ways to both sides at most.
+const OPPOSITE_WAYS: f64 = -0.9;
+
+/// Of no gap.
+pub const NONE: u16 = u16::MAX;
+
+/// One side of a gap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wall {
+    /// A face of the domain.
+    Face { axis: usize, side: usize },
+    /// A static solid, by its place.
+    Solid(usize),
+    /// A part that moves, by its index in the scene.
+    Part(usize),
+}
+
+/// A gap of the scene.
+#[derive(Clone, Debug)]
+struct Declared {
+    sides: [Wall; 2],
+    open_at: f32,
+    close_at: f32,
+    slip_below: f32,
+    region: Option<GapRegion>,
+    rule: GapRule,
+    /// Cells of the probes that say the pressure, with their weights, by probe.
+    probes: Vec<(f64, Vec<(u32, f64)>)>,
+    /// Sum over the fluid cells next to frozen ones of the density minus 1, and their number.
+    around: [f64; 2],
+    /// Density minus 1 by the rule.
+    drho: f64,
+    /// Whether its sides are there, and whether they were before.
+    is_there: bool,
+    is_new: bool,
+}
+
+/// A cell that may be in a gap.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    cell: u32,
+    gap: u16,
+    /// Distance from the sides that stand still, and the way to the first of them.
+    still: f32,
+    way: [f32; 3],
+    thickness: f32,
+    /// The axis nearest to the direction across the gap.
+    axis: u8,
+}
+
+/// A link from a fluid cell to a frozen one.
+#[derive(Clone, Copy, Debug)]
+struct Mouth {
+    cell: u32,
+    dir: u8,
+    gap: u16,
+}
+
+/// The gaps of a scene, and their cells.
+#[derive(Clone, Debug, Default)]
+pub struct DeclaredGaps {
+    gaps: Vec<Declared>,
+    candidates: Vec<Vec<Candidate>>,
+    /// For each stored cell the thickness of its gap, and which it is.
+    thickness: Vec<f32>,
+    of: Vec<u16>,
+    /// Axis across the gap of each stored cell.
+    axis: Vec<u8>,
+    /// Frozen cells of no gap.
+    pockets: Vec<u32>,
+    mouths: Vec<Mouth>,
+    fill: Vec<u32>,
+    seeds: Vec<u32>,
+    /// Impulse of the last step on frozen cells.
+    pub impulse: [f64; 3],
+    centres: Centres,
+    /// Whether thickness was measured at all.
+    is_measured: bool,
+}
+
+impl DeclaredGaps {
+    /// Of a scene that was checked.
+    pub fn new(
+        scene: &Scene,
+        surroundings: &Surroundings,
+        layout: &Layout,
+        centres: Centres,
+    ) -> Self {
+        if scene.gaps.is_empty() {
+            return Self::default();
+        }
+        let count = layout.cells.len();
+        let mut own = Self {
+            gaps: scene.gaps.iter().map(|gap| declared(gap, scene, surroundings, layout)).collect(),
+            candidates: Vec::new(),
+            thickness: vec![f32::INFINITY; count],
+            of: vec![NONE; count],
+            axis: vec![0; count],
+            pockets: Vec::with_capacity(count / 16),
+            mouths: Vec::with_capacity(count / 4),
+            fill: Vec::with_capacity(8 * POCKET),
+            seeds: Vec::with_capacity(count / 4),
+            impulse: [0.0; 3],
+            centres,
+            is_measured: false,
+        };
+        let mut found = Vec::new();
+        for cell in 0..count as u32 {
+            let point = centres.of(layout.at(cell));
+            let candidate = (0..own.gaps.len()).find_map(|k| {
+                let (still, way) = own.gaps[k].still(point, layout, surroundings, &centres)?;
+                Some(Candidate {
+                    cell,
+                    gap: k as u16,
+                    still: still as f32,
+                    way: way.map(|x| x as f32),
+                    thickness: f32::INFINITY,
+                    axis: 0,
+                })
+            });
+            found.extend(candidate);
+        }
+        for candidate in &found {
+            own.of[candidate.cell as usize] = candidate.gap;
+        }
+        own.candidates = found.chunks(CELLS_PER_ITEM).map(<[Candidate]>::to_vec).collect();
+        own
+    }
+
+    /// For each stored cell the gap that it may be frozen in.
+    pub fn by_cell(&self) -> &[u16] {
+        &self.of
+    }
+
+    /// Whether the scene declares none.
+    pub fn is_empty(&self) -> bool {
+        self.gaps.is_empty()
+    }
+
+    /// Whether thickness has to be measured for the first time.
+    pub fn is_fresh(&self) -> bool {
+        !self.is_empty() && !self.is_measured
+    }
+
+    /// Memory that the tables take [bytes].
+    pub fn bytes(&self) -> usize {
+        let candidates = self.candidates.iter().map(|item| size_of_val(item.as_slice()));
+        self.of.len() * 7 + candidates.sum::<usize>()
+    }
+
+    /// The gap of a frozen cell.
+    fn of(&self, cell: u32) -> Option<u16> {
+        self.of.get(cell as usize).copied().filter(|&gap| gap != NONE)
+    }
+
+    /// The gap between a part of the scene and something that stands still, at a point as lattice
+    /// coordinates.
+    pub fn between(&self, part: usize, fixture: Fixture, at: [f64; 3]) -> Option<u16> {
+        let still = match fixture.as_solid() {
+            Some(number) => Wall::Solid(number),
+            None => {
+                let face = usize::from(fixture.0);
+                Wall::Face { axis: face / 2, side: face % 2 }
+            }
+        };
+        let point = std::array::from_fn(|a| self.centres.min[a] + at[a] * self.centres.cell);
+        let is_it = |gap: &Declared| {
+            gap.sides.contains(&still)
+                && gap.sides.contains(&Wall::Part(part))
+                && gap.region.is_none_or(|region| region.contains(point))
+        };
+        self.gaps.iter().position(is_it).map(|k| k as u16)
+    }
+
+    /// The side that stands still of a gap, if there is one.
+    pub fn still_side(&self, gap: u16) -> Option<usize> {
+        self.gaps[usize::from(gap)].sides.iter().find_map(|side| match *side {
+            Wall::Face { axis, side } => Some(usize::from(Fixture::face(axis, side).0)),
+            Wall::Solid(number) => Some(usize::from(Fixture::solid(number as u16).0)),
+            Wall::Part(_) => None,
+        })
+    }
+
+    /// Handle of a body that opens a gap: the account of pockets that no body adjoins.
+    pub fn any_mover(&self, bodies: &Bodies) -> Option<u32> {
+        self.gaps.iter().find_map(|gap| gap.mover(bodies)).map(|body| body.handle)
+    }
+
+    /// Density minus 1 in a gap that holds no fluid.
+    pub fn drho(&self, gap: u16) -> f64 {
+        self.gaps[usize::from(gap)].drho
+    }
+
+    /// What a cell that thaws holds if there is no fluid around.
+    pub fn drho_at(&self, cell: u32) -> f64 {
+        self.of(cell).map_or(0.0, |gap| self.drho(gap))
+    }
+
+    /// Whether the walls of a fluid cell slip, and across which axis.
+    pub fn slips_at(&self, cell: u32) -> Option<usize> {
+        let gap = &self.gaps[usize::from(self.of(cell)?)];
+        let slips = self.thickness[cell as usize] < gap.slip_below;
+        slips.then(|| usize::from(self.axis[cell as usize]))
+    }
+
+    /// Cells that may be in gaps.
+    pub fn thin_cells(&self) -> impl Iterator<Item = u32> {
+        self.candidates.iter().flatten().map(|candidate| candidate.cell)
+    }
+
+    /// The side that stands still of the gap of a cell.
+    pub fn still_side_at(&self, cell: u32) -> Option<usize> {
+        self.still_side(self.of(cell)?)
+    }
+
+    /// Whether the walls of any gap may slip.
+    pub fn any_slips(&self) -> bool {
+        self.gaps.iter().any(|gap| gap.slip_below > 0.0)
+    }
+
+    /// Measures the thickness at all cells that may be in gaps.
+    pub fn measure(&mut self, layout: &Layout, bodies: &Bodies, team: &mut Team) {
+        self.is_measured = true;
+        for gap in &mut self.gaps {
+            let is_there = gap.sides.iter().all(|side| match side {
+                Wall::Part(index) => body_of(bodies, *index).is_some(),
+                Wall::Face { .. } | Wall::Solid(_) => true,
+            });
+            (gap.is_new, gap.is_there) = (is_there && !gap.is_there, is_there);
+        }
+        let gaps = &self.gaps;
+        team.for_each(&mut self.candidates, |_, item| {
+            for candidate in item {
+                let gap = &gaps[usize::from(candidate.gap)];
+                (candidate.thickness, candidate.axis) = gap.thickness(layout, bodies, candidate);
+            }
+        });
+        for candidate in self.candidates.iter().flatten() {
+            self.thickness[candidate.cell as usize] = candidate.thickness;
+            self.axis[candidate.cell as usize] = candidate.axis;
+        }
+    }
+
+    /// Freezes and thaws cells, between the bodies' claims and [`Owners::settle`].
+    pub fn freeze(&mut self, owners: &mut Owners, bodies: &Bodies) {
+        for candidate in self.candidates.iter().flatten() {
+            let gap = &self.gaps[usize::from(candidate.gap)];
+            let t = candidate.thickness;
+            match owners.of(candidate.cell) {
+                FLUID if t < gap.close_at || (gap.is_new && t < gap.open_at) => {
+                    owners.freeze(candidate.cell);
+                }
+                VACATED if t < gap.open_at => owners.freeze(candidate.cell),
+                FROZEN if t >= gap.open_at && !self.is_pocket(candidate.cell) => {
+                    if let Some(body) = gap.mover(bodies) {
+                        owners.thaw(Vacated { cell: candidate.cell, handle: body.handle });
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Freezes pockets and thaws those that got a way out, after [`Owners::settle`].
+    pub fn close_pockets(&mut self, owners: &mut Owners, layout: &Layout) {
+        // Which cells may have lost their way: neighbours of those that are fluid no more, and new ones.
+        self.seeds.clear();
+        let mut next = 0;
+        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
+        while next < owners.vacated.len() {
+            let Vacated { cell, handle } = owners.vacated[next];
+            for neighbour in faces(layout, cell) {
+                if owners.of(neighbour) == FROZEN && self.is_pocket(neighbour) {
+                    owners.thaw(Vacated { cell: neighbour, handle });
+                }
+            }
+            self.seeds.push(cell);
+            next += 1;
+        }
+        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
+        let gone = owners.covered.iter().chain(&owners.enclosed);
+        self.seeds.extend(gone.flat_map(|&cell| faces(layout, cell)));
+        self.seeds.sort_unstable();
+        self.seeds.dedup();
+        for k in 0..self.seeds.len() {
+            let seed = self.seeds[k];
+            if is_wet(owners, seed) && self.is_closed(owners, layout, seed) {
+                for &cell in &self.fill {
+                    owners.freeze(cell);
+                    self.pockets.push(cell);
+                }
+            }
+        }
+        for gap in &mut self.gaps {
+            gap.is_new = false;
+        }
+        self.pockets.sort_unstable();
+        owners.forget_frozen_vacated();
+    }
+
+    /// Whether a frozen cell is one of a pocket.
+    fn is_pocket(&self, cell: u32) -> bool {
+        self.pockets.binary_search(&cell).is_ok()
+    }
+
+    /// Whether fewer cells than a pocket's can be reached from a fluid cell; those are in `fill` then.
+    fn is_closed(&mut self, owners: &Owners, layout: &Layout, seed: u32) -> bool {
+        self.fill.clear();
+        self.fill.push(seed);
+        let mut next = 0;
+        while next < self.fill.len() {
+            if self.fill.len() >= POCKET || is_at_open_face(layout, self.fill[next]) {
+                return false;
+            }
+            for neighbour in faces(layout, self.fill[next]) {
+                if is_wet(owners, neighbour) && !self.fill.contains(&neighbour) {
+                    self.fill.push(neighbour);
+                }
+            }
+            next += 1;
+        }
+        true
+    }
+
+    /// Lists the links from fluid cells into frozen ones.
+    pub fn find_mouths(&mut self, owners: &Owners, layout: &Layout) {
+        self.mouths.clear();
+        let of_gaps = self.candidates.iter().flatten().map(|candidate| candidate.cell);
+        for cell in of_gaps.chain(self.pockets.iter().copied()) {
+            let is_pocket = self.pockets.binary_search(&cell).is_ok();
+            let gap = if is_pocket { NONE } else { self.of[cell as usize] };
+            if owners.of(cell) != FROZEN {
+                continue;
+            }
+            let at = layout.at(cell);
+            for i in 1..Q {
+                let Some((from, mirrors)) = layout.near(at, C[i]) else { continue };
+                let dir = mirrored(OPPOSITE[i], mirrors);
+                if owners.is_fluid(from) && layout.neighbour(from, dir) == Some(cell) {
+                    self.mouths.push(Mouth { cell: from, dir: dir as u8, gap });
+                }
+            }
+        }
+        // A pocket's cell that is also a gap's candidate was seen twice.
+        self.mouths.sort_unstable_by_key(|mouth| (mouth.cell, mouth.dir));
+        self.mouths.dedup_by_key(|mouth| (mouth.cell, mouth.dir));
+    }
+
+    /// Reflects the links into frozen cells half-way, and finds the pressure by probes.
+    pub fn reflect<T: Real>(&mut self, after: &After<T>) {
+        for gap in &mut self.gaps {
+            gap.around = [0.0; 2];
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (weight, cells) in &gap.probes {
+                let (mut drho, mut all) = (0.0, 0.0);
+                for &(cell, part) in cells.iter().filter(|(cell, _)| after.owners.is_fluid(*cell)) {
+                    drho += part * (density(&after.post(cell)) - 1.0);
+                    all += part;
+                }
+                if all > 0.0 {
+                    sum += weight * drho / all;
+                    weights += weight;
+                }
+            }
+            gap.drho = if weights > 0.0 { sum / weights } else { 0.0 };
+        }
+        self.impulse = [0.0; 3];
+        for mouth in &self.mouths {
+            let i = usize::from(mouth.dir);
+            if let Some(gap) = self.gaps.get_mut(usize::from(mouth.gap)) {
+                gap.around[0] += density(&after.post(mouth.cell)) - 1.0;
+                gap.around[1] += 1.0;
+            }
+            let g = after.post_one(mouth.cell, i);
+            let f = after.field.set(after.next_place(mouth.cell, OPPOSITE[i]), g);
+            add_scaled(&mut self.impulse, C_F64[i], g + f);
+        }
+    }
+
+    /// Settles the pressures of gaps whose rule is the nearest fluid; `found` gives for a gap the sum
+    /// of densities next to gap links and their number.
+    pub fn settle_nearest(&mut self, found: impl Fn(u16) -> [f64; 2]) {
+        for (k, gap) in (0..).zip(&mut self.gaps) {
+            if gap.rule == GapRule::Nearest {
+                let [drho, cells] = found(k);
+                let (drho, cells) = (drho + gap.around[0], cells + gap.around[1]);
+                gap.drho = if cells > 0.0 { drho / cells } else { 0.0 };
+            }
+        }
+    }
+}
+
+impl Declared {
+    /// How far from a point a side counts [cells].
+    fn reach(&self) -> f64 {
+        f64::from(self.open_at.max(self.slip_below))
+    }
+
+    /// Distance of a point [m] from the sides that stand still, and the way to the first of them
+    /// [cells]; `None` where the gap is not.
+    fn still(
+        &self,
+        point: [f64; 3],
+        layout: &Layout,
+        surroundings: &Surroundings,
+        centres: &Centres,
+    ) -> Option<(f64, [f64; 3])> {
+        if self.region.is_some_and(|region| !region.contains(point)) {
+            return None;
+        }
+        let reach = self.reach();
+        let (mut still, mut first) = (0.0, [0.0; 3]);
+        for side in self.sides {
+            let way = match side {
+                Wall::Part(_) => continue,
+                Wall::Face { axis, side } => {
+                    let x = (point[axis] - centres.min[axis]) / centres.cell;
+                    let mut way = [0.0; 3];
+                    way[axis] = [-x, f64::from(layout.grid.n[axis]) - x][side];
+                    way
+                }
+                Wall::Solid(number) => {
+                    let solid = &surroundings.ground().solids[number];
+                    solid.way_within(point, reach * centres.cell)?.map(|x| x / centres.cell)
+                }
+            };
+            if still == 0.0 {
+                first = way;
+            } else if !are_opposite(first, way) {
+                return None;
+            }
+            still += length(way);
+        }
+        (still < reach).then_some((still, first))
+    }
+
+    /// Thickness at a candidate, and the axis nearest to the direction across.
+    fn thickness(&self, layout: &Layout, bodies: &Bodies, candidate: &Candidate) -> (f32, u8) {
+        let mut thickness = f64::from(candidate.still);
+        let mut across = candidate.way.map(f64::from);
+        for side in self.sides {
+            let Wall::Part(index) = side else { continue };
+            let at = layout.at(candidate.cell);
+            let part = body_of(bodies, index).and_then(|body| body.part.as_ref());
+            let way =
+                part.and_then(|part| part.nearest(&layout.grid, at, self.reach() - thickness));
+            let Some(way) = way.filter(|&way| thickness == 0.0 || are_opposite(across, way)) else {
+                return (f32::INFINITY, 0);
+            };
+            thickness += length(way);
+            across = way;
+        }
+        let larger = |best: usize, a: usize| {
+            if across[a].abs() > across[best].abs() { a } else { best }
+        };
+        (thickness as f32, (1..3).fold(0, larger) as u8)
+    }
+
+    /// The body that opens it.
+    fn mover<'a>(&self, bodies: &'a Bodies) -> Option<&'a Body> {
+        self.sides.iter().find_map(|side| match side {
+            Wall::Part(index) => body_of(bodies, *index),
+            _ => None,
+        })
+    }
+}
+
+/// The body that a part of the scene is.
+fn body_of(bodies: &Bodies, index: usize) -> Option<&Body> {
+    bodies.living.iter().find(|body| body.part.as_ref().is_some_and(|part| part.index == index))
+}
+
+/// Whether the ways from a point to both sides of a gap are opposite.
+fn are_opposite(a: [f64; 3], b: [f64; 3]) -> bool {
+    dot(a, b) <= OPPOSITE_WAYS * length(a) * length(b)
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+/// Whether a cell is fluid or becomes so.
+fn is_wet(owners: &Owners, cell: u32) -> bool {
+    matches!(owners.of(cell), FLUID | VACATED)
+}
+
+/// Stored cells that share a face with a cell.
+fn faces(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
+    let straight = (1..Q).filter(|&i| C[i].iter().map(|c| c.abs()).sum::<i32>() == 1);
+    straight.filter_map(move |i| layout.neighbour(cell, i)).filter(move |&n| n != cell)
+}
+
+/// Whether a cell is at an open face.
+fn is_at_open_face(layout: &Layout, cell: u32) -> bool {
+    let (at, grid) = (layout.at(cell), &layout.grid);
+    (0..3).any(|a| {
+        (at[a] == 0 && grid.sides[a][0] == Side::Open)
+            || (at[a] == grid.n[a] - 1 && grid.sides[a][1] == Side::Open)
+    })
+}
+
+fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layout) -> Declared {
+    let centres = surroundings.ground().centres();
+    let side = |side: &GapSide| match side {
+        GapSide::Face { axis, side } => Wall::Face { axis: *axis, side: *side },
+        GapSide::Part(name) => {
+            let index = scene.parts.iter().position(|part| part.name == *name).unwrap_or_default();
+            let solid = surroundings.ground().solids.iter();
+            let solid = solid.enumerate().find(|(_, solid)| solid.part == Some(index));
+            solid.map_or(Wall::Part(index), |(number, _)| Wall::Solid(number))
+        }
+    };
+    let weights = match &gap.pressure {
+        GapRule::Probes(weights) => weights.as_slice(),
+        GapRule::Zero | GapRule::Nearest => &[],
+    };
+    let of_probe = |name: &str| {
+        let probe = scene.probes.iter().find(|probe| probe.name == name)?;
+        let cells = samples(&layout.grid, &centres, &probe.shape).into_iter();
+        Some(cells.filter_map(|(at, part)| Some((layout.cell(at)?, part))).collect())
+    };
+    let probes = weights.iter().filter_map(|w| Some((w.weight, of_probe(&w.probe)?)));
+    Declared {
+        sides: [side(&gap.between[0]), side(&gap.between[1])],
+        open_at: gap.open_at as f32,
+        close_at: gap.close_at as f32,
+        slip_below: gap.slip_below as f32,
+        region: gap.region,
+        rule: gap.pressure.clone(),
+        probes: probes.collect(),
+        around: [0.0; 2],
+        drho: 0.0,
+        is_there: false,
+        is_new: false,
+    }
+}

@@ -1,0 +1,276 @@
+//! Walls that slip in thin gaps.
+//!
+//! At a small viscosity a gap of a few cells is held up by its walls: half-way reflection stops what
+//! moves along them within a step or two, which no boundary layer of the real flow does. In gaps that
+//! the scene declares so (`slip_below`), and below a lattice viscosity, links that meet a wall aslant are
+//! reflected like light: with `a` the axis nearest to the direction across the gap, `m(i)` the direction
+//! `i` mirrored across it, and `t` the part of `c_i` along the wall,
+//!
+//! ```text
+//! f_i'(x_f) = g_m(i')(x_f + t) - 6 w_i rho c_ia u_wa           i' opposite to i, u_w the wall's velocity
+//! ```
+//!
+//! for every pair of links that are each other's image, one of them in the gap, so that no mass is made;
+//! any other link stays as it is. It is done after all other reflection, as a correction of what that gave.
+
+use crate::bodies::{Bodies, Body};
+use crate::declared::DeclaredGaps;
+use crate::field::Real;
+use crate::grid::{Reach, Side};
+use crate::lattice::{C, C_F64, MIRROR, OPPOSITE, Q, W, cross, mirrored};
+use crate::layout::Layout;
+use crate::ledger::add_scaled;
+use crate::links::{After, Exchange, density};
+use crate::owners::{BODY, Owner, Owners, SHARED};
+use crate::part_links::as_seen;
+use tremie_team::Team;
+
+/// Links that are one item of work.
+const LINKS_PER_ITEM: usize = 1024;
+
+/// Whose wall a link meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Whose {
+    /// A body, by its handle.
+    Body(u32),
+    /// A fixture.
+    Fixture(u16),
+}
+
+/// A link that slips.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    cell: u32,
+    /// Where the population comes from, and its direction there.
+    source: u32,
+    from: u8,
+    dir: u8,
+    /// Direction and cell as seen by a body, and the axes at which they are mirrored.
+    seen: u8,
+    mirrors: u8,
+    axis: u8,
+    at: [i32; 3],
+    whose: Whose,
+    value: f64,
+}
+
+/// Links, and by how much slipping changes what their walls exchanged.
+#[derive(Clone, Debug, Default)]
+struct Item {
+    links: Vec<Link>,
+    exchanges: Vec<(Whose, Exchange)>,
+}
+
+/// All links that slip.
+#[derive(Clone, Debug, Default)]
+pub struct Slip {
+    items: Vec<Item>,
+    used: usize,
+}
+
+impl Slip {
+    /// Finds the links.
+    pub fn find(&mut self, gaps: &DeclaredGaps, owners: &Owners, layout: &Layout) {
+        for item in &mut self.items {
+            item.links.clear();
+        }
+        self.used = 0;
+        for cell in gaps.thin_cells().filter(|&cell| owners.is_fluid(cell)) {
+            let Some(axis) = gaps.slips_at(cell) else { continue };
+            let beside = gaps.still_side_at(cell).unwrap_or_default();
+            let site = Site { gaps, owners, layout, beside };
+            for i in (1..Q).filter(|&i| C[i][axis] != 0) {
+                let Some(link) = site.link(cell, i, axis) else { continue };
+                self.push(link);
+                // At the end of a gap the image begins outside.
+                let (source, from) = (link.source, usize::from(link.from));
+                if gaps.slips_at(source) != Some(axis)
+                    && let Some(image) = site.link(source, from, axis)
+                {
+                    self.push(image);
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, link: Link) {
+        if self.items.get(self.used).is_some_and(|item| item.links.len() == LINKS_PER_ITEM) {
+            self.used += 1;
+        }
+        if self.used == self.items.len() {
+            self.items.push(Item {
+                links: Vec::with_capacity(LINKS_PER_ITEM),
+                exchanges: Vec::with_capacity(8),
+            });
+        }
+        self.items[self.used].links.push(link);
+    }
+
+    /// Reads what slips, before anything is reflected.
+    pub fn read<T: Real>(&mut self, after: &After<T>, bodies: &Bodies, team: &mut Team) {
+        team.for_each(&mut self.items, |_, item| {
+            for link in &mut item.links {
+                let push = match link.whose {
+                    Whose::Fixture(_) => 0.0,
+                    Whose::Body(handle) => {
+                        let (axis, i) = (usize::from(link.axis), usize::from(link.seen));
+                        let (_, u) = wall(bodies.with_handle(handle), link, after.layout);
+                        let rho = density(&after.post(link.cell));
+                        6.0 * W[i] * rho * C_F64[i][axis] * u[axis]
+                    }
+                };
+                link.value = after.post_one(link.source, link.from.into()) - push;
+            }
+        });
+    }
+
+    /// Puts it where it belongs, after everything is reflected.
+    pub fn write<T: Real>(
+        &mut self,
+        after: &After<T>,
+        bodies: &Bodies,
+        references: &[[f64; 3]],
+        team: &mut Team,
+    ) {
+        team.for_each(&mut self.items, |_, item| {
+            item.exchanges.clear();
+            for link in &item.links {
+                let place = after.next_place(link.cell, OPPOSITE[usize::from(link.dir)]);
+                let old = after.field.get(place);
+                let gain = after.field.set(place, link.value) - old;
+                let known = item.exchanges.iter().position(|(whose, _)| *whose == link.whose);
+                let known = known.unwrap_or_else(|| {
+                    item.exchanges.push((link.whose, Exchange::default()));
+                    item.exchanges.len() - 1
+                });
+                let exchange = &mut item.exchanges[known].1;
+                match link.whose {
+                    Whose::Fixture(number) => {
+                        let force = C_F64[usize::from(link.dir)].map(|c| gain * c);
+                        let reference = references[usize::from(number)];
+                        let arm = after.layout.grid.arm(reference, after.layout.at(link.cell));
+                        add_scaled(&mut exchange.force, force, 1.0);
+                        add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
+                    }
+                    Whose::Body(handle) => {
+                        let body = bodies.with_handle(handle);
+                        let (arm, u) = wall(body, link, after.layout);
+                        give(exchange, link, gain, arm, u);
+                    }
+                }
+                exchange.mass += gain;
+            }
+        });
+    }
+
+    /// What slipping adds to a body's exchange.
+    pub fn on_body(&self, handle: u32) -> Exchange {
+        self.on(Whose::Body(handle))
+    }
+
+    /// What it adds to a fixture's.
+    pub fn on_fixture(&self, number: usize) -> Exchange {
+        self.on(Whose::Fixture(number as u16))
+    }
+
+    fn on(&self, wanted: Whose) -> Exchange {
+        let all = self.items.iter().flat_map(|item| &item.exchanges);
+        all.filter(|(whose, _)| *whose == wanted).fold(Exchange::default(), |mut sum, (_, own)| {
+            sum.join(own);
+            sum
+        })
+    }
+}
+
+/// Where a link half-way meets a body, seen from its origin, and the wall's velocity there.
+fn wall(body: &Body, link: &Link, layout: &Layout) -> ([f64; 3], [f64; 3]) {
+    let c = C_F64[usize::from(link.seen)];
+    let arm = if link.mirrors == 0 {
+        layout.grid.arm(body.position, link.at)
+    } else {
+        std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a])
+    };
+    let arm = std::array::from_fn(|a| arm[a] + 0.5 * c[a]);
+    (arm, body.velocity_at(arm))
+}
+
+/// Adds the Galilean-invariant exchange of a link whose reflected population grew by `gain`.
+fn give(exchange: &mut Exchange, link: &Link, gain: f64, arm: [f64; 3], u: [f64; 3]) {
+    let c = C_F64[usize::from(link.seen)];
+    let force: [f64; 3] = std::array::from_fn(|a| gain * (c[a] + u[a]));
+    add_scaled(&mut exchange.force, force, 1.0);
+    add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
+    add_scaled(&mut exchange.swept, u, gain);
+    for a in (0..3).filter(|a| link.mirrors >> a & 1 == 1) {
+        exchange.image[a] += 2.0 * force[a];
+        exchange.image_swept[a] += 2.0 * gain * u[a];
+    }
+}
+
+/// What links are looked for in.
+#[derive(Clone, Copy)]
+struct Site<'a> {
+    gaps: &'a DeclaredGaps,
+    owners: &'a Owners,
+    layout: &'a Layout,
+    /// The side that stands still of the gap in question.
+    beside: usize,
+}
+
+impl Site<'_> {
+    /// The link `i` of a cell, if it and its image slip.
+    fn link(&self, cell: u32, i: usize, axis: usize) -> Option<Link> {
+        let whose = self.whose(cell, i)?;
+        let at = self.layout.at(cell);
+        let mut along = C[i];
+        along[axis] = 0;
+        if along == [0; 3] {
+            return None;
+        }
+        let (source, mirrors) = self.layout.near(at, along)?;
+        let from = mirrored(MIRROR[axis][OPPOSITE[i]], mirrors);
+        if !self.owners.is_fluid(source) || self.whose(source, from).is_none() {
+            return None;
+        }
+        let end = std::array::from_fn(|a| at[a] + C[i][a]);
+        let mirrors = match self.layout.grid.reach(end) {
+            Reach::Cell { mirrors, .. } => mirrors,
+            Reach::Face { .. } => 0,
+        };
+        let (at, seen) = as_seen(&self.layout.grid, at, i, mirrors);
+        Some(Link {
+            cell,
+            source,
+            from: from as u8,
+            dir: i as u8,
+            seen: seen as u8,
+            mirrors,
+            axis: axis as u8,
+            at,
+            whose,
+            value: 0.0,
+        })
+    }
+
+    /// Whose wall a link meets; `None` if it is no wall.
+    fn whose(&self, cell: u32, i: usize) -> Option<Whose> {
+        let still = || {
+            let at = self.layout.at(cell);
+            let end = self.layout.grid.reach(std::array::from_fn(|a| at[a] + C[i][a]));
+            if let Reach::Face { axis, side } = end
+                && self.layout.grid.sides[axis][side] != Side::Wall
+            {
+                return None;
+            }
+            // A cell beside the gap counts for the one that it is beside.
+            let number = self.gaps.still_side_at(cell).unwrap_or(self.beside);
+            Some(Whose::Fixture(number as u16))
+        };
+        let Some(end) = self.layout.neighbour(cell, i) else { return still() };
+        let owner: Owner = self.owners.of(end);
+        match owner {
+            SHARED => self.owners.claimants(end).next().map(Whose::Body),
+            owner => owner.checked_sub(BODY).map(Whose::Body),
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Gaps that the scene declares: frozen while thin, a pressure by rule, pockets, mass.
+
+mod common;
+
+use common::*;
+use std::f64::consts::PI;
+use tremie_fluid_lbm::{FluidLbm, Refill};
+use tremie_messages::scene::{
+    Course, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Geometry, Motion, Probe, ProbeShape,
+    Scene,
+};
+use tremie_messages::{BodyState, Load};
+
+const P: f64 = 1e-3;
+
+fn gap() -> Gap {
+    Gap {
+        name: "slot".into(),
+        between: [GapSide::Part("plate".into()), GapSide::Face { axis: 2, side: 0 }],
+        open_at: 1.5,
+        close_at: 0.5,
+        pressure: GapRule::Nearest,
+        slip_below: 0.0,
+        region: None,
+    }
+}
+
+/// A plate, 12 cells long, between two chambers at pressures `P` and 0, as wide as the channel of 4
+/// cells and up to its roof. The part's origin is in the middle of its underside.
+fn channel(gap: Option<Gap>) -> (Case, Scene) {
+    let case = Case::new([32, 4, 12], [WALL, SYMMETRY, WALL], 0.6);
+    let mut scene = case.scene();
+    let open = |pressure| Face::Pressure { pressure, course: Course::default(), absorbing: true };
+    scene.domain.faces[0] = [open(P), open(0.0)];
+    let mut plate = part("plate", Geometry::Box { size: [12.0, 8.0, 16.0] }, [16.0, 2.0, 0.0]);
+    plate.motion = Motion::Prescribed(Vec::new());
+    scene.parts.push(plate);
+    for (name, x) in [("before", 3.0), ("behind", 29.0)] {
+        scene.probes.push(Probe { name: name.into(), shape: ProbeShape::Point([x, 2.0, 6.0]) });
+    }
+    scene.gaps.extend(gap);
+    (case, scene)
+}
+
+/// Load and the rate of flow through the slot after `steps`, the plate locked at a height.
+fn locked(gap: Option<Gap>, height: f64, steps: usize) -> (FluidLbm, Load, f64) {
+    let (case, scene) = channel(gap);
+    let mut fluid = case.fluid_of(&scene);
+    let body = [BodyState::at_rest(1, [16.0, 2.0, height + 8.0])];
+    fluid.apply_events(&[added_part(1, 0)]).unwrap();
+    let mut loads = loads_of(&body);
+    fluid.start(&body, &mut loads).unwrap();
+    for _ in 0..steps {
+        fluid.step(&body, &mut loads).unwrap();
+        closes(&fluid, 1e-12);
+    }
+    let column = (0..4).flat_map(|y| (0..12).map(move |z| [4, y, z]));
+    let flow = column.map(|cell| fluid.velocity_at(cell)[0]).sum();
+    (fluid, loads[0], flow)
+}
+
+/// Below `open_at` nothing flows and the slot is solid; above it the flow is that without a declaration, to
+/// the bit; in between, an undeclared slot of one layer of cells flows.
+#[test]
+fn a_slot_is_shut_until_it_opens() {
+    for height in [0.3, 1.2, 1.45] {
+        let (fluid, _, flow) = locked(Some(gap()), height, 800);
+        // Chambers come to rest.
+        println!("{height}: {flow}");
+        assert!(flow.abs() < 2e-5, "{height}: {flow}");
+        assert!(fluid.node([15, 2, 0]).solid);
+        assert_eq!(fluid.diagnostics().frozen, if height > 0.5 { 48 } else { 0 });
+    }
+    let (_, _, leak) = locked(None, 1.2, 1500);
+    assert!(leak > 1e-3, "{leak}");
+    println!("an undeclared slot of 1.2 cells lets {leak} through");
+    for height in [1.6, 2.4] {
+        let (declared, load, flow) = locked(Some(gap()), height, 300);
+        let (plain, other, same) = locked(None, height, 300);
+        assert!(flow > 1e-5 && flow.to_bits() == same.to_bits());
+        assert_eq!(load, other);
+        assert_eq!(declared.populations_at([15, 2, 0]), plain.populations_at([15, 2, 0]));
+    }
+}
+
+/// The pressure of a shut slot acts on the plate's underside, 48 cells, by its rule: to 1.5 %, which is
+/// what the links at its two edges, from chambers, weigh.
+#[test]
+fn a_shut_slot_presses_by_its_rule() {
+    let probes = |weights: [f64; 2]| {
+        let weight = |(probe, weight): (&str, f64)| GapWeight { probe: probe.into(), weight };
+        GapRule::Probes(["before", "behind"].into_iter().zip(weights).map(weight).collect())
+    };
+    let run = |pressure: GapRule, height: f64| {
+        let (_, load, _) = locked(Some(Gap { pressure, ..gap() }), height, 800);
+        load.force[2]
+    };
+    for height in [0.3, 1.2] {
+        let zero = run(GapRule::Zero, height);
+        assert!(zero.abs() < 0.015 * 48.0 * P, "{zero}");
+        for (weights, part) in [([1.0, 0.0], 1.0), ([0.0, 2.0], 0.0), ([1.0, 1.0], 0.5)] {
+            let force = run(probes(weights), height);
+            assert!((force - part * 48.0 * P).abs() < 0.015 * 48.0 * P, "{weights:?}: {force}");
+        }
+        let nearest = run(GapRule::Nearest, height) / (48.0 * P);
+        assert!((nearest - 0.5).abs() < 0.015, "{nearest}");
+    }
+}
+
+/// A region cuts a gap: outside it the slot is as it were undeclared.
+#[test]
+fn a_region_limits_a_gap() {
+    let region = GapRegion::Box { min: [0.0; 3], max: [15.0, 4.0, 12.0] };
+    let (fluid, ..) = locked(Some(Gap { region: Some(region), ..gap() }), 1.2, 1);
+    for x in 8..26 {
+        // From 10 to 22 is the plate.
+        let is_shut = (10..15).contains(&x);
+        assert_eq!(fluid.node([x, 2, 0]).solid, is_shut, "{x}");
+    }
+    let region = GapRegion::Ring { axis: 1, through: [16.0, 0.0, 0.0], radii: [3.1, 20.0] };
+    let (fluid, ..) = locked(Some(Gap { region: Some(region), ..gap() }), 1.2, 1);
+    let shut: Vec<_> = (0..32).filter(|&x| fluid.node([x, 2, 0]).solid).collect();
+    // What is between the two shut ends is a pocket.
+    assert_eq!(shut, (10..22).collect::<Vec<_>>());
+}
+
+/// A box with a hollow of 5 x 5 x 2 cells in its underside, near the floor: once the rim's gap is shut, the
+/// hollow is a pocket and frozen, and nothing else; when the rim opens it is fluid again, and the box of
+/// 5900 cells misses less than 0.1 of them.
+#[test]
+fn a_pocket_is_frozen() {
+    let mut case = Case::new([20, 20, 16], [WALL; 3], 0.7);
+    case.refill = Refill::Mass;
+    let mut scene = case.scene();
+    let profile = vec![[0.0, 2.0], [2.9, 2.0], [2.9, 0.0], [5.9, 0.0], [5.9, 5.0], [0.0, 5.0]];
+    let mut bell = part("bell", Geometry::Revolved { profile }, [10.5, 10.5, 3.0]);
+    bell.motion = Motion::Prescribed(Vec::new());
+    scene.parts.push(bell);
+    let side = GapSide::Face { axis: 2, side: 0 };
+    let between = [GapSide::Part("bell".into()), side];
+    // Only under the rim.
+    let radii = [2.9, 6.0];
+    let region = GapRegion::Ring { axis: 2, through: [10.5, 10.5, 0.0], radii };
+    scene.gaps.push(Gap { between, region: Some(region), ..gap() });
+    let mut fluid = case.fluid_of(&scene);
+    let mut body = [BodyState::at_rest(1, [10.5, 10.5, 3.0])];
+    fluid.apply_events(&[added_part(1, 0)]).unwrap();
+    let mut loads = loads_of(&body);
+    fluid.start(&body, &mut loads).unwrap();
+    let (mass, first) = (fluid.ledger().mass, fluid.diagnostics().fluid_cells as f64);
+    let (mut seen, mut drift) = ([0; 2], 0.0);
+    let steps = 1000;
+    for k in 0..steps {
+        let phase = 2.0 * PI * f64::from(k + 1) / f64::from(steps);
+        body[0].position[2] = 3.0 - 1.35 * (1.0 - phase.cos());
+        body[0].velocity[2] = -1.35 * phase.sin() * 2.0 * PI / f64::from(steps);
+        fluid.step(&body, &mut loads).unwrap();
+        closes(&fluid, 1e-11);
+        let seen_now = fluid.diagnostics();
+        let ledger = fluid.ledger();
+        let missing = mass - ledger.mass * first / seen_now.fluid_cells as f64;
+        drift = missing - ledger.mass_owed;
+        let gap = body[0].position[2];
+        let hollow = fluid.node([10, 10, 1]);
+        assert_eq!(fluid.node([10, 10, 0]).solid, hollow.solid);
+        assert!(!fluid.node([1, 1, 0]).solid && !fluid.node([10, 17, 0]).solid);
+        if gap < 0.45 {
+            assert!(hollow.solid, "{k} {gap}");
+            seen[0] += 1;
+        } else if gap > 1.6 {
+            assert!(!hollow.solid && seen_now.frozen == 0, "{k} {gap}");
+            seen[1] += 1;
+        }
+    }
+    assert!(seen[0] > 50 && seen[1] > 100, "{seen:?}");
+    // What was frozen came back: the mean density is what it was, but for what is owed.
+    println!("{drift} cells are missing besides what is owed");
+    assert!(drift.abs() < 0.1, "{drift}");
+}
+
+/// A plate sinks on the floor under a load, in a fluid of lattice viscosity 2e-4, from 3.6 cells, with walls
+/// that slip in thin gaps or not. The balance closes in either case. Steps until it is at 1.25 cells.
+fn sinks(slip_below: f64) -> Option<usize> {
+    let mut case = Case::new([40, 4, 16], [WALL, SYMMETRY, WALL], 0.5006);
+    case.collision = tremie_fluid_lbm::Collision::Bgk;
+    case.smagorinsky = 0.17;
+    case.refill = Refill::Mass;
+    let mut scene = case.scene();
+    let open = || Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: true };
+    scene.domain.faces[0] = [open(), open()];
+    let mut plate = part("plate", Geometry::Box { size: [24.0, 8.0, 3.0] }, [20.0, 2.0, 5.1]);
+    plate.motion = Motion::Prescribed(Vec::new());
+    scene.parts.push(plate);
+    scene.gaps.push(Gap { slip_below, close_at: 0.5, pressure: GapRule::Zero, ..gap() });
+    let mut fluid = case.fluid_of(&scene);
+    let mut body = [BodyState::at_rest(1, [20.0, 2.0, 5.1])];
+    fluid.apply_events(&[added_part(1, 0)]).unwrap();
+    let mut loads = loads_of(&body);
+    fluid.start(&body, &mut loads).unwrap();
+    let (mass, load) = (2000.0, 0.01);
+    for k in 0..3000 {
+        body[0].velocity[2] += (loads[0].force[2] - load) / mass;
+        body[0].position[2] += body[0].velocity[2];
+        fluid.step(&body, &mut loads).unwrap();
+        closes(&fluid, 1e-11);
+        if body[0].position[2] - 1.5 < 1.25 {
+            return Some(k);
+        }
+    }
+    println!("stays at {} cells", body[0].position[2] - 1.5);
+    None
+}
+
+/// Walls that slip let it down in 2200 steps of 3000; where they hold the fluid it hangs at two cells, then at
+/// one and a half.
+#[test]
+fn a_plate_comes_down_where_walls_slip() {
+    let (slipping, held) = (sinks(3.5), sinks(0.0));
+    println!("down after {slipping:?} and {held:?} steps");
+    assert!(slipping.is_some() && held.is_none());
+}
+
+#[test]
+fn gaps_that_make_no_sense_are_refused() {
+    let (case, scene) = channel(None);
+    let refused = |change: fn(&mut Gap), key: &str| {
+        let mut scene = scene.clone();
+        scene.gaps.push(gap());
+        change(&mut scene.gaps[0]);
+        let problems = case.parameters().resolve(&scene).unwrap_err();
+        assert!(problems[0].key == format!("scene.gaps[0].{key}"), "{problems:?}");
+    };
+    refused(|gap| gap.between[0] = GapSide::Part("plat".into()), "between");
+    refused(|gap| gap.between[0] = GapSide::Face { axis: 0, side: 0 }, "between");
+    refused(|gap| gap.close_at = 2.0, "open_at");
+    refused(|gap| gap.open_at = 20.0, "open_at");
+    refused(|gap| gap.slip_below = f64::NAN, "slip_below");
+    refused(
+        |gap| {
+            let weight = GapWeight { probe: "nowhere".into(), weight: 1.0 };
+            gap.pressure = GapRule::Probes(vec![weight]);
+        },
+        "pressure",
+    );
+    refused(|gap| gap.pressure = GapRule::Probes(Vec::new()), "pressure");
+    refused(|gap| gap.region = Some(GapRegion::Box { min: [1.0; 3], max: [0.0; 3] }), "region");
+}
