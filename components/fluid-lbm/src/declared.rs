@@ -19,7 +19,6 @@
 use crate::bodies::{Bodies, Body};
 use crate::cells::Fixture;
 use crate::field::Real;
-use crate::grid::Side;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, dot, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
@@ -32,7 +31,7 @@ use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
 use tremie_team::Team;
 
 /// Fluid cells with a way to fewer others than this are a pocket.
-const POCKET: usize = 64;
+pub const POCKET: usize = 64;
 
 /// Candidates that are one item of work.
 const CELLS_PER_ITEM: usize = 256;
@@ -106,10 +105,12 @@ pub struct DeclaredGaps {
     /// Axis across the gap of each stored cell.
     axis: Vec<u8>,
     /// Frozen cells of no gap.
-    pockets: Vec<u32>,
+    pub pockets: Vec<u32>,
     mouths: Vec<Mouth>,
-    fill: Vec<u32>,
-    seeds: Vec<u32>,
+    /// Room for a pocket, and for the cells that may have become one.
+    pub fill: Vec<u32>,
+    /// See there.
+    pub seeds: Vec<u32>,
     /// Impulse of the last step on frozen cells.
     pub impulse: [f64; 3],
     centres: Centres,
@@ -298,67 +299,9 @@ impl DeclaredGaps {
                 _ => {}
             }
         }
-    }
-
-    /// Freezes pockets and thaws those that got a way out, after [`Owners::settle`].
-    pub fn close_pockets(&mut self, owners: &mut Owners, layout: &Layout) {
-        // Which cells may have lost their way: neighbours of those that are fluid no more, and new ones.
-        self.seeds.clear();
-        let mut next = 0;
-        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
-        while next < owners.vacated.len() {
-            let Vacated { cell, handle } = owners.vacated[next];
-            for neighbour in faces(layout, cell) {
-                if owners.of(neighbour) == FROZEN && self.is_pocket(neighbour) {
-                    owners.thaw(Vacated { cell: neighbour, handle });
-                }
-            }
-            self.seeds.push(cell);
-            next += 1;
-        }
-        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
-        let gone = owners.covered.iter().chain(&owners.enclosed);
-        self.seeds.extend(gone.flat_map(|&cell| faces(layout, cell)));
-        self.seeds.sort_unstable();
-        self.seeds.dedup();
-        for k in 0..self.seeds.len() {
-            let seed = self.seeds[k];
-            if is_wet(owners, seed) && self.is_closed(owners, layout, seed) {
-                for &cell in &self.fill {
-                    owners.freeze(cell);
-                    self.pockets.push(cell);
-                }
-            }
-        }
         for gap in &mut self.gaps {
             gap.is_new = false;
         }
-        self.pockets.sort_unstable();
-        owners.forget_frozen_vacated();
-    }
-
-    /// Whether a frozen cell is one of a pocket.
-    fn is_pocket(&self, cell: u32) -> bool {
-        self.pockets.binary_search(&cell).is_ok()
-    }
-
-    /// Whether fewer cells than a pocket's can be reached from a fluid cell; those are in `fill` then.
-    fn is_closed(&mut self, owners: &Owners, layout: &Layout, seed: u32) -> bool {
-        self.fill.clear();
-        self.fill.push(seed);
-        let mut next = 0;
-        while next < self.fill.len() {
-            if self.fill.len() >= POCKET || is_at_open_face(layout, self.fill[next]) {
-                return false;
-            }
-            for neighbour in faces(layout, self.fill[next]) {
-                if is_wet(owners, neighbour) && !self.fill.contains(&neighbour) {
-                    self.fill.push(neighbour);
-                }
-            }
-            next += 1;
-        }
-        true
     }
 
     /// Lists the links from fluid cells into frozen ones.
@@ -516,26 +459,6 @@ fn are_opposite(a: [f64; 3], b: [f64; 3]) -> bool {
 
 fn length(v: [f64; 3]) -> f64 {
     dot(v, v).sqrt()
-}
-
-/// Whether a cell is fluid or becomes so.
-fn is_wet(owners: &Owners, cell: u32) -> bool {
-    matches!(owners.of(cell), FLUID | VACATED)
-}
-
-/// Stored cells that share a face with a cell.
-fn faces(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
-    let straight = (1..Q).filter(|&i| C[i].iter().map(|c| c.abs()).sum::<i32>() == 1);
-    straight.filter_map(move |i| layout.neighbour(cell, i)).filter(move |&n| n != cell)
-}
-
-/// Whether a cell is at an open face.
-fn is_at_open_face(layout: &Layout, cell: u32) -> bool {
-    let (at, grid) = (layout.at(cell), &layout.grid);
-    (0..3).any(|a| {
-        (at[a] == 0 && grid.sides[a][0] == Side::Open)
-            || (at[a] == grid.n[a] - 1 && grid.sides[a][1] == Side::Open)
-    })
 }
 
 fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layout) -> Declared {

@@ -1,6 +1,7 @@
 //! Numbers of the lattice, judged before the run.
 
 use crate::compression;
+use crate::gap_findings as gaps;
 use crate::lattice::CS2;
 use crate::narrow::Narrow;
 use crate::parameters::{Parameters, Precision};
@@ -47,6 +48,7 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     findings.extend(lattice.compression());
     findings.extend(lattice.softness());
     findings.extend(reservoirs::findings(scene, resolution));
+    findings.extend(gaps::findings(parameters, scene, resolution));
     findings
 }
 

@@ -24,26 +24,23 @@
 //! The force is that of a fluid that is not simulated: the ledger lists it by itself, as `gaps`.
 
 use crate::balance::mirrors_of_part;
-use crate::batch::Link;
 use crate::bodies::{Bodies, Body};
 use crate::cells::Fixture;
 use crate::field::Real;
 use crate::grid::{Grid, Reach, Side};
 use crate::ground::Ground;
 use crate::kernel::Collides;
-use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, dot, mirrored};
+use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, Item};
 use crate::owners::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
-use crate::part_body::{Facets, PartBody};
-use crate::part_links::{Site, recession};
 use crate::places::Blocked;
 use crate::solver::Solver;
 use crate::sphere::{inside, wall_distance};
 
 /// Surfaces nearer than this part of a link are in contact.
-const CONTACT: f64 = 1e-3;
+pub const CONTACT: f64 = 1e-3;
 
 /// Gaps of an item at most; those beyond count as the last.
 const ROOM: usize = 24;
@@ -52,48 +49,6 @@ const ROOM: usize = 24;
 /// frozen cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Across(u32);
-
-/// A gap link between a moving part and what stands still, as it was when it was found.
-#[derive(Clone, Copy, Debug)]
-struct GapLink {
-    across: Across,
-    dir: u8,
-    /// The cell where it begins, as seen from the body.
-    at: [i32; 3],
-    /// Where it meets the part, how that follows the part's motion, and how wide the gap is.
-    q: f64,
-    slope: [f32; 3],
-    width: f64,
-    /// End of its witnesses in the list; they begin where those of the link before end.
-    end: u32,
-}
-
-/// The gap links between an item of a moving part and what stands still.
-#[derive(Clone, Debug, Default)]
-pub struct GapLinks {
-    links: Vec<GapLink>,
-    /// Cells whose density, where they are fluid, is that of the gap.
-    witnesses: Vec<u32>,
-}
-
-impl GapLinks {
-    /// Forgets all.
-    pub fn clear(&mut self) {
-        self.links.clear();
-        self.witnesses.clear();
-    }
-
-    /// Room for half as many more.
-    pub fn make_room(&mut self) {
-        self.links.reserve(self.links.len() / 2 + 64);
-        self.witnesses.reserve(self.witnesses.len() / 2 + 64);
-    }
-
-    /// Cells whose densities are needed.
-    pub fn witnesses(&self) -> impl Iterator<Item = u32> {
-        self.witnesses.iter().copied()
-    }
-}
 
 impl Across {
     const BODIES: u32 = 1 << 31;
@@ -122,12 +77,12 @@ impl Across {
     }
 
     /// The number of the fixture, if it is one.
-    fn as_fixture(self) -> Option<usize> {
+    pub fn as_fixture(self) -> Option<usize> {
         (self.0 < Self::DECLARED).then_some(self.0 as usize)
     }
 
     /// The number of the gap, if the scene declares it.
-    fn as_declared(self) -> Option<u16> {
+    pub fn as_declared(self) -> Option<u16> {
         let is_one = (Self::DECLARED..Self::IMAGE).contains(&self.0);
         is_one.then(|| (self.0 - Self::DECLARED) as u16)
     }
@@ -140,11 +95,12 @@ impl Across {
 
 /// A gap, or the part of it that an item of links found.
 #[derive(Clone, Copy, Debug)]
-struct Gap {
+pub struct Gap {
     across: Across,
     /// Sum over the fluid cells next to it of the density minus 1, and their number.
-    drho: f64,
-    cells: f64,
+    pub drho: f64,
+    /// See there.
+    pub cells: f64,
     /// Force and torque on the body for each unit of `drho`.
     load: [[f64; 3]; 2],
 }
@@ -170,7 +126,8 @@ impl Gaps {
         self.0.extend_from_slice(&other.0);
     }
 
-    fn to(&mut self, across: Across) -> &mut Gap {
+    /// The gap to something.
+    pub fn to(&mut self, across: Across) -> &mut Gap {
         let place = self.0.iter().position(|gap| gap.across == across);
         let place = place.unwrap_or_else(|| {
             if self.0.len() < ROOM {
@@ -248,40 +205,6 @@ impl<T: Real> After<'_, T> {
         }
     }
 
-    /// Records a part's link into a frozen cell of a declared gap.
-    pub fn press_frozen(&self, gap: u16, link: &Link, gaps: &mut Gaps) {
-        gaps.to(Across::declared(gap)).add(link.arm, link.seen.into(), link.q);
-    }
-
-    /// Records the gap links between a part and what stands still. Returns the volume by which the
-    /// part recedes from declared gaps.
-    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) -> f64 {
-        let (mut first, mut receded) = (0, 0.0);
-        for link in &list.links {
-            let witnesses = &list.witnesses[first..link.end as usize];
-            first = link.end as usize;
-            let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
-            let by = dot(link.slope.map(f64::from), part.drift_at(arm));
-            if link.across.as_declared().is_some() {
-                let (dir, q) = (link.dir, link.q + by);
-                let link = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
-                receded += recession(body, &link);
-            }
-            if link.width + by <= CONTACT {
-                continue;
-            }
-            let gap = gaps.to(link.across);
-            gap.add(arm, link.dir.into(), link.q + by);
-            for &cell in witnesses {
-                if self.owners.is_fluid(cell) {
-                    gap.drho += self.drho.get(cell as usize);
-                    gap.cells += 1.0;
-                }
-            }
-        }
-        receded
-    }
-
     /// What the cell `at` belongs to, and how far its surface is from the covered cell on the link
     /// between them. `None` if they are not two, or the cell is fluid.
     fn across(
@@ -332,7 +255,7 @@ impl<T: Real> After<'_, T> {
 }
 
 /// What a cell that may lie beyond a face is.
-enum Beyond {
+pub enum Beyond {
     /// A wall of the domain or, without one, a static solid.
     Fixture(Option<Fixture>),
     /// A stored cell, through a mirror at some axes.
@@ -341,7 +264,7 @@ enum Beyond {
     Open,
 }
 
-fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
+pub fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
     match layout.grid.reach(at) {
         Reach::Face { axis, side } if layout.grid.sides[axis][side] == Side::Wall => {
             Beyond::Fixture(Some(Fixture::face(axis, side)))
@@ -356,7 +279,7 @@ fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
 
 /// What stands still at the start of the link `i` into the covered cell `own`, and how far it is from
 /// there: a face, or the solid that is met.
-fn fixture(
+pub fn fixture(
     ground: &Ground,
     face: Option<Fixture>,
     (own, cell): ([i32; 3], u32),
@@ -373,7 +296,7 @@ fn fixture(
 
 impl Gap {
     /// Adds what the gap link `i` gives that leads from `arm`, seen from the body, to its surface.
-    fn add(&mut self, arm: [f64; 3], i: usize, q: f64) {
+    pub fn add(&mut self, arm: [f64; 3], i: usize, q: f64) {
         let c = C_F64[i];
         let surface = std::array::from_fn(|a| arm[a] + q * c[a]);
         let force = c.map(|c| 2.0 * W[i] * c);
@@ -382,74 +305,9 @@ impl Gap {
     }
 }
 
-impl Site<'_> {
-    /// Finds the gap links between a part and the walls of the domain.
-    pub fn gaps_at_walls(
-        &self,
-        body: &Body,
-        ground: &Ground,
-        facets: &mut Facets,
-        gaps: &mut GapLinks,
-    ) {
-        let Some(part) = &body.part else { return };
-        let grid = &self.layout.grid;
-        let is_wall = |axis: usize, side: usize| grid.sides[axis][side] == Side::Wall;
-        each_beyond(grid, body, is_wall, |at, i| {
-            part.facets_near(at, facets);
-            self.static_gap(part, facets, ground, at, i, gaps);
-        });
-    }
-
-    /// Lists the gap link `i` that leads from `at` into a part, if it is one to something that stands
-    /// still; `facets` are those near `at`.
-    pub fn static_gap(
-        &self,
-        part: &PartBody,
-        facets: &Facets,
-        ground: &Ground,
-        at: [i32; 3],
-        i: usize,
-        gaps: &mut GapLinks,
-    ) {
-        let grid = &self.layout.grid;
-        let own = std::array::from_fn(|a| grid.wrap(a, at[a] + C[i][a]));
-        let Some(cell) = grid.contains(own).then(|| self.layout.cell(own)).flatten() else {
-            return;
-        };
-        let Beyond::Fixture(face) = beyond(self.layout, at) else { return };
-        let Some((across, far)) = fixture(ground, face, (own, cell), i) else { return };
-        let meeting = part.meet_among(facets, at, C[i]);
-        let place =
-            std::array::from_fn(|a| f64::from(at[a]) + 0.5 + meeting.q * f64::from(C[i][a]));
-        let across = match across.as_fixture().map(|number| Fixture(number as u16)) {
-            Some(fixture) => {
-                let gap = self.declared.between(part.index, fixture, place);
-                gap.map_or(across, Across::declared)
-            }
-            None => across,
-        };
-        let width = far - (1.0 - meeting.q);
-        // It may come apart before the next search.
-        if width < -1.0 {
-            return;
-        }
-        let neighbours = (1..Q).filter_map(|k| self.layout.neighbour(cell, k));
-        gaps.witnesses.extend(neighbours);
-        gaps.links.push(GapLink {
-            across,
-            dir: i as u8,
-            at,
-            q: meeting.q,
-            slope: meeting.slope.map(|x| x as f32),
-            width,
-            end: gaps.witnesses.len() as u32,
-        });
-    }
-}
-
 /// Calls `visit` with each cell beyond a wanted face that is next to one that a body covers, and the
 /// direction from it to that.
-fn each_beyond(
+pub fn each_beyond(
     grid: &Grid,
     body: &Body,
     is_wanted: impl Fn(usize, usize) -> bool,

@@ -11,7 +11,6 @@ use crate::bodies::{Bodies, Body};
 use crate::cells::NONE;
 use crate::declared::{DeclaredGaps, NONE as NO_GAP};
 use crate::field::Real;
-use crate::gaps::GapLinks;
 use crate::grid::Grid;
 use crate::ground::Ground;
 use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
@@ -19,6 +18,7 @@ use crate::layout::Layout;
 use crate::links::{After, fold};
 use crate::owners::{FROZEN, SHARED};
 use crate::part_body::{Facets, PartBody};
+use crate::part_gaps::GapLinks;
 
 /// A link, as it was when it was found.
 #[derive(Clone, Copy, Debug)]

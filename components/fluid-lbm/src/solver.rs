@@ -13,16 +13,16 @@ use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lanes::Variant;
 use crate::lattice::CS2;
 use crate::layout::Layout;
-use crate::ledger::{Ledger, add_scaled};
+use crate::ledger::Ledger;
 use crate::links::{self, After, Exchange};
+use crate::motion::Filled;
 use crate::open::{self, Next, OpenCells};
-use crate::owners::{Owners, Vacated};
+use crate::owners::Owners;
 use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::part_body::Rounding;
-use crate::part_links::Site;
 use crate::places::Parity;
 use crate::probes::Probes;
-use crate::refill::{Before, Content};
+use crate::refill::Before;
 use crate::reservoir::ReservoirFace;
 use crate::slip::Slip;
 use crate::solids::Centres;
@@ -30,20 +30,13 @@ use crate::surroundings::Surroundings;
 use crate::survey::Survey;
 use crate::tally::Tally;
 use crate::units::Units;
-use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_team::Team;
 
 /// Cells that are one item of work of the collision. Blocks are added up in their order.
 const CELLS_PER_BLOCK: usize = 4096;
-
-/// A cell to refill, and what it then holds.
-#[derive(Clone, Copy, Debug)]
-struct Filled {
-    vacated: Vacated,
-    content: Content,
-}
 
 /// The fluid before the next collision, borrowing no more of the solver than that takes.
 macro_rules! before {
@@ -106,7 +99,7 @@ pub struct Solver<T: Collides> {
     pub(crate) reservoirs: Vec<ReservoirFace>,
     pub(crate) link_items: Vec<links::Item>,
     pub(crate) probes: Probes,
-    refills: Vec<Filled>,
+    pub(crate) refills: Vec<Filled>,
     /// The last step's balance, in lattice units and in SI.
     pub(crate) balance: Ledger,
     pub(crate) ledger: Ledger,
@@ -286,118 +279,9 @@ impl<T: Collides> Solver<T> {
         Ok(())
     }
 
-    /// Moves the bodies: covers and uncovers cells, refills.
-    fn move_bodies(&mut self, states: &[BodyState]) {
-        self.owners.begin();
-        let moved = self.bodies.take(states, &self.units, &self.layout.grid);
-        if !moved && !self.declared.is_fresh() {
-            return;
-        }
-        let (layout, lines) = (&self.layout, &self.wanted.lines);
-        for line in lines {
-            line.store(0, Relaxed);
-        }
-        for body in &mut self.bodies.living {
-            body.cover_part(layout, &mut self.team);
-        }
-        self.team.for_each(&mut self.bodies.living, |_, body| {
-            body.cover(layout);
-            body.want(layout, T::LINE, lines);
-        });
-        for body in self.bodies.leaving.iter().chain(&self.bodies.living) {
-            for &cell in &body.left {
-                self.owners.release(cell, body.handle);
-            }
-        }
-        for body in &self.bodies.living {
-            for &cell in &body.entered {
-                self.owners.claim(cell, body.handle);
-            }
-        }
-        self.freeze();
-        self.count_losses();
-        self.refill();
-        self.owners.admit();
-        if !self.declared.is_empty() {
-            self.declared.find_mouths(&self.owners, &self.layout);
-        }
-        if self.slips {
-            self.slip.find(&self.declared, &self.owners, &self.layout);
-        }
-        self.bodies.forget_leaving();
-        self.find_links();
-    }
-
-    /// Freezes and thaws cells of gaps, and decides which cells are isolated.
-    fn freeze(&mut self) {
-        let (layout, bodies, owners) = (&self.layout, &self.bodies, &mut self.owners);
-        if self.declared.is_empty() {
-            return owners.settle(layout);
-        }
-        if bodies.parts_moved() || self.declared.is_fresh() {
-            self.declared.measure(layout, bodies, &mut self.team);
-        }
-        self.declared.freeze(owners, bodies);
-        owners.settle(layout);
-        self.declared.close_pockets(owners, layout);
-    }
-
-    /// Finds the links of parts that have moved, and wants the densities that they need.
-    fn find_links(&mut self) {
-        let (layout, ground) = (&self.layout, self.surroundings.ground());
-        let ground = (self.gaps_press || !self.declared.is_empty()).then_some(ground);
-        let site = Site { layout, ground, declared: &self.declared, line: T::LINE };
-        let (bodies, lines) = (&self.bodies, &self.wanted.lines);
-        self.team.for_each(&mut self.link_items, |_, item| {
-            item.find(&site, bodies);
-            for &line in &item.found.lines {
-                lines[line as usize].store(1, Relaxed);
-            }
-        });
-    }
-
     /// The fluid before the next collision.
     pub(crate) fn before(&self) -> Before<'_, T> {
         before!(self)
-    }
-
-    /// Balances what left the fluid with covered and isolated cells.
-    fn count_losses(&mut self) {
-        for k in 0..self.owners.covered.len() {
-            let cell = self.owners.covered[k];
-            let content = self.before().content(cell);
-            add_scaled(&mut self.balance.covered, content.j, -1.0);
-            self.balance.mass_covered -= 1.0 + content.drho;
-            self.charge(cell, content.drho);
-        }
-        for k in 0..self.owners.enclosed.len() {
-            let cell = self.owners.enclosed[k];
-            let content = self.before().content(cell);
-            add_scaled(&mut self.balance.isolated, content.j, -1.0);
-            self.balance.mass_isolated -= 1.0 + content.drho;
-            self.charge(cell, content.drho);
-        }
-    }
-
-    /// Fills the cells that joined the fluid.
-    fn refill(&mut self) {
-        self.refills.clear();
-        for &vacated in &self.owners.vacated {
-            self.refills.push(Filled { vacated, content: Content::default() });
-        }
-        let before = before!(self);
-        let (owners, bodies, declared) = (&self.owners, &self.bodies, &self.declared);
-        self.team.for_each(&mut self.refills, |_, refill| {
-            let Vacated { cell, handle } = refill.vacated;
-            let body = bodies.any_with_handle(handle);
-            refill.content = before.refill(owners, cell, body, declared.drho_at(cell));
-        });
-        for k in 0..self.refills.len() {
-            let Filled { vacated, content } = self.refills[k];
-            add_scaled(&mut self.balance.uncovered, content.j, 1.0);
-            self.balance.mass_uncovered += 1.0 + content.drho;
-            self.credit(vacated.handle, content.drho);
-        }
     }
 
     /// Collides and streams all fluid cells.

@@ -1,0 +1,157 @@
+//! Gap links between a moving part and what stands still: found with the part's other links, and used
+//! until it has moved by a step. See `gaps` for what they are and `part_links` for how they follow.
+
+use crate::batch::Link;
+use crate::bodies::Body;
+use crate::cells::Fixture;
+use crate::field::Real;
+use crate::gaps::{Across, Beyond, CONTACT, Gaps, beyond, each_beyond, fixture};
+use crate::grid::Side;
+use crate::ground::Ground;
+use crate::lattice::{C, Q, dot};
+use crate::links::After;
+use crate::part_body::{Facets, PartBody};
+use crate::part_links::{Site, recession};
+
+/// A gap link between a moving part and what stands still, as it was when it was found.
+#[derive(Clone, Copy, Debug)]
+struct GapLink {
+    across: Across,
+    dir: u8,
+    /// The cell where it begins, as seen from the body.
+    at: [i32; 3],
+    /// Where it meets the part, how that follows the part's motion, and how wide the gap is.
+    q: f64,
+    slope: [f32; 3],
+    width: f64,
+    /// End of its witnesses in the list; they begin where those of the link before end.
+    end: u32,
+}
+
+/// The gap links between an item of a moving part and what stands still.
+#[derive(Clone, Debug, Default)]
+pub struct GapLinks {
+    links: Vec<GapLink>,
+    /// Cells whose density, where they are fluid, is that of the gap.
+    witnesses: Vec<u32>,
+}
+
+impl GapLinks {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.links.clear();
+        self.witnesses.clear();
+    }
+
+    /// Room for half as many more.
+    pub fn make_room(&mut self) {
+        self.links.reserve(self.links.len() / 2 + 64);
+        self.witnesses.reserve(self.witnesses.len() / 2 + 64);
+    }
+
+    /// Cells whose densities are needed.
+    pub fn witnesses(&self) -> impl Iterator<Item = u32> {
+        self.witnesses.iter().copied()
+    }
+}
+
+impl<T: Real> After<'_, T> {
+    /// Records a part's link into a frozen cell of a declared gap.
+    pub fn press_frozen(&self, gap: u16, link: &Link, gaps: &mut Gaps) {
+        gaps.to(Across::declared(gap)).add(link.arm, link.seen.into(), link.q);
+    }
+
+    /// Records the gap links between a part and what stands still. Returns the volume by which the
+    /// part recedes from declared gaps.
+    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) -> f64 {
+        let (mut first, mut receded) = (0, 0.0);
+        for link in &list.links {
+            let witnesses = &list.witnesses[first..link.end as usize];
+            first = link.end as usize;
+            let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
+            let by = dot(link.slope.map(f64::from), part.drift_at(arm));
+            if link.across.as_declared().is_some() {
+                let (dir, q) = (link.dir, link.q + by);
+                let link = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
+                receded += recession(body, &link);
+            }
+            if link.width + by <= CONTACT {
+                continue;
+            }
+            let gap = gaps.to(link.across);
+            gap.add(arm, link.dir.into(), link.q + by);
+            for &cell in witnesses {
+                if self.owners.is_fluid(cell) {
+                    gap.drho += self.drho.get(cell as usize);
+                    gap.cells += 1.0;
+                }
+            }
+        }
+        receded
+    }
+}
+
+impl Site<'_> {
+    /// Finds the gap links between a part and the walls of the domain.
+    pub fn gaps_at_walls(
+        &self,
+        body: &Body,
+        ground: &Ground,
+        facets: &mut Facets,
+        gaps: &mut GapLinks,
+    ) {
+        let Some(part) = &body.part else { return };
+        let grid = &self.layout.grid;
+        let is_wall = |axis: usize, side: usize| grid.sides[axis][side] == Side::Wall;
+        each_beyond(grid, body, is_wall, |at, i| {
+            part.facets_near(at, facets);
+            self.static_gap(part, facets, ground, at, i, gaps);
+        });
+    }
+
+    /// Lists the gap link `i` that leads from `at` into a part, if it is one to something that stands
+    /// still; `facets` are those near `at`.
+    pub fn static_gap(
+        &self,
+        part: &PartBody,
+        facets: &Facets,
+        ground: &Ground,
+        at: [i32; 3],
+        i: usize,
+        gaps: &mut GapLinks,
+    ) {
+        let grid = &self.layout.grid;
+        let own = std::array::from_fn(|a| grid.wrap(a, at[a] + C[i][a]));
+        let Some(cell) = grid.contains(own).then(|| self.layout.cell(own)).flatten() else {
+            return;
+        };
+        let Beyond::Fixture(face) = beyond(self.layout, at) else { return };
+        let Some((across, far)) = fixture(ground, face, (own, cell), i) else { return };
+        let meeting = part.meet_among(facets, at, C[i]);
+        let place =
+            std::array::from_fn(|a| f64::from(at[a]) + 0.5 + meeting.q * f64::from(C[i][a]));
+        let across = match across.as_fixture().map(|number| Fixture(number as u16)) {
+            Some(fixture) => {
+                let gap = self.declared.between(part.index, fixture, place);
+                gap.map_or(across, Across::declared)
+            }
+            None => across,
+        };
+        let width = far - (1.0 - meeting.q);
+        // It may come apart before the next search.
+        if width < -1.0 {
+            return;
+        }
+        let neighbours = (1..Q).filter_map(|k| self.layout.neighbour(cell, k));
+        gaps.witnesses.extend(neighbours);
+        gaps.links.push(GapLink {
+            across,
+            dir: i as u8,
+            at,
+            q: meeting.q,
+            slope: meeting.slope.map(|x| x as f32),
+            width,
+            end: gaps.witnesses.len() as u32,
+        });
+    }
+}
