@@ -26,6 +26,8 @@ pub enum Command {
     Components,
     /// Open a finished run in the Rerun viewer.
     View(ViewArgs),
+    /// Draw the curves of a finished run, or of several to compare them.
+    Report(ReportArgs),
     /// Check that a program keeps the contract of a component.
     Conform(ConformArgs),
     /// Run scenes whose result is known, and compare.
@@ -108,6 +110,20 @@ pub struct ViewArgs {
     /// Where to show it
     #[arg(long, value_name = "web|native|FILE.rrd", default_value = "web", value_parser = parse_view)]
     pub view: View,
+}
+
+/// Arguments of `tremie report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Folders of finished runs; their curves share the panels
+    #[arg(required = true, value_name = "OUT")]
+    pub outs: Vec<PathBuf>,
+    /// Only these signals, or those that belong to them, as fluid.beneath [default: all]
+    #[arg(long = "signal", value_name = "NAME")]
+    pub signals: Vec<String>,
+    /// Where to write the picture [default: report.svg in the first folder]
+    #[arg(long, value_name = "FILE.svg")]
+    pub to: Option<PathBuf>,
 }
 
 /// Arguments of `tremie conform`.

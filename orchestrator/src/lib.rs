@@ -4,8 +4,10 @@
 //! components ([`launch`]) and asks each what it is, in a [`round`]; [`plan`] assigns steps and [`schedule`] the order of
 //! work; [`doctor`] says which numbers are doubtful; [`mod@run`] hands out the assignments; [`drive`] lets the
 //! windows go by over [`control`], with [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
-//! [`validation`] makes runs whose results are known; [`scenes`] builds scenes from numbers.
+//! [`mod@report`] draws what a finished run kept, with [`charts`]; [`validation`] makes runs whose results are known;
+//! [`scenes`] builds scenes from numbers.
 
+pub mod charts;
 pub mod cli;
 pub mod commands;
 pub mod conform;
@@ -20,6 +22,7 @@ pub mod monitor;
 pub mod outputs;
 pub mod plan;
 pub mod registry;
+pub mod report;
 pub mod round;
 pub mod run;
 pub mod scenes;

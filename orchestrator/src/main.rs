@@ -11,6 +11,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => commands::check(&arguments),
         Command::Components => commands::components(),
         Command::View(arguments) => commands::view(&arguments),
+        Command::Report(arguments) => commands::report(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),
         Command::Scene(arguments) => commands::scene(&arguments),

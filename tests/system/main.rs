@@ -10,6 +10,8 @@ mod examples;
 mod faults;
 mod fields;
 mod observers;
+mod report;
+mod rubber;
 mod running;
 mod same_bits;
 mod scenes;

@@ -26,7 +26,7 @@
 //! | bodies | points | 3 Float64 | m | centres |
 //! | | `id` | UInt64 | | id of the body |
 //! | | `set` | UInt32 | | index of its set in the scene |
-//! | | `motion` | UInt32 | | 0 free, 1 fixed, 2 prescribed |
+//! | | `motion` | UInt32 | | 0 free, 1 fixed, 2 prescribed, 3 slider |
 //! | | `radius` | Float64 | m | |
 //! | | `mass` | Float64 | kg | |
 //! | | `velocity` | 3 Float64 | m/s | |

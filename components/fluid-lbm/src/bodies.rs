@@ -5,13 +5,14 @@ use crate::grid::Grid;
 use crate::lattice::cross;
 use crate::layout::Layout;
 use crate::mass::Account;
-use crate::part_body::PartBody;
+use crate::part_body::{PartBody, Rounding};
 use crate::sphere::Spans;
 use crate::units::Units;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_geometry::Surface;
 use tremie_messages::{BodyEvent, BodyState};
+use tremie_team::Team;
 
 /// A sphere or a part in the fluid; lattice units.
 #[derive(Clone, Debug)]
@@ -36,6 +37,8 @@ pub struct Body {
     previous: Spans,
     /// Whether it has a position yet.
     placed: bool,
+    /// Whether its cells must be found anew.
+    moved: bool,
     /// Cells that it left and entered in the last move.
     pub left: Vec<u32>,
     /// Cells that it entered in the last move.
@@ -65,6 +68,7 @@ impl Body {
             previous: spans.clone(),
             spans,
             placed: false,
+            moved: false,
             left: Vec::with_capacity(changes),
             entered: Vec::with_capacity(changes),
             carried: [[0.0; 3]; 2],
@@ -130,8 +134,11 @@ impl Body {
         self.velocity = state.velocity.map(|v| v / units.velocity());
         self.spin = state.angular_velocity.map(|w| w * units.time_step);
         let position = grid.canonical(units.position_to_lattice(state.position));
-        let turned = self.part.as_mut().is_some_and(|part| part.turn(state.orientation));
-        let moved = !self.placed || turned || position != self.position;
+        let elsewhere = match &mut self.part {
+            Some(part) => part.place(position, state.orientation),
+            None => position != self.position,
+        };
+        let moved = !self.placed || elsewhere;
         if moved && self.placed {
             // The old cells, seen from the same side of a periodic face as the new ones.
             let turns = std::array::from_fn(|a| {
@@ -148,20 +155,31 @@ impl Body {
         }
         self.position = position;
         self.placed = true;
+        self.moved = moved;
         moved
     }
 
-    /// Finds the cells inside at the new position, and which were left and entered.
+    /// Finds the cells inside of a part that has moved.
+    pub fn cover_part(&mut self, layout: &Layout, team: &mut Team) {
+        if let Some(part) = self.part.as_mut().filter(|_| self.moved) {
+            part.cover(&layout.grid, team);
+        }
+    }
+
+    /// Finds the cells inside at the new position, and which were left and entered; of a part, once it
+    /// is covered.
     pub fn cover(&mut self, layout: &Layout) {
-        if let Some(part) = &mut self.part {
-            part.cover(&layout.grid, self.position);
+        self.left.clear();
+        self.entered.clear();
+        if !self.moved {
+            return;
+        }
+        if self.part.is_some() {
             return self.note_changes(layout);
         }
         std::mem::swap(&mut self.spans, &mut self.previous);
         self.spans.fit(&layout.grid, self.position, self.radius);
         let (left, entered) = (&mut self.left, &mut self.entered);
-        left.clear();
-        entered.clear();
         self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
         self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
     }
@@ -179,8 +197,12 @@ impl Body {
         }
     }
 
-    /// Wants the densities of all lines of `line` cells in which links to it can begin.
+    /// Wants the densities of all lines of `line` cells in which links to a sphere can begin; those of a
+    /// part are known.
     pub fn want(&self, layout: &Layout, line: usize, lines: &[AtomicU8]) {
+        if self.part.is_some() {
+            return;
+        }
         let grid = &layout.grid;
         // Links are at most the square root of 2 long.
         let reach = self.radius + 1.5;
@@ -263,12 +285,15 @@ pub struct Bodies {
     pub changed: bool,
     /// Surfaces of the scene's parts that move, by index of the part.
     surfaces: Vec<Option<Arc<Surface>>>,
+    /// Where they are in the scene, and how exactly they are followed.
+    roundings: Vec<Rounding>,
 }
 
 impl Bodies {
-    /// None, in a scene whose moving parts have the given surfaces, by index of the part.
-    pub fn with_surfaces(surfaces: Vec<Option<Arc<Surface>>>) -> Self {
-        Self { surfaces, ..Self::default() }
+    /// None, in a scene whose moving parts have the given surfaces and roundings of poses, by index of
+    /// the part.
+    pub fn with_surfaces(surfaces: Vec<Option<Arc<Surface>>>, roundings: Vec<Rounding>) -> Self {
+        Self { surfaces, roundings, ..Self::default() }
     }
 
     /// Place among the living of the body with a handle.
@@ -318,8 +343,10 @@ impl Bodies {
                 if handle as usize == self.places.len() {
                     self.places.push(0);
                 }
-                let part = surface_of(event, &self.surfaces)
-                    .map(|surface| Box::new(PartBody::new(surface.clone(), units.cell)));
+                let part = surface_of(event, &self.surfaces).map(|surface| {
+                    let rounding = self.roundings[event.table as usize];
+                    Box::new(PartBody::new(surface.clone(), rounding, units.cell))
+                });
                 let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
                 self.living.insert(place, Body::new(event.id, handle, radius, part));
             } else {

@@ -15,18 +15,25 @@
 //! one without these is at gauge pressure zero. What stands in a mirror counts as another. A part that stands still feels the opposite of what the
 //! body feels; between two parts that stand still there are no gap links.
 //!
+//! Gap links between a moving part and what stands still are found with its other links, and follow its
+//! motion as they do (see `part_links`); the others are found in each step.
+//!
 //! The force is that of a fluid that is not simulated: the ledger lists it by itself, as `gaps`.
 
+use crate::balance::mirrors_of_part;
 use crate::bodies::{Bodies, Body};
 use crate::cells::Fixture;
 use crate::field::Real;
 use crate::grid::{Grid, Reach, Side};
 use crate::ground::Ground;
 use crate::kernel::Collides;
-use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
+use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, dot, mirrored};
+use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, Item};
 use crate::owners::{BODY, FLUID, ISOLATED, SHARED, VACATED};
+use crate::part_body::{Facets, PartBody};
+use crate::part_links::Site;
 use crate::places::Blocked;
 use crate::solver::Solver;
 use crate::sphere::{inside, wall_distance};
@@ -41,6 +48,48 @@ const ROOM: usize = 24;
 /// frozen cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Across(u32);
+
+/// A gap link between a moving part and what stands still, as it was when it was found.
+#[derive(Clone, Copy, Debug)]
+struct GapLink {
+    across: Across,
+    dir: u8,
+    /// The cell where it begins, as seen from the body.
+    at: [i32; 3],
+    /// Where it meets the part, how that follows the part's motion, and how wide the gap is.
+    q: f64,
+    slope: [f32; 3],
+    width: f64,
+    /// End of its witnesses in the list; they begin where those of the link before end.
+    end: u32,
+}
+
+/// The gap links between an item of a moving part and what stands still.
+#[derive(Clone, Debug, Default)]
+pub struct GapLinks {
+    links: Vec<GapLink>,
+    /// Cells whose density, where they are fluid, is that of the gap.
+    witnesses: Vec<u32>,
+}
+
+impl GapLinks {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.links.clear();
+        self.witnesses.clear();
+    }
+
+    /// Room for half as many more.
+    pub fn make_room(&mut self) {
+        self.links.reserve(self.links.len() / 2 + 64);
+        self.witnesses.reserve(self.witnesses.len() / 2 + 64);
+    }
+
+    /// Cells whose densities are needed.
+    pub fn witnesses(&self) -> impl Iterator<Item = u32> {
+        self.witnesses.iter().copied()
+    }
+}
 
 impl Across {
     const BODIES: u32 = 1 << 31;
@@ -117,38 +166,20 @@ impl Gaps {
 }
 
 impl<T: Real> After<'_, T> {
-    /// Finds the gap links between a body and the walls of the domain, and what is in mirrors.
+    /// Finds the gap links between a body and what is in mirrors, and, for a sphere, the walls of the
+    /// domain.
     pub fn gaps_at_faces(&self, bodies: &Bodies, body: &Body, ground: &Ground, gaps: &mut Gaps) {
         let grid = &self.layout.grid;
-        for (axis, side) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
-            let x = body.position[axis];
-            let far = [x, f64::from(grid.n[axis]) - x][side] - body.radius > 1.0;
-            if !matches!(grid.sides[axis][side], Side::Wall | Side::Symmetry) || far {
-                continue;
-            }
-            let ([b, c], layer) = ([(axis + 1) % 3, (axis + 2) % 3], [0, grid.n[axis] - 1][side]);
-            let outward = [-1, 1][side];
-            for k in range(grid, body, c) {
-                for j in range(grid, body, b) {
-                    let mut at = [layer; 3];
-                    (at[b], at[c]) = (j, k);
-                    if !body.covers(at) {
-                        continue;
-                    }
-                    for i in (1..Q).filter(|&i| C[i][axis] == outward) {
-                        let beyond = std::array::from_fn(|a| at[a] + C[i][a]);
-                        // At edges the face that the link meets, and of mirrors the first.
-                        let is_here = match grid.reach(beyond) {
-                            Reach::Face { axis: a, side: s } => (a, s) == (axis, side),
-                            Reach::Cell { mirrors, .. } => mirrors.trailing_zeros() == axis as u32,
-                        };
-                        if is_here {
-                            self.gap(bodies, body, ground, beyond, OPPOSITE[i], gaps);
-                        }
-                    }
-                }
-            }
-        }
+        // A part on a mirror is its own image.
+        let own_image = mirrors_of_part(grid, body.position);
+        let is_wanted = |axis: usize, side: usize| match grid.sides[axis][side] {
+            Side::Wall => body.part.is_none(),
+            Side::Symmetry => body.part.is_none() || !own_image[axis],
+            Side::Periodic | Side::Open => false,
+        };
+        each_beyond(grid, body, is_wanted, |at, i| {
+            self.gap(bodies, body, ground, at, i, gaps);
+        });
     }
 
     /// Records the gap link `i` that leads from `at`, as seen from the body, into the body, if it is
@@ -181,16 +212,35 @@ impl<T: Real> After<'_, T> {
             return;
         }
         let gap = gaps.to(across);
-        let surface = std::array::from_fn(|a| arm[a] + q * c[a]);
-        let force = c.map(|c| 2.0 * W[i] * c);
-        add_scaled(&mut gap.load[0], force, 1.0);
-        add_scaled(&mut gap.load[1], cross(surface, force), 1.0);
+        gap.add(arm, i, q);
         for k in 1..Q {
             if let Some(next) = self.layout.neighbour(cell, k)
                 && self.owners.is_fluid(next)
             {
                 gap.drho += self.drho.get(next as usize);
                 gap.cells += 1.0;
+            }
+        }
+    }
+
+    /// Records the gap links between a part and what stands still.
+    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) {
+        let mut first = 0;
+        for link in &list.links {
+            let witnesses = &list.witnesses[first..link.end as usize];
+            first = link.end as usize;
+            let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
+            let by = dot(link.slope.map(f64::from), part.drift_at(arm));
+            if link.width + by <= CONTACT {
+                continue;
+            }
+            let gap = gaps.to(link.across);
+            gap.add(arm, link.dir.into(), link.q + by);
+            for &cell in witnesses {
+                if self.owners.is_fluid(cell) {
+                    gap.drho += self.drho.get(cell as usize);
+                    gap.cells += 1.0;
+                }
             }
         }
     }
@@ -207,18 +257,10 @@ impl<T: Real> After<'_, T> {
         i: usize,
     ) -> Option<(Across, f64)> {
         let (grid, back) = (&self.layout.grid, OPPOSITE[i]);
-        let (at_other, mirrors) = match grid.reach(at) {
-            Reach::Face { axis, side } => {
-                let is_wall = grid.sides[axis][side] == Side::Wall;
-                return is_wall.then_some((Across::fixture(Fixture::face(axis, side)), 0.5));
-            }
-            Reach::Cell { at, mirrors } => (at, mirrors),
-        };
-        let Some(other) = self.layout.cell(at_other) else {
-            let none = Fixture::solid(ground.solids.len() as u16);
-            let link = Blocked { cell, dir: back as u8, fixture: none };
-            let (met, distance) = ground.meet(own, &link);
-            return Some((Across::fixture(met.fixture), distance));
+        let (other, mirrors) = match beyond(self.layout, at) {
+            Beyond::Open => return None,
+            Beyond::Fixture(face) => return fixture(ground, face, (own, cell), i),
+            Beyond::Stored { cell, mirrors } => (cell, mirrors),
         };
         // An image is met where the other is met from the covered cell's image.
         let is_image = mirrors != 0;
@@ -248,6 +290,152 @@ impl<T: Real> After<'_, T> {
                 all.map(of_body).min_by(|a, b| a.1.total_cmp(&b.1))
             }
             owner => Some(of_body(owner - BODY)),
+        }
+    }
+}
+
+/// What a cell that may lie beyond a face is.
+enum Beyond {
+    /// A wall of the domain or, without one, a static solid.
+    Fixture(Option<Fixture>),
+    /// A stored cell, through a mirror at some axes.
+    Stored { cell: u32, mirrors: u8 },
+    /// Beyond an open face.
+    Open,
+}
+
+fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
+    match layout.grid.reach(at) {
+        Reach::Face { axis, side } if layout.grid.sides[axis][side] == Side::Wall => {
+            Beyond::Fixture(Some(Fixture::face(axis, side)))
+        }
+        Reach::Face { .. } => Beyond::Open,
+        Reach::Cell { at, mirrors } => match layout.cell(at) {
+            Some(cell) => Beyond::Stored { cell, mirrors },
+            None => Beyond::Fixture(None),
+        },
+    }
+}
+
+/// What stands still at the start of the link `i` into the covered cell `own`, and how far it is from
+/// there: a face, or the solid that is met.
+fn fixture(
+    ground: &Ground,
+    face: Option<Fixture>,
+    (own, cell): ([i32; 3], u32),
+    i: usize,
+) -> Option<(Across, f64)> {
+    if let Some(face) = face {
+        return Some((Across::fixture(face), 0.5));
+    }
+    let none = Fixture::solid(ground.solids.len() as u16);
+    let link = Blocked { cell, dir: OPPOSITE[i] as u8, fixture: none };
+    let (met, distance) = ground.meet(own, &link);
+    Some((Across::fixture(met.fixture), distance))
+}
+
+impl Gap {
+    /// Adds what the gap link `i` gives that leads from `arm`, seen from the body, to its surface.
+    fn add(&mut self, arm: [f64; 3], i: usize, q: f64) {
+        let c = C_F64[i];
+        let surface = std::array::from_fn(|a| arm[a] + q * c[a]);
+        let force = c.map(|c| 2.0 * W[i] * c);
+        add_scaled(&mut self.load[0], force, 1.0);
+        add_scaled(&mut self.load[1], cross(surface, force), 1.0);
+    }
+}
+
+impl Site<'_> {
+    /// Finds the gap links between a part and the walls of the domain.
+    pub fn gaps_at_walls(
+        &self,
+        body: &Body,
+        ground: &Ground,
+        facets: &mut Facets,
+        gaps: &mut GapLinks,
+    ) {
+        let Some(part) = &body.part else { return };
+        let grid = &self.layout.grid;
+        let is_wall = |axis: usize, side: usize| grid.sides[axis][side] == Side::Wall;
+        each_beyond(grid, body, is_wall, |at, i| {
+            part.facets_near(at, facets);
+            self.static_gap(part, facets, ground, at, i, gaps);
+        });
+    }
+
+    /// Lists the gap link `i` that leads from `at` into a part, if it is one to something that stands
+    /// still; `facets` are those near `at`.
+    pub fn static_gap(
+        &self,
+        part: &PartBody,
+        facets: &Facets,
+        ground: &Ground,
+        at: [i32; 3],
+        i: usize,
+        gaps: &mut GapLinks,
+    ) {
+        let grid = &self.layout.grid;
+        let own = std::array::from_fn(|a| grid.wrap(a, at[a] + C[i][a]));
+        let Some(cell) = grid.contains(own).then(|| self.layout.cell(own)).flatten() else {
+            return;
+        };
+        let Beyond::Fixture(face) = beyond(self.layout, at) else { return };
+        let Some((across, far)) = fixture(ground, face, (own, cell), i) else { return };
+        let meeting = part.meet_among(facets, at, C[i]);
+        let width = far - (1.0 - meeting.q);
+        // It may come apart before the next search.
+        if width < -1.0 {
+            return;
+        }
+        let neighbours = (1..Q).filter_map(|k| self.layout.neighbour(cell, k));
+        gaps.witnesses.extend(neighbours);
+        gaps.links.push(GapLink {
+            across,
+            dir: i as u8,
+            at,
+            q: meeting.q,
+            slope: meeting.slope.map(|x| x as f32),
+            width,
+            end: gaps.witnesses.len() as u32,
+        });
+    }
+}
+
+/// Calls `visit` with each cell beyond a wanted face that is next to one that a body covers, and the
+/// direction from it to that.
+fn each_beyond(
+    grid: &Grid,
+    body: &Body,
+    is_wanted: impl Fn(usize, usize) -> bool,
+    mut visit: impl FnMut([i32; 3], usize),
+) {
+    for (axis, side) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+        let x = body.position[axis];
+        let far = [x, f64::from(grid.n[axis]) - x][side] - body.radius > 1.0;
+        if !is_wanted(axis, side) || far {
+            continue;
+        }
+        let ([b, c], layer) = ([(axis + 1) % 3, (axis + 2) % 3], [0, grid.n[axis] - 1][side]);
+        let outward = [-1, 1][side];
+        for k in range(grid, body, c) {
+            for j in range(grid, body, b) {
+                let mut at = [layer; 3];
+                (at[b], at[c]) = (j, k);
+                if !body.covers(at) {
+                    continue;
+                }
+                for i in (1..Q).filter(|&i| C[i][axis] == outward) {
+                    let beyond = std::array::from_fn(|a| at[a] + C[i][a]);
+                    // At edges the face that the link meets, and of mirrors the first.
+                    let is_here = match grid.reach(beyond) {
+                        Reach::Face { axis: a, side: s } => (a, s) == (axis, side),
+                        Reach::Cell { mirrors, .. } => mirrors.trailing_zeros() == axis as u32,
+                    };
+                    if is_here {
+                        visit(beyond, OPPOSITE[i]);
+                    }
+                }
+            }
         }
     }
 }

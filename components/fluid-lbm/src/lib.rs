@@ -49,6 +49,7 @@ mod open;
 mod owners;
 mod parameters;
 mod part_body;
+mod part_links;
 mod piston;
 mod places;
 mod probes;

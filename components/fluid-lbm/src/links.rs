@@ -26,13 +26,14 @@ use crate::batch::{Batch, Link};
 use crate::bodies::{Bodies, Body};
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
-use crate::grid::Side;
+use crate::grid::{Grid, Side};
 use crate::ground::Ground;
 use crate::lanes::Variant;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::{Owners, SHARED};
+use crate::part_links::{PartLinks, Site};
 use crate::places::Parity;
 use crate::sphere::{Span, wall_distance};
 
@@ -54,6 +55,8 @@ pub struct Item {
     pub exchange: Exchange,
     /// Gaps that they found.
     pub gaps: Gaps,
+    /// The links, of a part.
+    pub found: PartLinks,
 }
 
 /// What links exchanged in a step.
@@ -110,7 +113,8 @@ pub fn items(bodies: &Bodies, gaps_press: bool) -> Vec<Item> {
             let layers = first..(first + layers).min(side);
             first = layers.end;
             let gaps = if gaps_press { Gaps::with_room() } else { Gaps::default() };
-            items.push(Item { body: place, layers, exchange: Exchange::default(), gaps });
+            let found = PartLinks::default();
+            items.push(Item { body: place, layers, exchange: Exchange::default(), gaps, found });
         }
     }
     items
@@ -137,6 +141,13 @@ pub struct After<'a, T: Real> {
     pub ground: Option<&'a Ground>,
 }
 
+impl Item {
+    /// Finds the links of a part, if it has moved.
+    pub fn find(&mut self, site: &Site, bodies: &Bodies) {
+        self.found.find(site, &bodies.living[self.body], self.layers.clone());
+    }
+}
+
 impl<T: Real> After<'_, T> {
     /// Post-collision population `g_i` of a cell.
     #[inline(always)]
@@ -158,9 +169,13 @@ impl<T: Real> After<'_, T> {
     pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) {
         let body = &bodies.living[item.body];
         batch.begin(body);
-        for k in item.layers.clone() {
-            for j in 0..body.shell_side() {
-                self.row(bodies, body, body.shell_row(j, k), batch);
+        if let Some(part) = &body.part {
+            self.reflect_part(bodies, body, part, &item.found, batch);
+        } else {
+            for k in item.layers.clone() {
+                for j in 0..body.shell_side() {
+                    self.row(bodies, body, body.shell_row(j, k), batch);
+                }
             }
         }
         batch.flush(self, body);
@@ -180,15 +195,12 @@ impl<T: Real> After<'_, T> {
         if real_y < 0 || real_y >= grid.n[1] || real_z < 0 || real_z >= grid.n[2] {
             return;
         }
-        if body.part.is_some() {
-            return self.row_of_part(bodies, body, [y, z], [real_y, real_z], batch);
-        }
         // For each direction the cells whose links end inside, and the axes at which they are
         // mirrored on the way along y and z.
         let mut starts = [(Span::NONE, 0_u8); Q];
         let (mut first, mut last) = (i32::MAX, i32::MIN);
-        let to_y = [-1, 0, 1].map(|d| self.fold(1, y + d));
-        let to_z = [-1, 0, 1].map(|d| self.fold(2, z + d));
+        let to_y = [-1, 0, 1].map(|d| fold(grid, 1, y + d));
+        let to_z = [-1, 0, 1].map(|d| fold(grid, 2, z + d));
         let around = to_z.map(|(z, _)| to_y.map(|(y, _)| body.spans.at(y, z)));
         if around.iter().flatten().all(|span| span.is_empty()) {
             return;
@@ -242,64 +254,6 @@ impl<T: Real> After<'_, T> {
         }
     }
 
-    /// Finds the links to a part that begin in a row; `real` are the row's coordinates in the box.
-    fn row_of_part(
-        &self,
-        bodies: &Bodies,
-        body: &Body,
-        [y, z]: [i32; 2],
-        real: [i32; 2],
-        batch: &mut Batch,
-    ) {
-        let grid = &self.layout.grid;
-        let Some(part) = &body.part else { return };
-        let (mut ends, mut mirrors) = ([[0; 2]; Q], [0; Q]);
-        for i in 1..Q {
-            let (to_y, mirror_y) = self.fold(1, y + C[i][1]);
-            let (to_z, mirror_z) = self.fold(2, z + C[i][2]);
-            (ends[i], mirrors[i]) = ([to_y, to_z], mirror_y << 1 | mirror_z << 2);
-        }
-        let [mut first, mut last] = part.range();
-        (first, last) = (first - 1, last + 1);
-        if !grid.periodic[0] {
-            (first, last) = (first.max(0), last.min(grid.n[0] - 1));
-        }
-        let base = grid.index([0, real[0], real[1]]);
-        let row = Row { bodies, body, y, z, base, mirrors: &mirrors };
-        while first <= last {
-            let end = (first + CHUNK - 1).min(last);
-            let mut links = [0; Q];
-            for i in 1..Q {
-                let [to_y, to_z] = ends[i];
-                let dx = C[i][0];
-                links[i] = part.inside(to_y, to_z, first + dx, end + dx);
-                // A part at a mirror goes on behind it.
-                for (x, k) in [(first, 0), (end, end - first)] {
-                    if self.fold(0, x + dx) == (x, 1) {
-                        links[i] |= part.inside(to_y, to_z, x, x) << k;
-                    }
-                }
-            }
-            if links.iter().any(|&links| links != 0) {
-                self.chunk(&row, first, end, &links, batch);
-            }
-            first = end + 1;
-        }
-    }
-
-    /// A row's coordinate along `axis`, moved back into the box at a mirror, and whether it was.
-    #[inline]
-    fn fold(&self, axis: usize, k: i32) -> (i32, u8) {
-        let grid = &self.layout.grid;
-        if k == -1 && grid.sides[axis][0] == Side::Symmetry {
-            (0, 1)
-        } else if k == grid.n[axis] && grid.sides[axis][1] == Side::Symmetry {
-            (k - 1, 1)
-        } else {
-            (k, 0)
-        }
-    }
-
     /// Finds the links that begin in the cells `first..=last` of a row, at most [`CHUNK`] of them.
     /// `inside` says for each direction and cell whether the link's end is in the body.
     fn chunk(&self, row: &Row, first: i32, last: i32, inside: &[u32; Q], batch: &mut Batch) {
@@ -329,10 +283,7 @@ impl<T: Real> After<'_, T> {
             }
         }
         if let Some(ground) = self.ground {
-            let range = u32::MAX >> (31 - (last - first));
-            let own = row.body.part.as_ref();
-            let own = own.map_or(0, |part| part.inside(row.y, row.z, first, last));
-            let solid = range & !fluid & !own;
+            let solid = (u32::MAX >> (31 - (last - first))) & !fluid;
             if solid != 0 {
                 self.gaps_in(row, ground, first, solid, inside, batch);
             }
@@ -389,8 +340,7 @@ impl<T: Real> After<'_, T> {
             }
         }
         let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - row.body.position[a]);
-        let q = row.body.part.as_ref().map_or(f64::NAN, |part| part.meet(at, C[c]));
-        Link { slot, dir: i as u8, seen: c as u8, mirrors, arm, q }
+        Link { slot, dir: i as u8, seen: c as u8, mirrors, arm, q: f64::NAN }
     }
 
     /// Whether a link ends in no static solid, and no other body holds its end and is met before.
@@ -402,18 +352,19 @@ impl<T: Real> After<'_, T> {
         let cell = batch.number(link.slot);
         match self.layout.neighbour(cell, link.dir.into()) {
             None => false,
-            Some(end) => self.owners.of(end) != SHARED || self.is_first(row, link, end),
+            Some(end) => {
+                self.owners.of(end) != SHARED || self.is_first(row.bodies, row.body, link, end)
+            }
         }
     }
 
     /// Whether of all bodies that hold the end of the link, this one is met first (then: has the
     /// lowest id).
-    fn is_first(&self, row: &Row, link: &Link, end: u32) -> bool {
-        let body = row.body;
+    pub fn is_first(&self, bodies: &Bodies, body: &Body, link: &Link, end: u32) -> bool {
         let c = C_F64[link.seen as usize];
         let q = if body.part.is_some() { link.q } else { wall_distance(link.arm, c, body.r2()) };
         self.owners.claimants(end).filter(|&handle| handle != body.handle).all(|handle| {
-            let other = row.bodies.with_handle(handle);
+            let other = bodies.with_handle(handle);
             let of_other = self.distance(body, other, link.arm, link.seen.into());
             q < of_other || (q == of_other && body.id < other.id)
         })
@@ -451,6 +402,18 @@ struct Row<'a> {
     base: usize,
     /// For each direction the axes among y and z at which links are mirrored.
     mirrors: &'a [u8; Q],
+}
+
+/// A row's coordinate along `axis`, moved back into the box at a mirror, and whether it was.
+#[inline]
+pub fn fold(grid: &Grid, axis: usize, k: i32) -> (i32, u8) {
+    if k == -1 && grid.sides[axis][0] == Side::Symmetry {
+        (0, 1)
+    } else if k == grid.n[axis] && grid.sides[axis][1] == Side::Symmetry {
+        (k - 1, 1)
+    } else {
+        (k, 0)
+    }
 }
 
 /// Density of a cell from its populations.

@@ -42,6 +42,11 @@ pub struct Parameters {
     /// What presses on a body in a gap too narrow to hold a cell.
     #[serde(default)]
     pub gap_pressure: GapPressure,
+    /// How far a part that moves comes before its cells and links are found anew [cells]: the next
+    /// power of two below. In between, wall distances follow it to first order; a cell is covered at
+    /// most that much, by half along an axis, too early or too late. 0 finds them in each step.
+    #[serde(default = "defaults::part_step")]
+    pub part_step: f64,
     /// Precision of storage and collision. Loads and balances are f64 in either.
     #[serde(default)]
     pub precision: Precision,
@@ -64,6 +69,9 @@ mod defaults {
     }
     pub fn mach_limit() -> f64 {
         0.17
+    }
+    pub fn part_step() -> f64 {
+        1.0 / 32.0
     }
 }
 
@@ -135,6 +143,9 @@ pub enum Precision {
     F32,
 }
 
+/// The smallest step of moving parts besides 0 [cells].
+const SMALLEST_PART_STEP: f64 = 1.0 / 1_048_576.0;
+
 impl Parameters {
     /// Relaxation time when neither it nor the time step is given: accurate and far from the
     /// stability limit.
@@ -157,6 +168,7 @@ impl Parameters {
             walls: Walls::default(),
             refill: Refill::default(),
             gap_pressure: GapPressure::default(),
+            part_step: defaults::part_step(),
             precision: Precision::default(),
             average_force: defaults::average_force(),
             mach_limit: defaults::mach_limit(),
@@ -197,6 +209,16 @@ impl Parameters {
         speed * time_step / self.cell.0 / CS2.sqrt()
     }
 
+    /// Edge of the grid of positions at which moving parts are found [cells]: a power of two, so that
+    /// a part keeps its place among the cells when it moves by whole ones.
+    pub(crate) fn spacing_of_poses(&self) -> f64 {
+        let mut spacing = 0.25;
+        while spacing > self.part_step && spacing > SMALLEST_PART_STEP {
+            spacing *= 0.5;
+        }
+        if self.part_step > 0.0 { spacing } else { 0.0 }
+    }
+
     /// Checks that need nothing but the parameters.
     pub(crate) fn check_own(&self, problems: &mut Vec<Problem>) {
         let mut positive = |key: &str, value: f64, unit: &str| {
@@ -220,6 +242,16 @@ impl Parameters {
                     format!("must be from 0 to 1, found {}", self.smagorinsky),
                 )
                 .help("0.1 to 0.2 is customary; 0 turns the closure off"),
+            );
+        }
+        let is_fine = self.part_step == 0.0 || self.part_step >= SMALLEST_PART_STEP;
+        if !(self.part_step <= 0.25 && is_fine) {
+            problems.push(
+                Problem::of_parameter(
+                    "part_step",
+                    format!("must be 0, or from 2^-20 to 0.25, found {}", self.part_step),
+                )
+                .help("0.03125, a 32nd of a cell, is hardly to be told from 0 and much faster"),
             );
         }
         if self.mach_limit > 0.5 {

@@ -2,11 +2,45 @@
 //!
 //! Both answers come from the part's surface, for the same points: cell centres taken into the
 //! part's frame row by row. Lengths in cells, but where the surface is asked.
+//!
+//! # Rounded poses
+//! A part moves by a small part of a cell in a step, and looking for its cells and links costs many
+//! times what the step does. So they are looked for at its pose rounded to multiples of `part_step`
+//! from its pose in the scene (`a`, the next power of two below): each coordinate to multiples of
+//! `a`, each component of the quaternion to multiples of `a / (4 r)`, `r` being the distance of the
+//! part's farthest point. They are found anew when the rounded pose changes. As long as it does not,
+//! wall distances follow the motion to first order (see `part_links`); which cells are covered is
+//! that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by turning.
+//! What is found depends on the pose alone, not on how the part came there.
 
 use crate::grid::Grid;
+use crate::lattice::dot;
 use std::sync::Arc;
-use tremie_geometry::{Frame, Row, RowScratch, Surface};
+use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface};
 use tremie_messages::scene::Pose;
+use tremie_team::Team;
+
+/// Links that meet the surface at a smaller cosine do not follow its motion: their end is not where
+/// a flat wall's would be.
+const GRAZING: f64 = 0.1;
+
+/// The poses at which a part's cells and links are found.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounding {
+    /// Position of the part in the scene [cells].
+    pub position: [f64; 3],
+    /// Its orientation there.
+    pub orientation: [f64; 4],
+    /// Edge of the grid of positions; 0 for poses as they are.
+    pub step: f64,
+}
+
+/// A position [cells] and an orientation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Placed {
+    position: [f64; 3],
+    orientation: [f64; 4],
+}
 
 /// A part as a body in the fluid.
 #[derive(Clone, Debug)]
@@ -19,44 +53,117 @@ pub struct PartBody {
     /// Centre of the volume in the part's frame [m].
     centroid: [f64; 3],
     orientation: [f64; 4],
+    rounding: Rounding,
+    /// Where its cells and links were found last; none before the first time.
+    found: Option<Placed>,
+    /// How often they were found.
+    pub searches: u64,
+    /// From where they were found to where it is: shift of the origin, and the turn about it as a
+    /// small vector.
+    drift: [[f64; 3]; 2],
     frame: Frame,
     now: Cover,
     previous: Cover,
-    scratch: RowScratch,
-    row: Vec<bool>,
 }
 
-/// Cells of a cube of the box, which may reach beyond periodic faces.
+/// Cells of a cube of the box, which may reach beyond periodic faces, in layers along z.
 #[derive(Clone, Debug)]
 struct Cover {
     origin: [i32; 3],
     side: i32,
+    layers: Vec<Layer>,
+}
+
+/// A layer of a cover.
+#[derive(Clone, Debug)]
+struct Layer {
     cells: Vec<bool>,
-    /// For each row `(y, z)` whether it holds any cell.
+    /// For each row whether it holds any cell.
     rows: Vec<bool>,
+    scratch: RowScratch,
+}
+
+/// Where a link meets a part.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// As part of the link's length, in `(0, 1]`.
+    pub q: f64,
+    /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal; zero
+    /// where it is met at a grazing angle.
+    pub slope: [f64; 3],
+}
+
+/// Facets near a cell at most, to try each for each of its links; where there are more, the surface's
+/// tree is faster.
+const MOST_FACETS: usize = 16;
+
+/// Facets near a cell, for the links that begin there.
+#[derive(Clone, Debug, Default)]
+pub struct Facets {
+    list: Vec<u32>,
+    is_complete: bool,
+}
+
+impl Facets {
+    /// Room for as many as there may be.
+    pub fn make_room(&mut self) {
+        self.list.reserve((MOST_FACETS + 1).saturating_sub(self.list.len()));
+    }
+}
+
+impl Rounding {
+    /// The pose for a position and orientation, `radius` being the distance of the farthest point.
+    fn of(&self, position: [f64; 3], orientation: [f64; 4], radius: f64) -> Placed {
+        if self.step <= 0.0 {
+            return Placed { position, orientation };
+        }
+        let to = |x: f64, step: f64| (x / step).round() * step;
+        let away = std::array::from_fn(|a| {
+            self.position[a] + to(position[a] - self.position[a], self.step)
+        });
+        let [x, y, z, w] = self.orientation;
+        let turn = product(orientation, [-x, -y, -z, w]);
+        let fine = self.step / (4.0 * radius);
+        let turn = turn.map(|q| to(q, fine));
+        let length = turn.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let turn = turn.map(|q| q / length);
+        Placed { position: away, orientation: product(turn, self.orientation) }
+    }
+}
+
+/// The rotation `b`, then `a`.
+fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    let ([ax, ay, az, aw], [bx, by, bz, bw]) = (a, b);
+    [
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    ]
 }
 
 impl PartBody {
     /// A part with a surface; `cell` is the edge of a cell [m].
-    pub fn new(surface: Arc<Surface>, cell: f64) -> Self {
+    pub fn new(surface: Arc<Surface>, rounding: Rounding, cell: f64) -> Self {
         let moments = surface.mesh().moments();
         let side = (2.0 * surface.bounding_radius() / cell).ceil() as i32 + 2;
-        let count = (side * side) as usize;
-        let cover = Cover {
-            origin: [0; 3],
-            side,
-            cells: vec![false; count * side as usize],
-            rows: vec![false; count],
+        let layer = Layer {
+            cells: vec![false; (side * side) as usize],
+            rows: vec![false; side as usize],
+            scratch: RowScratch::default(),
         };
+        let cover = Cover { origin: [0; 3], side, layers: vec![layer; side as usize] };
         Self {
             volume: moments.volume / (cell * cell * cell),
             centroid: moments.centroid,
             orientation: [0.0, 0.0, 0.0, 1.0],
+            rounding,
+            found: None,
+            searches: 0,
+            drift: [[0.0; 3]; 2],
             frame: Frame::of(&Pose::IDENTITY),
             now: cover.clone(),
             previous: cover,
-            scratch: RowScratch::default(),
-            row: vec![false; side as usize],
             surface,
             cell,
         }
@@ -67,9 +174,31 @@ impl PartBody {
         self.surface.bounding_radius() / self.cell
     }
 
-    /// Takes over an orientation; true if it is another than before.
-    pub fn turn(&mut self, orientation: [f64; 4]) -> bool {
-        std::mem::replace(&mut self.orientation, orientation) != orientation
+    /// Takes over a pose; true if its cells and links must be found anew.
+    pub fn place(&mut self, position: [f64; 3], orientation: [f64; 4]) -> bool {
+        self.orientation = orientation;
+        let placed = self.rounding.of(position, orientation, self.radius());
+        let moved = self.found != Some(placed);
+        self.found = Some(placed);
+        let [x, y, z, w] = placed.orientation;
+        let turn = product(orientation, [-x, -y, -z, w]);
+        let twice = if turn[3] < 0.0 { -2.0 } else { 2.0 };
+        self.drift = [
+            std::array::from_fn(|a| position[a] - placed.position[a]),
+            [turn[0], turn[1], turn[2]].map(|q| twice * q),
+        ];
+        moved
+    }
+
+    /// How far the point at `arm` from its origin is from where it was when links were found.
+    #[inline(always)]
+    pub fn drift_at(&self, arm: [f64; 3]) -> [f64; 3] {
+        let [d, t] = self.drift;
+        [
+            d[0] + (t[1] * arm[2] - t[2] * arm[1]),
+            d[1] + (t[2] * arm[0] - t[0] * arm[2]),
+            d[2] + (t[0] * arm[1] - t[1] * arm[0]),
+        ]
     }
 
     /// Rows along y or z that may hold cells.
@@ -94,42 +223,60 @@ impl PartBody {
         }
     }
 
-    /// Finds the cells inside at a position; along faces that do not wrap around it is cut off.
-    pub fn cover(&mut self, grid: &Grid, position: [f64; 3]) {
+    /// Finds the cells inside where it was placed; along faces that do not wrap around it is cut off.
+    pub fn cover(&mut self, grid: &Grid, team: &mut Team) {
+        let Some(Placed { position, orientation }) = self.found else { return };
         std::mem::swap(&mut self.now, &mut self.previous);
-        let pose =
-            Pose { position: position.map(|x| x * self.cell), orientation: self.orientation };
+        self.searches += 1;
+        let pose = Pose { position: position.map(|x| x * self.cell), orientation };
         self.frame = Frame::of(&pose);
-        let (radius, side) = (self.radius(), self.now.side);
-        self.now.origin = position.map(|x| (x - radius).floor() as i32);
-        let [ox, oy, oz] = self.now.origin;
-        let outside = |a: usize, k: i32| !grid.periodic[a] && (k < 0 || k >= grid.n[a]);
-        for k in 0..side * side {
-            let (y, z) = (oy + k % side, oz + k / side);
-            let d = [f64::from(y) + 0.5 - position[1], f64::from(z) + 0.5 - position[2]];
-            let first = (k * side) as usize;
-            let cells = &mut self.now.cells[first..first + side as usize];
-            let far = d[0] * d[0] + d[1] * d[1] > radius * radius;
-            if far || outside(1, y) || outside(2, z) {
+        let [least, most] = self.cells_around(grid);
+        self.now.origin = least;
+        let mut layers = std::mem::take(&mut self.now.layers);
+        team.for_each(&mut layers, |k, layer| self.fill(most, k as i32, layer));
+        self.now.layers = layers;
+    }
+
+    /// First and last coordinate of cells that it may cover, in the box but along axes that wrap
+    /// around.
+    fn cells_around(&self, grid: &Grid) -> [[i32; 3]; 2] {
+        let vertices = self.surface.mesh().vertices.iter();
+        let bounds = Bounds::of(vertices.map(|&vertex| self.frame.to_world(vertex)));
+        let end = |a: usize, x: f64, low: i32, high: i32| {
+            let k = (x / self.cell).floor() as i32;
+            if grid.periodic[a] { k } else { k.clamp(low, high) }
+        };
+        // Beyond a face that does not wrap around, the last comes before the first.
+        let least = std::array::from_fn(|a| end(a, bounds.min[a], 0, grid.n[a]));
+        let most = std::array::from_fn(|a| end(a, bounds.max[a], -1, grid.n[a] - 1));
+        [least, most]
+    }
+
+    /// Fills a layer up to the cells `most`.
+    fn fill(&self, most: [i32; 3], k: i32, layer: &mut Layer) {
+        let ([ox, oy, oz], side) = (self.now.origin, self.now.side as usize);
+        let wide = (most[0] - ox + 1).clamp(0, self.now.side) as usize;
+        for j in 0..side {
+            let (y, z) = (oy + j as i32, oz + k);
+            let cells = &mut layer.cells[j * side..(j + 1) * side];
+            if std::mem::take(&mut layer.rows[j]) {
                 cells.fill(false);
-            } else {
-                let row = self.frame_row(y, z);
-                self.surface.fill_row(&row, &mut self.row, &mut self.scratch);
-                let cells = &mut self.now.cells[first..first + side as usize];
-                for (x, (cell, inside)) in (ox..).zip(cells.iter_mut().zip(&self.row)) {
-                    *cell = *inside && !outside(0, x);
-                }
             }
-            let cells = &self.now.cells[first..first + side as usize];
-            self.now.rows[k as usize] = cells.iter().any(|&inside| inside);
+            if y <= most[1] && z <= most[2] && wide > 0 {
+                let cells = &mut cells[..wide];
+                self.surface.fill_row(&self.frame_row(y, z), cells, &mut layer.scratch);
+                layer.rows[j] = cells.iter().any(|&inside| inside);
+            }
         }
     }
 
     /// Leaves all cells.
     pub fn leave(&mut self) {
         std::mem::swap(&mut self.now, &mut self.previous);
-        self.now.cells.fill(false);
-        self.now.rows.fill(false);
+        for layer in &mut self.now.layers {
+            layer.cells.fill(false);
+            layer.rows.fill(false);
+        }
     }
 
     /// Calls `left` and `entered` with the coordinates of cells that the last move changed.
@@ -141,24 +288,73 @@ impl PartBody {
     /// Bits of the cells `first..=last` of a row that are inside.
     #[inline]
     pub fn inside(&self, y: i32, z: i32, first: i32, last: i32) -> u32 {
-        if !self.now.has_row(y, z) {
-            return 0;
-        }
+        let Some(row) = self.now.row(y, z) else { return 0 };
         let bits = (first..=last).enumerate();
-        bits.fold(0, |bits, (k, x)| bits | u32::from(self.now.holds([x, y, z])) << k)
+        bits.fold(0, |bits, (k, x)| {
+            let x = x - self.now.origin[0];
+            let inside = x >= 0 && row.get(x as usize).copied().unwrap_or(false);
+            bits | u32::from(inside) << k
+        })
+    }
+
+    /// Whether a row holds any cell.
+    #[inline]
+    pub fn has_row(&self, y: i32, z: i32) -> bool {
+        self.now.row(y, z).is_some()
     }
 
     /// Where a link between the centres of cells meets the surface first, as part of its length, in
     /// `(0, 1]`; half-way if it does not.
     pub fn meet(&self, from: [i32; 3], c: [i32; 3]) -> f64 {
-        let point = |at: [i32; 3]| {
-            let row = self.frame_row(at[1], at[2]);
-            let x = f64::from(at[0] - self.now.origin[0]);
-            std::array::from_fn(|a| row.start[a] + x * row.step[a])
-        };
         let to = std::array::from_fn(|a| from[a] + c[a]);
-        let found = self.surface.first_crossing(point(from), point(to));
+        let found = self.surface.first_crossing(self.point(from), self.point(to));
         found.map_or(0.5, |crossing| crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0))
+    }
+
+    /// Finds the facets that links from a cell may meet.
+    pub fn facets_near(&self, at: [i32; 3], facets: &mut Facets) {
+        let reach: [f64; 3] = std::array::from_fn(|k| {
+            let along = |a: usize| {
+                let mut axis = [0.0; 3];
+                axis[a] = self.cell;
+                self.frame.turn_to_part(axis)[k].abs()
+            };
+            (along(0) + along(1) + along(2)) * (1.0 + 1e-9)
+        });
+        let centre = self.point(at);
+        let min = std::array::from_fn(|k| centre[k] - reach[k]);
+        let max = std::array::from_fn(|k| centre[k] + reach[k]);
+        let bounds = Bounds { min, max };
+        facets.is_complete = self.surface.triangles_in(&bounds, MOST_FACETS, &mut facets.list);
+    }
+
+    /// As [`PartBody::meet`], among the facets near `from`.
+    pub fn meet_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Meeting {
+        let to = std::array::from_fn(|a| from[a] + c[a]);
+        let (start, end) = (self.point(from), self.point(to));
+        let crossing = if facets.is_complete {
+            self.surface.first_crossing_among(&facets.list, start, end)
+        } else {
+            self.surface.first_crossing(start, end)
+        };
+        let Some(crossing) = crossing else {
+            return Meeting { q: 0.5, slope: [0.0; 3] };
+        };
+        let normal = self.frame.turn_to_world(self.surface.normal(crossing.triangle));
+        let c = c.map(f64::from);
+        let along = dot(normal, c);
+        let is_steep = along * along > GRAZING * GRAZING * dot(c, c);
+        Meeting {
+            q: crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0),
+            slope: if is_steep { normal.map(|n| n / along) } else { [0.0; 3] },
+        }
+    }
+
+    /// Centre of a cell in the part's frame [m]: the very point of which rows are asked.
+    fn point(&self, at: [i32; 3]) -> [f64; 3] {
+        let row = self.frame_row(at[1], at[2]);
+        let x = f64::from(at[0] - self.now.origin[0]);
+        std::array::from_fn(|a| row.start[a] + x * row.step[a])
     }
 
     /// Direction away from the part, at a point seen from its origin.
@@ -183,28 +379,28 @@ impl PartBody {
 }
 
 impl Cover {
+    /// The row `(y, z)`, if it holds any cell.
     #[inline]
-    fn has_row(&self, y: i32, z: i32) -> bool {
+    fn row(&self, y: i32, z: i32) -> Option<&[bool]> {
         let (j, k) = (y - self.origin[1], z - self.origin[2]);
-        (0..self.side).contains(&j)
-            && (0..self.side).contains(&k)
-            && self.rows[(j + self.side * k) as usize]
+        if !(0..self.side).contains(&j) || !(0..self.side).contains(&k) {
+            return None;
+        }
+        let (layer, j, side) = (&self.layers[k as usize], j as usize, self.side as usize);
+        layer.rows[j].then(|| &layer.cells[j * side..(j + 1) * side])
     }
 
-    #[inline]
-    fn holds(&self, at: [i32; 3]) -> bool {
-        let [i, j, k] = std::array::from_fn(|a| at[a] - self.origin[a]);
-        [i, j, k].iter().all(|k| (0..self.side).contains(k))
-            && self.cells[(i + self.side * (j + self.side * k)) as usize]
-    }
-
+    /// Calls `visit` with the coordinates of each of its cells that is not in `other`.
     fn minus(&self, other: &Self, mut visit: impl FnMut([i32; 3])) {
-        for row in (0..self.rows.len()).filter(|&row| self.rows[row]) {
-            let (y, z) =
-                (self.origin[1] + row as i32 % self.side, self.origin[2] + row as i32 / self.side);
-            for x in self.origin[0]..self.origin[0] + self.side {
-                if self.holds([x, y, z]) && !other.holds([x, y, z]) {
-                    visit([x, y, z]);
+        for (z, layer) in (self.origin[2]..).zip(&self.layers) {
+            for (y, _) in (self.origin[1]..).zip(&layer.rows).filter(|(_, holds)| **holds) {
+                let row = self.row(y, z).unwrap_or_default();
+                let others = other.row(y, z).unwrap_or_default();
+                for (x, _) in (self.origin[0]..).zip(row).filter(|(_, inside)| **inside) {
+                    let k = (x - other.origin[0]) as usize;
+                    if !others.get(k).copied().unwrap_or(false) {
+                        visit([x, y, z]);
+                    }
                 }
             }
         }

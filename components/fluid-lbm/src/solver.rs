@@ -16,6 +16,8 @@ use crate::links::{self, After, Exchange};
 use crate::open::{self, Next, OpenCells};
 use crate::owners::{Owners, Vacated};
 use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
+use crate::part_body::Rounding;
+use crate::part_links::Site;
 use crate::places::Parity;
 use crate::probes::Probes;
 use crate::refill::{Before, Content};
@@ -26,7 +28,7 @@ use crate::survey::Survey;
 use crate::tally::Tally;
 use crate::units::Units;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
-use tremie_messages::scene::Scene;
+use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_team::Team;
 
@@ -165,7 +167,10 @@ impl<T: Collides> Solver<T> {
             field: Field::new(built.layout.places.stride()),
             owners: Owners::new(built.layout.cells.len()),
             wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
-            bodies: Bodies::with_surfaces(std::mem::take(&mut surroundings.moving)),
+            bodies: Bodies::with_surfaces(
+                std::mem::take(&mut surroundings.moving),
+                roundings(scene, parameters, &units),
+            ),
             relaxation,
             parity: Parity::Even,
             steps: 0,
@@ -275,6 +280,9 @@ impl<T: Collides> Solver<T> {
         for line in lines {
             line.store(0, Relaxed);
         }
+        for body in &mut self.bodies.living {
+            body.cover_part(layout, &mut self.team);
+        }
         self.team.for_each(&mut self.bodies.living, |_, body| {
             body.cover(layout);
             body.want(layout, T::LINE, lines);
@@ -294,6 +302,20 @@ impl<T: Collides> Solver<T> {
         self.refill();
         self.owners.admit();
         self.bodies.forget_leaving();
+        self.find_links();
+    }
+
+    /// Finds the links of parts that have moved, and wants the densities that they need.
+    fn find_links(&mut self) {
+        let (layout, ground) = (&self.layout, self.surroundings.ground());
+        let site = Site { layout, ground: self.gaps_press.then_some(ground), line: T::LINE };
+        let (bodies, lines) = (&self.bodies, &self.wanted.lines);
+        self.team.for_each(&mut self.link_items, |_, item| {
+            item.find(&site, bodies);
+            for &line in &item.found.lines {
+                lines[line as usize].store(1, Relaxed);
+            }
+        });
     }
 
     /// The fluid before the next collision.
@@ -440,4 +462,15 @@ impl<T: Collides> Solver<T> {
         }
         mirrors
     }
+}
+
+/// How the poses of the scene's parts are rounded.
+fn roundings(scene: &Scene, parameters: &Parameters, units: &Units) -> Vec<Rounding> {
+    let step = parameters.spacing_of_poses();
+    let of = |part: &Part| Rounding {
+        position: units.position_to_lattice(part.pose.position),
+        orientation: part.pose.orientation,
+        step,
+    };
+    scene.parts.iter().map(of).collect()
 }

@@ -3,7 +3,7 @@
 use crate::{
     Lubrication, Parameters, Vec3,
     bodies::Ball,
-    check_law, check_packing,
+    check_law, check_packing, check_slider,
     encounters::Population,
     laws,
     overlaps::TOUCHING,
@@ -43,6 +43,11 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     for (i, set) in scene.bodies.iter().enumerate() {
         let key = format!("scene.bodies[{i}]");
         motion(&format!("{key}.motion"), &set.motion, &mut problems);
+        if matches!(set.motion, Motion::Slider(_)) {
+            let message = "is that of a slider, but spheres do not slide on an axis";
+            let help = "make it a part with the shape of a sphere";
+            problems.push(Problem::new(format!("{key}.motion"), message).help(help));
+        }
         if !is_positive(set.density) {
             problems.push(not_positive(format!("{key}.density"), set.density));
         }
@@ -76,7 +81,11 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
 }
 
 fn motion(key: &str, motion: &Motion, problems: &mut Vec<Problem>) {
-    let Motion::Prescribed(points) = motion else { return };
+    let points = match motion {
+        Motion::Free | Motion::Fixed => return,
+        Motion::Slider(slider) => return check_slider::slider(key, slider, problems),
+        Motion::Prescribed(points) => points,
+    };
     for (i, point) in points.iter().enumerate() {
         let finite = all_finite(&point.velocity) && all_finite(&point.angular_velocity);
         if !(finite && point.time.is_finite()) {

@@ -13,7 +13,7 @@ const TOGETHER: usize = 256;
 /// Where the bodies of one block collect their forces, one body after the other.
 pub(crate) struct Collector<'a> {
     pairs: &'a Pairs,
-    surfaces: [Few<'a>; 2],
+    surfaces: [Few<'a>; 3],
     /// Places of contacts that act, of the bodies looked at last.
     acting: [u32; TOGETHER],
     /// Where those of the next body begin.
@@ -55,10 +55,11 @@ impl<'a> Few<'a> {
 impl<'a> Collector<'a> {
     /// The forces of block `b`, whose bodies are `range`.
     pub fn new(contacts: Contacts<'a>, b: usize, range: std::ops::Range<usize>) -> Self {
-        let (walls, parts) = (contacts.walls, contacts.parts);
+        let Contacts { walls, parts, surfaces: soft, .. } = contacts;
         let surfaces = [
             Few::of_block(&walls.bodies, &walls.wrench, &walls.bounds, b),
             Few::of_block(&parts.bodies, &parts.wrench, &parts.bounds, b),
+            Few::of_block(&soft.bodies, &soft.wrench, &soft.bounds, b),
         ];
         Self {
             pairs: contacts.pairs,
@@ -73,7 +74,7 @@ impl<'a> Collector<'a> {
     }
 
     /// Contact force and torque on body `i` of the block, each in its turn: first those of
-    /// bodies, in the order of their ids, then those of walls, then those of parts.
+    /// bodies, in the order of their ids, then those of walls, of parts, and of surfaces that deform.
     #[inline(always)]
     pub fn on(&mut self, i: usize, radius: f64) -> Wrench {
         let mut sum = Wrench::zero();

@@ -7,7 +7,9 @@ use crate::{
     forces::{Scenery, touch_of_balls},
     law::{Law, Reduced},
     pairs::{BLOCK, Pairs, TOUCHING},
+    parts::PlacedPart,
     search::Contacts,
+    slider::Slider,
     wall_forces::touch_of_wall,
     walls::Wall,
 };
@@ -15,7 +17,8 @@ use serde::Serialize;
 use tremie_messages::scene::Domain;
 use tremie_team::{Cut, Team};
 
-/// Sums over the free bodies and their contacts, at the end of the last substep.
+/// Sums over the free bodies, the sliders and their contacts, at the end of the last substep. Of
+/// sliders that symmetry planes cut, they hold what belongs to the domain.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Diagnostics {
     /// Kinetic energy of translation [J].
@@ -23,9 +26,10 @@ pub struct Diagnostics {
     /// Kinetic energy of rotation [J].
     pub rotational_energy: f64,
     /// Potential energy of weight, from the lowest point of the domain along gravity [J]. It jumps
-    /// when a body crosses a periodic face across gravity.
+    /// when a body crosses a periodic face across gravity. Of a slider that of weight and constant force,
+    /// from lift 0.
     pub potential_energy: f64,
-    /// Energy in the normal and tangential springs of contacts [J].
+    /// Energy in the normal and tangential springs of contacts, in springs and stops of sliders [J].
     pub elastic_energy: f64,
     /// Momentum [kg·m/s].
     pub momentum: [f64; 3],
@@ -42,7 +46,7 @@ pub struct Diagnostics {
     pub deep_overlaps: u64,
     /// Neighbour lists made since the start.
     pub list_rebuilds: u64,
-    /// Impulse that the fluid's loads gave since the start [N·s].
+    /// Impulse that the fluid's loads gave since the start, to sliders along their axes [N·s].
     pub fluid_impulse: [f64; 3],
 }
 
@@ -58,6 +62,8 @@ pub(crate) struct Seen<'a> {
     pub domain: &'a Domain,
     /// Acceleration of weight [m/s²].
     pub gravity: Vec3,
+    /// The parts, sliders among them.
+    pub parts: &'a [PlacedPart],
 }
 
 /// Sums over bodies, in the order of their ids: in fixed blocks, and these in their order.
@@ -105,7 +111,12 @@ impl Survey {
                 sums.add(bodies, slot, bodies.balls[slot].x.dot(&up) - lowest, strength);
             }
         });
-        self.blocks.iter().fold(Sums::default(), |all, sums| all.and(sums)).diagnostics()
+        let mut all = self.blocks.iter().fold(Sums::default(), |all, sums| all.and(sums));
+        seen.parts.iter().filter_map(PlacedPart::slider).for_each(|slider| all.slide(slider));
+        for surface in &seen.contacts.surfaces.held {
+            all.elastic += surface.elastic_energy(seen.scenery.laws);
+        }
+        all.diagnostics()
     }
 }
 
@@ -123,6 +134,16 @@ impl Sums {
         self.square = self.square.max(square);
         self.height += height;
         self.free += 1;
+    }
+
+    /// Adds a slider: of one that symmetry planes cut, what belongs to the domain.
+    fn slide(&mut self, slider: &Slider) {
+        let share = 1.0 / slider.whole;
+        self.kinetic += share * slider.kinetic();
+        self.potential += share * slider.potential();
+        self.elastic += share * slider.elastic();
+        self.momentum += slider.axis * (share * slider.mass * slider.velocity);
+        self.square = self.square.max(slider.velocity * slider.velocity);
     }
 
     fn and(self, other: &Self) -> Self {
@@ -155,7 +176,7 @@ impl Sums {
 /// Energies in the springs of a block of bodies: those between bodies count as the one's with the
 /// smaller id.
 fn add_springs(springs: &mut [f64], b: usize, seen: &Seen) {
-    let Contacts { pairs, walls, parts } = seen.contacts;
+    let Contacts { pairs, walls, parts, .. } = seen.contacts;
     let (at, first) = (&seen.scenery, b * BLOCK);
     for (i, energy) in (first..).zip(&mut *springs) {
         let of_pair = |&place: &u32| spring_of_pair(pairs, at, i, place);

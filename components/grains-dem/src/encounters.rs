@@ -8,7 +8,7 @@ use crate::{
 use core::f64::consts::PI;
 use tremie_messages::{
     Problem,
-    scene::{ContactLaw, Face, Motion, Scene, Spring},
+    scene::{BodySet, ContactLaw, Face, Motion, Scene, Spring},
 };
 
 /// Mass [kg], infinite where the motion is given, and radius [m].
@@ -76,6 +76,12 @@ impl<'a> Population<'a> {
         all
     }
 
+    /// Mass and radius of the lightest body of a set.
+    pub fn lightest(set: &BodySet) -> Option<Grain> {
+        let smallest = packing::diameters_of(set).into_iter().reduce(f64::min)?;
+        Some((placement::mass(set.density, smallest), 0.5 * smallest))
+    }
+
     /// Number of bodies.
     pub fn bodies(&self) -> usize {
         self.kinds.iter().map(|kind| kind.bodies).sum()
@@ -118,11 +124,18 @@ impl<'a> Population<'a> {
             let with_surface = light[1].1.is_infinite();
             let side = if with_surface { "surface of " } else { "" };
             let name = format!("{a} with {side}{b}");
+            let ((light, inverse_mass), (heavy, _)) = (reduced(light), reduced(heavy));
             if let Some(known) = found.iter_mut().find(|known| known.name == name) {
                 known.contacts = (known.contacts + contacts as f64).min(MOST_WALLS as f64);
+                // A slider is lighter than what stands still.
+                if inverse_mass > known.inverse_mass {
+                    (known.light, known.inverse_mass) = (light, inverse_mass);
+                }
+                if heavy.root_mass > known.heavy.root_mass {
+                    known.heavy = heavy;
+                }
                 return;
             }
-            let ((light, inverse_mass), (heavy, _)) = (reduced(light), reduced(heavy));
             let contacts = contacts as f64;
             found.push(Encounter { name, law, light, heavy, inverse_mass, with_surface, contacts });
         });
@@ -162,7 +175,7 @@ impl<'a> Population<'a> {
         }
         for kind in self.kinds.iter().filter(|kind| kind.free > 0) {
             for surface in &self.surfaces {
-                let flat = (f64::INFINITY, f64::INFINITY);
+                let flat = (surface.mass, f64::INFINITY);
                 let pairs = ([kind.lightest[0], flat], [kind.heaviest[0], flat], 1);
                 let what = format!("bodies of \"{}\" may touch {}", kind.material, surface.name);
                 visit(kind.material, surface.material, what, pairs);
@@ -233,6 +246,9 @@ fn speed(scene: &Scene) -> f64 {
 }
 
 fn motion_speed(motion: &Motion) -> f64 {
+    if let Motion::Slider(slider) = motion {
+        return slider.velocity.abs();
+    }
     let Motion::Prescribed(points) = motion else { return 0.0 };
     let norm = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     points.iter().fold(0.0, |v: f64, point| v.max(norm(&point.velocity)))

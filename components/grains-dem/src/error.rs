@@ -44,6 +44,61 @@ pub enum GrainsError {
         /// Overlap over the smaller radius [%].
         percent: f64,
     },
+    /// The lift of a slider is no number.
+    #[error(
+        "the slider of scene.parts[{part}] is nowhere: its motion has diverged; reduce the time step, or lower \
+         the stiffness of its spring or stops"
+    )]
+    SliderLost {
+        /// Index of the part.
+        part: usize,
+    },
+    /// There are as many shapes as there are surfaces.
+    #[error("{found} shapes for {expected} surfaces: give one for each, in their order")]
+    SurfaceCount {
+        /// Shapes given.
+        found: usize,
+        /// Surfaces.
+        expected: usize,
+    },
+    /// There is no such surface.
+    #[error("there is no surface {surface}: the run has {surfaces}")]
+    NoSurface {
+        /// Index asked for.
+        surface: usize,
+        /// How many there are.
+        surfaces: usize,
+    },
+    /// A shape has another number of vertices than its surface.
+    #[error(
+        "surface {surface} has {expected} vertices, but {found} places or velocities were given"
+    )]
+    SurfaceVertices {
+        /// Index of the surface.
+        surface: usize,
+        /// Entries given.
+        found: usize,
+        /// Vertices.
+        expected: usize,
+    },
+    /// A vertex is nowhere.
+    #[error(
+        "vertex {vertex} of surface {surface} is not finite: who moves the surface has diverged"
+    )]
+    SurfaceNotFinite {
+        /// Index of the surface.
+        surface: usize,
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// Calls of a window come in another order than they must.
+    #[error("{call} was called, but {first} comes first")]
+    OutOfOrder {
+        /// What was called.
+        call: &'static str,
+        /// What must come before.
+        first: &'static str,
+    },
     /// A body is somewhere that is not a place in the domain.
     #[error(
         "body {id} left the domain at ({x:.6e}, {y:.6e}, {z:.6e}) m: reduce the time step, raise \

@@ -3,7 +3,7 @@
 use crate::check::MIN_STEPS_PER_CONTACT;
 use crate::memory::PAIRS;
 use crate::resolve::Resolution;
-use crate::{Lubrication, Parameters};
+use crate::{Lubrication, Parameters, SliderTimes};
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Damping, Scene};
@@ -21,6 +21,9 @@ pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution)
     findings.extend(parameters.lubrication.and_then(|law| cutoff(law, resolution)));
     if let (Some(contact), Some(step)) = (resolution.contact_time, resolution.time_step) {
         findings.push(steps_per_contact(contact, step));
+    }
+    if let Some(step) = resolution.time_step {
+        findings.extend(resolution.sliders.iter().flat_map(|slider| of_slider(slider, step)));
     }
     // A damping ratio that follows from a restitution is what the user asked for.
     let by_dashpot =
@@ -49,6 +52,36 @@ pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution)
         );
     }
     findings
+}
+
+/// Part of a stroke to which a slider may sink into its stops.
+const SUNK: f64 = 0.01;
+
+fn of_slider(slider: &SliderTimes, step: f64) -> Vec<Finding> {
+    let (part, depth) = (&slider.part, slider.rest_depth);
+    let steps = |what: &str, time: f64| {
+        Finding::new(format!("steps in {what}, {part}"), time / step, "1")
+            .because(format!("of {} s", short(time)))
+            .doubtful_if(
+                time < ACCURATE_STEPS * step * (1.0 - 1e-9),
+                format!("it takes {ACCURATE_STEPS} or more to be accurate to a few per cent"),
+                format!("a time step of {} s or less", short(time / ACCURATE_STEPS)),
+            )
+    };
+    let stop = slider.stop_time.map(|time| steps("a collision with a stop", time));
+    let spring = slider.spring_time.map(|time| steps("half a period of the spring", time));
+    let sunk = slider.stop_time.map(|_| {
+        Finding::new(format!("depth in a stop at rest over the stroke, {part}"), depth, "1")
+            .because("under spring, weight and constant force")
+            .doubtful_if(
+                depth > SUNK,
+                format!(
+                    "the stops are so soft that more than {SUNK} of the stroke is lost in them"
+                ),
+                "stiffer stops",
+            )
+    });
+    stop.into_iter().chain(spring).chain(sunk).collect()
 }
 
 fn memory_of_sphere(resolution: &Resolution) -> Option<Finding> {

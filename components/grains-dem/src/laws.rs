@@ -1,7 +1,7 @@
 //! The contact laws of a scene as a table by materials.
 
-use crate::{law::Law, linear::LinearLaw};
-use tremie_messages::scene::{Face, Scene};
+use crate::{law::Law, linear::LinearLaw, mirrors, surface::DeformableSurface};
+use tremie_messages::scene::{Face, Motion, Scene};
 
 /// Materials of a scene by number, and the law of each pair of them.
 #[derive(Clone, Debug)]
@@ -21,11 +21,13 @@ pub(crate) struct Surface<'a> {
     pub material: &'a str,
     /// Whether it is a mirror, without friction.
     pub mirror: bool,
+    /// What a push finds [kg]: infinite but for sliders, whose mirrored half takes its part of the mass.
+    pub mass: f64,
 }
 
 impl Laws {
-    /// The table of a scene.
-    pub fn of_scene(scene: &Scene) -> Self {
+    /// The table of a scene, and of surfaces besides.
+    pub fn of_scene(scene: &Scene, others: &[DeformableSurface]) -> Self {
         let mut materials: Vec<String> = Vec::new();
         let mut add = |name: &str| {
             if !materials.iter().any(|known| known == name) {
@@ -36,6 +38,7 @@ impl Laws {
         scene.planes.iter().for_each(|plane| add(&plane.material));
         scene.parts.iter().for_each(|part| add(&part.material));
         scene.bodies.iter().for_each(|set| add(&set.material));
+        others.iter().for_each(|surface| add(&surface.material));
         let mut laws = vec![Law::none()];
         let mut of_pair = vec![0; materials.len() * materials.len()];
         for pair in &scene.contacts {
@@ -98,7 +101,7 @@ impl Laws {
 
 /// Everything but bodies that grains may meet.
 pub(crate) fn surfaces(scene: &Scene) -> Vec<Surface<'_>> {
-    let domain = &scene.domain;
+    let (domain, mass) = (&scene.domain, f64::INFINITY);
     let mut found = Vec::new();
     for (axis, faces) in domain.faces.iter().enumerate() {
         for (side, face) in faces.iter().enumerate() {
@@ -106,17 +109,23 @@ pub(crate) fn surfaces(scene: &Scene) -> Vec<Surface<'_>> {
                 let (side, axis) = (["lower", "upper"][side], ["x", "y", "z"][axis]);
                 let name = format!("the domain's {side} face in {axis}");
                 let mirror = *face == Face::Symmetry;
-                found.push(Surface { name, material: &domain.material, mirror });
+                found.push(Surface { name, material: &domain.material, mirror, mass });
             }
         }
     }
     for (i, plane) in scene.planes.iter().enumerate() {
         let name = format!("plane {i}");
-        found.push(Surface { name, material: &plane.material, mirror: false });
+        found.push(Surface { name, material: &plane.material, mirror: false, mass });
     }
     for part in &scene.parts {
         let name = format!("part \"{}\"", part.name);
-        found.push(Surface { name, material: &part.material, mirror: false });
+        let mass = match &part.motion {
+            Motion::Slider(slider) => {
+                slider.mass / mirrors::whole(mirrors::of_part(domain, part.pose.position))
+            }
+            _ => mass,
+        };
+        found.push(Surface { name, material: &part.material, mirror: false, mass });
     }
     found
 }

@@ -11,6 +11,10 @@
 //! Kamrin, *Comput. Part. Mech.* 5, 2018). Narrow gaps may be lubricated. Time is integrated by
 //! velocity Verlet with predicted velocities. All quantities are SI, in the world frame.
 //!
+//! Parts stand still, move as prescribed, or slide on an axis under forces. A slider may carry a
+//! [`DeformableSurface`], a seal of rubber say, whose vertices somebody else moves: within a substep shapes
+//! are tried ([`GrainsDem::contact_on_surface`]) and one is accepted ([`GrainsDem::finish_substep`]).
+//!
 //! # What a substep costs
 //!
 //! Bytes moved to and from memory for each sphere of a bed too large for the caches, with 1.9 contacts
@@ -39,11 +43,14 @@
 //! memory, enters no result; a body far away changes no bit of the others.
 
 mod bodies;
+#[cfg(feature = "component")]
+mod carried;
 mod cells;
 mod check;
 mod check_law;
 mod check_packing;
 mod check_sizes;
+mod check_slider;
 mod collect;
 #[cfg(feature = "component")]
 pub mod component;
@@ -66,6 +73,7 @@ mod loads;
 mod lubrication;
 mod memory;
 mod mesh_contact;
+mod mirrors;
 mod motion;
 mod overlaps;
 mod packing;
@@ -82,9 +90,17 @@ mod random;
 mod resolve;
 mod rows;
 mod search;
+mod seat;
 mod side_by_side;
+mod slider;
+mod slider_times;
 mod solver;
+mod springs;
 mod stability;
+mod substeps;
+mod surface;
+mod surface_contacts;
+mod surfaces;
 mod surroundings;
 mod tally;
 mod wall_contacts;
@@ -98,7 +114,10 @@ pub use findings::findings;
 pub use parameters::{Lubrication, Parameters};
 pub use probes::probe_signals;
 pub use resolve::{PairDamping, Resolution};
+pub use slider::SliderState;
+pub use slider_times::SliderTimes;
 pub use solver::GrainsDem;
+pub use surface::{DeformableSurface, FacetLoad, SurfaceState};
 
 /// A vector in the world frame.
 type Vec3 = nalgebra::Vector3<f64>;

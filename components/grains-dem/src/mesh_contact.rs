@@ -26,7 +26,10 @@ pub(crate) struct Nearest {
     pub distance: f64,
     /// 0 for a face, 1 for an edge, 2 for a vertex.
     feature: u8,
-    point: Vec3,
+    /// The point.
+    pub point: Vec3,
+    /// Which of the triangles given it belongs to.
+    pub triangle: u32,
 }
 
 /// Most contacts of a sphere with a part at once.
@@ -63,12 +66,14 @@ pub(crate) fn find(
         distance: 0.0,
         feature: 0,
         point: Vec3::new(0.0, 0.0, 0.0),
+        triangle: 0,
     };
     // A bounded choice of the best candidates, kept sorted; more than these are never contacts.
     let mut best = [NONE; 4 * MOST];
     let mut count = 0;
-    for triangle in triangles {
-        let Some(near) = nearest(centre, &triangle).filter(|near| near.distance < reach) else {
+    for (number, triangle) in (0..).zip(triangles) {
+        let near = nearest(centre, &triangle).filter(|near| near.distance < reach);
+        let Some(near) = near.map(|near| Nearest { triangle: number, ..near }) else {
             continue;
         };
         let place = best[..count].partition_point(|other| !before(&near, other));
@@ -99,38 +104,64 @@ fn before(a: &Nearest, b: &Nearest) -> bool {
 }
 
 /// The point of a triangle that is closest to `centre`, unless the centre is behind the triangle.
-/// (Ericson, *Real-Time Collision Detection*, 2005, sec. 5.1.5, for which feature is closest.)
 fn nearest(centre: Vec3, triangle: &Triangle) -> Option<Nearest> {
+    let Some((feature, point)) = border(centre, triangle) else {
+        let height = (centre - triangle.corners[0]).dot(&triangle.normal);
+        if height <= 0.0 {
+            return None;
+        }
+        let (normal, point) = (triangle.normal, centre - triangle.normal * height);
+        return Some(Nearest { normal, distance: height, feature: 0, point, triangle: 0 });
+    };
+    let away = centre - point;
+    let distance = away.norm_squared().sqrt();
+    let normal = away / distance;
+    (distance > 0.0).then_some(Nearest { normal, distance, feature, point, triangle: 0 })
+}
+
+/// The point of a triangle that is closest to `x`, on whichever side.
+pub(crate) fn closest_point(x: Vec3, triangle: &Triangle) -> Vec3 {
+    border(x, triangle).map_or_else(
+        || x - triangle.normal * (x - triangle.corners[0]).dot(&triangle.normal),
+        |(_, point)| point,
+    )
+}
+
+/// Distance of a point from a triangle [m].
+pub(crate) fn distance(x: Vec3, corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(&(c - a));
+    let triangle = Triangle { corners, normal: normal / normal.norm_squared().sqrt() };
+    (closest_point(x, &triangle) - x).norm_squared().sqrt()
+}
+
+/// The point of a triangle's border that is closest to `x`, and whether it is on an edge, 1, or a corner,
+/// 2; none where the closest point lies within (Ericson, *Real-Time Collision Detection*, 2005,
+/// sec. 5.1.5).
+#[inline(always)]
+fn border(x: Vec3, triangle: &Triangle) -> Option<(u8, Vec3)> {
     let [a, b, c] = triangle.corners;
     let (ab, ac, bc) = (b - a, c - a, c - b);
-    let (ap, bp, cp) = (centre - a, centre - b, centre - c);
+    let (ap, bp, cp) = (x - a, x - b, x - c);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
     let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
     let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
     let (vc, vb, va) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
-    let (feature, point) = if d1 <= 0.0 && d2 <= 0.0 {
-        (2, a)
+    if d1 <= 0.0 && d2 <= 0.0 {
+        Some((2, a))
     } else if d3 >= 0.0 && d4 <= d3 {
-        (2, b)
+        Some((2, b))
     } else if d6 >= 0.0 && d5 <= d6 {
-        (2, c)
+        Some((2, c))
     } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        (1, a + ab * (d1 / (d1 - d3)))
+        Some((1, a + ab * (d1 / (d1 - d3))))
     } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        (1, a + ac * (d2 / (d2 - d6)))
+        Some((1, a + ac * (d2 / (d2 - d6))))
     } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        (1, b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6))))
+        Some((1, b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))))
     } else {
-        let height = ap.dot(&triangle.normal);
-        if height <= 0.0 {
-            return None;
-        }
-        let point = centre - triangle.normal * height;
-        return Some(Nearest { normal: triangle.normal, distance: height, feature: 0, point });
-    };
-    let away = centre - point;
-    let distance = away.norm_squared().sqrt();
-    (distance > 0.0).then(|| Nearest { normal: away / distance, distance, feature, point })
+        None
+    }
 }
 
 #[cfg(test)]

@@ -48,11 +48,11 @@ struct Obstacle<'a> {
     shift: Vec3,
 }
 
-/// The region of a packing as the two methods see it: walls all around, bodies in the way.
+/// The region of a packing as the two methods see it: bodies in the way, and walls all around, but
+/// for axes along which it fills a periodic domain from face to face: there it wraps around.
 struct Region<'a> {
     parts: Vec<Obstacle<'a>>,
-    min: Vec3,
-    max: Vec3,
+    bounds: PeriodicBox,
     walls: Vec<Wall>,
     obstacles: Vec<Ball>,
 }
@@ -103,16 +103,21 @@ pub(crate) fn pack(packing: &Packing, around: &Surroundings<'_>) -> Result<Vec<B
 
 impl<'a> Region<'a> {
     fn new(packing: &Packing, around: &Surroundings<'a>, largest_radius: f64) -> Self {
-        let mut walls = walls::of_box(packing.min, packing.max, |_, _| true);
+        let bounds = region_bounds(packing, &around.bounds);
+        let mut walls = walls::of_box(packing.min, packing.max, |axis, _| !bounds.periodic[axis]);
         walls.extend(&around.planes);
         let (min, max) = (Vec3::from(packing.min), Vec3::from(packing.max));
-        // Bodies in the way, with their images across periodic faces.
+        // Bodies in the way, with their images across the periodic faces that the region ends at.
         let mut obstacles = Vec::new();
+        let ends_at = |shift: &Vec3| (0..3).all(|a| shift[a] == 0.0 || !bounds.periodic[a]);
         for ball in &around.balls {
             let reach = Vec3::repeat(ball.radius + largest_radius);
-            for shift in around.bounds.images() {
-                let x = ball.x + shift;
-                if (0..3).all(|a| x[a] > (min - reach)[a] && x[a] < (max + reach)[a]) {
+            let near = |x: Vec3, a: usize| {
+                bounds.periodic[a] || x[a] > (min - reach)[a] && x[a] < (max + reach)[a]
+            };
+            for shift in around.bounds.images().filter(ends_at) {
+                let x = bounds.wrap(ball.x + shift);
+                if (0..3).all(|a| near(x, a)) {
                     obstacles.push(Ball { x, ..*ball });
                 }
             }
@@ -120,7 +125,7 @@ impl<'a> Region<'a> {
         let shifts: Vec<Vec3> = around.bounds.images().collect();
         let of = |part: &'a PlacedPart| shifts.iter().map(move |&shift| Obstacle { part, shift });
         let parts = around.parts.iter().flat_map(of).collect();
-        Self { parts, min, max, walls, obstacles }
+        Self { parts, bounds, walls, obstacles }
     }
 
     /// How far a sphere must go to be clear of parts [m], and in which direction; where it is clear,
@@ -147,16 +152,26 @@ impl<'a> Region<'a> {
 
     /// Uniform random centre of a sphere that lies in the region's box.
     fn random_centre(&self, radius: f64, random: &mut Random) -> Vec3 {
+        let PeriodicBox { min, size, periodic, .. } = &self.bounds;
         Vec3::from_fn(|a, _| {
-            let (low, high) = (self.min[a] + radius, self.max[a] - radius);
-            low + (high - low).max(0.0) * random.unit()
+            let margin = if periodic[a] { 0.0 } else { radius };
+            let room = (size[a] - 2.0 * margin).max(0.0);
+            min[a] + margin + room * random.unit()
         })
     }
+}
 
-    /// The region as a box without periodic axes.
-    fn bounds(&self) -> PeriodicBox {
-        PeriodicBox::new(&Domain::new(self.min.into(), self.max.into(), Face::WALLS))
-    }
+/// The region's box; it wraps around along axes that it spans from one periodic face of the domain
+/// to the other.
+fn region_bounds(packing: &Packing, domain: &PeriodicBox) -> PeriodicBox {
+    let faces = std::array::from_fn(|a| {
+        let tolerance = 1e-9 * domain.size[a];
+        let spans = packing.min[a] <= domain.min[a] + tolerance
+            && packing.max[a] >= domain.min[a] + domain.size[a] - tolerance;
+        let face = if spans && domain.periodic[a] { Face::Periodic } else { Face::WALL };
+        [face.clone(), face]
+    });
+    PeriodicBox::new(&Domain::new(packing.min, packing.max, faces))
 }
 
 /// The random numbers for the place of sphere `index`: other streams than those of diameters.
@@ -167,7 +182,7 @@ fn place_stream(seed: u64, index: usize) -> Random {
 /// The spheres in the order of cells a diameter wide.
 fn by_place(region: &Region<'_>, balls: &[Ball]) -> Vec<Ball> {
     let largest = balls.iter().fold(0.0, |r: f64, ball| r.max(ball.radius));
-    let mut cells = Cells::new(region.bounds(), 2.0 * largest, balls.len());
+    let mut cells = Cells::new(region.bounds.clone(), 2.0 * largest, balls.len());
     cells.sort(balls);
     cells.order().iter().map(|&i| balls[i as usize]).collect()
 }

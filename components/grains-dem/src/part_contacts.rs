@@ -10,6 +10,7 @@ use crate::{
     pairs::BLOCK,
     part_finder::{Found, Nearness},
     parts::PlacedPart,
+    slider::Along,
     tally::{Other, Tally},
 };
 use tremie_team::{Cut, Team};
@@ -21,7 +22,7 @@ pub(crate) struct Entry {
     pub law: u16,
     /// Number of contacts at the last evaluation; as many memories count.
     pub touching: u8,
-    /// Mass and radius: the body's.
+    /// Reduced mass, that of a head-on collision along the axis of a slider; the body's radius.
     pub reduced: Reduced,
     pub memories: [Memory; MOST],
 }
@@ -46,6 +47,10 @@ pub(crate) struct PartContacts {
     pub on_parts: Vec<Wrench>,
     /// The same block by block.
     loads: Vec<Wrench>,
+    /// Forces along the axes of sliders, by part; others have none.
+    pub pushes: Vec<Along>,
+    /// The same block by block.
+    block_pushes: Vec<Along>,
 }
 
 impl PartContacts {
@@ -74,7 +79,10 @@ impl PartContacts {
         }
         self.wrench.resize(self.bodies.len(), Wrench::zero());
         self.on_parts.resize(at.parts.len(), Wrench::zero());
-        self.loads.resize((self.bounds.len() - 1) * at.parts.len(), Wrench::zero());
+        self.pushes.resize(at.parts.len(), Along::default());
+        let blocks = self.bounds.len() - 1;
+        self.loads.resize(blocks * at.parts.len(), Wrench::zero());
+        self.block_pushes.resize(blocks * at.parts.len(), Along::default());
     }
 
     fn clear(&mut self) {
@@ -117,35 +125,53 @@ impl PartContacts {
             Cut::at(&mut self.entries, &self.entry_bounds),
             Cut::at(&mut self.wrench, &self.bounds),
             Cut::every(&mut self.loads, parts.len()),
+            Cut::every(&mut self.block_pushes, parts.len()),
             Cut::every(tallies, 1),
         );
         let (bodies, start, bounds) = (&self.bodies, &self.start, &self.bounds);
         let (near, triangles, first) = (&self.near, &self.triangles, &self.entry_bounds);
-        team.for_pieces(pieces, |b, (entries, wrench, loads, tally)| {
+        team.for_pieces(pieces, |b, (entries, wrench, loads, pushes, tally)| {
             loads.fill(Wrench::zero());
+            pushes.fill(Along::default());
             for (p, wrench) in (bounds[b] as usize..).zip(wrench) {
                 *wrench = Wrench::zero();
                 for e in start[p] as usize..start[p + 1] as usize {
                     let entry = &mut entries[e - first[b] as usize];
-                    let part = &parts[entry.part as usize];
-                    let load = &mut loads[entry.part as usize];
+                    let number = entry.part as usize;
+                    let part = &parts[number];
                     let near = &triangles[near[e] as usize..near[e + 1] as usize];
                     let place = Place { body: bodies[p] as usize, part, near, scenery: &scenery };
-                    place.evaluate(entry, wrench, load, &mut tally[0]);
+                    let mut load = Wrench::zero();
+                    place.evaluate(entry, wrench, &mut load, &mut tally[0]);
+                    loads[number].force += load.force;
+                    loads[number].torque += load.torque;
+                    if let Some(slider) = part.slider() {
+                        pushes[number].add(Along::of(load.force.dot(&slider.axis)));
+                    }
                 }
             }
         });
+        self.sum_blocks(parts.len());
+    }
+}
+
+impl PartContacts {
+    fn sum_blocks(&mut self, parts: usize) {
         self.on_parts.fill(Wrench::zero());
-        for block in self.loads.chunks(parts.len()) {
+        for block in self.loads.chunks(parts) {
             for (sum, load) in self.on_parts.iter_mut().zip(block) {
                 sum.force += load.force;
                 sum.torque += load.torque;
             }
         }
+        self.pushes.fill(Along::default());
+        for block in self.block_pushes.chunks(parts) {
+            for (sum, &push) in self.pushes.iter_mut().zip(block) {
+                sum.add(push);
+            }
+        }
     }
-}
 
-impl PartContacts {
     /// Energy in the springs of the contacts of a body, by its place in this list [J], tangential ones
     /// at the displacement that they will have half a step later.
     pub fn elastic_energy(&self, p: usize, laws: &[Law]) -> f64 {
@@ -153,9 +179,7 @@ impl PartContacts {
         for entry in &self.entries[self.start[p] as usize..self.start[p + 1] as usize] {
             let law = &laws[entry.law as usize];
             for memory in &entry.memories[..entry.touching as usize] {
-                let k_t = law.at(memory.overlap, memory.overlap, entry.reduced).k_t;
-                let across = memory.xi.norm_squared() + memory.rolling.norm_squared();
-                energy += law.normal_energy(memory.overlap, entry.reduced) + 0.5 * k_t * across;
+                energy += law.remembered_energy(memory, entry.reduced);
             }
         }
         energy
@@ -242,7 +266,7 @@ impl Place<'_> {
 }
 
 /// The memory whose normal is closest to `n`, if it turned by less than 10 degrees.
-fn closest(memories: &[Memory], n: Vec3) -> Option<usize> {
+pub(crate) fn closest(memories: &[Memory], n: Vec3) -> Option<usize> {
     let along = |k: usize| memories[k].normal.dot(&n);
     let best = (0..memories.len()).max_by(|&a, &b| along(a).total_cmp(&along(b)))?;
     (along(best) > SAME).then_some(best)

@@ -2,9 +2,10 @@
 
 use crate::{
     Vec3,
-    bodies::{Bodies, Mobility},
+    bodies::Bodies,
     law::Reduced,
     laws::Laws,
+    mesh_contact::distance,
     pairs::BLOCK,
     part_contacts::{Entry, PartContacts},
     parts::PlacedPart,
@@ -65,7 +66,7 @@ impl Found {
                     law: at.laws.between(at.materials[part], bodies.material[i]),
                     touching,
                     reduced: Reduced {
-                        root_mass: bodies.mobility[i].root_reduced_mass(Mobility::NONE),
+                        root_mass: bodies.mobility[i].root_reduced_mass(placed.mobility()),
                         radius: ball.radius,
                     },
                     memories,
@@ -81,8 +82,12 @@ impl Found {
     /// Adds the triangles of a part near a place, through all images.
     fn look(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
         for (image, shift) in bounds.numbered_images() {
-            part.triangles_near(part.to_part(x + shift), reach, &mut self.room);
-            self.triangles.extend(self.room.iter().map(|&triangle| (triangle, image)));
+            let x = part.to_part(x + shift);
+            part.triangles_near(x, reach, &mut self.room);
+            // Long triangles have boxes that are near much that they are not.
+            let near = |triangle: &&u32| distance(x, part.triangle(**triangle).corners) < reach;
+            let near = self.room.iter().filter(near);
+            self.triangles.extend(near.map(|&triangle| (triangle, image)));
         }
     }
 }

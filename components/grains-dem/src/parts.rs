@@ -1,30 +1,53 @@
-//! Rigid parts: surfaces that grains meet, fixed or moved as the scene prescribes.
+//! Rigid parts: surfaces that grains meet, fixed, moved as the scene prescribes, or on an axis under
+//! forces.
 
 use crate::{
     Vec3,
-    bodies::Twist,
+    bodies::{Mobility, Twist, Wrench},
+    check_slider,
     mesh_contact::Triangle,
+    mirrors,
     motion::{Path, turn},
     periodic::PeriodicBox,
+    slider::Slider,
 };
 use tremie_geometry::{Bounds, Frame, Surface};
 use tremie_messages::{
     Problem,
+    body::BodyState,
     scene::{Motion, Part, Pose, Scene},
 };
+
+/// How a part moves.
+enum Drive {
+    Fixed,
+    Path(Path),
+    Slider(Box<Slider>),
+}
 
 /// A part where it is.
 pub(crate) struct PlacedPart {
     surface: Surface,
     cavity: bool,
-    /// How it moves, if it does.
-    path: Option<Path>,
+    drive: Drive,
+    /// Axes across which symmetry planes cut it.
+    mirrors: [bool; 3],
     pub pose: Pose,
     frame: Frame,
     /// Velocities of its reference point, the origin of its frame.
     pub twist: Twist,
     /// How far any of its points can have gone since neighbours were listed [m].
     pub moved: f64,
+}
+
+/// A substep: from when to when [s], its length [s], and whether the substep before is to be finished
+/// first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step {
+    pub from: f64,
+    pub to: f64,
+    pub dt: f64,
+    pub finish: bool,
 }
 
 /// Loads the surfaces of all parts.
@@ -37,11 +60,15 @@ pub(crate) fn load(scene: &Scene) -> Result<Vec<PlacedPart>, Vec<Problem>> {
         let key = format!("scene.parts[{i}]");
         if part.motion == Motion::Free {
             let message = "is free, but parts are moved by no force";
-            let help = "fix the part, prescribe its motion, or make it a sphere";
+            let help = "fix the part, prescribe its motion, make it a slider, or make it a sphere";
             problems.push(Problem::new(format!("{key}.motion"), message).help(help));
         }
         match Surface::of(&part.geometry) {
-            Ok(surface) => parts.push(PlacedPart::new(part, surface)),
+            Ok(surface) => {
+                let placed = PlacedPart::new(part, surface, scene);
+                problems.extend(placed.mirror_problem(&key, part, scene));
+                parts.push(placed);
+            }
             Err(error) => problems.extend(error.problems(&format!("{key}.geometry"))),
         }
     }
@@ -49,16 +76,27 @@ pub(crate) fn load(scene: &Scene) -> Result<Vec<PlacedPart>, Vec<Problem>> {
 }
 
 impl PlacedPart {
-    fn new(part: &Part, surface: Surface) -> Self {
-        let path = match &part.motion {
-            Motion::Prescribed(points) => Some(Path::new(points, Twist::zero())),
-            _ => None,
+    fn new(part: &Part, surface: Surface, scene: &Scene) -> Self {
+        let position = part.pose.position;
+        let mirrors = mirrors::of_part(&scene.domain, position);
+        let drive = match &part.motion {
+            Motion::Free | Motion::Fixed => Drive::Fixed,
+            Motion::Prescribed(points) => Drive::Path(Path::new(points, Twist::zero())),
+            Motion::Slider(slider) => {
+                let (gravity, whole) = (scene.gravity.into(), mirrors::whole(mirrors));
+                Drive::Slider(Box::new(Slider::new(slider, position.into(), gravity, whole)))
+            }
         };
-        let twist = path.as_ref().map_or(Twist::zero(), |path| path.twist(0.0));
+        let twist = match &drive {
+            Drive::Fixed => Twist::zero(),
+            Drive::Path(path) => path.twist(0.0),
+            Drive::Slider(slider) => slider.twist(),
+        };
         Self {
             surface,
             cavity: part.cavity,
-            path,
+            drive,
+            mirrors,
             pose: part.pose,
             frame: Frame::of(&part.pose),
             twist,
@@ -66,9 +104,58 @@ impl PlacedPart {
         }
     }
 
-    /// Whether its motion is prescribed, so that it is a body of the run.
+    /// What is wrong with how a slider lies to the mirrors.
+    fn mirror_problem(&self, key: &str, part: &Part, scene: &Scene) -> Option<Problem> {
+        let Motion::Slider(slider) = &part.motion else { return None };
+        let bounds = self.surface.mesh().placed(&self.pose).bounds();
+        let (domain, room) = (&scene.domain, check_slider::ROOM * self.bounding_radius());
+        let across = |a: usize, side: usize| {
+            let plane = [domain.min, domain.max][side][a];
+            bounds.min[a] < plane - room && bounds.max[a] > plane + room
+        };
+        check_slider::across_mirrors(key, slider, domain, self.mirrors, across)
+    }
+
+    /// Whether it is a body of the run.
     pub fn moves(&self) -> bool {
-        self.path.is_some()
+        !matches!(self.drive, Drive::Fixed)
+    }
+
+    /// Its degree of freedom, if forces move it.
+    pub fn slider(&self) -> Option<&Slider> {
+        match &self.drive {
+            Drive::Slider(slider) => Some(slider),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn slider_mut(&mut self) -> Option<&mut Slider> {
+        match &mut self.drive {
+            Drive::Slider(slider) => Some(slider),
+            _ => None,
+        }
+    }
+
+    /// What resists a push along its axis; mirrored grains push at the same time.
+    pub fn mobility(&self) -> Mobility {
+        self.slider().map_or(Mobility::NONE, |slider| Mobility {
+            inverse_mass: slider.whole / slider.mass,
+            inverse_inertia: 0.0,
+        })
+    }
+
+    /// The load on the whole part, where symmetry planes cut it.
+    pub fn whole(&self, load: &Wrench) -> Wrench {
+        mirrors::with_images(self.mirrors, load)
+    }
+
+    /// Distances count from here on.
+    pub fn begin_list(&mut self) {
+        self.moved = 0.0;
+        if let Some(slider) = self.slider_mut() {
+            slider.begin_list();
+        }
     }
 
     /// Whether the space inside its surface is free and that outside solid.
@@ -81,19 +168,53 @@ impl PlacedPart {
         self.surface.bounding_radius()
     }
 
-    /// Moves it through a time; true if its reference point crossed a periodic face.
-    pub fn advance(&mut self, from: f64, to: f64, bounds: &PeriodicBox) -> bool {
-        let Some(path) = &self.path else { return false };
-        let step = path.travelled(from, to);
-        let position = Vec3::from(self.pose.position) + step.v;
+    /// Moves it through a substep; `finish` as for spheres. True if its reference point crossed a
+    /// periodic face.
+    pub fn advance(&mut self, step: &Step, bounds: &PeriodicBox) -> bool {
+        let position = match &mut self.drive {
+            Drive::Fixed => return false,
+            Drive::Path(path) => {
+                let way = path.travelled(step.from, step.to);
+                self.pose.orientation = turn(self.pose.orientation, way.w);
+                self.twist = path.twist(step.to);
+                let radius = self.surface.bounding_radius();
+                self.moved += way.v.norm_squared().sqrt() + radius * way.w.norm_squared().sqrt();
+                Vec3::from(self.pose.position) + way.v
+            }
+            Drive::Slider(slider) => {
+                slider.first_half(step.dt, step.finish);
+                self.twist = slider.twist();
+                self.moved = slider.moved();
+                slider.position()
+            }
+        };
         let wrapped = bounds.wrap(position);
+        if wrapped != position
+            && let Drive::Slider(slider) = &mut self.drive
+        {
+            slider.shift(wrapped - position);
+        }
         self.pose.position = wrapped.into();
-        self.pose.orientation = turn(self.pose.orientation, step.w);
         self.frame = Frame::of(&self.pose);
-        self.twist = path.twist(to);
-        let radius = self.surface.bounding_radius();
-        self.moved += step.v.norm_squared().sqrt() + radius * step.w.norm_squared().sqrt();
         wrapped != position
+    }
+
+    /// Ends a substep: the half kick of a slider.
+    pub fn finish(&mut self, dt: f64) {
+        if let Drive::Slider(slider) = &mut self.drive {
+            slider.second_half(dt);
+            self.twist = slider.twist();
+        }
+    }
+
+    /// Area of its surface [m²].
+    pub fn area(&self) -> f64 {
+        let mesh = self.surface.mesh();
+        let areas = (0..mesh.triangles.len()).map(|t| {
+            let [a, b, c] = mesh.corners(t).map(Vec3::from);
+            0.5 * (b - a).cross(&(c - a)).norm_squared().sqrt()
+        });
+        areas.sum()
     }
 
     /// Velocity of its point at `x` [m/s].
@@ -132,6 +253,29 @@ impl PlacedPart {
             self.surface.triangles_near(&bounds, out);
         } else {
             out.clear();
+        }
+    }
+
+    /// A triangle in the world.
+    pub fn placed_triangle(&self, index: u32) -> Triangle {
+        let Triangle { corners, normal } = self.triangle(index);
+        let place = |corner: Vec3| self.frame.to_world(corner.into()).into();
+        Triangle { corners: corners.map(place), normal: self.to_world(normal) }
+    }
+
+    /// Whether a point of the world can be closer to the solid than `gap`.
+    pub fn is_near(&self, x: Vec3, gap: f64) -> bool {
+        self.cavity || self.surface.bounds().grown(gap).contains(self.to_part(x).into())
+    }
+
+    /// Pose and velocity as those of the body `id`.
+    pub fn state(&self, id: u64) -> BodyState {
+        BodyState {
+            id,
+            position: self.pose.position,
+            orientation: self.pose.orientation,
+            velocity: self.twist.v.into(),
+            angular_velocity: self.twist.w.into(),
         }
     }
 

@@ -8,6 +8,7 @@ use crate::{
     law::{Law, Reduced},
     lubrication::Squeeze,
     memory, overlaps, parts, placement,
+    slider_times::{self, Grains, SliderTimes},
     stability::Stability,
 };
 use serde::Serialize;
@@ -25,7 +26,8 @@ pub struct Resolution {
     /// The largest time step that is stable in the densest packing [s]; a settled bed of spheres
     /// bears about twice as much, and shakes for ever at four times.
     pub stable_time_step: Option<f64>,
-    /// Duration of the shortest collision without damping [s]; under Hertz's law at the expected speed.
+    /// Duration of the shortest collision without damping [s], those of sliders with their stops and half
+    /// a period on their springs included; under Hertz's law at the expected speed.
     pub contact_time: Option<f64>,
     /// Relative speed for which collisions under Hertz's law are resolved [m/s].
     pub expected_speed: f64,
@@ -45,6 +47,8 @@ pub struct Resolution {
     pub largest_diameter: f64,
     /// The lightest and the heaviest pair under each contact law.
     pub pairs: Vec<PairDamping>,
+    /// Parts that move along an axis under forces.
+    pub sliders: Vec<SliderTimes>,
     /// What a user should know; sentences.
     pub warnings: Vec<String>,
     limits: Limits,
@@ -97,11 +101,18 @@ impl Parameters {
         let encounters = population.encounters();
         let speed = self.speed(scene, &population);
         let pairs = encounters.iter().flat_map(|e| extremes(e, speed)).collect::<Vec<_>>();
-        let limits = limits(&encounters, speed, Squeeze::of(scene, self));
+        let sliders = slider_times::of(scene, &parts);
+        let [smallest_diameter, largest_diameter] = population.diameters();
+        let grains = Grains {
+            free: population.free(),
+            diameter: smallest_diameter,
+            stiffness: stiffest_at_surfaces(&encounters, speed),
+        };
+        let limits = limits(&encounters, speed, Squeeze::of(scene, self))
+            .and(&sliders, slider_times::stability(&parts, grains));
         let finite = |dt: f64| dt.is_finite().then_some(dt);
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
         let given = self.time_step.map(|step| step.0);
-        let [smallest_diameter, largest_diameter] = population.diameters();
         let rolling = scene.contacts.iter().any(|pair| pair.law.rolling_friction > 0.0);
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
@@ -117,6 +128,7 @@ impl Parameters {
             largest_diameter,
             warnings: warnings(given, &limits),
             pairs,
+            sliders,
             limits,
         };
         if let Some(step) = given {
@@ -199,10 +211,7 @@ fn limits(encounters: &[Encounter<'_>], speed: f64, squeeze: Option<Squeeze>) ->
         let (law, pair, inverse_mass) =
             (Law::new(encounter.law), encounter.light, encounter.inverse_mass);
         contact = contact.min(contact_time(encounter.law, pair, speed));
-        let overlap = match law.spring {
-            Spring::Linear { .. } => 0.0,
-            Spring::Hertz { .. } => largest_overlap(encounter.law, pair, speed),
-        };
+        let overlap = deepest(encounter, pair, speed);
         let lubrication = squeeze.map_or(0.0, |squeeze| squeeze.largest(pair.radius));
         let of = |contacts| {
             Stability::of(&law, pair, inverse_mass, overlap, contacts)
@@ -218,6 +227,33 @@ fn limits(encounters: &[Encounter<'_>], speed: f64, squeeze: Option<Squeeze>) ->
     }
     let dense = between.and(at_walls);
     Limits { contact, pair: single.largest_step(), dense: dense.largest_step() }
+}
+
+/// Overlap at which the stiffness of an encounter counts [m].
+fn deepest(encounter: &Encounter<'_>, pair: Reduced, speed: f64) -> f64 {
+    match encounter.law.spring {
+        Spring::Linear { .. } => 0.0,
+        Spring::Hertz { .. } => largest_overlap(encounter.law, pair, speed),
+    }
+}
+
+/// Largest normal stiffness of a contact with a surface [N/m].
+fn stiffest_at_surfaces(encounters: &[Encounter<'_>], speed: f64) -> f64 {
+    let at_surfaces = encounters.iter().filter(|encounter| encounter.with_surface);
+    let slope =
+        |e: &Encounter<'_>| Law::new(e.law).normal_slope(deepest(e, e.heavy, speed), e.heavy);
+    at_surfaces.map(slope).fold(0.0, f64::max)
+}
+
+impl Limits {
+    /// With those of sliders: alone, and covered with grains.
+    fn and(self, sliders: &[SliderTimes], [alone, covered]: [Stability; 2]) -> Self {
+        Self {
+            contact: self.contact.min(slider_times::shortest(sliders)),
+            pair: self.pair.min(alone.largest_step()),
+            dense: self.dense.min(covered.largest_step()),
+        }
+    }
 }
 
 fn warnings(given: Option<f64>, limits: &Limits) -> Vec<String> {

@@ -8,7 +8,9 @@ use crate::{
     pairs_maker::{Nearness, PairsMaker},
     part_contacts::PartContacts,
     part_finder,
+    parts::PlacedPart,
     periodic::PeriodicBox,
+    surfaces::Surfaces,
     surroundings::Surroundings,
     wall_contacts::{self, WallContacts},
 };
@@ -31,6 +33,8 @@ pub(crate) struct Search {
     pub walls: WallContacts,
     /// Contacts of bodies with parts.
     pub parts: PartContacts,
+    /// Surfaces that deform, and bodies near them.
+    pub surfaces: Surfaces,
     /// How often lists were made.
     pub rebuilds: u64,
     maker: PairsMaker,
@@ -48,14 +52,26 @@ pub(crate) struct Contacts<'a> {
     pub pairs: &'a Pairs,
     pub walls: &'a WallContacts,
     pub parts: &'a PartContacts,
+    pub surfaces: &'a Surfaces,
 }
 
 impl Search {
-    pub fn new(bounds: PeriodicBox, largest: f64, parameters: &Parameters, bodies: usize) -> Self {
+    /// For bodies that are at most `largest` wide [m], and surfaces that deform.
+    pub fn new(
+        bounds: PeriodicBox,
+        largest: f64,
+        parameters: &Parameters,
+        bodies: usize,
+        surfaces: Surfaces,
+    ) -> Self {
         let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
-        let skin = parameters.skin_fraction() * largest;
-        // A domain without bodies still needs a cell size.
-        let range = if bodies > 0 { largest + reach + skin } else { bounds.size.max() };
+        // A domain without bodies has nothing to list, but still needs a size of cells.
+        let (skin, range) = if bodies > 0 {
+            let skin = parameters.skin_fraction() * largest;
+            (skin, largest + reach + skin)
+        } else {
+            (f64::INFINITY, bounds.size.max())
+        };
         Self {
             skin,
             reach,
@@ -63,6 +79,7 @@ impl Search {
             pairs: Pairs::default(),
             walls: WallContacts::default(),
             parts: PartContacts::default(),
+            surfaces,
             rebuilds: 0,
             maker: PairsMaker::default(),
             spare_walls: WallContacts::default(),
@@ -76,7 +93,8 @@ impl Search {
 
     /// The lists.
     pub fn contacts(&self) -> Contacts<'_> {
-        Contacts { pairs: &self.pairs, walls: &self.walls, parts: &self.parts }
+        let Self { pairs, walls, parts, surfaces, .. } = self;
+        Contacts { pairs, walls, parts, surfaces }
     }
 
     /// Makes the lists anew; contacts keep their history.
@@ -115,7 +133,8 @@ impl Search {
             previous: &self.order,
         };
         self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
-        around.parts.iter_mut().for_each(|part| part.moved = 0.0);
+        self.surfaces.spoil();
+        around.parts.iter_mut().for_each(PlacedPart::begin_list);
         self.rebuilds += 1;
     }
 }

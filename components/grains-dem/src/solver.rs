@@ -10,10 +10,14 @@ use crate::{
     integrate::{self, Forces, Reach, Wandered},
     loads, overlaps,
     pairs::BLOCK,
-    parts::{self, PlacedPart},
+    parts::{self, PlacedPart, Step},
     placement,
     probes::Probes,
     search::Search,
+    slider::SliderState,
+    substeps::Progress,
+    surface::{self, DeformableSurface, SurfaceState},
+    surfaces::Surfaces,
     surroundings::Surroundings,
     tally::Tally,
     wall_forces,
@@ -31,18 +35,18 @@ const TOO_DEEP: f64 = 0.5;
 /// Spheres in a box, in contact with each other and with walls.
 pub struct GrainsDem {
     domain: Domain,
-    around: Surroundings,
-    gravity: Vec3,
-    dt: f64,
-    bodies: Bodies,
+    pub(crate) around: Surroundings,
+    pub(crate) gravity: Vec3,
+    pub(crate) dt: f64,
+    pub(crate) bodies: Bodies,
     events: Vec<BodyEvent>,
-    search: Search,
-    team: Team,
+    pub(crate) search: Search,
+    pub(crate) team: Team,
     driven: Driven,
     /// Substeps since the start.
     steps: u64,
-    loaded: bool,
-    crossed: bool,
+    pub(crate) loaded: bool,
+    pub(crate) crossed: bool,
     /// What each block of bodies saw at the last evaluation, and how far it went.
     tallies: Vec<Tally>,
     reaches: Vec<Reach>,
@@ -53,7 +57,9 @@ pub struct GrainsDem {
     fluid_impulse: Vec3,
     load_sums: Vec<Result<Vec3, GrainsError>>,
     survey: Survey,
-    probes: Probes,
+    pub(crate) probes: Probes,
+    /// How far the window has come.
+    pub(crate) progress: Progress,
 }
 
 impl GrainsDem {
@@ -68,8 +74,26 @@ impl GrainsDem {
         time_step: f64,
         threads: usize,
     ) -> Result<Self, Vec<Problem>> {
+        Self::with_surfaces(scene, parameters, time_step, threads, &[])
+    }
+
+    /// The same, with surfaces that deform on its sliders. Packings do not keep clear of them.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and surfaces that are none or do not fit the scene.
+    pub fn with_surfaces(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        threads: usize,
+        surfaces: &[DeformableSurface],
+    ) -> Result<Self, Vec<Problem>> {
         let resolution = parameters.resolve(scene)?;
         resolution.check_time_step(time_step).map_err(|problem| vec![problem])?;
+        let problems = surface::check(scene, surfaces, time_step);
+        if !problems.is_empty() {
+            return Err(problems);
+        }
         let parts = parts::load(scene)?;
         let spheres = placement::place(scene, &parts)?;
         overlaps::check(scene, &spheres)?;
@@ -78,9 +102,19 @@ impl GrainsDem {
             let message = format!("the system does not give {threads} threads: {error}");
             vec![Problem::new("threads", message)]
         })?;
-        let mut solver = Self::of_bodies(scene, parameters, time_step, (&spheres, parts), team);
+        let placed = (&spheres[..], parts, surfaces);
+        let mut solver = Self::of_bodies(scene, parameters, time_step, placed, team);
         solver.rebuild_lists();
-        solver.evaluate_forces(0.0);
+        let still = surfaces.iter().map(|s| vec![[0.0; 3]; s.vertices.len()]).collect::<Vec<_>>();
+        let states = surfaces.iter().zip(&still).map(|(surface, velocities)| SurfaceState {
+            vertices: &surface.vertices,
+            velocities,
+            carrier_force: [0.0; 3],
+        });
+        let begun = solver.evaluate_forces(0.0, &states.collect::<Vec<_>>());
+        begun
+            .and_then(|()| if surfaces.is_empty() { Ok(()) } else { solver.check_overlap() })
+            .map_err(|error| vec![Problem::new("surfaces", error.to_string())])?;
         Ok(solver)
     }
 
@@ -88,10 +122,10 @@ impl GrainsDem {
         scene: &Scene,
         parameters: &Parameters,
         dt: f64,
-        (spheres, parts): (&[PlacedSphere], Vec<PlacedPart>),
+        (spheres, parts, surfaces): (&[PlacedSphere], Vec<PlacedPart>, &[DeformableSurface]),
         team: Team,
     ) -> Self {
-        let around = Surroundings::of_scene(scene, parameters, parts);
+        let around = Surroundings::of_scene(scene, parameters, parts, surfaces);
         let laws = &around.laws;
         let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
         for ball in &mut bodies.balls {
@@ -103,12 +137,14 @@ impl GrainsDem {
         let blocks = spheres.len().div_ceil(BLOCK);
         let events = events::initial(spheres, &around.parts);
         let bodies_of_run = events.len();
+        let surfaces = Surfaces::new(surfaces, &around.laws, &around.parts, spheres.len());
+        let bounds = around.bounds.clone();
         Self {
             domain: scene.domain.clone(),
             gravity: scene.gravity.into(),
             dt,
             events,
-            search: Search::new(around.bounds.clone(), largest, parameters, spheres.len()),
+            search: Search::new(bounds, largest, parameters, spheres.len(), surfaces),
             around,
             bodies,
             team,
@@ -126,6 +162,7 @@ impl GrainsDem {
             load_sums: Vec::with_capacity(bodies_of_run.div_ceil(BLOCK)),
             survey: Survey::default(),
             probes,
+            progress: Progress::default(),
         }
     }
 
@@ -140,10 +177,20 @@ impl GrainsDem {
     }
 
     /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
-    /// of the last substep.
+    /// of the last substep. A part whose origin lies on a symmetry plane is cut by it: the load is
+    /// that on the whole.
     pub fn part_loads(&self) -> impl ExactSizeIterator<Item = ([f64; 3], [f64; 3])> + '_ {
-        let wrenches = self.search.parts.on_parts.iter();
-        wrenches.map(|wrench| (wrench.force.into(), wrench.torque.into()))
+        let parts = self.around.parts.iter().zip(&self.search.parts.on_parts);
+        parts.map(|(part, wrench)| {
+            let whole = part.whole(wrench);
+            (whole.force.into(), whole.torque.into())
+        })
+    }
+
+    /// The sliders, in the order of the scene's parts, at the end of the last substep.
+    pub fn sliders(&self) -> impl Iterator<Item = SliderState> + '_ {
+        let parts = self.around.parts.iter().enumerate();
+        parts.filter_map(|(part, placed)| Some(SliderState::of(part, placed.slider()?)))
     }
 
     /// Radii of the spheres [m], by ascending id.
@@ -173,13 +220,7 @@ impl GrainsDem {
         let (spheres, parts) = out.split_at_mut(self.bodies.len());
         let moving = self.around.parts.iter().filter(|part| part.moves());
         for ((id, state), part) in (self.bodies.len() as u64..).zip(parts).zip(moving) {
-            *state = BodyState {
-                id,
-                position: part.pose.position,
-                orientation: part.pose.orientation,
-                velocity: part.twist.v.into(),
-                angular_velocity: part.twist.w.into(),
-            };
+            *state = part.state(id);
         }
         for ((id, state), &slot) in (0..).zip(spheres).zip(&self.bodies.slot) {
             let slot = slot as usize;
@@ -195,28 +236,18 @@ impl GrainsDem {
     }
 
     /// Advances by `substeps` steps under constant `loads`, one for each body in the order of the
-    /// state; none at all for a dry run. Weight is applied besides, in full.
+    /// state; none at all for a dry run. Weight is applied besides, in full. A run with surfaces
+    /// that deform goes [substep by substep](Self::begin_substep).
     ///
     /// # Errors
     /// Loads that do not match the bodies, and motions that the contact law cannot describe.
     pub fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
-        self.take_loads(substeps, loads)?;
-        for substep in 0..substeps {
-            self.drift(substep > 0)?;
-            self.evaluate_forces(self.dt);
-            self.check_overlap()?;
+        self.begin_window(substeps, loads)?;
+        for _ in 0..substeps {
+            self.begin_substep()?;
+            self.finish_substep(&[])?;
         }
-        if substeps > 0 {
-            let forces = Forces {
-                contacts: self.search.contacts(),
-                loaded: self.loaded,
-                gravity: self.gravity,
-            };
-            integrate::second_half(&mut self.team, &mut self.bodies, forces, self.dt);
-        }
-        let duration = f64::from(substeps) * self.dt;
-        self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
-        Ok(())
+        self.end_window()
     }
 
     /// Energies, momentum, contacts.
@@ -228,6 +259,7 @@ impl GrainsDem {
             walls: &self.around.walls,
             domain: &self.domain,
             gravity: self.gravity,
+            parts: &self.around.parts,
         };
         let sums = self.survey.sums(&mut self.team, &seen);
         Diagnostics {
@@ -246,7 +278,7 @@ impl GrainsDem {
         self.probes.read(&mut self.team, &self.bodies, &self.around.bounds, out);
     }
 
-    fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
+    pub(crate) fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
         self.loaded = !loads.is_empty();
         if self.loaded {
             let count = self.body_count();
@@ -254,11 +286,21 @@ impl GrainsDem {
             let force = loads::take(&mut self.team, bodies, loads, count, sums)?;
             self.fluid_impulse += force * (f64::from(substeps) * self.dt);
         }
+        let of_parts = loads.get(self.bodies.len()..).unwrap_or_default();
+        let mut of_parts = of_parts.iter();
+        for part in self.around.parts.iter_mut().filter(|part| part.moves()) {
+            let load = of_parts.next();
+            if let Some(slider) = part.slider_mut() {
+                slider.take(load);
+                let force = slider.axis * slider.pushes.fluid;
+                self.fluid_impulse += force * (f64::from(substeps) * self.dt);
+            }
+        }
         Ok(())
     }
 
     /// Moves the bodies to the end of a substep, and lists neighbours anew where they moved far.
-    fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
+    pub(crate) fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
         let (from, to) = (self.time(), self.time_after(1));
         self.driven.begin(&mut self.bodies, from, to);
         let forces =
@@ -272,10 +314,12 @@ impl GrainsDem {
         self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
         let mut wrapped = false;
+        let step = Step { from, to, dt: self.dt, finish };
         for part in &mut self.around.parts {
-            wrapped |= part.advance(from, to, &self.around.bounds);
+            wrapped |= part.advance(&step, &self.around.bounds);
         }
         self.steps += 1;
+        self.check_sliders()?;
         let limit = 0.5 * self.search.skin;
         let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
         if far || reach.farthest >= limit * limit || reach.farthest.is_nan() {
@@ -285,8 +329,13 @@ impl GrainsDem {
         Ok(())
     }
 
-    /// Contact forces at the predicted velocities, `before` after the last evaluation.
-    fn evaluate_forces(&mut self, before: f64) {
+    /// Contact forces at the predicted velocities, `before` after the last evaluation, with those on
+    /// `surfaces` as they are accepted.
+    pub(crate) fn evaluate_forces(
+        &mut self,
+        before: f64,
+        surfaces: &[SurfaceState<'_>],
+    ) -> Result<(), GrainsError> {
         self.tallies.fill(Tally::default());
         let steps = Steps { before, after: self.dt };
         let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
@@ -297,9 +346,29 @@ impl GrainsDem {
         wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
         let parts = &self.around.parts;
         search.parts.evaluate(team, parts, scenery, &mut self.tallies);
-        self.tally = Tally::sum(&self.tallies);
+        let near = self.around.near_surfaces(&self.bodies, search.skin);
+        let mut on_surfaces = Tally::default();
+        search.surfaces.accept(surfaces, &scenery, &near, &mut on_surfaces)?;
+        self.push_sliders(surfaces);
+        self.tally = Tally::sum(&[Tally::sum(&self.tallies), on_surfaces]);
         self.deep_overlaps += self.tally.deep;
         self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);
+        Ok(())
+    }
+
+    /// Gives the sliders the forces of this evaluation.
+    fn push_sliders(&mut self, surfaces: &[SurfaceState<'_>]) {
+        let parts = &mut self.around.parts;
+        for (part, push) in parts.iter_mut().zip(&self.search.parts.pushes) {
+            if let Some(slider) = part.slider_mut() {
+                slider.evaluate(push.force());
+            }
+        }
+        for (held, state) in self.search.surfaces.held.iter().zip(surfaces) {
+            if let Some(slider) = parts[held.carrier].slider_mut() {
+                slider.carry(held.on_carrier, state.carrier_force.into());
+            }
+        }
     }
 
     fn rebuild_lists(&mut self) {
@@ -308,7 +377,7 @@ impl GrainsDem {
         self.wandered.begin();
     }
 
-    fn check_overlap(&self) -> Result<(), GrainsError> {
+    pub(crate) fn check_overlap(&self) -> Result<(), GrainsError> {
         let deepest = self.tally.deepest;
         if deepest.ratio <= TOO_DEEP {
             return Ok(());
@@ -317,6 +386,15 @@ impl GrainsDem {
         let (id, other) = self.around.name(id(deepest.body), deepest.other, id);
         let percent = 100.0 * deepest.ratio;
         Err(GrainsError::Overlap { id, other, percent })
+    }
+
+    /// A slider must be somewhere.
+    fn check_sliders(&self) -> Result<(), GrainsError> {
+        let lost = |slider: &SliderState| !slider.lift.is_finite();
+        match self.sliders().find(lost) {
+            None => Ok(()),
+            Some(slider) => Err(GrainsError::SliderLost { part: slider.part }),
+        }
     }
 
     /// Every centre must lie inside the domain.

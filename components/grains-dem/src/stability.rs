@@ -25,6 +25,11 @@ impl Stability {
         }
     }
 
+    /// A mass [kg] on a spring [N/m] and a dashpot [kg/s].
+    pub fn of_mass(stiffness: f64, gamma: f64, mass: f64) -> Self {
+        Self { frequency_squared: stiffness / mass, decay: gamma / mass }
+    }
+
     /// A body between `contacts` normal dashpots that slow it at a rate each [1/s].
     pub fn of_dashpot(rate: f64, contacts: f64) -> Self {
         Self { frequency_squared: 0.0, decay: rate * (contacts / 3.0).max(1.0) }

@@ -10,6 +10,9 @@ use crate::{
     lubrication::Squeeze,
     parts::PlacedPart,
     periodic::PeriodicBox,
+    seat::Seats,
+    surface::DeformableSurface,
+    surface_contacts::Around,
     tally::Other,
     walls::{self, Wall, WallLaws},
 };
@@ -23,6 +26,8 @@ pub(crate) struct Surroundings {
     pub laws: Laws,
     /// The walls.
     pub walls: Vec<Wall>,
+    /// Those that are no mirrors.
+    pub seat_walls: Vec<Wall>,
     /// Their laws.
     pub wall_laws: WallLaws,
     /// The parts.
@@ -38,9 +43,14 @@ pub(crate) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Those of a scene with its parts placed.
-    pub fn of_scene(scene: &Scene, parameters: &Parameters, parts: Vec<PlacedPart>) -> Self {
-        let mut laws = Laws::of_scene(scene);
+    /// Those of a scene with its parts placed, and with surfaces.
+    pub fn of_scene(
+        scene: &Scene,
+        parameters: &Parameters,
+        parts: Vec<PlacedPart>,
+        surfaces: &[DeformableSurface],
+    ) -> Self {
+        let mut laws = Laws::of_scene(scene, surfaces);
         let wall_laws = walls::laws_of_scene(scene, &mut laws);
         let squeeze = Squeeze::of(scene, parameters);
         // Where no wall resists rolling either there is no room for its history.
@@ -54,6 +64,7 @@ impl Surroundings {
             one_law: if plain { laws.only(&materials) } else { None },
             laws,
             walls: walls::of_scene(scene),
+            seat_walls: walls::without_mirrors(scene),
             wall_laws,
             parts,
             squeeze,
@@ -66,11 +77,21 @@ impl Surroundings {
         match other {
             Other::Wall(wall) => (body, self.names[wall as usize].clone()),
             Other::Part(part) => (body, self.names[self.walls.len() + part as usize].clone()),
+            Other::Surface(part) => {
+                let carrier = &self.names[self.walls.len() + part as usize];
+                (body, format!("the surface on {carrier}"))
+            }
             Other::Body(other) => {
                 let (low, high) = (body.min(id(other)), body.max(id(other)));
                 (low, format!("body {high}"))
             }
         }
+    }
+
+    /// What surfaces that deform find near them; `skin` is that of the bodies' lists.
+    pub fn near_surfaces<'a>(&'a self, bodies: &'a Bodies, skin: f64) -> Around<'a> {
+        let seats = Seats { parts: &self.parts, walls: &self.seat_walls };
+        Around { bodies, laws: &self.laws, seats, skin }
     }
 
     /// What forces between bodies are made from; `crossed` tells whether any body crossed a periodic

@@ -31,6 +31,8 @@ pub(crate) enum Other {
     Body(u32),
     Wall(u32),
     Part(u32),
+    /// A surface that deforms, by the part that carries it.
+    Surface(u32),
 }
 
 impl Default for Deepest {

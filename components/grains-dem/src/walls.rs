@@ -46,6 +46,13 @@ pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
     walls
 }
 
+/// The same walls, mirrors not among them.
+pub(crate) fn without_mirrors(scene: &Scene) -> Vec<Wall> {
+    let surfaces = crate::laws::surfaces(scene);
+    let walls = of_scene(scene).into_iter().zip(surfaces);
+    walls.filter(|(_, surface)| !surface.mirror).map(|(wall, _)| wall).collect()
+}
+
 /// The laws of the walls of [`of_scene`]; mirrors get laws of their own, without friction.
 pub(crate) fn laws_of_scene(scene: &Scene, laws: &mut Laws) -> WallLaws {
     let surfaces = crate::laws::surfaces(scene);

@@ -87,3 +87,66 @@ fn keeps_clear_of_planes_listed_bodies_and_other_packings() {
         }
     }
 }
+
+#[test]
+fn fills_a_periodic_box_across_its_faces() {
+    for (fraction, faces) in [
+        (0.2, PERIODIC),
+        (0.45, PERIODIC),
+        (0.45, [PERIODIC[0].clone(), WALLS[1].clone(), WALLS[2].clone()]),
+    ] {
+        let mut scene = scene([SIDE; 3], faces.clone(), law(1e4, 0.5, Damping::Restitution(0.7)));
+        let held = sphere([0.3e-3, 5e-3, 5e-3], 1.5e-3, [0.0; 3]);
+        scene.bodies =
+            vec![packed([0.0; 3], [SIDE; 3], fraction, SIZES, 3), set(Motion::Fixed, vec![held])];
+        let dem = make(&scene, 1e-8);
+        let wraps: [bool; 3] = std::array::from_fn(|a| scene.domain.is_periodic(a));
+        let balls: Vec<_> = state(&dem).iter().map(|s| s.position).zip(dem.radii()).collect();
+        for (i, (x, r)) in balls.iter().enumerate() {
+            for (y, s) in &balls[i + 1..] {
+                let way: [f64; 3] = std::array::from_fn(|a| {
+                    let d = y[a] - x[a];
+                    if wraps[a] { d - SIDE * (d / SIDE).round() } else { d }
+                });
+                assert!(norm(way) > (r + s) * (1.0 - 1e-11), "{x:?} {y:?}");
+            }
+        }
+        for a in 0..3 {
+            // Centres are as likely within a radius of a face as anywhere else, or never there.
+            let near = balls.iter().filter(|(x, _)| x[a] < 0.45e-3 || x[a] > SIDE - 0.45e-3);
+            let share = near.count() as f64 / balls.len() as f64;
+            let expected = if wraps[a] { 0.06..0.12 } else { 0.0..1e-9 };
+            assert!(expected.contains(&share), "{share} along {a}");
+        }
+    }
+}
+
+/// Mean structure factor of a periodic packing over the longest waves that fit its box.
+fn evenness(dem: &GrainsDem) -> f64 {
+    let balls = state(dem);
+    let waves = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let factor = |wave: &[f64; 3]| {
+        let phase = |x: [f64; 3]| {
+            2.0 * std::f64::consts::PI / SIDE * (0..3).map(|a| wave[a] * x[a]).sum::<f64>()
+        };
+        let re: f64 = balls.iter().map(|s| phase(s.position).cos()).sum();
+        let im: f64 = balls.iter().map(|s| phase(s.position).sin()).sum();
+        (re * re + im * im) / balls.len() as f64
+    };
+    waves.iter().map(factor).sum::<f64>() / 3.0
+}
+
+#[test]
+fn dense_packings_are_even_over_long_distances() {
+    // Points thrown at random have 1; hard spheres in equilibrium at 0.3 and 0.45 have 0.10 and 0.03.
+    for (fraction, bound) in [(0.3, 0.2), (0.45, 0.15)] {
+        let mean = (1..=8).map(|seed| {
+            let mut scene = scene([SIDE; 3], PERIODIC, law(1e4, 0.5, Damping::Restitution(0.7)));
+            scene.bodies = vec![packed([0.0; 3], [SIDE; 3], fraction, (1e-3, 1e-3), seed)];
+            evenness(&make(&scene, 1e-8))
+        });
+        let mean = mean.sum::<f64>() / 8.0;
+        println!("{fraction}: {mean:.3}");
+        assert!(mean < bound, "{fraction}: {mean}");
+    }
+}

@@ -53,7 +53,7 @@ fn a_bed_between_walls_does_not_drift() {
 fn a_ridge_with_free_slopes_does_not_creep() {
     let column = packed([7e-3, 0.0, 0.0], [13e-3, 3e-3, 7e-3], 0.5, (0.9e-3, 1.1e-3), 3);
     let mut dem = at_the_own_step(scene([20e-3, 3e-3, 9e-3], FLOOR, rough()), column);
-    rests(&mut dem, 0.22, 0.04);
+    rests(&mut dem, 0.26, 0.04);
     let ridge = state(&dem);
     let top = ridge.iter().map(|s| s.position[2]).fold(0.0, f64::max);
     let low = ridge.iter().filter(|s| s.position[2] < 1e-3).count();

@@ -158,6 +158,7 @@ fn describe_part(part: &Part) -> String {
         Motion::Free => "free",
         Motion::Fixed => "fixed",
         Motion::Prescribed(_) => "driven",
+        Motion::Slider(_) => "slides",
     };
     let boundary = match part.boundary {
         PartBoundary::Wall => "wall",
@@ -172,6 +173,7 @@ fn describe_set(set: &BodySet) -> String {
         Motion::Free => "",
         Motion::Fixed => ", fixed",
         Motion::Prescribed(_) => ", driven",
+        Motion::Slider(_) => ", sliding",
     };
     let (how_many, diameters) = match &set.placement {
         Placement::Listed(list) => {

@@ -3,7 +3,7 @@
 use crate::exact::{Corners, agree, below, on_triangle, turn, turns};
 use crate::surface::Surface;
 use crate::tree::Walk;
-use crate::vector::{cross, norm, sub};
+use crate::vector::{cross, dot, norm, sub};
 use crate::{Bounds, Vec3};
 
 /// Where a segment first meets a surface.
@@ -37,6 +37,71 @@ impl Surface {
         });
         best.get()
     }
+
+    /// The same as [`Surface::first_crossing`], if `triangles` are all that the segment may meet:
+    /// those that [`Surface::triangles_in`] finds in a box around it. For many short segments at one
+    /// place. Where triangles meet, it may name another of them, and the fraction differ by rounding.
+    pub fn first_crossing_among(
+        &self,
+        triangles: &[u32],
+        from: Vec3,
+        to: Vec3,
+    ) -> Option<Crossing> {
+        let mut best = None::<Crossing>;
+        for &triangle in triangles {
+            if let Some(fraction) = meet(&self.mesh.corners(triangle as usize), from, to)
+                && best.is_none_or(|b| (fraction, triangle) < (b.fraction, b.triangle))
+            {
+                best = Some(Crossing { fraction, triangle });
+            }
+        }
+        best
+    }
+
+    /// Puts into `out` the triangles that a box may hold a part of: all that do, and a few that do not.
+    /// False if there are more than `most`; the list is then of no use. Allocates only where `out` has to
+    /// grow.
+    pub fn triangles_in(&self, bounds: &Bounds, most: usize, out: &mut Vec<u32>) -> bool {
+        out.clear();
+        let centre = bounds.centre();
+        let half = sub(bounds.max, centre);
+        self.tree.walk(
+            |b| b.meets(bounds),
+            |triangle, corners| {
+                if Bounds::of(*corners).meets(bounds) && is_near(corners, centre, half) {
+                    out.push(triangle);
+                }
+                if out.len() > most { Walk::Stop } else { Walk::On }
+            },
+        );
+        out.len() <= most
+    }
+}
+
+/// Whether a box is on no outer side of a triangle's plane and of the planes that stand on its edges;
+/// in doubt it is not.
+fn is_near(corners: &Corners, centre: Vec3, half: Vec3) -> bool {
+    let [a, b, c] = *corners;
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let normal = cross(ab, ac);
+    let long = |v: Vec3| v[0].abs() + v[1].abs() + v[2].abs();
+    // What rounding can do to the normal, for each unit of distance from the triangle.
+    let rounding = 64.0 * f64::EPSILON * long(ab) * long(ac);
+    let is_off = |n: Vec3, from: Vec3, rounding: f64| {
+        let away = sub(centre, from);
+        let reach = n[0].abs() * half[0] + n[1].abs() * half[1] + n[2].abs() * half[2];
+        dot(n, away) > reach * (1.0 + 1e-9) + rounding * (long(away) + long(half))
+    };
+    let opposite = normal.map(|n| -n);
+    let beside = |from: Vec3, to: Vec3| {
+        let edge = sub(to, from);
+        is_off(cross(edge, normal), from, rounding * long(edge))
+    };
+    !(is_off(normal, a, rounding)
+        || is_off(opposite, a, rounding)
+        || beside(a, b)
+        || beside(b, c)
+        || beside(c, a))
 }
 
 /// A segment, prepared for the question whether it meets boxes.

@@ -48,11 +48,12 @@ pub struct BodyEvent {
     pub kind: u32,
     /// Shape of an added body: [`BodyEvent::SPHERE`] or [`BodyEvent::PART`].
     pub shape: u32,
-    /// How an added body moves: [`BodyEvent::FREE`], [`BodyEvent::FIXED`] or [`BodyEvent::PRESCRIBED`].
+    /// How an added body moves: [`BodyEvent::FREE`], [`BodyEvent::FIXED`], [`BodyEvent::PRESCRIBED`] or
+    /// [`BodyEvent::SLIDER`].
     pub motion: u32,
     /// Index into the scene's list of body sets that the body came from.
     pub set: u32,
-    /// Mass [kg].
+    /// Mass [kg]; 0 for a part whose motion is prescribed.
     pub mass: f64,
     /// Size of the shape [m]: `[radius, 0, 0]` for a sphere; for a part the radius about its reference
     /// point that holds it.
@@ -76,6 +77,8 @@ impl BodyEvent {
     pub const FIXED: u32 = 1;
     /// Moves as the scene says, whatever the forces.
     pub const PRESCRIBED: u32 = 2;
+    /// Moves along one axis under forces.
+    pub const SLIDER: u32 = 3;
 }
 
 // SAFETY: 14 words of 8 bytes, no padding.

@@ -128,6 +128,8 @@ quantities! {
     Density, MassDensity, "a density", "970 kg/m3", "kg/m3";
     /// A dynamic viscosity [Pa·s].
     Viscosity, DynamicViscosity, "a dynamic viscosity", "1 mPa s", "Pa s";
+    /// A force [N].
+    Force, Force, "a force", "57.5 N", "N";
     /// A stiffness [N/m].
     Stiffness, SurfaceTension, "a stiffness", "1e5 N/m", "N/m";
     /// The coefficient of a dashpot [kg/s].
@@ -203,6 +205,7 @@ mod tests {
         assert!(("1 cP".parse::<Viscosity>().unwrap().0 - 1e-3).abs() < 1e-18);
         assert_eq!("-9.81 m/s2".parse::<Acceleration>().unwrap().0, -9.81);
         assert_eq!("1e7 N/m".parse::<Stiffness>().unwrap().0, 1e7);
+        assert_eq!("57.5 N".parse::<Force>().unwrap().0, 57.5);
         assert_eq!("3 kg/s".parse::<Dashpot>().unwrap().0, 3.0);
         assert!(("70.9 mm2".parse::<Area>().unwrap().0 - 70.9e-6).abs() < 1e-18);
         assert_eq!("4e-3 m3".parse::<Volume>().unwrap().0, 4e-3);

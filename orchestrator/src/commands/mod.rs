@@ -4,6 +4,7 @@
 //! user ended a run.
 
 mod interrupts;
+mod report;
 mod rubber;
 mod run;
 mod scene;
@@ -11,6 +12,7 @@ mod simple;
 mod validate;
 mod view;
 
+pub use report::report;
 pub use rubber::rubber;
 pub use run::{check, run};
 pub use scene::scene;

@@ -2,7 +2,8 @@
 
 use super::document::{
     AxisEntry, BodiesTable, ComponentEntry, Document, DomainTable, FaceEntry, FaceName,
-    MaterialTable, MotionName, MotionPointTable, PartTable, SurfaceTable,
+    MaterialTable, MotionName, MotionPointTable, PartMotionEntry, PartMotionTable, PartTable,
+    SurfaceTable,
 };
 use super::spec::is_lossless_by_default;
 use super::{Manifest, spec};
@@ -12,7 +13,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use tremie_messages::Role;
 use tremie_messages::scene::{Domain, Profile};
-use tremie_messages::units::{Acceleration, AngularVelocity, Length, Pressure, Time, Velocity};
+use tremie_messages::units::{
+    Acceleration, AngularVelocity, Force, Length, Pressure, Time, Velocity,
+};
 
 /// Frames that a run gives to observers unless told otherwise.
 const FRAMES: f64 = 200.0;
@@ -158,7 +161,12 @@ fn fill_domain(domain: &mut DomainTable) {
 fn fill_part(part: &mut PartTable, folder: &Path) {
     part.position.get_or_insert([Length(0.0); 3]);
     part.cavity.get_or_insert(false);
-    part.motion.get_or_insert(MotionName::Fixed);
+    let motion = part.motion.get_or_insert(PartMotionEntry::Name(MotionName::Fixed));
+    if let PartMotionEntry::Table(PartMotionTable { slider: Some(slider) }) = motion {
+        slider.lift.get_or_insert(Length(0.0));
+        slider.velocity.get_or_insert(Velocity(0.0));
+        slider.force.get_or_insert(Force(0.0));
+    }
     if let Some(file) = &mut part.file {
         make_absolute(file, folder);
     }

@@ -1,11 +1,13 @@
 //! What a run leaves in its folder, as far as the orchestrator writes it: the manifest as resolved,
-//! the table of signals, the log and the summary.
+//! the table of signals, the log and the summary; and how that table is read again.
 
+mod columns;
 mod folder;
 mod log;
 mod signals;
 mod summary;
 
+pub use columns::{Signals, UnreadableSignals};
 pub use folder::{OutputError, choose_folder};
 pub use log::{Level, RunLog};
 pub use signals::{SignalTable, Statistics};

@@ -2,8 +2,8 @@
 
 use super::ValidationError;
 use super::case::{Case, CaseRun};
-use super::signals::Signals;
 use crate::outputs;
+use crate::outputs::Signals;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -4,7 +4,7 @@ use super::ValidationError;
 use super::case::{Case, CaseRun, Check};
 use super::measure;
 use super::report::number;
-use super::signals::Signals;
+use crate::outputs::Signals;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
@@ -190,7 +190,7 @@ mod tests {
             ("a.c".to_string(), vec![0.0, 1.5]),
             ("a.nan".to_string(), vec![0.0, f64::NAN]),
         ];
-        Signals { times: vec![0.0, 1.0], columns: columns.into() }
+        Signals { times: vec![0.0, 1.0], columns: columns.into(), ..Signals::default() }
     }
 
     #[test]

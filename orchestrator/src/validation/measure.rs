@@ -1,7 +1,7 @@
 //! Numbers from signals.
 
 use super::case::{Measure, Take};
-use super::signals::Signals;
+use crate::outputs::Signals;
 
 /// Takes a number.
 ///
@@ -74,7 +74,7 @@ mod tests {
     fn wave() -> Signals {
         let times: Vec<f64> = (0..=4000).map(|k| f64::from(k) * 1e-3).collect();
         let values = times.iter().map(|t| 1.0 + (std::f64::consts::TAU * 2.5 * t).sin()).collect();
-        Signals { columns: [("a.b".to_string(), values)].into(), times }
+        Signals { columns: [("a.b".to_string(), values)].into(), times, ..Signals::default() }
     }
 
     fn measured(kind: Take, from: f64, until: f64) -> Result<f64, String> {

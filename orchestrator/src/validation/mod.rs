@@ -2,7 +2,7 @@
 //!
 //! A case is a folder with a manifest and a `case.toml` ([`case`]) that says where the reference comes
 //! from, which runs to make, and how far their results may be from it. Runs are made as a user makes
-//! them, by the program itself ([`execute`]); their tables of signals ([`signals`]) give numbers
+//! them, by the program itself ([`execute`]); their tables of signals ([`Signals`](crate::outputs::Signals)) give numbers
 //! ([`measure`]) that are held against the reference ([`judge`]). What came out is kept in the case's
 //! folder ([`record`]), and all cases together make `VALIDATION.md` ([`report`], [`picture`]).
 
@@ -13,8 +13,8 @@ pub mod measure;
 pub mod picture;
 pub mod record;
 pub mod report;
-pub mod signals;
 
+use crate::outputs::UnreadableSignals;
 use case::Case;
 use record::Record;
 use std::path::{Path, PathBuf};
@@ -63,6 +63,12 @@ impl ValidationError {
 
     fn content(path: &Path, message: impl ToString) -> Self {
         Self::Content { path: path.to_path_buf(), message: message.to_string() }
+    }
+}
+
+impl From<UnreadableSignals> for ValidationError {
+    fn from(UnreadableSignals { path, error }: UnreadableSignals) -> Self {
+        Self::Content { path, message: error.to_string() }
     }
 }
 

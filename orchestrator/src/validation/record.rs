@@ -39,7 +39,7 @@ pub struct RunRecord {
     pub findings: Vec<Finding>,
     /// Times and signals that pictures show; not kept.
     #[serde(skip)]
-    pub signals: super::signals::Signals,
+    pub signals: crate::outputs::Signals,
 }
 
 impl Record {

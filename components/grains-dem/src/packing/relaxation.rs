@@ -1,17 +1,23 @@
-//! Dense packings: spheres at random places, overlapping, pushed apart until none does.
+//! Dense packings: spheres inserted at random while they are small, grown, and pushed apart until none
+//! overlaps.
+//!
+//! Small spheres keep a distance from each other that full-grown ones inherit: the packing is as even
+//! over long distances as one by insertion. Without it, as points thrown at random, it would have dense
+//! and loose parts, through which a fluid passes up to twice as fast.
 //!
 //! Each sweep moves every overlapping pair apart along its line of centres by its overlap, half
 //! each, one pair after the other (a projection method as in Müller et al., *J. Vis. Commun.
 //! Image R.* 18, 2007). Spheres are taken a little too large, so that the true ones come free
 //! after a finite number of sweeps.
 
-use super::{Region, place_stream};
+use super::{Region, insertion, place_stream};
 use crate::{
     Vec3,
     bodies::{Ball, Mobility},
     cells::Cells,
-    rows::Rows,
+    rows::{Neighbour, Rows},
 };
+use core::f64::consts::PI;
 
 /// Sweeps before the fraction is called out of reach.
 const SWEEPS: usize = 4000;
@@ -30,11 +36,17 @@ const SKIN: f64 = 0.15;
 /// Overlap over the reach of its pair that passes as none: rounding.
 const CLEAR: f64 = 1e-12;
 
+/// Solid fractions to which small spheres are inserted: the first for which there is room.
+const SPARSE: [f64; 3] = [0.25, 0.15, 0.08];
+
 /// Spheres of the given radii without overlap; or the factor on all radii at which they came free.
 pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec<Ball>, f64> {
     let mut crowd = Crowd::new(region, radii, seed);
     if crowd.comes_free(SWEEPS) {
         crowd.balls.truncate(radii.len());
+        for ball in &mut crowd.balls {
+            ball.x = region.bounds.wrap(ball.x);
+        }
         return Ok(crowd.balls);
     }
     let mut factor = 1.0;
@@ -46,6 +58,25 @@ pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec
         }
     }
     Err(0.0)
+}
+
+/// Where the spheres fit as long as they are small; if they never do, at random places.
+fn starts(region: &Region<'_>, radii: &[f64], seed: u64) -> Vec<Ball> {
+    let small = SPARSE.iter().find_map(|&fraction| grown(region, radii, fraction, seed));
+    small.unwrap_or_else(|| {
+        (0..radii.len()).map(|index| start(region, radii[index], seed, index)).collect()
+    })
+}
+
+/// The spheres, where they fit if they are so small that they fill a fraction of the region.
+fn grown(region: &Region<'_>, radii: &[f64], fraction: f64, seed: u64) -> Option<Vec<Ball>> {
+    let volume: f64 = radii.iter().map(|r| 4.0 / 3.0 * PI * r * r * r).sum();
+    let size = region.bounds.size;
+    let share = libm::cbrt(fraction * size.x * size.y * size.z / volume).min(1.0);
+    let small: Vec<f64> = radii.iter().map(|r| share * r).collect();
+    let inserted = insertion::insert(region, &small, seed)?;
+    let order = insertion::order(&small).into_iter();
+    Some(order.zip(inserted).map(|(index, ball)| Ball { radius: radii[index], ..ball }).collect())
 }
 
 /// A sphere at the first of its random places whose centre is in no part. One that began in a part
@@ -82,8 +113,7 @@ struct Crowd<'a> {
 
 impl<'a> Crowd<'a> {
     fn new(region: &'a Region<'a>, radii: &[f64], seed: u64) -> Self {
-        let mut balls: Vec<Ball> =
-            (0..radii.len()).map(|index| start(region, radii[index], seed, index)).collect();
+        let mut balls = starts(region, radii, seed);
         balls.extend(&region.obstacles);
         let mobile = Mobility { inverse_mass: 1.0, inverse_inertia: 1.0 };
         let mut mobility = vec![mobile; radii.len()];
@@ -94,7 +124,7 @@ impl<'a> Crowd<'a> {
             region,
             free: radii.len(),
             skin,
-            cells: Cells::new(region.bounds(), largest + skin, balls.len()),
+            cells: Cells::new(region.bounds.clone(), largest + skin, balls.len()),
             list: Rows::default(),
             reference: Vec::new(),
             clear: vec![(Vec3::zeros(), 0.0); radii.len()],
@@ -106,10 +136,13 @@ impl<'a> Crowd<'a> {
     }
 
     fn list_neighbours(&mut self) {
+        let bounds = &self.region.bounds;
+        for ball in &mut self.balls[..self.free] {
+            ball.x = bounds.wrap(ball.x);
+        }
         let (cells, balls, mobility) = (&mut self.cells, &self.balls, &self.mobility);
         cells.sort(balls);
-        let still = [Vec3::zeros(); 27];
-        self.list.fill(cells, &still, balls, mobility, self.skin);
+        self.list.fill(cells, &bounds.shifts, balls, mobility, self.skin);
         self.reference.clear();
         self.reference.extend(balls.iter().map(|ball| ball.x));
     }
@@ -117,7 +150,7 @@ impl<'a> Crowd<'a> {
     fn sweep(&mut self) {
         for i in 0..self.balls.len() {
             for k in self.list.row(i) {
-                self.push_apart(i, self.list.neighbours[k].other as usize);
+                self.push_apart(i, self.list.neighbours[k]);
             }
         }
         for ball in &mut self.balls[..self.free] {
@@ -150,8 +183,14 @@ impl<'a> Crowd<'a> {
         }
     }
 
-    fn push_apart(&mut self, i: usize, j: usize) {
-        let d = self.balls[j].x - self.balls[i].x;
+    /// From body i to a neighbour of it.
+    fn way(&self, i: usize, to: Neighbour) -> Vec3 {
+        let shift = self.region.bounds.shifts[to.image as usize];
+        self.balls[to.other as usize].x - self.balls[i].x + shift
+    }
+
+    fn push_apart(&mut self, i: usize, neighbour: Neighbour) {
+        let (j, d) = (neighbour.other as usize, self.way(i, neighbour));
         let reach = (self.balls[i].radius + self.balls[j].radius) * (1.0 + SLACK);
         let square = d.norm_squared();
         if square >= reach * reach {
@@ -198,9 +237,10 @@ impl<'a> Crowd<'a> {
         let balls = &self.balls;
         (0..balls.len()).all(|i| {
             self.list.row(i).all(|k| {
-                let other = &balls[self.list.neighbours[k].other as usize];
+                let neighbour = self.list.neighbours[k];
+                let other = &balls[neighbour.other as usize];
                 let reach = (balls[i].radius + other.radius) * (1.0 - CLEAR);
-                (other.x - balls[i].x).norm_squared() >= reach * reach
+                self.way(i, neighbour).norm_squared() >= reach * reach
             })
         }) && balls[..self.free].iter().all(|ball| {
             self.region.walls.iter().all(|wall| wall.overlap(ball) <= CLEAR * ball.radius)

@@ -23,6 +23,14 @@ fn check_segment(surface: &Surface, from: Vec3, to: Vec3) -> Result<(), TestCase
     if surface.contains(from) != surface.contains(to) {
         prop_assert!(crossing.is_some(), "{from:?} {to:?}");
     }
+    // Few triangles hold part of the segment's box, and among them is the one.
+    let mut near = Vec::new();
+    prop_assert!(surface.triangles_in(&Bounds::of([from, to]), usize::MAX, &mut near));
+    let among = surface.first_crossing_among(&near, from, to);
+    prop_assert_eq!(among.is_some(), crossing.is_some());
+    if let (Some(a), Some(b)) = (among, crossing) {
+        prop_assert!((a.fraction - b.fraction).abs() < 1e-12, "{a:?} {b:?}");
+    }
     if let Some(crossing) = crossing {
         let t = crossing.fraction;
         prop_assert!((0.0..=1.0).contains(&t), "{t}");

@@ -1,5 +1,6 @@
 //! Spheres: sets of them, how they move, where they are at the start.
 
+use super::Slider;
 use serde::{Deserialize, Serialize};
 
 /// Spheres of one material and one kind of motion.
@@ -29,6 +30,8 @@ pub enum Motion {
     /// Moves with velocities that are linear in time between points, constant before the first and
     /// after the last, whatever the forces. Without points it keeps the velocity it was placed with.
     Prescribed(Vec<MotionPoint>),
+    /// Moves along one axis under forces: parts only.
+    Slider(Box<Slider>),
 }
 
 /// Velocities at a time.
@@ -72,6 +75,7 @@ pub struct Sphere {
 #[serde(deny_unknown_fields)]
 pub struct Packing {
     /// Lower corner of the region [m]; whole spheres lie inside the region and outside all parts.
+    /// Along an axis on which the region spans a periodic domain, spheres lie across its faces too.
     pub min: [f64; 3],
     /// Upper corner of the region [m].
     pub max: [f64; 3],

@@ -8,6 +8,7 @@ mod domain;
 mod parts;
 mod probes;
 mod reservoir;
+mod slider;
 mod surfaces;
 
 pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
@@ -16,6 +17,7 @@ pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profi
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
+pub use slider::{Slider, SliderSpring, Stops};
 pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge};
 
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! Checks of `[components]` and their settings.
 
-use super::super::document::{ComponentTable, Document, MotionName, PartTable};
+use super::super::document::{ComponentTable, Document, PartMotionEntry, PartTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::super::spec::{ComponentSpec, MOST_SUBSTEPS, stem};
@@ -116,7 +116,7 @@ fn moved(document: &Document, grains: bool, findings: &mut Findings) -> bool {
     if grains || findings.is_unreadable("components") {
         return true;
     }
-    let moves = |part: &PartTable| part.motion == Some(MotionName::Prescribed);
+    let moves = |part: &PartTable| part.motion.as_ref().is_some_and(PartMotionEntry::moves);
     let first = document.scene.parts.iter().position(moves);
     if let Some(i) = first {
         let key = path::join(&path::item("scene.parts", i), "motion");

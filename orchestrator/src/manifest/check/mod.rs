@@ -15,6 +15,7 @@ mod probes;
 mod run;
 mod scene;
 mod seals;
+mod slider;
 mod surfaces;
 
 use super::document::Document;
@@ -24,7 +25,7 @@ use super::spec::Spec;
 use crate::plan::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
-    Area, Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity, Volume,
+    Area, Dashpot, Density, Length, Mass, Pressure, Stiffness, Time, Velocity, Viscosity, Volume,
 };
 use tremie_messages::{Problem, Role};
 
@@ -91,7 +92,9 @@ macro_rules! quantities {
     )+};
 }
 
-quantities!(Area, Dashpot, Density, Length, Pressure, Stiffness, Time, Velocity, Viscosity, Volume);
+quantities!(
+    Area, Dashpot, Density, Length, Mass, Pressure, Stiffness, Time, Velocity, Viscosity, Volume
+);
 
 /// A domain's corners, for messages.
 fn extent(domain: &Domain) -> String {

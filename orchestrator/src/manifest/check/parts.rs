@@ -1,9 +1,12 @@
 //! Checks of `[[scene.parts]]`.
 
-use super::super::document::{BoundaryTable, MotionName, PartTable, RotationTable};
+use super::super::document::{
+    BoundaryTable, MotionName, PartMotionEntry, PartMotionTable, PartTable, RotationTable,
+};
 use super::super::path;
 use super::super::read::Findings;
 use super::course::{course, motion};
+use super::slider;
 use std::collections::BTreeSet;
 use tremie_messages::scene::{Domain, Geometry, Motion, MotionPoint, Part, PartBoundary, Pose};
 
@@ -31,13 +34,14 @@ fn part(
         Some(boundary) => part_boundary(boundary, &path::join(at, "boundary"), findings),
         None => Some(PartBoundary::Wall),
     };
+    let (position, motion) = (table.position?.map(|x| x.0), motion?);
     Some(Part {
         name: name?,
         geometry: geometry?,
-        pose: Pose { position: table.position?.map(|x| x.0), orientation: orientation? },
+        pose: Pose { position: start(position, &motion), orientation: orientation? },
         cavity: table.cavity?,
         material: table.material.clone().unwrap_or_else(|| Domain::MATERIAL.into()),
-        motion: motion?,
+        motion,
         boundary: boundary?,
     })
 }
@@ -136,15 +140,18 @@ pub(super) fn orientation(
 }
 
 fn part_motion(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Motion> {
-    let name = table.motion?;
     let constant = table.velocity.is_some() || table.angular_velocity.is_some();
     let key = path::join(at, "motion");
+    let name = match table.motion.as_ref()? {
+        PartMotionEntry::Name(name) => *name,
+        PartMotionEntry::Table(motion) => return sliding(table, motion, at, findings),
+    };
     match name {
         MotionName::Free => {
             findings.problem_with_help(
                 &key,
-                "found \"free\", expected \"fixed\" or \"prescribed\": parts do not move under forces",
-                "give the part's velocity with motion = \"prescribed\"",
+                "found \"free\", expected \"fixed\" or \"prescribed\", or a slider: parts have one degree of freedom at most",
+                "write motion = { slider = { axis = [0, 0, 1], mass = \"9.2 g\" } }, or give the part's velocity with motion = \"prescribed\"",
             );
             return None;
         }
@@ -182,6 +189,42 @@ fn part_motion(table: &PartTable, at: &str, findings: &mut Findings) -> Option<M
         return None;
     }
     Some(motion)
+}
+
+/// A motion under forces, where no velocity is given besides.
+fn sliding(
+    table: &PartTable,
+    motion: &PartMotionTable,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Motion> {
+    let key = path::join(at, "motion");
+    let given = [
+        ("velocity", table.velocity.is_some()),
+        ("angular_velocity", table.angular_velocity.is_some()),
+        ("course", table.course.is_some()),
+    ];
+    if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
+        let message = "only a prescribed motion has it; a slider moves under forces";
+        findings.problem(&path::join(at, name), message);
+        return None;
+    }
+    let Some(given) = &motion.slider else {
+        if !findings.is_unreadable(&key) {
+            let message = "found an empty table, expected slider";
+            findings.problem(&key, message);
+        }
+        return None;
+    };
+    slider::slider(given, &path::join(&key, "slider"), findings)
+        .map(|slider| Motion::Slider(Box::new(slider)))
+}
+
+/// Where a part is at the start: a slider away from lift 0 is further along its axis.
+fn start(position: [f64; 3], motion: &Motion) -> [f64; 3] {
+    let Motion::Slider(slider) = motion else { return position };
+    let length = slider.axis.iter().map(|a| a * a).sum::<f64>().sqrt();
+    std::array::from_fn(|a| position[a] + slider.lift * (slider.axis[a] / length))
 }
 
 fn part_boundary(table: &BoundaryTable, at: &str, findings: &mut Findings) -> Option<PartBoundary> {

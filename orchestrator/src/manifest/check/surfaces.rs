@@ -73,7 +73,7 @@ fn fits(bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) -> 
 
 /// Notes a part that has nothing in the domain, unless it may come there.
 fn inside(part: &Part, bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) {
-    let moves = matches!(part.motion, Motion::Prescribed(_));
+    let moves = part.motion != Motion::Fixed;
     if moves || bounds.meets(&Bounds { min: domain.min, max: domain.max }) {
         return;
     }

@@ -68,7 +68,8 @@ pub(in super::super) struct SphereTable {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct PackingTable {
-    /// Lower corner of the region; whole spheres lie inside. Required.
+    /// Lower corner of the region; whole spheres lie inside, or across the faces of a periodic domain
+    /// that the region spans. Required.
     pub min: Option<[Length; 3]>,
     /// Upper corner of the region. Required.
     pub max: Option<[Length; 3]>,

@@ -10,6 +10,7 @@ mod forms;
 mod parts;
 mod probes;
 mod scene;
+mod slider;
 mod surfaces;
 mod values;
 
@@ -19,6 +20,7 @@ pub(super) use domain::*;
 pub(super) use parts::*;
 pub(super) use probes::*;
 pub(super) use scene::*;
+pub(super) use slider::*;
 pub(super) use surfaces::*;
 pub(super) use values::{ComponentEntry, DiameterEntry};
 

@@ -1,6 +1,7 @@
 //! The manifest's tables of rigid parts.
 
-use super::bodies::{MotionName, MotionPointTable};
+use super::bodies::MotionPointTable;
+use super::slider::PartMotionEntry;
 use super::values::FileUnit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,7 +26,7 @@ pub(in super::super) struct PartTable {
     pub sphere: Option<PartSphereTable>,
     /// A profile turned about the z axis of the part's frame.
     pub revolved: Option<RevolvedTable>,
-    /// Where the origin of the part's frame is (default: at the world's).
+    /// Where the origin of the part's frame is, of a slider at lift 0 (default: at the world's).
     pub position: Option<[Length; 3]>,
     /// How the part's frame is turned (default: not).
     pub rotation: Option<RotationTable>,
@@ -33,8 +34,9 @@ pub(in super::super) struct PartTable {
     pub cavity: Option<bool>,
     /// Its material, for contacts (default: the domain's).
     pub material: Option<String>,
-    /// How it moves, about the origin of its frame: fixed or prescribed (default: fixed).
-    pub motion: Option<MotionName>,
+    /// How it moves, about the origin of its frame: fixed, prescribed, or a table with a slider (default:
+    /// fixed).
+    pub motion: Option<PartMotionEntry>,
     /// Velocity of a prescribed motion (default: none).
     pub velocity: Option<[Velocity; 3]>,
     /// Angular velocity of a prescribed motion (default: none).

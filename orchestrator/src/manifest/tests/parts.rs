@@ -2,7 +2,8 @@
 
 use super::*;
 use tremie_geometry::Mesh;
-use tremie_messages::scene::{Course, Geometry, MotionPoint, PartBoundary};
+use tremie_messages::scene::{Course, Geometry, MotionPoint, PartBoundary, SliderSpring, Stops};
+use tremie_messages::units::Length;
 
 fn with_part(lines: &str) -> String {
     format!("{GOOD}\n[[scene.parts]]\nname = \"valve\"\n{lines}\n")
@@ -68,7 +69,7 @@ fn a_wrong_part_is_one_problem() {
     refused(&format!("{BOX}\nsphere = {{ radius = \"1 mm\" }}"), &["found both box and sphere"]);
     refused(&BOX.replace("\"20 mm\"", "\"0 mm\""), &["box.size[1]", "more than zero"]);
     refused(&format!("{BOX}\nunit = \"mm\""), &["only a file has a unit"]);
-    refused(&format!("{BOX}\nmotion = \"free\""), &["\"fixed\" or \"prescribed\""]);
+    refused(&format!("{BOX}\nmotion = \"free\""), &["\"fixed\" or \"prescribed\"", "slider = {"]);
     refused(&format!("{BOX}\nmotion = \"prescribed\""), &["how the part moves"]);
     refused(
         &format!("{BOX}\nvelocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"]"),
@@ -147,5 +148,72 @@ fn a_part_that_moves_needs_grains() {
     assert!(read(&text).is_ok());
     let alone = text.replace("grains = { program = \"grains-dem\", sync_iter = 3 }\n", "");
     let alone = alone.replace("grains.max_speed", "fluid.max_speed");
+    one_problem(&alone, &["scene.parts[0].motion", "the role grains"]);
+}
+
+/// The valve of Mutabaruka and Kamrin, in the box of the other tests.
+const VALVE: &str = "slider = { axis = [0, 0, 2], mass = \"9.2 g\", lift = \"1 mm\", spring = { rate = \"625 N/m\", preload = \"92 mm\", stroke = \"4.5 mm\" }, stops = { lower = \"0 mm\", upper = \"4.5 mm\", stiffness = \"1e7 N/m\", restitution = 0.2 } }";
+
+fn sliding(old: &str, new: &str) -> String {
+    assert_eq!(VALVE.matches(old).count(), 1, "{old}");
+    with_part(&format!("{BOX}\nmotion = {{ {} }}", VALVE.replace(old, new)))
+}
+
+#[test]
+fn a_part_can_slide_on_a_spring_between_stops() {
+    let text = sliding("\"9.2 g\"", "\"9.2 g\"");
+    let part = &read(&text).unwrap().spec.scene.parts[0];
+    let Motion::Slider(slider) = &part.motion else { panic!() };
+    assert_eq!((slider.axis, slider.mass, slider.lift), ([0.0, 0.0, 2.0], 9.2e-3, 1e-3));
+    assert_eq!((slider.velocity, slider.force), (0.0, 0.0));
+    let SliderSpring::Tangent { rate, preload, stroke } = slider.spring else { panic!() };
+    let end = "4.5 mm".parse::<Length>().unwrap().0;
+    assert_eq!((rate, stroke), (625.0, end));
+    assert!((preload - 57.5).abs() < 1e-12);
+    let stops = Stops { lower: Some(0.0), upper: Some(end), stiffness: 1e7, restitution: 0.2 };
+    assert_eq!(slider.stops, Some(stops));
+    // The position is that at lift 0, and the part begins a lift further.
+    assert!((part.pose.position[2] - 0.061).abs() < 1e-15);
+    reads_back(&text);
+}
+
+#[test]
+fn a_spring_has_a_preload_by_force_or_a_table() {
+    let spring = |text: &str| {
+        let manifest = read(text).unwrap();
+        let Motion::Slider(slider) = &manifest.spec.scene.parts[0].motion else { panic!() };
+        reads_back(text);
+        slider.spring.clone()
+    };
+    let linear = sliding("\"92 mm\", stroke = \"4.5 mm\"", "\"57.5 N\"");
+    assert_eq!(spring(&linear), SliderSpring::Linear { rate: 625.0, preload: 57.5 });
+    let tan = "rate = \"625 N/m\", preload = \"92 mm\", stroke = \"4.5 mm\"";
+    let table = sliding(tan, "table = [[\"0 mm\", \"50 N\"], [\"5 mm\", \"60 N\"]]");
+    assert_eq!(spring(&table), SliderSpring::Table(vec![[0.0, 50.0], [5e-3, 60.0]]));
+    let none = sliding(&format!("spring = {{ {tan} }}, "), "force = \"-2 N\", ");
+    assert_eq!(spring(&none), SliderSpring::None);
+}
+
+#[test]
+fn a_wrong_slider_is_one_problem() {
+    let refused = |old: &str, new: &str, words: &[&str]| one_problem(&sliding(old, new), words);
+    refused("axis = [0, 0, 2], ", "", &["slider.axis: missing"]);
+    refused("[0, 0, 2]", "[0, 0, 0]", &["slider.axis", "a direction"]);
+    refused("\"9.2 g\"", "\"9.2 mm\"", &["a mass"]);
+    refused("\"9.2 g\"", "\"0 g\"", &["slider.mass", "more than zero"]);
+    refused("\"92 mm\"", "\"92 s\"", &["a force or a length", "92 s"]);
+    refused("\"625 N/m\", ", "\"625 N/m\", table = [], ", &["found both rate and table"]);
+    refused("rate = \"625 N/m\"", "table = [[\"0 mm\", \"1 N\"]]", &["only a spring with a rate"]);
+    refused("restitution = 0.2", "", &["stops.restitution: missing"]);
+    refused("lower = \"0 mm\", upper = \"4.5 mm\", ", "", &["neither lower nor upper"]);
+    refused("mass =", "mas =", &["unknown key \"mas\"", "\"mass\""]);
+    let motion = |lines: &str| with_part(&format!("{BOX}\n{lines}"));
+    one_problem(&motion("motion = {}"), &["expected slider"]);
+    one_problem(&motion("motion = 3"), &["\"fixed\", \"prescribed\", or a table with slider"]);
+    let course = format!("motion = {{ {VALVE} }}\nvelocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"]");
+    one_problem(&motion(&course), &["only a prescribed motion has it"]);
+    let alone = sliding("9.2 g", "9.2 g")
+        .replace("grains = { program = \"grains-dem\", sync_iter = 3 }\n", "")
+        .replace("grains.max_speed", "fluid.max_speed");
     one_problem(&alone, &["scene.parts[0].motion", "the role grains"]);
 }

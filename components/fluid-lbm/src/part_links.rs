@@ -1,0 +1,266 @@
+//! Links of moving parts: found when the part has moved by a step, used until then.
+//!
+//! What is listed depends on the part's rounded pose (see `part_body`) and on what stands still: every
+//! link from a stored cell outside the part to one that it covers, and every gap link (see `gaps`)
+//! from a static solid or a wall. What changes from step to step is looked up when the list is used:
+//! which of those cells are fluid, whether another body holds a link's end and is met before, how far the
+//! surface has come since. A flat wall that has moved by `d` is met at `q + d.n / (c.n)`.
+
+use crate::batch::{Batch, Link};
+use crate::bodies::{Bodies, Body};
+use crate::cells::NONE;
+use crate::field::Real;
+use crate::gaps::GapLinks;
+use crate::grid::Grid;
+use crate::ground::Ground;
+use crate::lattice::{C, Q, mirrored};
+use crate::layout::Layout;
+use crate::links::{After, fold};
+use crate::owners::SHARED;
+use crate::part_body::{Facets, PartBody};
+
+/// A link, as it was when it was found.
+#[derive(Clone, Copy, Debug)]
+pub struct PartLink {
+    /// The cell where it begins.
+    cell: u32,
+    /// Its direction.
+    dir: u8,
+    /// Its direction as seen by the body.
+    seen: u8,
+    /// Axes at which it is mirrored.
+    mirrors: u8,
+    /// The cell as seen from the body.
+    at: [i32; 3],
+    /// Where it meets the surface.
+    q: f64,
+    /// How that follows the surface.
+    slope: [f32; 3],
+}
+
+/// The links of an item.
+#[derive(Clone, Debug, Default)]
+pub struct PartLinks {
+    /// Which search of the part they are from.
+    search: u64,
+    links: Vec<PartLink>,
+    gaps: GapLinks,
+    /// Lines that hold the cells of which densities are needed.
+    pub lines: Vec<u32>,
+    facets: Facets,
+}
+
+/// What a search looks at.
+#[derive(Clone, Copy)]
+pub struct Site<'a> {
+    /// Where cells are.
+    pub layout: &'a Layout,
+    /// The static geometry, if gaps press.
+    pub ground: Option<&'a Ground>,
+    /// Cells of a line.
+    pub line: usize,
+}
+
+impl PartLinks {
+    /// Finds the links that begin in the layers `layers` of a part's shell, unless those of its
+    /// last search are known.
+    pub fn find(&mut self, site: &Site, body: &Body, layers: std::ops::Range<i32>) {
+        let Some(part) = body.part.as_deref().filter(|part| part.searches != self.search) else {
+            return;
+        };
+        let is_first = self.search == 0;
+        self.search = part.searches;
+        self.links.clear();
+        self.gaps.clear();
+        for z in layers.clone() {
+            for y in 0..body.shell_side() {
+                self.find_row(site, part, body.shell_row(y, z));
+            }
+        }
+        if let Some(ground) = site.ground.filter(|_| layers.start == 0) {
+            site.gaps_at_walls(body, ground, &mut self.facets, &mut self.gaps);
+        }
+        self.lines.clear();
+        let line = |cell: u32| cell / site.line as u32;
+        for link in &self.links {
+            if self.lines.last() != Some(&line(link.cell)) {
+                self.lines.push(line(link.cell));
+            }
+        }
+        self.lines.extend(self.gaps.witnesses().map(line));
+        self.lines.sort_unstable();
+        self.lines.dedup();
+        if is_first {
+            self.make_room();
+        }
+    }
+
+    /// Room for what a part that moves on will need: half as much again.
+    fn make_room(&mut self) {
+        self.links.reserve(self.links.len() / 2 + 64);
+        self.lines.reserve(self.lines.len() / 2 + 64);
+        self.gaps.make_room();
+        self.facets.make_room();
+    }
+
+    fn find_row(&mut self, site: &Site, part: &PartBody, [y, z]: [i32; 2]) {
+        let grid = &site.layout.grid;
+        let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
+        if !grid.contains([0, real_y, real_z]) {
+            return;
+        }
+        let ends: [([i32; 2], u8); Q] = std::array::from_fn(|i| {
+            let (to_y, mirror_y) = fold(grid, 1, y + C[i][1]);
+            let (to_z, mirror_z) = fold(grid, 2, z + C[i][2]);
+            ([to_y, to_z], mirror_y << 1 | mirror_z << 2)
+        });
+        let [mut first, mut last] = part.range();
+        (first, last) = (first - 1, last + 1);
+        if !grid.periodic[0] {
+            (first, last) = (first.max(0), last.min(grid.n[0] - 1));
+        }
+        if !ends.iter().any(|&([y, z], _)| part.has_row(y, z)) {
+            return;
+        }
+        let base = grid.index([0, real_y, real_z]);
+        for x in first..=last {
+            if part.inside(y, z, x, x) != 0 {
+                continue;
+            }
+            let mut found = [(0, 0); Q];
+            let mut count = 0;
+            for i in 1..Q {
+                let ([to_y, to_z], mut mirrors) = ends[i];
+                let (to_x, mirror_x) = fold(grid, 0, x + C[i][0]);
+                mirrors |= mirror_x;
+                if part.inside(to_y, to_z, to_x, to_x) != 0 {
+                    found[count] = (i, mirrors);
+                    count += 1;
+                }
+            }
+            if count == 0 {
+                continue;
+            }
+            let number = site.layout.cells.number(base + grid.wrap(0, x) as usize);
+            if number == NONE {
+                self.find_gaps(site, part, [x, y, z], &found[..count]);
+            } else {
+                self.find_links(site, part, number, [x, y, z], &found[..count]);
+            }
+        }
+    }
+
+    fn find_links(
+        &mut self,
+        site: &Site,
+        part: &PartBody,
+        cell: u32,
+        at: [i32; 3],
+        found: &[(usize, u8)],
+    ) {
+        let mut near = None;
+        for &(i, mirrors) in found {
+            if site.layout.neighbour(cell, i).is_none() {
+                continue;
+            }
+            let (at, seen) = as_seen(&site.layout.grid, at, i, mirrors);
+            if near != Some(at) {
+                part.facets_near(at, &mut self.facets);
+                near = Some(at);
+            }
+            let meeting = part.meet_among(&self.facets, at, C[seen]);
+            self.links.push(PartLink {
+                cell,
+                dir: i as u8,
+                seen: seen as u8,
+                mirrors,
+                at,
+                q: meeting.q,
+                slope: meeting.slope.map(|x| x as f32),
+            });
+        }
+    }
+
+    fn find_gaps(&mut self, site: &Site, part: &PartBody, at: [i32; 3], found: &[(usize, u8)]) {
+        let Some(ground) = site.ground else { return };
+        part.facets_near(at, &mut self.facets);
+        for &(i, _) in found.iter().filter(|(_, mirrors)| *mirrors == 0) {
+            site.static_gap(part, &self.facets, ground, at, i, &mut self.gaps);
+        }
+    }
+}
+
+/// A cell and a direction as the body sees them, of a link that is mirrored at some axes.
+fn as_seen(grid: &Grid, mut at: [i32; 3], i: usize, mirrors: u8) -> ([i32; 3], usize) {
+    for a in 0..3 {
+        if mirrors >> a & 1 == 1 {
+            at[a] = if C[i][a] < 0 { -1 - at[a] } else { 2 * grid.n[a] - 1 - at[a] };
+        }
+    }
+    (at, mirrored(i, mirrors))
+}
+
+impl<T: Real> After<'_, T> {
+    /// Reflects the links of an item of a part.
+    pub fn reflect_part(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        part: &PartBody,
+        list: &PartLinks,
+        batch: &mut Batch,
+    ) {
+        let any_shared = self.owners.any_shared();
+        for run in list.links.chunk_by(|a, b| a.cell == b.cell) {
+            let cell = run[0].cell;
+            if !self.owners.is_fluid(cell) {
+                if let Some(ground) = self.ground {
+                    self.gaps_of_run(bodies, body, ground, run, batch);
+                }
+                continue;
+            }
+            batch.make_room(self, body);
+            let slot = batch.cell(cell);
+            for found in run {
+                let link = found.now(body, part, slot);
+                let is_mine = !any_shared
+                    || self.layout.neighbour(cell, found.dir.into()).is_none_or(|end| {
+                        self.owners.of(end) != SHARED || self.is_first(bodies, body, &link, end)
+                    });
+                if is_mine {
+                    batch.push(link);
+                }
+            }
+        }
+        if self.ground.is_some() {
+            self.press_on(body, part, &list.gaps, &mut batch.gaps);
+        }
+    }
+
+    /// Finds the gap links between a part and another body that holds the cell where links begin.
+    fn gaps_of_run(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        ground: &Ground,
+        run: &[PartLink],
+        batch: &mut Batch,
+    ) {
+        for link in run.iter().filter(|link| link.mirrors == 0) {
+            self.gap(bodies, body, ground, link.at, link.dir.into(), &mut batch.gaps);
+        }
+    }
+}
+
+impl PartLink {
+    /// The link as it is now.
+    #[inline(always)]
+    fn now(&self, body: &Body, part: &PartBody, slot: u16) -> Link {
+        let arm: [f64; 3] = std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a]);
+        let drift = part.drift_at(arm);
+        let s = self.slope.map(f64::from);
+        let q = self.q + (s[0] * drift[0] + s[1] * drift[1] + s[2] * drift[2]);
+        let q = q.clamp(f64::MIN_POSITIVE, 1.0);
+        Link { slot, dir: self.dir, seen: self.seen, mirrors: self.mirrors, arm, q }
+    }
+}

@@ -1,0 +1,129 @@
+//! All surfaces that deform, and the bodies near any of them.
+
+use crate::{
+    bodies::Wrench,
+    error::GrainsError,
+    forces::Scenery,
+    laws::Laws,
+    pairs::BLOCK,
+    parts::PlacedPart,
+    surface::{DeformableSurface, FacetLoad, SurfaceState},
+    surface_contacts::{Around, Held},
+    tally::Tally,
+};
+
+/// The surfaces of a run.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surfaces {
+    pub held: Vec<Held>,
+    /// Indices of the bodies near any, ascending.
+    pub bodies: Vec<u32>,
+    /// Sum of the surfaces' forces on each.
+    pub wrench: Vec<Wrench>,
+    /// Which of `bodies` belong to each block of bodies.
+    pub bounds: Vec<u32>,
+}
+
+impl Surfaces {
+    /// Surfaces that are right, and the number of all bodies.
+    pub fn new(
+        surfaces: &[DeformableSurface],
+        laws: &Laws,
+        parts: &[PlacedPart],
+        bodies: usize,
+    ) -> Self {
+        let hold = |surface: &DeformableSurface| {
+            let whole = parts[surface.carrier].slider().map_or(1.0, |slider| slider.whole);
+            Held::new(surface, laws.material(&surface.material), whole)
+        };
+        Self {
+            held: surfaces.iter().map(hold).collect(),
+            bounds: vec![0; bodies.div_ceil(BLOCK) + 1],
+            ..Self::default()
+        }
+    }
+
+    /// Bodies changed their places in memory: what is near must be listed anew.
+    pub fn spoil(&mut self) {
+        self.held.iter_mut().for_each(Held::spoil);
+    }
+
+    /// Tries a shape of a surface, without a trace; `out` is cleared and gets the loads on facets.
+    ///
+    /// # Errors
+    /// Shapes that do not fit the surface.
+    pub fn try_shape(
+        &mut self,
+        surface: usize,
+        state: (&[[f64; 3]], &[[f64; 3]]),
+        scenery: &Scenery<'_>,
+        around: &Around<'_>,
+        out: &mut Vec<FacetLoad>,
+    ) -> Result<(), GrainsError> {
+        self.prepare(surface, state, around)?;
+        out.clear();
+        self.held[surface].try_shape(state, scenery, out);
+        Ok(())
+    }
+
+    /// Takes the shapes of all surfaces as they are: forces on bodies are in `wrench`, and on carriers
+    /// with the surfaces.
+    ///
+    /// # Errors
+    /// Shapes that do not fit the surfaces.
+    pub fn accept(
+        &mut self,
+        states: &[SurfaceState<'_>],
+        scenery: &Scenery<'_>,
+        around: &Around<'_>,
+        tally: &mut Tally,
+    ) -> Result<(), GrainsError> {
+        if states.len() != self.held.len() {
+            let (found, expected) = (states.len(), self.held.len());
+            return Err(GrainsError::SurfaceCount { found, expected });
+        }
+        for (surface, state) in states.iter().enumerate() {
+            self.prepare(surface, (state.vertices, state.velocities), around)?;
+        }
+        self.wrench.fill(Wrench::zero());
+        for (held, state) in self.held.iter_mut().zip(states) {
+            held.accept((state.vertices, state.velocities), scenery, &mut self.wrench, tally);
+        }
+        Ok(())
+    }
+
+    /// Lists what is near a surface, where the lists at hand do not do.
+    fn prepare(
+        &mut self,
+        surface: usize,
+        (vertices, velocities): (&[[f64; 3]], &[[f64; 3]]),
+        around: &Around<'_>,
+    ) -> Result<(), GrainsError> {
+        let held = &mut self.held[surface];
+        if held.needs_list(surface, vertices, velocities)? {
+            held.list(vertices, around);
+            self.give_places();
+        }
+        Ok(())
+    }
+
+    /// Gives each body near any surface one place.
+    fn give_places(&mut self) {
+        self.bodies.clear();
+        for held in &self.held {
+            self.bodies.extend(held.entries.iter().map(|entry| entry.body));
+        }
+        self.bodies.sort_unstable();
+        self.bodies.dedup();
+        for entry in self.held.iter_mut().flat_map(|held| &mut held.entries) {
+            // Every body of an entry is among them.
+            entry.place = self.bodies.partition_point(|&body| body < entry.body) as u32;
+        }
+        self.wrench.clear();
+        self.wrench.resize(self.bodies.len(), Wrench::zero());
+        for (b, bound) in self.bounds.iter_mut().enumerate() {
+            let first = (b * BLOCK) as u32;
+            *bound = self.bodies.partition_point(|&body| body < first) as u32;
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! `tremie report OUT...`: draws the curves of finished runs.
+
+use super::WRONG_INPUT;
+use crate::cli::ReportArgs;
+use crate::report::{self, ReportError};
+use std::process::ExitCode;
+
+/// Signals that never change which are still listed.
+const LISTED: usize = 12;
+
+/// `tremie report`: one picture, and a line that says where it is.
+pub fn report(arguments: &ReportArgs) -> ExitCode {
+    match make(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            match error {
+                ReportError::Unknown { .. } | ReportError::Signals(_) => WRONG_INPUT.into(),
+                _ => ExitCode::FAILURE,
+            }
+        }
+    }
+}
+
+fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
+    let report = report::report(&arguments.outs, &arguments.signals)?;
+    let path = arguments.to.clone().unwrap_or_else(|| arguments.outs[0].join("report.svg"));
+    let names: Vec<String> = arguments.outs.iter().map(|out| out.display().to_string()).collect();
+    report::draw(&report, &names.join(", "), &path)?;
+    let curves: usize = report.panels.iter().map(|panel| panel.curves.len()).sum();
+    println!("{}: {curves} curves in {} panels", path.display(), report.panels.len());
+    for (name, value, unit) in report.constant.iter().take(LISTED) {
+        let unit = if unit == "1" { "" } else { unit };
+        println!("  {name} is {} throughout", format!("{value} {unit}").trim_end());
+    }
+    if let Some(more) = report.constant.len().checked_sub(LISTED + 1) {
+        println!("  and {} more that never change", more + 1);
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! Panels side by side on one sheet.
+
+use super::Report;
+use super::panels::Panel;
+use super::scale::Scale;
+use crate::charts::{Chart, Curve};
+use plotters::prelude::{IntoDrawingArea, SVGBackend, WHITE};
+use std::path::Path;
+
+/// Width and height of a panel.
+const PANEL: (u32, u32) = (560, 340);
+/// Height of the line with the title.
+const HEAD: u32 = 36;
+/// Panels side by side.
+const COLUMNS: usize = 3;
+/// Points of a curve at most: about one for each pixel, and each with its extremes.
+const POINTS: usize = 600;
+
+/// Draws a report.
+pub(super) fn draw(report: &Report, title: &str, path: &Path) -> Result<(), String> {
+    let said = |error: &dyn std::fmt::Display| error.to_string();
+    let columns = report.panels.len().clamp(1, COLUMNS);
+    let rows = report.panels.len().div_ceil(columns);
+    let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + HEAD);
+    let sheet = SVGBackend::new(path, size).into_drawing_area();
+    sheet.fill(&WHITE).map_err(|error| said(&error))?;
+    let (head, body) = sheet.split_vertically(HEAD);
+    head.titled(title, ("sans-serif", 22)).map_err(|error| said(&error))?;
+    for (panel, area) in report.panels.iter().zip(body.split_evenly((rows, columns))) {
+        chart(panel).draw(&area)?;
+    }
+    sheet.present().map_err(|error| said(&error))
+}
+
+fn chart(panel: &Panel) -> Chart {
+    let points = || panel.curves.iter().flat_map(|curve| &curve.points);
+    let largest = |values: &mut dyn Iterator<Item = f64>| {
+        values.filter(|value| value.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()))
+    };
+    let time = Scale::of(largest(&mut points().map(|p| p.0)), "s");
+    let value = Scale::of(largest(&mut points().map(|p| p.1)), &panel.unit);
+    let curve = |curve: &super::panels::PanelCurve| Curve {
+        name: curve.name.clone(),
+        points: thinned(&curve.points).map(|(t, v)| (t / time.by, v / value.by)).collect(),
+        marks: false,
+    };
+    Chart {
+        title: panel.title.clone(),
+        x: format!("time [{}]", time.unit),
+        y: format!("{} [{}]", panel.title, value.unit),
+        log_x: false,
+        curves: panel.curves.iter().map(curve).collect(),
+    }
+}
+
+/// Of many points least and greatest of each stretch, so that no peak is lost; a few as they are.
+fn thinned(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
+    let stretch = points.len().div_ceil(POINTS).max(1);
+    points.chunks(stretch).flat_map(move |part| {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let least = part.iter().min_by(by_value).copied();
+        let greatest = part.iter().max_by(by_value).copied().filter(|_| stretch > 1);
+        let mut both: Vec<_> = least.into_iter().chain(greatest).collect();
+        both.sort_by(|a, b| a.0.total_cmp(&b.0));
+        both
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_peaks_and_order() {
+        let mut points: Vec<_> = (0..100_000).map(|i| (f64::from(i), 0.0)).collect();
+        points[77_777].1 = 5.0;
+        points[12_345].1 = -5.0;
+        let few: Vec<_> = thinned(&points).collect();
+        assert!(few.len() <= 2 * POINTS);
+        assert!(few.contains(&(77_777.0, 5.0)) && few.contains(&(12_345.0, -5.0)));
+        assert!(few.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+        let short: Vec<_> = thinned(&points[..50]).collect();
+        assert_eq!(short, points[..50]);
+    }
+}
