@@ -15,6 +15,7 @@ mod rubber;
 mod running;
 mod same_bits;
 mod scenes;
+mod sliders;
 mod starting;
 mod tremie;
 mod validation;

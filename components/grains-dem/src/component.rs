@@ -216,7 +216,9 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
 
 fn notes(scene: &Scene, resolution: &Resolution) -> Vec<String> {
     let Resolution { spheres, smallest_diameter, largest_diameter, .. } = resolution;
-    let mut notes = vec![if smallest_diameter == largest_diameter {
+    let mut notes = vec![if *spheres == 0 {
+        "no spheres".into()
+    } else if smallest_diameter == largest_diameter {
         format!("{spheres} spheres of {smallest_diameter:.4e} m")
     } else {
         format!("{spheres} spheres of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
