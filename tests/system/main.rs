@@ -11,6 +11,7 @@ mod faults;
 mod fields;
 mod observers;
 mod report;
+mod rubber;
 mod running;
 mod same_bits;
 mod scenes;

@@ -1,11 +1,12 @@
 //! The discrete elements as a component of a run.
 
+use crate::carried::{Carried, in_scene, surfaces};
 use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::scene::{Face, Motion, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
-use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
 use tremie_sdk::{Grains, Setup, SolverError};
 
 /// Soft spheres behind the sdk's interface.
@@ -17,6 +18,7 @@ pub struct SoftSpheres {
     tracked: Vec<BodyState>,
     /// How many spheres these are.
     few: usize,
+    carried: Carried,
 }
 
 /// So few bodies are followed one by one.
@@ -52,14 +54,17 @@ const PART: [(&str, &str); 6] = [
     ("torque_z", "N m"),
 ];
 
-/// Signals of each slider: forces are along its axis, on the whole part.
-const SLIDER: [(&str, &str); 6] = [
+/// Signals of each slider: forces are along its axis, on the whole part. Those of the deformable surfaces
+/// that it carries are by themselves: of contacts, and of what else acts on them.
+const SLIDER: [(&str, &str); 8] = [
     ("lift", "m"),
     ("velocity", "m/s"),
     ("spring_force", "N"),
     ("contact_force", "N"),
     ("stop_force", "N"),
     ("fluid_force", "N"),
+    ("surface_force", "N"),
+    ("carrier_force", "N"),
 ];
 
 impl Grains for SoftSpheres {
@@ -68,6 +73,7 @@ impl Grains for SoftSpheres {
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
         let resolution = parameters.resolve(&setup.hello.scene)?;
+        surfaces(&setup.hello.scene)?;
         Ok(Description {
             step: resolution.time_step,
             bodies: resolution.bodies as u64,
@@ -86,13 +92,15 @@ impl Grains for SoftSpheres {
         let parameters: Parameters = setup.parameters()?;
         let (scene, step) = (&setup.hello.scene, setup.assigned()?.step);
         let threads = setup.hello.threads.max(1) as usize;
-        let grains = GrainsDem::new(scene, &parameters, step, threads)?;
+        let surfaces = surfaces(scene)?;
+        let grains = GrainsDem::with_surfaces(scene, &parameters, step, threads, &surfaces)
+            .map_err(in_scene)?;
         let events = grains.initial_events().to_vec();
         let spheres = grains.radii().len();
         let few = if spheres <= FEW { spheres } else { 0 };
         // All states are asked for at once, those of parts too.
         let tracked = vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { events.len() } else { 0 }];
-        Ok(Self { grains, events, tracked, few })
+        Ok(Self { grains, events, tracked, few, carried: Carried::new(&surfaces) })
     }
 
     fn events(&self) -> &[BodyEvent] {
@@ -110,6 +118,45 @@ impl Grains for SoftSpheres {
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
         self.events.clear();
         self.grains.advance(substeps, loads).map_err(SolverError::from_error)
+    }
+
+    fn carriers(&self, carriers: &mut [BodyState]) -> Result<(), SolverError> {
+        for (surface, out) in carriers.iter_mut().enumerate() {
+            let state = self.grains.carrier_state(surface);
+            *out = state.ok_or_else(|| SolverError(format!("there is no surface {surface}")))?;
+        }
+        Ok(())
+    }
+
+    fn begin_window(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
+        self.events.clear();
+        self.grains.begin_window(substeps, loads).map_err(SolverError::from_error)
+    }
+
+    fn begin_substep(&mut self) -> Result<(), SolverError> {
+        self.grains.begin_substep().map_err(SolverError::from_error)
+    }
+
+    fn contacts(
+        &mut self,
+        vertices: &[SurfaceVertex],
+        loads: &mut Vec<FacetLoad>,
+    ) -> Result<(), SolverError> {
+        let Self { carried, grains, .. } = self;
+        carried.contacts(grains, vertices, loads).map_err(SolverError::from_error)
+    }
+
+    fn finish_substep(
+        &mut self,
+        vertices: &[SurfaceVertex],
+        resultants: &[Load],
+    ) -> Result<(), SolverError> {
+        let Self { carried, grains, .. } = self;
+        carried.finish(grains, vertices, resultants).map_err(SolverError::from_error)
+    }
+
+    fn end_window(&mut self) -> Result<(), SolverError> {
+        self.grains.end_window().map_err(SolverError::from_error)
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
@@ -139,6 +186,7 @@ impl Grains for SoftSpheres {
                 let forces = [s.spring_force, s.contact_force, s.stop_force, s.fluid_force];
                 values.extend([s.lift, s.velocity]);
                 values.extend(forces);
+                values.extend([s.surface_force, s.carrier_force]);
             }
         }
         drop(sliders);

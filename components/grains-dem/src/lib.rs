@@ -43,6 +43,8 @@
 //! memory, enters no result; a body far away changes no bit of the others.
 
 mod bodies;
+#[cfg(feature = "component")]
+mod carried;
 mod cells;
 mod check;
 mod check_law;

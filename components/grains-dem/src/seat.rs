@@ -120,7 +120,9 @@ impl Seat {
                 if facing > 0.0 {
                     let force = self.stiffness * facing * depth;
                     energy += 0.5 * force * depth;
-                    out.push(FacetLoad { facet, force: (n * force).into(), point: x.into() });
+                    let (force, point) = ((n * force).into(), x.into());
+                    let stiffness = self.stiffness * facing;
+                    out.push(FacetLoad { facet, force, point, stiffness });
                 }
             }
         }

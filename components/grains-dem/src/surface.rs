@@ -56,6 +56,9 @@ pub struct FacetLoad {
     pub force: [f64; 3],
     /// Where it acts [m].
     pub point: [f64; 3],
+    /// Normal force over overlap [N/m]; of spheres at a carrier that symmetry planes cut, that of their
+    /// images besides.
+    pub stiffness: f64,
 }
 
 /// Everything that is wrong with the surfaces of a scene that is right otherwise.

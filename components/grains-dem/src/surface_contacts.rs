@@ -328,7 +328,8 @@ impl Held {
             on_body.force += force;
             on_body.torque += n.cross(&f.tangential) * arm + f.rolling;
             let point = (ball.x + n * arm).into();
-            out.push(FacetLoad { facet, force: (force * -self.whole).into(), point });
+            let stiffness = self.whole * f.normal / overlap;
+            out.push(FacetLoad { facet, force: (force * -self.whole).into(), point, stiffness });
             tally.add(overlap / ball.radius, entry.body, Other::Surface(self.carrier as u32));
         }
         on_body

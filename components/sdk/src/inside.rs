@@ -130,8 +130,10 @@ impl<S: Between> GrainsInside<S> {
         loads: &[Load],
     ) -> Result<(), Stop> {
         computed(context, |context| {
-            grains.begin_window(loads).map_err(|error| context.solver_failed(&error))?;
-            (1..=context.substeps).try_for_each(|substep| self.substep(context, grains, substep))
+            let substeps = context.substeps;
+            grains.begin_window(substeps, loads).map_err(|error| context.solver_failed(&error))?;
+            (1..=substeps).try_for_each(|substep| self.substep(context, grains, substep))?;
+            grains.end_window().map_err(|error| context.solver_failed(&error))
         })
     }
 
@@ -170,9 +172,11 @@ impl<S: Between> GrainsInside<S> {
                 return Ok((surface, trial));
             }
             self.loads.clear();
-            grains
-                .contacts(surface.values(), &mut self.loads)
-                .map_err(|error| context.solver_failed(&error))?;
+            if let Err(error) = grains.contacts(surface.values(), &mut self.loads) {
+                // What is no surface is no fault of the grains.
+                port.check_finite(context, surface.values())?;
+                return Err(context.solver_failed(&error));
+            }
             let loan = self.contact.loan_copy(&self.loads)?;
             self.contact.send_inside(context, loan, stamp, false)?;
         }

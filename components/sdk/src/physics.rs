@@ -162,11 +162,11 @@ pub trait Grains: Sized {
 
     /// In runs with deformable surfaces: begins a window, in place of [`Grains::advance`]. Then each
     /// substep is [`Grains::begin_substep`], [`Grains::contacts`] for each trial and
-    /// [`Grains::finish_substep`].
+    /// [`Grains::finish_substep`]; after the last comes [`Grains::end_window`].
     ///
     /// # Errors
     /// If the solver fails, or has no such surfaces.
-    fn begin_window(&mut self, _loads: &[Load]) -> Result<(), SolverError> {
+    fn begin_window(&mut self, _substeps: u32, _loads: &[Load]) -> Result<(), SolverError> {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 
@@ -203,6 +203,14 @@ pub trait Grains: Sized {
         _vertices: &[SurfaceVertex],
         _resultants: &[Load],
     ) -> Result<(), SolverError> {
+        Err(SolverError::no_surfaces(Self::PROGRAM))
+    }
+
+    /// Ends the window, after its last substep.
+    ///
+    /// # Errors
+    /// If the solver fails, or has no such surfaces.
+    fn end_window(&mut self) -> Result<(), SolverError> {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 }

@@ -26,4 +26,4 @@ pub use bell::{Bell, Ringer, Wait};
 pub use error::ChannelError;
 pub use receiver::{Received, Receiver};
 pub use sender::{Loan, Sender};
-pub use spin::spin;
+pub use spin::{look, spin};

@@ -3,17 +3,32 @@
 use crate::bell::Wait;
 use std::time::{Duration, Instant};
 
-/// Looks before the processor is given to others: together about what a prompt answer takes.
-const LOOKS: u32 = 100;
+/// Looks before the processor is given to others: together more than a prompt answer takes.
+const LOOKS: u32 = 1000;
 /// A peer that takes longer than this is busy with something else: looks become rarer.
 const PROMPT: Duration = Duration::from_millis(20);
 /// Between two looks at a peer that is not prompt.
 const NAP: Duration = Duration::from_micros(100);
 
-/// Waits until `check` gives something, at most until `deadline`, without a bell: looks again and
-/// again, soon giving way to others, and naps only where the answer takes long.
+/// Looks a number of times that a prompt peer does not need, without giving way to others.
 ///
-/// For exchanges inside a window, where ringing and being woken would cost more than the work.
+/// # Errors
+/// Whatever `check` fails with.
+pub fn look<T, E>(mut check: impl FnMut() -> Result<Option<T>, E>) -> Result<Option<T>, E> {
+    for _ in 0..LOOKS {
+        if let Some(found) = check()? {
+            return Ok(Some(found));
+        }
+        std::hint::spin_loop();
+    }
+    Ok(None)
+}
+
+/// Waits until `check` gives something, at most until `deadline`, without a bell: looks again and
+/// again, giving way to others, and naps only where the answer takes long.
+///
+/// For exchanges inside a window, where ringing and being woken would cost more than the work; after
+/// [`look`].
 ///
 /// # Errors
 /// Whatever `check` fails with.
@@ -21,12 +36,6 @@ pub fn spin<T, E>(
     deadline: Instant,
     mut check: impl FnMut() -> Result<Option<T>, E>,
 ) -> Result<Wait<T>, E> {
-    for _ in 0..LOOKS {
-        if let Some(found) = check()? {
-            return Ok(Wait::Ready(found));
-        }
-        std::hint::spin_loop();
-    }
     let begin = Instant::now();
     loop {
         let now = Instant::now();
@@ -54,9 +63,12 @@ mod tests {
         let mut looks = 0;
         let found = spin(far, || {
             looks += 1;
-            Ok::<_, ()>((looks > LOOKS + 5).then_some(looks))
+            Ok::<_, ()>((looks > 5).then_some(looks))
         });
-        assert_eq!(found, Ok(Wait::Ready(LOOKS + 6)));
+        assert_eq!(found, Ok(Wait::Ready(6)));
+        assert_eq!(look(|| Ok::<_, ()>(Some(3))), Ok(Some(3)));
+        assert_eq!(look(|| Ok::<Option<()>, ()>(None)), Ok(None));
+        assert_eq!(look(|| Err::<Option<()>, _>("broken")), Err("broken"));
         assert_eq!(spin(far, || Err::<Option<()>, _>("broken")), Err("broken"));
         let soon = Instant::now() + Duration::from_millis(25);
         assert_eq!(spin(soon, || Ok::<Option<()>, ()>(None)), Ok(Wait::TimedOut));

@@ -1,0 +1,227 @@
+//! A rubber ring on a valve, in a run: the dry test of Mutabaruka and Kamrin (Fig. 11), and what can go
+//! wrong inside a window.
+
+use crate::tremie::{Ran, run, tremie};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use tremie_rubber_table::{make::make, spec::Spec, table::Table};
+
+/// The valve's ring.
+const RING: &str = r#"
+[section.rectangle]
+inner_radius = "6.5 mm"
+outer_radius = "11 mm"
+height = "3 mm"
+elements = [6, 4]
+
+[rubber]
+shear_modulus = "0.3 MPa"
+bulk_modulus = "8 MPa"
+
+[table]
+compression = "0.6 mm"
+"#;
+
+/// A valve of 9.2 g with the ring below, touching twelve spheres on the floor; 40 N press it down.
+const VALVE: &str = r#"
+[run]
+until = "5 ms"
+
+[scene.domain]
+size = ["30 mm", "30 mm", "12 mm"]
+
+[scene.materials.rubber]
+
+[[scene.parts]]
+name = "disc"
+cylinder = { radius = "11 mm", length = "2 mm" }
+position = ["15 mm", "15 mm", "5.4 mm"]
+motion = { slider = { axis = [0, 0, 1], mass = "9.2 g", force = "-40 N" } }
+
+[[scene.surfaces]]
+name = "ring"
+carrier = "disc"
+table = "ring.json"
+position = ["0 mm", "0 mm", "-4 mm"]
+sectors = 24
+material = "rubber"
+
+[[scene.bodies]]
+name = "beads"
+density = "2500 kg/m3"
+spheres = [
+    BEADS
+]
+
+[[scene.contacts]]
+between = ["beads", "rubber"]
+normal_stiffness = "1e5 N/m"
+tangential_stiffness = "0 N/m"
+normal_damping = "0 kg/s"
+tangential_damping = "0 kg/s"
+
+[[scene.contacts]]
+normal_stiffness = "1e6 N/m"
+tangential_stiffness = "0 N/m"
+normal_damping = "2 kg/s"
+tangential_damping = "0 kg/s"
+
+[components]
+grains = { program = "grains-dem", sync_iter = 10 }
+rubber = "rubber-table"
+
+[settings.grains-dem]
+time_step = "4e-7 s"
+
+[outputs]
+record = false
+"#;
+
+/// The manifest and the ring's table, in a folder of their own.
+struct Valve {
+    home: tempfile::TempDir,
+    table: Table,
+}
+
+impl Valve {
+    fn new() -> Self {
+        let home = tempfile::tempdir().unwrap();
+        let spec = Spec::parse(&PathBuf::from("ring.toml"), RING.into()).unwrap();
+        let table = make(&spec).unwrap();
+        table.write(&home.path().join("ring.json")).unwrap();
+        // In the middle of every other sector: there the foot is a flat facet, not an edge.
+        let bead = |k: usize| {
+            let (sin, cos) = (std::f64::consts::PI * (4 * k + 1) as f64 / 24.0).sin_cos();
+            let (x, y) = (15.0 + 8.75 * cos, 15.0 + 8.75 * sin);
+            format!(
+                "    {{ position = [\"{x} mm\", \"{y} mm\", \"0.7 mm\"], diameter = \"1.4 mm\" }},"
+            )
+        };
+        let beads: Vec<String> = (0..12).map(bead).collect();
+        let text = VALVE.replace("    BEADS", &beads.join("\n"));
+        std::fs::write(home.path().join("manifest.toml"), text).unwrap();
+        Self { home, table }
+    }
+
+    fn run(&self, options: &[&str]) -> Ran {
+        run(self.home.path().to_str().unwrap(), options)
+    }
+}
+
+fn last(signals: &BTreeMap<String, Vec<f64>>, name: &str) -> f64 {
+    *signals[name].last().unwrap()
+}
+
+#[test]
+fn the_valve_comes_to_rest_on_its_ring() {
+    let valve = Valve::new();
+    for (load, settled) in [(40.0, 0.313e-3), (10.0, 0.087e-3)] {
+        let force = format!("scene.parts[0].motion.slider.force=-{load} N");
+        let ran = valve.run(&["--set", &force]).succeeded();
+        let signals = ran.signals();
+        let value = |name: &str| last(&signals, name);
+        // F = h = the load, and what the grains feel is the same.
+        for name in ["rubber.ring.force", "rubber.ring.table_force", "grains.disc.surface_force"] {
+            assert!((value(name) / load - 1.0).abs() < 5e-3, "{name}: {} of {load}", value(name));
+        }
+        let compression = value("rubber.ring.compression");
+        assert!((compression / settled - 1.0).abs() < 0.03, "{compression}");
+        let at = valve.table.bracket(compression).unwrap();
+        assert!((value("rubber.ring.table_force") - valve.table.force(at)).abs() < 1e-6 * load);
+        // Damping over the secant's slope.
+        let rows = &signals["rubber.ring.table_force"];
+        let gone = rows.iter().position(|h| *h >= load * (1.0 - (-1.0f64).exp())).unwrap();
+        let (time, expected) = (signals["time"][gone], 80.0 * compression / load);
+        assert!((time / expected - 1.0).abs() < 0.12, "{time} s, {expected} s");
+        let passes = value("rubber.ring.mean_passes");
+        assert!((3.0..12.0).contains(&passes), "{passes} passes");
+        assert!(value("rubber.ring.most_passes") < 20.0);
+    }
+}
+
+#[test]
+fn processes_threads_and_repeats_agree() {
+    let valve = Valve::new();
+    let short = ["--set", "run.until=0.1 ms"];
+    let bits = |more: &[&str]| {
+        let ran = valve.run(&[&short[..], more].concat()).succeeded();
+        ran.left_nothing("a run with rubber");
+        ran.signals_text()
+    };
+    let once = bits(&[]);
+    assert!(once.lines().count() > 20, "too short a run to tell");
+    assert!(once == bits(&["--in-process"]), "threads and processes differ");
+    let two = "components.grains={ program = \"grains-dem\", sync_iter = 10, threads = 2 }";
+    assert!(once == bits(&["--set", two]), "one thread and two differ");
+    assert!(once == bits(&["--schedule", "parallel"]), "no fluid, no order of work");
+}
+
+#[test]
+fn faults_inside_a_window_are_caught_with_both_sides_named() {
+    let valve = Valve::new();
+    for (component, fault, kinds) in [
+        ("rubber", "drop", &["lost"][..]),
+        ("rubber", "duplicate", &["stamp"]),
+        ("rubber", "stale", &["stamp"]),
+        ("rubber", "count", &["count"]),
+        ("rubber", "nan", &["not_finite"]),
+        ("rubber", "hang", &["deadline"]),
+        ("rubber", "exit", &["exit"]),
+        ("rubber", "kill", &["exit"]),
+        ("grains", "hang", &["deadline"]),
+        ("grains", "kill", &["exit"]),
+        ("grains", "substep-more", &["substeps", "stamp"]),
+        ("grains", "substep-less", &["substeps", "stamp"]),
+    ] {
+        let inject = format!("{component}:{fault}@5");
+        let sets = ["--set", "run.deadline=0.4 s", "--set", "run.until=0.1 ms"];
+        let ran = valve.run(&[&["--inject", &inject][..], &sets].concat());
+        let about = format!("{inject}\n{}", ran.errors());
+        assert_eq!(ran.code(), Some(1), "{about}");
+        let found = &ran.summary()["fault"];
+        assert!(kinds.contains(&found["kind"].as_str().unwrap()), "{about}");
+        assert_eq!(found["blamed"], component, "{about}");
+        assert_ne!(found["noticed_by"], component, "{about}");
+        assert!(found["window"].as_u64().unwrap().abs_diff(5) <= 1, "{about}");
+        ran.left_nothing(&about);
+    }
+    let refused = valve.run(&["--inject", "rubber:substep-more@5"]);
+    assert!(refused.errors().contains("makes the substeps of the grains"), "{}", refused.errors());
+}
+
+#[test]
+fn a_ring_that_leaves_its_table_ends_the_run_with_what_to_do() {
+    let valve = Valve::new();
+    let ran = valve.run(&["--set", "scene.parts[0].motion.slider.force=-400 N"]);
+    assert_eq!(ran.code(), Some(1), "{}", ran.errors());
+    let found = &ran.summary()["fault"];
+    assert_eq!((&found["kind"], &found["blamed"]), (&"solver".into(), &"rubber".into()));
+    for word in ["\"ring\"", "its table ends at 0.6000 mm", "larger compression"] {
+        assert!(ran.errors().contains(word), "{}", ran.errors());
+    }
+}
+
+#[test]
+fn what_cannot_carry_or_hold_a_ring_says_so() {
+    let valve = Valve::new();
+    // Parts that do not slide.
+    let output = tremie()
+        .arg("check")
+        .arg(valve.home.path())
+        .args(["--set", "scene.parts[0].motion=fixed"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("scene.surfaces[0].carrier") || said.contains("carrier = "), "{said}");
+    assert!(said.contains("does not slide"), "{said}");
+    // A fluid that knows nothing of surfaces.
+    let ran = valve.run(&[
+        "--set",
+        "scene.fluid={ density = \"1000 kg/m3\", viscosity = \"1 Pa s\" }",
+        "--set",
+        "components.fluid=minimal-fluid",
+    ]);
+    let found = &ran.summary()["fault"];
+    assert_eq!((&found["blamed"], &found["window"]), (&"fluid".into(), &0.into()));
+    assert!(ran.errors().contains("has no deformable surfaces"), "{}", ran.errors());
+}
