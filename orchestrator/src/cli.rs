@@ -165,7 +165,10 @@ pub struct SceneArgs {
     /// Change a dimension, as bore_radius="4.75 mm"; dimensions.toml lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = parse_set)]
     pub set: Vec<(String, String)>,
-    /// Lift at which the valve is held [default: 3.08 mm]
+    /// In the run in which the valve works: wider cells, a slower sound, minutes instead of hours
+    #[arg(long)]
+    pub coarse: bool,
+    /// Lift at which the valve is held in held.toml [default: 3.08 mm]
     #[arg(long, value_name = "LENGTH")]
     pub lift: Option<Length>,
     /// Edge of a cell [default: 0.3 mm]

@@ -15,7 +15,7 @@ fn finished_runs_are_drawn_and_compared() {
     let all = report(&[]);
     assert!(all.status.success(), "{}", String::from_utf8_lossy(&all.stderr));
     let picture = std::fs::read_to_string(slow.out.join("report.svg")).unwrap();
-    for panel in ["fluid momentum", "grains kinetic energy", "time [s]"] {
+    for panel in ["fluid momentum", "grains kinetic energy", "time [ms]"] {
         assert!(picture.contains(panel), "{panel}");
     }
     let both = slow.out.join("both.svg");

@@ -16,10 +16,13 @@ fn a_valve_from_its_numbers_can_be_run() {
             .output()
             .unwrap();
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-        for file in ["frame.stl", "valve.stl", "ring.stl", "dimensions.toml", "manifest.toml"] {
+        for file in
+            ["frame.stl", "valve.stl", "ring.stl", "dimensions.toml", "manifest.toml", "held.toml"]
+        {
             assert!(folder.join(file).is_file(), "{file}");
         }
-        let checked = tremie().arg("check").arg(&folder).arg("--json").output().unwrap();
+        let checked =
+            tremie().arg("check").arg(folder.join("held.toml")).arg("--json").output().unwrap();
         let text = String::from_utf8_lossy(&checked.stdout);
         assert!(checked.status.success(), "{text}");
         // "... fluid: 24735 cells of 63000 are fluid ..."

@@ -34,14 +34,14 @@ pub(crate) fn slider(key: &str, slider: &Slider, problems: &mut Vec<Problem>) {
     }
     let before = problems.len();
     if let Some(stops) = &slider.stops {
-        stops_of(&key, stops, slider.lift, problems);
+        stops_of(&key, stops, slider, problems);
     }
     if problems.len() == before {
         spring(&key, slider, problems);
     }
 }
 
-fn stops_of(key: &str, stops: &Stops, lift: f64, problems: &mut Vec<Problem>) {
+fn stops_of(key: &str, stops: &Stops, slider: &Slider, problems: &mut Vec<Problem>) {
     let mut add = |name: &str, message: String, help: &str| {
         problems.push(Problem::new(format!("{key}.{name}"), message).help(help));
     };
@@ -68,13 +68,31 @@ fn stops_of(key: &str, stops: &Stops, lift: f64, problems: &mut Vec<Problem>) {
         add("stops.upper", message, "lifts grow along the axis");
         return;
     }
-    let beyond = [stops.lower.filter(|&low| lift < low), stops.upper.filter(|&high| lift > high)];
+    let (lift, give) = (slider.lift, give(slider, stops.stiffness));
+    let beyond = [
+        stops.lower.filter(|&low| lift < low - give),
+        stops.upper.filter(|&high| lift > high + give),
+    ];
     for (which, end) in ["lower", "upper"].into_iter().zip(beyond) {
         if let Some(end) = end {
-            let message = format!("is {lift} m, beyond the {which} stop at {end} m");
-            add("lift", message, "start between the stops, or on one of them");
+            let message = format!(
+                "is {lift} m, beyond the {which} stop at {end} m, which gives way by {give:.1e} m at most"
+            );
+            add("lift", message, "start between the stops, or as deep in one as forces press it");
         }
     }
+}
+
+/// How deep a stop may hold the slider at rest [m]: twice as deep as spring and constant force press it.
+fn give(slider: &Slider, stiffness: f64) -> f64 {
+    let pressed = match &slider.spring {
+        SliderSpring::None => 0.0,
+        SliderSpring::Linear { preload, .. } | SliderSpring::Tangent { preload, .. } => {
+            preload.abs()
+        }
+        SliderSpring::Table(points) => points.iter().fold(0.0, |a: f64, p| a.max(p[1].abs())),
+    };
+    2.0 * (pressed + slider.force.abs()) / stiffness
 }
 
 fn spring(key: &str, slider: &Slider, problems: &mut Vec<Problem>) {

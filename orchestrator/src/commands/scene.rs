@@ -2,7 +2,7 @@
 
 use super::WRONG_INPUT;
 use crate::cli::{SceneArgs, SceneName};
-use crate::scenes::pressure_valve::{self as valve, Dimensions, Steady};
+use crate::scenes::pressure_valve::{self as valve, Dimensions, Steady, Working};
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -44,11 +44,9 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
         return Err(SceneError::Numbers(misfits.iter().map(ToString::to_string).collect()));
     }
     let defaults = Steady::default();
-    let run = Steady {
-        lift: arguments.lift.unwrap_or(defaults.lift),
-        cell: arguments.cell.unwrap_or(defaults.cell),
-        ..defaults
-    };
+    let works = working(arguments);
+    let run =
+        Steady { lift: arguments.lift.unwrap_or(defaults.lift), cell: works.cell, ..defaults };
     if run.lift < numbers.lip {
         let (lift, lip) = (run.lift, numbers.lip);
         let line =
@@ -71,10 +69,18 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
     for (name, mesh) in &meshes {
         write_stl(&folder.join(name), mesh)?;
     }
-    let manifest = valve::manifest(&numbers, &run, "frame.stl");
-    write(&folder.join("manifest.toml"), manifest.as_bytes())?;
+    let held = valve::held(&numbers, &run, "frame.stl");
+    write(&folder.join("held.toml"), held.as_bytes())?;
+    let working = valve::working(&numbers, &works, "frame.stl");
+    write(&folder.join("manifest.toml"), working.as_bytes())?;
     tell(&numbers, folder);
     Ok(())
+}
+
+/// The run in which the valve works, with the cells of the command line.
+fn working(arguments: &SceneArgs) -> Working {
+    let usual = if arguments.coarse { Working::coarse() } else { Working::default() };
+    Working { cell: arguments.cell.unwrap_or(usual.cell), ..usual }
 }
 
 /// The usual numbers with those of the command line in place of some.
@@ -93,7 +99,7 @@ fn numbers(sets: &[(String, String)]) -> Result<Dimensions, SceneError> {
 
 fn tell(numbers: &Dimensions, folder: &Path) {
     println!(
-        "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml and manifest.toml are in {}",
+        "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, manifest.toml and held.toml are in {}",
         folder.display()
     );
     println!(

@@ -6,10 +6,13 @@
 
 mod dimensions;
 mod frame;
-mod manifest;
+mod held;
 mod moving;
+mod text;
+mod working;
 
 pub use dimensions::{Closure, Dimensions, Misfit};
 pub use frame::frame;
-pub use manifest::{Steady, manifest};
+pub use held::{Steady, manifest as held};
 pub use moving::{ring, steel, steel_and_ring};
+pub use working::{Working, manifest as working};

@@ -2,6 +2,7 @@
 
 use super::dimensions::{Closure, Dimensions};
 use super::moving;
+use super::text::{Room, mm, written};
 use tremie_messages::units::{Length, Velocity, Viscosity};
 
 /// A steady flow through a valve that is held.
@@ -32,23 +33,10 @@ impl Default for Steady {
 /// valve is in the domain, on one side of its mirror.
 pub fn manifest(valve: &Dimensions, run: &Steady, frame: &str) -> String {
     let cell = run.cell.0;
-    let whole = |length: f64| (length / cell - 1e-9).ceil() * cell;
-    let floor = valve.conduit_axis.0 - valve.bore_radius.0;
-    let height = whole(valve.chamber_height.0 - floor + 0.5 * cell);
-    let end = match valve.closure {
-        Closure::Pressure => valve.chamber_radius.0 + 0.5 * cell,
-        Closure::Safety => valve.second_outlet.0,
-    };
-    let length = whole(end - valve.inlet.0);
-    let width = whole(valve.chamber_radius.0 + 0.5 * cell);
+    let room = Room::around(valve, cell);
     let second = match valve.closure {
         Closure::Pressure => "\"wall\"",
         Closure::Safety => "{ pressure = \"0 Pa\" }",
-    };
-    let written = |profile: Vec<[f64; 2]>| {
-        let corners =
-            profile.iter().map(|[r, y]| format!("[\"{} mm\", \"{} mm\"]", mm(*r), mm(*y)));
-        corners.collect::<Vec<_>>().join(", ")
     };
     let (inner, outer) = (valve.rubber_inner_radius.0, valve.rubber_outer_radius.0);
     let middle = 0.5 * (run.lift.0 - valve.lip.0);
@@ -60,8 +48,8 @@ pub fn manifest(valve: &Dimensions, run: &Steady, frame: &str) -> String {
 until = "2 ms"
 
 [scene.domain]
-origin = ["0 mm", "{floor} mm", "{inlet} mm"]
-size = ["{width} mm", "{height} mm", "{length} mm"]
+origin = {origin}
+size = {size}
 x = {{ lower = "symmetry", upper = "wall" }}
 y = {{ lower = "wall", upper = {{ pressure = "0 Pa" }} }}
 z = {{ lower = {{ velocity = ["0 m/s", "0 m/s", "{velocity} m/s"], ramp = "0.3 ms" }}, upper = {second} }}
@@ -112,11 +100,8 @@ cell = "{cell} mm"
 signals = "5 us"
 "#,
         lift = mm(run.lift.0),
-        floor = mm(valve.chamber_height.0 - height),
-        inlet = mm(valve.inlet.0),
-        width = mm(width),
-        height = mm(height),
-        length = mm(length),
+        origin = Room::listed(room.origin),
+        size = Room::listed(room.size),
         velocity = run.velocity.0,
         viscosity = run.viscosity.0,
         // A rough guess that covers the jet in the cone; the user knows better.
@@ -124,27 +109,11 @@ signals = "5 us"
         half_cell = mm(0.5 * cell),
         axis = mm(valve.conduit_axis.0),
         inside = mm(valve.inlet.0 + 5.0 * cell),
-        profile = written(moving::steel_and_ring(valve)),
+        profile = written(&moving::steel_and_ring(valve)),
         middle = mm(middle),
         near = mm(near),
         far = mm(far),
         above = mm(valve.chamber_height.0 - 3.5 * cell),
         cell = mm(cell),
     )
-}
-
-/// Millimetres, without the digits that rounding adds.
-fn mm(metres: f64) -> f64 {
-    (metres * 1e12).round() / 1e9
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn millimetres_are_short() {
-        assert_eq!(mm(4.75e-3), 4.75);
-        assert_eq!(mm(0.1 * 3.0 * 1e-3), 0.3);
-    }
 }

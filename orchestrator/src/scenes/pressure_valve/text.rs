@@ -1,0 +1,57 @@
+//! How lengths and profiles are written in a manifest.
+
+use super::dimensions::{Closure, Dimensions};
+
+/// Millimetres, without the digits that rounding adds.
+pub(super) fn mm(metres: f64) -> f64 {
+    (metres * 1e12).round() / 1e9
+}
+
+/// Corners `[r, y]` as a manifest has them.
+pub(super) fn written(profile: &[[f64; 2]]) -> String {
+    let corners = profile.iter().map(|[r, y]| format!("[\"{} mm\", \"{} mm\"]", mm(*r), mm(*y)));
+    corners.collect::<Vec<_>>().join(", ")
+}
+
+/// The domain's box around half the valve [m]: whole numbers of cells, and beyond its walls at least half a
+/// cell.
+pub(super) struct Room {
+    /// Lower corner.
+    pub origin: [f64; 3],
+    /// Edges.
+    pub size: [f64; 3],
+}
+
+impl Room {
+    pub fn around(valve: &Dimensions, cell: f64) -> Self {
+        let whole = |length: f64| (length / cell - 1e-9).ceil() * cell;
+        let floor = valve.conduit_axis.0 - valve.bore_radius.0;
+        let height = whole(valve.chamber_height.0 - floor + 0.5 * cell);
+        let end = match valve.closure {
+            Closure::Pressure => valve.chamber_radius.0 + 0.5 * cell,
+            Closure::Safety => valve.second_outlet.0,
+        };
+        let width = whole(valve.chamber_radius.0 + 0.5 * cell);
+        Self {
+            origin: [0.0, valve.chamber_height.0 - height, valve.inlet.0],
+            size: [width, height, whole(end - valve.inlet.0)],
+        }
+    }
+
+    /// Three lengths as a manifest has them.
+    pub fn listed(lengths: [f64; 3]) -> String {
+        let [x, y, z] = lengths.map(mm);
+        format!("[\"{x} mm\", \"{y} mm\", \"{z} mm\"]")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn millimetres_are_short() {
+        assert_eq!(mm(4.75e-3), 4.75);
+        assert_eq!(mm(0.1 * 3.0 * 1e-3), 0.3);
+    }
+}
