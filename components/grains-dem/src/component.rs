@@ -11,8 +11,6 @@ use tremie_sdk::{Grains, Setup, SolverError};
 /// Soft spheres behind the sdk's interface.
 pub struct SoftSpheres {
     grains: GrainsDem,
-    /// Events of the window: the initial bodies until the first window is over, none after.
-    events: Vec<BodyEvent>,
     /// Room for the states of all bodies, where spheres are so few that their paths are signals.
     tracked: Vec<BodyState>,
     /// How many spheres these are.
@@ -87,16 +85,16 @@ impl Grains for SoftSpheres {
         let (scene, step) = (&setup.hello.scene, setup.assigned()?.step);
         let threads = setup.hello.threads.max(1) as usize;
         let grains = GrainsDem::new(scene, &parameters, step, threads)?;
-        let events = grains.initial_events().to_vec();
         let spheres = grains.radii().len();
         let few = if spheres <= FEW { spheres } else { 0 };
         // All states are asked for at once, those of parts too.
-        let tracked = vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { events.len() } else { 0 }];
-        Ok(Self { grains, events, tracked, few })
+        let tracked =
+            vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { grains.body_count() } else { 0 }];
+        Ok(Self { grains, tracked, few })
     }
 
     fn events(&self) -> &[BodyEvent] {
-        &self.events
+        self.grains.events()
     }
 
     fn count(&self) -> usize {
@@ -108,7 +106,6 @@ impl Grains for SoftSpheres {
     }
 
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
-        self.events.clear();
         self.grains.advance(substeps, loads).map_err(SolverError::from_error)
     }
 

@@ -99,6 +99,22 @@ pub enum GrainsError {
         /// What must come before.
         first: &'static str,
     },
+    /// A body cannot be taken out.
+    #[error("body {id} cannot be taken out: {why}")]
+    NotRemovable {
+        /// Id of the body.
+        id: u64,
+        /// The reason.
+        why: &'static str,
+    },
+    /// A sphere cannot come in.
+    #[error("sphere {index} of those that come in cannot be taken: {why}")]
+    NotAddable {
+        /// Position in the list.
+        index: usize,
+        /// The reason.
+        why: &'static str,
+    },
     /// A body is somewhere that is not a place in the domain.
     #[error(
         "body {id} left the domain at ({x:.6e}, {y:.6e}, {z:.6e}) m: reduce the time step, raise \

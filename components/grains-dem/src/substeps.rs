@@ -28,7 +28,12 @@ pub(crate) struct Progress {
 
 impl Progress {
     /// Checks that a call comes in its turn.
-    fn expect(self, call: &'static str, open: bool, inside: bool) -> Result<(), GrainsError> {
+    pub(crate) fn expect(
+        self,
+        call: &'static str,
+        open: bool,
+        inside: bool,
+    ) -> Result<(), GrainsError> {
         let first = match self {
             _ if (self.open, self.inside) == (open, inside) => return Ok(()),
             Self { inside: true, .. } => "finish_substep",
@@ -119,6 +124,7 @@ impl GrainsDem {
         }
         let duration = f64::from(substeps) * self.dt;
         self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
+        self.events.clear();
         Ok(())
     }
 
@@ -127,7 +133,7 @@ impl GrainsDem {
     pub fn carrier_state(&self, surface: usize) -> Option<BodyState> {
         let held = self.search.surfaces.held.get(surface)?;
         let before = self.around.parts[..held.carrier].iter().filter(|part| part.moves()).count();
-        let id = (self.bodies.len() + before) as u64;
+        let id = self.roll.first_part + before as u64;
         Some(self.around.parts[held.carrier].state(id))
     }
 }
