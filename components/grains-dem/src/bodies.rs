@@ -224,6 +224,24 @@ impl Bodies {
         self.ids[self.rank[slot] as usize]
     }
 
+    /// Room for so many bodies.
+    pub fn reserve(&mut self, bodies: usize) {
+        let more = bodies.saturating_sub(self.len());
+        self.rank.reserve(more);
+        self.ids.reserve(more);
+        self.slot.reserve(more);
+        self.balls.reserve(more);
+        self.twists.reserve(more);
+        self.predicted.reserve(more);
+        self.load.reserve(more);
+        self.mobility.reserve(more);
+        self.orientation.reserve(more);
+        self.reference.reserve(more);
+        self.crossed.reserve(more);
+        self.set.reserve(more);
+        self.material.reserve(more);
+    }
+
     /// Takes out the bodies of the ranks `gone`, which ascend; the others keep their order. Writes to
     /// `from` where in memory each of them stood.
     pub fn remove(&mut self, gone: &[u32], from: &mut Vec<u32>) {

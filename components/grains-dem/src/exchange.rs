@@ -35,12 +35,18 @@ impl GrainsDem {
     pub fn exchange(&mut self, removed: &[u64], added: &[AddedSphere]) -> Result<(), GrainsError> {
         self.progress.expect("exchange", false, false)?;
         self.check_exchange(removed, added)?;
+        self.swap(removed, added);
+        Ok(())
+    }
+
+    /// The same for what is known to be right.
+    pub(crate) fn swap(&mut self, removed: &[u64], added: &[AddedSphere]) {
         self.events.clear();
         let rank = |id: &u64| self.bodies.ids.binary_search(id).map(|rank| rank as u32).ok();
         let gone: Vec<u32> = removed.iter().filter_map(rank).collect();
         let placed: Vec<PlacedSphere> = added.iter().map(|sphere| self.place(sphere)).collect();
         if gone.is_empty() && placed.is_empty() {
-            return Ok(());
+            return;
         }
         for &rank in &gone {
             let slot = self.bodies.slot[rank as usize] as usize;
@@ -62,7 +68,6 @@ impl GrainsDem {
         self.probes.exchange(&gone, placed.iter().map(|sphere| sphere.mass), &self.bodies);
         self.roll.count(&self.bodies);
         self.list_after_exchange(from);
-        Ok(())
     }
 
     /// Lists neighbours anew; `from` tells where in memory each body stood.

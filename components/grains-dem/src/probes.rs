@@ -18,6 +18,11 @@ use sections::Section;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
 use tremie_team::Team;
 
+/// Volume of the part of a sphere that lies in a box [m³].
+pub(crate) fn volume_in_box(radius: f64, x: Vec3, min: Vec3, max: Vec3) -> f64 {
+    overlap::of_sphere_and_box(radius, (min - x).into(), (max - x).into())
+}
+
 /// Names and units of the values of a scene's probes, in their order: `probe.value`. Points and lines
 /// are the fluid's alone.
 pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {

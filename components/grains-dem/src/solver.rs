@@ -12,6 +12,7 @@ use crate::{
     pairs::BLOCK,
     parts::{self, PlacedPart, Step},
     placement,
+    ports::Ports,
     probes::Probes,
     roll::Roll,
     search::Search,
@@ -48,7 +49,7 @@ pub struct GrainsDem {
     pub(crate) team: Team,
     pub(crate) driven: Driven,
     /// Substeps since the start.
-    steps: u64,
+    pub(crate) steps: u64,
     pub(crate) loaded: bool,
     pub(crate) crossed: bool,
     /// What each block of bodies saw at the last evaluation, and how far it went.
@@ -66,6 +67,8 @@ pub struct GrainsDem {
     pub(crate) sets: Vec<SphereSet>,
     /// Diameter of the largest sphere that lists are made for [m].
     pub(crate) largest: f64,
+    /// Where spheres come from and go to.
+    pub(crate) ports: Ports,
     /// How far the window has come.
     pub(crate) progress: Progress,
 }
@@ -140,6 +143,9 @@ impl GrainsDem {
             ball.x = around.bounds.wrap(ball.x);
         }
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
+        let largest = scene.inlets.iter().fold(largest, |d, i| d.max(i.diameters.extremes()[1]));
+        let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
+        bodies.reserve(ports.capacity);
         let mass = spheres.iter().map(|sphere| sphere.mass).collect();
         let sets = SphereSet::of_scene(scene, laws);
         let probes = Probes::new(&scene.probes, mass, &bodies);
@@ -156,7 +162,7 @@ impl GrainsDem {
             events,
             roll,
             next_id: roll.first_free(),
-            search: Search::new(bounds, largest, parameters, spheres.len(), surfaces),
+            search: Search::new(bounds, largest, parameters, ports.capacity, surfaces),
             around,
             bodies,
             team,
@@ -175,6 +181,7 @@ impl GrainsDem {
             survey: Survey::default(),
             probes,
             sets,
+            ports,
             largest,
             progress: Progress::default(),
         }
@@ -415,10 +422,12 @@ impl GrainsDem {
         }
     }
 
-    /// Every centre must lie inside the domain.
+    /// Every centre must lie inside the domain, or beyond a face through which spheres leave.
     fn check_inside(&self) -> Result<(), GrainsError> {
-        let outside =
-            |&&slot: &&u32| !self.around.bounds.contains(self.bodies.balls[slot as usize].x);
+        let outside = |&&slot: &&u32| {
+            let x = self.bodies.balls[slot as usize].x;
+            !self.around.bounds.contains_but_for(self.around.ways_out, x)
+        };
         match self.bodies.slot.iter().find(outside) {
             None => Ok(()),
             Some(&slot) => {

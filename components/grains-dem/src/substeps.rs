@@ -106,10 +106,10 @@ impl GrainsDem {
         self.check_overlap()
     }
 
-    /// Ends a window: velocities are those of its end.
+    /// Ends a window: velocities are those of its end, and spheres come and go at inlets and outlets.
     ///
     /// # Errors
-    /// No window, or a substep that was not finished.
+    /// More spheres than there is room for; no window, or a substep that was not finished.
     pub fn end_window(&mut self) -> Result<(), GrainsError> {
         self.progress.expect("end_window", true, false)?;
         let substeps = std::mem::take(&mut self.progress).done;
@@ -125,7 +125,7 @@ impl GrainsDem {
         let duration = f64::from(substeps) * self.dt;
         self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
         self.events.clear();
-        Ok(())
+        self.pass_ports()
     }
 
     /// Pose and velocity of the slider that carries a surface: within a substep those that forces see.

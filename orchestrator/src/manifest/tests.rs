@@ -4,6 +4,7 @@ use tremie_messages::scene::{Damping, Diameters, Face, Motion, Placement};
 
 mod contacts;
 mod faces;
+mod inlets;
 mod parts;
 
 /// A manifest that is right; tests break one line of it.
@@ -392,6 +393,8 @@ fn the_schema_names_every_table_and_no_null() {
         "cavity",
         "rotation",
         "probes",
+        "inlets",
+        "z_upper",
         "section",
         "relaxation_time",
         "steps_per_contact",

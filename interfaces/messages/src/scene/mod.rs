@@ -5,6 +5,7 @@
 mod bodies;
 mod contacts;
 mod domain;
+mod inlets;
 mod parts;
 mod probes;
 mod reservoir;
@@ -13,6 +14,7 @@ mod slider;
 pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
 pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
+pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
@@ -36,6 +38,12 @@ pub struct Scene {
     pub parts: Vec<Part>,
     /// Spheres, in sets of one material and motion.
     pub bodies: Vec<BodySet>,
+    /// Where spheres come from during the run.
+    #[serde(default)]
+    pub inlets: Vec<Inlet>,
+    /// Where they go to.
+    #[serde(default)]
+    pub outlets: Vec<Outlet>,
     /// Contact laws, one for each pair of materials that may touch.
     pub contacts: Vec<PairLaw>,
     /// Where the run measures.
@@ -52,6 +60,8 @@ impl Scene {
             planes: Vec::new(),
             parts: Vec::new(),
             bodies: Vec::new(),
+            inlets: Vec::new(),
+            outlets: Vec::new(),
             contacts: Vec::new(),
             probes: Vec::new(),
         }
@@ -69,6 +79,18 @@ impl Scene {
             values(&probe.shape).iter().map(of).collect::<Vec<_>>()
         };
         self.probes.iter().flat_map(named).collect()
+    }
+
+    /// Whether spheres leave the run through a face of the domain: it is open, and an outlet removes those
+    /// whose centre has come that far.
+    pub fn is_way_out(&self, axis: usize, side: usize) -> bool {
+        let domain = &self.domain;
+        let before = |outlet: &Outlet| match side {
+            0 => outlet.at >= domain.min[axis],
+            _ => outlet.at <= domain.max[axis],
+        };
+        let of = |outlet: &&Outlet| outlet.axis == axis && outlet.side == side && before(outlet);
+        domain.faces[axis][side].is_open() && self.outlets.iter().any(|outlet| of(&outlet))
     }
 
     /// The contact law between two materials, in either order.

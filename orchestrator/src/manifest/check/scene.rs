@@ -4,7 +4,7 @@ use super::super::document::{FluidTable, PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
-use super::{bodies, domain, materials, parts, placement, probes, surfaces};
+use super::{bodies, domain, inlets, materials, parts, placement, probes, surfaces};
 use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Part, Plane, Scene};
 
 pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene> {
@@ -13,7 +13,11 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     materials::materials(table, findings);
     let planes = planes(&table.planes, findings);
     let parts = parts::parts(&table.parts, findings);
-    let bodies = bodies::bodies(&table.bodies, findings);
+    let mut bodies = bodies::bodies(&table.bodies, findings);
+    let mut names = inlets::Names::of(table);
+    let (inlets, own_sets) = inlets::inlets(table, &mut names, findings);
+    bodies.extend(own_sets);
+    let outlets = inlets::outlets(&table.outlets, domain.as_ref(), &mut names, findings);
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
     if let Some(domain) = &domain {
         placement::check(domain, planes.as_deref().unwrap_or(&[]), &bodies, findings);
@@ -36,6 +40,8 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         planes: planes?,
         parts: parts?,
         bodies: bodies?,
+        inlets: inlets?,
+        outlets: outlets?,
         probes: probes?,
     })
 }
