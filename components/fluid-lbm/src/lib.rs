@@ -57,6 +57,7 @@ mod refill;
 mod reservoir;
 mod reservoir_findings;
 mod resolution;
+mod returned;
 mod scene_check;
 mod solids;
 mod solver;
