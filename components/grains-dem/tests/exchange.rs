@@ -2,11 +2,15 @@
 
 mod common;
 use common::*;
-use tremie_grains_dem::{AddedSphere, GrainsDem, GrainsError, Parameters};
+use tremie_geometry::Mesh;
+use tremie_grains_dem::{
+    AddedSphere, DeformableSurface, GrainsDem, GrainsError, Parameters, SurfaceState,
+};
 use tremie_messages::{
     body::{BodyEvent, BodyState, Load},
     scene::{
-        Damping, Geometry, Motion, MotionPoint, Part, PartBoundary, Placement, Pose, Scene, Sphere,
+        Damping, Geometry, Motion, MotionPoint, Part, PartBoundary, Placement, Pose, Scene, Slider,
+        SliderSpring, Sphere,
     },
 };
 
@@ -237,4 +241,81 @@ fn all_may_go_and_others_come() {
     dem.exchange(&[], &[sphere]).unwrap();
     dem.advance(10, &[]).unwrap();
     assert_eq!(state(&dem)[0].id, all.len() as u64);
+}
+
+/// Spheres that fall onto a surface which deforms, and one far away that goes and another that comes.
+fn run_on_surface(far: bool) -> Vec<BodyState> {
+    let mut scene = scene([6e-3, 6e-3, 10e-3], WALLS, law(1e3, 0.5, Damping::Restitution(0.3)));
+    scene.gravity = [0.2, 0.0, 9.81];
+    let near = (0..9).map(|k| [1.2e-3 * (k % 3) as f64 + 1.8e-3, 1.2e-3 * (k / 3) as f64 + 1.8e-3]);
+    let spheres = near.map(|[x, y]| sphere([x, y, 2.6e-3], 0.6e-3, [0.0; 3])).collect();
+    scene.bodies = vec![set(Motion::Free, spheres)];
+    if far {
+        let one = vec![sphere([0.4e-3, 0.4e-3, 6e-3], 0.6e-3, [0.0; 3])];
+        scene.bodies.insert(0, set(Motion::Free, one));
+    }
+    let slider = Slider {
+        axis: [0.0, 0.0, 1.0],
+        mass: 1e-2,
+        lift: 0.0,
+        velocity: 0.0,
+        spring: SliderSpring::None,
+        force: 0.0,
+        stops: None,
+    };
+    let motion = Motion::Slider(Box::new(slider));
+    let pose = Pose { position: [3e-3, 3e-3, 9e-3], ..Pose::IDENTITY };
+    scene.parts = vec![Part {
+        geometry: Geometry::Box { size: [1e-3; 3] },
+        pose,
+        motion,
+        ..crowd().parts[0].clone()
+    }];
+    let block = Mesh::of(&Geometry::Box { size: [5e-3, 5e-3, 1e-3] }).unwrap();
+    let vertices: Vec<[f64; 3]> =
+        block.vertices.iter().map(|[x, y, z]| [x + 3e-3, y + 3e-3, z + 3.6e-3]).collect();
+    let surface = DeformableSurface {
+        triangles: block.triangles.clone(),
+        vertices: vertices.clone(),
+        carrier: 0,
+        material: "wall".into(),
+        seat_stiffness: 1e9,
+    };
+    let still = vec![[0.0; 3]; vertices.len()];
+    let accepted =
+        [SurfaceState { vertices: &vertices, velocities: &still, carrier_force: [0.0; 3] }];
+    let mut dem =
+        GrainsDem::with_surfaces(&scene, &Parameters::default(), 2e-6, 1, &[surface]).unwrap();
+    let mut touched = 0;
+    for window in 0..400 {
+        dem.begin_window(20, &[]).unwrap();
+        for _ in 0..20 {
+            dem.begin_substep().unwrap();
+            dem.finish_substep(&accepted).unwrap();
+        }
+        dem.end_window().unwrap();
+        touched += usize::from(dem.diagnostics().contacts >= 9);
+        let added = AddedSphere {
+            set: 0,
+            position: [5.6e-3, 5.6e-3, 6e-3],
+            diameter: 0.6e-3,
+            velocity: [0.0; 3],
+        };
+        match (far, window) {
+            (true, 300) => dem.exchange(&[0], &[]).unwrap(),
+            (true, 330) => dem.exchange(&[], &[added]).unwrap(),
+            _ => {}
+        }
+    }
+    assert!(touched > 100, "{touched}");
+    state(&dem)
+}
+
+/// The first sphere goes, so that all others change their places while they lie on the surface.
+#[test]
+fn forces_of_surfaces_follow_the_bodies() {
+    let (alone, with) = (run_on_surface(false), run_on_surface(true));
+    for (a, b) in alone[..9].iter().zip(&with) {
+        assert_eq!(BodyState { id: b.id, ..*a }, *b);
+    }
 }
