@@ -286,6 +286,8 @@ pub struct Bodies {
     pub living: Vec<Body>,
     /// Those removed since the last step, whose cells are not fluid yet.
     pub leaving: Vec<Body>,
+    /// Handles of those that came since the last step.
+    pub newcomers: Vec<u32>,
     /// Handles that nobody has.
     free: Vec<u32>,
     /// For each handle, the place of its body among the living.
@@ -364,6 +366,7 @@ impl Bodies {
                     Box::new(PartBody::new(index, surface.clone(), rounding, units.cell))
                 });
                 let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
+                self.newcomers.push(handle);
                 self.living.insert(place, Body::new(event.id, handle, radius, part));
             } else {
                 let mut body = self.living.remove(place);

@@ -63,6 +63,7 @@ mod refill;
 mod reservoir;
 mod reservoir_findings;
 mod resolution;
+mod returned;
 mod scene_check;
 mod slip;
 mod solids;

@@ -70,11 +70,8 @@ impl Account {
 }
 
 impl<T: Collides> Solver<T> {
-    /// Charges a body for a cell that it covered or cut off from the fluid.
-    pub(crate) fn charge(&mut self, cell: u32, drho: f64) {
-        if !self.keeps_mass {
-            return;
-        }
+    /// Handle of the body that covers a cell or cut it off from the fluid.
+    pub(crate) fn holder_of(&self, cell: u32) -> Option<u32> {
         let (owners, layout) = (&self.owners, &self.layout);
         let holder = |cell: u32| match owners.of(cell) {
             SHARED => owners.claimants(cell).next(),
@@ -82,7 +79,15 @@ impl<T: Collides> Solver<T> {
         };
         let of_neighbours = || (1..Q).find_map(|i| holder(layout.neighbour(cell, i)?));
         let of_gaps = || self.declared.any_mover(&self.bodies);
-        if let Some(handle) = holder(cell).or_else(of_neighbours).or_else(of_gaps)
+        holder(cell).or_else(of_neighbours).or_else(of_gaps)
+    }
+
+    /// Charges a body for a cell that it covered or cut off from the fluid.
+    pub(crate) fn charge(&mut self, cell: u32, drho: f64) {
+        if !self.keeps_mass {
+            return;
+        }
+        if let Some(handle) = self.holder_of(cell)
             && let Some(body) = self.bodies.living_with_handle(handle)
             && body.account.is_open
         {

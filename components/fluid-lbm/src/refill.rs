@@ -75,7 +75,9 @@ impl<T: Real> Before<'_, T> {
     /// alone` if there are none near. Returns what the cell now holds.
     pub fn refill(&self, owners: &Owners, cell: u32, body: &Body, alone: f64) -> Content {
         let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
-        let drho = self.mean_around(owners, cell, 1).or_else(|| self.mean_around(owners, cell, 2));
+        // Inside a body that was removed fluid is as far away as its surface.
+        let farthest = body.radius.ceil() as i32 + 2;
+        let drho = (1..=farthest).find_map(|reach| self.mean_around(owners, cell, reach));
         let (drho, u) = (drho.unwrap_or(alone), body.velocity_at(arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
         if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
@@ -90,7 +92,8 @@ impl<T: Real> Before<'_, T> {
     }
 
     /// Mean deviation of the density over fluid cells: lattice neighbours for `reach` 1, the cube
-    /// of cells up to `reach` away beyond. `None` if there is no fluid.
+    /// of cells up to `reach` away beyond. `None` if there is no
+    /// fluid.
     fn mean_around(&self, owners: &Owners, cell: u32, reach: i32) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
         let mut add = |neighbour: u32| {

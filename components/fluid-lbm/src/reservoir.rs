@@ -17,7 +17,8 @@
 //! cylinder is short and the viscosity low.
 //!
 //! The full equilibrium has no viscous stress; the flow is straight at the face, `u_t = 0`. Cells that
-//! bodies cover are left out; the fluid that a body displaces there is not given back to the cylinder.
+//! bodies cover are left out. A body that appears in the middle of a run gives back what it displaces
+//! (`returned`); one that moves there does not.
 
 use crate::error::FluidError;
 use crate::field::Real;
@@ -203,6 +204,17 @@ impl ReservoirFace {
     /// 1 where the normal into the fluid points along the axis, else -1.
     pub fn inward(&self) -> f64 {
         [1.0, -1.0][self.side]
+    }
+
+    /// Distance of a place from the face [cells].
+    pub fn distance(&self, x: [f64; 3], grid: &Grid) -> f64 {
+        let face = [0.0, f64::from(grid.n[self.axis])][self.side];
+        (x[self.axis] - face).abs()
+    }
+
+    /// Takes back a mass from the domain.
+    pub fn take_back(&mut self, mass: f64) {
+        self.cylinder.drain(-mass);
     }
 
     /// Which axis the face is across.

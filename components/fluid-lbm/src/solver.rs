@@ -247,6 +247,7 @@ impl<T: Collides> Solver<T> {
         self.bodies.check(bodies, loads.len())?;
         self.begin_balance();
         self.move_bodies(bodies);
+        self.bodies.newcomers.clear();
         self.measure();
         self.exchange = Exchange::default();
         for item in &mut self.link_items {
@@ -268,6 +269,7 @@ impl<T: Collides> Solver<T> {
         }
         self.begin_balance();
         self.move_bodies(bodies);
+        self.give_back();
         self.collide();
         self.steps += 1;
         self.reflect();

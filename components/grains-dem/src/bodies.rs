@@ -2,9 +2,15 @@
 //!
 //! Arrays are in the order of places in space, which changes as bodies move: what is near in space is
 //! near in memory. Ids never change, and no result depends on the order in memory.
+//!
+//! Ids are 64-bit and never used again; inside, a body goes by its rank among the living, which orders
+//! them as ids do and is a place in dense arrays.
 
-use crate::Vec3;
-use tremie_messages::scene::Motion;
+use crate::{Vec3, laws::Laws};
+use tremie_messages::scene::{BodySet, Motion, Scene};
+
+/// Where a body stood that was not there yet.
+pub(crate) const NEW: u32 = u32::MAX;
 
 /// A sphere in space: what the search for contacts reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,12 +101,37 @@ impl PlacedSphere {
     }
 }
 
-/// All bodies. Every array but `slot` has one entry a body, in the order of memory.
+/// What the spheres of a set are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SphereSet {
+    /// Density [kg/m³].
+    pub density: f64,
+    /// Number of the material.
+    pub material: u16,
+    /// Whether forces move them.
+    pub free: bool,
+}
+
+impl SphereSet {
+    /// Those of a scene, in its order.
+    pub fn of_scene(scene: &Scene, laws: &Laws) -> Vec<Self> {
+        let of = |set: &BodySet| Self {
+            density: set.density,
+            material: laws.material(&set.material),
+            free: set.motion == Motion::Free,
+        };
+        scene.bodies.iter().map(of).collect()
+    }
+}
+
+/// All bodies. Every array but `ids` and `slot` has one entry a body, in the order of memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
-    /// Their ids.
-    pub id: Vec<u32>,
-    /// Where the body of each id stands in the other arrays.
+    /// Their ranks among the living, by ids.
+    pub rank: Vec<u32>,
+    /// Ids by rank, ascending.
+    pub ids: Vec<u64>,
+    /// Where the body of each rank stands in the other arrays.
     pub slot: Vec<u32>,
     /// Where they are, always inside the periodic faces.
     pub balls: Vec<Ball>,
@@ -128,7 +159,7 @@ pub(crate) struct Bodies {
 /// Where arrays are written in another order; then they change places with the old ones.
 #[derive(Clone, Debug, Default)]
 struct Spare {
-    id: Vec<u32>,
+    rank: Vec<u32>,
     balls: Vec<Ball>,
     twists: Vec<Twist>,
     wrenches: Vec<Wrench>,
@@ -144,7 +175,8 @@ impl Bodies {
         let n = spheres.len();
         let twists: Vec<Twist> = spheres.iter().map(|s| s.twist).collect();
         Self {
-            id: (0..n as u32).collect(),
+            rank: (0..n as u32).collect(),
+            ids: (0..n as u64).collect(),
             slot: (0..n as u32).collect(),
             balls: spheres.iter().map(|s| s.ball).collect(),
             predicted: twists.clone(),
@@ -168,7 +200,7 @@ impl Bodies {
     /// are put in order only when neighbours are listed anew.
     pub fn reorder(&mut self, order: &[u32]) {
         let spare = &mut self.spare;
-        permute(&mut self.id, order, &mut spare.id);
+        permute(&mut self.rank, order, &mut spare.rank);
         permute(&mut self.balls, order, &mut spare.balls);
         permute(&mut self.twists, order, &mut spare.twists);
         permute(&mut self.predicted, order, &mut spare.twists);
@@ -177,10 +209,94 @@ impl Bodies {
         permute(&mut self.orientation, order, &mut spare.orientation);
         permute(&mut self.set, order, &mut spare.set);
         permute(&mut self.material, order, &mut spare.material);
-        for (slot, &id) in (0..).zip(&self.id) {
-            self.slot[id as usize] = slot;
+        self.find_slots();
+    }
+
+    fn find_slots(&mut self) {
+        self.slot.resize(self.rank.len(), 0);
+        for (slot, &rank) in (0..).zip(&self.rank) {
+            self.slot[rank as usize] = slot;
         }
     }
+
+    /// Id of the body at a place in memory.
+    pub fn id_at(&self, slot: usize) -> u64 {
+        self.ids[self.rank[slot] as usize]
+    }
+
+    /// Room for so many bodies.
+    pub fn reserve(&mut self, bodies: usize) {
+        let more = bodies.saturating_sub(self.len());
+        self.rank.reserve(more);
+        self.ids.reserve(more);
+        self.slot.reserve(more);
+        self.balls.reserve(more);
+        self.twists.reserve(more);
+        self.predicted.reserve(more);
+        self.load.reserve(more);
+        self.mobility.reserve(more);
+        self.orientation.reserve(more);
+        self.reference.reserve(more);
+        self.crossed.reserve(more);
+        self.set.reserve(more);
+        self.material.reserve(more);
+    }
+
+    /// Takes out the bodies of the ranks `gone`, which ascend; the others keep their order. Writes to
+    /// `from` where in memory each of them stood.
+    pub fn remove(&mut self, gone: &[u32], from: &mut Vec<u32>) {
+        let stays = |rank: &u32| gone.binary_search(rank).is_err();
+        from.clear();
+        from.extend((0..).zip(&self.rank).filter(|(_, rank)| stays(rank)).map(|(slot, _)| slot));
+        gather(&mut self.rank, from);
+        gather(&mut self.balls, from);
+        gather(&mut self.twists, from);
+        gather(&mut self.predicted, from);
+        gather(&mut self.load, from);
+        gather(&mut self.mobility, from);
+        gather(&mut self.orientation, from);
+        gather(&mut self.reference, from);
+        gather(&mut self.crossed, from);
+        gather(&mut self.set, from);
+        gather(&mut self.material, from);
+        for rank in &mut self.rank {
+            *rank -= gone.partition_point(|gone| gone < rank) as u32;
+        }
+        take_out(&mut self.ids, gone);
+        self.find_slots();
+    }
+
+    /// Adds a body at the end; its id is larger than all others.
+    pub fn add(&mut self, id: u64, sphere: &PlacedSphere, material: u16) {
+        let n = self.len() as u32;
+        self.rank.push(n);
+        self.ids.push(id);
+        self.slot.push(n);
+        self.balls.push(sphere.ball);
+        self.twists.push(sphere.twist);
+        self.predicted.push(sphere.twist);
+        self.load.push(Wrench::zero());
+        self.mobility.push(sphere.mobility());
+        self.orientation.push([0.0, 0.0, 0.0, 1.0]);
+        self.reference.push(sphere.ball.x);
+        self.crossed.push(0);
+        self.set.push(sphere.set as u32);
+        self.material.push(material);
+    }
+}
+
+/// Keeps the values at the places `from`, which ascend.
+fn gather<T: Copy>(values: &mut Vec<T>, from: &[u32]) {
+    for (to, &from) in from.iter().enumerate() {
+        values[to] = values[from as usize];
+    }
+    values.truncate(from.len());
+}
+
+/// Takes out the values at the places `gone`, which ascend.
+pub(crate) fn take_out<T>(values: &mut Vec<T>, gone: &[u32]) {
+    let mut place = 0..;
+    values.retain(|_| place.next().is_none_or(|place| gone.binary_search(&place).is_err()));
 }
 
 fn permute<T: Copy>(values: &mut Vec<T>, order: &[u32], spare: &mut Vec<T>) {
@@ -207,11 +323,20 @@ mod tests {
             bodies.reorder(&order);
             for id in 0..4 {
                 let slot = bodies.slot[id] as usize;
-                assert_eq!(bodies.id[slot] as usize, id);
+                assert_eq!(bodies.id_at(slot), id as u64);
                 assert_eq!(bodies.balls[slot].radius, id as f64);
                 assert_eq!(bodies.predicted[slot].v.x, -(id as f64));
                 assert_eq!((bodies.set[slot], bodies.material[slot]), (id as u32, id as u16));
             }
+        }
+        let mut from = Vec::new();
+        bodies.remove(&[0, 2], &mut from);
+        bodies.add(9, &sphere(4.0), 4);
+        assert_eq!(bodies.ids, [1, 3, 9]);
+        for (rank, radius) in [1.0, 3.0, 4.0].into_iter().enumerate() {
+            let slot = bodies.slot[rank] as usize;
+            assert_eq!((bodies.balls[slot].radius, bodies.twists[slot].v.x), (radius, -radius));
+            assert_eq!((bodies.set[slot], bodies.rank[slot]), (radius as u32, rank as u32));
         }
     }
 }

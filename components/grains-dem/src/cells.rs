@@ -45,6 +45,7 @@ impl Cells {
     /// Sorts bodies by cell, and by index within a cell.
     pub fn sort(&mut self, balls: &[Ball]) {
         self.cell_of.clear();
+        self.order.resize(balls.len(), 0);
         self.start.fill(0);
         for ball in balls {
             let cell = self.cell_at(ball.x);

@@ -3,7 +3,7 @@
 use crate::{
     Lubrication, Parameters, Vec3,
     bodies::Ball,
-    check_law, check_packing, check_slider,
+    check_law, check_packing, check_ports, check_slider,
     encounters::Population,
     laws,
     overlaps::TOUCHING,
@@ -73,6 +73,9 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
     }
     for (i, pair) in scene.contacts.iter().enumerate() {
         check_law::law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
+    }
+    if problems.is_empty() {
+        check_ports::ports(scene, parameters, &mut problems);
     }
     if problems.is_empty() {
         whole(scene, parameters, &mut problems);
@@ -220,13 +223,15 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     let mut largest = 0.0f64;
     for (i, set) in scene.bodies.iter().enumerate() {
         let diameters = packing::diameters_of(set);
-        if diameters.is_empty() {
+        let fed = scene.inlets.iter().any(|inlet| inlet.bodies == set.name);
+        if diameters.is_empty() && !fed {
             let message = "holds no body";
             let help = "raise the fraction or enlarge the region: half a sphere is too little";
             problems.push(Problem::new(format!("scene.bodies[{i}].placement"), message).help(help));
         }
         largest = diameters.iter().fold(largest, |a, &d| a.max(d));
     }
+    largest = scene.inlets.iter().fold(largest, |d, inlet| d.max(inlet.diameters.extremes()[1]));
     problems.extend(Population::of(scene).problems());
     let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
     let needed = 2.0 * (largest * (1.0 + parameters.skin_fraction()) + reach);

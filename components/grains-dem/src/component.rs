@@ -4,7 +4,7 @@ use crate::carried::{Carried, in_scene, surfaces};
 use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
-use tremie_sdk::messages::scene::{Face, Motion, Scene};
+use tremie_sdk::messages::scene::{Inlet, InletVelocity, Motion, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
 use tremie_sdk::{Grains, Setup, SolverError};
@@ -12,8 +12,6 @@ use tremie_sdk::{Grains, Setup, SolverError};
 /// Soft spheres behind the sdk's interface.
 pub struct SoftSpheres {
     grains: GrainsDem,
-    /// Events of the window: the initial bodies until the first window is over, none after.
-    events: Vec<BodyEvent>,
     /// Room for the states of all bodies, where spheres are so few that their paths are signals.
     tracked: Vec<BodyState>,
     /// How many spheres these are.
@@ -67,6 +65,10 @@ const SLIDER: [(&str, &str); 8] = [
     ("carrier_force", "N"),
 ];
 
+/// Signals of each inlet, and of each outlet: since the start.
+const INLET: [(&str, &str); 3] = [("inserted", "1"), ("deficit", "m3"), ("mass_inserted", "kg")];
+const OUTLET: [(&str, &str); 2] = [("removed", "1"), ("mass_removed", "kg")];
+
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
 
@@ -74,6 +76,7 @@ impl Grains for SoftSpheres {
         let parameters: Parameters = setup.parameters()?;
         let resolution = parameters.resolve(&setup.hello.scene)?;
         surfaces(&setup.hello.scene)?;
+        velocities_are_known(&setup.hello.scene)?;
         Ok(Description {
             step: resolution.time_step,
             bodies: resolution.bodies as u64,
@@ -95,16 +98,16 @@ impl Grains for SoftSpheres {
         let surfaces = surfaces(scene)?;
         let grains = GrainsDem::with_surfaces(scene, &parameters, step, threads, &surfaces)
             .map_err(in_scene)?;
-        let events = grains.initial_events().to_vec();
         let spheres = grains.radii().len();
-        let few = if spheres <= FEW { spheres } else { 0 };
+        let few = if is_followed(scene, spheres) { spheres } else { 0 };
         // All states are asked for at once, those of parts too.
-        let tracked = vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { events.len() } else { 0 }];
-        Ok(Self { grains, events, tracked, few, carried: Carried::new(&surfaces) })
+        let tracked =
+            vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { grains.body_count() } else { 0 }];
+        Ok(Self { grains, tracked, few, carried: Carried::new(&surfaces) })
     }
 
     fn events(&self) -> &[BodyEvent] {
-        &self.events
+        self.grains.events()
     }
 
     fn count(&self) -> usize {
@@ -116,7 +119,6 @@ impl Grains for SoftSpheres {
     }
 
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
-        self.events.clear();
         self.grains.advance(substeps, loads).map_err(SolverError::from_error)
     }
 
@@ -129,7 +131,6 @@ impl Grains for SoftSpheres {
     }
 
     fn begin_window(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
-        self.events.clear();
         self.grains.begin_window(substeps, loads).map_err(SolverError::from_error)
     }
 
@@ -190,15 +191,42 @@ impl Grains for SoftSpheres {
             }
         }
         drop(sliders);
+        for inlet in self.grains.inlets() {
+            values.extend([inlet.inserted as f64, inlet.deficit, inlet.mass_inserted]);
+        }
+        for outlet in self.grains.outlets() {
+            values.extend([outlet.removed as f64, outlet.mass_removed]);
+        }
+        if self.grains.inlets().len() + self.grains.outlets().len() > 0 {
+            values.push(self.grains.radii().len() as f64);
+        }
         self.grains.read_probes(values);
     }
+}
+
+/// Whether the paths of spheres are signals: they are few, and the same all the time.
+fn is_followed(scene: &Scene, spheres: usize) -> bool {
+    spheres <= FEW && scene.inlets.is_empty() && scene.outlets.is_empty()
+}
+
+/// A fluid does not tell the grains yet how fast it is at a face.
+fn velocities_are_known(scene: &Scene) -> Result<(), Vec<Problem>> {
+    let of_face = |inlet: &Inlet| matches!(inlet.velocity, InletVelocity::Face { .. });
+    let problem = |i: usize| {
+        let message = "is that of the fluid at a face, which no fluid sends to the grains yet";
+        let key = format!("scene.inlets[{i}].velocity");
+        Problem::new(key, message).help("give the velocity as a vector")
+    };
+    let inlets = scene.inlets.iter().enumerate().filter(|(_, inlet)| of_face(inlet));
+    let problems: Vec<_> = inlets.map(|(i, _)| problem(i)).collect();
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     let signal = |name: String, unit: &str| Signal { name, unit: unit.into() };
     let mut all: Vec<_> =
         SIGNALS.iter().map(|(name, unit)| signal((*name).to_string(), unit)).collect();
-    if spheres <= FEW {
+    if is_followed(scene, spheres) {
         for body in 0..spheres {
             all.extend(PATH.iter().map(|(name, unit)| signal(format!("body{body}_{name}"), unit)));
         }
@@ -209,6 +237,17 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
         if matches!(part.motion, Motion::Slider(_)) {
             all.extend(SLIDER.iter().map(of));
         }
+    }
+    for inlet in &scene.inlets {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", inlet.name), unit);
+        all.extend(INLET.iter().map(of));
+    }
+    for outlet in &scene.outlets {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", outlet.name), unit);
+        all.extend(OUTLET.iter().map(of));
+    }
+    if !scene.inlets.is_empty() || !scene.outlets.is_empty() {
+        all.push(signal("bodies".into(), "1"));
     }
     all.extend(probe_signals(scene).into_iter().map(|(name, unit)| signal(name, unit)));
     all
@@ -223,9 +262,12 @@ fn notes(scene: &Scene, resolution: &Resolution) -> Vec<String> {
     } else {
         format!("{spheres} spheres of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
     }];
-    let open = scene.domain.faces.iter().flatten().any(Face::is_open);
-    if open && resolution.free_bodies > 0 {
-        notes.push("open faces are walls to grains: none comes or goes there".into());
+    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    let held = |(axis, side): (usize, usize)| {
+        scene.domain.faces[axis][side].is_open() && !scene.is_way_out(axis, side)
+    };
+    if sides.into_iter().any(held) && resolution.free_bodies > 0 {
+        notes.push("open faces without an outlet are walls to grains: none goes there".into());
     }
     if resolution.time_step.is_some() && resolution.time_step == resolution.stable_time_step {
         notes.push(

@@ -214,7 +214,7 @@ fn spring_of_pair(pairs: &Pairs, at: &Scenery, i: usize, place: u32) -> Option<f
         let j = pairs.body_of(k);
         (i, j, -at.between(j, i, entry.image()), pairs.memory(k).of_other_side())
     };
-    if bodies.id[j] < bodies.id[i] {
+    if bodies.rank[j] < bodies.rank[i] {
         return None;
     }
     let (a, b) = (&bodies.balls[i], &bodies.balls[j]);

@@ -10,7 +10,7 @@ use tremie_messages::scene::{Motion, Scene};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Driven {
     paths: Vec<Path>,
-    /// Id of the body and index of its path.
+    /// Rank of the body and index of its path.
     followers: Vec<(u32, u32)>,
 }
 
@@ -27,26 +27,37 @@ impl Driven {
                 driven.paths.push(Path::new(points, Twist::zero()));
             }
         }
-        for (id, sphere) in (0..).zip(spheres) {
-            driven.followers.extend(path_of[sphere.set].map(|path| (id, path)));
+        for (rank, sphere) in (0..).zip(spheres) {
+            driven.followers.extend(path_of[sphere.set].map(|path| (rank, path)));
         }
         driven
     }
 
+    /// Forgets the bodies of the ranks `gone`, which ascend; the others move up.
+    pub fn remove(&mut self, gone: &[u32]) {
+        self.followers.retain_mut(|(rank, _)| match gone.binary_search(rank) {
+            Ok(_) => false,
+            Err(before) => {
+                *rank -= before as u32;
+                true
+            }
+        });
+    }
+
     /// Gives them the mean velocities of a step.
     pub fn begin(&self, bodies: &mut Bodies, from: f64, to: f64) {
-        for &(id, path) in &self.followers {
+        for &(rank, path) in &self.followers {
             let mean = self.paths[path as usize].travelled(from, to);
             let scale = 1.0 / (to - from);
-            bodies.twists[bodies.slot[id as usize] as usize] =
+            bodies.twists[bodies.slot[rank as usize] as usize] =
                 Twist { v: mean.v * scale, w: mean.w * scale };
         }
     }
 
     /// Gives them the velocities of a time.
     pub fn end(&self, bodies: &mut Bodies, time: f64) {
-        for &(id, path) in &self.followers {
-            let slot = bodies.slot[id as usize] as usize;
+        for &(rank, path) in &self.followers {
+            let slot = bodies.slot[rank as usize] as usize;
             let twist = self.paths[path as usize].twist(time);
             bodies.twists[slot] = twist;
             bodies.predicted[slot] = twist;

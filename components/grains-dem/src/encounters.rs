@@ -8,7 +8,7 @@ use crate::{
 use core::f64::consts::PI;
 use tremie_messages::{
     Problem,
-    scene::{BodySet, ContactLaw, Face, Motion, Scene, Spring},
+    scene::{BodySet, ContactLaw, Face, InletVelocity, Motion, Scene, Spring},
 };
 
 /// Mass [kg], infinite where the motion is given, and radius [m].
@@ -31,6 +31,8 @@ pub(crate) struct Population<'a> {
     scene: &'a Scene,
     kinds: Vec<Kind<'a>>,
     surfaces: Vec<Surface<'a>>,
+    /// How many bodies stand for those that inlets feed.
+    fed: usize,
     /// Largest speed of anything at the start [m/s].
     pub speed: f64,
 }
@@ -59,7 +61,8 @@ const MOST_WALLS: usize = 3;
 
 impl<'a> Population<'a> {
     pub fn of(scene: &'a Scene) -> Self {
-        let mut all = Self { scene, kinds: Vec::new(), surfaces: surfaces(scene), speed: 0.0 };
+        let mut all =
+            Self { scene, kinds: Vec::new(), surfaces: surfaces(scene), fed: 0, speed: 0.0 };
         for set in &scene.bodies {
             let material = set.material.as_str();
             if !all.kinds.iter().any(|kind| kind.material == material) {
@@ -72,6 +75,18 @@ impl<'a> Population<'a> {
                 kind.add((mass, 0.5 * d), set.motion == Motion::Free);
             }
         }
+        for inlet in &scene.inlets {
+            let Some(set) = scene.bodies.iter().find(|set| set.name == inlet.bodies) else {
+                continue;
+            };
+            let of_set = |kind: &&mut Kind| kind.material == set.material;
+            let Some(kind) = all.kinds.iter_mut().find(of_set) else { continue };
+            // Two of each, which may meet.
+            for d in inlet.diameters.extremes().into_iter().flat_map(|d| [d, d]) {
+                kind.add((placement::mass(set.density, d), 0.5 * d), set.motion == Motion::Free);
+                all.fed += 1;
+            }
+        }
         all.speed = speed(scene);
         all
     }
@@ -82,9 +97,9 @@ impl<'a> Population<'a> {
         Some((placement::mass(set.density, smallest), 0.5 * smallest))
     }
 
-    /// Number of bodies.
+    /// Number of bodies at the start.
     pub fn bodies(&self) -> usize {
-        self.kinds.iter().map(|kind| kind.bodies).sum()
+        self.kinds.iter().map(|kind| kind.bodies).sum::<usize>() - self.fed
     }
 
     /// Number of bodies that move under forces.
@@ -228,6 +243,11 @@ fn reduced([a, b]: [Grain; 2]) -> (Reduced, f64) {
 fn speed(scene: &Scene) -> f64 {
     let norm = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let mut fastest = 0.0f64;
+    for inlet in &scene.inlets {
+        if let InletVelocity::Given(velocity) = &inlet.velocity {
+            fastest = norm(velocity).max(fastest);
+        }
+    }
     for set in &scene.bodies {
         if let tremie_messages::scene::Placement::Listed(list) = &set.placement {
             fastest = list.iter().fold(fastest, |v, sphere| v.max(norm(&sphere.velocity)));

@@ -99,6 +99,43 @@ pub enum GrainsError {
         /// What must come before.
         first: &'static str,
     },
+    /// More spheres live than there is room for.
+    #[error(
+        "inlet \"{inlet}\" feeds more spheres than the {capacity} that there is room for: raise `capacity` in \
+         the settings of the grains, or let spheres leave"
+    )]
+    Capacity {
+        /// Name of the inlet.
+        inlet: String,
+        /// Spheres that there is room for.
+        capacity: usize,
+    },
+    /// The velocity of the fluid at a face is no number.
+    #[error(
+        "the fluid's velocity at face {side} across axis {axis} is not finite: the fluid has diverged"
+    )]
+    PortVelocity {
+        /// The axis: 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// 0 for the lower face, 1 for the upper.
+        side: usize,
+    },
+    /// A body cannot be taken out.
+    #[error("body {id} cannot be taken out: {why}")]
+    NotRemovable {
+        /// Id of the body.
+        id: u64,
+        /// The reason.
+        why: &'static str,
+    },
+    /// A sphere cannot come in.
+    #[error("sphere {index} of those that come in cannot be taken: {why}")]
+    NotAddable {
+        /// Position in the list.
+        index: usize,
+        /// The reason.
+        why: &'static str,
+    },
     /// A body is somewhere that is not a place in the domain.
     #[error(
         "body {id} left the domain at ({x:.6e}, {y:.6e}, {z:.6e}) m: reduce the time step, raise \

@@ -1,4 +1,4 @@
-//! The bodies at the start, as they are announced to the other components.
+//! Bodies as they are announced to the other components: those at the start, and who comes and goes.
 
 use crate::{bodies::PlacedSphere, parts::PlacedPart};
 use tremie_messages::{body::BodyEvent, scene::Motion};
@@ -21,7 +21,8 @@ pub(crate) fn initial(spheres: &[PlacedSphere], parts: &[PlacedPart]) -> Vec<Bod
     events
 }
 
-fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
+/// A sphere that is there from now on.
+pub(crate) fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
     BodyEvent {
         id,
         kind: BodyEvent::ADDED,
@@ -35,6 +36,20 @@ fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
         set: sphere.set as u32,
         mass: sphere.mass,
         size: [sphere.ball.radius, 0.0, 0.0],
+        table: 0,
+    }
+}
+
+/// A sphere that is not there any more.
+pub(crate) fn removed(id: u64, set: u32, radius: f64, mass: f64) -> BodyEvent {
+    BodyEvent {
+        id,
+        kind: BodyEvent::REMOVED,
+        shape: BodyEvent::SPHERE,
+        motion: BodyEvent::FREE,
+        set,
+        mass,
+        size: [radius, 0.0, 0.0],
         table: 0,
     }
 }

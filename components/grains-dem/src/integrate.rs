@@ -62,9 +62,10 @@ impl Wandered {
         Self { blocks: vec![0.0; blocks], all: 0.0 }
     }
 
-    /// Distances count from here on.
-    pub fn begin(&mut self) {
-        self.blocks.fill(0.0);
+    /// Distances of so many blocks count from here on.
+    pub fn begin(&mut self, blocks: usize) {
+        self.blocks.clear();
+        self.blocks.resize(blocks, 0.0);
         self.all = 0.0;
     }
 

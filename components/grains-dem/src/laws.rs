@@ -105,7 +105,7 @@ pub(crate) fn surfaces(scene: &Scene) -> Vec<Surface<'_>> {
     let mut found = Vec::new();
     for (axis, faces) in domain.faces.iter().enumerate() {
         for (side, face) in faces.iter().enumerate() {
-            if *face != Face::Periodic {
+            if *face != Face::Periodic && !scene.is_way_out(axis, side) {
                 let (side, axis) = (["lower", "upper"][side], ["x", "y", "z"][axis]);
                 let name = format!("the domain's {side} face in {axis}");
                 let mirror = *face == Face::Symmetry;

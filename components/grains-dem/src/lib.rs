@@ -11,6 +11,9 @@
 //! Kamrin, *Comput. Part. Mech.* 5, 2018). Narrow gaps may be lubricated. Time is integrated by
 //! velocity Verlet with predicted velocities. All quantities are SI, in the world frame.
 //!
+//! Spheres may come and go between windows ([`GrainsDem::exchange`]): those that stay go on as if nothing
+//! had happened, and ids are never used again.
+//!
 //! Parts stand still, move as prescribed, or slide on an axis under forces. A slider may carry a
 //! [`DeformableSurface`], a seal of rubber say, whose vertices somebody else moves: within a substep shapes
 //! are tried ([`GrainsDem::contact_on_surface`]) and one is accepted ([`GrainsDem::finish_substep`]).
@@ -49,6 +52,7 @@ mod cells;
 mod check;
 mod check_law;
 mod check_packing;
+mod check_ports;
 mod check_sizes;
 mod check_slider;
 mod collect;
@@ -61,6 +65,7 @@ mod driven;
 mod encounters;
 mod error;
 mod events;
+mod exchange;
 mod fetch;
 mod findings;
 mod forces;
@@ -85,9 +90,11 @@ mod part_finder;
 mod parts;
 mod periodic;
 mod placement;
+mod ports;
 mod probes;
 mod random;
 mod resolve;
+mod roll;
 mod rows;
 mod search;
 mod seat;
@@ -110,8 +117,10 @@ mod walls;
 pub use damping::{damping_ratio, restitution};
 pub use diagnostics::Diagnostics;
 pub use error::GrainsError;
+pub use exchange::AddedSphere;
 pub use findings::findings;
 pub use parameters::{Lubrication, Parameters};
+pub use ports::{InletState, OutletState};
 pub use probes::probe_signals;
 pub use resolve::{PairDamping, Resolution};
 pub use slider::SliderState;

@@ -4,6 +4,7 @@ use crate::{
     GrainsError, Vec3,
     bodies::{Bodies, Wrench},
     pairs::BLOCK,
+    roll::Roll,
 };
 use tremie_messages::body::Load;
 use tremie_team::{Cut, Team};
@@ -12,7 +13,7 @@ use tremie_team::{Cut, Team};
 /// cannot be taken.
 type Sum = Result<Vec3, GrainsError>;
 
-/// Takes the loads of a window, `bodies_of_run` many, and gives the sum of the forces on free spheres
+/// Takes the loads of a window, one for each body of `roll`, and gives the sum of the forces on free spheres
 /// [N]. `sums` is room to work in.
 ///
 /// # Errors
@@ -21,19 +22,21 @@ pub(crate) fn take(
     team: &mut Team,
     bodies: &mut Bodies,
     loads: &[Load],
-    bodies_of_run: usize,
+    roll: Roll,
     sums: &mut Vec<Sum>,
 ) -> Result<Vec3, GrainsError> {
-    if loads.len() != bodies_of_run {
-        return Err(GrainsError::LoadCount { found: loads.len(), expected: bodies_of_run });
+    let expected = roll.bodies(bodies);
+    if loads.len() != expected {
+        return Err(GrainsError::LoadCount { found: loads.len(), expected });
     }
     sums.clear();
     sums.resize_with(loads.len().div_ceil(BLOCK), || Ok(Vec3::zeros()));
-    let (slot, mobility) = (&bodies.slot, &bodies.mobility);
+    let (slot, mobility, all) = (&bodies.slot, &bodies.mobility, &*bodies);
     team.for_each(sums, |b, sum| {
         *sum = (b * BLOCK..loads.len().min((b + 1) * BLOCK)).try_fold(Vec3::zeros(), |sum, k| {
-            check(k, &loads[k])?;
-            let free = slot.get(k).is_some_and(|&slot| mobility[slot as usize].is_free());
+            check(k, &loads[k], roll.id(k, all))?;
+            let slot = roll.rank(k).map(|rank| slot[rank] as usize);
+            let free = slot.is_some_and(|slot| mobility[slot].is_free());
             Ok(if free { sum + Vec3::from(loads[k].force) } else { sum })
         });
     });
@@ -41,18 +44,18 @@ pub(crate) fn take(
     for sum in sums.drain(..) {
         force += sum?;
     }
-    let id = &bodies.id;
+    let rank = &bodies.rank;
     team.for_pieces(Cut::every(&mut bodies.load, BLOCK), |b, own: &mut [Wrench]| {
-        for (own, &id) in own.iter_mut().zip(&id[b * BLOCK..]) {
-            let load = &loads[id as usize];
+        for (own, &rank) in own.iter_mut().zip(&rank[b * BLOCK..]) {
+            let load = &loads[roll.place(rank as usize)];
             *own = Wrench { force: load.force.into(), torque: load.torque.into() };
         }
     });
     Ok(force)
 }
 
-fn check(index: usize, load: &Load) -> Result<(), GrainsError> {
-    let (found, expected) = (load.id, index as u64);
+fn check(index: usize, load: &Load, expected: u64) -> Result<(), GrainsError> {
+    let found = load.id;
     if found != expected {
         return Err(GrainsError::LoadOrder { index, found, expected });
     }

@@ -1,9 +1,11 @@
 //! Random packings of spheres, made at the start from a region, a solid fraction and a seed.
 
+mod feeding;
 mod insertion;
 mod relaxation;
 mod sizes;
 
+pub(crate) use feeding::{Feeding, Upstream};
 pub(crate) use sizes::{LEAST_PART, Sizes};
 
 use crate::{

@@ -11,7 +11,7 @@
 
 use crate::{
     Vec3,
-    bodies::Wrench,
+    bodies::{NEW, Wrench},
     contact::{Contact, Memory},
     law::Reduced,
 };
@@ -80,6 +80,12 @@ impl Record {
     #[inline(always)]
     pub fn at_a_distance(contact: &Contact, force: f64) -> Self {
         Self { normal: contact.normal, force, overlap: contact.overlap, ..Self::NONE }
+    }
+
+    /// The same from the side of the other body, where `sign` is -1.
+    #[inline(always)]
+    pub fn seen(&self, sign: f64) -> Self {
+        Self { normal: self.normal * sign, tangential: self.tangential * sign, ..*self }
     }
 
     /// What it does to a body of `radius`, whose entry it is or not (then `sign` is -1).
@@ -165,21 +171,25 @@ impl Pairs {
         }
     }
 
-    /// What the pair of bodies i and j, by their places in this list, remembers, if it touched.
-    pub fn remembered(&self, i: u32, j: u32) -> Option<Memory> {
+    /// The entry of the pair of bodies i and j, by their places in this list, if they felt each other;
+    /// and -1 where it is that of body j.
+    pub fn find(&self, i: u32, j: u32) -> Option<(usize, f64)> {
+        if i == NEW || j == NEW {
+            return None;
+        }
         let block = j as usize / BLOCK;
         let of_j = self.bounds[block] as usize..self.bounds[block + 1] as usize;
         for &place in self.places_of(i as usize) {
             let k = (place / 2) as usize;
-            if self.state[k] & TOUCHING == 0 {
+            if self.state[k] == 0 {
                 continue;
             }
             let entry = self.entries[k];
             if place.is_multiple_of(2) && entry.other == j {
-                return Some(self.memory(k));
+                return Some((k, 1.0));
             }
             if place % 2 == 1 && of_j.contains(&k) && entry.body(block * BLOCK) == j as usize {
-                return Some(self.memory(k).of_other_side());
+                return Some((k, -1.0));
             }
         }
         None

@@ -6,7 +6,7 @@ use crate::{
     cells::Cells,
     law::Reduced,
     laws::Laws,
-    pairs::{BLOCK, Entry, Pairs, Record, Rolling, TOUCHING},
+    pairs::{BLOCK, Entry, Pairs, Record, Rolling},
     rows::near,
 };
 use tremie_team::{Cut, Team};
@@ -47,7 +47,7 @@ pub(crate) struct Nearness<'a> {
     pub skin: f64,
     /// Laws of materials.
     pub laws: &'a Laws,
-    /// Where in memory each body stood when the list before was made.
+    /// Where in memory each body stood when the list before was made, or [`NEW`](crate::bodies::NEW).
     pub previous: &'a [u32],
 }
 
@@ -103,7 +103,7 @@ impl PairsMaker {
             Cut::at(&mut pairs.rolling, &pairs.rolling_bounds),
         );
         let (blocks, before) = (&self.blocks, &self.before);
-        let known = before.bounds.len() == bounds.len();
+        let known = !before.bounds.is_empty();
         team.for_pieces(pieces, |b, (entries, gaps, reduced, state, xi, records, rolling)| {
             let found = &blocks[b];
             entries.copy_from_slice(&found.entries);
@@ -120,15 +120,17 @@ impl PairsMaker {
                     continue;
                 }
                 let (i, j) = (at.previous[i], at.previous[j]);
-                let Some(memory) = known.then(|| before.remembered(i, j)).flatten() else {
+                let Some((known, sign)) = known.then(|| before.find(i, j)).flatten() else {
                     continue;
                 };
-                state[k] = TOUCHING;
-                xi[k] = memory.xi;
-                records[k].normal = memory.normal;
-                records[k].overlap = memory.overlap;
-                if let Some(rolling) = rolling.get_mut(k) {
-                    rolling.displacement = memory.rolling;
+                // Forces too: where bodies come or go between two substeps they still act.
+                state[k] = before.state[known];
+                xi[k] = before.xi[known] * sign;
+                records[k] = before.records[known].seen(sign);
+                if let (Some(rolling), Some(old)) = (rolling.get_mut(k), before.rolling.get(known))
+                {
+                    rolling.displacement = old.displacement * sign;
+                    rolling.torque = old.torque * sign;
                 }
             }
         });
@@ -159,7 +161,7 @@ impl PairsMaker {
         self.place_bounds.clear();
         self.place_bounds.extend((0..n).step_by(BLOCK).map(|i| pairs.collected[i]));
         self.place_bounds.push(end);
-        let id = &bodies.id;
+        let rank = &bodies.rank;
         let pieces =
             (Cut::at(&mut self.keys, &self.place_bounds), Cut::every(&mut self.cursors, BLOCK));
         let place_bounds = &self.place_bounds;
@@ -167,7 +169,7 @@ impl PairsMaker {
             let (first, place) = (b * BLOCK, place_bounds[b]);
             let mut put = |body: usize, other: usize, k: u32, side: u32| {
                 let cursor = &mut cursors[body - first];
-                keys[(*cursor - place) as usize] = key(id[other], k, side);
+                keys[(*cursor - place) as usize] = key(rank[other], k, side);
                 *cursor += 1;
             };
             for k in bounds[b]..bounds[b + 1] {
@@ -183,7 +185,7 @@ impl PairsMaker {
             for &(j, k) in &block.outside {
                 let cursor = &mut self.cursors[j as usize];
                 let i = entries[k as usize].body(b * BLOCK);
-                self.keys[*cursor as usize] = key(id[i], k, 1);
+                self.keys[*cursor as usize] = key(rank[i], k, 1);
                 *cursor += 1;
             }
         }
@@ -203,7 +205,7 @@ impl PairsMaker {
     }
 }
 
-/// Sorts by the other's id.
+/// Sorts by the other's rank, which is the order of ids.
 fn key(other: u32, entry: u32, side: u32) -> u64 {
     u64::from(other) << 32 | u64::from(2 * entry + side)
 }

@@ -20,6 +20,9 @@ pub struct Parameters {
     /// How far beyond touching neighbours are listed, as a fraction of the largest diameter. More
     /// makes the list longer, less makes it due more often. Results depend on it only by rounding.
     pub skin: Option<f64>,
+    /// Most spheres that may live at once, where inlets feed any. Unset: those at the start, and twice as
+    /// many as the domain holds at the largest fraction of an inlet.
+    pub capacity: Option<u64>,
     /// Lubrication between bodies, and between bodies and walls or parts, at gaps that the fluid does
     /// not resolve. Unset: none. A lattice fluid gives what it resolves of this force itself: the
     /// cut-off must not be larger than the gap below which it stops to do so, about one cell.
@@ -53,6 +56,7 @@ impl Default for Parameters {
             steps_per_contact: 20.0,
             expected_speed: None,
             skin: None,
+            capacity: None,
             lubrication: None,
         }
     }

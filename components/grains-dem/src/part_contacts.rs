@@ -77,7 +77,13 @@ impl PartContacts {
             self.triangles.extend(&found.triangles);
             self.end_block();
         }
-        self.wrench.resize(self.bodies.len(), Wrench::zero());
+        let previous = |&body: &u32| before.force_on(at.previous[body as usize]);
+        self.wrench.clear();
+        self.wrench.extend(self.bodies.iter().map(previous));
+        self.on_parts.clear();
+        self.on_parts.extend(&before.on_parts);
+        self.pushes.clear();
+        self.pushes.extend(&before.pushes);
         self.on_parts.resize(at.parts.len(), Wrench::zero());
         self.pushes.resize(at.parts.len(), Along::default());
         let blocks = self.bounds.len() - 1;
@@ -101,6 +107,11 @@ impl PartContacts {
     fn end_block(&mut self) {
         self.bounds.push(self.bodies.len() as u32);
         self.entry_bounds.push(self.entries.len() as u32);
+    }
+
+    /// The parts' force on a body, by its place in this list.
+    fn force_on(&self, body: u32) -> Wrench {
+        self.bodies.binary_search(&body).map_or(Wrench::zero(), |p| self.wrench[p])
     }
 
     /// What the contacts of a body, by its place in this list, with a part remember.

@@ -119,6 +119,16 @@ impl PeriodicBox {
         step(2).flat_map(offsets).map(image).map(|image| (image, self.shifts[image as usize]))
     }
 
+    /// Whether `x` lies in the box, or beyond a face that is a way out; not so for numbers that are not
+    /// finite.
+    pub fn contains_but_for(&self, ways_out: [[bool; 2]; 3], x: Vec3) -> bool {
+        (0..3).all(|a| {
+            let [low, high] = ways_out[a];
+            let size = self.size[a];
+            x[a].is_finite() && (low || x[a] >= self.min[a]) && (high || x[a] <= self.min[a] + size)
+        })
+    }
+
     /// Whether `x` lies in the closed box; not so for numbers that are not finite.
     pub fn contains(&self, x: Vec3) -> bool {
         (0..3).all(|a| x[a] >= self.min[a] && x[a] <= self.min[a] + self.size[a])

@@ -7,11 +7,21 @@ mod overlap;
 mod regions;
 mod sections;
 
-use crate::{Vec3, bodies::Bodies, pairs::BLOCK, periodic::PeriodicBox};
+use crate::{
+    Vec3,
+    bodies::{Bodies, take_out},
+    pairs::BLOCK,
+    periodic::PeriodicBox,
+};
 use regions::Region;
 use sections::Section;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
 use tremie_team::Team;
+
+/// Volume of the part of a sphere that lies in a box [m³].
+pub(crate) fn volume_in_box(radius: f64, x: Vec3, min: Vec3, max: Vec3) -> f64 {
+    overlap::of_sphere_and_box(radius, (min - x).into(), (max - x).into())
+}
 
 /// Names and units of the values of a scene's probes, in their order: `probe.value`. Points and lines
 /// are the fluid's alone.
@@ -41,9 +51,9 @@ pub(crate) struct Probes {
     kinds: Vec<Kind>,
     sections: Vec<Section>,
     regions: Vec<Region>,
-    /// Masses by id [kg]: given motions have one too.
+    /// Masses by rank [kg]: given motions have one too.
     mass: Vec<f64>,
-    /// Positions by id when sections were last looked at.
+    /// Positions by rank when sections were last looked at.
     before: Vec<Vec3>,
     crossings: Vec<sections::Sum>,
     contents: Vec<regions::Sum>,
@@ -77,10 +87,28 @@ impl Probes {
             own.before = bodies.slot.iter().map(|&slot| bodies.balls[slot as usize].x).collect();
             own.mass = mass;
         }
-        let blocks = bodies.len().div_ceil(BLOCK);
-        own.crossings.resize(blocks * own.sections.len(), sections::Sum::default());
-        own.contents.resize(blocks * own.regions.len(), regions::Sum::default());
+        own.fit(bodies.len());
         own
+    }
+
+    /// Sums for so many bodies.
+    fn fit(&mut self, bodies: usize) {
+        let blocks = bodies.div_ceil(BLOCK);
+        self.crossings.resize(blocks * self.sections.len(), sections::Sum::default());
+        self.contents.resize(blocks * self.regions.len(), regions::Sum::default());
+    }
+
+    /// Bodies of the ranks `gone`, which ascend, are not there any more; others, with their masses [kg],
+    /// came after the rest.
+    pub fn exchange(&mut self, gone: &[u32], masses: impl Iterator<Item = f64>, bodies: &Bodies) {
+        if !self.sections.is_empty() {
+            take_out(&mut self.mass, gone);
+            take_out(&mut self.before, gone);
+            self.mass.extend(masses);
+            let added = &bodies.slot[self.before.len()..];
+            self.before.extend(added.iter().map(|&slot| bodies.balls[slot as usize].x));
+        }
+        self.fit(bodies.len());
     }
 
     /// Notes which spheres crossed a section since the last time, `duration` [s] ago.

@@ -3,11 +3,12 @@
 use crate::{
     Parameters, check,
     check::MIN_STEPS_PER_CONTACT,
+    check_ports,
     damping::restitution,
     encounters::{Encounter, Population, contact_time, damping_ratio, largest_overlap},
     law::{Law, Reduced},
     lubrication::Squeeze,
-    memory, overlaps, parts, placement,
+    memory, overlaps, parts, placement, ports,
     slider_times::{self, Grains, SliderTimes},
     stability::Stability,
 };
@@ -33,9 +34,9 @@ pub struct Resolution {
     pub expected_speed: f64,
     /// Whether any collision is under Hertz's law.
     pub hertz: bool,
-    /// Number of bodies: spheres and parts that move.
+    /// Most bodies that may live at once: spheres and parts that move.
     pub bodies: usize,
-    /// Number of spheres.
+    /// Number of spheres at the start.
     pub spheres: usize,
     /// Memory that the spheres take, if they are packed densely [bytes].
     pub memory: u64,
@@ -97,6 +98,7 @@ impl Parameters {
         let (listed, parts) = (placement::listed(scene), parts::load(scene)?);
         overlaps::check(scene, &listed)?;
         overlaps::check_parts(scene, &listed, &parts)?;
+        check_ports::room(scene, &parts)?;
         let population = Population::of(scene);
         let encounters = population.encounters();
         let speed = self.speed(scene, &population);
@@ -114,15 +116,16 @@ impl Parameters {
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
         let given = self.time_step.map(|step| step.0);
         let rolling = scene.contacts.iter().any(|pair| pair.law.rolling_friction > 0.0);
+        let capacity = ports::capacity(scene, self, population.bodies());
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
             stable_time_step: finite(limits.dense),
             contact_time: finite(limits.contact),
             expected_speed: speed,
             hertz: encounters.iter().any(|e| matches!(e.law.spring, Spring::Hertz { .. })),
-            bodies: population.bodies() + parts.iter().filter(|part| part.moves()).count(),
+            bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
-            memory: (population.bodies() * memory::of_sphere(rolling)) as u64,
+            memory: (capacity * memory::of_sphere(rolling)) as u64,
             free_bodies: population.free(),
             smallest_diameter,
             largest_diameter,

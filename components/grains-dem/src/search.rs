@@ -44,6 +44,8 @@ pub(crate) struct Search {
     found_parts: Vec<part_finder::Found>,
     order: Vec<u32>,
     keys: Vec<(u64, u32)>,
+    /// Where bodies stood in memory when lists were made, if any came or went since.
+    pub moved: Option<Vec<u32>>,
 }
 
 /// The contacts of all bodies.
@@ -88,6 +90,7 @@ impl Search {
             found_parts: Vec::new(),
             order: Vec::with_capacity(bodies),
             keys: Vec::with_capacity(bodies),
+            moved: None,
         }
     }
 
@@ -107,6 +110,10 @@ impl Search {
         } else {
             self.order.clear();
             self.order.extend(0..bodies.len() as u32);
+        }
+        let moved = self.moved.take();
+        if let Some(moved) = &moved {
+            self.order.iter_mut().for_each(|place| *place = moved[*place as usize]);
         }
         start_anew(team, bodies);
         let near = Nearness {
@@ -133,6 +140,9 @@ impl Search {
             previous: &self.order,
         };
         self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
+        if moved.is_some() {
+            self.surfaces.follow(&self.order, &bodies.ids);
+        }
         self.surfaces.spoil();
         around.parts.iter_mut().for_each(PlacedPart::begin_list);
         self.rebuilds += 1;

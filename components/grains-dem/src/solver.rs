@@ -2,7 +2,7 @@
 
 use crate::{
     Diagnostics, GrainsError, Parameters, Vec3,
-    bodies::{Bodies, PlacedSphere},
+    bodies::{Bodies, PlacedSphere, SphereSet},
     contact::Steps,
     diagnostics::{Seen, Survey},
     driven::Driven,
@@ -12,7 +12,9 @@ use crate::{
     pairs::BLOCK,
     parts::{self, PlacedPart, Step},
     placement,
+    ports::Ports,
     probes::Probes,
+    roll::Roll,
     search::Search,
     slider::SliderState,
     substeps::Progress,
@@ -39,17 +41,20 @@ pub struct GrainsDem {
     pub(crate) gravity: Vec3,
     pub(crate) dt: f64,
     pub(crate) bodies: Bodies,
-    events: Vec<BodyEvent>,
+    pub(crate) events: Vec<BodyEvent>,
+    pub(crate) roll: Roll,
+    /// The id of the next body that comes.
+    pub(crate) next_id: u64,
     pub(crate) search: Search,
     pub(crate) team: Team,
-    driven: Driven,
+    pub(crate) driven: Driven,
     /// Substeps since the start.
-    steps: u64,
+    pub(crate) steps: u64,
     pub(crate) loaded: bool,
     pub(crate) crossed: bool,
     /// What each block of bodies saw at the last evaluation, and how far it went.
-    tallies: Vec<Tally>,
-    reaches: Vec<Reach>,
+    pub(crate) tallies: Vec<Tally>,
+    pub(crate) reaches: Vec<Reach>,
     wandered: Wandered,
     tally: Tally,
     max_overlap_ratio: f64,
@@ -58,6 +63,12 @@ pub struct GrainsDem {
     load_sums: Vec<Result<Vec3, GrainsError>>,
     survey: Survey,
     pub(crate) probes: Probes,
+    /// What spheres of each set of the scene are.
+    pub(crate) sets: Vec<SphereSet>,
+    /// Diameter of the largest sphere that lists are made for [m].
+    pub(crate) largest: f64,
+    /// Where spheres come from and go to.
+    pub(crate) ports: Ports,
     /// How far the window has come.
     pub(crate) progress: Progress,
 }
@@ -132,11 +143,16 @@ impl GrainsDem {
             ball.x = around.bounds.wrap(ball.x);
         }
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
+        let largest = scene.inlets.iter().fold(largest, |d, i| d.max(i.diameters.extremes()[1]));
+        let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
+        bodies.reserve(ports.capacity);
         let mass = spheres.iter().map(|sphere| sphere.mass).collect();
+        let sets = SphereSet::of_scene(scene, laws);
         let probes = Probes::new(&scene.probes, mass, &bodies);
         let blocks = spheres.len().div_ceil(BLOCK);
         let events = events::initial(spheres, &around.parts);
         let bodies_of_run = events.len();
+        let roll = Roll::new(spheres.len(), bodies_of_run - spheres.len());
         let surfaces = Surfaces::new(surfaces, &around.laws, &around.parts, spheres.len());
         let bounds = around.bounds.clone();
         Self {
@@ -144,7 +160,9 @@ impl GrainsDem {
             gravity: scene.gravity.into(),
             dt,
             events,
-            search: Search::new(bounds, largest, parameters, spheres.len(), surfaces),
+            roll,
+            next_id: roll.first_free(),
+            search: Search::new(bounds, largest, parameters, ports.capacity, surfaces),
             around,
             bodies,
             team,
@@ -162,18 +180,22 @@ impl GrainsDem {
             load_sums: Vec::with_capacity(bodies_of_run.div_ceil(BLOCK)),
             survey: Survey::default(),
             probes,
+            sets,
+            ports,
+            largest,
             progress: Progress::default(),
         }
     }
 
-    /// The bodies at the start, by ascending id.
-    pub fn initial_events(&self) -> &[BodyEvent] {
+    /// Who came and went at the end of the last window, those that went first, by ascending id; before
+    /// the first window all bodies.
+    pub fn events(&self) -> &[BodyEvent] {
         &self.events
     }
 
-    /// Number of bodies: spheres, and after them the parts that move.
+    /// Number of living bodies: spheres, and parts that move.
     pub fn body_count(&self) -> usize {
-        self.events.len()
+        self.roll.bodies(&self.bodies)
     }
 
     /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
@@ -203,7 +225,7 @@ impl GrainsDem {
         self.dt
     }
 
-    fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         self.time_after(0)
     }
 
@@ -217,12 +239,16 @@ impl GrainsDem {
     /// If `out` does not have [`body_count`](Self::body_count) entries.
     pub fn write_state(&self, out: &mut [BodyState]) {
         assert_eq!(out.len(), self.body_count(), "one state for each body");
-        let (spheres, parts) = out.split_at_mut(self.bodies.len());
+        let places = self.roll.places_of_parts();
         let moving = self.around.parts.iter().filter(|part| part.moves());
-        for ((id, state), part) in (self.bodies.len() as u64..).zip(parts).zip(moving) {
+        for ((id, state), part) in
+            (self.roll.first_part..).zip(&mut out[places.clone()]).zip(moving)
+        {
             *state = part.state(id);
         }
-        for ((id, state), &slot) in (0..).zip(spheres).zip(&self.bodies.slot) {
+        let (early, late) = out.split_at_mut(places.start);
+        let spheres = early.iter_mut().chain(&mut late[places.len()..]);
+        for ((&id, state), &slot) in self.bodies.ids.iter().zip(spheres).zip(&self.bodies.slot) {
             let slot = slot as usize;
             let twist = &self.bodies.twists[slot];
             *state = BodyState {
@@ -281,12 +307,11 @@ impl GrainsDem {
     pub(crate) fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
         self.loaded = !loads.is_empty();
         if self.loaded {
-            let count = self.body_count();
             let (bodies, sums) = (&mut self.bodies, &mut self.load_sums);
-            let force = loads::take(&mut self.team, bodies, loads, count, sums)?;
+            let force = loads::take(&mut self.team, bodies, loads, self.roll, sums)?;
             self.fluid_impulse += force * (f64::from(substeps) * self.dt);
         }
-        let of_parts = loads.get(self.bodies.len()..).unwrap_or_default();
+        let of_parts = loads.get(self.roll.places_of_parts()).unwrap_or_default();
         let mut of_parts = of_parts.iter();
         for part in self.around.parts.iter_mut().filter(|part| part.moves()) {
             let load = of_parts.next();
@@ -371,10 +396,10 @@ impl GrainsDem {
         }
     }
 
-    fn rebuild_lists(&mut self) {
+    pub(crate) fn rebuild_lists(&mut self) {
         self.search.rebuild(&mut self.team, &mut self.bodies, &mut self.around);
         self.crossed = false;
-        self.wandered.begin();
+        self.wandered.begin(self.bodies.len().div_ceil(BLOCK));
     }
 
     pub(crate) fn check_overlap(&self) -> Result<(), GrainsError> {
@@ -382,7 +407,7 @@ impl GrainsDem {
         if deepest.ratio <= TOO_DEEP {
             return Ok(());
         }
-        let id = |slot: u32| u64::from(self.bodies.id[slot as usize]);
+        let id = |slot: u32| self.bodies.id_at(slot as usize);
         let (id, other) = self.around.name(id(deepest.body), deepest.other, id);
         let percent = 100.0 * deepest.ratio;
         Err(GrainsError::Overlap { id, other, percent })
@@ -397,15 +422,17 @@ impl GrainsDem {
         }
     }
 
-    /// Every centre must lie inside the domain.
+    /// Every centre must lie inside the domain, or beyond a face through which spheres leave.
     fn check_inside(&self) -> Result<(), GrainsError> {
-        let outside =
-            |&&slot: &&u32| !self.around.bounds.contains(self.bodies.balls[slot as usize].x);
+        let outside = |&&slot: &&u32| {
+            let x = self.bodies.balls[slot as usize].x;
+            !self.around.bounds.contains_but_for(self.around.ways_out, x)
+        };
         match self.bodies.slot.iter().find(outside) {
             None => Ok(()),
             Some(&slot) => {
                 let [x, y, z] = self.bodies.balls[slot as usize].x.into();
-                let id = u64::from(self.bodies.id[slot as usize]);
+                let id = self.bodies.id_at(slot as usize);
                 Err(GrainsError::LeftDomain { id, x, y, z })
             }
         }

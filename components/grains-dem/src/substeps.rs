@@ -28,7 +28,12 @@ pub(crate) struct Progress {
 
 impl Progress {
     /// Checks that a call comes in its turn.
-    fn expect(self, call: &'static str, open: bool, inside: bool) -> Result<(), GrainsError> {
+    pub(crate) fn expect(
+        self,
+        call: &'static str,
+        open: bool,
+        inside: bool,
+    ) -> Result<(), GrainsError> {
         let first = match self {
             _ if (self.open, self.inside) == (open, inside) => return Ok(()),
             Self { inside: true, .. } => "finish_substep",
@@ -101,10 +106,10 @@ impl GrainsDem {
         self.check_overlap()
     }
 
-    /// Ends a window: velocities are those of its end.
+    /// Ends a window: velocities are those of its end, and spheres come and go at inlets and outlets.
     ///
     /// # Errors
-    /// No window, or a substep that was not finished.
+    /// More spheres than there is room for; no window, or a substep that was not finished.
     pub fn end_window(&mut self) -> Result<(), GrainsError> {
         self.progress.expect("end_window", true, false)?;
         let substeps = std::mem::take(&mut self.progress).done;
@@ -119,7 +124,8 @@ impl GrainsDem {
         }
         let duration = f64::from(substeps) * self.dt;
         self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
-        Ok(())
+        self.events.clear();
+        self.pass_ports()
     }
 
     /// Pose and velocity of the slider that carries a surface: within a substep those that forces see.
@@ -127,7 +133,7 @@ impl GrainsDem {
     pub fn carrier_state(&self, surface: usize) -> Option<BodyState> {
         let held = self.search.surfaces.held.get(surface)?;
         let before = self.around.parts[..held.carrier].iter().filter(|part| part.moves()).count();
-        let id = (self.bodies.len() + before) as u64;
+        let id = self.roll.first_part + before as u64;
         Some(self.around.parts[held.carrier].state(id))
     }
 }

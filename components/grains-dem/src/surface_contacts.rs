@@ -19,7 +19,7 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     /// Id of the body, and where it stands in memory.
-    id: u32,
+    id: u64,
     pub body: u32,
     /// Where its force is added up.
     pub place: u32,
@@ -129,6 +129,11 @@ impl Held {
         self.stale = true;
     }
 
+    /// Forgets the bodies that are not among `ids`, which ascend.
+    pub fn forget(&mut self, ids: &[u64]) {
+        self.entries.retain(|entry| ids.binary_search(&entry.id).is_ok());
+    }
+
     /// Whether a shape needs other lists than those at hand.
     ///
     /// # Errors
@@ -175,7 +180,7 @@ impl Held {
         let all = Box3::of(vertices.iter().map(|&x| x.into()));
         // Both bodies' lists may be half spent when this one begins.
         let gap = around.skin + self.skin;
-        for (id, &slot) in (0..).zip(&around.bodies.slot) {
+        for (&id, &slot) in around.bodies.ids.iter().zip(&around.bodies.slot) {
             let (slot, bodies) = (slot as usize, around.bodies);
             let Ball { x, radius } = bodies.balls[slot];
             if bodies.mobility[slot].is_free() && all.is_near(x, radius + gap) {
@@ -202,7 +207,7 @@ impl Held {
         }
     }
 
-    fn enter(&mut self, id: u32, slot: usize, around: &Around<'_>) {
+    fn enter(&mut self, id: u64, slot: usize, around: &Around<'_>) {
         let bodies = around.bodies;
         let known = self.spare.binary_search_by_key(&id, |entry| entry.id).ok();
         let (touching, memories) = known.map_or((0, [Memory::default(); MOST]), |e| {

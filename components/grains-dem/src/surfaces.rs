@@ -48,6 +48,21 @@ impl Surfaces {
         self.held.iter_mut().for_each(Held::spoil);
     }
 
+    /// Bodies came and went: `previous` tells where in memory each stood, `ids` who they are. Forces
+    /// stay as they are until the next shape.
+    pub fn follow(&mut self, previous: &[u32], ids: &[u64]) {
+        self.held.iter_mut().for_each(|held| held.forget(ids));
+        let (old, wrench) = (std::mem::take(&mut self.bodies), std::mem::take(&mut self.wrench));
+        for (body, before) in (0..).zip(previous) {
+            if let Ok(place) = old.binary_search(before) {
+                self.bodies.push(body);
+                self.wrench.push(wrench[place]);
+            }
+        }
+        self.bounds.resize(previous.len().div_ceil(BLOCK) + 1, 0);
+        self.give_bounds();
+    }
+
     /// Tries a shape of a surface, without a trace; `out` is cleared and gets the loads on facets.
     ///
     /// # Errors
@@ -121,6 +136,10 @@ impl Surfaces {
         }
         self.wrench.clear();
         self.wrench.resize(self.bodies.len(), Wrench::zero());
+        self.give_bounds();
+    }
+
+    fn give_bounds(&mut self) {
         for (b, bound) in self.bounds.iter_mut().enumerate() {
             let first = (b * BLOCK) as u32;
             *bound = self.bodies.partition_point(|&body| body < first) as u32;

@@ -24,6 +24,8 @@ pub(crate) struct Surroundings {
     pub bounds: PeriodicBox,
     /// Laws of materials.
     pub laws: Laws,
+    /// Faces of the domain through which spheres leave: `(lower, upper)` by axis.
+    pub ways_out: [[bool; 2]; 3],
     /// The walls.
     pub walls: Vec<Wall>,
     /// Those that are no mirrors.
@@ -63,6 +65,7 @@ impl Surroundings {
             part_materials: scene.parts.iter().map(|part| laws.material(&part.material)).collect(),
             one_law: if plain { laws.only(&materials) } else { None },
             laws,
+            ways_out: [0, 1, 2].map(|axis| [0, 1].map(|side| scene.is_way_out(axis, side))),
             walls: walls::of_scene(scene),
             seat_walls: walls::without_mirrors(scene),
             wall_laws,

@@ -80,7 +80,14 @@ impl WallContacts {
             self.entries.extend(&found.entries);
             self.end_block();
         }
-        self.wrench.resize(self.bodies.len(), Wrench::zero());
+        let previous = |&body: &u32| before.force_on(at.previous[body as usize]);
+        self.wrench.clear();
+        self.wrench.extend(self.bodies.iter().map(previous));
+    }
+
+    /// The walls' force on a body, by its place in this list.
+    fn force_on(&self, body: u32) -> Wrench {
+        self.bodies.binary_search(&body).map_or(Wrench::zero(), |p| self.wrench[p])
     }
 
     fn clear(&mut self) {

@@ -30,12 +30,17 @@ impl Wall {
 /// Number of each wall's law with each material: `of[wall][material]`.
 pub(crate) type WallLaws = Vec<Vec<u16>>;
 
-/// The walls of a scene: first the domain's faces, `(lower, upper)` by axis, then its planes.
+/// The walls of a scene: first the domain's faces, `(lower, upper)` by axis, those left out through which
+/// spheres leave, then its planes.
 pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
     let domain = &scene.domain;
-    let mut walls =
-        of_box(domain.min, domain.max, |axis, side| domain.faces[axis][side] != Face::Periodic);
-    let faces = domain.faces.iter().flatten().filter(|face| **face != Face::Periodic);
+    let holds = |axis: usize, side: usize| {
+        domain.faces[axis][side] != Face::Periodic && !scene.is_way_out(axis, side)
+    };
+    let mut walls = of_box(domain.min, domain.max, holds);
+    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    let faces = sides.filter(|&(axis, side)| holds(axis, side));
+    let faces = faces.map(|(axis, side)| &domain.faces[axis][side]);
     for (wall, face) in walls.iter_mut().zip(faces) {
         if let Face::Wall { velocity } = face {
             let velocity = Vec3::from(*velocity);

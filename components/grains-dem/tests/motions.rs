@@ -23,7 +23,7 @@ fn given_motions_are_kept_and_felt() {
     ];
     let dt = 5e-7;
     let mut dem = make(&scene, dt);
-    let motions: Vec<u32> = dem.initial_events().iter().map(|e| e.motion).collect();
+    let motions: Vec<u32> = dem.events().iter().map(|e| e.motion).collect();
     assert_eq!(motions, [BodyEvent::PRESCRIBED, BodyEvent::FREE, BodyEvent::FIXED]);
     let push = |id| Load { id, force: [0.0, 1e-6, 0.0], torque: [1e-9; 3] };
     let mut loads = [push(0), push(1), push(2)];

@@ -173,7 +173,7 @@ fn a_belt_carries_a_sphere_until_it_rolls() {
         with([0.0, 0.0, -G], vec![sphere([13e-3, 10e-3, 4.5e-3 - overlap], D, [0.0; 3])]);
     scene.parts = vec![part(cuboid([12e-3, 12e-3, 2e-3]), [10e-3, 10e-3, 3e-3], belt)];
     let mut dem = make(&scene, DT);
-    let events = dem.initial_events();
+    let events = dem.events();
     assert_eq!((events[1].shape, events[1].motion), (BodyEvent::PART, BodyEvent::PRESCRIBED));
     assert_eq!((events[1].id, events[1].table), (1, 0));
     // Loads on the part are taken and move nothing.

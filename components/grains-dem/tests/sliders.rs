@@ -200,7 +200,7 @@ fn loads_come_by_the_parts_id_and_act_along_the_axis() {
     let mut scene = alone(slider(SliderSpring::None, None));
     scene.bodies = vec![set(Motion::Fixed, vec![sphere([3e-3; 3], D, [0.0; 3])])];
     let mut dem = make(&scene, 1e-5);
-    let event = dem.initial_events()[1];
+    let event = dem.events()[1];
     assert_eq!((event.id, event.shape, event.motion), (1, BodyEvent::PART, BodyEvent::SLIDER));
     assert_eq!((event.mass, event.table), (M, 0));
     let load = Load { id: 1, force: [7.0, -3.0, 0.5], torque: [1.0; 3] };

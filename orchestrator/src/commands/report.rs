@@ -3,6 +3,7 @@
 use super::WRONG_INPUT;
 use crate::cli::ReportArgs;
 use crate::report::{self, ReportError};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Signals that never change which are still listed.
@@ -25,7 +26,8 @@ pub fn report(arguments: &ReportArgs) -> ExitCode {
 fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
     let report = report::report(&arguments.outs, &arguments.signals)?;
     let path = arguments.to.clone().unwrap_or_else(|| arguments.outs[0].join("report.svg"));
-    let names: Vec<String> = arguments.outs.iter().map(|out| out.display().to_string()).collect();
+    let name = |out: &PathBuf| out.file_name().map(|name| name.to_string_lossy().into_owned());
+    let names: Vec<String> = arguments.outs.iter().filter_map(name).collect();
     report::draw(&report, &names.join(", "), &path)?;
     let curves: usize = report.panels.iter().map(|panel| panel.curves.len()).sum();
     println!("{}: {curves} curves in {} panels", path.display(), report.panels.len());

@@ -1,7 +1,7 @@
 //! Defaults filled in, and the manifest written out again as it was understood.
 
 use super::document::{
-    AxisEntry, BodiesTable, ComponentEntry, Document, DomainTable, FaceEntry, FaceName,
+    AxisEntry, BodiesTable, ComponentEntry, Document, DomainTable, FaceEntry, FaceName, InletTable,
     MaterialTable, MotionName, MotionPointTable, PartMotionEntry, PartMotionTable, PartTable,
     SurfaceTable,
 };
@@ -12,7 +12,7 @@ use schemars::generate::SchemaSettings;
 use std::collections::BTreeMap;
 use std::path::Path;
 use tremie_messages::Role;
-use tremie_messages::scene::{Domain, Profile};
+use tremie_messages::scene::{Domain, Inlet, Profile};
 use tremie_messages::units::{
     Acceleration, AngularVelocity, Force, Length, Pressure, Time, Velocity,
 };
@@ -131,6 +131,9 @@ impl Document {
         for set in &mut scene.bodies {
             fill_bodies(set, self.run.seed, &scene.materials);
         }
+        for inlet in &mut scene.inlets {
+            fill_inlet(inlet, self.run.seed, &scene.materials);
+        }
         for law in &mut scene.contacts {
             law.hertz.get_or_insert(false);
             law.friction.get_or_insert(0.0);
@@ -206,6 +209,23 @@ fn fill_bodies(
         packing.seed.get_or_insert(seed);
     }
     fill_course(&mut set.course);
+}
+
+fn fill_inlet(
+    inlet: &mut InletTable,
+    seed: Option<u64>,
+    materials: &BTreeMap<String, MaterialTable>,
+) {
+    if inlet.bodies.is_none() {
+        inlet.material = inlet.material.take().or_else(|| inlet.name.clone());
+        let material = inlet.material.as_ref().and_then(|name| materials.get(name));
+        let density = material.and_then(|material| material.density);
+        inlet.density = inlet.density.or(density.filter(|density| density.0 > 0.0));
+    }
+    inlet.tries.get_or_insert(Inlet::TRIES);
+    if let Some(seed) = seed {
+        inlet.seed.get_or_insert(seed);
+    }
 }
 
 fn fill_course(course: &mut Option<Vec<MotionPointTable>>) {

@@ -4,6 +4,7 @@ use tremie_messages::scene::{Damping, Diameters, Face, Motion, Placement};
 
 mod contacts;
 mod faces;
+mod inlets;
 mod parts;
 mod seals;
 
@@ -394,6 +395,8 @@ fn the_schema_names_every_table_and_no_null() {
         "rotation",
         "probes",
         "slip_below",
+        "inlets",
+        "z_upper",
         "section",
         "relaxation_time",
         "steps_per_contact",

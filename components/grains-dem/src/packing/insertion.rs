@@ -33,14 +33,14 @@ pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Ve
     Some(grid.balls.split_off(region.obstacles.len()))
 }
 
-fn fits(region: &Region<'_>, grid: &Grid, ball: &Ball) -> bool {
+pub(super) fn fits(region: &Region<'_>, grid: &Grid, ball: &Ball) -> bool {
     region.walls.iter().all(|wall| wall.overlap(ball) <= 0.0)
         && !grid.overlaps(ball)
         && region.depth_in_parts(ball).0 <= 0.0
 }
 
 /// Cells with linked lists of the spheres inserted so far.
-struct Grid {
+pub(super) struct Grid {
     bounds: PeriodicBox,
     edge: Vec3,
     count: [i64; 3],
@@ -50,7 +50,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(region: &Region<'_>, smallest_edge: f64, spheres: usize) -> Self {
+    pub fn new(region: &Region<'_>, smallest_edge: f64, spheres: usize) -> Self {
         let size = region.bounds.size;
         let mut least = smallest_edge;
         let count = loop {
@@ -71,7 +71,7 @@ impl Grid {
         }
     }
 
-    fn add(&mut self, ball: Ball) {
+    pub fn add(&mut self, ball: Ball) {
         let slot = self.slot(self.cell(ball.x));
         self.next.push(self.first[slot]);
         self.first[slot] = self.balls.len() as u32;

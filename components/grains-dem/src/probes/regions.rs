@@ -1,6 +1,5 @@
 //! Boxes: how much of them the spheres fill, and how these move.
 
-use super::overlap;
 use crate::{Vec3, bodies::Bodies, pairs::BLOCK, periodic::PeriodicBox};
 use tremie_team::{Cut, Team};
 
@@ -52,7 +51,7 @@ pub(super) fn look(
 impl Region {
     /// Volume of a sphere in the region [m³].
     fn volume_of(&self, x: Vec3, radius: f64) -> f64 {
-        overlap::of_sphere_and_box(radius, (self.min - x).into(), (self.max - x).into())
+        super::volume_in_box(radius, x, self.min, self.max)
     }
 
     /// Whether a centre lies in it; regions side by side never share one.

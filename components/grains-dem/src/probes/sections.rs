@@ -64,7 +64,7 @@ impl Section {
     }
 }
 
-/// Sums what passed since positions were `before`, by id, and takes the new ones. Ways are straight,
+/// Sums what passed since positions were `before`, by rank, and takes the new ones. Ways are straight,
 /// and along periodic axes shorter than half the domain.
 pub(super) fn pass(
     sections: &mut [Section],
@@ -77,14 +77,14 @@ pub(super) fn pass(
     let pieces = (Cut::every(before, BLOCK), Cut::every(sums, sections.len()));
     team.for_pieces(pieces, |b, (before, sums): (&mut [Vec3], &mut [Sum])| {
         sums.fill(Sum::default());
-        for (id, before) in (b * BLOCK..).zip(before) {
-            let x = bodies.balls[bodies.slot[id] as usize].x;
+        for (rank, before) in (b * BLOCK..).zip(before) {
+            let x = bodies.balls[bodies.slot[rank] as usize].x;
             let from = std::mem::replace(before, x);
             let way = bounds.shortest(x - from);
             for (section, sum) in seen.iter().zip(&mut *sums) {
                 let crossed = section.crossed(from, way, bounds);
                 sum.number += crossed;
-                sum.mass += crossed as f64 * mass[id];
+                sum.mass += crossed as f64 * mass[rank];
             }
         }
     });

@@ -6,6 +6,7 @@ mod bodies;
 mod contacts;
 mod domain;
 mod gaps;
+mod inlets;
 mod parts;
 mod probes;
 mod reservoir;
@@ -16,6 +17,7 @@ pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, Si
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
 pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
+pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
@@ -43,6 +45,12 @@ pub struct Scene {
     pub surfaces: Vec<DeformableSurface>,
     /// Spheres, in sets of one material and motion.
     pub bodies: Vec<BodySet>,
+    /// Where spheres come from during the run.
+    #[serde(default)]
+    pub inlets: Vec<Inlet>,
+    /// Where they go to.
+    #[serde(default)]
+    pub outlets: Vec<Outlet>,
     /// Contact laws, one for each pair of materials that may touch.
     pub contacts: Vec<PairLaw>,
     /// Where the run measures.
@@ -63,6 +71,8 @@ impl Scene {
             parts: Vec::new(),
             surfaces: Vec::new(),
             bodies: Vec::new(),
+            inlets: Vec::new(),
+            outlets: Vec::new(),
             contacts: Vec::new(),
             probes: Vec::new(),
             gaps: Vec::new(),
@@ -81,6 +91,18 @@ impl Scene {
             values(&probe.shape).iter().map(of).collect::<Vec<_>>()
         };
         self.probes.iter().flat_map(named).collect()
+    }
+
+    /// Whether spheres leave the run through a face of the domain: it is open, and an outlet removes those
+    /// whose centre has come that far.
+    pub fn is_way_out(&self, axis: usize, side: usize) -> bool {
+        let domain = &self.domain;
+        let before = |outlet: &Outlet| match side {
+            0 => outlet.at >= domain.min[axis],
+            _ => outlet.at <= domain.max[axis],
+        };
+        let of = |outlet: &&Outlet| outlet.axis == axis && outlet.side == side && before(outlet);
+        domain.faces[axis][side].is_open() && self.outlets.iter().any(|outlet| of(&outlet))
     }
 
     /// The contact law between two materials, in either order.

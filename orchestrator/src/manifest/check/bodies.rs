@@ -144,7 +144,13 @@ fn packing(table: &PackingTable, at: &str, findings: &mut Findings) -> Option<Pa
 }
 
 /// Notes a region that is empty, or too narrow for one sphere.
-fn region_holds(min: &[f64; 3], max: &[f64; 3], diameter: f64, at: &str, findings: &mut Findings) {
+pub(super) fn region_holds(
+    min: &[f64; 3],
+    max: &[f64; 3],
+    diameter: f64,
+    at: &str,
+    findings: &mut Findings,
+) {
     let narrowest = (0..3).map(|a| max[a] - min[a]).fold(f64::INFINITY, f64::min);
     let key = path::join(at, "max");
     if narrowest <= 0.0 {

@@ -8,7 +8,7 @@ use tremie_messages::scene::Domain;
 use tremie_sdk::parameters::nearest;
 
 /// Checks the tables, and that each material that something is made of is known: a table of its
-/// own, the name of a set of bodies, or that of the usual walls.
+/// own, the name of a set of bodies or of an inlet with its own, or that of the usual walls.
 pub(super) fn materials(scene: &SceneTable, findings: &mut Findings) {
     for (name, table) in &scene.materials {
         material(table, &path::join("scene.materials", name), findings);
@@ -16,11 +16,12 @@ pub(super) fn materials(scene: &SceneTable, findings: &mut Findings) {
     let known = known(scene);
     let mut users: Vec<(String, &Option<String>)> =
         vec![("scene.domain.material".into(), &scene.domain.material)];
-    let lists: [(&str, Vec<&Option<String>>); 4] = [
+    let lists: [(&str, Vec<&Option<String>>); 5] = [
         ("scene.planes", scene.planes.iter().map(|plane| &plane.material).collect()),
         ("scene.parts", scene.parts.iter().map(|part| &part.material).collect()),
         ("scene.surfaces", scene.surfaces.iter().map(|surface| &surface.material).collect()),
         ("scene.bodies", scene.bodies.iter().map(|set| &set.material).collect()),
+        ("scene.inlets", scene.inlets.iter().map(|inlet| &inlet.material).collect()),
     ];
     for (list, names) in lists {
         let key = |i| path::join(&path::item(list, i), "material");
@@ -57,7 +58,9 @@ fn material(table: &MaterialTable, at: &str, findings: &mut Findings) {
 pub(super) fn known(scene: &SceneTable) -> BTreeSet<&str> {
     let declared = scene.materials.keys().map(String::as_str);
     let own = scene.bodies.iter().filter_map(|set| set.name.as_deref());
-    declared.chain(own).chain([Domain::MATERIAL]).collect()
+    let with_own = scene.inlets.iter().filter(|inlet| inlet.bodies.is_none());
+    let fed = with_own.filter_map(|inlet| inlet.name.as_deref());
+    declared.chain(own).chain(fed).chain([Domain::MATERIAL]).collect()
 }
 
 /// Whether `name` is a material; a problem of `key` if not.

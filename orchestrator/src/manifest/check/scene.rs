@@ -4,7 +4,7 @@ use super::super::document::{FluidTable, PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
-use super::{bodies, domain, gaps, materials, parts, placement, probes, seals, surfaces};
+use super::{bodies, domain, gaps, inlets, materials, parts, placement, probes, seals, surfaces};
 use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Part, Plane, Scene};
 
 pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene> {
@@ -14,7 +14,11 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let planes = planes(&table.planes, findings);
     let parts = parts::parts(&table.parts, findings);
     let seals = seals::surfaces(&table.surfaces, &table.parts, findings);
-    let bodies = bodies::bodies(&table.bodies, findings);
+    let mut bodies = bodies::bodies(&table.bodies, findings);
+    let mut names = inlets::Names::of(table);
+    let (inlets, own_sets) = inlets::inlets(table, &mut names, findings);
+    bodies.extend(own_sets);
+    let outlets = inlets::outlets(&table.outlets, domain.as_ref(), &mut names, findings);
     let probes = probes::probes(&table.probes, domain.as_ref(), findings);
     let gaps = gaps::gaps(table, domain.as_ref(), findings);
     if let Some(domain) = &domain {
@@ -39,6 +43,8 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         parts: parts?,
         surfaces: seals?,
         bodies: bodies?,
+        inlets: inlets?,
+        outlets: outlets?,
         probes: probes?,
         gaps: gaps?,
     })

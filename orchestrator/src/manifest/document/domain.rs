@@ -74,12 +74,13 @@ pub(in super::super) enum FaceName {
 pub(in super::super) struct FaceTable {
     /// A wall that moves along itself.
     pub wall: Option<MovingWallTable>,
-    /// The fluid enters, or leaves, with this velocity. To grains the face is a wall.
+    /// The fluid enters, or leaves, with this velocity. To grains the face is a wall
+    /// unless an outlet lies there.
     pub velocity: Option<[Velocity; 3]>,
     /// How the velocity varies over the face (default: uniform).
     pub profile: Option<Profile>,
     /// The fluid comes and goes at this gauge pressure, without its hydrostatic part. To grains the
-    /// face is a wall.
+    /// face is a wall unless an outlet lies there.
     pub pressure: Option<Pressure>,
     /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
     /// holds on average (default: false).

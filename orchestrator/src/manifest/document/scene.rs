@@ -1,8 +1,8 @@
 //! The manifest's table of the scene.
 
 use super::{
-    BodiesTable, ContactTable, DomainTable, FluidTable, GapTable, MaterialTable, PartTable,
-    ProbeTable, SurfaceTable,
+    BodiesTable, ContactTable, DomainTable, FluidTable, GapTable, InletTable, MaterialTable,
+    OutletTable, PartTable, ProbeTable, SurfaceTable,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,12 @@ pub(in super::super) struct SceneTable {
     /// Bodies, in sets of one material and motion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodiesTable>,
+    /// Where bodies come from during the run.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inlets: Vec<InletTable>,
+    /// Where they go to.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outlets: Vec<OutletTable>,
     /// Contact laws: of pairs of materials, and of all pairs that no other entry names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactTable>,

@@ -136,7 +136,6 @@ ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{cone_inner}
 open_at = 2.0
 close_at = 0.5
 pressure_at = ["rim"]
-slip_below = 3.0
 
 [[scene.gaps]]
 name = "seat"
@@ -145,7 +144,6 @@ ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{inner} mm",
 open_at = 1.5
 close_at = 0.5
 pressure_at = ["rim", "chamber"]
-slip_below = 3.0
 
 [[scene.probes]]
 name = "beneath"
