@@ -9,6 +9,7 @@ mod endings;
 mod examples;
 mod faults;
 mod fields;
+mod inlets;
 mod observers;
 mod report;
 mod rubber;
