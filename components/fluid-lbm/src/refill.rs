@@ -76,7 +76,7 @@ impl<T: Real> Before<'_, T> {
     pub fn refill(&self, owners: &Owners, cell: u32, body: &Body, alone: f64) -> Content {
         let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
         let drho = self.mean_around(owners, cell, 1).or_else(|| self.mean_around(owners, cell, 2));
-        let (drho, u) = (drho.unwrap_or(alone), body.velocity_at(arm));
+        let (drho, u) = (drho.unwrap_or(alone), body.velocity_of(body.hit_near(arm), arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
         if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);

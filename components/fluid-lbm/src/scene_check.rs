@@ -46,6 +46,13 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
     for (index, gap) in scene.gaps.iter().enumerate() {
         check_gap(scene, gap, &format!("scene.gaps[{index}]"), problems);
     }
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        if !scene.parts.iter().any(|part| part.name == surface.carrier) {
+            let found = format!("no part is named {}", surface.carrier);
+            let key = format!("scene.surfaces[{index}].carrier");
+            problems.push(Problem::new(key, found).help("name the part that carries it"));
+        }
+    }
     for (index, part) in scene.parts.iter().enumerate() {
         if part.motion != Motion::Fixed && part.cavity {
             problems.push(
@@ -168,8 +175,12 @@ fn check_gap(scene: &Scene, gap: &Gap, key: &str, problems: &mut Vec<Problem>) {
     };
     for side in &gap.between {
         match side {
-            GapSide::Part(name) if !scene.parts.iter().any(|part| part.name == *name) => {
-                problem("between", format!("no part is named {name}"), "name a part or a face");
+            GapSide::Part(name)
+                if !scene.parts.iter().any(|part| part.name == *name)
+                    && !scene.surfaces.iter().any(|surface| surface.name == *name) =>
+            {
+                let help = "name a part, a surface or a face";
+                problem("between", format!("no part or surface is named {name}"), help);
             }
             GapSide::Face { axis, side }
                 if !(*axis < 3
