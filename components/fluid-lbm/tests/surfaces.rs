@@ -386,3 +386,79 @@ fn wrong_surfaces_are_refused() {
     };
     assert!(problems[0].key.contains("carrier"), "{problems:?}");
 }
+
+/// A surface on a symmetry plane counts whole: along the plane its facets' loads in half a box add up to
+/// those in the whole box.
+#[test]
+fn a_surface_that_a_mirror_cuts_counts_whole() {
+    let run = |depth: usize, lower: tremie_messages::scene::Face, y: f64| {
+        let mut case = Case::new([24, depth, 20], [WALL, WALL, WALL], 0.8);
+        case.gravity = [0.0, 0.0, -1e-4];
+        let mut scene = case.scene();
+        scene.domain.faces[1][0] = lower;
+        let begin = [9.07, y, 9.87];
+        let mut seal = Seal::new(&mut scene, &DISC, 26, begin);
+        let mut fluid = case.fluid_of(&scene);
+        let mut all = Vec::new();
+        for step in 0..40 {
+            let v = [0.03, 0.0, 0.011];
+            let at = plus(begin, v, f64::from(step));
+            fluid.set_surfaces(&seal.vertices(|x| plus(x, at, 1.0), |_| v)).unwrap();
+            match step {
+                0 => fluid.start(&[], &mut []).unwrap(),
+                _ => fluid.step(&[], &mut []).unwrap(),
+            }
+            closes(&fluid, 1e-10);
+            let [force, _] = seal.loads(&fluid);
+            all.push([force[0], force[2]]);
+        }
+        all
+    };
+    let (whole, half) = (run(20, WALL, 10.0), run(10, SYMMETRY, 0.0));
+    let mut most = 0.0_f64;
+    for (whole, half) in whole.iter().zip(&half) {
+        let size = whole[0].hypot(whole[1]);
+        let off = (whole[0] - half[0]).hypot(whole[1] - half[1]);
+        most = most.max(off / size);
+    }
+    println!("half a box differs by {most:.2e}");
+    assert!(most < 1e-10, "{most}");
+}
+
+/// A disc close above the floor and below a part, in a fluid at uniform pressure: the pressure
+/// in the gap at the floor acts on its facets, that in the gap at the part too, unless it is bonded to it:
+/// pressure times area to 10 %, by the cells at its rim.
+#[test]
+fn pressure_in_gaps_acts_on_facets_but_not_where_they_are_bonded() {
+    let disc = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0]];
+    let pressure = 1e-3;
+    let run = |is_bonded: bool| {
+        let case = Case::new([24, 24, 20], [WALL, WALL, WALL], 0.8);
+        let mut scene = case.scene();
+        let mut seal = Seal::new(&mut scene, &disc, 48, [12.0, 12.0, 0.3]);
+        let geometry = Geometry::Cylinder { radius: 6.0, length: 5.0 };
+        let mut cover = part("cover", geometry, [0.0; 3]);
+        cover.motion = Motion::Prescribed(Vec::new());
+        scene.parts.push(cover);
+        if is_bonded {
+            scene.surfaces[0].carrier = "cover".into();
+        }
+        let mut fluid = case.fluid_of(&scene);
+        fluid.apply_events(&[added_part(3, 1)]).unwrap();
+        let bodies = [BodyState::at_rest(3, [12.0, 12.0, 6.98])];
+        let mut loads = loads_of(&bodies);
+        let place = |x: [f64; 3]| plus(x, [12.0, 12.0, 0.3], 1.0);
+        fluid.set_surfaces(&seal.vertices(place, |_| [0.0; 3])).unwrap();
+        fluid.set_state(|_| ([0.0; 3], pressure));
+        fluid.start(&bodies, &mut loads).unwrap();
+        fluid.step(&bodies, &mut loads).unwrap();
+        closes(&fluid, 1e-12);
+        let [force, _] = seal.loads(&fluid);
+        let area = PI * 36.0 * pressure;
+        (force[2] / area, loads[0].force[2] / area)
+    };
+    let (bonded, apart) = (run(true), run(false));
+    println!("bonded: disc {bonded:?}; apart: {apart:?} of pressure times area");
+    assert!((bonded.0 - 1.0).abs() < 0.1 && (bonded.1 + 1.0).abs() < 0.1);
+    assert!(apart.0.abs() < 0.1 && apart.1.abs() < 0.1);
+}
