@@ -3,8 +3,8 @@
 use crate::reservoir::{name, reservoirs_of};
 use tremie_messages::Problem;
 use tremie_messages::scene::{
-    Course, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion, PartBoundary,
-    ProbeShape, Reservoir, Scene,
+    Course, DeformableSurface, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion,
+    PartBoundary, ProbeShape, Reservoir, Scene,
 };
 
 /// Checks of the scene that concern a fluid.
@@ -47,11 +47,7 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
         check_gap(scene, gap, &format!("scene.gaps[{index}]"), problems);
     }
     for (index, surface) in scene.surfaces.iter().enumerate() {
-        if !scene.parts.iter().any(|part| part.name == surface.carrier) {
-            let found = format!("no part is named {}", surface.carrier);
-            let key = format!("scene.surfaces[{index}].carrier");
-            problems.push(Problem::new(key, found).help("name the part that carries it"));
-        }
+        check_surface(scene, surface, &format!("scene.surfaces[{index}]"), problems);
     }
     for (index, part) in scene.parts.iter().enumerate() {
         if part.motion != Motion::Fixed && part.cavity {
@@ -75,6 +71,30 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
                 .help("fix the part, or make it a wall"),
             );
         }
+    }
+}
+
+/// Checks of a deformable surface.
+fn check_surface(
+    scene: &Scene,
+    surface: &DeformableSurface,
+    key: &str,
+    problems: &mut Vec<Problem>,
+) {
+    if !scene.parts.iter().any(|part| part.name == surface.carrier) {
+        let found = format!("no part is named {}", surface.carrier);
+        let problem = Problem::new(format!("{key}.carrier"), found);
+        problems.push(problem.help("name the part that carries it"));
+    }
+    if surface.sectors < 3 {
+        let found = format!("needs at least 3, found {}", surface.sectors);
+        problems.push(Problem::new(format!("{key}.sectors"), found).help("60 suits a round seal"));
+    }
+    let (edges, points) = (&surface.section.edges, surface.section.points.len());
+    if let Some(point) = edges.iter().flat_map(|edge| edge.points).find(|&p| p as usize >= points) {
+        let found = format!("an edge names point {point}, but there are {points}");
+        let problem = Problem::new(format!("{key}.section"), found);
+        problems.push(problem.help("points are numbered from 0"));
     }
 }
 

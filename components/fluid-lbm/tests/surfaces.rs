@@ -380,11 +380,17 @@ fn wrong_surfaces_are_refused() {
     vertices[3].velocity[1] = 0.0;
     fluid.set_surfaces(&vertices).unwrap();
     fluid.start(&[], &mut []).unwrap();
-    scene.surfaces[0].carrier = "nobody".into();
-    let Err(problems) = FluidLbm::new(&scene, &case.parameters(), 1.0, 1) else {
-        panic!("a carrier that is not there");
+    let refused = |change: fn(&mut DeformableSurface), key: &str| {
+        let mut scene = scene.clone();
+        change(&mut scene.surfaces[0]);
+        match FluidLbm::new(&scene, &case.parameters(), 1.0, 1) {
+            Ok(_) => panic!("{key} is taken"),
+            Err(problems) => assert!(problems[0].key.ends_with(key), "{problems:?}"),
+        }
     };
-    assert!(problems[0].key.contains("carrier"), "{problems:?}");
+    refused(|seal| seal.carrier = "nobody".into(), "carrier");
+    refused(|seal| seal.sectors = 2, "sectors");
+    refused(|seal| seal.section.edges[1].points[0] = 9, "section");
 }
 
 /// A surface on a symmetry plane counts whole: along the plane its facets' loads in half a box add up to
