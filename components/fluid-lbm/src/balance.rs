@@ -25,9 +25,10 @@ impl<T: Collides> Solver<T> {
     /// Gives the bodies their loads, from what their links exchanged, and balances them.
     pub(crate) fn give_loads(&mut self, loads: &mut [Load]) {
         self.press();
+        self.exchange = Exchange::default();
+        self.load_facets();
         let (force_unit, torque_unit) = (self.units.force(), self.units.force() * self.units.cell);
         let (balance, grid) = (&mut self.balance, &self.layout.grid);
-        self.exchange = Exchange::default();
         let mut items = self.link_items.iter().peekable();
         for (place, (body, load)) in self.bodies.living.iter_mut().zip(loads).enumerate() {
             let mut exchange = Exchange::default();

@@ -10,6 +10,7 @@ use crate::gaps::Gaps;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
 use crate::ledger::add_scaled;
 use crate::links::{After, CHUNK, Exchange};
+use crate::shape::{Felt, NO_FACET};
 
 /// Links of a full batch: their cache lines, some three each, must fit in the first-level cache together
 /// with what is known of them.
@@ -49,7 +50,9 @@ pub struct Batch {
     used: usize,
     sums: Sums,
     exchange: Exchange,
-    /// Gaps that the item found.
+    /// Velocity of the wall and facet of each link, of a surface that can deform.
+    walls: [([f64; 3], u32); LINKS],
+    /// Gaps that the item found, and what facets felt.
     pub gaps: Gaps,
 }
 
@@ -66,7 +69,8 @@ impl Default for Batch {
             used: 0,
             sums: [[0.0; LANES]; 10],
             exchange: Exchange::default(),
-            gaps: Gaps::with_room(),
+            walls: [([0.0; 3], NO_FACET); LINKS],
+            gaps: Gaps::default(),
         }
     }
 }
@@ -77,7 +81,6 @@ impl Batch {
         (self.links, self.used) = (0, 0);
         self.sums = [[0.0; LANES]; 10];
         self.exchange = Exchange::default();
-        self.gaps.clear();
     }
 
     /// What the item exchanged.
@@ -138,12 +141,21 @@ impl Batch {
         self.links += 1;
     }
 
+    /// Says how the wall moves where the last link meets it, and which facet that is on.
+    pub fn wall(&mut self, velocity: [f64; 3], facet: u32) {
+        self.walls[self.links - 1] = (velocity, facet);
+    }
+
     /// Reflects all links of the batch and empties it.
     pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
         let full = self.links.div_ceil(LANES);
         let r2 = body.part.is_none().then(|| body.r2());
         let surface = Surface { r2, velocity: body.velocity, spin: body.spin };
         columns::locate(after.variant, &mut self.eights[..full], surface);
+        let is_soft = body.part.as_ref().is_some_and(|part| part.shape.is_some());
+        if is_soft {
+            self.move_walls();
+        }
         if after.keeps_mass {
             self.pay(body);
         }
@@ -155,8 +167,34 @@ impl Batch {
         }
         columns::add_up(after.variant, &self.eights[..full], &mut self.sums);
         self.add_images();
+        if is_soft {
+            self.feel();
+        }
         self.exchange.links += self.links;
         (self.links, self.used) = (0, 0);
+    }
+
+    /// Takes the walls' velocities, which no rigid motion gives.
+    fn move_walls(&mut self) {
+        for k in 0..self.links {
+            let (s, l) = (&mut self.eights[k / LANES], k % LANES);
+            let u = self.walls[k].0;
+            let push = s.weight[l] * (s.c[0][l] * u[0] + s.c[1][l] * u[1] + s.c[2][l] * u[2]);
+            s.push[l] = if s.q[l] >= 0.5 { 0.5 / s.q[l] * push } else { push };
+            for a in 0..3 {
+                s.u[a][l] = u[a];
+            }
+        }
+    }
+
+    /// Notes the force on each facet; that of links through mirrors as the facet feels it.
+    fn feel(&mut self) {
+        for k in 0..self.links {
+            let (s, l) = (&self.eights[k / LANES], k % LANES);
+            let force = std::array::from_fn(|a| s.sum[l] * s.c[a][l] + s.gain[l] * s.u[a][l]);
+            let at = std::array::from_fn(|a| s.arm[a][l]);
+            self.gaps.felt.push(Felt { facet: self.walls[k].1, gap: Felt::FLUID, force, at });
+        }
     }
 
     /// Adds up by how much the wall recedes, and adds what the body pays to what its motion pushes;

@@ -1,17 +1,20 @@
 //! The bodies in the fluid: who lives, where they are, which cells they cover.
 
 use crate::error::FluidError;
+use crate::events::{check, surface_of};
 use crate::grid::Grid;
 use crate::lattice::cross;
 use crate::layout::Layout;
 use crate::mass::Account;
 use crate::part_body::{PartBody, Rounding};
+use crate::shape::Hit;
 use crate::sphere::Spans;
+use crate::surfaces::Soft;
 use crate::units::Units;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_geometry::Surface;
-use tremie_messages::{BodyEvent, BodyState};
+use tremie_messages::{BodyEvent, BodyState, SurfaceVertex};
 use tremie_team::Team;
 
 /// A sphere or a part in the fluid; lattice units.
@@ -125,7 +128,30 @@ impl Body {
         }
     }
 
-    /// Velocity of the point at `arm` from the centre.
+    /// Whether the other body is the part that carries this surface, or the other way round.
+    pub fn is_bonded_to(&self, other: &Self) -> bool {
+        let carrier = |body: &Self| Some(body.part.as_ref()?.shape.as_ref()?.carrier);
+        let is = |body: &Self, index| body.part.as_ref().is_some_and(|part| part.index == index);
+        carrier(self).is_some_and(|index| is(other, index))
+            || carrier(other).is_some_and(|index| is(self, index))
+    }
+
+    /// Where on a surface that can deform the point nearest to `arm` is; [`Hit::NONE`] on others.
+    pub fn hit_near(&self, arm: [f64; 3]) -> Hit {
+        let part = self.part.as_ref().filter(|part| part.shape.is_some());
+        part.map_or(Hit::NONE, |part| part.hit_near(arm))
+    }
+
+    /// Velocity of the wall at `arm` from the centre, which is `hit` on a surface that can deform.
+    #[inline]
+    pub fn velocity_of(&self, hit: Hit, arm: [f64; 3]) -> [f64; 3] {
+        match self.part.as_ref().and_then(|part| part.shape.as_ref()) {
+            Some(shape) => shape.velocity_at(hit),
+            None => self.velocity_at(arm),
+        }
+    }
+
+    /// Velocity of the point at `arm` from the centre, of a rigid body.
     #[inline]
     pub fn velocity_at(&self, arm: [f64; 3]) -> [f64; 3] {
         let turn = cross(self.spin, arm);
@@ -168,11 +194,22 @@ impl Body {
         moved
     }
 
-    /// Finds the cells inside of a part that has moved.
-    pub fn cover_part(&mut self, layout: &Layout, team: &mut Team) {
-        if let Some(part) = self.part.as_mut().filter(|_| self.moved) {
-            part.cover(&layout.grid, team);
+    /// Takes over the vertices of a surface; true if it is now elsewhere.
+    fn take_shape(&mut self, vertices: &[SurfaceVertex], lead: f64, units: &Units) -> bool {
+        let moved = self.part.as_mut().is_some_and(|part| part.deform(vertices, lead, units));
+        (self.placed, self.moved) = (true, moved);
+        moved
+    }
+
+    /// Finds the cells inside of a part that has moved. True if a surface outgrew its room.
+    pub fn cover_part(&mut self, layout: &Layout, team: &mut Team) -> bool {
+        let Some(part) = self.part.as_mut().filter(|_| self.moved) else { return false };
+        let side = part.side();
+        part.cover(&layout.grid, team);
+        if part.shape.is_some() {
+            self.radius = part.radius();
         }
+        part.side() != side
     }
 
     /// Finds the cells inside at the new position, and which were left and entered; of a part, once it
@@ -292,6 +329,10 @@ pub struct Bodies {
     free: Vec<u32>,
     /// For each handle, the place of its body among the living.
     places: Vec<u32>,
+    /// Deformable surfaces, the last of the living; none before their first vertices came.
+    softs: Vec<Soft>,
+    /// Their vertices at the end of the coming step.
+    pub vertices: Vec<SurfaceVertex>,
     /// Whether bodies were added or removed since the last step.
     pub changed: bool,
     /// Surfaces of the scene's parts that move, by index of the part.
@@ -311,6 +352,42 @@ impl Bodies {
         lead: f64,
     ) -> Self {
         Self { surfaces, roundings, lead, ..Self::default() }
+    }
+
+    /// Adds deformable surfaces, once.
+    pub fn add_softs(&mut self, softs: Vec<Soft>, parts: Vec<PartBody>, grid: &Grid) {
+        let first = u64::MAX - softs.len() as u64;
+        for (k, mut part) in (1..).zip(parts) {
+            let handle = self.new_handle();
+            let position = grid.canonical(part.reference());
+            part.place(position, [0.0, 0.0, 0.0, 1.0]);
+            let mut body = Body::new(first + k, handle, part.radius(), Some(Box::new(part)));
+            body.position = position;
+            self.living.push(body);
+        }
+        self.softs = softs;
+        self.renumber();
+        self.changed = true;
+    }
+
+    /// Number of the living but for deformable surfaces.
+    pub fn rigid(&self) -> usize {
+        self.living.len() - self.softs.len()
+    }
+
+    /// A handle that nobody has.
+    fn new_handle(&mut self) -> u32 {
+        let handle = self.free.pop().unwrap_or(self.places.len() as u32);
+        if handle as usize == self.places.len() {
+            self.places.push(0);
+        }
+        handle
+    }
+
+    fn renumber(&mut self) {
+        for (place, body) in (0..).zip(&self.living) {
+            self.places[body.handle as usize] = place;
+        }
     }
 
     /// Place among the living of the body with a handle.
@@ -356,10 +433,7 @@ impl Bodies {
         for event in events {
             let place = self.living.partition_point(|b| b.id < event.id);
             if event.kind == BodyEvent::ADDED {
-                let handle = self.free.pop().unwrap_or(self.places.len() as u32);
-                if handle as usize == self.places.len() {
-                    self.places.push(0);
-                }
+                let handle = self.new_handle();
                 let part = surface_of(event, &self.surfaces).map(|surface| {
                     let index = event.table as usize;
                     let rounding = self.roundings[index];
@@ -374,9 +448,7 @@ impl Bodies {
                 self.leaving.push(body);
             }
         }
-        for (place, body) in (0..).zip(&self.living) {
-            self.places[body.handle as usize] = place;
-        }
+        self.renumber();
         self.changed |= !events.is_empty();
         Ok(())
     }
@@ -389,10 +461,10 @@ impl Bodies {
         if loads != states.len() {
             return Err(FluidError::Room { room: loads, bodies: states.len() });
         }
-        let count = self.living.len();
+        let count = self.rigid();
         let name = |id: Option<u64>| id.map_or("the end of the list".into(), |id| id.to_string());
         for place in 0..count.max(states.len()) {
-            let expected = self.living.get(place).map(|b| b.id);
+            let expected = self.living[..count].get(place).map(|b| b.id);
             let found = states.get(place).map(|s| s.id);
             if expected != found {
                 let (expected, found) = (name(expected), name(found));
@@ -411,6 +483,10 @@ impl Bodies {
         for (body, state) in self.living.iter_mut().zip(states) {
             moved |= body.take(state, self.lead, units, grid);
         }
+        let first = self.rigid();
+        for (body, soft) in self.living[first..].iter_mut().zip(&self.softs) {
+            moved |= body.take_shape(&self.vertices[soft.vertices()], self.lead, units);
+        }
         moved
     }
 
@@ -423,62 +499,5 @@ impl Bodies {
     /// Forgets the bodies that left, once nobody needs them.
     pub fn forget_leaving(&mut self) {
         self.free.extend(self.leaving.drain(..).map(|b| b.handle));
-    }
-}
-
-/// The surface of the part that an event adds.
-fn surface_of<'a>(
-    event: &BodyEvent,
-    surfaces: &'a [Option<Arc<Surface>>],
-) -> Option<&'a Arc<Surface>> {
-    let part = usize::try_from(event.table).ok().filter(|_| event.shape == BodyEvent::PART)?;
-    surfaces.get(part)?.as_ref()
-}
-
-/// Checks one event against the ids that live when it comes, and changes them.
-fn check(
-    event: &BodyEvent,
-    ids: &mut Vec<u64>,
-    units: &Units,
-    grid: &Grid,
-    surfaces: &[Option<Arc<Surface>>],
-) -> Result<(), FluidError> {
-    let id = event.id;
-    match (event.kind, ids.binary_search(&id)) {
-        (BodyEvent::ADDED, _)
-            if event.shape != BodyEvent::SPHERE && event.shape != BodyEvent::PART =>
-        {
-            Err(FluidError::UnknownEvent { id, kind: event.kind, shape: event.shape })
-        }
-        (BodyEvent::ADDED, _)
-            if event.shape == BodyEvent::PART && surface_of(event, surfaces).is_none() =>
-        {
-            Err(FluidError::UnknownPart { id, part: event.table, parts: surfaces.len() })
-        }
-        (BodyEvent::ADDED, Ok(_)) => Err(FluidError::AddedTwice { id }),
-        (BodyEvent::ADDED, Err(place)) => {
-            ids.insert(place, id);
-            let part = surface_of(event, surfaces);
-            let radius = part.map_or(event.size[0], |surface| surface.bounding_radius());
-            if !(radius.is_finite() && radius > 0.0) {
-                return Err(FluidError::Radius { id, radius });
-            }
-            let edges = grid.n.map(|n| f64::from(n) * units.cell);
-            let longest = edges[0].max(edges[1]).max(edges[2]);
-            for a in 0..3 {
-                let edge = if grid.periodic[a] { edges[a] } else { longest };
-                let limited = grid.periodic[a] || part.is_none();
-                if limited && 2.0 * radius > edge {
-                    return Err(FluidError::TooWide { id, diameter: 2.0 * radius, edge });
-                }
-            }
-            Ok(())
-        }
-        (BodyEvent::REMOVED, Ok(place)) => {
-            ids.remove(place);
-            Ok(())
-        }
-        (BodyEvent::REMOVED, Err(_)) => Err(FluidError::NotThere { id }),
-        _ => Err(FluidError::UnknownEvent { id, kind: event.kind, shape: event.shape }),
     }
 }

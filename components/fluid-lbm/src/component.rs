@@ -6,9 +6,9 @@ use crate::{
 };
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
-use tremie_sdk::messages::scene::{Motion, Placement, Scene};
+use tremie_sdk::messages::scene::{DeformableSurface, Motion, Placement, Scene};
 use tremie_sdk::messages::start::{Description, Signal, SliceSpec, VolumeGrid, VolumeSpec};
-use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
 use tremie_sdk::{Fluid, Setup, SolverError};
 
 /// The lattice fluid behind the sdk's interface.
@@ -24,6 +24,9 @@ pub struct LatticeFluid {
     partial: Vec<Load>,
     nodes: Vec<SliceNode>,
     on_parts: Vec<Load>,
+    /// Loads on all facets of deformable surfaces, mean over the window, and of one substep.
+    on_facets: Vec<FacetLoad>,
+    partial_facets: Vec<FacetLoad>,
     reservoirs: Vec<ReservoirState>,
 }
 
@@ -163,6 +166,7 @@ impl Fluid for LatticeFluid {
         let step = setup.assigned()?.step;
         let threads = setup.hello.threads.max(1) as usize;
         let fluid = FluidLbm::new(scene, &parameters, step, threads)?;
+        let facets = scene.surfaces.iter().map(DeformableSurface::facet_count).sum();
         let cells = fluid.diagnostics().fluid_cells as u64;
         let cell = parameters.cell.0;
         let density = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.density);
@@ -177,6 +181,8 @@ impl Fluid for LatticeFluid {
             partial: Vec::new(),
             nodes: Vec::new(),
             on_parts: Vec::new(),
+            on_facets: vec![FacetLoad::default(); facets],
+            partial_facets: vec![FacetLoad::default(); facets],
             reservoirs: Vec::new(),
         })
     }
@@ -186,7 +192,9 @@ impl Fluid for LatticeFluid {
     }
 
     fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), SolverError> {
-        self.fluid.start(bodies, loads).map_err(SolverError::from_error)
+        self.fluid.start(bodies, loads).map_err(SolverError::from_error)?;
+        self.fluid.surface_loads(&mut self.on_facets);
+        Ok(())
     }
 
     fn advance(
@@ -196,10 +204,20 @@ impl Fluid for LatticeFluid {
         loads: &mut [Load],
     ) -> Result<(), SolverError> {
         self.fluid.step(bodies, loads).map_err(SolverError::from_error)?;
+        self.fluid.surface_loads(&mut self.on_facets);
         if substeps > 1 {
             self.advance_on(substeps, bodies, loads)?;
         }
         self.fluid.check().map_err(SolverError::from_error)
+    }
+
+    fn surface(&mut self, vertices: &[SurfaceVertex]) -> Result<(), SolverError> {
+        self.fluid.set_surfaces(vertices).map_err(SolverError::from_error)
+    }
+
+    fn surface_loads(&mut self, loads: &mut Vec<FacetLoad>) -> Result<(), SolverError> {
+        loads.extend(self.on_facets.iter().filter(|load| load.force != [0.0; 3]));
+        Ok(())
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
@@ -293,8 +311,15 @@ impl LatticeFluid {
             load.force = load.force.map(|f| f * share);
             load.torque = load.torque.map(|t| t * share);
         }
+        for load in &mut self.on_facets {
+            load.force = load.force.map(|f| f * share);
+        }
         for _ in 1..substeps {
             self.fluid.step(bodies, &mut self.partial).map_err(SolverError::from_error)?;
+            self.fluid.surface_loads(&mut self.partial_facets);
+            for (load, part) in self.on_facets.iter_mut().zip(&self.partial_facets) {
+                join_facet(load, part, share);
+            }
             for (load, part) in loads.iter_mut().zip(&self.partial) {
                 for axis in 0..3 {
                     load.force[axis] += part.force[axis] * share;
@@ -303,6 +328,20 @@ impl LatticeFluid {
             }
         }
         Ok(())
+    }
+}
+
+/// Adds a share of another load on the same facet; the point is the mean, weighted by the forces.
+fn join_facet(load: &mut FacetLoad, other: &FacetLoad, share: f64) {
+    let size = |force: [f64; 3]| force.iter().map(|f| f * f).sum::<f64>().sqrt();
+    let (own, more) = (size(load.force), share * size(other.force));
+    if own + more > 0.0 {
+        for a in 0..3 {
+            load.point[a] += more / (own + more) * (other.point[a] - load.point[a]);
+        }
+    }
+    for a in 0..3 {
+        load.force[a] += share * other.force[a];
     }
 }
 

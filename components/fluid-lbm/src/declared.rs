@@ -49,7 +49,7 @@ enum Wall {
     Face { axis: usize, side: usize },
     /// A static solid, by its place.
     Solid(usize),
-    /// A part that moves, by its index in the scene.
+    /// A part that moves or a surface that deforms, by its number among parts and then surfaces.
     Part(usize),
 }
 
@@ -466,7 +466,9 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layo
     let side = |side: &GapSide| match side {
         GapSide::Face { axis, side } => Wall::Face { axis: *axis, side: *side },
         GapSide::Part(name) => {
-            let index = scene.parts.iter().position(|part| part.name == *name).unwrap_or_default();
+            let parts = scene.parts.iter().map(|part| &part.name);
+            let mut names = parts.chain(scene.surfaces.iter().map(|surface| &surface.name));
+            let index = names.position(|known| known == name).unwrap_or_default();
             let solid = surroundings.ground().solids.iter();
             let solid = solid.enumerate().find(|(_, solid)| solid.part == Some(index));
             solid.map_or(Wall::Part(index), |(number, _)| Wall::Solid(number))

@@ -88,6 +88,31 @@ pub enum FluidError {
         /// Edge of the domain [m].
         edge: f64,
     },
+    /// Not as many vertices of deformable surfaces as the scene has.
+    #[error(
+        "the fluid expected {expected} vertices of deformable surfaces, found {found}; \
+         all surfaces of the scene must be given before the start, in their order"
+    )]
+    Vertices {
+        /// How many the scene has.
+        expected: usize,
+        /// How many came.
+        found: usize,
+    },
+    /// A vertex holds a number that is not finite.
+    #[error("vertex {vertex} of the deformable surfaces holds a number that is not finite")]
+    NonFiniteVertex {
+        /// Its number.
+        vertex: usize,
+    },
+    /// The first vertices of a surface make no solid.
+    #[error("the deformable surface {name} is no closed surface where it begins: {reason}")]
+    Surface {
+        /// Its name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
     /// The fluid is no longer finite.
     #[error(
         "the fluid is not finite in cell {cell:?} at ({}, {}, {}) m: {value}; \

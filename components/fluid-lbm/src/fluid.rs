@@ -8,7 +8,7 @@ use crate::parameters::{Parameters, Precision};
 use crate::reservoir::ReservoirState;
 use crate::solver::Solver;
 use tremie_messages::scene::Scene;
-use tremie_messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
 
 /// A lattice-Boltzmann fluid in a box, with moving spheres in it.
 pub struct FluidLbm {
@@ -100,6 +100,30 @@ impl FluidLbm {
     /// whose flow is too fast for the lattice.
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         solver!(&mut self.solver, s => s.step(bodies, loads))
+    }
+
+    /// The deformable surfaces as they are at the end of the next step: all vertices of all surfaces of
+    /// the scene, in their order, numbered as [`tremie_geometry::Turned`] does it. Needed before
+    /// [`FluidLbm::start`] in a scene that has some; what was said last holds on.
+    ///
+    /// # Errors
+    /// As many vertices as there are not, numbers that are not finite, and first vertices between which
+    /// the surface is not closed or inside out.
+    pub fn set_surfaces(&mut self, vertices: &[SurfaceVertex]) -> Result<(), FluidError> {
+        solver!(&mut self.solver, s => s.set_surfaces(vertices))
+    }
+
+    /// Forces [N] of the fluid in the last step on the facets of deformable surfaces, all of them in
+    /// order, buoyancy included, each with a point of its line of action [m]: the nearest to the facet's
+    /// middle, no farther away than its corners.
+    ///
+    /// On a surface whose reference (the origin of its section in the scene) lies on a symmetry plane,
+    /// facets beyond the plane get nothing but what links through the mirror meet there, and all others
+    /// twice what they feel: sums over facets that lie alike on both sides are then those of the whole,
+    /// along the plane; the work of motions that are symmetric too. Across the plane, the whole feels
+    /// nothing, whatever the sum.
+    pub fn surface_loads(&self, loads: &mut [FacetLoad]) {
+        solver!(&self.solver, s => s.surface_loads(loads));
     }
 
     /// Balance of momentum and mass of the last step.

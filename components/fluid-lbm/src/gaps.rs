@@ -36,6 +36,7 @@ use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, Item};
 use crate::owners::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
 use crate::places::Blocked;
+use crate::shape::{Felt, NO_FACET};
 use crate::solver::Solver;
 use crate::sphere::{inside, wall_distance};
 
@@ -107,35 +108,54 @@ pub struct Gap {
 
 /// The gaps of an item of links.
 #[derive(Clone, Debug, Default)]
-pub struct Gaps(Vec<Gap>);
+pub struct Gaps {
+    list: Vec<Gap>,
+    /// What facets of a deformable surface felt, of gaps and of the fluid.
+    pub felt: Vec<Felt>,
+}
 
 impl Gaps {
     /// None, with room for those of an item.
     pub fn with_room() -> Self {
-        Self(Vec::with_capacity(ROOM))
+        Self { list: Vec::with_capacity(ROOM), felt: Vec::new() }
     }
 
     /// Forgets all.
     pub fn clear(&mut self) {
-        self.0.clear();
+        self.list.clear();
+        self.felt.clear();
     }
 
-    /// Becomes what another is.
-    pub fn take(&mut self, other: &Self) {
-        self.0.clear();
-        self.0.extend_from_slice(&other.0);
+    /// Adds what the gap link `i` gives that leads from `arm`, seen from the body, to its surface at `q`,
+    /// there being `facet` if it can deform. Returns the gap.
+    pub fn add(
+        &mut self,
+        across: Across,
+        arm: [f64; 3],
+        (i, q): (usize, f64),
+        facet: u32,
+    ) -> &mut Gap {
+        let (place, c) = (self.place(across), C_F64[i]);
+        let at = std::array::from_fn(|a| arm[a] + q * c[a]);
+        let force = c.map(|c| 2.0 * W[i] * c);
+        if facet != NO_FACET {
+            self.felt.push(Felt { facet, gap: place as u16, force, at });
+        }
+        let gap = &mut self.list[place];
+        add_scaled(&mut gap.load[0], force, 1.0);
+        add_scaled(&mut gap.load[1], cross(at, force), 1.0);
+        gap
     }
 
-    /// The gap to something.
-    pub fn to(&mut self, across: Across) -> &mut Gap {
-        let place = self.0.iter().position(|gap| gap.across == across);
-        let place = place.unwrap_or_else(|| {
-            if self.0.len() < ROOM {
-                self.0.push(Gap { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] });
+    /// Place of the gap to something.
+    fn place(&mut self, across: Across) -> usize {
+        let place = self.list.iter().position(|gap| gap.across == across);
+        place.unwrap_or_else(|| {
+            if self.list.len() < ROOM {
+                self.list.push(Gap { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] });
             }
-            self.0.len() - 1
-        });
-        &mut self.0[place]
+            self.list.len() - 1
+        })
     }
 }
 
@@ -181,10 +201,10 @@ impl<T: Real> After<'_, T> {
             return;
         };
         let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - body.position[a]);
-        let q = match &body.part {
+        let (q, facet) = match &body.part {
             None if inside(arm, body.r2()) => return,
-            None => wall_distance(arm, c, body.r2()),
-            Some(part) => part.meet(at, C[i]),
+            None => (wall_distance(arm, c, body.r2()), NO_FACET),
+            Some(part) => part.meet_facet(at, C[i]),
         };
         let Some((across, far)) = self.across(bodies, body, ground, at, (own, cell), i) else {
             return;
@@ -193,8 +213,7 @@ impl<T: Real> After<'_, T> {
         if far - (1.0 - q) <= CONTACT {
             return;
         }
-        let gap = gaps.to(across);
-        gap.add(arm, i, q);
+        let gap = gaps.add(across, arm, (i, q), facet);
         for k in 1..Q {
             if let Some(next) = self.layout.neighbour(cell, k)
                 && self.owners.is_fluid(next)
@@ -241,15 +260,18 @@ impl<T: Real> After<'_, T> {
             let distance = if both { 0.0 } else { self.distance(body, other, arm, back) };
             (Across::body(handle, is_image), distance)
         };
+        // A surface is bonded to the part that carries it.
+        let is_apart = |handle: u32| !body.is_bonded_to(bodies.with_handle(handle));
         match self.owners.of(other) {
             FLUID | VACATED => None,
             ISOLATED | FROZEN => Some((Across::FROZEN, 1.0)),
             SHARED => {
                 let all = self.owners.claimants(other);
                 let all = all.filter(|&handle| is_image || handle != body.handle);
+                let all = all.filter(|&handle| is_apart(handle));
                 all.map(of_body).min_by(|a, b| a.1.total_cmp(&b.1))
             }
-            owner => Some(of_body(owner - BODY)),
+            owner => Some(owner - BODY).filter(|&handle| is_apart(handle)).map(of_body),
         }
     }
 }
@@ -292,17 +314,6 @@ pub fn fixture(
     let link = Blocked { cell, dir: OPPOSITE[i] as u8, fixture: none };
     let (met, distance) = ground.meet(own, &link);
     Some((Across::fixture(met.fixture), distance))
-}
-
-impl Gap {
-    /// Adds what the gap link `i` gives that leads from `arm`, seen from the body, to its surface.
-    pub fn add(&mut self, arm: [f64; 3], i: usize, q: f64) {
-        let c = C_F64[i];
-        let surface = std::array::from_fn(|a| arm[a] + q * c[a]);
-        let force = c.map(|c| 2.0 * W[i] * c);
-        add_scaled(&mut self.load[0], force, 1.0);
-        add_scaled(&mut self.load[1], cross(surface, force), 1.0);
-    }
 }
 
 /// Calls `visit` with each cell beyond a wanted face that is next to one that a body covers, and the
@@ -360,7 +371,7 @@ fn items_of(items: &[Item], place: usize) -> &[Item] {
 
 /// Sum of the densities around a body's gaps that `wanted` says, and number of the cells.
 fn around(items: &[Item], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
-    let gaps = items.iter().flat_map(|item| &item.gaps.0).filter(|gap| wanted(gap.across));
+    let gaps = items.iter().flat_map(|item| &item.gaps.list).filter(|gap| wanted(gap.across));
     gaps.fold([0.0; 2], |[drho, cells], gap| [drho + gap.drho, cells + gap.cells])
 }
 
@@ -381,6 +392,33 @@ fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64
 }
 
 impl<T: Collides> Solver<T> {
+    /// Density minus 1 in the gap between the body in a place and something.
+    fn drho_across(&self, place: usize, across: Across) -> f64 {
+        match across.as_declared() {
+            Some(number) => self.declared.drho(number),
+            None if self.gaps_press => drho_in(&self.link_items, &self.bodies, place, across),
+            None => 0.0,
+        }
+    }
+
+    /// Calls `give` with the facet, force and place of everything that the facets of a deformable surface
+    /// felt in the step.
+    pub(crate) fn each_felt(&self, place: usize, mut give: impl FnMut(usize, [f64; 3], [f64; 3])) {
+        for item in items_of(&self.link_items, place) {
+            let mut drho = [0.0; ROOM];
+            for (drho, gap) in drho.iter_mut().zip(&item.gaps.list) {
+                *drho = self.drho_across(place, gap.across);
+            }
+            for felt in &item.gaps.felt {
+                let scale = drho.get(usize::from(felt.gap)).copied().unwrap_or(1.0);
+                give(felt.facet as usize, felt.force.map(|f| f * scale), felt.at);
+            }
+        }
+        for felt in self.slip.on_facets(self.bodies.living[place].handle) {
+            give(felt.facet as usize, felt.force, felt.at);
+        }
+    }
+
     /// Finds what the pressure in gaps gives to bodies and fixtures, from what the links' search
     /// found.
     pub(crate) fn press(&mut self) {
@@ -393,15 +431,9 @@ impl<T: Collides> Solver<T> {
         for place in 0..self.bodies.living.len() {
             let mut load = [[0.0; 3]; 2];
             for item in items_of(&self.link_items, place) {
-                for gap in &item.gaps.0 {
+                for gap in &item.gaps.list {
                     let declared = gap.across.as_declared();
-                    let drho = match declared {
-                        Some(number) => self.declared.drho(number),
-                        None if self.gaps_press => {
-                            drho_in(&self.link_items, &self.bodies, place, gap.across)
-                        }
-                        None => 0.0,
-                    };
+                    let drho = self.drho_across(place, gap.across);
                     let part = gap.load.map(|v| v.map(|x| x * drho));
                     add_scaled(&mut load[0], part[0], 1.0);
                     add_scaled(&mut load[1], part[1], 1.0);

@@ -13,7 +13,8 @@
 //! `reservoir`, `piston`). The momentum exchanged is the
 //! load on the bodies, with the pressure in gaps that hold no cell (`gaps`). Gaps that the scene
 //! declares are frozen while they are thin (`declared`), and may slip (`slip`). What bodies took from the
-//! mass beyond their volume can be paid back (`mass`).
+//! mass beyond their volume can be paid back (`mass`). Deformable surfaces are bodies whose vertices move
+//! by themselves; their facets get the loads (`shape`, `surfaces`).
 //!
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.
@@ -28,8 +29,10 @@ mod columns;
 pub mod component;
 mod compression;
 mod course;
+mod cover;
 mod declared;
 mod error;
+mod events;
 mod field;
 mod findings;
 mod fixed;
@@ -65,10 +68,12 @@ mod reservoir_findings;
 mod resolution;
 mod returned;
 mod scene_check;
+mod shape;
 mod slip;
 mod solids;
 mod solver;
 mod sphere;
+mod surfaces;
 mod surroundings;
 mod survey;
 mod tally;

@@ -147,6 +147,11 @@ impl Item {
     /// Finds the links of a part, if it has moved.
     pub fn find(&mut self, site: &Site, bodies: &Bodies) {
         self.found.find(site, &bodies.living[self.body], self.layers.clone());
+        let felt = self.found.felt();
+        if felt > self.gaps.felt.capacity() {
+            self.gaps.felt.clear();
+            self.gaps.felt.reserve(felt + felt / 2);
+        }
     }
 }
 
@@ -171,6 +176,8 @@ impl<T: Real> After<'_, T> {
     pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) {
         let body = &bodies.living[item.body];
         batch.begin(body);
+        std::mem::swap(&mut batch.gaps, &mut item.gaps);
+        batch.gaps.clear();
         if let Some(part) = &body.part {
             self.reflect_part(bodies, body, part, &item.found, batch);
         } else {
@@ -182,11 +189,9 @@ impl<T: Real> After<'_, T> {
         }
         batch.flush(self, body);
         item.exchange = batch.exchange();
-        if let Some(ground) = self.ground {
-            item.gaps.take(&batch.gaps);
-            if item.layers.start == 0 {
-                self.gaps_at_faces(bodies, body, ground, &mut item.gaps);
-            }
+        std::mem::swap(&mut batch.gaps, &mut item.gaps);
+        if let Some(ground) = self.ground.filter(|_| item.layers.start == 0) {
+            self.gaps_at_faces(bodies, body, ground, &mut item.gaps);
         }
     }
 

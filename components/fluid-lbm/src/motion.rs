@@ -28,8 +28,9 @@ impl<T: Collides> Solver<T> {
         for line in lines {
             line.store(0, Relaxed);
         }
+        let mut outgrown = false;
         for body in &mut self.bodies.living {
-            body.cover_part(layout, &mut self.team);
+            outgrown |= body.cover_part(layout, &mut self.team);
         }
         self.team.for_each(&mut self.bodies.living, |_, body| {
             body.cover(layout);
@@ -56,6 +57,9 @@ impl<T: Collides> Solver<T> {
             self.slip.find(&self.declared, &self.owners, &self.layout);
         }
         self.bodies.forget_leaving();
+        if outgrown {
+            self.list_items();
+        }
         self.find_links();
     }
 

@@ -13,10 +13,14 @@
 //! that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by turning.
 //! What is found depends on the pose alone, not on how the part came there.
 
+use crate::cover::{Cover, Layer};
 use crate::grid::Grid;
 use crate::lattice::dot;
+use crate::shape::{Hit, NO_FACET, Shape};
+use crate::units::Units;
 use std::sync::Arc;
-use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface};
+use tremie_geometry::{Bounds, Frame, Row, Surface};
+use tremie_messages::SurfaceVertex;
 use tremie_messages::scene::Pose;
 use tremie_team::Team;
 
@@ -45,8 +49,10 @@ struct Placed {
 /// A part as a body in the fluid.
 #[derive(Clone, Debug)]
 pub struct PartBody {
-    /// Its index among the parts of the scene.
+    /// Its index among the parts of the scene; a surface's comes after those of all parts.
     pub index: usize,
+    /// What a deformable surface has besides.
+    pub shape: Option<Box<Shape>>,
     surface: Arc<Surface>,
     /// Edge of a cell [m].
     cell: f64,
@@ -68,23 +74,6 @@ pub struct PartBody {
     previous: Cover,
 }
 
-/// Cells of a cube of the box, which may reach beyond periodic faces, in layers along z.
-#[derive(Clone, Debug)]
-struct Cover {
-    origin: [i32; 3],
-    side: i32,
-    layers: Vec<Layer>,
-}
-
-/// A layer of a cover.
-#[derive(Clone, Debug)]
-struct Layer {
-    cells: Vec<bool>,
-    /// For each row whether it holds any cell.
-    rows: Vec<bool>,
-    scratch: RowScratch,
-}
-
 /// Where a link meets a part.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
@@ -93,6 +82,8 @@ pub struct Meeting {
     /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal; zero
     /// where it is met at a grazing angle.
     pub slope: [f64; 3],
+    /// Where on the surface that is, if that can deform.
+    pub hit: Hit,
 }
 
 /// Facets near a cell at most, to try each for each of its links; where there are more, the surface's
@@ -148,15 +139,10 @@ impl PartBody {
     /// A part with a surface; `cell` is the edge of a cell [m].
     pub fn new(index: usize, surface: Arc<Surface>, rounding: Rounding, cell: f64) -> Self {
         let moments = surface.mesh().moments();
-        let side = (2.0 * surface.bounding_radius() / cell).ceil() as i32 + 2;
-        let layer = Layer {
-            cells: vec![false; (side * side) as usize],
-            rows: vec![false; side as usize],
-            scratch: RowScratch::default(),
-        };
-        let cover = Cover { origin: [0; 3], side, layers: vec![layer; side as usize] };
+        let cover = Cover::new((2.0 * surface.bounding_radius() / cell).ceil() as i32 + 2);
         Self {
             index,
+            shape: None,
             volume: moments.volume / (cell * cell * cell),
             centroid: moments.centroid,
             orientation: [0.0, 0.0, 0.0, 1.0],
@@ -170,6 +156,60 @@ impl PartBody {
             surface,
             cell,
         }
+    }
+
+    /// A deformable surface, its mesh being seen from the reference that it is to be placed at.
+    pub fn deformable(
+        index: usize,
+        surface: Surface,
+        carrier: usize,
+        rounding: Rounding,
+        cell: f64,
+    ) -> Self {
+        let shape = Shape::new(surface.mesh(), carrier);
+        let side = side_of(&surface, cell);
+        let mut own = Self::new(index, Arc::new(surface), rounding, cell);
+        (own.now, own.previous) = (Cover::new(side), Cover::new(side));
+        own.shape = Some(Box::new(shape));
+        own
+    }
+
+    /// Takes over the vertices of a deformable surface; true if its cells and links must be found anew.
+    pub fn deform(&mut self, vertices: &[SurfaceVertex], lead: f64, units: &Units) -> bool {
+        let Some(shape) = &mut self.shape else { return false };
+        let position = self.rounding.position;
+        let reference = std::array::from_fn(|a| units.min[a] + position[a] * units.cell);
+        let far = (lead, self.rounding.step);
+        let moved = shape.take(vertices, reference, far, &self.surface, units);
+        moved || self.searches == 0
+    }
+
+    /// Takes a deformable surface to where its vertices are.
+    fn reshape(&mut self) {
+        let Some(shape) = &mut self.shape else { return };
+        shape.settle();
+        let surface = Arc::make_mut(&mut self.surface);
+        surface.reshape(&shape.now);
+        let moments = surface.mesh().moments();
+        self.volume = moments.volume / (self.cell * self.cell * self.cell);
+        self.centroid = moments.centroid;
+        let side = side_of(surface, self.cell).max(self.previous.side);
+        if side > self.now.side {
+            let spare = side / 8;
+            self.now = Cover::new(side + spare);
+        }
+    }
+
+    /// Where the reference of a deformable surface is in the scene.
+    pub fn reference(&self) -> [f64; 3] {
+        self.rounding.position
+    }
+
+    /// Where on a deformable surface the point nearest to `arm` is, seen from its reference.
+    pub fn hit_near(&self, arm: [f64; 3]) -> Hit {
+        let point = self.frame.turn_to_part(arm.map(|x| x * self.cell));
+        let closest = self.surface.closest(point);
+        Hit::on(self.surface.mesh(), closest.triangle, closest.point)
     }
 
     /// Distance of its farthest point from its origin.
@@ -191,6 +231,15 @@ impl PartBody {
             [turn[0], turn[1], turn[2]].map(|q| twice * q),
         ];
         moved
+    }
+
+    /// As [`PartBody::drift_at`], of a place on a surface that may deform.
+    #[inline(always)]
+    pub fn drift_of(&self, hit: Hit, arm: [f64; 3]) -> [f64; 3] {
+        match &self.shape {
+            Some(shape) => shape.drift_at(hit),
+            None => self.drift_at(arm),
+        }
     }
 
     /// How far the point at `arm` from its origin is from where it was when links were found.
@@ -231,6 +280,7 @@ impl PartBody {
         let Some(Placed { position, orientation }) = self.found else { return };
         std::mem::swap(&mut self.now, &mut self.previous);
         self.searches += 1;
+        self.reshape();
         let pose = Pose { position: position.map(|x| x * self.cell), orientation };
         self.frame = Frame::of(&pose);
         let [least, most] = self.cells_around(grid);
@@ -309,9 +359,29 @@ impl PartBody {
     /// Where a link between the centres of cells meets the surface first, as part of its length, in
     /// `(0, 1]`; half-way if it does not.
     pub fn meet(&self, from: [i32; 3], c: [i32; 3]) -> f64 {
+        self.meet_facet(from, c).0
+    }
+
+    /// As [`PartBody::meet`], and the facet, if the surface can deform.
+    pub fn meet_facet(&self, from: [i32; 3], c: [i32; 3]) -> (f64, u32) {
         let to = std::array::from_fn(|a| from[a] + c[a]);
-        let found = self.surface.first_crossing(self.point(from), self.point(to));
-        found.map_or(0.5, |crossing| crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0))
+        let (start, end) = (self.point(from), self.point(to));
+        match self.surface.first_crossing(start, end) {
+            Some(crossing) => {
+                let facet = self.shape.as_ref().map_or(NO_FACET, |_| crossing.triangle);
+                (crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0), facet)
+            }
+            None => (0.5, self.hit_between(start, end).facet),
+        }
+    }
+
+    /// The place on a deformable surface nearest to the middle of a link that does not meet it.
+    fn hit_between(&self, start: [f64; 3], end: [f64; 3]) -> Hit {
+        if self.shape.is_none() {
+            return Hit::NONE;
+        }
+        let closest = self.surface.closest(std::array::from_fn(|a| 0.5 * (start[a] + end[a])));
+        Hit::on(self.surface.mesh(), closest.triangle, closest.point)
     }
 
     /// Finds the facets that links from a cell may meet.
@@ -341,8 +411,12 @@ impl PartBody {
             self.surface.first_crossing(start, end)
         };
         let Some(crossing) = crossing else {
-            return Meeting { q: 0.5, slope: [0.0; 3] };
+            return Meeting { q: 0.5, slope: [0.0; 3], hit: self.hit_between(start, end) };
         };
+        let hit = self.shape.as_ref().map_or(Hit::NONE, |_| {
+            let point = |a: usize| start[a] + crossing.fraction * (end[a] - start[a]);
+            Hit::on(self.surface.mesh(), crossing.triangle, std::array::from_fn(point))
+        });
         let normal = self.frame.turn_to_world(self.surface.normal(crossing.triangle));
         let c = c.map(f64::from);
         let along = dot(normal, c);
@@ -350,6 +424,7 @@ impl PartBody {
         Meeting {
             q: crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0),
             slope: if is_steep { normal.map(|n| n / along) } else { [0.0; 3] },
+            hit,
         }
     }
 
@@ -391,31 +466,8 @@ impl PartBody {
     }
 }
 
-impl Cover {
-    /// The row `(y, z)`, if it holds any cell.
-    #[inline]
-    fn row(&self, y: i32, z: i32) -> Option<&[bool]> {
-        let (j, k) = (y - self.origin[1], z - self.origin[2]);
-        if !(0..self.side).contains(&j) || !(0..self.side).contains(&k) {
-            return None;
-        }
-        let (layer, j, side) = (&self.layers[k as usize], j as usize, self.side as usize);
-        layer.rows[j].then(|| &layer.cells[j * side..(j + 1) * side])
-    }
-
-    /// Calls `visit` with the coordinates of each of its cells that is not in `other`.
-    fn minus(&self, other: &Self, mut visit: impl FnMut([i32; 3])) {
-        for (z, layer) in (self.origin[2]..).zip(&self.layers) {
-            for (y, _) in (self.origin[1]..).zip(&layer.rows).filter(|(_, holds)| **holds) {
-                let row = self.row(y, z).unwrap_or_default();
-                let others = other.row(y, z).unwrap_or_default();
-                for (x, _) in (self.origin[0]..).zip(row).filter(|(_, inside)| **inside) {
-                    let k = (x - other.origin[0]) as usize;
-                    if !others.get(k).copied().unwrap_or(false) {
-                        visit([x, y, z]);
-                    }
-                }
-            }
-        }
-    }
+/// Side of a cube of cells that holds a deformable surface.
+fn side_of(surface: &Surface, cell: f64) -> i32 {
+    let size = surface.bounds().size();
+    (size[0].max(size[1]).max(size[2]) / cell).ceil() as i32 + 3
 }

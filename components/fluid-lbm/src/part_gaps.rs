@@ -12,6 +12,7 @@ use crate::lattice::{C, Q, dot};
 use crate::links::After;
 use crate::part_body::{Facets, PartBody};
 use crate::part_links::{Site, recession};
+use crate::shape::Hit;
 
 /// A gap link between a moving part and what stands still, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
@@ -34,19 +35,28 @@ pub struct GapLinks {
     links: Vec<GapLink>,
     /// Cells whose density, where they are fluid, is that of the gap.
     witnesses: Vec<u32>,
+    /// For each link where it meets a surface that can deform; none for rigid parts.
+    hits: Vec<Hit>,
 }
 
 impl GapLinks {
     /// Forgets all.
     pub fn clear(&mut self) {
         self.links.clear();
+        self.hits.clear();
         self.witnesses.clear();
     }
 
     /// Room for half as many more.
     pub fn make_room(&mut self) {
         self.links.reserve(self.links.len() / 2 + 64);
+        self.hits.reserve(self.hits.len() / 2);
         self.witnesses.reserve(self.witnesses.len() / 2 + 64);
+    }
+
+    /// Number of the links.
+    pub fn len(&self) -> usize {
+        self.links.len()
     }
 
     /// Cells whose densities are needed.
@@ -57,29 +67,29 @@ impl GapLinks {
 
 impl<T: Real> After<'_, T> {
     /// Records a part's link into a frozen cell of a declared gap.
-    pub fn press_frozen(&self, gap: u16, link: &Link, gaps: &mut Gaps) {
-        gaps.to(Across::declared(gap)).add(link.arm, link.seen.into(), link.q);
+    pub fn press_frozen(&self, gap: u16, link: &Link, facet: u32, gaps: &mut Gaps) {
+        gaps.add(Across::declared(gap), link.arm, (link.seen.into(), link.q), facet);
     }
 
     /// Records the gap links between a part and what stands still. Returns the volume by which the
     /// part recedes from declared gaps.
     pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) -> f64 {
         let (mut first, mut receded) = (0, 0.0);
-        for link in &list.links {
+        for (k, link) in list.links.iter().enumerate() {
+            let hit = list.hits.get(k).copied().unwrap_or(Hit::NONE);
             let witnesses = &list.witnesses[first..link.end as usize];
             first = link.end as usize;
             let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
-            let by = dot(link.slope.map(f64::from), part.drift_at(arm));
+            let by = dot(link.slope.map(f64::from), part.drift_of(hit, arm));
             if link.across.as_declared().is_some() {
                 let (dir, q) = (link.dir, link.q + by);
                 let link = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
-                receded += recession(body, &link);
+                receded += recession(body, &link, hit);
             }
             if link.width + by <= CONTACT {
                 continue;
             }
-            let gap = gaps.to(link.across);
-            gap.add(arm, link.dir.into(), link.q + by);
+            let gap = gaps.add(link.across, arm, (link.dir.into(), link.q + by), hit.facet);
             for &cell in witnesses {
                 if self.owners.is_fluid(cell) {
                     gap.drho += self.drho.get(cell as usize);
@@ -144,6 +154,9 @@ impl Site<'_> {
         }
         let neighbours = (1..Q).filter_map(|k| self.layout.neighbour(cell, k));
         gaps.witnesses.extend(neighbours);
+        if part.shape.is_some() {
+            gaps.hits.push(meeting.hit);
+        }
         gaps.links.push(GapLink {
             across,
             dir: i as u8,

@@ -19,6 +19,7 @@ use crate::links::{After, fold};
 use crate::owners::{FROZEN, SHARED};
 use crate::part_body::{Facets, PartBody};
 use crate::part_gaps::GapLinks;
+use crate::shape::Hit;
 
 /// A link, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +46,8 @@ pub struct PartLinks {
     /// Which search of the part they are from.
     search: u64,
     links: Vec<PartLink>,
+    /// For each link where it meets a surface that can deform; none for rigid parts.
+    hits: Vec<Hit>,
     gaps: GapLinks,
     /// Lines that hold the cells of which densities are needed.
     pub lines: Vec<u32>,
@@ -74,6 +77,7 @@ impl PartLinks {
         let is_first = self.search == 0;
         self.search = part.searches;
         self.links.clear();
+        self.hits.clear();
         self.gaps.clear();
         for z in layers.clone() {
             for y in 0..body.shell_side() {
@@ -101,9 +105,15 @@ impl PartLinks {
     /// Room for what a part that moves on will need: half as much again.
     fn make_room(&mut self) {
         self.links.reserve(self.links.len() / 2 + 64);
+        self.hits.reserve(self.hits.len() / 2);
         self.lines.reserve(self.lines.len() / 2 + 64);
         self.gaps.make_room();
         self.facets.make_room();
+    }
+
+    /// What the links of a surface that can deform may give to facets.
+    pub fn felt(&self) -> usize {
+        if self.hits.is_empty() { 0 } else { self.links.len() + self.gaps.len() }
     }
 
     fn find_row(&mut self, site: &Site, part: &PartBody, [y, z]: [i32; 2]) {
@@ -172,6 +182,9 @@ impl PartLinks {
                 near = Some(at);
             }
             let meeting = part.meet_among(&self.facets, at, C[seen]);
+            if part.shape.is_some() {
+                self.hits.push(meeting.hit);
+            }
             self.links.push(PartLink {
                 cell,
                 dir: i as u8,
@@ -219,24 +232,30 @@ impl<T: Real> After<'_, T> {
         batch: &mut Batch,
     ) {
         let any_shared = self.owners.any_shared();
+        let mut hits = list.hits.as_slice();
         for run in list.links.chunk_by(|a, b| a.cell == b.cell) {
             let cell = run[0].cell;
+            let mine = hits.split_off(..run.len().min(hits.len())).unwrap_or_default();
             if !self.owners.is_fluid(cell) {
                 if let Some(ground) = self.ground {
-                    self.gaps_of_run(bodies, body, part, ground, run, batch);
+                    self.gaps_of_run((bodies, body, part), ground, (run, mine), batch);
                 }
                 continue;
             }
             batch.make_room(self, body);
             let slot = batch.cell(cell);
-            for found in run {
-                let link = found.now(body, part, slot);
+            for (k, found) in run.iter().enumerate() {
+                let hit = mine.get(k).copied().unwrap_or(Hit::NONE);
+                let link = found.now(body, part, slot, hit);
                 let is_mine = !any_shared
                     || self.layout.neighbour(cell, found.dir.into()).is_none_or(|end| {
                         self.owners.of(end) != SHARED || self.is_first(bodies, body, &link, end)
                     });
                 if is_mine {
                     batch.push(link);
+                    if let Some(shape) = &part.shape {
+                        batch.wall(shape.velocity_at(hit), hit.facet);
+                    }
                 }
             }
         }
@@ -250,23 +269,24 @@ impl<T: Real> After<'_, T> {
     /// nobody if it is frozen.
     fn gaps_of_run(
         &self,
-        bodies: &Bodies,
-        body: &Body,
-        part: &PartBody,
+        (bodies, body, part): (&Bodies, &Body, &PartBody),
         ground: &Ground,
-        run: &[PartLink],
+        (run, hits): (&[PartLink], &[Hit]),
         batch: &mut Batch,
     ) {
         let cell = run[0].cell;
+        let hit = |k: usize| hits.get(k).copied().unwrap_or(Hit::NONE);
         if self.owners.of(cell) == FROZEN {
-            for link in run {
-                batch.recede(recession(body, &link.now(body, part, 0)));
+            for (k, link) in run.iter().enumerate() {
+                let link = link.now(body, part, 0, hit(k));
+                batch.recede(recession(body, &link, hit(k)));
             }
         }
         let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
         if let Some(gap) = gap.filter(|_| self.owners.of(cell) == FROZEN) {
-            for link in run {
-                self.press_frozen(gap, &link.now(body, part, 0), &mut batch.gaps);
+            for (k, link) in run.iter().enumerate() {
+                let link = link.now(body, part, 0, hit(k));
+                self.press_frozen(gap, &link, hit(k).facet, &mut batch.gaps);
             }
             return;
         }
@@ -277,18 +297,18 @@ impl<T: Real> After<'_, T> {
 }
 
 /// Volume by which a wall recedes along a link.
-pub fn recession(body: &Body, link: &Link) -> f64 {
+pub fn recession(body: &Body, link: &Link, hit: Hit) -> f64 {
     let c = C_F64[usize::from(link.seen)];
     let wall = std::array::from_fn(|a| link.arm[a] + link.q * c[a]);
-    6.0 * W[usize::from(link.seen)] * dot(c, body.velocity_at(wall))
+    6.0 * W[usize::from(link.seen)] * dot(c, body.velocity_of(hit, wall))
 }
 
 impl PartLink {
     /// The link as it is now.
     #[inline(always)]
-    fn now(&self, body: &Body, part: &PartBody, slot: u16) -> Link {
+    fn now(&self, body: &Body, part: &PartBody, slot: u16, hit: Hit) -> Link {
         let arm: [f64; 3] = std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a]);
-        let drift = part.drift_at(arm);
+        let drift = part.drift_of(hit, arm);
         let s = self.slope.map(f64::from);
         let q = self.q + (s[0] * drift[0] + s[1] * drift[1] + s[2] * drift[2]);
         let q = q.clamp(f64::MIN_POSITIVE, 1.0);

@@ -78,7 +78,7 @@ impl<T: Real> Before<'_, T> {
         // Inside a body that was removed fluid is as far away as its surface.
         let farthest = body.radius.ceil() as i32 + 2;
         let drho = (1..=farthest).find_map(|reach| self.mean_around(owners, cell, reach));
-        let (drho, u) = (drho.unwrap_or(alone), body.velocity_at(arm));
+        let (drho, u) = (drho.unwrap_or(alone), body.velocity_of(body.hit_near(arm), arm));
         let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
         if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);

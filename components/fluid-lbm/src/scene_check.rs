@@ -3,8 +3,8 @@
 use crate::reservoir::{name, reservoirs_of};
 use tremie_messages::Problem;
 use tremie_messages::scene::{
-    Course, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion, PartBoundary,
-    ProbeShape, Reservoir, Scene,
+    Course, DeformableSurface, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion,
+    PartBoundary, ProbeShape, Reservoir, Scene,
 };
 
 /// Checks of the scene that concern a fluid.
@@ -46,6 +46,9 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
     for (index, gap) in scene.gaps.iter().enumerate() {
         check_gap(scene, gap, &format!("scene.gaps[{index}]"), problems);
     }
+    for (index, surface) in scene.surfaces.iter().enumerate() {
+        check_surface(scene, surface, &format!("scene.surfaces[{index}]"), problems);
+    }
     for (index, part) in scene.parts.iter().enumerate() {
         if part.motion != Motion::Fixed && part.cavity {
             problems.push(
@@ -68,6 +71,30 @@ pub fn check_scene(scene: &Scene, problems: &mut Vec<Problem>) {
                 .help("fix the part, or make it a wall"),
             );
         }
+    }
+}
+
+/// Checks of a deformable surface.
+fn check_surface(
+    scene: &Scene,
+    surface: &DeformableSurface,
+    key: &str,
+    problems: &mut Vec<Problem>,
+) {
+    if !scene.parts.iter().any(|part| part.name == surface.carrier) {
+        let found = format!("no part is named {}", surface.carrier);
+        let problem = Problem::new(format!("{key}.carrier"), found);
+        problems.push(problem.help("name the part that carries it"));
+    }
+    if surface.sectors < 3 {
+        let found = format!("needs at least 3, found {}", surface.sectors);
+        problems.push(Problem::new(format!("{key}.sectors"), found).help("60 suits a round seal"));
+    }
+    let (edges, points) = (&surface.section.edges, surface.section.points.len());
+    if let Some(point) = edges.iter().flat_map(|edge| edge.points).find(|&p| p as usize >= points) {
+        let found = format!("an edge names point {point}, but there are {points}");
+        let problem = Problem::new(format!("{key}.section"), found);
+        problems.push(problem.help("points are numbered from 0"));
     }
 }
 
@@ -168,8 +195,12 @@ fn check_gap(scene: &Scene, gap: &Gap, key: &str, problems: &mut Vec<Problem>) {
     };
     for side in &gap.between {
         match side {
-            GapSide::Part(name) if !scene.parts.iter().any(|part| part.name == *name) => {
-                problem("between", format!("no part is named {name}"), "name a part or a face");
+            GapSide::Part(name)
+                if !scene.parts.iter().any(|part| part.name == *name)
+                    && !scene.surfaces.iter().any(|surface| surface.name == *name) =>
+            {
+                let help = "name a part, a surface or a face";
+                problem("between", format!("no part or surface is named {name}"), help);
             }
             GapSide::Face { axis, side }
                 if !(*axis < 3

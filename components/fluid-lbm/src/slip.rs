@@ -23,6 +23,7 @@ use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, density};
 use crate::owners::{BODY, Owner, Owners, SHARED};
 use crate::part_links::as_seen;
+use crate::shape::{Felt, NO_FACET};
 use tremie_team::Team;
 
 /// Links that are one item of work.
@@ -59,6 +60,8 @@ struct Link {
 struct Item {
     links: Vec<Link>,
     exchanges: Vec<(Whose, Exchange)>,
+    /// What facets of deformable surfaces felt of it, with the handle of the body.
+    felt: Vec<(u32, Felt)>,
 }
 
 /// All links that slip.
@@ -101,6 +104,7 @@ impl Slip {
             self.items.push(Item {
                 links: Vec::with_capacity(LINKS_PER_ITEM),
                 exchanges: Vec::with_capacity(8),
+                felt: Vec::with_capacity(LINKS_PER_ITEM),
             });
         }
         self.items[self.used].links.push(link);
@@ -114,7 +118,7 @@ impl Slip {
                     Whose::Fixture(_) => 0.0,
                     Whose::Body(handle) => {
                         let (axis, i) = (usize::from(link.axis), usize::from(link.seen));
-                        let (_, u) = wall(bodies.with_handle(handle), link, after.layout);
+                        let (_, u, _) = wall(bodies.with_handle(handle), link, after.layout);
                         let rho = density(&after.post(link.cell));
                         6.0 * W[i] * rho * C_F64[i][axis] * u[axis]
                     }
@@ -134,6 +138,7 @@ impl Slip {
     ) {
         team.for_each(&mut self.items, |_, item| {
             item.exchanges.clear();
+            item.felt.clear();
             for link in &item.links {
                 let place = after.next_place(link.cell, OPPOSITE[usize::from(link.dir)]);
                 let old = after.field.get(place);
@@ -154,8 +159,12 @@ impl Slip {
                     }
                     Whose::Body(handle) => {
                         let body = bodies.with_handle(handle);
-                        let (arm, u) = wall(body, link, after.layout);
-                        give(exchange, link, gain, arm, u);
+                        let (arm, u, facet) = wall(body, link, after.layout);
+                        let force = give(exchange, link, gain, arm, u);
+                        if facet != NO_FACET {
+                            let felt = Felt { facet, gap: Felt::FLUID, force, at: arm };
+                            item.felt.push((handle, felt));
+                        }
                     }
                 }
                 exchange.mass += gain;
@@ -173,6 +182,12 @@ impl Slip {
         self.on(Whose::Fixture(number as u16))
     }
 
+    /// What it gave to facets of a deformable surface.
+    pub fn on_facets(&self, handle: u32) -> impl Iterator<Item = &Felt> {
+        let all = self.items.iter().flat_map(|item| &item.felt);
+        all.filter(move |(whose, _)| *whose == handle).map(|(_, felt)| felt)
+    }
+
     fn on(&self, wanted: Whose) -> Exchange {
         let all = self.items.iter().flat_map(|item| &item.exchanges);
         all.filter(|(whose, _)| *whose == wanted).fold(Exchange::default(), |mut sum, (_, own)| {
@@ -182,8 +197,8 @@ impl Slip {
     }
 }
 
-/// Where a link half-way meets a body, seen from its origin, and the wall's velocity there.
-fn wall(body: &Body, link: &Link, layout: &Layout) -> ([f64; 3], [f64; 3]) {
+/// Where a link half-way meets a body, seen from its origin, the wall's velocity there, and the facet.
+fn wall(body: &Body, link: &Link, layout: &Layout) -> ([f64; 3], [f64; 3], u32) {
     let c = C_F64[usize::from(link.seen)];
     let arm = if link.mirrors == 0 {
         layout.grid.arm(body.position, link.at)
@@ -191,11 +206,13 @@ fn wall(body: &Body, link: &Link, layout: &Layout) -> ([f64; 3], [f64; 3]) {
         std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a])
     };
     let arm = std::array::from_fn(|a| arm[a] + 0.5 * c[a]);
-    (arm, body.velocity_at(arm))
+    let hit = body.hit_near(arm);
+    (arm, body.velocity_of(hit, arm), hit.facet)
 }
 
-/// Adds the Galilean-invariant exchange of a link whose reflected population grew by `gain`.
-fn give(exchange: &mut Exchange, link: &Link, gain: f64, arm: [f64; 3], u: [f64; 3]) {
+/// Adds the Galilean-invariant exchange of a link whose reflected population grew by `gain`; returns the
+/// force.
+fn give(exchange: &mut Exchange, link: &Link, gain: f64, arm: [f64; 3], u: [f64; 3]) -> [f64; 3] {
     let c = C_F64[usize::from(link.seen)];
     let force: [f64; 3] = std::array::from_fn(|a| gain * (c[a] + u[a]));
     add_scaled(&mut exchange.force, force, 1.0);
@@ -205,6 +222,7 @@ fn give(exchange: &mut Exchange, link: &Link, gain: f64, arm: [f64; 3], u: [f64;
         exchange.image[a] += 2.0 * force[a];
         exchange.image_swept[a] += 2.0 * gain * u[a];
     }
+    force
 }
 
 /// What links are looked for in.

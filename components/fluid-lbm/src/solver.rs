@@ -26,6 +26,7 @@ use crate::refill::Before;
 use crate::reservoir::ReservoirFace;
 use crate::slip::Slip;
 use crate::solids::Centres;
+use crate::surfaces::Soft;
 use crate::surroundings::Surroundings;
 use crate::survey::Survey;
 use crate::tally::Tally;
@@ -79,6 +80,12 @@ pub struct Solver<T: Collides> {
     pub(crate) slip: Slip,
     pub(crate) slips: bool,
     scheme: OpenFaces,
+    /// Deformable surfaces whose vertices have not come yet, vertices of all, and parts of the scene.
+    pub(crate) waiting: Vec<Soft>,
+    pub(crate) soft_vertices: usize,
+    pub(crate) parts: usize,
+    /// How far a vertex moves until cells and links are found anew [cells].
+    pub(crate) pose_spacing: f64,
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub(crate) lift: [f64; 3],
     kernel: Kernel<T>,
@@ -161,6 +168,7 @@ impl<T: Collides> Solver<T> {
             survey: Survey::NONE,
             reflected: vec![0.0; tally.runs(number).len()],
         });
+        let waiting = Soft::all(scene);
         let fixtures = surroundings.laws.len();
         let centres = Centres { cell: units.cell, min: units.min };
         let probes = Probes::new(&scene.probes, &built.layout, &centres);
@@ -187,6 +195,10 @@ impl<T: Collides> Solver<T> {
             slip: Slip::default(),
             slips: declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity,
             declared,
+            soft_vertices: waiting.iter().map(|soft| soft.vertices().len()).sum(),
+            waiting,
+            parts: scene.parts.len(),
+            pose_spacing: parameters.spacing_of_poses(),
             scheme: parameters.open_faces,
             lift: std::array::from_fn(|a| {
                 acceleration[a] - scene.gravity[a] / units.acceleration()
@@ -227,6 +239,12 @@ impl<T: Collides> Solver<T> {
             return Ok(());
         }
         self.bodies.apply(events, &self.units, &self.layout)?;
+        self.list_items();
+        Ok(())
+    }
+
+    /// Makes the items of the bodies' links, and room for what changes in a step.
+    pub(crate) fn list_items(&mut self) {
         if self.wanted.lines.is_empty() {
             let lines = self.layout.places.lines().len();
             self.wanted.lines.resize_with(lines, AtomicU8::default);
@@ -239,12 +257,12 @@ impl<T: Collides> Solver<T> {
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
         self.owners.reserve(changes);
         self.refills.reserve(changes.saturating_sub(self.refills.len()));
-        Ok(())
     }
 
     /// See [`crate::FluidLbm::start`].
     pub fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.check(bodies, loads.len())?;
+        self.check_surfaces()?;
         self.begin_balance();
         self.move_bodies(bodies);
         self.bodies.newcomers.clear();
@@ -263,6 +281,7 @@ impl<T: Collides> Solver<T> {
     /// See [`crate::FluidLbm::step`].
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.check(bodies, loads.len())?;
+        self.check_surfaces()?;
         let begin = self.steps as f64 * self.units.time_step;
         for reservoir in &mut self.reservoirs {
             reservoir.advance(begin, &self.units)?;

@@ -61,6 +61,11 @@ impl Features {
         Self { twins, normals, vertex_normals, edges, vertices }
     }
 
+    /// The features of the same mesh with its vertices elsewhere.
+    pub fn refit(&mut self, mesh: &Mesh) {
+        *self = Self::of(mesh, std::mem::take(&mut self.twins));
+    }
+
     pub fn normal(&self, triangle: u32) -> Vec3 {
         self.normals[triangle as usize]
     }

@@ -80,6 +80,18 @@ impl Surface {
         Self { repairs: self.repairs, ..Self::assembled(self.mesh, edges, 1 - self.far) }
     }
 
+    /// Moves the vertices of the mesh; its triangles stay. Costs a small part of building the surface
+    /// anew, and answers are those of one that was, as long as triangles stay near their neighbours.
+    ///
+    /// # Panics
+    /// If there are not as many as the mesh has.
+    pub fn reshape(&mut self, vertices: &[Vec3]) {
+        self.mesh.vertices.copy_from_slice(vertices);
+        self.tree.refit(|triangle| self.mesh.corners(triangle));
+        self.features.refit(&self.mesh);
+        self.bounding_radius = self.mesh.bounding_radius();
+    }
+
     fn assembled(mesh: Mesh, edges: Edges, far: i32) -> Self {
         let tree = Tree::of((0..mesh.triangles.len()).map(|t| mesh.corners(t)));
         let features = Features::of(&mesh, edges.twins);

@@ -90,6 +90,26 @@ impl Tree {
         Self { bounds, pairs: builder.pairs, numbers, corners }
     }
 
+    /// Takes over new places of the corners and fits the boxes to them, from the leaves up. The order
+    /// stays, so boxes overlap more the more the triangles change places.
+    pub fn refit(&mut self, corners: impl Fn(usize) -> Corners) {
+        for (to, &number) in self.corners.iter_mut().zip(&self.numbers) {
+            *to = corners(number as usize);
+        }
+        let all = self.corners.iter().flatten();
+        self.bounds = Bounds::of(all.copied());
+        // Children come after their parents.
+        for i in (0..2 * self.pairs.len() as u32).rev() {
+            let node = *self.node(i);
+            let bounds = match (node.count, node.next) {
+                (0, 0) => continue,
+                (0, child) => self.node(child).bounds().union(&self.node(child + 1).bounds()),
+                _ => Bounds::of(self.corners[node.triangles()].iter().flatten().copied()),
+            };
+            self.pairs[i as usize / 2].0[i as usize % 2] = Node::of(&bounds, node.count, node.next);
+        }
+    }
+
     /// The box around everything.
     pub fn bounds(&self) -> Bounds {
         self.bounds

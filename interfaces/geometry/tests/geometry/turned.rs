@@ -72,3 +72,39 @@ fn points_that_no_edge_names_make_no_vertices() {
     assert_eq!(Turned::new(&section, 6).vertex_count(), 24);
     assert_eq!(surface(section, 6).vertex_count(), 24);
 }
+
+/// A surface whose vertices were moved answers as one that was built there.
+#[test]
+fn a_reshaped_surface_is_the_one_built_anew() {
+    let section = rectangle(1.0);
+    let turned = Turned::new(&section, 24);
+    let at = |points: &[[f64; 2]]| Mesh {
+        vertices: turned.places(points),
+        triangles: turned.triangles.clone(),
+    };
+    let mut surface = Surface::new(at(&section.points)).unwrap();
+    let mut points = section.points.clone();
+    (points[1], points[2]) = ([2.6, -0.4], [2.1, 0.7]);
+    let moved = at(&points);
+    surface.reshape(&moved.vertices);
+    let anew = Surface::new(moved).unwrap();
+    assert_eq!(surface.bounds(), anew.bounds());
+    assert_eq!(surface.bounding_radius(), anew.bounding_radius());
+    for triangle in 0..turned.triangles.len() as u32 {
+        assert_eq!(surface.normal(triangle), anew.normal(triangle));
+        assert_eq!(surface.edge_kinds(triangle), anew.edge_kinds(triangle));
+    }
+    let steps = || (-14..=14).map(|k| f64::from(k) * 0.2037);
+    let (mut solid, mut before) = (0, [0.0; 3]);
+    for x in steps() {
+        for (y, z) in steps().zip(steps().skip(9).cycle()) {
+            let point = [x, y, 0.4 * z];
+            assert_eq!(surface.contains(point), anew.contains(point));
+            assert_eq!(surface.closest(point), anew.closest(point));
+            assert_eq!(surface.first_crossing(before, point), anew.first_crossing(before, point));
+            solid += u32::from(surface.contains(point));
+            before = point;
+        }
+    }
+    assert!(solid > 50, "{solid}");
+}

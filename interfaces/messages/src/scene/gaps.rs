@@ -31,7 +31,7 @@ pub struct Gap {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GapSide {
-    /// A part of the scene, by its name.
+    /// A part or a deformable surface of the scene, by its name.
     Part(String),
     /// A face of the domain: axis 0, 1, 2 for x, y, z; side 0 for the lower, 1 for the upper.
     Face {

@@ -57,9 +57,10 @@ fn between(
     Some([one?, other?])
 }
 
-/// A part, or a face of the domain.
+/// A part, a surface, or a face of the domain.
 fn side(name: &str, table: &SceneTable, key: &str, findings: &mut Findings) -> Option<GapSide> {
-    if table.parts.iter().any(|part| part.name.as_deref() == Some(name)) {
+    let is_part = table.parts.iter().any(|part| part.name.as_deref() == Some(name));
+    if is_part || table.surfaces.iter().any(|surface| surface.name.as_deref() == Some(name)) {
         return Some(GapSide::Part(name.into()));
     }
     for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
@@ -69,8 +70,9 @@ fn side(name: &str, table: &SceneTable, key: &str, findings: &mut Findings) -> O
             }
         }
     }
-    let message =
-        format!("found \"{name}\", expected the name of a part, or a face as \"lower x\"");
+    let message = format!(
+        "found \"{name}\", expected the name of a part or surface, or a face as \"lower x\""
+    );
     findings.problem(key, message);
     None
 }

@@ -12,7 +12,7 @@ use tremie_messages::units::Length;
 pub(in super::super) struct GapTable {
     /// Name, unique in the scene: letters, digits, `_`. Required.
     pub name: Option<String>,
-    /// Between what: names of parts, or faces of the domain as "lower x", "upper x" and so on. Required.
+    /// Between what: names of parts or surfaces, or faces of the domain as "lower x", "upper x" and so on. Required.
     pub between: Option<[String; 2]>,
     /// The thickness from which its cells are fluid, in cells; thinner, they are solid (default: 1.5,
     /// which suits a gap along the lattice; 2 suits a slanted one).

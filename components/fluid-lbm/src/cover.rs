@@ -1,0 +1,58 @@
+//! The cells that a moving part covers.
+
+use tremie_geometry::RowScratch;
+
+/// Cells of a cube of the box, which may reach beyond periodic faces, in layers along z.
+#[derive(Clone, Debug)]
+pub struct Cover {
+    pub origin: [i32; 3],
+    pub side: i32,
+    pub layers: Vec<Layer>,
+}
+
+/// A layer of a cover.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    pub cells: Vec<bool>,
+    /// For each row whether it holds any cell.
+    pub rows: Vec<bool>,
+    pub scratch: RowScratch,
+}
+
+impl Cover {
+    pub fn new(side: i32) -> Self {
+        let layer = Layer {
+            cells: vec![false; (side * side) as usize],
+            rows: vec![false; side as usize],
+            scratch: RowScratch::default(),
+        };
+        Self { origin: [0; 3], side, layers: vec![layer; side as usize] }
+    }
+
+    /// The row `(y, z)`, if it holds any cell.
+    #[inline]
+    pub fn row(&self, y: i32, z: i32) -> Option<&[bool]> {
+        let (j, k) = (y - self.origin[1], z - self.origin[2]);
+        if !(0..self.side).contains(&j) || !(0..self.side).contains(&k) {
+            return None;
+        }
+        let (layer, j, side) = (&self.layers[k as usize], j as usize, self.side as usize);
+        layer.rows[j].then(|| &layer.cells[j * side..(j + 1) * side])
+    }
+
+    /// Calls `visit` with the coordinates of each of its cells that is not in `other`.
+    pub fn minus(&self, other: &Self, mut visit: impl FnMut([i32; 3])) {
+        for (z, layer) in (self.origin[2]..).zip(&self.layers) {
+            for (y, _) in (self.origin[1]..).zip(&layer.rows).filter(|(_, holds)| **holds) {
+                let row = self.row(y, z).unwrap_or_default();
+                let others = other.row(y, z).unwrap_or_default();
+                for (x, _) in (self.origin[0]..).zip(row).filter(|(_, inside)| **inside) {
+                    let k = (x - other.origin[0]) as usize;
+                    if !others.get(k).copied().unwrap_or(false) {
+                        visit([x, y, z]);
+                    }
+                }
+            }
+        }
+    }
+}
