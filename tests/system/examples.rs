@@ -77,3 +77,22 @@ fn a_slit_of_a_cell_between_flanges_is_found_at_its_place() {
         assert!((6.0..11.0).contains(&radius), "{place:?} mm");
     }
 }
+
+/// The coarse valve opens at the pressure that lifts it off its ring, 10 %, and holds where fluid and spring balance,
+/// 2 %, while as much flows as the piston displaces, 1 %.
+#[test]
+fn pressure_valve() {
+    let ran = run("examples/pressure-valve", &["--until", "12.5 ms", "--quiet"]).succeeded();
+    let signals = ran.signals();
+    let lift = &signals["grains.valve.lift"];
+    let opened = lift.iter().position(|lift| *lift > 0.48e-3).expect("the valve stays shut");
+    let pressure = signals["fluid.reservoir_z_lower.pressure"][opened];
+    assert!((pressure / 4.65e5 - 1.0).abs() < 0.1, "it opens at {pressure} Pa");
+    let late: Vec<usize> = (0..lift.len()).filter(|&k| signals["time"][k] > 11.5e-3).collect();
+    let mean = |name: &str| late.iter().map(|&k| signals[name][k]).sum::<f64>() / late.len() as f64;
+    let (fluid, spring) = (mean("grains.valve.fluid_force"), mean("grains.valve.spring_force"));
+    assert!((fluid / -spring - 1.0).abs() < 0.02, "{fluid} N against {spring} N");
+    let velocity = mean("fluid.reservoir_z_lower.velocity");
+    assert!((velocity / 6.0 - 1.0).abs() < 0.01, "{velocity} m/s");
+    assert!(mean("grains.valve.lift") > 1.5e-3);
+}
