@@ -172,7 +172,7 @@ ring = { axis = "z", through = ["50 mm", "50 mm", "0 mm"], radii = ["2 mm", "5 m
     assert_eq!(gaps[1].region, Some(GapRegion::Ring { axis: 2, through, radii }));
     reads_back(&text);
     for (from, to, words) in [
-        ("[\"plug\", \"upper z\"]", "[\"plug\", \"top\"]", "name of a part, or a face"),
+        ("[\"plug\", \"upper z\"]", "[\"plug\", \"top\"]", "name of a part or surface, or a face"),
         ("[\"plug\", \"upper z\"]", "[\"plug\", \"plug\"]", "twice"),
         ("close_at = 0.25", "close_at = 3", "from 0 to `open_at`"),
         ("pressure_at = [\"tap\"]", "pressure_at = [\"tip\"]", "name of a probe"),
