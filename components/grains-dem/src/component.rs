@@ -69,6 +69,7 @@ const SLIDER: [(&str, &str); 8] = [
 
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
+    const TAKES_SURFACES: bool = true;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
