@@ -25,7 +25,7 @@ compression = "0.6 mm"
 /// A valve of 9.2 g with the ring below, touching twelve spheres on the floor; 40 N press it down.
 const VALVE: &str = r#"
 [run]
-until = "5 ms"
+until = "4 ms"
 
 [scene.domain]
 size = ["30 mm", "30 mm", "12 mm"]
@@ -192,7 +192,7 @@ fn faults_inside_a_window_are_caught_with_both_sides_named() {
 #[test]
 fn a_ring_that_leaves_its_table_ends_the_run_with_what_to_do() {
     let valve = Valve::new();
-    let ran = valve.run(&["--set", "scene.parts[0].motion.slider.force=-400 N"]);
+    let ran = valve.run(&["--set", "scene.parts[0].motion.slider.force=-100 N"]);
     assert_eq!(ran.code(), Some(1), "{}", ran.errors());
     let found = &ran.summary()["fault"];
     assert_eq!((&found["kind"], &found["blamed"]), (&"solver".into(), &"rubber".into()));
@@ -221,7 +221,6 @@ fn what_cannot_carry_or_hold_a_ring_says_so() {
         "--set",
         "components.fluid=minimal-fluid",
     ]);
-    let found = &ran.summary()["fault"];
-    assert_eq!((&found["blamed"], &found["window"]), (&"fluid".into(), &0.into()));
-    assert!(ran.errors().contains("has no deformable surfaces"), "{}", ran.errors());
+    assert_eq!(ran.code(), Some(2), "{}", ran.errors());
+    assert!(ran.errors().contains("takes no deformable surfaces"), "{}", ran.errors());
 }

@@ -71,6 +71,7 @@ const OUTLET: [(&str, &str); 2] = [("removed", "1"), ("mass_removed", "kg")];
 
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
+    const TAKES_SURFACES: bool = true;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;

@@ -194,7 +194,7 @@ impl<S: Between> Context<S> {
             return Ok(found);
         }
         let begin = Instant::now();
-        // Inside a window the answer is there within microseconds: no bookkeeping at first.
+        // Inside a window the answer may be there at once: no bookkeeping at first.
         if owed.turn > 0
             && let Some(found) = look(&mut check)?
         {

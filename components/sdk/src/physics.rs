@@ -16,12 +16,24 @@ impl SolverError {
         Self(error.to_string())
     }
 
-    /// Of a solver that cannot take part in runs with deformable surfaces.
+    /// Of a solver that takes no deformable surfaces, as it says itself, and is given some.
     fn no_surfaces(program: &str) -> Self {
-        Self(format!(
-            "{program} has no deformable surfaces, and the scene has; take another program for its role, or leave out scene.surfaces and the rubber"
-        ))
+        Self(format!("{program} takes no deformable surfaces"))
     }
+}
+
+/// Refuses a scene with deformable surfaces for a program that does not take them.
+pub(crate) fn check_surfaces(
+    setup: &Setup,
+    program: &str,
+    takes_surfaces: bool,
+) -> Result<(), Vec<Problem>> {
+    if takes_surfaces || setup.hello.scene.surfaces.is_empty() {
+        return Ok(());
+    }
+    let message = format!("{program} takes no deformable surfaces");
+    let help = "take another program for its role, or leave out scene.surfaces and the rubber";
+    Err(vec![Problem::new("scene.surfaces[0]", message).help(help)])
 }
 
 /// A fluid: takes poses of bodies, gives loads on them.
@@ -31,6 +43,10 @@ impl SolverError {
 pub trait Fluid: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
+
+    /// Whether it takes deformable surfaces: [`Fluid::surface`] and [`Fluid::surface_loads`]. A scene with
+    /// some is refused otherwise.
+    const TAKES_SURFACES: bool = false;
 
     /// Checks scene and parameters, and says what the fluid needs. Cheap; allocates no field.
     ///
@@ -113,6 +129,10 @@ pub trait Fluid: Sized {
 pub trait Grains: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
+
+    /// Whether they take deformable surfaces: all methods from [`Grains::carriers`] on. A scene with some is
+    /// refused otherwise.
+    const TAKES_SURFACES: bool = false;
 
     /// Checks scene and parameters, and says what the grains need.
     ///

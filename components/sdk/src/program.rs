@@ -6,7 +6,7 @@ use crate::impulse::Impulse;
 use crate::line::Line;
 use crate::observe::serve_observer;
 use crate::observer::Observer;
-use crate::physics::{Fluid, Grains, Rubber};
+use crate::physics::{Fluid, Grains, Rubber, check_surfaces};
 use crate::rubber::RubberPlayer;
 use crate::serve::{Introduction, introduce, serve};
 use crate::setup::Setup;
@@ -20,7 +20,10 @@ use tremie_messages::start::INTERFACE_VARIABLE;
 /// # Errors
 /// A sentence for standard error.
 pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
-    let describe = |setup: &Setup| Ok(Impulse::announce(F::describe(setup)?, "impulse_delivered"));
+    let describe = |setup: &Setup| {
+        check_surfaces(setup, F::PROGRAM, F::TAKES_SURFACES)?;
+        Ok(Impulse::announce(F::describe(setup)?, "impulse_delivered"))
+    };
     match introduce(&mut line, Role::Fluid, F::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
@@ -35,7 +38,10 @@ pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
 /// # Errors
 /// A sentence for standard error.
 pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
-    let describe = |setup: &Setup| Ok(Impulse::announce(G::describe(setup)?, "impulse_received"));
+    let describe = |setup: &Setup| {
+        check_surfaces(setup, G::PROGRAM, G::TAKES_SURFACES)?;
+        Ok(Impulse::announce(G::describe(setup)?, "impulse_received"))
+    };
     match introduce(&mut line, Role::Grains, G::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {

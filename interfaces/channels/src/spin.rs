@@ -3,14 +3,15 @@
 use crate::bell::Wait;
 use std::time::{Duration, Instant};
 
-/// Looks before the processor is given to others: together more than a prompt answer takes.
-const LOOKS: u32 = 1000;
+/// Looks before the processor is given to others: a few microseconds. Where there are more processes than
+/// processors, the peer may wait for this very one.
+const LOOKS: u32 = 32;
 /// A peer that takes longer than this is busy with something else: looks become rarer.
 const PROMPT: Duration = Duration::from_millis(20);
 /// Between two looks at a peer that is not prompt.
 const NAP: Duration = Duration::from_micros(100);
 
-/// Looks a number of times that a prompt peer does not need, without giving way to others.
+/// Looks some times, as long as a peer takes that answers at once, without giving way to others.
 ///
 /// # Errors
 /// Whatever `check` fails with.
