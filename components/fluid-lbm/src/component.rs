@@ -113,6 +113,7 @@ impl Cut {
 
 impl Fluid for LatticeFluid {
     const PROGRAM: &'static str = concat!("fluid-lbm ", env!("CARGO_PKG_VERSION"));
+    const TAKES_SURFACES: bool = true;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
