@@ -1,34 +1,15 @@
 //! A step allocates nothing while no body comes or goes.
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
 use common::*;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use counting::ALLOCATIONS;
+use std::sync::atomic::Ordering::Relaxed;
 use tremie_fluid_lbm::Refill;
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Course, Face, Geometry, Motion, Reservoir};
-
-/// The system's allocator, counting.
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: passes every call on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Relaxed);
-        // SAFETY: by contract.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: by contract.
-        unsafe { System.dealloc(memory, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 #[test]
 fn a_step_allocates_nothing() {

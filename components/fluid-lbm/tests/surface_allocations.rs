@@ -1,10 +1,12 @@
 //! A step with a deformable surface allocates nothing unless its links are found anew.
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
 use common::*;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use counting::ALLOCATIONS;
+use std::sync::atomic::Ordering::Relaxed;
 use tremie_fluid_lbm::Refill;
 use tremie_geometry::Turned;
 use tremie_messages::scene::{
@@ -12,27 +14,6 @@ use tremie_messages::scene::{
     SectionEdge,
 };
 use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
-
-/// The system's allocator, counting.
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: passes every call on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Relaxed);
-        // SAFETY: by contract.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: by contract.
-        unsafe { System.dealloc(memory, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 #[test]
 fn a_step_without_a_search_allocates_nothing() {

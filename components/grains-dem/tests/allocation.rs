@@ -1,34 +1,13 @@
 //! A settled bed advances without a single allocation.
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 use common::*;
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::atomic::{AtomicUsize, Ordering},
-};
+use counting::ALLOCATIONS;
+use std::sync::atomic::Ordering;
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::scene::{Damping, Geometry, Motion, Part, PartBoundary, Pose};
-
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: hands every call to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: `pointer` came from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 #[test]
 fn a_substep_allocates_nothing() {

@@ -1,37 +1,16 @@
 //! Trials of a surface that deforms, and substeps with one, make no allocation.
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 use common::*;
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::atomic::{AtomicUsize, Ordering},
-};
+use counting::ALLOCATIONS;
+use std::sync::atomic::Ordering;
 use tremie_geometry::Mesh;
 use tremie_grains_dem::{DeformableSurface, GrainsDem, Parameters, SurfaceState};
 use tremie_messages::scene::{
     Damping, Geometry, Motion, Part, PartBoundary, Pose, Slider, SliderSpring,
 };
-
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: hands every call to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: `pointer` came from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 fn part(size: [f64; 3], position: [f64; 3], motion: Motion) -> Part {
     Part {
