@@ -345,7 +345,7 @@ pub struct Bodies {
 
 impl Bodies {
     /// None, in a scene whose moving parts have the given surfaces and roundings of poses, by index of
-    /// the part; velocities are taken `lead` steps ahead.
+    /// the part; velocities of parts are taken `lead` steps ahead.
     pub fn with_surfaces(
         surfaces: Vec<Option<Arc<Surface>>>,
         roundings: Vec<Rounding>,
@@ -481,7 +481,8 @@ impl Bodies {
     pub fn take(&mut self, states: &[BodyState], units: &Units, grid: &Grid) -> bool {
         let mut moved = std::mem::take(&mut self.changed);
         for (body, state) in self.living.iter_mut().zip(states) {
-            moved |= body.take(state, self.lead, units, grid);
+            let lead = if body.part.is_some() { self.lead } else { 0.0 };
+            moved |= body.take(state, lead, units, grid);
         }
         let first = self.rigid();
         for (body, soft) in self.living[first..].iter_mut().zip(&self.softs) {

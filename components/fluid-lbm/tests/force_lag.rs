@@ -77,3 +77,28 @@ fn a_lead_needs_the_mean_of_two_steps() {
         assert!(problems[0].key.ends_with("velocity_lead"), "{problems:?}");
     }
 }
+
+/// Spheres are not taken ahead: a lead changes no bit of their loads.
+#[test]
+fn spheres_have_the_velocities_that_are_given() {
+    let case = Case::new([12; 3], [WALL; 3], 0.8);
+    let loads = |velocity_lead: f64| {
+        let parameters = Parameters { velocity_lead, average_force: true, ..case.parameters() };
+        let mut fluid =
+            FluidLbm::with_variant(&case.scene(), &parameters, 1.0, 1, case.variant).unwrap();
+        let mut body = [BodyState::at_rest(1, [6.0; 3])];
+        fluid.apply_events(&[added(1, 2.0)]).unwrap();
+        let mut loads = loads_of(&body);
+        fluid.start(&body, &mut loads).unwrap();
+        for k in 0..20 {
+            body[0].velocity[0] = 1e-3 * f64::from(k % 7);
+            body[0].angular_velocity[1] = 1e-4 * f64::from(k);
+            body[0].position[0] += body[0].velocity[0];
+            fluid.step(&body, &mut loads).unwrap();
+        }
+        loads
+    };
+    let given = loads(0.0);
+    assert!(given[0].force[0] != 0.0);
+    assert_eq!(given, loads(1.0));
+}
