@@ -1,6 +1,6 @@
 //! Scenes and tables built from numbers.
 
-use crate::tremie::tremie;
+use crate::tremie::{run, tremie};
 
 /// What `tremie scene` writes, `tremie check` accepts; as many cells are fluid as the space has
 /// volume, 1 %.
@@ -31,6 +31,32 @@ fn a_valve_from_its_numbers_can_be_run() {
         // A cell of 0.6 mm holds eight of 0.3 mm.
         assert!((8.0 * cells / volume - 1.0).abs() < 0.02, "{closure}: {cells}");
     }
+}
+
+/// Beneath the valve the slurry has its fraction from the start, to half a grain of thirty; fluid and
+/// grains begin to move.
+#[test]
+fn a_valve_begins_with_the_slurry_of_its_numbers() {
+    let home = tempfile::tempdir().unwrap();
+    let manifest = home.path().join("grains.toml");
+    for closure in ["safety", "pressure"] {
+        let mut scene = tremie();
+        scene.args(["scene", "pressure-valve", "--coarse"]).arg(home.path());
+        let made = scene.args(["--set", &format!("closure={closure}")]).output().unwrap();
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        let checked = tremie().arg("check").arg(&manifest).output().unwrap();
+        assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+    }
+    let text = std::fs::read_to_string(&manifest).unwrap();
+    let part: f64 = text.split(" is this over ").nth(1).unwrap()[..6].parse().unwrap();
+    let options = ["--until", "0.1 ms", "--set", "outputs.record=false"];
+    let signals = run(manifest.to_str().unwrap(), &options).succeeded().signals();
+    let fraction = signals["grains.packing.solid_fraction"][0] / part;
+    assert!((fraction / 0.053 - 1.0).abs() < 0.02, "{fraction}");
+    let last = |name: &str| *signals[name].last().unwrap();
+    assert!(last("fluid.reservoir_z_lower.velocity") > 1e-3);
+    assert!(last("grains.kinetic_energy") > 0.0);
+    assert_eq!((last("grains.stuck.number"), last("grains.stuck.area_fraction")), (0.0, 0.0));
 }
 
 #[test]

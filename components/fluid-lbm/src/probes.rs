@@ -31,7 +31,7 @@ fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
     match shape {
         ProbeShape::Point(_) | ProbeShape::Line { .. } => &REGION[..4],
         ProbeShape::Section { .. } => &[("flow_rate", "m³/s"), ("pressure", "Pa")],
-        ProbeShape::Region { .. } => &REGION,
+        ProbeShape::Region { .. } | ProbeShape::Ring(_) => &REGION,
     }
 }
 
@@ -58,6 +58,15 @@ pub fn samples(grid: &Grid, centres: &Centres, shape: &ProbeShape) -> Vec<([i32;
             each(range)
         }
         ProbeShape::Region { min, max } => each(range(grid, centres, min, max)),
+        ProbeShape::Ring(ring) => {
+            let [min, max] = ring.corners();
+            let centre = |at: [i32; 3]| {
+                std::array::from_fn(|a| centres.min[a] + centres.cell * (f64::from(at[a]) + 0.5))
+            };
+            let mut cells = each(range(grid, centres, &min, &max));
+            cells.retain(|(at, _)| ring.holds(centre(*at)));
+            cells
+        }
     }
 }
 
@@ -201,7 +210,7 @@ fn push(shape: &ProbeShape, sum: &Sum, units: &Units, out: &mut Vec<f64>) {
             out.push(pressure);
             out.extend(velocity);
         }
-        ProbeShape::Region { .. } => {
+        ProbeShape::Region { .. } | ProbeShape::Ring(_) => {
             out.push(pressure);
             out.extend(velocity);
             let all = sum.fluid + sum.covered;

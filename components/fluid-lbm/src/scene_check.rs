@@ -4,7 +4,7 @@ use crate::reservoir::{name, reservoirs_of};
 use tremie_messages::Problem;
 use tremie_messages::scene::{
     Course, DeformableSurface, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion,
-    PartBoundary, ProbeShape, Reservoir, Scene,
+    PartBoundary, ProbeShape, Reservoir, Ring, Scene,
 };
 
 /// Checks of the scene that concern a fluid.
@@ -137,11 +137,13 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
             ProbeShape::Line { from, to } => [*from, *to].concat(),
             ProbeShape::Section { position, min, max, .. } => [&[*position][..], min, max].concat(),
             ProbeShape::Region { min, max } => [*min, *max].concat(),
+            ProbeShape::Ring(ring) => [&ring.through[..], &ring.radii, &ring.heights].concat(),
         };
         let key = format!("scene.probes[{index}]");
         if !numbers.iter().all(|x| x.is_finite()) {
             problems.push(Problem::new(key, "holds a number that is not finite"));
-        } else if matches!(&probe.shape, ProbeShape::Section { axis, .. } if *axis > 2) {
+        } else if matches!(&probe.shape, ProbeShape::Section { axis, .. } | ProbeShape::Ring(Ring { axis, .. }) if *axis > 2)
+        {
             problems.push(Problem::new(key, "its axis must be 0, 1 or 2 for x, y or z"));
         }
     }

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use tremie_fluid_lbm::probe_signals;
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Probe, ProbeShape};
+use tremie_messages::scene::{Probe, ProbeShape, Ring};
 
 #[test]
 fn probes_read_a_linear_flow() {
@@ -61,6 +61,31 @@ fn probes_read_a_linear_flow() {
     assert_eq!(found[14], 8.0 / 144.0);
     let near: f64 = found[0];
     assert!(near == 0.0 || (near - pressure(point)).abs() < 1e-3, "{near}");
+}
+
+/// In a linear flow the mean over a ring is what its middle has.
+#[test]
+fn a_ring_reads_the_mean_of_its_cells() {
+    let case = Case::new([12; 3], [WALL; 3], 0.8);
+    let mut scene = case.scene();
+    let ring = Ring { axis: 2, through: [6.0; 3], radii: [2.0, 5.0], heights: [-1.0, 4.0] };
+    scene.probes.push(Probe { name: "ring".into(), shape: ProbeShape::Ring(ring) });
+    let mut fluid = case.fluid_of(&scene);
+    let along = |x: [f64; 3]| 1e-3 * (x[0] - 0.5 * x[1] + 0.25 * x[2]);
+    fluid.set_state(|x| ([along(x), 0.0, -along(x)], 1e-2 * along(x)));
+    let mut found = Vec::new();
+    fluid.probes(&mut found);
+    let mean = along([6.0, 6.0, 7.5]);
+    for (found, expected) in found.iter().zip([1e-2 * mean, mean, 0.0, -mean, 0.0]) {
+        assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+    }
+    // A body in the hole covers none of its cells.
+    let body = [BodyState::at_rest(1, [6.0; 3])];
+    fluid.apply_events(&[added(1, 1.0)]).unwrap();
+    fluid.start(&body, &mut loads_of(&body)).unwrap();
+    found.clear();
+    fluid.probes(&mut found);
+    assert_eq!(found[4], 0.0);
 }
 
 #[test]

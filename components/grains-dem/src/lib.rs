@@ -104,6 +104,7 @@ mod slider_times;
 mod solver;
 mod springs;
 mod stability;
+pub mod stuck;
 mod substeps;
 mod surface;
 mod surface_contacts;

@@ -5,6 +5,7 @@
 
 mod overlap;
 mod regions;
+mod rings;
 mod sections;
 
 use crate::{
@@ -14,8 +15,9 @@ use crate::{
     periodic::PeriodicBox,
 };
 use regions::Region;
+use rings::Annulus;
 use sections::Section;
-use tremie_messages::scene::{Probe, ProbeShape, Scene};
+use tremie_messages::scene::{Domain, Probe, ProbeShape, Scene};
 use tremie_team::Team;
 
 /// Volume of the part of a sphere that lies in a box [m³].
@@ -42,6 +44,7 @@ fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
             ("velocity_y", "m/s"),
             ("velocity_z", "m/s"),
         ],
+        ProbeShape::Ring(_) => &[("number", "1"), ("projected_area", "m2"), ("area_fraction", "1")],
     }
 }
 
@@ -51,12 +54,14 @@ pub(crate) struct Probes {
     kinds: Vec<Kind>,
     sections: Vec<Section>,
     regions: Vec<Region>,
+    rings: Vec<Annulus>,
     /// Masses by rank [kg]: given motions have one too.
     mass: Vec<f64>,
     /// Positions by rank when sections were last looked at.
     before: Vec<Vec3>,
     crossings: Vec<sections::Sum>,
     contents: Vec<regions::Sum>,
+    hidden: Vec<rings::Sum>,
 }
 
 /// Which of the lists the next probe stands in.
@@ -64,22 +69,27 @@ pub(crate) struct Probes {
 enum Kind {
     Section,
     Region,
+    Ring,
 }
 
 impl Probes {
     /// Of a scene with spheres of these masses, by id.
-    pub fn new(probes: &[Probe], mass: Vec<f64>, bodies: &Bodies) -> Self {
+    pub fn new(probes: &[Probe], domain: &Domain, mass: Vec<f64>, bodies: &Bodies) -> Self {
         let mut own = Self::default();
         for probe in probes {
-            match probe.shape {
+            match &probe.shape {
                 ProbeShape::Point(_) | ProbeShape::Line { .. } => {}
                 ProbeShape::Section { axis, position, min, max } => {
                     own.kinds.push(Kind::Section);
-                    own.sections.push(Section::new(axis, position, min, max));
+                    own.sections.push(Section::new(*axis, *position, *min, *max));
                 }
                 ProbeShape::Region { min, max } => {
                     own.kinds.push(Kind::Region);
-                    own.regions.push(Region { min: min.into(), max: max.into() });
+                    own.regions.push(Region { min: (*min).into(), max: (*max).into() });
+                }
+                ProbeShape::Ring(ring) => {
+                    own.kinds.push(Kind::Ring);
+                    own.rings.push(Annulus::new(ring, domain));
                 }
             }
         }
@@ -96,6 +106,7 @@ impl Probes {
         let blocks = bodies.div_ceil(BLOCK);
         self.crossings.resize(blocks * self.sections.len(), sections::Sum::default());
         self.contents.resize(blocks * self.regions.len(), regions::Sum::default());
+        self.hidden.resize(blocks * self.rings.len(), rings::Sum::default());
     }
 
     /// Bodies of the ranks `gone`, which ascend, are not there any more; others, with their masses [kg],
@@ -129,6 +140,8 @@ impl Probes {
         out: &mut Vec<f64>,
     ) {
         regions::look(&self.regions, &mut self.contents, team, bodies, bounds);
+        rings::look(&self.rings, &mut self.hidden, team, bodies, bounds);
+        let mut rings = self.rings.iter().enumerate();
         let (mut sections, mut regions) = (self.sections.iter(), self.regions.iter().enumerate());
         for kind in &self.kinds {
             match kind {
@@ -136,6 +149,10 @@ impl Probes {
                 Kind::Region => out.extend(regions.next().into_iter().flat_map(|(k, region)| {
                     let sums = self.contents.iter().skip(k).step_by(self.regions.len());
                     region.values(sums)
+                })),
+                Kind::Ring => out.extend(rings.next().into_iter().flat_map(|(k, ring)| {
+                    let sums = self.hidden.iter().skip(k).step_by(self.rings.len());
+                    ring.values(sums)
                 })),
             }
         }

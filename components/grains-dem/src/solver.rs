@@ -148,7 +148,7 @@ impl GrainsDem {
         bodies.reserve(ports.capacity);
         let mass = spheres.iter().map(|sphere| sphere.mass).collect();
         let sets = SphereSet::of_scene(scene, laws);
-        let probes = Probes::new(&scene.probes, mass, &bodies);
+        let probes = Probes::new(&scene.probes, &scene.domain, mass, &bodies);
         let blocks = spheres.len().div_ceil(BLOCK);
         let events = events::initial(spheres, &around.parts);
         let bodies_of_run = events.len();

@@ -3,8 +3,8 @@
 mod common;
 use common::*;
 use std::f64::consts::PI;
-use tremie_grains_dem::{GrainsDem, Parameters, probe_signals};
-use tremie_messages::scene::{Damping, Motion, Probe, ProbeShape, Scene};
+use tremie_grains_dem::{GrainsDem, Parameters, probe_signals, stuck::normalised_area};
+use tremie_messages::scene::{Damping, Face, Motion, Probe, ProbeShape, Ring, Scene};
 
 const D: f64 = 1e-3;
 const SIDE: f64 = 8e-3;
@@ -53,6 +53,37 @@ fn a_region_holds_the_volumes_inside_it() {
     assert!((seen("box.velocity_x") - 1.0 / 1.75).abs() < 1e-3);
     assert!((seen("box.velocity_y") - 1.0 / 1.75).abs() < 1e-3);
     assert!((seen("box.velocity_z") - 1.0 / 1.75).abs() < 1e-3);
+}
+
+/// Spheres whose centres lie in half a ring, against what they hide of its area; those above it, within
+/// its inner radius and outside do not count.
+#[test]
+fn a_ring_knows_how_much_of_it_spheres_hide() {
+    let mut faces = WALLS;
+    faces[0][0] = Face::Symmetry;
+    let mut scene = scene([SIDE; 3], faces, law(1e3, 0.0, Damping::Restitution(1.0)));
+    let at = |x: f64, y: f64, z: f64, d: f64| sphere([x * 1e-3, y * 1e-3, z * 1e-3], d, [0.0; 3]);
+    scene.bodies = vec![set(
+        Motion::Free,
+        vec![
+            at(2.0, 2.0, 4.0, D),
+            at(1.0, 2.2, 6.0, 1.5 * D),
+            at(2.0, 3.6, 4.0, D),
+            at(0.6, 2.0, 4.2, D),
+            at(3.5, 2.0, 4.0, D),
+        ],
+    )];
+    let ring =
+        Ring { axis: 1, through: [0.0, 2e-3, 4e-3], radii: [1e-3, 3e-3], heights: [-1e-3, 1e-3] };
+    scene.probes = vec![Probe { name: "seat".into(), shape: ProbeShape::Ring(ring) }];
+    let mut dem = make(&scene, 1e-9);
+    let mut seen = |name| value(&scene, &mut dem, name);
+    let (hidden, half) = (PI / 4.0 * (1.0 + 2.25) * D * D, 0.5 * PI * (9.0 - 1.0) * 1e-6);
+    assert_eq!(seen("seat.number"), 2.0);
+    assert!((seen("seat.projected_area") / hidden - 1.0).abs() < 1e-12);
+    assert!((seen("seat.area_fraction") * half / hidden - 1.0).abs() < 1e-9);
+    let stuck = normalised_area([D, 1.5 * D], half);
+    assert!((seen("seat.area_fraction") / stuck - 1.0).abs() < 1e-9);
 }
 
 #[test]

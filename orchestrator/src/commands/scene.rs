@@ -2,7 +2,7 @@
 
 use super::WRONG_INPUT;
 use crate::cli::{SceneArgs, SceneName};
-use crate::scenes::pressure_valve::{self as valve, Dimensions, Steady, Working};
+use crate::scenes::pressure_valve::{self as valve, Dimensions, Grains, Steady, Working};
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -71,8 +71,11 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
     }
     let held = valve::held(&numbers, &run, "frame.stl");
     write(&folder.join("held.toml"), held.as_bytes())?;
-    let working = valve::working(&numbers, &works, "frame.stl");
-    write(&folder.join("manifest.toml"), working.as_bytes())?;
+    let slurry = if arguments.coarse { Grains::coarse() } else { Grains::default() };
+    for (name, grains) in [("manifest.toml", None), ("grains.toml", Some(&slurry))] {
+        let working = valve::working(&numbers, &works, grains, "frame.stl");
+        write(&folder.join(name), working.as_bytes())?;
+    }
     tell(&numbers, folder);
     Ok(())
 }
@@ -99,7 +102,7 @@ fn numbers(sets: &[(String, String)]) -> Result<Dimensions, SceneError> {
 
 fn tell(numbers: &Dimensions, folder: &Path) {
     println!(
-        "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, manifest.toml and held.toml are in {}",
+        "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, manifest.toml, grains.toml and held.toml are in {}",
         folder.display()
     );
     println!(

@@ -10,6 +10,7 @@ mod inlets;
 mod parts;
 mod probes;
 mod reservoir;
+mod ring;
 mod slider;
 mod surfaces;
 
@@ -21,6 +22,7 @@ pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
+pub use ring::Ring;
 pub use slider::{Slider, SliderSpring, Stops};
 pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge};
 

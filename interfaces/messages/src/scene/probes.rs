@@ -1,5 +1,6 @@
 //! Where a run measures the flow.
 
+use super::Ring;
 use serde::{Deserialize, Serialize};
 
 /// A place whose values are signals of the fluid and of the grains, named `probe.value`.
@@ -15,7 +16,7 @@ pub struct Probe {
 /// Where a probe measures.
 ///
 /// The fluid's means are over its cells there; none counts that a body covers. The grains answer to
-/// sections and regions; where parts are solid does not enter.
+/// sections, regions and rings; where parts are solid does not enter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProbeShape {
@@ -53,4 +54,9 @@ pub enum ProbeShape {
         /// Upper corner [m].
         max: [f64; 3],
     },
+    /// In a ring. Of the fluid: the same means as in a box. Of the grains: `number` of centres in it;
+    /// `projected_area` [m²] of their spheres, seen along the ring's axis; and `area_fraction`, that over the
+    /// area of the ring's cross-section in the domain. Of a ring between a seat and what closes on it this
+    /// is the normalised area of stuck particles (Mutabaruka & Kamrin 2018).
+    Ring(Ring),
 }

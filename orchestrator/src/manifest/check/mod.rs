@@ -62,7 +62,10 @@ pub(super) fn notes(spec: &Spec) -> Vec<String> {
     }
     if !spec.scene.probes.is_empty() && !has(Role::Fluid) {
         let areas = |probe: &Probe| {
-            matches!(probe.shape, ProbeShape::Section { .. } | ProbeShape::Region { .. })
+            matches!(
+                probe.shape,
+                ProbeShape::Section { .. } | ProbeShape::Region { .. } | ProbeShape::Ring(_)
+            )
         };
         let unused = match has(Role::Grains) {
             true if spec.scene.probes.iter().all(areas) => None,

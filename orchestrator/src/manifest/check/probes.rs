@@ -1,10 +1,10 @@
 //! Checks of `[[scene.probes]]`.
 
-use super::super::document::{AxisName, ProbeTable, RegionTable, SectionTable};
+use super::super::document::{AxisName, ProbeRingTable, ProbeTable, RegionTable, SectionTable};
 use super::super::path;
 use super::super::read::Findings;
 use std::collections::BTreeSet;
-use tremie_messages::scene::{Domain, Probe, ProbeShape};
+use tremie_messages::scene::{Domain, Probe, ProbeShape, Ring};
 use tremie_messages::units::Length;
 
 pub(super) fn probes(
@@ -54,6 +54,7 @@ fn shape(
         ("line", table.line.is_some()),
         ("section", table.section.is_some()),
         ("region", table.region.is_some()),
+        ("ring", table.ring.is_some()),
     ];
     let kind = findings.only_one(&kinds, "where the probe is", at)?;
     let key = path::join(at, kind);
@@ -72,6 +73,7 @@ fn shape(
             Some(ProbeShape::Line { from: from?, to: to? })
         }
         "section" => section(table.section.as_ref()?, &key, domain, findings),
+        "ring" => ring(table.ring.as_ref()?, &key, domain, findings),
         _ => region(table.region.as_ref()?, &key, domain, findings),
     }
 }
@@ -106,6 +108,40 @@ fn section(
         min,
         max,
     })
+}
+
+fn ring(
+    table: &ProbeRingTable,
+    at: &str,
+    domain: &Domain,
+    findings: &mut Findings,
+) -> Option<ProbeShape> {
+    let axis = findings.required(&table.axis, at, "axis");
+    let through = findings.required(&table.through, at, "through");
+    let mut pair = |value: &Option<[Length; 2]>, name: &str, least: f64, words: &str| {
+        let [from, to] = findings.required(value, at, name)?.map(|x| x.0);
+        if least <= from && from < to {
+            return Some([from, to]);
+        }
+        let message = format!("found {from} and {to} m, expected {words}");
+        findings.problem(&path::join(at, name), message);
+        None
+    };
+    let radii = pair(&table.radii, "radii", 0.0, "the inner radius, then a larger one");
+    let heights = pair(&table.heights, "heights", f64::MIN, "the lower end, then a higher one");
+    let axis = match axis? {
+        AxisName::X => 0,
+        AxisName::Y => 1,
+        AxisName::Z => 2,
+    };
+    let ring = Ring { axis, through: through?.map(|x| x.0), radii: radii?, heights: heights? };
+    let [min, max] = ring.corners();
+    if (0..3).any(|a| max[a] <= domain.min[a] || min[a] >= domain.max[a]) {
+        let message = format!("lies outside the domain, which is {}", super::extent(domain));
+        findings.problem(at, message);
+        return None;
+    }
+    Some(ProbeShape::Ring(ring))
 }
 
 pub(super) fn region(

@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::units::Length;
 
-/// A place where the run measures fluid and grains. Exactly one of `point`, `line`, `section` and `region`.
+/// A place where the run measures fluid and grains. Exactly one of `point`, `line`, `section`,
+/// `region` and `ring`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ProbeTable {
@@ -19,6 +20,23 @@ pub(in super::super) struct ProbeTable {
     pub section: Option<SectionTable>,
     /// A box: means of pressure, velocity and solid fraction; fraction, number and velocity of grains.
     pub region: Option<RegionTable>,
+    /// A hollow cylinder: the same of the fluid; number of grains, their area as seen along its axis, and
+    /// that over its own.
+    pub ring: Option<ProbeRingTable>,
+}
+
+/// The space between two radii about a line, and between two heights on it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct ProbeRingTable {
+    /// The line's axis. Required.
+    pub axis: Option<AxisName>,
+    /// A point of the line. Required.
+    pub through: Option<[Length; 3]>,
+    /// Inner and outer radius. Required.
+    pub radii: Option<[Length; 2]>,
+    /// Where it begins and ends along the line, from the point. Required.
+    pub heights: Option<[Length; 2]>,
 }
 
 /// A straight line.

@@ -3,7 +3,7 @@
 use super::*;
 use tremie_messages::scene::{
     Course, Face, GapRegion, GapRule, GapSide, GapWeight, OpenVelocity, ProbeShape, Profile,
-    Reservoir,
+    Reservoir, Ring,
 };
 
 /// The good manifest with other lines for the domain's faces.
@@ -236,6 +236,30 @@ region = { min = ["0 mm", "0 mm", "0 mm"], max = ["1 mm", "1 mm", "1 mm"] }
             "name = \"tap\"",
             "where the probe is",
         ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        one_problem(&text.replace(from, to), &[words]);
+    }
+}
+
+#[test]
+fn a_probe_in_a_ring_is_read_and_checked() {
+    let ring = r#"
+[[scene.probes]]
+name = "seat"
+ring = { axis = "y", through = ["0 mm", "5 mm", "5 mm"], radii = ["1 mm", "4 mm"], heights = ["-1 mm", "2 mm"] }
+"#;
+    let text = format!("{GOOD}{ring}");
+    let scene = read(&text).unwrap().spec.scene;
+    let (radii, heights) = ([1e-3, 4e-3], [-1e-3, 2e-3]);
+    let expected = Ring { axis: 1, through: [0.0, 5e-3, 5e-3], radii, heights };
+    assert_eq!(scene.probes[0].shape, ProbeShape::Ring(expected));
+    reads_back(&text);
+    for (from, to, words) in [
+        ("radii = [\"1 mm\"", "radii = [\"4 mm\"", "ring.radii: found 0.004 and 0.004 m"),
+        ("heights = [\"-1 mm\"", "heights = [\"3 mm\"", "the lower end, then a higher one"),
+        ("through = [\"0 mm\"", "through = [\"-1 m\"", "lies outside the domain"),
+        ("axis = \"y\", through", "through", "ring.axis"),
     ] {
         assert!(text.contains(from), "{from}");
         one_problem(&text.replace(from, to), &[words]);

@@ -6,6 +6,7 @@
 
 mod dimensions;
 mod frame;
+mod grains;
 mod held;
 mod moving;
 mod text;
@@ -13,6 +14,7 @@ mod working;
 
 pub use dimensions::{Closure, Dimensions, Misfit};
 pub use frame::frame;
+pub use grains::Grains;
 pub use held::{Steady, manifest as held};
 pub use moving::{ring, steel, steel_and_ring};
 pub use working::{Working, manifest as working};

@@ -1,6 +1,7 @@
 //! A manifest in which the valve works: a piston pushes slurry through it.
 
 use super::dimensions::{Closure, Dimensions};
+use super::grains::{self, Grains};
 use super::moving;
 use super::text::{Room, mm, written};
 use std::f64::consts::PI;
@@ -74,8 +75,8 @@ impl Working {
 }
 
 /// The manifest, with the frame's surface in the file `frame`, whose unit is the millimetre. Half the
-/// valve is in the domain, on one side of its mirror.
-pub fn manifest(valve: &Dimensions, run: &Working, frame: &str) -> String {
+/// valve is in the domain, on one side of its mirror. With `slurry`, grains come with the fluid.
+pub fn manifest(valve: &Dimensions, run: &Working, slurry: Option<&Grains>, frame: &str) -> String {
     let cell = run.cell.0;
     let room = Room::around(valve, cell);
     let second = match valve.closure {
@@ -89,7 +90,7 @@ pub fn manifest(valve: &Dimensions, run: &Working, frame: &str) -> String {
     let shut = run.spring_rate.0 * run.spring_preload.0 + run.outlet.0 * PI * outer * outer;
     let rest = valve.lip.0 - shut / run.ring_stiffness.0;
     format!(
-        r#"# A piston pushes a fluid through a spring-loaded valve, and stops. Half of the valve: x = 0 is a mirror.
+        r#"# A piston pushes a {what} through a spring-loaded valve, and stops. Half of the valve: x = 0 is a mirror.
 
 [run]
 until = "{until} ms"
@@ -162,7 +163,7 @@ point = ["{half_cell} mm", "{chamber_y} mm", "{chamber_z} mm"]
 name = "outflow"
 section = {{ axis = "y", at = "{above} mm" }}
 
-[components]
+{grains}[components]
 fluid = "fluid-lbm"
 grains = "grains-dem" # moves the valve
 
@@ -176,7 +177,7 @@ refill = "mass"
 velocity_lead = 1.0 # of the valve: what the water hammers must not answer late
 
 [settings.grains-dem]
-time_step = "{step} us"
+time_step = "{substep} us"
 
 [outputs]
 signals = "20 us"
@@ -214,6 +215,9 @@ signals = "20 us"
         above = mm(valve.chamber_height.0 - 3.5 * cell),
         cell = mm(cell),
         step = short(step * 1e6),
+        what = if slurry.is_some() { "slurry" } else { "fluid" },
+        grains = slurry.map_or(String::new(), |slurry| grains::tables(valve, slurry)),
+        substep = short(1e6 * slurry.map_or(step, |slurry| slurry.time_step.0)),
     )
 }
 
