@@ -1,7 +1,7 @@
 //! Results against their reference.
 
 use super::ValidationError;
-use super::case::{Case, CaseRun, Check};
+use super::case::{Case, CaseRun, Check, Measure};
 use super::measure;
 use super::report::number;
 use crate::outputs::Signals;
@@ -87,7 +87,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Judges all checks of a run.
+/// Judges all checks of a run; `before` are the signals of the case's runs before it.
 ///
 /// # Errors
 /// A signal that is not there, a table that cannot be read.
@@ -96,6 +96,7 @@ pub fn all(
     run: &CaseRun,
     short: bool,
     signals: &Signals,
+    before: &[(String, Signals)],
 ) -> Result<Vec<Finding>, ValidationError> {
     let place = case.folder.join(super::case::FILE);
     run.checks
@@ -111,17 +112,27 @@ pub fn all(
                     let references = read_table(&path)?;
                     table(check, short, &references, signals).map_err(of)
                 }
-                None => scalar(check, short, signals).map_err(of),
+                None => scalar(check, short, signals, before).map_err(of),
             }
         })
         .collect()
 }
 
-fn scalar(check: &Check, short: bool, signals: &Signals) -> Result<Finding, String> {
-    let value = check.value.as_ref().ok_or("it has no value")?;
-    let mut found = measure::take(value, signals)?;
+fn scalar(
+    check: &Check,
+    short: bool,
+    signals: &Signals,
+    before: &[(String, Signals)],
+) -> Result<Finding, String> {
+    let measured = |measure: &Measure| {
+        let Some(wanted) = &measure.run else { return measure::take(measure, signals) };
+        let other = before.iter().find(|(name, _)| name == wanted);
+        let (_, other) = other.ok_or_else(|| format!("the run \"{wanted}\" was not made"))?;
+        measure::take(measure, other)
+    };
+    let mut found = measured(check.value.as_ref().ok_or("it has no value")?)?;
     if let Some(over) = &check.over {
-        found /= measure::take(over, signals)?;
+        found /= measured(over)?;
     }
     let tolerance = check.tolerance(short);
     let (reference, passed) = match (check.expected, check.bounds(short)) {
