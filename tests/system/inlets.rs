@@ -53,20 +53,109 @@ cell = "0.2 mm"
 /// of them, give the same bits.
 #[test]
 fn a_stream_brings_grains_and_takes_them_away() {
-    let bits = |options: &[&str]| {
-        let all = [&["--set", "outputs.record=false"], options].concat();
-        run_text(STREAM, &all).succeeded()
-    };
-    let ran = bits(&[]);
-    let signals = ran.signals();
-    let column = |name: &str| &signals[&format!("grains.{name}")];
-    let (came, went) = (column("feed.inserted"), column("drain.removed"));
-    for (k, living) in column("bodies").iter().enumerate() {
-        assert_eq!(came[k] - went[k], *living);
+    for schedule in ["serial", "parallel"] {
+        let bits = |options: &[&str]| {
+            let all = [&["--set", "outputs.record=false", "--schedule", schedule], options];
+            run_text(STREAM, &all.concat()).succeeded()
+        };
+        let ran = bits(&[]);
+        let signals = ran.signals();
+        let column = |name: &str| &signals[&format!("grains.{name}")];
+        let (came, went) = (column("feed.inserted"), column("drain.removed"));
+        for (k, living) in column("bodies").iter().enumerate() {
+            assert_eq!(came[k] - went[k], *living);
+        }
+        let (first, last) = (came[0], came.len() - 1);
+        assert!(came[last] > first + 10.0 && went[last] > 1.0, "{came:?} {went:?}");
+        assert_eq!(ran.signals_text(), bits(&["--in-process"]).signals_text());
+        let threads = "components.grains={ program = \"grains-dem\", threads = 3 }";
+        assert_eq!(ran.signals_text(), bits(&["--set", threads]).signals_text());
     }
-    let (first, last) = (came[0], came.len() - 1);
-    assert!(came[last] > first + 10.0 && went[last] > 1.0, "{came:?} {went:?}");
-    assert_eq!(ran.signals_text(), bits(&["--in-process"]).signals_text());
-    let threads = "components.grains={ program = \"grains-dem\", threads = 3 }";
-    assert_eq!(ran.signals_text(), bits(&["--set", threads]).signals_text());
+}
+
+/// The stream, slower at first, as long as it takes to fill the region many times, with heavy grains that
+/// keep the velocity with which they come: that of the fluid at the face.
+fn ramp() -> String {
+    let given = r#"velocity = ["0 m/s", "0 m/s", "1 m/s"]"#;
+    let probe = r#"
+[[scene.probes]]
+name = "zone"
+region = { min = ["0 mm", "0 mm", "0 mm"], max = ["4 mm", "4 mm", "3 mm"] }
+
+[[scene.contacts]]"#;
+    let of_face = r#"velocity = { face = "z_lower" }"#;
+    STREAM
+        .replace("until = \"6 ms\"", "until = \"50 ms\"")
+        .replace(
+            &format!("lower = {{ {given} }}"),
+            &format!("lower = {{ {given}, ramp = \"8 ms\" }}"),
+        )
+        .replace(&format!("{given}\nexpected"), "expected")
+        .replace(&format!("mm\"\n{given}"), &format!("mm\"\n{of_face}"))
+        .replace("1200 kg/m3", "8000 kg/m3")
+        .replace("cell = \"0.2 mm\"", "cell = \"0.3333333333333333 mm\"")
+        .replace("\n[[scene.contacts]]", probe)
+}
+
+/// Grains come as fast as the fluid at the face, and keep the fraction in the mean over time although the
+/// stream grows: within 1 %. At rest, they would be half as fast. Processes and threads give the same bits.
+#[test]
+fn grains_come_as_fast_as_the_fluid_at_the_face() {
+    for schedule in ["serial", "parallel"] {
+        let run = |until: &str, options: &[&str]| {
+            let all = ["--set", "outputs.record=false", "--schedule", schedule, "--until", until];
+            run_text(&ramp(), &[&all, options].concat()).succeeded()
+        };
+        let signals = run("50 ms", &[]).signals();
+        let mean = |name: &str, from: f64| {
+            let first = signals["time"].partition_point(|t| *t < from);
+            let values = &signals[name][first..];
+            values.iter().sum::<f64>() / values.len() as f64
+        };
+        let fraction = mean("grains.zone.solid_fraction", 2e-3);
+        assert!((fraction / 0.08 - 1.0).abs() < 0.01, "{schedule}: {fraction}");
+        let speed = mean("grains.zone.velocity_z", 16e-3);
+        assert!((speed - 1.0).abs() < 0.08, "{schedule}: {speed}");
+        let bits = [run("8 ms", &[]), run("8 ms", &["--in-process"])].map(|ran| ran.signals_text());
+        assert_eq!(bits[0], bits[1], "{schedule}");
+    }
+}
+
+/// A message of the ports' edge with a wrong stamp, count or value is the fluid's fault, noticed by the
+/// grains; so is one that is lost.
+#[test]
+fn wrong_messages_of_ports_are_caught() {
+    let cases = [("stale", "stamp"), ("count", "count"), ("nan", "not_finite"), ("drop", "lost")];
+    for (k, (fault, kind)) in cases.into_iter().enumerate() {
+        let inject = format!("fluid:{fault}@{}", 7 + 3 * k);
+        let schedule = ["serial", "parallel"][k % 2];
+        let options = ["--inject", &inject, "--schedule", schedule, "--set", "run.deadline=0.4 s"];
+        let ran = run_text(&ramp(), &options);
+        let about = format!("{inject} {schedule}\n{}", ran.errors());
+        assert_eq!(ran.code(), Some(1), "{about}");
+        let found = ran.summary()["fault"].clone();
+        assert_eq!((&found["blamed"], &found["noticed_by"]), (&"fluid".into(), &"grains".into()));
+        // Where the message after it comes in its place, a lost one is a wrong stamp.
+        let kinds = [kind, if kind == "lost" { "stamp" } else { kind }];
+        assert!(kinds.contains(&found["kind"].as_str().unwrap()), "{about}");
+        assert!(found["message"].as_str().unwrap().contains("ports"), "{about}");
+        ran.left_nothing(&about);
+    }
+}
+
+#[test]
+fn a_fluid_that_tells_no_velocities_is_refused_where_they_are_asked_for() {
+    let home = tempfile::tempdir().unwrap();
+    let told = crate::tremie::description(1);
+    let program = crate::tremie::script(
+        home.path(),
+        "mute",
+        &format!("read hello; echo '{told}'; read assignment"),
+    );
+    let text = ramp().replace("fluid = \"fluid-lbm\"", &format!("fluid = {program:?}"));
+    let ran = run_text(&text, &[]);
+    assert_eq!(ran.code(), Some(2), "{}", ran.errors());
+    let errors = ran.errors();
+    assert!(errors.contains("scene.inlets[0].velocity"), "{errors}");
+    assert!(errors.contains("does not tell"), "{errors}");
 }

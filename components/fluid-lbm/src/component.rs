@@ -8,7 +8,9 @@ use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::scene::{DeformableSurface, Motion, Placement, Scene};
 use tremie_sdk::messages::start::{Description, Signal, SliceSpec, VolumeGrid, VolumeSpec};
-use tremie_sdk::messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
+use tremie_sdk::messages::{
+    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
+};
 use tremie_sdk::{Fluid, Setup, SolverError};
 
 /// The lattice fluid behind the sdk's interface.
@@ -114,6 +116,7 @@ impl Cut {
 impl Fluid for LatticeFluid {
     const PROGRAM: &'static str = concat!("fluid-lbm ", env!("CARGO_PKG_VERSION"));
     const TAKES_SURFACES: bool = true;
+    const TELLS_PORTS: bool = true;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
@@ -218,6 +221,11 @@ impl Fluid for LatticeFluid {
 
     fn surface_loads(&mut self, loads: &mut Vec<FacetLoad>) -> Result<(), SolverError> {
         loads.extend(self.on_facets.iter().filter(|load| load.force != [0.0; 3]));
+        Ok(())
+    }
+
+    fn ports(&mut self, ports: &mut [PortState]) -> Result<(), SolverError> {
+        ports.copy_from_slice(self.fluid.ports());
         Ok(())
     }
 

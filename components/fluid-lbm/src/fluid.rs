@@ -8,7 +8,7 @@ use crate::parameters::{Parameters, Precision};
 use crate::reservoir::ReservoirState;
 use crate::solver::Solver;
 use tremie_messages::scene::Scene;
-use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
 
 /// A lattice-Boltzmann fluid in a box, with moving spheres in it.
 pub struct FluidLbm {
@@ -143,6 +143,12 @@ impl FluidLbm {
     /// [`crate::probe_signals`], SI units. A probe whose cells are all covered by bodies reads 0.
     pub fn probes(&mut self, values: &mut Vec<f64>) {
         solver!(&mut self.solver, s => s.probes(values));
+    }
+
+    /// Mean velocities through the open faces whose velocity inlets of grains take, in the order of
+    /// [`PortState::all`].
+    pub fn ports(&mut self) -> &[PortState] {
+        solver!(&mut self.solver, s => s.ports())
     }
 
     /// What the reservoirs beyond the domain's faces are like, in the order of the faces: lower before

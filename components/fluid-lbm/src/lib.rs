@@ -61,6 +61,7 @@ mod part_links;
 mod piston;
 mod places;
 mod pockets;
+mod ports;
 mod probes;
 mod refill;
 mod reservoir;

@@ -21,6 +21,7 @@ use crate::owners::Owners;
 use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::part_body::Rounding;
 use crate::places::Parity;
+use crate::ports::PortFaces;
 use crate::probes::Probes;
 use crate::refill::Before;
 use crate::reservoir::ReservoirFace;
@@ -106,6 +107,7 @@ pub struct Solver<T: Collides> {
     pub(crate) reservoirs: Vec<ReservoirFace>,
     pub(crate) link_items: Vec<links::Item>,
     pub(crate) probes: Probes,
+    pub(crate) ports: PortFaces,
     pub(crate) refills: Vec<Filled>,
     /// The last step's balance, in lattice units and in SI.
     pub(crate) balance: Ledger,
@@ -172,6 +174,7 @@ impl<T: Collides> Solver<T> {
         let fixtures = surroundings.laws.len();
         let centres = Centres { cell: units.cell, min: units.min };
         let probes = Probes::new(&scene.probes, &built.layout, &centres);
+        let ports = PortFaces::new(scene, &built.layout, &centres);
         let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let mut solver = Self {
             units,
@@ -219,6 +222,7 @@ impl<T: Collides> Solver<T> {
             reservoirs: built.reservoirs,
             link_items: Vec::new(),
             probes,
+            ports,
             refills: Vec::new(),
             balance: Ledger::default(),
             ledger: Ledger::default(),

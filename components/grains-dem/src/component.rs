@@ -4,9 +4,11 @@ use crate::carried::{Carried, in_scene, surfaces};
 use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
-use tremie_sdk::messages::scene::{Inlet, InletVelocity, Motion, Scene};
+use tremie_sdk::messages::scene::{Motion, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
-use tremie_sdk::messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
+use tremie_sdk::messages::{
+    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
+};
 use tremie_sdk::{Grains, Setup, SolverError};
 
 /// Soft spheres behind the sdk's interface.
@@ -72,12 +74,12 @@ const OUTLET: [(&str, &str); 2] = [("removed", "1"), ("mass_removed", "kg")];
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
     const TAKES_SURFACES: bool = true;
+    const TAKES_PORTS: bool = true;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
         let resolution = parameters.resolve(&setup.hello.scene)?;
         surfaces(&setup.hello.scene)?;
-        velocities_are_known(&setup.hello.scene)?;
         Ok(Description {
             step: resolution.time_step,
             bodies: resolution.bodies as u64,
@@ -161,6 +163,11 @@ impl Grains for SoftSpheres {
         self.grains.end_window().map_err(SolverError::from_error)
     }
 
+    fn ports(&mut self, ports: &[PortState]) -> Result<(), SolverError> {
+        let velocity = |port: &PortState| (port.axis as usize, port.side as usize, port.vector());
+        self.grains.set_port_velocities(ports.iter().map(velocity)).map_err(SolverError::from_error)
+    }
+
     fn signals(&mut self, values: &mut Vec<f64>) {
         let d = self.grains.diagnostics();
         values.extend([
@@ -208,19 +215,6 @@ impl Grains for SoftSpheres {
 /// Whether the paths of spheres are signals: they are few, and the same all the time.
 fn is_followed(scene: &Scene, spheres: usize) -> bool {
     spheres <= FEW && scene.inlets.is_empty() && scene.outlets.is_empty()
-}
-
-/// A fluid does not tell the grains yet how fast it is at a face.
-fn velocities_are_known(scene: &Scene) -> Result<(), Vec<Problem>> {
-    let of_face = |inlet: &Inlet| matches!(inlet.velocity, InletVelocity::Face { .. });
-    let problem = |i: usize| {
-        let message = "is that of the fluid at a face, which no fluid sends to the grains yet";
-        let key = format!("scene.inlets[{i}].velocity");
-        Problem::new(key, message).help("give the velocity as a vector")
-    };
-    let inlets = scene.inlets.iter().enumerate().filter(|(_, inlet)| of_face(inlet));
-    let problems: Vec<_> = inlets.map(|(i, _)| problem(i)).collect();
-    if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {

@@ -101,9 +101,9 @@ impl GrainsDem {
     /// A velocity that is not finite.
     pub fn set_port_velocities(
         &mut self,
-        velocities: &[(usize, usize, [f64; 3])],
+        velocities: impl IntoIterator<Item = (usize, usize, [f64; 3])>,
     ) -> Result<(), GrainsError> {
-        for &(axis, side, velocity) in velocities {
+        for (axis, side, velocity) in velocities {
             if velocity.iter().any(|v| !v.is_finite()) {
                 return Err(GrainsError::PortVelocity { axis, side });
             }

@@ -205,8 +205,8 @@ fn velocities_of_faces_are_those_that_are_told_and_an_end_is_an_end() {
     scene.inlets[0].until = Some(10e-3);
     let mut dem = make(&scene, DT);
     let velocity = [0.0, 0.0, 0.5];
-    assert!(dem.set_port_velocities(&[(2, 0, [f64::NAN; 3])]).is_err());
-    dem.set_port_velocities(&[(2, 1, [9.0; 3]), (2, 0, velocity)]).unwrap();
+    assert!(dem.set_port_velocities([(2, 0, [f64::NAN; 3])]).is_err());
+    dem.set_port_velocities([(2, 1, [9.0; 3]), (2, 0, velocity)]).unwrap();
     for _ in 0..400 {
         dem.advance(10, &[]).unwrap();
         assert!(state(&dem).iter().all(|body| body.velocity == velocity));

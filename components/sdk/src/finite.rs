@@ -1,6 +1,6 @@
 //! Values whose numbers can be looked over for those that are none.
 
-use tremie_messages::{BodyState, FacetLoad, Load, Message, SurfaceVertex};
+use tremie_messages::{BodyState, FacetLoad, Load, Message, PortState, SurfaceVertex};
 
 /// A value that says whether all its numbers are finite.
 pub trait Finite: Message {
@@ -67,6 +67,18 @@ impl Finite for FacetLoad {
     }
     fn owner(&self, _: usize) -> String {
         format!("facet {}", self.facet)
+    }
+}
+
+impl Finite for PortState {
+    fn is_finite(&self) -> bool {
+        self.velocity.is_finite()
+    }
+    fn spoil(&mut self) {
+        self.velocity = f64::NAN;
+    }
+    fn owner(&self, _: usize) -> String {
+        format!("face {self}")
     }
 }
 

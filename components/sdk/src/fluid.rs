@@ -14,7 +14,9 @@ use tremie_channels::{Between, Loan, Received};
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::schedule::Content;
 use tremie_messages::start::{FaultKind, VolumeGrid};
-use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, Stamp, SurfaceVertex};
+use tremie_messages::{
+    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, Stamp, SurfaceVertex,
+};
 
 /// A fluid with its edges.
 pub struct FluidPlayer<S: Between, F: Fluid> {
@@ -33,6 +35,9 @@ pub struct FluidPlayer<S: Between, F: Fluid> {
     surface_load: Option<OutPort<S, FacetLoad>>,
     /// Loads on deformable surfaces in the present window.
     facets: Vec<FacetLoad>,
+    port: Option<OutPort<S, PortState>>,
+    /// Faces whose velocities the grains are told.
+    ports: Vec<PortState>,
 }
 
 impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
@@ -62,6 +67,8 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
             vertices: None,
             surface_load: None,
             facets: sizes.room_for_loads(),
+            port: None,
+            ports: PortState::all(&setup.hello.scene),
         })
     }
 
@@ -71,6 +78,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
                 Content::Events => self.events = Some(InPort::open(context, edge)?),
                 Content::State => self.state = Some(InPort::open(context, edge)?),
                 Content::Load => self.load = Some(OutPort::open(context, edge)?),
+                Content::Ports => self.port = Some(OutPort::open(context, edge)?),
                 Content::Surface => self.surface = Some(InPort::open(context, edge)?),
                 Content::SurfaceLoad => {
                     self.surface_load = Some(OutPort::open(context, edge)?);
@@ -83,6 +91,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
 
     fn connect(&mut self) -> Result<(), Stop> {
         self.load.as_ref().map_or(Ok(()), OutPort::connect)?;
+        self.port.as_ref().map_or(Ok(()), OutPort::connect)?;
         self.surface_load.as_ref().map_or(Ok(()), OutPort::connect)
     }
 
@@ -138,6 +147,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
 
     fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop> {
         match (content, &self.load, &self.surface_load) {
+            (Content::Ports, ..) => self.send_ports(context),
             (Content::Load, Some(port), _) => match self.loads.take() {
                 Some(loads) => port.send_checked(context, loads),
                 None => Ok(()),
@@ -168,6 +178,13 @@ impl<S: Between, F: Fluid> FluidPlayer<S, F> {
         port.check_finite(context, message.values())?;
         self.vertices = Some(message);
         Ok(())
+    }
+
+    fn send_ports(&mut self, context: &Context<S>) -> Result<(), Stop> {
+        let Some(port) = &self.port else { return Ok(()) };
+        let told = self.fluid.ports(&mut self.ports);
+        told.map_err(|error| context.solver_failed(&error))?;
+        port.send_checked(context, port.loan_copy(&self.ports)?)
     }
 
     fn take_events(&mut self, context: &Context<S>, events: &[BodyEvent]) -> Result<(), Stop> {

@@ -1,5 +1,6 @@
 //! The grains' side of a window.
 
+use crate::answers::Answers;
 use crate::context::Context;
 use crate::frames::Shows;
 use crate::impulse::Impulse;
@@ -12,7 +13,7 @@ use crate::stop::Stop;
 use std::time::Instant;
 use tremie_channels::{Between, Received};
 use tremie_messages::schedule::Content;
-use tremie_messages::{BodyEvent, BodyState, Load, Problem, Stamp};
+use tremie_messages::{BodyEvent, BodyState, Load, PortState, Problem, Stamp};
 
 /// Grains with their edges.
 pub struct GrainsPlayer<S: Between, G: Grains> {
@@ -23,6 +24,10 @@ pub struct GrainsPlayer<S: Between, G: Grains> {
     state: Option<OutPort<S, BodyState>>,
     load: Option<InPort<S, Load>>,
     loads: Option<Received<S, Stamp, Load>>,
+    answers: Answers,
+    port: Option<InPort<S, PortState>>,
+    /// Faces whose velocities the fluid tells.
+    ports: Vec<PortState>,
     impulse: Impulse,
     sizes: Sizes,
     /// Where a rubber sits opposite: the exchange with it inside a window.
@@ -47,11 +52,15 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
             state: None,
             load: None,
             loads: None,
+            answers: Answers::default(),
+            port: None,
+            ports: PortState::all(&setup.hello.scene),
             impulse: Impulse::default(),
             sizes: Sizes::of(&setup.hello.scene),
             inside: None,
         };
         player.note_events();
+        player.answers.note(player.kinds.iter().map(|kind| kind.id));
         Ok(player)
     }
 
@@ -61,6 +70,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
                 Content::Events => self.events = Some(OutPort::open(context, edge)?),
                 Content::State => self.state = Some(OutPort::open(context, edge)?),
                 Content::Load => self.load = Some(InPort::open(context, edge)?),
+                Content::Ports => self.port = Some(InPort::open(context, edge)?),
                 _ => {}
             }
         }
@@ -80,13 +90,11 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
         content: Content,
         lag: u64,
     ) -> Result<(), Stop> {
-        let (Content::Load, Some(port)) = (content, &self.load) else {
-            return Ok(());
-        };
-        self.loads = None;
-        let ids = self.kinds.iter().map(|kind| kind.id);
-        self.loads = Some(port.take_checked(context, lag, ids)?);
-        Ok(())
+        match content {
+            Content::Load => self.take_loads(context, lag),
+            Content::Ports => self.take_ports(context, lag),
+            _ => Ok(()),
+        }
     }
 
     fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop> {
@@ -96,6 +104,8 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
         }
         let loads = self.loads.as_ref().map_or(&[][..], |message| message.values());
         self.impulse.add(loads, context.assignment.clock.window());
+        let (is_late, ids) = (self.is_late(), self.kinds.iter().map(|kind| kind.id));
+        let loads = if is_late { self.answers.fit(loads, ids) } else { loads };
         match &mut self.inside {
             Some(inside) => inside.window(context, &mut self.grains, loads)?,
             None => {
@@ -104,6 +114,9 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
                 context.spent.compute += begin.elapsed().as_nanos() as u64;
                 done.map_err(|error| context.solver_failed(&error))?;
             }
+        }
+        if is_late {
+            self.answers.note(self.kinds.iter().map(|kind| kind.id));
         }
         self.note_events();
         Ok(())
@@ -137,6 +150,31 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
 }
 
 impl<S: Between, G: Grains> GrainsPlayer<S, G> {
+    /// Whether loads answer the bodies of a list before the present one.
+    fn is_late(&self) -> bool {
+        self.load.as_ref().is_some_and(|port| port.events_lag() > 0)
+    }
+
+    fn take_loads(&mut self, context: &mut Context<S>, lag: u64) -> Result<(), Stop> {
+        let Some(port) = &self.load else { return Ok(()) };
+        // Given back before the next is taken: the channel lends only a few at a time.
+        self.loads = None;
+        let message = if self.is_late() {
+            port.take_checked(context, lag, self.answers.ids.iter().copied())
+        } else {
+            port.take_checked(context, lag, self.kinds.iter().map(|kind| kind.id))
+        };
+        self.loads = Some(message?);
+        Ok(())
+    }
+
+    fn take_ports(&mut self, context: &mut Context<S>, lag: u64) -> Result<(), Stop> {
+        let Some(port) = &self.port else { return Ok(()) };
+        let message = port.take_faces(context, lag, &self.ports)?;
+        let told = self.grains.ports(message.values());
+        told.map_err(|error| context.solver_failed(&error))
+    }
+
     fn note_events(&mut self) {
         for event in self.grains.events() {
             match (event.kind, self.kinds.binary_search_by_key(&event.id, |kind| kind.id)) {

@@ -6,6 +6,7 @@
 //!
 //! `examples/minimal-fluid` is a whole fluid of about a hundred lines.
 
+mod answers;
 mod context;
 mod finite;
 mod fluid;

@@ -3,7 +3,7 @@
 use crate::setup::Setup;
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::start::{Description, VolumeGrid};
-use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Problem, SurfaceVertex};
+use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
 
 /// A solver failed: a sentence that says what, where, found, expected, what to do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -14,6 +14,11 @@ impl SolverError {
     /// From any error.
     pub fn from_error(error: impl std::error::Error) -> Self {
         Self(error.to_string())
+    }
+
+    /// Of a solver that has no ports, as it says itself, and is asked for them.
+    fn no_ports(program: &str) -> Self {
+        Self(format!("{program} has no velocities at open faces"))
     }
 
     /// Of a solver that takes no deformable surfaces, as it says itself, and is given some.
@@ -47,6 +52,10 @@ pub trait Fluid: Sized {
     /// Whether it takes deformable surfaces: [`Fluid::surface`] and [`Fluid::surface_loads`]. A scene with
     /// some is refused otherwise.
     const TAKES_SURFACES: bool = false;
+
+    /// Whether it tells the velocities at open faces: [`Fluid::ports`]. A scene whose inlets take them is
+    /// refused otherwise.
+    const TELLS_PORTS: bool = false;
 
     /// Checks scene and parameters, and says what the fluid needs. Cheap; allocates no field.
     ///
@@ -104,6 +113,15 @@ pub trait Fluid: Sized {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 
+    /// Sets the velocities of `ports`, whose faces are given, as they are after the last [`Fluid::start`]
+    /// or [`Fluid::advance`]. Called only in runs in which inlets of grains take them.
+    ///
+    /// # Errors
+    /// If the solver fails, or does not know them.
+    fn ports(&mut self, _ports: &mut [PortState]) -> Result<(), SolverError> {
+        Err(SolverError::no_ports(Self::PROGRAM))
+    }
+
     /// Pushes the values of the signals, in the order of the description.
     fn signals(&mut self, values: &mut Vec<f64>);
 
@@ -134,6 +152,10 @@ pub trait Grains: Sized {
     /// refused otherwise.
     const TAKES_SURFACES: bool = false;
 
+    /// Whether they take velocities at open faces for the bodies that come there: [`Grains::ports`]. A
+    /// scene whose inlets take them is refused otherwise.
+    const TAKES_PORTS: bool = false;
+
     /// Checks scene and parameters, and says what the grains need.
     ///
     /// # Errors
@@ -162,6 +184,15 @@ pub trait Grains: Sized {
     /// # Errors
     /// If the solver fails.
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError>;
+
+    /// The fluid's velocities at the faces that the scene's inlets name, for the window that comes next: as
+    /// the fluid found them in the window before it.
+    ///
+    /// # Errors
+    /// If the solver fails, or does not take them.
+    fn ports(&mut self, _ports: &[PortState]) -> Result<(), SolverError> {
+        Err(SolverError::no_ports(Self::PROGRAM))
+    }
 
     /// Pushes the values of the signals, in the order of the description.
     fn signals(&mut self, values: &mut Vec<f64>);

@@ -9,7 +9,7 @@ use tremie_channels::{
 };
 use tremie_messages::schedule::Edge;
 use tremie_messages::start::{FaultKind, InjectionKind};
-use tremie_messages::{FacetLoad, Message, Stamp};
+use tremie_messages::{FacetLoad, Message, PortState, Stamp};
 
 /// The receiving end of an edge.
 pub struct InPort<S: Between, T: Message> {
@@ -59,6 +59,11 @@ impl<S: Between, T: Message> InPort<S, T> {
         let accepted = Stamp { iteration: expected.iteration | Stamp::FINAL, ..expected };
         let is_right = |found: &Stamp| *found == expected || (or_final && *found == accepted);
         self.check(context, message, expected, is_right)
+    }
+
+    /// How many event lists the content lags behind its own window.
+    pub fn events_lag(&self) -> u64 {
+        self.edge.events_lag
     }
 
     /// Name of the sending component.
@@ -185,6 +190,28 @@ impl<S: Between> InPort<S, FacetLoad> {
             return Err(self.miscounted(context, &text));
         }
         self.check_finite(context, loads)
+    }
+}
+
+impl<S: Between> InPort<S, PortState> {
+    /// As [`InPort::take`], and checks that values are finite and those of the faces `faces`.
+    pub fn take_faces(
+        &self,
+        context: &mut Context<S>,
+        lag: u64,
+        faces: &[PortState],
+    ) -> Result<Received<S, Stamp, PortState>, Stop> {
+        let message = self.take(context, lag)?;
+        let values = message.values();
+        self.check_count(context, values, faces.len())?;
+        for (found, expected) in values.iter().zip(faces) {
+            if !found.is_of(expected) {
+                let text = format!("expected face {expected}, found face {found}");
+                return Err(self.miscounted(context, &text));
+            }
+        }
+        self.check_finite(context, values)?;
+        Ok(message)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::setup::Setup;
 use std::process::ExitCode;
 use tremie_channels::{Processes, Threads};
 use tremie_messages::Role;
-use tremie_messages::start::INTERFACE_VARIABLE;
+use tremie_messages::start::{Description, INTERFACE_VARIABLE};
 
 /// Takes part in a run as its fluid, over `line`.
 ///
@@ -22,7 +22,8 @@ use tremie_messages::start::INTERFACE_VARIABLE;
 pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
     let describe = |setup: &Setup| {
         check_surfaces(setup, F::PROGRAM, F::TAKES_SURFACES)?;
-        Ok(Impulse::announce(F::describe(setup)?, "impulse_delivered"))
+        let described = Description { ports: F::TELLS_PORTS, ..F::describe(setup)? };
+        Ok(Impulse::announce(described, "impulse_delivered"))
     };
     match introduce(&mut line, Role::Fluid, F::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),
@@ -40,7 +41,8 @@ pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
 pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
     let describe = |setup: &Setup| {
         check_surfaces(setup, G::PROGRAM, G::TAKES_SURFACES)?;
-        Ok(Impulse::announce(G::describe(setup)?, "impulse_received"))
+        let described = Description { ports: G::TAKES_PORTS, ..G::describe(setup)? };
+        Ok(Impulse::announce(described, "impulse_received"))
     };
     match introduce(&mut line, Role::Grains, G::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),

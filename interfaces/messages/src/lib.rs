@@ -2,13 +2,14 @@
 //!
 //! Two kinds of things live here. *Messages* cross shared memory in every coupling window: plain
 //! `repr(C)` values in SI units, world frame, `f64`, without pointers ([`body`], [`surface`],
-//! [`stamp`], [`control`], [`frame`]). *Documents* cross once, as JSON, when a component starts: the scene
+//! [`port`], [`stamp`], [`control`], [`frame`]). *Documents* cross once, as JSON, when a component starts: the scene
 //! and the start contract ([`scene`], [`start`], [`schedule`]). Nothing here knows how they travel.
 
 pub mod body;
 pub mod control;
 pub mod finding;
 pub mod frame;
+pub mod port;
 pub mod problem;
 pub mod role;
 pub mod scene;
@@ -20,6 +21,7 @@ pub mod units;
 
 pub use body::{BodyEvent, BodyState, Load};
 pub use finding::{Finding, Verdict};
+pub use port::PortState;
 pub use problem::{Problem, nearest};
 pub use role::Role;
 pub use stamp::Stamp;

@@ -30,6 +30,8 @@ pub enum Content {
     State,
     /// [`crate::Load`]s found in a window.
     Load,
+    /// [`crate::PortState`]s at a window's end: of the faces on which inlets of grains sit.
+    Ports,
     /// [`crate::SurfaceVertex`]es of the deformable surfaces at a window's end.
     Surface,
     /// [`crate::FacetLoad`]s of a fluid, found in a window.
@@ -56,6 +58,7 @@ impl Content {
             Content::Events => "events",
             Content::State => "state",
             Content::Load => "load",
+            Content::Ports => "ports",
             Content::Surface => "surface",
             Content::SurfaceLoad => "surface_load",
             Content::Carrier => "carrier",

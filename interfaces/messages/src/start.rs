@@ -139,6 +139,10 @@ pub struct Description {
     /// Whole fields that it can send to observers.
     #[serde(default)]
     pub volumes: Vec<VolumeSpec>,
+    /// Of a fluid: whether it tells the velocities at open faces ([`crate::PortState`]); of grains: whether
+    /// they take them.
+    #[serde(default)]
+    pub ports: bool,
     /// For an observer: what it wants to see.
     #[serde(default)]
     pub watches: Watches,

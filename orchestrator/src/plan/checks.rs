@@ -2,6 +2,7 @@
 
 use super::{Described, Options};
 use crate::manifest::Spec;
+use tremie_messages::scene::{InletVelocity, Scene};
 use tremie_messages::start::InjectionKind;
 use tremie_messages::{Problem, Role};
 use tremie_sdk::parameters::nearest;
@@ -56,6 +57,30 @@ pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Pr
         }
     }
     problems
+}
+
+/// Where inlets take velocities of the fluid at open faces, the fluid must tell them and the grains take them.
+pub(super) fn ports(scene: &Scene, described: &[Described<'_>]) -> Vec<Problem> {
+    let of = |role| described.iter().find(|(component, _)| component.role == role);
+    let message = match (of(Role::Fluid), of(Role::Grains)) {
+        (None, _) => "is that of the fluid at a face, but the run has no fluid".to_string(),
+        (Some((component, fluid)), _) if !fluid.ports => format!(
+            "is that of the fluid at a face, which {}, the run's {}, does not tell",
+            fluid.program, component.name
+        ),
+        (_, Some((component, grains))) if !grains.ports => format!(
+            "is that of the fluid at a face, which {}, the run's {}, does not take",
+            grains.program, component.name
+        ),
+        _ => return Vec::new(),
+    };
+    let inlets = scene.inlets.iter().enumerate();
+    let of_face = inlets.filter(|(_, inlet)| matches!(inlet.velocity, InletVelocity::Face { .. }));
+    let problem = |(i, _)| {
+        Problem::new(format!("scene.inlets[{i}].velocity"), message.clone())
+            .help("give the velocity as a vector")
+    };
+    of_face.map(problem).collect()
 }
 
 fn suggest(problem: Problem, word: &str, known: &[&str], what: &str) -> Problem {

@@ -22,7 +22,7 @@ use tremie_messages::schedule::{Content, Edge, Schedule, Script};
 use tremie_messages::start::{
     Assignment, Clock, Description, FrameContent, FrameStream, Injection, Transport,
 };
-use tremie_messages::{FacetLoad, Problem, Role};
+use tremie_messages::{FacetLoad, PortState, Problem, Role};
 
 /// Most rows in the table of signals unless the manifest says how often.
 const MOST_SIGNAL_ROWS: u64 = 20_000;
@@ -134,7 +134,11 @@ pub fn make(
     let windows = steps.as_ref().map_or(u64::MAX, |steps| steps.windows);
     problems.extend(checks::injections(spec, options, windows));
     let members: Vec<_> = spec.components.iter().map(|c| (c.name.as_str(), c.role)).collect();
-    let wiring = schedule::wire(spec.run.schedule, &members);
+    let mut wiring = schedule::wire(spec.run.schedule, &members);
+    if !PortState::all(&spec.scene).is_empty() {
+        problems.extend(checks::ports(&spec.scene, &described));
+        wiring = wiring.with_ports();
+    }
     if let Err(error) = schedule::check(&wiring) {
         problems.push(Problem::new("run.schedule", error.to_string()));
     }
@@ -279,6 +283,7 @@ fn capacity(content: Content, bodies: u64, scene: &Scene) -> u64 {
     };
     let values = match content {
         Content::Events | Content::State | Content::Load => bodies,
+        Content::Ports => PortState::all(scene).len() as u64,
         Content::Carrier | Content::Resultant => scene.surfaces.len() as u64,
         Content::Surface | Content::Trial => sum(DeformableSurface::vertex_count),
         Content::SurfaceLoad | Content::Contact => {

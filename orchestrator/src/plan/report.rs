@@ -6,7 +6,9 @@ use serde_json::{Value, json};
 use std::fmt;
 use tremie_messages::schedule::{Content, Edge, Schedule};
 use tremie_messages::start::{FrameContent, FrameStream};
-use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, Stamp, SurfaceVertex, frame};
+use tremie_messages::{
+    BodyEvent, BodyState, FacetLoad, Load, PortState, Stamp, SurfaceVertex, frame,
+};
 
 impl Plan {
     /// The plan in lines: time, components, edges, frames, notes. Warnings are apart, in
@@ -138,6 +140,7 @@ fn edge_memory(edge: &Edge) -> u64 {
         Content::Carrier => size_of::<BodyState>(),
         Content::Surface | Content::Trial => size_of::<SurfaceVertex>(),
         Content::SurfaceLoad | Content::Contact => size_of::<FacetLoad>(),
+        Content::Ports => size_of::<PortState>(),
     };
     memory(size_of::<Stamp>(), value, edge.capacity, edge.depth)
 }

@@ -290,6 +290,42 @@ fn stop_conditions_and_injections_must_name_what_is_there() {
 }
 
 #[test]
+fn velocities_at_faces_must_be_told_and_taken() {
+    let inlet = r#"
+[[scene.inlets]]
+name = "feed"
+density = "2500 kg/m3"
+min = ["0 m", "0 m", "0 m"]
+max = ["1 m", "1 m", "0.2 m"]
+fraction = 0.05
+diameter = "1 cm"
+velocity = { face = "z_lower" }
+[components]
+"#;
+    let text = MANIFEST.replace("[components]\n", inlet);
+    let spec = manifest::parse(Path::new("manifest.toml"), text, &[]).unwrap().spec;
+    let with = |fluid: bool, grains: bool| {
+        let mut all = descriptions();
+        (all[0].1.ports, all[1].1.ports) = (fluid, grains);
+        make(&spec, &all, &Options::default())
+    };
+    let plan = with(true, true).unwrap();
+    let edge = plan.edges.iter().find(|edge| edge.content == Content::Ports).unwrap();
+    assert_eq!((edge.service.as_str(), edge.capacity), ("fluid/ports/grains", 1));
+    for (fluid, grains, words) in [
+        (false, true, "which fluid-lbm 0.1, the run's fluid, does not tell"),
+        (true, false, "which grains-dem 0.1, the run's grains, does not take"),
+    ] {
+        let problems = with(fluid, grains).unwrap_err();
+        assert_eq!(problems[0].key, "scene.inlets[0].velocity");
+        assert!(problems[0].message.contains(words), "{problems:?}");
+    }
+    let dry = Spec { components: spec.components[1..].to_vec(), ..spec.clone() };
+    let problems = make(&dry, &descriptions(), &Options::default()).unwrap_err();
+    assert!(problems[0].message.contains("the run has no fluid"), "{problems:?}");
+}
+
+#[test]
 fn numbers_are_short() {
     assert_eq!(short(1.2e-7 / 3.0), "4e-8");
     assert_eq!(short(2.4), "2.4");

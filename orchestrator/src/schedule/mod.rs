@@ -13,7 +13,8 @@
 //!
 //! In a parallel schedule the fluid of window k advances with the bodies at the window's start, and
 //! takes the bodies at its end only afterwards; its loads of window k answer event list k-1. The surface is
-//! treated as a body is, and its loads as those on bodies.
+//! treated as a body is, and its loads as those on bodies. Where inlets of grains take velocities of the fluid at
+//! open faces, these go along with the loads, before them ([`Wiring::with_ports`]).
 //!
 //! # Inside a window
 //!
@@ -147,6 +148,26 @@ fn immerse(wiring: &mut Wiring, schedule: Schedule, rubber: usize, fluid: usize,
 }
 
 impl Wiring {
+    /// With the velocities at open faces that the fluid tells the grains: each time just before the loads,
+    /// of the same window.
+    pub fn with_ports(mut self) -> Self {
+        let Some(load) = self.links.iter().find(|link| link.content == Content::Load) else {
+            return self;
+        };
+        let link = Link { content: Content::Ports, ..load.clone() };
+        let [fluid, grains] = [link.from, link.to];
+        let [told, heard] = self.link(link);
+        before(&mut self.members[fluid].script, |op| match op {
+            Op::Send { edge: LOAD } => Some(Op::Send { edge: told }),
+            _ => None,
+        });
+        before(&mut self.members[grains].script, |op| match op {
+            Op::Receive { edge: LOAD, lag } => Some(Op::Receive { edge: heard, lag }),
+            _ => None,
+        });
+        self
+    }
+
     /// Adds an edge; returns its places in the lists of sender and receiver.
     fn link(&mut self, link: Link) -> [usize; 2] {
         let ends = [link.from, link.to];
@@ -156,6 +177,13 @@ impl Wiring {
             links.push(self.links.len() - 1);
             links.len() - 1
         })
+    }
+}
+
+/// Puts operations before those to which `belongs` finds one.
+fn before(script: &mut Script, belongs: impl Fn(Op) -> Option<Op>) {
+    for ops in [&mut script.start, &mut script.window] {
+        *ops = ops.iter().flat_map(|op| belongs(*op).into_iter().chain([*op])).collect();
     }
 }
 

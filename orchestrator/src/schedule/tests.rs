@@ -177,6 +177,30 @@ fn scripts_are_those_of_the_protocol() {
 }
 
 #[test]
+fn ports_travel_with_the_loads() {
+    for schedule in SCHEDULES {
+        for members in [&BOTH[..], &TRIO] {
+            let plain = wire(schedule, members);
+            let wiring = plain.clone().with_ports();
+            check(&wiring).unwrap();
+            let (load, ports) = (&wiring.links[LOAD], wiring.links.last().unwrap());
+            assert_eq!(*ports, Link { content: Content::Ports, ..load.clone() });
+            let [told, heard] = [FLUID, GRAINS].map(|m| wiring.members[m].links.len() - 1);
+            let script = &wiring.members[FLUID].script;
+            for ops in [&script.start, &script.window] {
+                let at = ops.iter().position(|op| *op == Op::Send { edge: told }).unwrap();
+                assert_eq!(ops[at + 1], Op::Send { edge: LOAD });
+            }
+            let ops = &wiring.members[GRAINS].script.window;
+            assert_eq!(ops[0], Op::Receive { edge: heard, lag: 1 });
+            assert_eq!(ops[1..], plain.members[GRAINS].script.window);
+        }
+        let alone = wire(schedule, &BOTH[..1]);
+        assert_eq!(alone.clone().with_ports(), alone);
+    }
+}
+
+#[test]
 fn one_role_alone_just_advances() {
     for one in BOTH {
         let wiring = wire(Schedule::Parallel, &[one, ("viewer", Role::Observer)]);
@@ -303,9 +327,13 @@ proptest! {
         turns in prop::collection::vec(0usize..3, 0..40),
         parallel: bool,
         wet: bool,
+        ports: bool,
     ) {
         let members = if wet { &TRIO[..] } else { &DRY[..] };
-        let wiring = wire(SCHEDULES[usize::from(parallel)], members);
+        let mut wiring = wire(SCHEDULES[usize::from(parallel)], members);
+        if ports {
+            wiring = wiring.with_ports();
+        }
         let mut play = Play::new(&wiring, 20);
         prop_assert_eq!(play.run(&turns), Ok(true));
         for (link, most) in wiring.links.iter().zip(&play.most) {

@@ -55,7 +55,8 @@ impl Inlet {
 pub enum InletVelocity {
     /// Given [m/s].
     Given([f64; 3]),
-    /// The mean velocity of the fluid at an open face of the domain.
+    /// The mean velocity of the fluid at an open face of the domain, normal to it, as the fluid told it
+    /// last ([`crate::PortState`]).
     Face {
         /// The axis: 0, 1, 2 for x, y, z.
         axis: usize,

@@ -26,7 +26,6 @@ use super::read::Findings;
 use super::spec::Spec;
 use crate::plan::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
-use tremie_messages::schedule::Schedule;
 use tremie_messages::units::{
     Area, Dashpot, Density, Length, Mass, Pressure, Stiffness, Time, Velocity, Viscosity, Volume,
 };
@@ -39,7 +38,6 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
     let scene = scene::scene(&document.scene, findings);
     let components = components::components(document, findings);
     let stop_when = run::stops(document, findings);
-    takes_turns(document, findings);
     Some(Spec {
         run: run?,
         scene: scene?,
@@ -48,17 +46,6 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
         outputs: outputs?,
         stop_when: stop_when?,
     })
-}
-
-/// Where grains come and go, loads must be those of the bodies that there are: in the parallel schedule
-/// they lag by one list of events more.
-fn takes_turns(document: &Document, findings: &mut Findings) {
-    let scene = &document.scene;
-    let come_and_go = !scene.inlets.is_empty() || !scene.outlets.is_empty();
-    if come_and_go && document.run.schedule == Some(Schedule::Parallel) {
-        let message = "found parallel, but where grains come or go fluid and grains take turns";
-        findings.problem_with_help("run.schedule", message, "use \"serial\"");
-    }
 }
 
 /// What is right but may not be meant.

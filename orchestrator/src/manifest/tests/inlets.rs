@@ -79,6 +79,4 @@ fn problems_of_inlets_and_outlets_are_told_at_their_keys() {
     refused("\"y_lower\"", "\"w_lower\"", &["w_lower", "z_upper"]);
     refused("face = \"z_upper\"", "face = \"z_upper\", side = \"lower\"", &["both face and side"]);
     refused(", side = \"upper\" }", " }", &["beyond.side", "missing"]);
-    let parallel = "until = \"1.5 s\"\nschedule = \"parallel\"";
-    refused("until = \"1.5 s\"", parallel, &["run.schedule", "serial"]);
 }
