@@ -73,13 +73,16 @@ impl Working {
     }
 }
 
-/// Walls of the gaps slip where those are thinner [m]. Where the valve hangs as it closes without that: 0.77 to
-/// 0.9 mm of cells of 0.3 mm, one and a half cells of 0.6 mm.
-const SLIPPING: f64 = 0.9e-3;
+/// Walls of gaps slip where those are thinner, in cells: at all lifts. Walls that do not slip stop a flow
+/// through a few cells that real walls hardly slow.
+const SLIPS_BELOW: f64 = 8.0;
 
-/// The same in cells at least. Much more on wide cells would let the fluid pass so easily that the open
-/// valve holds where its seat freezes: it hunts then.
-const LEAST_SLIPPING: f64 = 1.75;
+/// The same on cells too wide for that: an open valve would hold at lifts at which its seat freezes, and hunt. So
+/// there walls slip only where the valve would hang as it closes.
+const SLIPS_BELOW_ON_WIDE_CELLS: f64 = 1.75;
+
+/// Cells wider than this part of the ring's lip are wide.
+const WIDE: f64 = 0.8;
 
 /// The manifest, with the frame's surface in the file `frame`, whose unit is the millimetre. Half the
 /// valve is in the domain, on one side of its mirror.
@@ -214,7 +217,7 @@ signals = "20 us"
         preload = mm(run.spring_preload.0),
         stroke = mm(run.spring_stroke.0),
         upper = mm(run.spring_stroke.0),
-        slip = short((SLIPPING / cell).max(LEAST_SLIPPING)),
+        slip = if cell > WIDE * valve.lip.0 { SLIPS_BELOW_ON_WIDE_CELLS } else { SLIPS_BELOW },
         stiffness = run.ring_stiffness.0,
         cone_inner = mm(bore - 0.5 * cell),
         inner = mm(inner),
