@@ -141,6 +141,12 @@ impl Batch {
         self.links += 1;
     }
 
+    /// Makes the last link push as much more fluid as others that it stands for would.
+    pub fn widen(&mut self, by: f64) {
+        let last = self.links - 1;
+        self.eights[last / LANES].weight[last % LANES] *= by;
+    }
+
     /// Says how the wall moves where the last link meets it, and which facet that is on.
     pub fn wall(&mut self, velocity: [f64; 3], facet: u32) {
         self.walls[self.links - 1] = (velocity, facet);

@@ -4,13 +4,15 @@
 //! link from a stored cell outside the part to one that it covers, and every gap link (see `gaps`)
 //! from a static solid or a wall. What changes from step to step is looked up when the list is used:
 //! which of those cells are fluid, whether another body holds a link's end and is met before, how far the
-//! surface has come since. A flat wall that has moved by `d` is met at `q + d.n / (c.n)`.
+//! surface has come since. A link beside a wall that the part moves along pushes for those that the wall
+//! takes: a piston displaces what it should. A flat wall that has moved by `d` is met at `q + d.n / (c.n)`.
 
 use crate::batch::{Batch, Link};
 use crate::bodies::{Bodies, Body};
 use crate::cells::NONE;
 use crate::declared::{DeclaredGaps, NONE as NO_GAP};
 use crate::field::Real;
+use crate::gaps::{Beyond, beyond};
 use crate::grid::Grid;
 use crate::ground::Ground;
 use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
@@ -32,6 +34,8 @@ pub struct PartLink {
     seen: u8,
     /// Axes at which it is mirrored.
     mirrors: u8,
+    /// Sides along it where what stands still takes links from the part; see [`rims`].
+    rims: u8,
     /// The cell as seen from the body.
     at: [i32; 3],
     /// Where it meets the surface.
@@ -190,6 +194,7 @@ impl PartLinks {
                 dir: i as u8,
                 seen: seen as u8,
                 mirrors,
+                rims: rims(site.layout, cell, i),
                 at,
                 q: meeting.q,
                 slope: meeting.slope.map(|x| x as f32),
@@ -209,6 +214,25 @@ impl PartLinks {
             site.static_gap(part, &self.facets, ground, at, seen, &mut self.gaps);
         }
     }
+}
+
+/// Number of sides of a straight link along which something stands still, at its beginning and at its end.
+/// A part that moves along a wall pushes fluid with four of the five links of a flat face there, the
+/// fifth being the wall's; the straight one stands for it.
+fn rims(layout: &Layout, cell: u32, i: usize) -> u8 {
+    if C[i].iter().map(|c| c.abs()).sum::<i32>() != 1 {
+        return 0;
+    }
+    let at = layout.at(cell);
+    let stands = |by: [i32; 3]| {
+        let at = std::array::from_fn(|a| at[a] + by[a]);
+        matches!(beyond(layout, at), Beyond::Fixture(_))
+    };
+    let sides = (1..Q).map(|k| C[k]).filter(|e| {
+        e.iter().map(|c| c.abs()).sum::<i32>() == 1 && (0..3).all(|a| e[a] * C[i][a] == 0)
+    });
+    let rims = sides.filter(|e| stands(*e) && stands(std::array::from_fn(|a| e[a] + C[i][a])));
+    rims.count() as u8
 }
 
 /// A cell and a direction as the body sees them, of a link that is mirrored at some axes.
@@ -253,6 +277,10 @@ impl<T: Real> After<'_, T> {
                     });
                 if is_mine {
                     batch.push(link);
+                    if found.rims != 0 {
+                        // A diagonal link weighs half of a straight one.
+                        batch.widen(1.0 + 0.5 * f64::from(found.rims));
+                    }
                     if let Some(shape) = &part.shape {
                         batch.wall(shape.velocity_at(hit), hit.facet);
                     }

@@ -115,6 +115,8 @@ fn one() -> f64 {
 pub struct Measure {
     /// The signal, `component.name`.
     pub signal: String,
+    /// Another run of the case, made before, that it is taken from.
+    pub run: Option<String>,
     /// A signal that is taken away from it first.
     pub minus: Option<String>,
     /// What of it.
@@ -125,9 +127,21 @@ pub struct Measure {
     /// Time up to which it counts [s].
     #[serde(default = "for_ever")]
     pub until: f64,
+    /// It counts from when this has happened.
+    pub once: Option<Event>,
     /// Factor.
     #[serde(default = "one")]
     pub scale: f64,
+}
+
+/// The first time at which a signal is more than something.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Event {
+    /// The signal, `component.name`.
+    pub signal: String,
+    /// What it is more than.
+    pub exceeds: f64,
 }
 
 fn for_ever() -> f64 {
@@ -217,12 +231,15 @@ impl Case {
         if let Some(k) = (1..names.len()).find(|k| names[..*k].contains(&names[*k])) {
             return Some(format!("two runs are called \"{}\"", names[k]));
         }
-        self.runs.iter().find_map(|run| run.checks.iter().find_map(|check| check.fault(&run.name)))
+        self.runs.iter().enumerate().find_map(|(k, run)| {
+            let fault = |check: &Check| check.fault(&run.name, &self.runs[..k]);
+            run.checks.iter().find_map(fault)
+        })
     }
 }
 
 impl Check {
-    fn fault(&self, run: &str) -> Option<String> {
+    fn fault(&self, run: &str, before: &[CaseRun]) -> Option<String> {
         let of = format!("run \"{run}\", check \"{}\"", self.name);
         let references = [self.expected.is_some(), self.between.is_some(), self.table.is_some()];
         if references.iter().filter(|given| **given).count() != 1 {
@@ -230,6 +247,12 @@ impl Check {
         }
         if self.value.is_some() == self.table.is_some() {
             return Some(format!("{of}: needs a value, unless it has a table"));
+        }
+        let measures = self.value.iter().chain(&self.over);
+        for other in measures.filter_map(|measure| measure.run.as_ref()) {
+            if !before.iter().any(|run| run.name == *other) {
+                return Some(format!("{of}: no run before it is called \"{other}\""));
+            }
         }
         if self.between.is_none() && !self.tolerance.is_some_and(|t| t >= 0.0) {
             return Some(format!("{of}: needs a tolerance, 0 or more"));
@@ -288,6 +311,11 @@ mod tests {
             ("tolerance = 0.01", "", "needs a tolerance"),
             ("take = \"max\"", "take = \"most\"", "unknown variant"),
             ("name = \"speed\"", "name = \"speed\"\ncolour = 1", "unknown field"),
+            (
+                "take = \"max\"",
+                "take = \"max\", run = \"only\"",
+                "no run before it is called \"only\"",
+            ),
         ] {
             let error = read(&GOOD.replace(from, to)).unwrap_err().to_string();
             assert!(error.contains(says), "{error}");

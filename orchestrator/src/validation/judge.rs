@@ -1,7 +1,7 @@
 //! Results against their reference.
 
 use super::ValidationError;
-use super::case::{Case, CaseRun, Check};
+use super::case::{Case, CaseRun, Check, Measure};
 use super::measure;
 use super::report::number;
 use crate::outputs::Signals;
@@ -87,7 +87,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Judges all checks of a run.
+/// Judges all checks of a run; `before` are the signals of the case's runs before it.
 ///
 /// # Errors
 /// A signal that is not there, a table that cannot be read.
@@ -96,6 +96,7 @@ pub fn all(
     run: &CaseRun,
     short: bool,
     signals: &Signals,
+    before: &[(String, Signals)],
 ) -> Result<Vec<Finding>, ValidationError> {
     let place = case.folder.join(super::case::FILE);
     run.checks
@@ -111,17 +112,27 @@ pub fn all(
                     let references = read_table(&path)?;
                     table(check, short, &references, signals).map_err(of)
                 }
-                None => scalar(check, short, signals).map_err(of),
+                None => scalar(check, short, signals, before).map_err(of),
             }
         })
         .collect()
 }
 
-fn scalar(check: &Check, short: bool, signals: &Signals) -> Result<Finding, String> {
-    let value = check.value.as_ref().ok_or("it has no value")?;
-    let mut found = measure::take(value, signals)?;
+fn scalar(
+    check: &Check,
+    short: bool,
+    signals: &Signals,
+    before: &[(String, Signals)],
+) -> Result<Finding, String> {
+    let measured = |measure: &Measure| {
+        let Some(wanted) = &measure.run else { return measure::take(measure, signals) };
+        let other = before.iter().find(|(name, _)| name == wanted);
+        let (_, other) = other.ok_or_else(|| format!("the run \"{wanted}\" was not made"))?;
+        measure::take(measure, other)
+    };
+    let mut found = measured(check.value.as_ref().ok_or("it has no value")?)?;
     if let Some(over) = &check.over {
-        found /= measure::take(over, signals)?;
+        found /= measured(over)?;
     }
     let tolerance = check.tolerance(short);
     let (reference, passed) = match (check.expected, check.bounds(short)) {
@@ -202,9 +213,23 @@ mod tests {
             expected = 2.02
             tolerance = 0.01
             short_tolerance = 0.005"#;
-        let long = scalar(&check(text), false, &signals()).unwrap();
+        let long = scalar(&check(text), false, &signals(), &[]).unwrap();
         assert!(long.passed && long.found == 2.0, "{long}");
-        assert!(!scalar(&check(text), true, &signals()).unwrap().passed);
+        assert!(!scalar(&check(text), true, &signals(), &[]).unwrap().passed);
+    }
+
+    #[test]
+    fn a_run_is_held_against_one_before_it() {
+        let text = r#"
+            name = "ratio"
+            value = { signal = "a.b", take = "last" }
+            over = { run = "first", signal = "a.b", take = "first" }
+            expected = 3.0
+            tolerance = 0.0"#;
+        let before = [("first".to_string(), signals())];
+        assert!(scalar(&check(text), false, &signals(), &before).unwrap().passed);
+        let error = scalar(&check(text), false, &signals(), &[]).unwrap_err();
+        assert!(error.contains("\"first\" was not made"), "{error}");
     }
 
     #[test]
@@ -213,7 +238,7 @@ mod tests {
             let text = format!(
                 "name = \"x\"\nvalue = {{ signal = \"a.nan\", take = \"last\" }}\n{reference}\ntolerance = 1e9"
             );
-            assert!(!scalar(&check(&text), false, &signals()).unwrap().passed);
+            assert!(!scalar(&check(&text), false, &signals(), &[]).unwrap().passed);
         }
         let row = |signal: &str| Row { signal: signal.into(), expected: 1.5, x: 0.0 };
         let check = check("name = \"t\"\ntable = \"t.csv\"\ntolerance = 9.0");

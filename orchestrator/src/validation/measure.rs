@@ -1,6 +1,6 @@
 //! Numbers from signals.
 
-use super::case::{Measure, Take};
+use super::case::{Event, Measure, Take};
 use crate::outputs::Signals;
 
 /// Takes a number.
@@ -12,14 +12,24 @@ pub fn take(measure: &Measure, signals: &Signals) -> Result<f64, String> {
     if let Some(other) = &measure.minus {
         column.iter_mut().zip(signals.column(other)?).for_each(|(value, other)| *value -= other);
     }
+    let once = measure.once.as_ref().map_or(Ok(measure.from), |event| time_of(event, signals))?;
+    let from = measure.from.max(once);
     let points: Vec<(f64, f64)> = (signals.times.iter().copied().zip(column))
-        .filter(|(time, _)| (measure.from..=measure.until).contains(time))
+        .filter(|(time, _)| (from..=measure.until).contains(time))
         .collect();
     let value = of_points(measure.take, &points).ok_or_else(|| {
-        let Measure { signal, take, from, until, .. } = measure;
+        let Measure { signal, take, until, .. } = measure;
         format!("\"{signal}\" has too few values between {from} s and {until} s for {take:?}")
     })?;
     Ok(value * measure.scale)
+}
+
+/// When an event happens first.
+fn time_of(event: &Event, signals: &Signals) -> Result<f64, String> {
+    let Event { signal, exceeds } = event;
+    let mut values = signals.times.iter().zip(signals.column(signal)?);
+    let first = values.find(|(_, value)| *value > exceeds);
+    first.map(|(time, _)| *time).ok_or_else(|| format!("\"{signal}\" never exceeds {exceeds}"))
 }
 
 fn of_points(take: Take, points: &[(f64, f64)]) -> Option<f64> {
@@ -79,7 +89,8 @@ mod tests {
 
     fn measured(kind: Take, from: f64, until: f64) -> Result<f64, String> {
         let (signal, minus) = ("a.b".into(), None);
-        let measure = Measure { signal, minus, take: kind, from, until, scale: 2.0 };
+        let measure =
+            Measure { signal, run: None, minus, take: kind, from, until, once: None, scale: 2.0 };
         take(&measure, &wave())
     }
 
@@ -102,8 +113,34 @@ mod tests {
     fn a_signal_can_be_taken_from_another() {
         let (signal, minus) = ("a.b".into(), Some("a.b".into()));
         let (from, until) = (0.0, f64::INFINITY);
-        let measure = Measure { signal, minus, take: Take::MaxAbs, from, until, scale: 1.0 };
+        let (take_all, once) = (Take::MaxAbs, None);
+        let measure =
+            Measure { signal, run: None, minus, take: take_all, from, until, once, scale: 1.0 };
         assert_eq!(take(&measure, &wave()), Ok(0.0));
+    }
+
+    #[test]
+    fn a_signal_can_count_from_an_event_on() {
+        let measured = |exceeds| {
+            let (signal, minus, take_first) = ("a.b".into(), None, Take::First);
+            let once = Some(Event { signal: "a.b".into(), exceeds });
+            let (from, until) = (0.05, f64::INFINITY);
+            let measure = Measure {
+                signal,
+                run: None,
+                minus,
+                take: take_first,
+                from,
+                until,
+                once,
+                scale: 1.0,
+            };
+            take(&measure, &wave())
+        };
+        // The wave passes 1.9 at 0.071 s, and 1.1 before it counts.
+        assert!((measured(1.9).unwrap() - 1.9).abs() < 0.02);
+        assert!((measured(1.1).unwrap() - 1.707).abs() < 0.02);
+        assert!(measured(2.5).unwrap_err().contains("never exceeds 2.5"));
     }
 
     #[test]
@@ -112,10 +149,12 @@ mod tests {
         assert!(measured(Take::Mean, 9.0, 10.0).unwrap_err().contains("between 9"));
         let other = Measure {
             signal: "a.c".into(),
+            run: None,
             minus: None,
             take: Take::Last,
             from: 0.0,
             until: 1.0,
+            once: None,
             scale: 1.0,
         };
         assert!(take(&other, &wave()).unwrap_err().contains("did you mean \"a.b\""));

@@ -108,9 +108,11 @@ pub fn try_case(
     say: &mut dyn FnMut(&str),
 ) -> Result<Record, ValidationError> {
     let mut record = Record::new(case, short);
+    let mut before = Vec::new();
     for run in case.runs.iter().filter(|run| !short || run.short.is_some()) {
         let outcome = execute::run(case, run, short, scratch)?;
-        let findings = judge::all(case, run, short, &outcome.signals)?;
+        let findings = judge::all(case, run, short, &outcome.signals, &before)?;
+        before.push((run.name.clone(), outcome.signals.clone()));
         for finding in &findings {
             say(&format!("{}, {}: {finding}", case.name, run.name));
         }
