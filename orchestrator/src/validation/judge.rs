@@ -213,9 +213,23 @@ mod tests {
             expected = 2.02
             tolerance = 0.01
             short_tolerance = 0.005"#;
-        let long = scalar(&check(text), false, &signals()).unwrap();
+        let long = scalar(&check(text), false, &signals(), &[]).unwrap();
         assert!(long.passed && long.found == 2.0, "{long}");
-        assert!(!scalar(&check(text), true, &signals()).unwrap().passed);
+        assert!(!scalar(&check(text), true, &signals(), &[]).unwrap().passed);
+    }
+
+    #[test]
+    fn a_run_is_held_against_one_before_it() {
+        let text = r#"
+            name = "ratio"
+            value = { signal = "a.b", take = "last" }
+            over = { run = "first", signal = "a.b", take = "first" }
+            expected = 3.0
+            tolerance = 0.0"#;
+        let before = [("first".to_string(), signals())];
+        assert!(scalar(&check(text), false, &signals(), &before).unwrap().passed);
+        let error = scalar(&check(text), false, &signals(), &[]).unwrap_err();
+        assert!(error.contains("\"first\" was not made"), "{error}");
     }
 
     #[test]
@@ -224,7 +238,7 @@ mod tests {
             let text = format!(
                 "name = \"x\"\nvalue = {{ signal = \"a.nan\", take = \"last\" }}\n{reference}\ntolerance = 1e9"
             );
-            assert!(!scalar(&check(&text), false, &signals()).unwrap().passed);
+            assert!(!scalar(&check(&text), false, &signals(), &[]).unwrap().passed);
         }
         let row = |signal: &str| Row { signal: signal.into(), expected: 1.5, x: 0.0 };
         let check = check("name = \"t\"\ntable = \"t.csv\"\ntolerance = 9.0");

@@ -22,7 +22,7 @@ pub use parts::{Geometry, Part, PartBoundary, Pose};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
 pub use slider::{Slider, SliderSpring, Stops};
-pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge};
+pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge, SurfaceStart};
 
 use serde::{Deserialize, Serialize};
 

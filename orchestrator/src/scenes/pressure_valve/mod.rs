@@ -8,6 +8,7 @@ mod dimensions;
 mod frame;
 mod held;
 mod moving;
+mod rubber;
 mod text;
 mod working;
 
@@ -15,4 +16,5 @@ pub use dimensions::{Closure, Dimensions, Misfit};
 pub use frame::frame;
 pub use held::{Steady, manifest as held};
 pub use moving::{ring, steel, steel_and_ring};
-pub use working::{Working, manifest as working};
+pub use rubber::{Resting, specification};
+pub use working::{Ring, Working, manifest as working};
