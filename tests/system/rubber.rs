@@ -214,6 +214,18 @@ fn what_cannot_carry_or_hold_a_ring_says_so() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("scene.surfaces[0].carrier") || said.contains("carrier = "), "{said}");
     assert!(said.contains("does not slide"), "{said}");
+    // In the floor from the start.
+    let output = tremie()
+        .arg("check")
+        .arg(valve.home.path())
+        .args(["--set", "scene.parts[0].position=[\"15 mm\", \"15 mm\", \"3 mm\"]"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        said.contains("begins 1.000e-3 m deep in its seat") && said.contains("(start)"),
+        "{said}"
+    );
     // A fluid that knows nothing of surfaces.
     let ran = valve.run(&[
         "--set",

@@ -17,9 +17,14 @@ fn a_valve_from_its_numbers_can_be_run() {
             .unwrap();
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
         for file in
-            ["frame.stl", "valve.stl", "ring.stl", "dimensions.toml", "manifest.toml", "held.toml"]
+            ["frame.stl", "valve.stl", "ring.stl", "dimensions.toml", "ring.toml", "ring.json"]
         {
             assert!(folder.join(file).is_file(), "{file}");
+        }
+        for manifest in ["manifest.toml", "rigid.toml"] {
+            let checked = tremie().arg("check").arg(folder.join(manifest)).output().unwrap();
+            let errors = String::from_utf8_lossy(&checked.stderr);
+            assert!(checked.status.success(), "{closure}, {manifest}: {errors}");
         }
         let checked =
             tremie().arg("check").arg(folder.join("held.toml")).arg("--json").output().unwrap();
@@ -71,6 +76,8 @@ fn numbers_that_make_no_valve_are_refused() {
     };
     let narrow = refused("rubber_inner_radius=4 mm");
     assert!(narrow.contains("rubber_inner_radius is 0.004 m, but must be more than bore_radius"));
+    let weak = refused("lip=0.2 mm");
+    assert!(weak.contains("does not hold 61.5 N") && weak.contains("lip, 0.0002 m"), "{weak}");
     assert!(refused("bore_radios=4 mm").contains("bore_radius"));
     assert!(refused("bore_radius=4").contains("with a unit"));
     assert!(!home.path().join("out").exists());

@@ -56,3 +56,27 @@ impl Cover {
         }
     }
 }
+
+/// Side of the cover that a surface of the side `needed` gets, the other of its two having the side
+/// `other`: as large, or with some room to grow.
+pub fn room_for(needed: i32, other: i32) -> i32 {
+    if needed <= other { other } else { needed + needed / 8 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two covers change places in each search.
+    #[test]
+    fn covers_grow_with_their_surface_and_no_further() {
+        let (mut now, mut other) = (40, 40);
+        for search in 0..1000 {
+            std::mem::swap(&mut now, &mut other);
+            let needed = 40 + (search / 100).min(4);
+            now = now.max(room_for(needed, other));
+            assert!(now >= needed && now <= 41 + 41 / 8, "search {search}: {now}");
+        }
+        assert_eq!(now, other);
+    }
+}

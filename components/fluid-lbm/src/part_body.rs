@@ -13,7 +13,7 @@
 //! that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by turning.
 //! What is found depends on the pose alone, not on how the part came there.
 
-use crate::cover::{Cover, Layer};
+use crate::cover::{Cover, Layer, room_for};
 use crate::grid::Grid;
 use crate::lattice::dot;
 use crate::shape::{Hit, NO_FACET, Shape};
@@ -193,10 +193,9 @@ impl PartBody {
         let moments = surface.mesh().moments();
         self.volume = moments.volume / (self.cell * self.cell * self.cell);
         self.centroid = moments.centroid;
-        let side = side_of(surface, self.cell).max(self.previous.side);
+        let side = room_for(side_of(surface, self.cell), self.previous.side);
         if side > self.now.side {
-            let spare = side / 8;
-            self.now = Cover::new(side + spare);
+            self.now = Cover::new(side);
         }
     }
 

@@ -18,7 +18,7 @@ use crate::ground::Ground;
 use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
 use crate::layout::Layout;
 use crate::links::{After, fold};
-use crate::owners::{FROZEN, SHARED};
+use crate::owners::{BODY, FROZEN, SHARED};
 use crate::part_body::{Facets, PartBody};
 use crate::part_gaps::GapLinks;
 use crate::shape::Hit;
@@ -293,6 +293,17 @@ impl<T: Real> After<'_, T> {
         }
     }
 
+    /// Whether nobody holds a cell but the body and what it is bonded to: then there is no gap, and
+    /// links need not be followed to see it.
+    fn is_bonded(&self, bodies: &Bodies, body: &Body, cell: u32) -> bool {
+        let is_own =
+            |handle: u32| handle == body.handle || body.is_bonded_to(bodies.with_handle(handle));
+        match self.owners.of(cell) {
+            SHARED => self.owners.claimants(cell).all(is_own),
+            owner => owner.checked_sub(BODY).is_some_and(is_own),
+        }
+    }
+
     /// Finds the gap links between a part and what holds the cell where links begin: another body, or
     /// nobody if it is frozen.
     fn gaps_of_run(
@@ -316,6 +327,9 @@ impl<T: Real> After<'_, T> {
                 let link = link.now(body, part, 0, hit(k));
                 self.press_frozen(gap, &link, hit(k).facet, &mut batch.gaps);
             }
+            return;
+        }
+        if self.is_bonded(bodies, body, cell) {
             return;
         }
         for link in run.iter().filter(|link| link.mirrors == 0) {

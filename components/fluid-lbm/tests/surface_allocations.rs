@@ -36,6 +36,7 @@ fn a_step_without_a_search_allocates_nothing() {
         sectors: 40,
         material: "wall".into(),
         seat_stiffness: 1.0,
+        start: Default::default(),
         section: Section { points, edges: (0..4).map(edge).collect() },
     };
     let turned = Turned::of(&seal);

@@ -40,6 +40,7 @@ impl Seal {
             sectors,
             material: "wall".into(),
             seat_stiffness: 1.0,
+            start: Default::default(),
             section,
         };
         let turned = Turned::of(&surface);

@@ -1,6 +1,9 @@
 //! The deformable surfaces of a scene, between messages and solver.
 
-use crate::{DeformableSurface, FacetLoad, GrainsDem, GrainsError, SurfaceState};
+use crate::{
+    DeformableSurface, FacetLoad, GrainsDem, GrainsError, SurfaceState, Vec3, parts,
+    surface::mean_edge, walls,
+};
 use core::ops::Range;
 use tremie_geometry::{Frame, Turned};
 use tremie_sdk::messages::scene::{self, Motion, Scene};
@@ -45,13 +48,48 @@ fn deformable(scene: &Scene, surface: &scene::DeformableSurface) -> Option<Defor
     let (outer, inner) = (Frame::of(&part.pose), Frame::of(&surface.pose));
     let place = |x| outer.to_world(inner.to_world(x));
     Some(DeformableSurface {
-        vertices: turned.places(&surface.section.points).into_iter().map(place).collect(),
+        vertices: turned.places(surface.start_points()).into_iter().map(place).collect(),
         triangles: turned.triangles,
         carrier,
         material: surface.material.clone(),
         seat_stiffness: surface.seat_stiffness,
     })
 }
+
+/// Checks that no surface begins deep in its seat: walls, and parts that stand still.
+///
+/// # Errors
+/// A problem for each that does, and parts that cannot be had.
+pub(crate) fn check_start(
+    scene: &Scene,
+    surfaces: &[DeformableSurface],
+) -> Result<(), Vec<Problem>> {
+    if surfaces.is_empty() {
+        return Ok(());
+    }
+    let (parts, walls) = (parts::load(scene)?, walls::without_mirrors(scene));
+    let depth = |&x: &[f64; 3]| {
+        let x = Vec3::from(x);
+        let walls = walls.iter().map(|wall| wall.offset - x.dot(&wall.normal));
+        let near = parts.iter().filter(|part| !part.moves() && part.is_near(x, 0.0));
+        walls.chain(near.map(|part| -part.clearance(x).0)).fold(0.0, f64::max)
+    };
+    let problem = |(k, surface): (usize, &DeformableSurface)| {
+        let deepest = surface.vertices.iter().map(depth).fold(0.0, f64::max);
+        let most = DEEP * mean_edge(surface);
+        let message = format!(
+            "begins {deepest:.3e} m deep in its seat, expected at most {most:.1e} m, a tenth of its mean edge"
+        );
+        let help = "let it begin as compressed as it is on its seat (start), or lift its carrier";
+        let key = format!("scene.surfaces[{k}].start");
+        (deepest > most).then(|| Problem::new(key, message).help(help))
+    };
+    let problems: Vec<_> = surfaces.iter().enumerate().filter_map(problem).collect();
+    if problems.is_empty() { Ok(()) } else { Err(problems) }
+}
+
+/// A vertex in its seat by more than this part of the mean edge is there by mistake.
+const DEEP: f64 = 0.1;
 
 /// The solver numbers surfaces in a list of its own; a manifest has them in the scene.
 pub(crate) fn in_scene(problems: Vec<Problem>) -> Vec<Problem> {

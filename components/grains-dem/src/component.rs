@@ -1,6 +1,6 @@
 //! The discrete elements as a component of a run.
 
-use crate::carried::{Carried, in_scene, surfaces};
+use crate::carried::{Carried, check_start, in_scene, surfaces};
 use crate::findings::findings;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
@@ -79,7 +79,8 @@ impl Grains for SoftSpheres {
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
         let resolution = parameters.resolve(&setup.hello.scene)?;
-        surfaces(&setup.hello.scene)?;
+        let surfaces = surfaces(&setup.hello.scene)?;
+        check_start(&setup.hello.scene, &surfaces)?;
         Ok(Description {
             step: resolution.time_step,
             bodies: resolution.bodies as u64,

@@ -21,26 +21,49 @@ pub(crate) struct Seat {
     start: Vec<u32>,
     /// Facets at a vertex, with a third of their area vectors.
     shares: Vec<(u32, Vec3)>,
+    /// Vertices near planes, with the planes' numbers; how deep each is in its plane, and a zero.
+    flat: Vec<(u32, u32)>,
+    planes: Vec<Plane>,
+    depths: Vec<f64>,
+    patches: Vec<Patch>,
+    /// For each facet its patch, while patches of a plane are listed; else [`NONE`].
+    patch_of: Vec<u32>,
+    /// Vertices near what is not flat, and its triangles in the world.
     entries: Vec<Entry>,
-    /// Triangles of parts near vertices, in the world.
     triangles: Vec<Triangle>,
     room: Vec<u32>,
     /// Energy at the last accepted shape [J].
     pub energy: f64,
 }
 
-/// A vertex near a wall or a part.
+/// A flat seat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Plane {
+    normal: Vec3,
+    offset: f64,
+}
+
+/// A facet on a flat seat.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    facet: u32,
+    plane: u32,
+    /// Places of its vertices among the depths; that of the zero where one is not near.
+    vertices: [u32; 3],
+    /// Of each of its vertices [N/m].
+    stiffness: f64,
+}
+
+/// A vertex near a part's triangles.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     vertex: u32,
-    with: With,
+    first: u32,
+    end: u32,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum With {
-    Plane { normal: Vec3, offset: f64 },
-    Triangles { first: u32, end: u32 },
-}
+/// Of nothing.
+const NONE: u32 = u32::MAX;
 
 /// Everything that seats are made of.
 #[derive(Clone, Copy)]
@@ -70,19 +93,28 @@ impl Seat {
                 *place += 1;
             }
         }
-        Self { stiffness: surface.seat_stiffness, start: count, shares, ..Self::default() }
+        let patch_of = vec![NONE; surface.triangles.len()];
+        Self {
+            stiffness: surface.seat_stiffness,
+            start: count,
+            shares,
+            patch_of,
+            ..Self::default()
+        }
     }
 
     /// Lists the vertices that are closer than `gap` to a seat, or in it.
     pub fn list(&mut self, vertices: &[[f64; 3]], gap: f64, seats: Seats<'_>) {
         self.entries.clear();
         self.triangles.clear();
+        self.flat.clear();
+        self.planes.clear();
         for (vertex, &x) in (0..).zip(vertices) {
             let x = Vec3::from(x);
             for wall in seats.walls {
                 if x.dot(&wall.normal) - wall.offset < gap {
                     let Wall { normal, offset, .. } = *wall;
-                    self.entries.push(Entry { vertex, with: With::Plane { normal, offset } });
+                    self.list_flat(vertex, Plane { normal, offset });
                 }
             }
             for part in seats.parts.iter().filter(|part| !part.moves() && part.is_near(x, gap)) {
@@ -96,24 +128,114 @@ impl Seat {
                 let placed = self.room.iter().map(|&triangle| part.placed_triangle(triangle));
                 let near = |triangle: &Triangle| distance(x, triangle.corners) < reach;
                 self.triangles.extend(placed.filter(near));
-                let with = With::Triangles { first, end: self.triangles.len() as u32 };
-                self.entries.push(Entry { vertex, with });
+                if let Some(plane) = plane_of(&self.triangles[first as usize..]) {
+                    self.triangles.truncate(first as usize);
+                    self.list_flat(vertex, plane);
+                } else {
+                    self.entries.push(Entry { vertex, first, end: self.triangles.len() as u32 });
+                }
+            }
+        }
+        self.list_patches();
+    }
+
+    /// Lists a vertex near a plane, which may be known.
+    fn list_flat(&mut self, vertex: u32, plane: Plane) {
+        let near = |known: &Plane| {
+            (known.normal - plane.normal).norm_squared() < FLAT * FLAT
+                && (known.offset - plane.offset).abs() <= FLAT * plane.offset.abs()
+        };
+        let known = self.planes.iter().position(near).unwrap_or_else(|| {
+            self.planes.push(plane);
+            self.planes.len() - 1
+        });
+        self.flat.push((vertex, known as u32));
+    }
+
+    /// Lists the facets of the vertices near planes, as far as they face them.
+    fn list_patches(&mut self) {
+        let none = self.flat.len() as u32;
+        self.depths.clear();
+        self.depths.resize(self.flat.len() + 1, 0.0);
+        self.patches.clear();
+        for (number, plane) in (0..).zip(&self.planes) {
+            let first = self.patches.len();
+            let on_it = (0..).zip(&self.flat).filter(|(_, (_, plane))| *plane == number);
+            for (place, &(vertex, _)) in on_it {
+                let v = vertex as usize;
+                let range = self.start[v] as usize..self.start[v + 1] as usize;
+                for &(facet, area) in &self.shares[range] {
+                    let facing = -area.dot(&plane.normal);
+                    if facing <= 0.0 {
+                        continue;
+                    }
+                    let known = &mut self.patch_of[facet as usize];
+                    if *known == NONE {
+                        *known = self.patches.len() as u32;
+                        self.patches.push(Patch {
+                            facet,
+                            plane: number,
+                            vertices: [none; 3],
+                            stiffness: self.stiffness * facing,
+                        });
+                    }
+                    let vertices = &mut self.patches[*known as usize].vertices;
+                    if let Some(free) = vertices.iter_mut().find(|place| **place == none) {
+                        *free = place;
+                    }
+                }
+            }
+            for patch in &self.patches[first..] {
+                self.patch_of[patch.facet as usize] = NONE;
             }
         }
     }
 
     /// Adds the forces on facets; gives the energy [J].
-    pub fn push(&self, vertices: &[[f64; 3]], out: &mut Vec<FacetLoad>) -> f64 {
+    pub fn push(&mut self, vertices: &[[f64; 3]], out: &mut Vec<FacetLoad>) -> f64 {
+        self.push_flat(vertices, out) + self.push_others(vertices, out)
+    }
+
+    /// Those of planes: one for each facet and plane.
+    fn push_flat(&mut self, vertices: &[[f64; 3]], out: &mut Vec<FacetLoad>) -> f64 {
+        let mut energy = 0.0;
+        for (depth, &(vertex, plane)) in self.depths.iter_mut().zip(&self.flat) {
+            let Plane { normal, offset } = self.planes[plane as usize];
+            *depth = (offset - Vec3::from(vertices[vertex as usize]).dot(&normal)).max(0.0);
+        }
+        for patch in &self.patches {
+            let depths = patch.vertices.map(|place| self.depths[place as usize]);
+            let sum = depths[0] + depths[1] + depths[2];
+            if sum <= 0.0 {
+                continue;
+            }
+            let (mut point, mut touching) = (Vec3::zeros(), 0.0);
+            for (&place, depth) in patch.vertices.iter().zip(depths) {
+                if depth > 0.0 {
+                    let vertex = self.flat[place as usize].0;
+                    point += Vec3::from(vertices[vertex as usize]) * (depth / sum);
+                    touching += 1.0;
+                    energy += 0.5 * patch.stiffness * depth * depth;
+                }
+            }
+            let force = self.planes[patch.plane as usize].normal * (patch.stiffness * sum);
+            out.push(FacetLoad {
+                facet: patch.facet,
+                force: force.into(),
+                point: point.into(),
+                stiffness: patch.stiffness * touching,
+            });
+        }
+        energy
+    }
+
+    /// Those of what is not flat: one for each vertex of a facet.
+    fn push_others(&self, vertices: &[[f64; 3]], out: &mut Vec<FacetLoad>) -> f64 {
         let mut energy = 0.0;
         for entry in &self.entries {
             let x = Vec3::from(vertices[entry.vertex as usize]);
-            let touch = match entry.with {
-                With::Plane { normal, offset } => Some((offset - x.dot(&normal), normal)),
-                With::Triangles { first, end } => {
-                    depth(x, &self.triangles[first as usize..end as usize])
-                }
-            };
-            let Some((depth, n)) = touch.filter(|touch| touch.0 > 0.0) else { continue };
+            let near = &self.triangles[entry.first as usize..entry.end as usize];
+            let Some((depth, n)) = depth(x, near).filter(|touch| touch.0 > 0.0) else { continue };
             let v = entry.vertex as usize;
             for &(facet, area) in &self.shares[self.start[v] as usize..self.start[v + 1] as usize] {
                 let facing = -area.dot(&n);
@@ -129,6 +251,22 @@ impl Seat {
         energy
     }
 }
+
+/// The plane of triangles that lie in one; none if they do not. All of a closed surface that is near a point
+/// is then that plane: it has no rim there.
+fn plane_of(triangles: &[Triangle]) -> Option<Plane> {
+    let Triangle { corners: [origin, b, _], normal } = *triangles.first()?;
+    let flat = FLAT * (b - origin).norm_squared().sqrt();
+    let is_on = |triangle: &Triangle| {
+        let mut away = triangle.corners.iter().map(|corner| (corner - origin).dot(&normal).abs());
+        triangle.normal.dot(&normal) > 0.0 && away.all(|away| away < flat)
+    };
+    triangles.iter().all(is_on).then(|| Plane { normal, offset: origin.dot(&normal) })
+}
+
+/// Corners that are off a plane by less than this part of an edge's length are on it, and planes that differ
+/// by less are one.
+const FLAT: f64 = 1e-12;
 
 /// How deep a point lies behind a surface of which the closest triangles are given, and the normal there,
 /// out of the solid; none in front of it.
@@ -169,6 +307,20 @@ mod tests {
     fn close(found: Option<(f64, Vec3)>, depth: f64, normal: [f64; 3]) {
         let (d, n) = found.unwrap();
         assert!((d - depth).abs() < 1e-14 && (n - Vec3::from(normal)).norm() < 1e-12, "{d} {n}");
+    }
+
+    #[test]
+    fn what_is_flat_around_a_point_is_a_plane() {
+        let floor = quad([-9.0, -9.0, 0.3], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
+        let Plane { normal, offset } = plane_of(&floor).unwrap();
+        assert!((normal - Vec3::new(0.0, 0.0, 1.0)).norm() < 1e-15 && (offset - 0.3).abs() < 1e-15);
+        let wall = quad([-9.0, 9.0, 0.3], [18.0, 0.0, 0.0], [0.0, 0.0, 9.0]);
+        assert!(plane_of(&[floor, wall].concat()).is_none());
+        // As flat, but a step lower, and the other face of a thin plate.
+        let lower = quad([9.0, -9.0, 0.2], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
+        assert!(plane_of(&[floor, lower].concat()).is_none());
+        let back = quad([-9.0, -9.0, 0.3], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0]);
+        assert!(plane_of(&[floor, back].concat()).is_none() && plane_of(&[]).is_none());
     }
 
     #[test]

@@ -76,6 +76,15 @@ pub(crate) fn check(scene: &Scene, surfaces: &[DeformableSurface], dt: f64) -> V
     problems
 }
 
+/// Mean length of its edges [m].
+pub(crate) fn mean_edge(surface: &DeformableSurface) -> f64 {
+    let edges = surface.triangles.iter().map(|triangle| {
+        let [a, b, _] = triangle.map(|v| Vec3::from(surface.vertices[v as usize]));
+        (b - a).norm_squared().sqrt()
+    });
+    edges.sum::<f64>() / surface.triangles.len() as f64
+}
+
 fn one(
     key: &str,
     scene: &Scene,

@@ -11,7 +11,7 @@ use crate::{
     mesh_contact::{self, MOST, Nearest, Triangle},
     part_contacts::closest,
     seat::{Seat, Seats},
-    surface::{DeformableSurface, FacetLoad},
+    surface::{DeformableSurface, FacetLoad, mean_edge},
     tally::{Other, Tally},
 };
 
@@ -97,18 +97,13 @@ const SKIN: f64 = 0.1;
 impl Held {
     /// Of a surface that is right.
     pub fn new(surface: &DeformableSurface, material: u16, whole: f64) -> Self {
-        let edges = surface.triangles.iter().map(|triangle| {
-            let [a, b, _] = triangle.map(|v| Vec3::from(surface.vertices[v as usize]));
-            (b - a).norm_squared().sqrt()
-        });
-        let mean = edges.sum::<f64>() / surface.triangles.len() as f64;
         Self {
             triangles: surface.triangles.clone(),
             vertices: surface.vertices.len(),
             carrier: surface.carrier,
             whole,
             material,
-            skin: SKIN * mean,
+            skin: SKIN * mean_edge(surface),
             listed: surface.vertices.clone(),
             stale: true,
             near: Vec::new(),

@@ -21,8 +21,8 @@ pub struct Parameters {
     pub most_passes: u32,
     /// How the load on what touches the seat is counted.
     pub force: ForceForm,
-    /// Speed of sound of the fluid, for what it adds to the resistance of a seal that is out of contact:
-    /// without, a surface without mass whose loads come an exchange late is unstable. A lattice's speed
+    /// Speed of sound of the fluid, for what it adds to the resistance of a seal: without, a surface
+    /// without mass whose loads come an exchange late is unstable, in contact too. A lattice's speed
     /// (cell over time step) is on the safe side.
     pub sound_speed: Velocity,
     /// Mass of fluid that moves with the foot of a seal that is out of contact (default: density times

@@ -72,6 +72,7 @@ fn a_seal_allocates_nothing(table: tremie_rubber_table::table::Table) {
         sectors: 60,
         material: "rubber".into(),
         seat_stiffness: 1e10,
+        start: Default::default(),
         section: table.outline().section,
     };
     let mut seal = Seal::new(&scene, table, Law::default(), Form::Axial, None, 1e-7).unwrap();

@@ -2,13 +2,17 @@
 
 use super::WRONG_INPUT;
 use crate::cli::{SceneArgs, SceneName};
-use crate::scenes::pressure_valve::{self as valve, Dimensions, Grains, Steady, Working};
+use crate::scenes::pressure_valve::{
+    self as valve, Dimensions, Grains, Resting, Ring, Steady, Working,
+};
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tremie_geometry::{GeometryError, Mesh};
 use tremie_messages::scene::Geometry;
+use tremie_rubber_table::make::make;
+use tremie_rubber_table::spec::Spec;
 
 /// `tremie scene NAME FOLDER`.
 pub fn scene(arguments: &SceneArgs) -> ExitCode {
@@ -53,6 +57,18 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
             format!("the lift is {lift}, but the rigid ring touches the seat below {lip}, its lip");
         return Err(SceneError::Numbers(vec![line]));
     }
+    let specification = valve::specification(&numbers);
+    let wrong = |error: &dyn std::error::Error| SceneError::Numbers(vec![error.to_string()]);
+    let spec = Spec::parse(Path::new("ring.toml"), specification.clone());
+    let table = make(&spec.map_err(|error| wrong(&error))?).map_err(|error| wrong(&error))?;
+    let rest = Resting::of(&numbers, &works, &table).ok_or_else(|| {
+        let pressing = works.closing_force(&numbers);
+        let line = format!(
+            "the ring does not hold {pressing:.1} N, spring and outlet, before it is compressed by its lip, {}, or by a fifth of its height",
+            numbers.lip
+        );
+        SceneError::Numbers(vec![line])
+    })?;
     let folder = &arguments.folder;
     fs::create_dir_all(folder).map_err(|error| cannot_write(folder, &error))?;
     let numbers_text = toml::to_string(&numbers).expect("plain quantities have a form in TOML");
@@ -71,9 +87,15 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
     }
     let held = valve::held(&numbers, &run, "frame.stl");
     write(&folder.join("held.toml"), held.as_bytes())?;
+    write(&folder.join("ring.toml"), specification.as_bytes())?;
+    table.write(&folder.join("ring.json")).map_err(|error| wrong(&error))?;
     let slurry = if arguments.coarse { Grains::coarse() } else { Grains::default() };
-    for (name, grains) in [("manifest.toml", None), ("grains.toml", Some(&slurry))] {
-        let working = valve::working(&numbers, &works, grains, "frame.stl");
+    for (name, grains, ring) in [
+        ("manifest.toml", None, Ring::Rubber("ring.json", rest)),
+        ("rigid.toml", None, Ring::Rigid),
+        ("grains.toml", Some(&slurry), Ring::Rigid),
+    ] {
+        let working = valve::working(&numbers, &works, grains, "frame.stl", ring);
         write(&folder.join(name), working.as_bytes())?;
     }
     tell(&numbers, folder);
@@ -102,7 +124,8 @@ fn numbers(sets: &[(String, String)]) -> Result<Dimensions, SceneError> {
 
 fn tell(numbers: &Dimensions, folder: &Path) {
     println!(
-        "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, manifest.toml, grains.toml and held.toml are in {}",
+        "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, ring.toml and ring.json (the ring's table) are in {}, \
+         and manifest.toml, rigid.toml (with a rigid ring), grains.toml (with grains and a rigid ring) and held.toml (steady flow, the valve held)",
         folder.display()
     );
     println!(

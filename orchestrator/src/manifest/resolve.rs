@@ -179,6 +179,7 @@ fn fill_part(part: &mut PartTable, folder: &Path) {
 fn fill_surface(surface: &mut SurfaceTable, folder: &Path) {
     surface.position.get_or_insert([Length(0.0); 3]);
     surface.sectors.get_or_insert(SECTORS);
+    surface.start.get_or_insert(Length(0.0));
     if let Some(table) = &mut surface.table {
         make_absolute(table, folder);
     }

@@ -396,6 +396,7 @@ fn a_rubber_makes_the_substeps_of_the_grains_and_bounds_them() {
         sectors: 10,
         material: "rubber".into(),
         seat_stiffness: 1e9,
+        start: Default::default(),
         section,
     });
     for (bound, substeps) in [(None, 3), (Some(5e-8), 3), (Some(2e-8), 6)] {

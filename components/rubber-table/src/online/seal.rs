@@ -8,7 +8,7 @@ use crate::table::{FacetKind, Surface, Table};
 use tremie_messages::scene::DeformableSurface;
 use tremie_messages::{BodyState, FacetLoad, Load, SurfaceVertex};
 
-/// What a fluid adds to the resistance of a seal that is out of contact: ρ c for each area, and a mass.
+/// What a fluid adds to the resistance of a seal: ρ c for each area, and out of contact a mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Water {
     /// Density [kg/m³].
@@ -81,7 +81,8 @@ pub struct Seal {
     first_sector: Vec<usize>,
     law: Law,
     form: Form,
-    impedance: Impedance,
+    /// Out of contact and in contact.
+    impedance: [Impedance; 2],
     dt: f64,
     placed: Placed,
     settled: Settled,
@@ -121,10 +122,11 @@ struct Passes {
 }
 
 impl Seal {
-    /// A seal at rest, in steps of `dt` [s]. `water`: the fluid that it moves in, if any.
+    /// A seal at rest, compressed as the scene says, in steps of `dt` [s]. `water`: the fluid that it
+    /// moves in, if any.
     ///
     /// # Errors
-    /// If `table` is not the one that `scene` was made with.
+    /// If `table` is not the one that `scene` was made with, or does not reach the compression at the start.
     pub fn new(
         scene: &DeformableSurface,
         table: Table,
@@ -138,6 +140,10 @@ impl Seal {
         if outline.section != scene.section {
             return Err(SealError::OtherTable { name, file });
         }
+        let at = match table.bracket(scene.start.compression) {
+            Ok(at) => at,
+            Err(error) => return Err(SealError::Step { name, error: error.into() }),
+        };
         let surface = Surface::of(scene);
         let points = outline.section.points;
         let mut seal = Self {
@@ -150,8 +156,8 @@ impl Seal {
             rates: vec![[0.0; 2]; points.len()],
             points,
             outline: outline.vertices,
-            settled: Settled { compression: 0.0, rate: 0.0, passes: 0 },
-            impedance: Impedance::default(),
+            settled: Settled { compression: scene.start.compression, rate: 0.0, passes: 0 },
+            impedance: [Impedance::default(); 2],
             trial: None,
             fluid: FromFluid::default(),
             passes: Passes::default(),
@@ -162,7 +168,10 @@ impl Seal {
             form,
             dt,
         };
-        seal.impedance = water.map_or(Impedance::default(), |water| seal.impedance_of(water));
+        seal.impedance = water.map_or(seal.impedance, |water| seal.impedance_of(water));
+        seal.table.vertices_of_into(at, &seal.outline, &mut seal.points);
+        seal.readings.compression = scene.start.compression;
+        seal.readings.table_force = seal.table.force(at);
         Ok(seal)
     }
 
@@ -176,8 +185,8 @@ impl Seal {
         self.surface.triangles.len()
     }
 
-    /// What a fluid adds to its resistance while it is out of contact.
-    pub fn impedance(&self) -> Impedance {
+    /// What a fluid adds to its resistance out of contact and in contact.
+    pub fn impedance(&self) -> [Impedance; 2] {
         self.impedance
     }
 
@@ -282,17 +291,19 @@ impl Seal {
 
     fn begin(&self, contact_stiffness: f64) -> Start {
         let Settled { compression, rate, .. } = self.settled;
-        // In contact, the seat holds the foot, and the fluid has no way to shake it.
-        let is_free = contact_stiffness == 0.0;
-        let impedance = if is_free { self.impedance } else { Impedance::default() };
+        // In contact the sides still move, and within a step a seat holds the foot by stiffness times
+        // step alone, which is far less than their impedance; but no fluid moves with the foot, whose
+        // mass would bounce on the seat.
+        let [free, seated] = self.impedance;
+        let impedance = if contact_stiffness == 0.0 { free } else { seated };
         Start { compression, rate, dt: self.dt, contact_stiffness, impedance }
     }
 
-    fn impedance_of(&self, water: Water) -> Impedance {
+    fn impedance_of(&self, water: Water) -> [Impedance; 2] {
         let Water { density, sound_speed, added_mass, exchange } = water;
         let foot = self.areas().force(self.form).seat_area;
         let mass = added_mass.unwrap_or(density * foot * foot.sqrt());
-        Impedance::of_fluid(density, sound_speed, foot, mass, exchange)
+        [mass, 0.0].map(|mass| Impedance::of_fluid(density, sound_speed, foot, mass, exchange))
     }
 
     /// The section at a place of the table, and its rate over the substep.

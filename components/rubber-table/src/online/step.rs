@@ -75,7 +75,7 @@ pub struct Start {
     pub dt: f64,
     /// Sum of the normal stiffnesses of all contacts on what touches the seat, k [N/m].
     pub contact_stiffness: f64,
-    /// What the fluid adds; none while the ring is in contact.
+    /// What the fluid adds.
     pub impedance: Impedance,
 }
 

@@ -23,6 +23,7 @@ fn surface(section: Section, sectors: u32) -> DeformableSurface {
         sectors,
         material: "rubber".into(),
         seat_stiffness: 1e10,
+        start: Default::default(),
         section,
     }
 }

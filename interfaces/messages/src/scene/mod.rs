@@ -24,7 +24,7 @@ pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
 pub use ring::Ring;
 pub use slider::{Slider, SliderSpring, Stops};
-pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge};
+pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge, SurfaceStart};
 
 use serde::{Deserialize, Serialize};
 

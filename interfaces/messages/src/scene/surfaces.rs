@@ -26,8 +26,21 @@ pub struct DeformableSurface {
     /// Stiffness of its contact with walls, planes and parts other than its carrier, for each unit of its
     /// area [N/m³].
     pub seat_stiffness: f64,
+    /// How it begins.
+    #[serde(default)]
+    pub start: SurfaceStart,
     /// What is turned.
     pub section: Section,
+}
+
+/// The shape of a deformable surface at the start; by default that at rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceStart {
+    /// How far it is compressed [m].
+    pub compression: f64,
+    /// Radius and height of each point of its section then [m]; none where it is at rest.
+    pub points: Vec<[f64; 2]>,
 }
 
 /// The outline of a section, in the half plane of radius and height.
@@ -71,6 +84,11 @@ impl Section {
 }
 
 impl DeformableSurface {
+    /// Radius and height of each point of its section at the start [m].
+    pub fn start_points(&self) -> &[[f64; 2]] {
+        if self.start.points.is_empty() { &self.section.points } else { &self.start.points }
+    }
+
     /// Number of its vertices: on the axis one for each point of an edge, else one for each sector.
     pub fn vertex_count(&self) -> usize {
         let section = &self.section;

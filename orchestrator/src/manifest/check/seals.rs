@@ -8,7 +8,7 @@ use crate::plan::short;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::Path;
-use tremie_messages::scene::{DeformableSurface, Domain, FacetKind, Pose, Section};
+use tremie_messages::scene::{DeformableSurface, Domain, FacetKind, Pose, Section, SurfaceStart};
 use tremie_rubber_table::table::Table;
 use tremie_sdk::parameters::nearest;
 
@@ -66,8 +66,21 @@ fn surface(
         sectors: sectors?,
         material: table.material.clone().unwrap_or_else(|| Domain::MATERIAL.into()),
         seat_stiffness: whole / foot,
+        start: start(&shapes, table.start?.0),
         section,
     })
+}
+
+/// The shape at a compression that the table has.
+fn start(shapes: &Table, compression: f64) -> SurfaceStart {
+    match shapes.bracket(compression) {
+        Ok(at) if compression > 0.0 => {
+            let section = shapes.vertices(at);
+            let points = shapes.outline().vertices.into_iter().map(|vertex| section[vertex]);
+            SurfaceStart { compression, points: points.collect() }
+        }
+        _ => SurfaceStart::default(),
+    }
 }
 
 fn carrier(
@@ -123,14 +136,19 @@ fn shapes(table: &SurfaceTable, at: &str, findings: &mut Findings) -> Option<Tab
         return None;
     }
     let last = shapes.last_compression();
-    if let Some(wanted) = table.compression.filter(|wanted| wanted.0 > last) {
-        let message = format!(
-            "found {} m, but the table {file} ends at a compression of {} m",
-            short(wanted.0),
-            short(last)
-        );
-        let help = "make a table with a larger compression";
-        findings.problem_with_help(&path::join(at, "compression"), message, help);
+    for (key, wanted) in [("compression", table.compression), ("start", table.start)] {
+        let Some(wanted) = wanted.filter(|wanted| !(0.0..=last).contains(&wanted.0)) else {
+            continue;
+        };
+        let found = format!("found {} m, ", short(wanted.0));
+        let (message, help) = match wanted.0 > last {
+            true => (
+                format!("{found}but the table {file} ends at a compression of {} m", short(last)),
+                "make a table with a larger compression",
+            ),
+            false => (format!("{found}expected zero or more"), "a seal is pressed, never drawn"),
+        };
+        findings.problem_with_help(&path::join(at, key), message, help);
         return None;
     }
     Some(shapes)

@@ -30,6 +30,8 @@ pub(in super::super) struct SurfaceTable {
     /// the surface with walls, planes and parts other than its carrier (default: a hundred times that of the
     /// table at rest).
     pub seat_stiffness: Option<Stiffness>,
+    /// Compression at the start, as that of a seal which rests on its seat (default: none).
+    pub start: Option<Length>,
     /// Compression that the run is expected to reach: the table must cover it (default: not checked before
     /// the run).
     pub compression: Option<Length>,

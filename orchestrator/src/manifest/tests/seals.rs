@@ -44,12 +44,17 @@ fn on_disc(folder: &Folder, lines: &str) -> String {
 #[test]
 fn a_surface_is_its_table_turned_on_its_carrier() {
     let folder = folder(contents());
-    let text = on_disc(&folder, "position = [\"0 mm\", \"0 mm\", \"-1 mm\"]");
+    let text = on_disc(&folder, "position = [\"0 mm\", \"0 mm\", \"-1 mm\"]\nstart = \"0.12 mm\"");
     let spec = read(&text).unwrap().spec;
     let surface = &spec.scene.surfaces[0];
     assert_eq!((surface.name.as_str(), surface.carrier.as_str()), ("ring", "disc"));
     assert_eq!((surface.sectors, surface.material.as_str()), (60, "wall"));
     assert_eq!(surface.pose.position, [0.0, 0.0, -1e-3]);
+    assert_eq!(surface.start.compression, 1.2e-4);
+    // The foot at 0.12 mm, in a section 1 mm high.
+    let heights: Vec<f64> = surface.start_points().iter().map(|point| point[1]).collect();
+    let expected = [1.2e-4, 1.2e-4, 1e-3, 1e-3];
+    assert!(heights.iter().zip(expected).all(|(z, e)| (z - e).abs() < 1e-15), "{heights:?}");
     assert_eq!(surface.section.points, contents().vertices[0]);
     let kinds: Vec<_> = surface.section.edges.iter().map(|edge| edge.kind).collect();
     use FacetKind::{Bonded, Exposed, Seat};
@@ -69,6 +74,8 @@ fn what_is_wrong_with_a_surface_is_said_with_its_key() {
     refused(&on_disc(&good, "sectors = 2"), &["scene.surfaces[0].sectors", "found 2"]);
     refused(&on_disc(&good, "seat_stiffness = \"0 N/m\""), &["seat_stiffness", "more than zero"]);
     refused(&on_disc(&good, "compression = \"0.25 mm\""), &["compression", "2.5e-4 m", "2e-4 m"]);
+    refused(&on_disc(&good, "start = \"0.25 mm\""), &["start", "2.5e-4 m", "larger compression"]);
+    refused(&on_disc(&good, "start = \"-1 um\""), &["start", "-1e-6 m", "zero or more"]);
     refused(&on_disc(&good, "material = \"rubbr\""), &["there is no material \"rubbr\""]);
     refused(
         &on_disc(&good, "").replace("carrier = \"disc\"", "carrier = \"disk\""),

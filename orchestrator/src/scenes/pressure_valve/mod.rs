@@ -9,6 +9,7 @@ mod frame;
 mod grains;
 mod held;
 mod moving;
+mod rubber;
 mod text;
 mod working;
 
@@ -17,4 +18,5 @@ pub use frame::frame;
 pub use grains::Grains;
 pub use held::{Steady, manifest as held};
 pub use moving::{ring, steel, steel_and_ring};
-pub use working::{Working, manifest as working};
+pub use rubber::{Resting, specification};
+pub use working::{Ring, Working, manifest as working};

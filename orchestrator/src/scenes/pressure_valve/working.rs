@@ -3,13 +3,13 @@
 use super::dimensions::{Closure, Dimensions};
 use super::grains::{self, Grains};
 use super::moving;
+use super::rubber::Resting;
 use super::text::{Room, mm, written};
 use std::f64::consts::PI;
 use tremie_messages::units::{Length, Pressure, Stiffness, Time, Velocity, Viscosity, Volume};
 
 /// A run from rest: a piston compresses the fluid beneath the valve until it opens, and stops; the valve
-/// closes. The ring is rigid, and its seat a stop as stiff as the rubber is on the whole when the valve is shut. It begins
-/// shut, at rest.
+/// closes. It begins shut, at rest, the ring compressed.
 ///
 /// The defaults are the control run of Mutabaruka and Kamrin without grains, with the volume of the
 /// reservoir chosen (they do not state it).
@@ -37,8 +37,18 @@ pub struct Working {
     pub spring_preload: Length,
     /// Lift at which the spring is solid.
     pub spring_stroke: Length,
-    /// Stiffness of the ring on its seat.
+    /// Stiffness of a rigid ring on its seat.
     pub ring_stiffness: Stiffness,
+}
+
+/// The ring of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ring<'a> {
+    /// One with the valve; it touches the seat at a lift as high as its lip, and the stop there is as stiff
+    /// as the rubber is on the whole when the valve is shut.
+    Rigid,
+    /// Of rubber, at rest on its seat, its table in a file.
+    Rubber(&'a str, Resting),
 }
 
 impl Default for Working {
@@ -85,9 +95,87 @@ const SLIPS_BELOW_ON_WIDE_CELLS: f64 = 1.75;
 /// Cells wider than this part of the ring's lip are wide.
 const WIDE: f64 = 0.8;
 
+impl Working {
+    /// What presses the ring on its seat when the valve is shut [N], at a lift of zero: spring and outlet.
+    pub fn closing_force(&self, valve: &Dimensions) -> f64 {
+        let outer = valve.rubber_outer_radius.0;
+        self.spring_rate.0 * self.spring_preload.0 + self.outlet.0 * PI * outer * outer
+    }
+}
+
+/// What of the manifest depends on the ring.
+struct OfRing {
+    valve: &'static str,
+    profile: Vec<[f64; 2]>,
+    /// Lift at the start, and at the lower stop [m].
+    lifts: [f64; 2],
+    stop_stiffness: f64,
+    surface: String,
+    /// What is above the seat's gap, and who shapes it.
+    side: &'static str,
+    component: &'static str,
+    settings: String,
+}
+
+impl OfRing {
+    fn new(valve: &Dimensions, run: &Working, ring: Ring) -> Self {
+        match ring {
+            Ring::Rigid => Self {
+                valve: "# Plug, hub, disc and rubber ring, turned about z, which stands upright here. The ring is rigid: it touches the
+# seat at the lower stop, which has its stiffness.",
+                profile: moving::steel_and_ring(valve),
+                lifts: [
+                    valve.lip.0 - run.closing_force(valve) / run.ring_stiffness.0,
+                    valve.lip.0,
+                ],
+                stop_stiffness: run.ring_stiffness.0,
+                surface: String::new(),
+                side: "valve",
+                component: "",
+                settings: String::new(),
+            },
+            Ring::Rubber(table, resting) => Self {
+                valve: "# Plug, hub and disc of steel, turned about z, which stands upright here. At lift 0 metal touches metal.",
+                profile: moving::steel(valve),
+                lifts: [resting.lift, 0.0],
+                stop_stiffness: METAL,
+                surface: format!(
+                    r#"
+# The ring below the disc. It begins as spring and outlet compress it.
+[[scene.surfaces]]
+name = "ring"
+carrier = "valve"
+table = "{table}"
+position = ["0 mm", "0 mm", "{low} mm"]
+sectors = 48
+start = "{start} mm"
+"#,
+                    low = mm(-valve.lip.0),
+                    start = short(1e3 * resting.compression),
+                ),
+                side: "ring",
+                component: "\nrubber = \"rubber-table\"",
+                settings: format!(
+                    "\n[settings.rubber-table]\nsound_speed = \"{} m/s\" # a cell in a time step\n",
+                    run.lattice_speed.0
+                ),
+            },
+        }
+    }
+}
+
+/// Stiffness of metal on metal [N/m].
+const METAL: f64 = 1e7;
+
 /// The manifest, with the frame's surface in the file `frame`, whose unit is the millimetre. Half the
 /// valve is in the domain, on one side of its mirror. With `slurry`, grains come with the fluid.
-pub fn manifest(valve: &Dimensions, run: &Working, slurry: Option<&Grains>, frame: &str) -> String {
+pub fn manifest(
+    valve: &Dimensions,
+    run: &Working,
+    slurry: Option<&Grains>,
+    frame: &str,
+    ring: Ring,
+) -> String {
     let cell = run.cell.0;
     let room = Room::around(valve, cell);
     let second = match valve.closure {
@@ -97,9 +185,7 @@ pub fn manifest(valve: &Dimensions, run: &Working, slurry: Option<&Grains>, fram
     let bore = valve.bore_radius.0;
     let (inner, outer) = (valve.rubber_inner_radius.0, valve.rubber_outer_radius.0);
     let step = cell / run.lattice_speed.0;
-    // Shut, spring and outlet press on the ring.
-    let shut = run.spring_rate.0 * run.spring_preload.0 + run.outlet.0 * PI * outer * outer;
-    let rest = valve.lip.0 - shut / run.ring_stiffness.0;
+    let own = OfRing::new(valve, run, ring);
     format!(
         r#"# A piston pushes a {what} through a spring-loaded valve, and stops. Half of the valve: x = 0 is a mirror.
 
@@ -126,8 +212,7 @@ file = "{frame}"
 unit = "mm"
 cavity = true
 
-# Plug, hub, disc and rubber ring, turned about z, which stands upright here. The ring is rigid: it touches the
-# seat at a lift of {lip} mm, and the stop there has its stiffness.
+{valve_is}
 [[scene.parts]]
 name = "valve"
 revolved = {{ profile = [{profile}] }}
@@ -138,8 +223,8 @@ axis = [0, 1, 0]
 mass = "{mass} g"
 lift = "{lift} mm"
 spring = {{ rate = "{rate} N/m", preload = "{preload} mm", stroke = "{stroke} mm" }}
-stops = {{ lower = "{lip} mm", upper = "{upper} mm", stiffness = "{stiffness} N/m", restitution = 0.3 }}
-
+stops = {{ lower = "{lower} mm", upper = "{upper} mm", stiffness = "{stiffness} N/m", restitution = 0.3 }}
+{surface}
 # What is thinner than a lattice resolves holds no fluid; what presses there is measured where it is resolved. Walls
 # of gaps that thin slip: they would hold the fluid, and with it the valve as it closes.
 [[scene.gaps]]
@@ -153,7 +238,7 @@ pressure_at = ["rim"]
 
 [[scene.gaps]]
 name = "seat"
-between = ["valve", "frame"]
+between = ["{side}", "frame"]
 ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{inner} mm", "{gap_outer} mm"] }}
 open_at = 1.5
 close_at = 0.5
@@ -179,7 +264,7 @@ section = {{ axis = "y", at = "{above} mm" }}
 
 {grains}[components]
 fluid = "fluid-lbm"
-grains = "grains-dem" # moves the valve
+grains = "grains-dem" # moves the valve{component}
 
 [settings.fluid-lbm]
 cell = "{cell} mm"
@@ -192,7 +277,7 @@ velocity_lead = 1.0 # of the valve: what the water hammers must not answer late
 
 [settings.grains-dem]
 time_step = "{substep} us"
-
+{settings}
 [outputs]
 signals = "20 us"
 "#,
@@ -210,16 +295,21 @@ signals = "20 us"
         half_cell = mm(0.5 * cell),
         axis = mm(valve.conduit_axis.0),
         inside = mm(valve.inlet.0 + 5.0 * cell),
-        profile = written(&moving::steel_and_ring(valve)),
-        lip = mm(valve.lip.0),
+        valve_is = own.valve,
+        profile = written(&own.profile),
+        lower = mm(own.lifts[1]),
+        surface = own.surface,
+        side = own.side,
+        component = own.component,
+        settings = own.settings,
         mass = short(valve.moving_mass.0 * 1e3),
-        lift = short(1e3 * rest),
+        lift = short(1e3 * own.lifts[0]),
         rate = run.spring_rate.0,
         preload = mm(run.spring_preload.0),
         stroke = mm(run.spring_stroke.0),
         upper = mm(run.spring_stroke.0),
         slip = if cell > WIDE * valve.lip.0 { SLIPS_BELOW_ON_WIDE_CELLS } else { SLIPS_BELOW },
-        stiffness = run.ring_stiffness.0,
+        stiffness = own.stop_stiffness,
         cone_inner = mm(bore - 0.5 * cell),
         inner = mm(inner),
         gap_outer = mm(outer + cell),
