@@ -58,12 +58,16 @@ fn what_polyhedra_cannot_be_is_told_at_its_line() {
 
     for (from, to, words) in [
         ("[0.8, 0.5, 1.1]", "[1.6, 1, 0.5]", ["scene.shapes[0].vertices", "inside the hull"]),
-        (", [0.8, 0.5, 1.1], [1.9, 0.9, 1.2]]", "]", ["scene.shapes[0].vertices", "no shape"]),
+        (
+            ", [0.4, 1.7, 0.3], [0.8, 0.5, 1.1], [1.9, 0.9, 1.2]]",
+            "]",
+            ["scene.shapes[0].vertices", "no shape"],
+        ),
         ("shape = \"cube\"", "shape = \"cub\"", ["scene.bodies[0].shape", "octahedron"]),
         ("edge = \"20 mm\"", "size = \"20 mm\"", ["polyhedra[0]", "size"]),
         (
             "\"175 mm\"], edge = \"20 mm\"",
-            "\"3 mm\"], edge = \"20 mm\"",
+            "\"1 mm\"], edge = \"20 mm\"",
             ["scene.bodies[2]", "lower face in z"],
         ),
         (
