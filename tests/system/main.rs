@@ -11,6 +11,7 @@ mod faults;
 mod fields;
 mod inlets;
 mod observers;
+mod polyhedra;
 mod report;
 mod rubber;
 mod running;

@@ -12,7 +12,8 @@ pub fn text(scene: &Scene) -> String {
          bodies   id, set, motion (0 free, 1 fixed, 2 prescribed, 3 slider), radius [m], mass [kg], velocity [m/s],\n         \
          angular_velocity [rad/s], orientation (unit quaternion x, y, z, w from body to world)\n         \
          Spheres: filter Glyph, glyph type Sphere, scale array radius, scale factor 2.\n\
-         parts    velocity [m/s] of points, part (index) of cells\n",
+         parts    velocity [m/s] of points, part (index) of cells\n\
+         polyhedra  velocity [m/s] of points, id, set and shape (indices) of cells\n",
     );
     let mut list = |title: &str, names: &mut dyn Iterator<Item = &String>| {
         for (k, name) in names.enumerate() {
@@ -21,6 +22,7 @@ pub fn text(scene: &Scene) -> String {
         }
     };
     list("set", &mut scene.bodies.iter().map(|set| &set.name));
+    list("shape", &mut scene.shapes.iter().map(|shape| &shape.name));
     list("part", &mut scene.parts.iter().map(|part| &part.name));
     text
 }

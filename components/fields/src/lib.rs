@@ -7,9 +7,10 @@
 //! | --- | --- | --- |
 //! | `<volume>_<window>.vti` | ImageData | nodes of a component's lattice |
 //! | `bodies_<window>.vtp` | PolyData | one point for each sphere |
+//! | `polyhedra_<window>.vtp` | PolyData | triangles of the polyhedra, if there are any |
 //! | `parts_<window>.vtp` | PolyData | triangles of the scene's parts, where they are |
-//! | `<volume>.pvd`, `bodies.pvd`, `parts.pvd` | collection | the files of a series by time: open these |
-//! | `about.txt` | text | arrays, units, names of sets and parts |
+//! | `<volume>.pvd`, `bodies.pvd`, `polyhedra.pvd`, `parts.pvd` | collection | the files of a series by time: open these |
+//! | `about.txt` | text | arrays, units, names of sets, shapes and parts |
 //!
 //! The volume of the lattice-Boltzmann fluid is called `lattice`. `<window>` is the coupling window at
 //! whose end the data hold. Each file bears its time too (field data `TimeValue` [s], and `window`).
@@ -32,6 +33,9 @@
 //! | | `velocity` | 3 Float64 | m/s | |
 //! | | `angular_velocity` | 3 Float64 | rad/s | |
 //! | | `orientation` | 4 Float64 | | unit quaternion (x, y, z, w) from body to world |
+//! | polyhedra | `velocity` (points) | 3 Float64 | m/s | |
+//! | | `id` (cells) | UInt64 | | id of the body |
+//! | | `set`, `shape` (cells) | UInt32 | | indices of its set and its shape in the scene |
 //! | parts | `velocity` (points) | 3 Float64 | m/s | |
 //! | | `part` (cells) | UInt32 | | index of the part in the scene |
 //!
@@ -54,6 +58,7 @@ mod encode;
 mod parameters;
 mod parts;
 mod series;
+mod solids;
 mod tables;
 mod writer;
 

@@ -4,6 +4,7 @@ use crate::document::Document;
 use crate::parameters::Parameters;
 use crate::parts::Parts;
 use crate::series::{Entry, Series};
+use crate::solids::Solids;
 use crate::{about, tables};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,8 @@ use tremie_sdk::{Moment, Observer, ObserverError, Setup};
 const BODIES: &str = "bodies";
 /// Series of the parts.
 const PARTS: &str = "parts";
+/// Series of the polyhedra.
+const POLYHEDRA: &str = "polyhedra";
 
 /// Writes fields, bodies and parts as VTK files.
 pub struct Fields {
@@ -24,9 +27,13 @@ pub struct Fields {
     /// Series by the base of their files' names.
     series: BTreeMap<String, Series>,
     parts: Option<Parts>,
+    solids: Option<Solids>,
     /// Written so far [bytes].
     size: u64,
 }
+
+/// Series that are no lattices.
+const SURFACES: [&str; 3] = [BODIES, PARTS, POLYHEDRA];
 
 fn failed(path: &Path, error: impl std::fmt::Display) -> ObserverError {
     ObserverError(format!("{} cannot be written: {error}", path.display()))
@@ -36,7 +43,7 @@ fn failed(path: &Path, error: impl std::fmt::Display) -> ObserverError {
 fn base(volume: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     match volume.chars().map(plain).collect::<String>() {
-        name if name.is_empty() || name == BODIES || name == PARTS => format!("volume_{name}"),
+        name if name.is_empty() || SURFACES.contains(&name.as_str()) => format!("volume_{name}"),
         name => name,
     }
 }
@@ -55,7 +62,7 @@ fn read_parts(setup: &Setup) -> Result<Option<Parts>, Vec<Problem>> {
 impl Fields {
     /// Writes a document as the moment `at` of a series.
     fn keep(&mut self, base: &str, at: Moment, document: Document) -> Result<(), ObserverError> {
-        let ending = if base == BODIES || base == PARTS { "vtp" } else { "vti" };
+        let ending = if SURFACES.contains(&base) { "vtp" } else { "vti" };
         let file = format!("{base}_{:06}.{ending}", at.stamp.window);
         let path = self.folder.join(&file);
         self.size += document.write(&path).map_err(|error| failed(&path, error))?;
@@ -140,7 +147,9 @@ impl Observer for Fields {
         std::fs::write(&words, about::text(&setup.hello.scene))
             .map_err(|error| failed(&words, error))?;
         let parts = read_parts(setup)?;
-        let mut fields = Self { folder, parameters, series: BTreeMap::new(), parts, size: 0 };
+        let solids = Solids::new(&setup.hello.scene);
+        let series = BTreeMap::new();
+        let mut fields = Self { folder, parameters, series, parts, solids, size: 0 };
         if let Some(parts) = &fields.parts {
             let at = Moment { stamp: Stamp::default(), time: 0.0 };
             let document = parts.document(at, fields.parameters.compression);
@@ -156,6 +165,10 @@ impl Observer for Fields {
         bodies: &[BodySample],
     ) -> Result<(), ObserverError> {
         self.keep(BODIES, at, tables::bodies(at, bodies, self.parameters.compression))?;
+        if let Some(solids) = &self.solids {
+            let document = solids.document(at, bodies, self.parameters.compression);
+            self.keep(POLYHEDRA, at, document)?;
+        }
         self.keep_parts(at, bodies)
     }
 

@@ -101,7 +101,7 @@ impl Cut {
         let axis = if scene.gravity[1].abs() > scene.gravity[2].abs() { 2 } else { 1 };
         let first = scene.bodies.iter().find_map(|set| match &set.placement {
             Placement::Listed(spheres) => spheres.first().map(|sphere| sphere.position[axis]),
-            Placement::Packed(_) => None,
+            Placement::Packed(_) | Placement::Polyhedra(_) => None,
         });
         let middle = 0.5 * (scene.domain.min[axis] + scene.domain.max[axis]);
         Self { axis, position: first.unwrap_or(middle) }

@@ -289,6 +289,7 @@ fn volume(set: &BodySet) -> f64 {
             let region: f64 = (0..3).map(|a| packing.max[a] - packing.min[a]).product();
             packing.fraction * region
         }
+        Placement::Polyhedra(_) => 0.0,
     }
 }
 

@@ -150,7 +150,7 @@ fn listed(scene: &Scene) -> Vec<Listed<'_>> {
     sets.flat_map(|set| {
         let spheres = match &set.placement {
             Placement::Listed(spheres) => spheres.as_slice(),
-            Placement::Packed(_) => &[],
+            Placement::Packed(_) | Placement::Polyhedra(_) => &[],
         };
         spheres.iter().map(|sphere| Listed {
             set: &set.name,

@@ -314,6 +314,7 @@ fn smallest_diameter(scene: &Scene) -> Option<f64> {
                 Diameters::Sieve(points) => points.iter().map(|point| point.size).collect(),
                 Diameters::Listed(list) => list.clone(),
             },
+            Placement::Polyhedra(_) => Vec::new(),
         };
         diameters.into_iter().reduce(f64::min)
     };

@@ -6,13 +6,17 @@
 //! Ids are 64-bit and never used again; inside, a body goes by its rank among the living, which orders
 //! them as ids do and is a place in dense arrays.
 
-use crate::{Vec3, laws::Laws};
+use crate::{
+    Vec3,
+    laws::Laws,
+    polyhedra::{PlacedSolid, SPHERE},
+};
 use tremie_messages::scene::{BodySet, Motion, Scene};
 
 /// Where a body stood that was not there yet.
 pub(crate) const NEW: u32 = u32::MAX;
 
-/// A sphere in space: what the search for contacts reads.
+/// A sphere in space, or that around a polyhedron: what the search for contacts reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ball {
     /// Centre [m].
@@ -56,7 +60,7 @@ impl Wrench {
 pub(crate) struct Mobility {
     /// `1/m` [1/kg].
     pub inverse_mass: f64,
-    /// `1/(2/5 m R²)` [1/(kg·m²)].
+    /// `1/(2/5 m R²)` [1/(kg·m²)]; 0 for a polyhedron, which turns by itself.
     pub inverse_inertia: f64,
 }
 
@@ -75,10 +79,12 @@ impl Mobility {
     }
 }
 
-/// A sphere as it is placed at the start.
+/// A body as it is placed at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlacedSphere {
     pub ball: Ball,
+    /// What it is, if it is a polyhedron.
+    pub solid: Option<PlacedSolid>,
     pub twist: Twist,
     /// Mass [kg].
     pub mass: f64,
@@ -96,7 +102,10 @@ impl PlacedSphere {
         let radius = self.ball.radius;
         Mobility {
             inverse_mass: 1.0 / self.mass,
-            inverse_inertia: 1.0 / (0.4 * self.mass * radius * radius),
+            inverse_inertia: match self.solid {
+                Some(_) => 0.0,
+                None => 1.0 / (0.4 * self.mass * radius * radius),
+            },
         }
     }
 }
@@ -153,6 +162,10 @@ pub(crate) struct Bodies {
     pub set: Vec<u32>,
     /// Number of the material.
     pub material: Vec<u16>,
+    /// Number of the polyhedron, or [`SPHERE`].
+    pub poly: Vec<u32>,
+    /// Radii of spheres of equal volume, by the numbers of polyhedra [m].
+    pub equal_radii: Vec<f64>,
     spare: Spare,
 }
 
@@ -167,6 +180,7 @@ struct Spare {
     orientation: Vec<[f64; 4]>,
     set: Vec<u32>,
     material: Vec<u16>,
+    poly: Vec<u32>,
 }
 
 impl Bodies {
@@ -174,6 +188,8 @@ impl Bodies {
     pub fn new(spheres: &[PlacedSphere], material: impl Fn(usize) -> u16) -> Self {
         let n = spheres.len();
         let twists: Vec<Twist> = spheres.iter().map(|s| s.twist).collect();
+        let solids = spheres.iter().filter_map(|s| s.solid);
+        let mut numbers = 0..;
         Self {
             rank: (0..n as u32).collect(),
             ids: (0..n as u64).collect(),
@@ -183,11 +199,19 @@ impl Bodies {
             twists,
             load: vec![Wrench::zero(); n],
             mobility: spheres.iter().map(PlacedSphere::mobility).collect(),
-            orientation: vec![[0.0, 0.0, 0.0, 1.0]; n],
+            orientation: spheres
+                .iter()
+                .map(|s| s.solid.map_or([0.0, 0.0, 0.0, 1.0], |solid| solid.orientation))
+                .collect(),
             reference: spheres.iter().map(|s| s.ball.x).collect(),
             crossed: vec![0; n],
             set: spheres.iter().map(|s| s.set as u32).collect(),
             material: spheres.iter().map(|s| material(s.set)).collect(),
+            poly: spheres
+                .iter()
+                .map(|s| s.solid.and_then(|_| numbers.next()).unwrap_or(SPHERE))
+                .collect(),
+            equal_radii: solids.map(|solid| 0.5 * solid.size).collect(),
             spare: Spare::default(),
         }
     }
@@ -209,6 +233,7 @@ impl Bodies {
         permute(&mut self.orientation, order, &mut spare.orientation);
         permute(&mut self.set, order, &mut spare.set);
         permute(&mut self.material, order, &mut spare.material);
+        permute(&mut self.poly, order, &mut spare.poly);
         self.find_slots();
     }
 
@@ -216,6 +241,14 @@ impl Bodies {
         self.slot.resize(self.rank.len(), 0);
         for (slot, &rank) in (0..).zip(&self.rank) {
             self.slot[rank as usize] = slot;
+        }
+    }
+
+    /// Radius of a sphere of a body's volume, by its place in memory [m].
+    pub fn equal_radius(&self, slot: usize) -> f64 {
+        match self.poly[slot] {
+            SPHERE => self.balls[slot].radius,
+            grain => self.equal_radii[grain as usize],
         }
     }
 
@@ -240,6 +273,7 @@ impl Bodies {
         self.crossed.reserve(more);
         self.set.reserve(more);
         self.material.reserve(more);
+        self.poly.reserve(more);
     }
 
     /// Takes out the bodies of the ranks `gone`, which ascend; the others keep their order. Writes to
@@ -259,6 +293,7 @@ impl Bodies {
         gather(&mut self.crossed, from);
         gather(&mut self.set, from);
         gather(&mut self.material, from);
+        gather(&mut self.poly, from);
         for rank in &mut self.rank {
             *rank -= gone.partition_point(|gone| gone < rank) as u32;
         }
@@ -282,6 +317,7 @@ impl Bodies {
         self.crossed.push(0);
         self.set.push(sphere.set as u32);
         self.material.push(material);
+        self.poly.push(SPHERE);
     }
 }
 
@@ -313,6 +349,7 @@ mod tests {
     fn bodies_keep_their_ids_in_another_order() {
         let sphere = |k: f64| PlacedSphere {
             ball: Ball { x: Vec3::repeat(k), radius: k },
+            solid: None,
             twist: Twist { v: Vec3::repeat(-k), w: Vec3::zeros() },
             mass: 1.0 + k,
             motion: Motion::Free,

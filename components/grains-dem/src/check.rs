@@ -3,13 +3,13 @@
 use crate::{
     Lubrication, Parameters, Vec3,
     bodies::Ball,
-    check_law, check_packing, check_ports, check_slider,
+    check_law, check_packing, check_polyhedra, check_ports, check_slider,
     encounters::Population,
     laws,
     overlaps::TOUCHING,
     packing::{self},
     periodic::PeriodicBox,
-    walls,
+    placement, walls,
 };
 use tremie_messages::{
     Problem,
@@ -65,12 +65,17 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
                 check_packing::packing(
                     &format!("{key}.placement.packed"),
                     packed,
+                    1.0,
                     &scene.domain,
                     &mut problems,
                 );
             }
+            Placement::Polyhedra(own) => {
+                check_polyhedra::set(&key, set, own, scene, &mut problems);
+            }
         }
     }
+    check_polyhedra::shapes(scene, parameters, &mut problems);
     for (i, pair) in scene.contacts.iter().enumerate() {
         check_law::law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
     }
@@ -229,7 +234,8 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
             let help = "raise the fraction or enlarge the region: half a sphere is too little";
             problems.push(Problem::new(format!("scene.bodies[{i}].placement"), message).help(help));
         }
-        largest = diameters.iter().fold(largest, |a, &d| a.max(d));
+        let around = placement::around(scene, set);
+        largest = diameters.iter().fold(largest, |a, &d| a.max(d * around));
     }
     largest = scene.inlets.iter().fold(largest, |d, inlet| d.max(inlet.diameters.extremes()[1]));
     problems.extend(Population::of(scene).problems());
@@ -253,7 +259,7 @@ pub(crate) fn is_positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 
-fn all_finite(v: &[f64; 3]) -> bool {
+pub(crate) fn all_finite(v: &[f64; 3]) -> bool {
     v.iter().all(|x| x.is_finite())
 }
 

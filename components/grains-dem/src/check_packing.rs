@@ -9,8 +9,14 @@ use tremie_messages::{
 /// More spheres than memory holds: a slip in a unit.
 const MOST_SPHERES: f64 = 1e8;
 
-/// Checks region, fraction and diameters.
-pub(crate) fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &mut Vec<Problem>) {
+/// Checks region, fraction and diameters, of bodies whose spheres around them are so many times as wide.
+pub(crate) fn packing(
+    key: &str,
+    packing: &Packing,
+    around: f64,
+    domain: &Domain,
+    problems: &mut Vec<Problem>,
+) {
     let key = |name: &str| format!("{key}.{name}");
     if !(packing.fraction > 0.0 && packing.fraction < 0.74) {
         let message = format!("is {}, expected a solid fraction in (0, 0.74)", packing.fraction);
@@ -20,6 +26,7 @@ pub(crate) fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &
     else {
         return;
     };
+    let largest = largest * around;
     let size = Vec3::from(packing.max) - Vec3::from(packing.min);
     let spheres =
         packing.fraction * size.x * size.y * size.z / Sizes::new(&packing.diameters).mean_volume();
@@ -32,7 +39,7 @@ pub(crate) fn packing(key: &str, packing: &Packing, domain: &Domain, problems: &
         let name = AXES[axis];
         if high - low < largest || (high - low).is_nan() {
             let message = format!(
-                "leaves {} m in {name}, where the largest sphere needs {largest} m",
+                "leaves {} m in {name}, where the largest body needs {largest} m",
                 high - low
             );
             problems.push(Problem::new(key("max"), message));

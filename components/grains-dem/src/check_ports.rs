@@ -75,7 +75,7 @@ fn inlet(key: &str, inlet: &Inlet, scene: &Scene, problems: &mut Vec<Problem>) {
         }
         Some(_) => {}
     }
-    check_packing::packing(key, &ports::region(inlet), &scene.domain, problems);
+    check_packing::packing(key, &ports::region(inlet), 1.0, &scene.domain, problems);
     if inlet.fraction > JAMMED {
         let message = format!(
             "is {}, but spheres that come one by one find no place beyond {JAMMED}",
@@ -158,7 +158,8 @@ fn outlet(key: &str, outlet: &Outlet, scene: &Scene, problems: &mut Vec<Problem>
 fn all_at_once(scene: &Scene, problems: &mut Vec<Problem>) {
     let listed = placement::listed(scene);
     let corners = scene.bodies.iter().filter_map(|set| match &set.placement {
-        Placement::Listed(_) => None,
+        // Polyhedra are refused beside outlets.
+        Placement::Listed(_) | Placement::Polyhedra(_) => None,
         Placement::Packed(packing) => Some((packing.min, packing.max)),
     });
     for (i, outlet) in scene.outlets.iter().enumerate() {

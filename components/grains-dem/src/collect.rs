@@ -13,7 +13,7 @@ const TOGETHER: usize = 256;
 /// Where the bodies of one block collect their forces, one body after the other.
 pub(crate) struct Collector<'a> {
     pairs: &'a Pairs,
-    surfaces: [Few<'a>; 3],
+    surfaces: [Few<'a>; 4],
     /// Places of contacts that act, of the bodies looked at last.
     acting: [u32; TOGETHER],
     /// Where those of the next body begin.
@@ -55,11 +55,12 @@ impl<'a> Few<'a> {
 impl<'a> Collector<'a> {
     /// The forces of block `b`, whose bodies are `range`.
     pub fn new(contacts: Contacts<'a>, b: usize, range: std::ops::Range<usize>) -> Self {
-        let Contacts { walls, parts, surfaces: soft, .. } = contacts;
+        let Contacts { walls, parts, surfaces: soft, solids, .. } = contacts;
         let surfaces = [
             Few::of_block(&walls.bodies, &walls.wrench, &walls.bounds, b),
             Few::of_block(&parts.bodies, &parts.wrench, &parts.bounds, b),
             Few::of_block(&soft.bodies, &soft.wrench, &soft.bounds, b),
+            Few::of_block(&solids.bodies, &solids.wrench, &solids.bounds, b),
         ];
         Self {
             pairs: contacts.pairs,
@@ -74,7 +75,8 @@ impl<'a> Collector<'a> {
     }
 
     /// Contact force and torque on body `i` of the block, each in its turn: first those of
-    /// bodies, in the order of their ids, then those of walls, of parts, and of surfaces that deform.
+    /// bodies, in the order of their ids, then those of walls, of parts, of surfaces that deform, and all of
+    /// polyhedra.
     #[inline(always)]
     pub fn on(&mut self, i: usize, radius: f64) -> Wrench {
         let mut sum = Wrench::zero();

@@ -75,6 +75,7 @@ impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
     const TAKES_SURFACES: bool = true;
     const TAKES_PORTS: bool = true;
+    const TAKES_POLYHEDRA: bool = true;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
         let parameters: Parameters = setup.parameters()?;
@@ -250,13 +251,14 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
 }
 
 fn notes(scene: &Scene, resolution: &Resolution) -> Vec<String> {
+    let what = if scene.has_polyhedra() { "bodies as large as spheres" } else { "spheres" };
     let Resolution { spheres, smallest_diameter, largest_diameter, .. } = resolution;
     let mut notes = vec![if *spheres == 0 {
         "no spheres".into()
     } else if smallest_diameter == largest_diameter {
-        format!("{spheres} spheres of {smallest_diameter:.4e} m")
+        format!("{spheres} {what} of {smallest_diameter:.4e} m")
     } else {
-        format!("{spheres} spheres of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
+        format!("{spheres} {what} of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
     }];
     let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
     let held = |(axis, side): (usize, usize)| {

@@ -165,14 +165,14 @@ fn friction(
 
 /// How long ago two bodies met that overlap by `overlap` and approach at `v_n`; at most `dt`.
 #[inline(always)]
-fn time_since_touch(overlap: f64, v_n: f64, dt: f64) -> f64 {
+pub(crate) fn time_since_touch(overlap: f64, v_n: f64, dt: f64) -> f64 {
     if overlap < v_n * dt { overlap / v_n } else { dt }
 }
 
 /// The displacement `xi` across `old`, turned with the pair: by the rotation that takes the old
 /// normal to `n`, then by `angle` about `n`.
 #[inline(always)]
-fn turned(xi: Vec3, old: Vec3, n: Vec3, angle: f64) -> Vec3 {
+pub(crate) fn turned(xi: Vec3, old: Vec3, n: Vec3, angle: f64) -> Vec3 {
     // Rodrigues' formula between two unit vectors a, b, for xi normal to a:
     // R xi = xi - (xi.b)/(1 + a.b) (a + b)
     let xi = xi - (old + n) * (xi.dot(&n) / (1.0 + old.dot(&n)));

@@ -8,6 +8,7 @@ use crate::{
     law::{Law, Reduced},
     pairs::{BLOCK, Pairs, TOUCHING},
     parts::PlacedPart,
+    polyhedra::Polyhedra,
     search::Contacts,
     slider::Slider,
     wall_forces::touch_of_wall,
@@ -64,6 +65,8 @@ pub(crate) struct Seen<'a> {
     pub gravity: Vec3,
     /// The parts, sliders among them.
     pub parts: &'a [PlacedPart],
+    /// The polyhedra.
+    pub polyhedra: &'a Polyhedra,
 }
 
 /// Sums over bodies, in the order of their ids: in fixed blocks, and these in their order.
@@ -116,6 +119,9 @@ impl Survey {
         for surface in &seen.contacts.surfaces.held {
             all.elastic += surface.elastic_energy(seen.scenery.laws);
         }
+        let surfaces = (seen.walls, seen.parts);
+        all.rotational += seen.polyhedra.rotational_energy(bodies);
+        all.elastic += seen.contacts.solids.elastic_energy(seen.polyhedra, seen.scenery, surfaces);
         all.diagnostics()
     }
 }
@@ -128,7 +134,10 @@ impl Sums {
         }
         let (mass, square) = (1.0 / mobility.inverse_mass, twist.v.norm_squared());
         self.kinetic += 0.5 * mass * square;
-        self.rotational += 0.5 * twist.w.norm_squared() / mobility.inverse_inertia;
+        // Polyhedra have three moments of inertia, and are added up by themselves.
+        if mobility.inverse_inertia > 0.0 {
+            self.rotational += 0.5 * twist.w.norm_squared() / mobility.inverse_inertia;
+        }
         self.potential += mass * gravity * height;
         self.momentum += twist.v * mass;
         self.square = self.square.max(square);

@@ -8,7 +8,10 @@ use crate::{
 use core::f64::consts::PI;
 use tremie_messages::{
     Problem,
-    scene::{BodySet, ContactLaw, Face, InletVelocity, Motion, Scene, Spring},
+    scene::{
+        BodySet, ContactLaw, Face, InletVelocity, Motion, Placement, PolyhedronPlacement, Scene,
+        Spring,
+    },
 };
 
 /// Mass [kg], infinite where the motion is given, and radius [m].
@@ -249,8 +252,13 @@ fn speed(scene: &Scene) -> f64 {
         }
     }
     for set in &scene.bodies {
-        if let tremie_messages::scene::Placement::Listed(list) = &set.placement {
+        if let Placement::Listed(list) = &set.placement {
             fastest = list.iter().fold(fastest, |v, sphere| v.max(norm(&sphere.velocity)));
+        }
+        if let Placement::Polyhedra(own) = &set.placement
+            && let PolyhedronPlacement::Listed(list) = &own.placement
+        {
+            fastest = list.iter().fold(fastest, |v, body| v.max(norm(&body.velocity)));
         }
         fastest = motion_speed(&set.motion).max(fastest);
     }

@@ -21,12 +21,12 @@ pub(crate) fn initial(spheres: &[PlacedSphere], parts: &[PlacedPart]) -> Vec<Bod
     events
 }
 
-/// A sphere that is there from now on.
+/// A sphere or polyhedron that is there from now on.
 pub(crate) fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
     BodyEvent {
         id,
         kind: BodyEvent::ADDED,
-        shape: BodyEvent::SPHERE,
+        shape: sphere.solid.map_or(BodyEvent::SPHERE, |_| BodyEvent::POLYHEDRON),
         motion: match sphere.motion {
             Motion::Free => BodyEvent::FREE,
             Motion::Fixed => BodyEvent::FIXED,
@@ -35,8 +35,8 @@ pub(crate) fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
         },
         set: sphere.set as u32,
         mass: sphere.mass,
-        size: [sphere.ball.radius, 0.0, 0.0],
-        table: 0,
+        size: [sphere.ball.radius, sphere.solid.map_or(0.0, |solid| solid.size), 0.0],
+        table: sphere.solid.map_or(0, |solid| u64::from(solid.shape)),
     }
 }
 

@@ -7,6 +7,7 @@ use crate::{
     integrate::Reach,
     pairs::BLOCK,
     placement,
+    polyhedra::SPHERE,
     tally::Tally,
 };
 use tremie_messages::scene::Motion;
@@ -83,6 +84,7 @@ impl GrainsDem {
         let x = self.around.bounds.wrap(added.position.into());
         PlacedSphere {
             ball: Ball { x, radius: 0.5 * added.diameter },
+            solid: None,
             twist: Twist { v: added.velocity.into(), w: Vec3::zeros() },
             mass: placement::mass(self.sets[added.set].density, added.diameter),
             motion: Motion::Free,
@@ -97,6 +99,13 @@ impl GrainsDem {
         let unknown = |id: &&u64| self.bodies.ids.binary_search(id).is_err();
         if let Some(&id) = removed.iter().find(unknown) {
             return Err(GrainsError::NotRemovable { id, why: "no living sphere has this id" });
+        }
+        let is_solid = |id: &&u64| {
+            let rank = self.bodies.ids.binary_search(id).unwrap_or_default();
+            self.bodies.poly[self.bodies.slot[rank] as usize] != SPHERE
+        };
+        if let Some(&id) = removed.iter().find(is_solid) {
+            return Err(GrainsError::NotRemovable { id, why: "it is a polyhedron" });
         }
         for (index, sphere) in added.iter().enumerate() {
             let why = match self.sets.get(sphere.set) {

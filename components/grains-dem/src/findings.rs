@@ -22,6 +22,7 @@ pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution)
     if let (Some(contact), Some(step)) = (resolution.contact_time, resolution.time_step) {
         findings.push(steps_per_contact(contact, step));
     }
+    findings.extend(corners(resolution));
     if let Some(step) = resolution.time_step {
         findings.extend(resolution.sliders.iter().flat_map(|slider| of_slider(slider, step)));
     }
@@ -52,6 +53,25 @@ pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution)
         );
     }
     findings
+}
+
+/// Depth of a corner over the radius of the sphere inside beyond which a hit is no small overlap.
+const SUNK_CORNER: f64 = 0.3;
+
+/// Corners are softer than faces: how far they sink in.
+fn corners(resolution: &Resolution) -> Option<Finding> {
+    let (depth, speed) = (resolution.corner_depth, short(resolution.expected_speed));
+    (depth > 0.0).then(|| {
+        Finding::new("depth of a corner that hits a wall, over the inner radius", depth, "1")
+            .because(format!("at {speed} m/s, the speed to be expected"))
+            .doubtful_if(
+                depth > SUNK_CORNER,
+                format!(
+                    "beyond {SUNK_CORNER} a contact is no small overlap, and a run ends where one reaches 0.5"
+                ),
+                "a larger normal stiffness (it falls with the fourth root), or `expected_speed` if bodies are slower",
+            )
+    })
 }
 
 /// Part of a stroke to which a slider may sink into its stops.

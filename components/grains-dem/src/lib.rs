@@ -1,5 +1,5 @@
-//! Discrete elements of Tremie: spheres, walls, parts with triangulated surfaces, contacts with
-//! friction.
+//! Discrete elements of Tremie: spheres and convex polyhedra, walls, parts with triangulated surfaces,
+//! contacts with friction.
 //!
 //! The solver is plain: a [`Scene`](tremie_messages::scene::Scene) and [`Parameters`] go in,
 //! [`GrainsDem::advance`] integrates a number of substeps under constant fluid loads, and
@@ -10,6 +10,13 @@
 //! *Géotechnique* 29, 1979; Luding, *Granular Matter* 10, 2008; with the parameters of Mutabaruka &
 //! Kamrin, *Comput. Part. Mech.* 5, 2018). Narrow gaps may be lubricated. Time is integrated by
 //! velocity Verlet with predicted velocities. All quantities are SI, in the world frame.
+//!
+//! A convex polyhedron is the hull of at most 32 corners, of any size and orientation. It touches polyhedra,
+//! spheres, walls and parts under the linear laws; `polyhedra/press.rs` has the forces, which are derivatives of
+//! an energy, so that contacts without dashpots keep it to second order in the step. The normal stiffness of
+//! a law is reached where a polyhedron's largest face (of two, the smaller one) is touched all over; smaller
+//! contacts are softer in proportion, and edges and corners sink in deeper. Rolling friction acts on spheres alone.
+//! Bodies of several convex pieces are not there yet, nor do polyhedra come and go.
 //!
 //! Spheres may come and go between windows ([`GrainsDem::exchange`]): those that stay go on as if nothing
 //! had happened, and ids are never used again.
@@ -52,6 +59,7 @@ mod cells;
 mod check;
 mod check_law;
 mod check_packing;
+mod check_polyhedra;
 mod check_ports;
 mod check_sizes;
 mod check_slider;
@@ -90,6 +98,7 @@ mod part_finder;
 mod parts;
 mod periodic;
 mod placement;
+mod polyhedra;
 mod ports;
 mod probes;
 mod random;

@@ -21,7 +21,7 @@ const STATE: usize = 2 * size_of::<Ball>()
     + 2 * size_of::<Mobility>()
     + 2 * size_of::<[f64; 4]>()
     + size_of::<Vec3>()
-    + 6 * INDEX
+    + 8 * INDEX
     + 2 * size_of::<u16>();
 
 /// Cells, orders, places, sums, and what the others are told at the start.

@@ -1,23 +1,47 @@
 //! Bodies that overlap at the start.
 
 use crate::{
+    Vec3,
     bodies::{Ball, Mobility, PlacedSphere},
     cells::Cells,
+    check_polyhedra,
     parts::PlacedPart,
     periodic::PeriodicBox,
+    polyhedra::{self, Polyhedra, Room, SPHERE},
     rows::Rows,
 };
 use tremie_messages::{
     Problem,
     scene::{Domain, Scene},
 };
+use tremie_team::Team;
 
 /// Overlap at the start, over the smaller radius, that passes as touching.
 pub(crate) const TOUCHING: f64 = 0.01;
 
-/// Checks that no two bodies overlap at the start, unless neither is moved by forces.
-pub(crate) fn check(scene: &Scene, spheres: &[PlacedSphere]) -> Result<(), Vec<Problem>> {
-    let Some((a, b, overlap, count)) = deepest_overlap(&scene.domain, spheres) else {
+/// Checks that bodies overlap neither each other, unless none of two is moved by forces, nor walls and
+/// parts. Of spheres and walls the scene's own check tells.
+pub(crate) fn check(
+    scene: &Scene,
+    spheres: &[PlacedSphere],
+    parts: &[PlacedPart],
+    team: &mut Team,
+) -> Result<(), Vec<Problem>> {
+    let polyhedra = Polyhedra::new(scene, spheres, team);
+    let problems = check_polyhedra::inside(scene, spheres, &polyhedra);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    check_pairs(scene, spheres, &polyhedra)?;
+    check_parts(scene, spheres, parts, &polyhedra)
+}
+
+fn check_pairs(
+    scene: &Scene,
+    spheres: &[PlacedSphere],
+    polyhedra: &Polyhedra,
+) -> Result<(), Vec<Problem>> {
+    let Some((a, b, overlap, count)) = deepest_overlap(&scene.domain, spheres, polyhedra) else {
         return Ok(());
     };
     let of = |i: usize| format!("body {i} (of \"{}\")", scene.bodies[spheres[i].set].name);
@@ -31,17 +55,28 @@ pub(crate) fn check(scene: &Scene, spheres: &[PlacedSphere]) -> Result<(), Vec<P
 }
 
 /// Checks that no free body stands in a part at the start.
-pub(crate) fn check_parts(
+fn check_parts(
     scene: &Scene,
     spheres: &[PlacedSphere],
     parts: &[PlacedPart],
+    polyhedra: &Polyhedra,
 ) -> Result<(), Vec<Problem>> {
     let mut problems = Vec::new();
+    let (numbers, mut room) = (numbers(spheres), Room::default());
     let free = spheres.iter().enumerate().filter(|(_, sphere)| sphere.mobility().is_free());
     for (id, sphere) in free {
         for (part, placed) in scene.parts.iter().zip(parts) {
-            let overlap = sphere.ball.radius - placed.clearance(sphere.ball.x).0;
-            if overlap > TOUCHING * sphere.ball.radius {
+            let (overlap, size) = match numbers[id] {
+                SPHERE => {
+                    (sphere.ball.radius - placed.clearance(sphere.ball.x).0, sphere.ball.radius)
+                }
+                grain => {
+                    let solid = polyhedra.solid(grain as usize);
+                    let overlap = polyhedra::with_part(solid, sphere.ball.x, placed, &mut room);
+                    (overlap, solid.inradius())
+                }
+            };
+            if overlap > TOUCHING * size {
                 let message = format!(
                     "puts body {id} (of \"{}\") {overlap:.3e} m into part \"{}\"",
                     scene.bodies[sphere.set].name, part.name
@@ -62,6 +97,7 @@ const MOST_PROBLEMS: usize = 20;
 fn deepest_overlap(
     domain: &Domain,
     spheres: &[PlacedSphere],
+    polyhedra: &Polyhedra,
 ) -> Option<(usize, usize, f64, usize)> {
     let bounds = PeriodicBox::new(domain);
     let balls: Vec<Ball> = spheres.iter().map(|s| s.ball).collect();
@@ -72,6 +108,7 @@ fn deepest_overlap(
     }
     let mut cells = Cells::new(bounds.clone(), largest, balls.len());
     cells.sort(&balls);
+    let (numbers, mut room) = (numbers(spheres), Room::default());
     let mut list = Rows::default();
     list.fill(&cells, &bounds.shifts, &balls, &mobility, 0.0);
     let (mut worst, mut count) = (None::<(usize, usize, f64)>, 0);
@@ -79,8 +116,14 @@ fn deepest_overlap(
         for k in list.row(i) {
             let (j, image) = (list.neighbours[k].other as usize, list.neighbours[k].image);
             let d = balls[j].x + bounds.shifts[image as usize] - balls[i].x;
-            let overlap = balls[i].radius + balls[j].radius - d.norm_squared().sqrt();
-            if overlap <= TOUCHING * balls[i].radius.min(balls[j].radius) {
+            let (overlap, size) = polyhedra::of_bodies(
+                polyhedra,
+                [(numbers[i], &balls[i]), (numbers[j], &balls[j])],
+                d,
+                &mut room,
+            )
+            .unwrap_or_else(|| of_balls(&balls[i], &balls[j], d));
+            if overlap <= TOUCHING * size {
                 continue;
             }
             count += 1;
@@ -90,4 +133,16 @@ fn deepest_overlap(
         }
     }
     worst.map(|(i, j, overlap)| (i, j, overlap, count))
+}
+
+/// Overlap of two spheres `way` apart, and the radius that it is measured by [m].
+fn of_balls(a: &Ball, b: &Ball, way: Vec3) -> (f64, f64) {
+    (a.radius + b.radius - way.norm_squared().sqrt(), a.radius.min(b.radius))
+}
+
+/// Numbers of polyhedra by ids.
+fn numbers(bodies: &[PlacedSphere]) -> Vec<u32> {
+    let mut next = 0..;
+    let number = |body: &PlacedSphere| body.solid.and_then(|_| next.next()).unwrap_or(SPHERE);
+    bodies.iter().map(number).collect()
 }

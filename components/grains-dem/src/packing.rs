@@ -18,7 +18,9 @@ use crate::{
     walls::{self, Wall},
 };
 use core::f64::consts::PI;
-use tremie_messages::scene::{BodySet, Domain, Face, Packing, Placement};
+use tremie_messages::scene::{
+    BodySet, Domain, Face, Packing, Placement, Polyhedra, PolyhedronPlacement,
+};
 
 /// Up to this solid fraction spheres are inserted one after the other; above, insertion slows
 /// down (it ends for good at 0.38) and a crowded start is relaxed instead.
@@ -59,11 +61,17 @@ struct Region<'a> {
     obstacles: Vec<Ball>,
 }
 
-/// Diameters [m] of the bodies of a set, in the order in which a packing draws them.
+/// Diameters [m] of the bodies of a set, or of spheres of equal volume, in the order in which a packing draws them.
 pub(crate) fn diameters_of(set: &BodySet) -> Vec<f64> {
     match &set.placement {
         Placement::Listed(list) => list.iter().map(|sphere| sphere.diameter).collect(),
         Placement::Packed(packing) => diameters(packing),
+        Placement::Polyhedra(Polyhedra {
+            placement: PolyhedronPlacement::Listed(list), ..
+        }) => list.iter().map(|body| body.diameter).collect(),
+        Placement::Polyhedra(Polyhedra {
+            placement: PolyhedronPlacement::Packed(packing), ..
+        }) => diameters(packing),
     }
 }
 
@@ -86,11 +94,16 @@ fn diameters(packing: &Packing) -> Vec<f64> {
     drawn
 }
 
-/// Makes a packing; its spheres are ordered by place, so that neighbours have near numbers.
-pub(crate) fn pack(packing: &Packing, around: &Surroundings<'_>) -> Result<Vec<Ball>, TooDense> {
-    let radii: Vec<f64> = diameters(packing).iter().map(|d| 0.5 * d).collect();
+/// Makes a packing of spheres `wider` times as wide as the diameters say, which hold bodies of as much volume
+/// as these have; they are ordered by place, so that neighbours have near numbers.
+pub(crate) fn pack(
+    packing: &Packing,
+    wider: f64,
+    around: &Surroundings<'_>,
+) -> Result<Vec<Ball>, TooDense> {
+    let radii: Vec<f64> = diameters(packing).iter().map(|d| 0.5 * d * wider).collect();
     let region = Region::new(packing, around, radii.iter().fold(0.0, |a, &b| a.max(b)));
-    let inserted = (packing.fraction <= DENSEST_INSERTION)
+    let inserted = (packing.fraction * wider * wider * wider <= DENSEST_INSERTION)
         .then(|| insertion::insert(&region, &radii, packing.seed))
         .flatten();
     let balls = match inserted {

@@ -7,6 +7,7 @@ use crate::{
     law::Reduced,
     laws::Laws,
     pairs::{BLOCK, Entry, Pairs, Record, Rolling},
+    polyhedra::{self, SPHERE},
     rows::near,
 };
 use tremie_team::{Cut, Team};
@@ -33,6 +34,8 @@ struct Found {
     apart: Vec<(u32, Entry)>,
     /// Entries whose other body belongs to another block.
     outside: Vec<(u32, u32)>,
+    /// Pairs with polyhedra, which have a list of their own.
+    solids: Vec<polyhedra::Found>,
 }
 
 /// What the list is made from.
@@ -58,6 +61,11 @@ impl PairsMaker {
         self.find(pairs, team, bodies, near);
         self.fill(pairs, team, bodies, near);
         self.collect(pairs, team, bodies);
+    }
+
+    /// Pairs of which one is a polyhedron, as the list was last made.
+    pub fn solids(&self) -> impl Iterator<Item = polyhedra::Found> + '_ {
+        self.blocks.iter().flat_map(|block| block.solids.iter().copied())
     }
 
     /// Finds the entries, block by block, and says where each block begins.
@@ -216,9 +224,15 @@ impl Found {
         let (balls, mobility, material) = (&bodies.balls, &bodies.mobility, &bodies.material);
         self.entries.clear();
         self.apart.clear();
+        self.solids.clear();
+        let (poly, any) = (&bodies.poly, !bodies.equal_radii.is_empty());
         let gap = at.reach + at.skin;
         for i in b * BLOCK..balls.len().min((b + 1) * BLOCK) {
             near(at.cells, at.shifts, balls, mobility, gap, i, |seen, j, square| {
+                if any && (poly[i] != SPHERE || poly[j] != SPHERE) {
+                    self.solids.push((i as u32, seen.other, seen.image));
+                    return;
+                }
                 let law = at.laws.between(material[i], material[j]);
                 let entry = Entry::new(i, seen.other, seen.image, law);
                 let reach = balls[i].radius + balls[j].radius + at.reach;

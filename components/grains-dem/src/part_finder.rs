@@ -10,6 +10,7 @@ use crate::{
     part_contacts::{Entry, PartContacts},
     parts::PlacedPart,
     periodic::PeriodicBox,
+    polyhedra::SPHERE,
 };
 
 /// What one block of bodies found.
@@ -47,7 +48,7 @@ impl Found {
         self.near.clear();
         self.triangles.clear();
         for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
-            if !bodies.mobility[i].is_free() {
+            if !bodies.mobility[i].is_free() || bodies.poly[i] != SPHERE {
                 continue;
             }
             let known = self.entries.len();

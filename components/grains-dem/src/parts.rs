@@ -256,9 +256,12 @@ impl PlacedPart {
         }
     }
 
-    /// A triangle in the world.
+    /// A triangle in the world, its corners anticlockwise seen from the grains.
     pub fn placed_triangle(&self, index: u32) -> Triangle {
-        let Triangle { corners, normal } = self.triangle(index);
+        let Triangle { mut corners, normal } = self.triangle(index);
+        if self.cavity {
+            corners.swap(1, 2);
+        }
         let place = |corner: Vec3| self.frame.to_world(corner.into()).into();
         Triangle { corners: corners.map(place), normal: self.to_world(normal) }
     }

@@ -5,12 +5,16 @@ use crate::{
     packing::{self, Surroundings},
     parts::PlacedPart,
     periodic::PeriodicBox,
+    polyhedra::{PlacedSolid, Shape},
+    random::Random,
     walls::Wall,
 };
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 use tremie_messages::{
     Problem,
-    scene::{BodySet, Placement, Scene, Sphere},
+    scene::{
+        BodySet, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Scene, Sphere, Spring,
+    },
 };
 
 /// Mass of a sphere [kg].
@@ -18,10 +22,54 @@ pub(crate) fn mass(density: f64, diameter: f64) -> f64 {
     density * (PI / 6.0 * diameter * diameter * diameter)
 }
 
-/// The listed spheres of all sets.
+/// Width of the spheres around the bodies of a set, over the diameters of spheres of equal volume.
+pub(crate) fn around(scene: &Scene, set: &BodySet) -> f64 {
+    shape_of(scene, set).map_or(1.0, |(_, around)| around)
+}
+
+/// How much more than a sphere a body of the scene moves under a push beside its centroid, at most.
+pub(crate) fn lever(scene: &Scene) -> f64 {
+    let used = scene.bodies.iter().filter_map(|set| shape_of(scene, set));
+    let shapes = used.filter_map(|(shape, _)| Shape::of(&scene.shapes[shape as usize]).ok());
+    shapes.map(|shape| shape.lever() / OF_SPHERE).fold(1.0, f64::max)
+}
+
+/// That of a sphere over one through the centre: `1 + 5/2`.
+const OF_SPHERE: f64 = 3.5;
+
+/// How deep a corner at a right angle sinks into a wall at a speed [m/s], over the radius of the sphere inside,
+/// at most of all polyhedra: its force is `k h^3/(2 A)`, with the area of the largest face, so that
+/// `h = (4 m v^2 A/k)^(1/4)`. 0 without polyhedra.
+pub(crate) fn corner_depth(scene: &Scene, speed: f64) -> f64 {
+    let of = |set: &BodySet| {
+        let (shape, _) = shape_of(scene, set)?;
+        let shape = Shape::of(&scene.shapes[shape as usize]).ok()?;
+        let size = packing::diameters_of(set).into_iter().fold(0.0, f64::max);
+        let laws = scene.contacts.iter().filter(|pair| pair.between.contains(&set.material));
+        let stiffness = laws.filter_map(|pair| match pair.law.spring {
+            Spring::Linear { normal_stiffness, .. } => Some(normal_stiffness),
+            Spring::Hertz { .. } => None,
+        });
+        let softest = stiffness.fold(f64::INFINITY, f64::min);
+        let area = shape.largest_face * size * size;
+        let energy = 4.0 * mass(set.density, size) * speed * speed;
+        Some((energy * area / softest).sqrt().sqrt() / (shape.inradius * size))
+    };
+    scene.bodies.iter().filter_map(of).fold(0.0, f64::max)
+}
+
+/// The shape of a set of polyhedra, and the width of the spheres around them.
+fn shape_of(scene: &Scene, set: &BodySet) -> Option<(u32, f64)> {
+    let Placement::Polyhedra(own) = &set.placement else { return None };
+    let number = scene.shapes.iter().position(|shape| shape.name == own.shape)?;
+    let shape = Shape::of(&scene.shapes[number]).ok()?;
+    Some((number as u32, 2.0 * shape.circumradius))
+}
+
+/// The listed bodies of all sets.
 pub(crate) fn listed(scene: &Scene) -> Vec<PlacedSphere> {
     let sets = scene.bodies.iter().enumerate();
-    sets.flat_map(|(set, bodies)| listed_of(set, bodies)).collect()
+    sets.flat_map(|(set, bodies)| listed_of(set, bodies, scene)).collect()
 }
 
 /// All bodies, in the order of sets. Packings keep clear of all parts, of all listed bodies,
@@ -47,8 +95,37 @@ pub(crate) fn place(
     let mut problems = Vec::new();
     for (index, set) in scene.bodies.iter().enumerate() {
         match &set.placement {
-            Placement::Listed(_) => placed.extend(listed_of(index, set)),
-            Placement::Packed(packing) => match packing::pack(packing, &surroundings) {
+            Placement::Listed(_)
+            | Placement::Polyhedra(Polyhedra {
+                placement: PolyhedronPlacement::Listed(_), ..
+            }) => placed.extend(listed_of(index, set, scene)),
+            Placement::Polyhedra(Polyhedra {
+                placement: PolyhedronPlacement::Packed(packing),
+                ..
+            }) => {
+                let Some((shape, around)) = shape_of(scene, set) else { continue };
+                match packing::pack(packing, around, &surroundings) {
+                    Ok(balls) => {
+                        let solid = |(k, ball): (usize, &Ball)| {
+                            let orientation = random_orientation(packing.seed, k);
+                            let size = 2.0 * ball.radius / around;
+                            let solid = PlacedSolid { shape, size, orientation };
+                            placed_solid(index, set, *ball, solid)
+                        };
+                        placed.extend(balls.iter().enumerate().map(solid));
+                        surroundings.balls.extend(balls);
+                    }
+                    Err(reached) => {
+                        let key = format!(
+                            "scene.bodies[{index}].placement.polyhedra.placement.packed.fraction"
+                        );
+                        problems.push(Problem::new(key, reached.to_string()).help(
+                            "lower the fraction, enlarge the region, or let the grains settle into it",
+                        ));
+                    }
+                }
+            }
+            Placement::Packed(packing) => match packing::pack(packing, 1.0, &surroundings) {
                 Ok(balls) => {
                     placed.extend(balls.iter().map(|&ball| at_rest(index, set, ball)));
                     surroundings.balls.extend(balls);
@@ -65,7 +142,21 @@ pub(crate) fn place(
     if problems.is_empty() { Ok(placed) } else { Err(problems) }
 }
 
-fn listed_of(set: usize, bodies: &BodySet) -> Vec<PlacedSphere> {
+fn listed_of(set: usize, bodies: &BodySet, scene: &Scene) -> Vec<PlacedSphere> {
+    if let Some((shape, around)) = shape_of(scene, bodies)
+        && let Placement::Polyhedra(own) = &bodies.placement
+        && let PolyhedronPlacement::Listed(list) = &own.placement
+    {
+        let place = |body: &Polyhedron| {
+            let ball = Ball { x: body.position.into(), radius: 0.5 * body.diameter * around };
+            let solid = PlacedSolid { shape, size: body.diameter, orientation: body.orientation };
+            PlacedSphere {
+                twist: Twist { v: body.velocity.into(), w: body.angular_velocity.into() },
+                ..placed_solid(set, bodies, ball, solid)
+            }
+        };
+        return list.iter().map(place).collect();
+    }
     let Placement::Listed(list) = &bodies.placement else {
         return Vec::new();
     };
@@ -79,9 +170,25 @@ fn listed_of(set: usize, bodies: &BodySet) -> Vec<PlacedSphere> {
 fn at_rest(set: usize, bodies: &BodySet, ball: Ball) -> PlacedSphere {
     PlacedSphere {
         ball,
+        solid: None,
         twist: Twist::zero(),
         mass: mass(bodies.density, 2.0 * ball.radius),
         motion: bodies.motion.clone(),
         set,
     }
+}
+
+fn placed_solid(set: usize, bodies: &BodySet, ball: Ball, solid: PlacedSolid) -> PlacedSphere {
+    let mass = mass(bodies.density, solid.size);
+    PlacedSphere { solid: Some(solid), mass, ..at_rest(set, bodies, ball) }
+}
+
+/// An orientation at random, all alike (Shoemake, *Graphics Gems III*, 1992).
+fn random_orientation(seed: u64, index: usize) -> [f64; 4] {
+    // Other streams than those of diameters and places.
+    let mut random = Random::new(seed, (1 << 62) | index as u64);
+    let [u, v, w] = [(); 3].map(|()| random.unit());
+    let ((s1, c1), (s2, c2)) = (libm::sincos(TAU * v), libm::sincos(TAU * w));
+    let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
+    [a * s1, a * c1, b * s2, b * c2]
 }

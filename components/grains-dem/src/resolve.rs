@@ -17,6 +17,7 @@ use tremie_messages::{
     Problem,
     scene::{ContactLaw, Scene, Spring},
 };
+use tremie_team::Team;
 
 /// What scene and parameters lead to, before any body is placed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -48,6 +49,9 @@ pub struct Resolution {
     pub largest_diameter: f64,
     /// The lightest and the heaviest pair under each contact law.
     pub pairs: Vec<PairDamping>,
+    /// How deep a corner of the heaviest polyhedron sinks into a wall at the expected speed, over the radius of
+    /// the sphere inside; 0 without polyhedra.
+    pub corner_depth: f64,
     /// Parts that move along an axis under forces.
     pub sliders: Vec<SliderTimes>,
     /// What a user should know; sentences.
@@ -96,8 +100,9 @@ impl Parameters {
             return Err(problems);
         }
         let (listed, parts) = (placement::listed(scene), parts::load(scene)?);
-        overlaps::check(scene, &listed)?;
-        overlaps::check_parts(scene, &listed, &parts)?;
+        let mut alone = Team::new("check", 1)
+            .map_err(|error| vec![Problem::new("threads", error.to_string())])?;
+        overlaps::check(scene, &listed, &parts, &mut alone)?;
         check_ports::room(scene, &parts)?;
         let population = Population::of(scene);
         let encounters = population.encounters();
@@ -110,7 +115,7 @@ impl Parameters {
             diameter: smallest_diameter,
             stiffness: stiffest_at_surfaces(&encounters, speed),
         };
-        let limits = limits(&encounters, speed, Squeeze::of(scene, self))
+        let limits = limits(&encounters, speed, Squeeze::of(scene, self), placement::lever(scene))
             .and(&sliders, slider_times::stability(&parts, grains));
         let finite = |dt: f64| dt.is_finite().then_some(dt);
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
@@ -129,6 +134,7 @@ impl Parameters {
             free_bodies: population.free(),
             smallest_diameter,
             largest_diameter,
+            corner_depth: placement::corner_depth(scene, speed),
             warnings: warnings(given, &limits),
             pairs,
             sliders,
@@ -206,7 +212,13 @@ fn pair_damping(pair: String, law: &ContactLaw, reduced: Reduced, speed: f64) ->
 /// Bounds on the time step. The dense bound takes the worst law between bodies and that with
 /// surfaces together; tangent stiffnesses of Hertz's law are those of the deepest overlap in a
 /// collision at `speed`.
-fn limits(encounters: &[Encounter<'_>], speed: f64, squeeze: Option<Squeeze>) -> Limits {
+/// `lever` is how much more than spheres bodies move under a push beside their centroid.
+fn limits(
+    encounters: &[Encounter<'_>],
+    speed: f64,
+    squeeze: Option<Squeeze>,
+    lever: f64,
+) -> Limits {
     let (mut single, mut between, mut at_walls) =
         (Stability::default(), Stability::default(), Stability::default());
     let mut contact = f64::INFINITY;
@@ -217,7 +229,7 @@ fn limits(encounters: &[Encounter<'_>], speed: f64, squeeze: Option<Squeeze>) ->
         let overlap = deepest(encounter, pair, speed);
         let lubrication = squeeze.map_or(0.0, |squeeze| squeeze.largest(pair.radius));
         let of = |contacts| {
-            Stability::of(&law, pair, inverse_mass, overlap, contacts)
+            Stability::of(&law, pair, inverse_mass * lever, overlap, contacts)
                 .and(Stability::of_dashpot(lubrication * inverse_mass, contacts))
         };
         single = single.or(of(1.0));

@@ -10,6 +10,7 @@ use crate::{
     part_finder,
     parts::PlacedPart,
     periodic::PeriodicBox,
+    polyhedra::{self, PolyContacts, Polyhedra},
     surfaces::Surfaces,
     surroundings::Surroundings,
     wall_contacts::{self, WallContacts},
@@ -35,6 +36,8 @@ pub(crate) struct Search {
     pub parts: PartContacts,
     /// Surfaces that deform, and bodies near them.
     pub surfaces: Surfaces,
+    /// Contacts of polyhedra.
+    pub solids: PolyContacts,
     /// How often lists were made.
     pub rebuilds: u64,
     maker: PairsMaker,
@@ -55,6 +58,7 @@ pub(crate) struct Contacts<'a> {
     pub walls: &'a WallContacts,
     pub parts: &'a PartContacts,
     pub surfaces: &'a Surfaces,
+    pub solids: &'a PolyContacts,
 }
 
 impl Search {
@@ -82,6 +86,7 @@ impl Search {
             walls: WallContacts::default(),
             parts: PartContacts::default(),
             surfaces,
+            solids: PolyContacts::default(),
             rebuilds: 0,
             maker: PairsMaker::default(),
             spare_walls: WallContacts::default(),
@@ -96,12 +101,18 @@ impl Search {
 
     /// The lists.
     pub fn contacts(&self) -> Contacts<'_> {
-        let Self { pairs, walls, parts, surfaces, .. } = self;
-        Contacts { pairs, walls, parts, surfaces }
+        let Self { pairs, walls, parts, surfaces, solids, .. } = self;
+        Contacts { pairs, walls, parts, surfaces, solids }
     }
 
     /// Makes the lists anew; contacts keep their history.
-    pub fn rebuild(&mut self, team: &mut Team, bodies: &mut Bodies, around: &mut Surroundings) {
+    pub fn rebuild(
+        &mut self,
+        team: &mut Team,
+        bodies: &mut Bodies,
+        polyhedra: &mut Polyhedra,
+        around: &mut Surroundings,
+    ) {
         self.cells.sort(&bodies.balls);
         if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
             self.cells.curve(&mut self.keys, &mut self.order);
@@ -140,6 +151,16 @@ impl Search {
             previous: &self.order,
         };
         self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
+        let near = polyhedra::Nearness {
+            walls,
+            wall_laws: laws,
+            parts: &around.parts,
+            part_materials: &around.part_materials,
+            laws: &around.laws,
+            bounds: &around.bounds,
+            gap,
+        };
+        self.solids.make(self.maker.solids(), polyhedra, bodies, &near);
         if moved.is_some() {
             self.surfaces.follow(&self.order, &bodies.ids);
         }

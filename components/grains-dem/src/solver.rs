@@ -12,6 +12,7 @@ use crate::{
     pairs::BLOCK,
     parts::{self, PlacedPart, Step},
     placement,
+    polyhedra::Polyhedra,
     ports::Ports,
     probes::Probes,
     roll::Roll,
@@ -34,13 +35,14 @@ use tremie_team::Team;
 /// Overlap over the smaller radius that ends a run.
 const TOO_DEEP: f64 = 0.5;
 
-/// Spheres in a box, in contact with each other and with walls.
+/// Spheres and convex polyhedra in a box, in contact with each other and with walls.
 pub struct GrainsDem {
     domain: Domain,
     pub(crate) around: Surroundings,
     pub(crate) gravity: Vec3,
     pub(crate) dt: f64,
     pub(crate) bodies: Bodies,
+    pub(crate) polyhedra: Polyhedra,
     pub(crate) events: Vec<BodyEvent>,
     pub(crate) roll: Roll,
     /// The id of the next body that comes.
@@ -107,12 +109,11 @@ impl GrainsDem {
         }
         let parts = parts::load(scene)?;
         let spheres = placement::place(scene, &parts)?;
-        overlaps::check(scene, &spheres)?;
-        overlaps::check_parts(scene, &spheres, &parts)?;
-        let team = Team::new("grains", threads).map_err(|error| {
+        let mut team = Team::new("grains", threads).map_err(|error| {
             let message = format!("the system does not give {threads} threads: {error}");
             vec![Problem::new("threads", message)]
         })?;
+        overlaps::check(scene, &spheres, &parts, &mut team)?;
         let placed = (&spheres[..], parts, surfaces);
         let mut solver = Self::of_bodies(scene, parameters, time_step, placed, team);
         solver.rebuild_lists();
@@ -134,11 +135,12 @@ impl GrainsDem {
         parameters: &Parameters,
         dt: f64,
         (spheres, parts, surfaces): (&[PlacedSphere], Vec<PlacedPart>, &[DeformableSurface]),
-        team: Team,
+        mut team: Team,
     ) -> Self {
         let around = Surroundings::of_scene(scene, parameters, parts, surfaces);
         let laws = &around.laws;
         let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
+        let polyhedra = Polyhedra::new(scene, spheres, &mut team);
         for ball in &mut bodies.balls {
             ball.x = around.bounds.wrap(ball.x);
         }
@@ -165,6 +167,7 @@ impl GrainsDem {
             search: Search::new(bounds, largest, parameters, ports.capacity, surfaces),
             around,
             bodies,
+            polyhedra,
             team,
             driven: Driven::of_scene(scene, spheres),
             steps: 0,
@@ -215,7 +218,7 @@ impl GrainsDem {
         parts.filter_map(|(part, placed)| Some(SliderState::of(part, placed.slider()?)))
     }
 
-    /// Radii of the spheres [m], by ascending id.
+    /// Radii of the spheres, and of those around polyhedra [m], by ascending id.
     pub fn radii(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         self.bodies.slot.iter().map(|&slot| self.bodies.balls[slot as usize].radius)
     }
@@ -286,6 +289,7 @@ impl GrainsDem {
             domain: &self.domain,
             gravity: self.gravity,
             parts: &self.around.parts,
+            polyhedra: &self.polyhedra,
         };
         let sums = self.survey.sums(&mut self.team, &seen);
         Diagnostics {
@@ -338,6 +342,8 @@ impl GrainsDem {
         self.crossed |= reach.crossed;
         self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
+        let (bodies, team) = (&mut self.bodies, &mut self.team);
+        self.polyhedra.first_half(team, bodies, self.loaded, (self.dt, finish));
         let mut wrapped = false;
         let step = Step { from, to, dt: self.dt, finish };
         for part in &mut self.around.parts {
@@ -371,11 +377,18 @@ impl GrainsDem {
         wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
         let parts = &self.around.parts;
         search.parts.evaluate(team, parts, scenery, &mut self.tallies);
+        let on_solids = search.solids.evaluate(
+            team,
+            &mut self.polyhedra,
+            scenery,
+            (walls, parts),
+            (&mut search.parts.on_parts, &mut search.parts.pushes),
+        );
         let near = self.around.near_surfaces(&self.bodies, search.skin);
         let mut on_surfaces = Tally::default();
         search.surfaces.accept(surfaces, &scenery, &near, &mut on_surfaces)?;
         self.push_sliders(surfaces);
-        self.tally = Tally::sum(&[Tally::sum(&self.tallies), on_surfaces]);
+        self.tally = Tally::sum(&[Tally::sum(&self.tallies), on_surfaces, on_solids]);
         self.deep_overlaps += self.tally.deep;
         self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);
         Ok(())
@@ -397,7 +410,8 @@ impl GrainsDem {
     }
 
     pub(crate) fn rebuild_lists(&mut self) {
-        self.search.rebuild(&mut self.team, &mut self.bodies, &mut self.around);
+        let Self { search, team, bodies, polyhedra, around, .. } = self;
+        search.rebuild(team, bodies, polyhedra, around);
         self.crossed = false;
         self.wandered.begin(self.bodies.len().div_ceil(BLOCK));
     }

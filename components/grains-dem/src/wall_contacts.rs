@@ -5,6 +5,7 @@ use crate::{
     contact::Memory,
     law::Reduced,
     pairs::BLOCK,
+    polyhedra::SPHERE,
     walls::{Wall, WallLaws},
 };
 use tremie_team::Team;
@@ -128,7 +129,7 @@ impl Found {
         self.entries.clear();
         for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
             let (ball, mobility) = (&bodies.balls[i], bodies.mobility[i]);
-            if !mobility.is_free() {
+            if !mobility.is_free() || bodies.poly[i] != SPHERE {
                 continue;
             }
             let known = self.entries.len();

@@ -2,6 +2,7 @@
 
 use crate::setup::Setup;
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::scene::{BodySet, Placement};
 use tremie_messages::start::{Description, VolumeGrid};
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
 
@@ -41,6 +42,25 @@ pub(crate) fn check_surfaces(
     Err(vec![Problem::new("scene.surfaces[0]", message).help(help)])
 }
 
+/// Refuses polyhedra where `program` does not take any.
+pub(crate) fn check_polyhedra(
+    setup: &Setup,
+    program: &str,
+    takes_polyhedra: bool,
+) -> Result<(), Vec<Problem>> {
+    let is_polyhedra = |set: &BodySet| matches!(set.placement, Placement::Polyhedra(_));
+    let bodies = &setup.hello.scene.bodies;
+    match bodies.iter().position(is_polyhedra).filter(|_| !takes_polyhedra) {
+        None => Ok(()),
+        Some(set) => {
+            let message = format!("{program} takes no polyhedra");
+            let help =
+                "take spheres, another program for its role, or leave the role out: a dry run";
+            Err(vec![Problem::new(format!("scene.bodies[{set}].placement"), message).help(help)])
+        }
+    }
+}
+
 /// A fluid: takes poses of bodies, gives loads on them.
 ///
 /// All values in SI units, world frame. `bodies` and `loads` have equal lengths and the same order
@@ -56,6 +76,10 @@ pub trait Fluid: Sized {
     /// Whether it tells the velocities at open faces: [`Fluid::ports`]. A scene whose inlets take them is
     /// refused otherwise.
     const TELLS_PORTS: bool = false;
+
+    /// Whether bodies may be polyhedra: events of [`BodyEvent::POLYHEDRON`]. A scene with some is refused
+    /// otherwise.
+    const TAKES_POLYHEDRA: bool = false;
 
     /// Checks scene and parameters, and says what the fluid needs. Cheap; allocates no field.
     ///
@@ -155,6 +179,9 @@ pub trait Grains: Sized {
     /// Whether they take velocities at open faces for the bodies that come there: [`Grains::ports`]. A
     /// scene whose inlets take them is refused otherwise.
     const TAKES_PORTS: bool = false;
+
+    /// Whether bodies may be polyhedra. A scene with some is refused otherwise.
+    const TAKES_POLYHEDRA: bool = false;
 
     /// Checks scene and parameters, and says what the grains need.
     ///

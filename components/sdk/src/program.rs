@@ -6,7 +6,7 @@ use crate::impulse::Impulse;
 use crate::line::Line;
 use crate::observe::serve_observer;
 use crate::observer::Observer;
-use crate::physics::{Fluid, Grains, Rubber, check_surfaces};
+use crate::physics::{Fluid, Grains, Rubber, check_polyhedra, check_surfaces};
 use crate::rubber::RubberPlayer;
 use crate::serve::{Introduction, introduce, serve};
 use crate::setup::Setup;
@@ -22,6 +22,7 @@ use tremie_messages::start::{Description, INTERFACE_VARIABLE};
 pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
     let describe = |setup: &Setup| {
         check_surfaces(setup, F::PROGRAM, F::TAKES_SURFACES)?;
+        check_polyhedra(setup, F::PROGRAM, F::TAKES_POLYHEDRA)?;
         let described = Description { ports: F::TELLS_PORTS, ..F::describe(setup)? };
         Ok(Impulse::announce(described, "impulse_delivered"))
     };
@@ -41,6 +42,7 @@ pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
 pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
     let describe = |setup: &Setup| {
         check_surfaces(setup, G::PROGRAM, G::TAKES_SURFACES)?;
+        check_polyhedra(setup, G::PROGRAM, G::TAKES_POLYHEDRA)?;
         let described = Description { ports: G::TAKES_PORTS, ..G::describe(setup)? };
         Ok(Impulse::announce(described, "impulse_received"))
     };

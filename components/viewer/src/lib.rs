@@ -6,7 +6,7 @@
 //! | entity | content | when |
 //! | --- | --- | --- |
 //! | `scene/domain/..` | edges of the box, walls, open faces (blue: velocity, orange: pressure), inner planes | static |
-//! | `scene/bodies/<set>` | spheres of a body set, coloured by speed; grey if fixed | each frame |
+//! | `scene/bodies/<set>` | spheres of a body set, coloured by speed, grey if fixed; polyhedra, in a colour of the set | each frame |
 //! | `scene/cuts/<component>/<name>` | a cut through the fluid, coloured by speed; solid nodes grey | shape static, colours each frame |
 //! | `scene/cuts/<component>/<name>/arrows` | velocity on a readable number of its nodes | each frame |
 //! | `scene/streamlines/<component>/<volume>` | streamlines of the moment, coloured by speed | each frame |
@@ -50,6 +50,7 @@ mod patch;
 pub mod scale;
 mod session;
 mod signals;
+mod solids;
 mod stage;
 mod streamlines;
 mod view;

@@ -24,7 +24,7 @@ pub struct Parts {
 }
 
 /// A part's surface in its own frame, with flat shading: each triangle has corners of its own.
-fn surface(mesh: &Mesh) -> Mesh3D {
+pub(crate) fn surface(mesh: &Mesh) -> Mesh3D {
     let corners = mesh
         .triangles
         .iter()

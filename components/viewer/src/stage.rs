@@ -8,7 +8,7 @@ use rerun::{
     LineStrips3D, MediaType, Mesh3D, RecordingStream, RecordingStreamResult, TextDocument,
 };
 use tremie_messages::scene::{
-    BodySet, Domain, Face, Motion, Part, PartBoundary, Placement, Plane, Scene,
+    BodySet, Domain, Face, Motion, Part, PartBoundary, Placement, Plane, PolyhedronPlacement, Scene,
 };
 use tremie_messages::start::Assignment;
 
@@ -183,6 +183,18 @@ fn describe_set(set: &BodySet) -> String {
         Placement::Packed(packing) => {
             let extremes = packing.diameters.extremes();
             (format!("{} % packing", number(100.0 * packing.fraction)), span(extremes.into_iter()))
+        }
+        Placement::Polyhedra(own) => {
+            let (how_many, diameters) = match &own.placement {
+                PolyhedronPlacement::Listed(list) => {
+                    (list.len().to_string(), span(list.iter().map(|body| body.diameter)))
+                }
+                PolyhedronPlacement::Packed(packing) => (
+                    format!("{} % packing of", number(100.0 * packing.fraction)),
+                    span(packing.diameters.extremes().into_iter()),
+                ),
+            };
+            (format!("{how_many} \"{}\", as large as spheres", own.shape), diameters)
         }
     };
     format!("{how_many} of {diameters}, {} kg/m³{motion}", number(set.density))

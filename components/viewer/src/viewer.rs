@@ -10,6 +10,7 @@ use crate::parts::{self, Parts};
 use crate::scale::SpeedScale;
 use crate::session::Session;
 use crate::signals::Plot;
+use crate::solids::Solids;
 use crate::view::{Eye, Vector, overview, up_vector};
 use crate::{blueprint, legend, signals, stage};
 use rerun::{RecordingStream, RecordingStreamError, TextLog, TextLogLevel};
@@ -40,6 +41,7 @@ pub struct Viewer {
     up: Vector,
     domain: Domain,
     bodies: Bodies,
+    solids: Solids,
     parts: Parts,
     cuts: BTreeMap<(String, String), Cut>,
     flows: BTreeMap<(String, String), Flow>,
@@ -176,6 +178,7 @@ impl Observer for Viewer {
             up: up_vector(scene),
             domain: scene.domain.clone(),
             bodies: Bodies::new(scene),
+            solids: Solids::new(scene),
             parts,
             cuts: BTreeMap::new(),
             flows: BTreeMap::new(),
@@ -203,6 +206,7 @@ impl Observer for Viewer {
         self.set_time(at);
         self.follow(bodies::speeds(bodies))?;
         drawn(self.parts.log(self.session.recording(), bodies))?;
+        drawn(self.solids.log(self.session.recording(), bodies))?;
         drawn(self.bodies.log(self.session.recording(), bodies, &self.scale))
     }
 

@@ -29,6 +29,9 @@
 //! # Ok::<(), tremie_geometry::GeometryError>(())
 //! ```
 //!
+//! [`Convex`] is the shape of a grain: a convex polyhedron from its corners, with faces, moments and
+//! [`principal`] axes.
+//!
 //! Lengths are in metres, vectors in the part's frame unless it says otherwise. Equal input gives
 //! equal bits on every machine with IEEE arithmetic: no function of the system's mathematics
 //! library is used, nothing is fused, and every tie is broken by index.
@@ -36,6 +39,7 @@
 mod bounds;
 mod caps;
 mod closest;
+mod convex;
 mod crossing;
 mod edges;
 mod error;
@@ -53,6 +57,7 @@ mod read;
 mod revolve;
 mod row;
 mod shapes;
+mod solids;
 mod surface;
 mod tree;
 mod turned;
@@ -62,6 +67,7 @@ mod write;
 
 pub use bounds::Bounds;
 pub use closest::{Closest, Feature};
+pub use convex::{Convex, ConvexError, ConvexFace, principal};
 pub use crossing::Crossing;
 pub use error::{Fault, GeometryError};
 pub use features::{EdgeKind, FLAT_ANGLE, VertexKind};
@@ -72,6 +78,7 @@ pub use mesh::{Loaded, Mesh, load};
 pub use moments::Moments;
 pub use row::{Row, RowScratch};
 pub use shapes::{CYLINDER_SEGMENTS, SPHERE_LEVELS};
+pub use solids::{SOLIDS, solid};
 pub use surface::Surface;
 pub use turned::Turned;
 

@@ -46,7 +46,7 @@ pub struct BodyEvent {
     pub id: u64,
     /// What happened: [`BodyEvent::ADDED`] or [`BodyEvent::REMOVED`].
     pub kind: u32,
-    /// Shape of an added body: [`BodyEvent::SPHERE`] or [`BodyEvent::PART`].
+    /// Shape of an added body: [`BodyEvent::SPHERE`], [`BodyEvent::PART`] or [`BodyEvent::POLYHEDRON`].
     pub shape: u32,
     /// How an added body moves: [`BodyEvent::FREE`], [`BodyEvent::FIXED`], [`BodyEvent::PRESCRIBED`] or
     /// [`BodyEvent::SLIDER`].
@@ -56,9 +56,9 @@ pub struct BodyEvent {
     /// Mass [kg]; 0 for a part whose motion is prescribed.
     pub mass: f64,
     /// Size of the shape [m]: `[radius, 0, 0]` for a sphere; for a part the radius about its reference
-    /// point that holds it.
+    /// point that holds it; for a polyhedron that radius, and the diameter of a sphere of equal volume.
     pub size: [f64; 3],
-    /// Index into the scene's list of parts, for a part; else 0.
+    /// Index into the scene's list of parts, for a part, or of shapes, for a polyhedron; else 0.
     pub table: u64,
 }
 
@@ -71,6 +71,8 @@ impl BodyEvent {
     pub const SPHERE: u32 = 1;
     /// A part of the scene, its surface in the body's frame.
     pub const PART: u32 = 2;
+    /// A convex polyhedron of a shape of the scene.
+    pub const POLYHEDRON: u32 = 3;
     /// Moves under forces.
     pub const FREE: u32 = 0;
     /// Never moves.

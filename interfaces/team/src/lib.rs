@@ -163,7 +163,11 @@ impl Team {
         self.for_pieces_with(pieces, &mut rooms, |(), k, piece| work(k, piece));
     }
 
-    fn for_pieces_with<P: Pieces, R: Send>(
+    /// As [`Team::for_pieces`], with room for each thread as [`Team::for_each_with`] has it.
+    ///
+    /// # Panics
+    /// If `work` panicked on any thread, or there are fewer rooms than threads.
+    pub fn for_pieces_with<P: Pieces, R: Send>(
         &mut self,
         pieces: P,
         rooms: &mut [R],

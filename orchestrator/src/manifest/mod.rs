@@ -134,15 +134,21 @@ impl Manifest {
             .collect()
     }
 
-    /// The key of the manifest for one of the scene: bodies have their `placement` by `packing` or
-    /// `spheres` there.
+    /// The key of the manifest for one of the scene: bodies have their `placement` by `packing`, `spheres` or
+    /// `polyhedra` there.
     fn written(&self, key: &str) -> String {
-        let key = key.replacen(".placement.packed", ".packing", 1).replacen(
-            ".placement.listed",
-            ".spheres",
-            1,
-        );
-        let either = ["packing", "spheres"].map(|word| key.replacen("placement", word, 1));
+        let names = [
+            (".placement.polyhedra.placement.packed", ".packing"),
+            (".placement.polyhedra.placement.listed", ".polyhedra"),
+            (".placement.polyhedra.shape", ".shape"),
+            (".placement.packed", ".packing"),
+            (".placement.listed", ".spheres"),
+        ];
+        let key = names
+            .iter()
+            .fold(key.to_string(), |key, (of_scene, own)| key.replacen(of_scene, own, 1));
+        let either =
+            ["packing", "spheres", "polyhedra"].map(|word| key.replacen("placement", word, 1));
         either.into_iter().find(|either| self.source.knows(either)).unwrap_or(key)
     }
 

@@ -128,6 +128,9 @@ impl Document {
             surface.material = surface.material.take().or_else(|| scene.domain.material.clone());
             fill_surface(surface, folder);
         }
+        for file in scene.shapes.iter_mut().filter_map(|shape| shape.file.as_mut()) {
+            make_absolute(file, folder);
+        }
         for set in &mut scene.bodies {
             fill_bodies(set, self.run.seed, &scene.materials);
         }
@@ -205,6 +208,10 @@ fn fill_bodies(
     for sphere in set.spheres.iter_mut().flatten() {
         sphere.velocity.get_or_insert([Velocity(0.0); 3]);
         sphere.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
+    }
+    for body in set.polyhedra.iter_mut().flatten() {
+        body.velocity.get_or_insert([Velocity(0.0); 3]);
+        body.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
     }
     if let (Some(packing), Some(seed)) = (&mut set.packing, seed) {
         packing.seed.get_or_insert(seed);

@@ -6,6 +6,7 @@ mod contacts;
 mod faces;
 mod inlets;
 mod parts;
+mod polyhedra;
 mod seals;
 
 /// A manifest that is right; tests break one line of it.
@@ -396,6 +397,8 @@ fn the_schema_names_every_table_and_no_null() {
         "probes",
         "slip_below",
         "inlets",
+        "polyhedra",
+        "shapes",
         "z_upper",
         "section",
         "relaxation_time",
@@ -440,4 +443,16 @@ fn a_problem_of_the_command_line_is_said_to_be_there() {
     let source = read(GOOD).unwrap().source;
     let rendered = source.render(&[Problem::new("--inject", "there is no component")], false);
     assert!(rendered.contains("--> command line"), "{rendered}");
+}
+
+#[test]
+fn inside_without_outside_is_said_to_find_no_leak() {
+    let says = |outside: &str| {
+        let inside = "viscosity = \"0.373 Pa s\"\ninside = [[\"50 mm\", \"50 mm\", \"50 mm\"]]";
+        let text = GOOD.replacen("viscosity = \"0.373 Pa s\"", &format!("{inside}\n{outside}"), 1);
+        let notes = read(&text).unwrap_or_else(|errors| panic!("{errors}")).notes;
+        notes.iter().any(|note| note.contains("leaks"))
+    };
+    assert!(says(""));
+    assert!(!says("outside = [[\"10 mm\", \"50 mm\", \"150 mm\"]]"));
 }

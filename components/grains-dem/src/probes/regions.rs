@@ -36,9 +36,10 @@ pub(super) fn look(
         sums.fill(Sum::default());
         for &slot in &bodies.slot[b * BLOCK..bodies.len().min((b + 1) * BLOCK)] {
             let (ball, twist) = (&bodies.balls[slot as usize], &bodies.twists[slot as usize]);
+            let radius = bodies.equal_radius(slot as usize);
             for (region, sum) in regions.iter().zip(&mut *sums) {
                 for shift in bounds.images() {
-                    let volume = region.volume_of(ball.x + shift, ball.radius);
+                    let volume = region.volume_of(ball.x + shift, radius);
                     sum.volume += volume;
                     sum.flow += twist.v * volume;
                 }

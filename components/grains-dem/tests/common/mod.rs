@@ -1,6 +1,8 @@
 //! Small scenes for the tests.
 #![allow(dead_code)] // Each test uses some of these.
 
+pub mod solids;
+
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::{
     body::BodyState,

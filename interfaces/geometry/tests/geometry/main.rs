@@ -3,6 +3,7 @@
 
 mod bodies;
 mod cavities;
+mod convex;
 mod features;
 mod files;
 mod mending;

@@ -1,9 +1,9 @@
-//! Spheres: sets of them, how they move, where they are at the start.
+//! Bodies: sets of them, how they move, where they are at the start.
 
-use super::Slider;
+use super::{Polyhedra, Slider};
 use serde::{Deserialize, Serialize};
 
-/// Spheres of one material and one kind of motion.
+/// Spheres, or polyhedra of one shape, of one material and one kind of motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodySet {
@@ -54,6 +54,8 @@ pub enum Placement {
     Listed(Vec<Sphere>),
     /// Spheres packed at random, without overlap, into a region up to a solid fraction.
     Packed(Packing),
+    /// Convex polyhedra of one shape.
+    Polyhedra(Polyhedra),
 }
 
 /// A sphere at the start.

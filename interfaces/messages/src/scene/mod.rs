@@ -8,6 +8,7 @@ mod domain;
 mod gaps;
 mod inlets;
 mod parts;
+mod polyhedra;
 mod probes;
 mod reservoir;
 mod ring;
@@ -20,6 +21,7 @@ pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profi
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
 pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
+pub use polyhedra::{Polyhedra, Polyhedron, PolyhedronPlacement, Shape};
 pub use probes::{Probe, ProbeShape};
 pub use reservoir::{Reservoir, ReservoirMode};
 pub use ring::Ring;
@@ -45,7 +47,10 @@ pub struct Scene {
     /// Surfaces that change their shape: seals of rubber, each carried by a part.
     #[serde(default)]
     pub surfaces: Vec<DeformableSurface>,
-    /// Spheres, in sets of one material and motion.
+    /// Shapes of polyhedra.
+    #[serde(default)]
+    pub shapes: Vec<Shape>,
+    /// Spheres and polyhedra, in sets of one material and motion.
     pub bodies: Vec<BodySet>,
     /// Where spheres come from during the run.
     #[serde(default)]
@@ -72,6 +77,7 @@ impl Scene {
             planes: Vec::new(),
             parts: Vec::new(),
             surfaces: Vec::new(),
+            shapes: Vec::new(),
             bodies: Vec::new(),
             inlets: Vec::new(),
             outlets: Vec::new(),
@@ -93,6 +99,11 @@ impl Scene {
             values(&probe.shape).iter().map(of).collect::<Vec<_>>()
         };
         self.probes.iter().flat_map(named).collect()
+    }
+
+    /// Whether any body is a polyhedron.
+    pub fn has_polyhedra(&self) -> bool {
+        self.bodies.iter().any(|set| matches!(set.placement, Placement::Polyhedra(_)))
     }
 
     /// Whether spheres leave the run through a face of the domain: it is open, and an outlet removes those

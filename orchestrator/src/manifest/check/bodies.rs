@@ -6,24 +6,34 @@ use super::super::read::Findings;
 use super::course::motion;
 use super::diameters::diameters;
 use super::point;
+use super::polyhedra::{self, Shapes};
 use crate::plan::short;
 use std::collections::BTreeSet;
-use tremie_messages::scene::{BodySet, Motion, Packing, Placement, Sphere};
+use tremie_messages::scene::{
+    BodySet, Motion, Packing, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Sphere,
+};
 
 /// Spheres of one size fill no more than this of a space (Kepler); random ones far less.
 const DENSEST: f64 = 0.7405;
 
 /// The sets; `None` for each that is wrong.
-pub(super) fn bodies(tables: &[BodiesTable], findings: &mut Findings) -> Vec<Option<BodySet>> {
+pub(super) fn bodies(
+    tables: &[BodiesTable],
+    shapes: &Shapes,
+    findings: &mut Findings,
+) -> Vec<Option<BodySet>> {
     let mut names = BTreeSet::new();
     (tables.iter().enumerate())
-        .map(|(i, table)| body_set(table, &path::item("scene.bodies", i), &mut names, findings))
+        .map(|(i, table)| {
+            let at = path::item("scene.bodies", i);
+            body_set(table, (shapes, &at), &mut names, findings)
+        })
         .collect()
 }
 
 fn body_set(
     table: &BodiesTable,
-    at: &str,
+    (shapes, at): (&Shapes, &str),
     names: &mut BTreeSet<String>,
     findings: &mut Findings,
 ) -> Option<BodySet> {
@@ -38,7 +48,7 @@ fn body_set(
     }
     let density = density(table, at, findings);
     let motion = motion(table.motion?, table.course.as_deref(), at, findings);
-    let placement = placement(table, at, findings);
+    let placement = placement(table, shapes, at, findings);
     one_velocity(&motion, &placement, at, findings);
     Some(BodySet {
         material: table.material.clone().or_else(|| name.clone())?,
@@ -72,43 +82,78 @@ fn one_velocity(
     at: &str,
     findings: &mut Findings,
 ) {
-    let (Some(Motion::Prescribed(points)), Some(Placement::Listed(spheres))) = (motion, placement)
-    else {
-        return;
+    let Some(Motion::Prescribed(points)) = motion else { return };
+    let turns = |v: [f64; 3], w: [f64; 3]| v != [0.0; 3] || w != [0.0; 3];
+    let (key, moving) = match placement {
+        Some(Placement::Listed(spheres)) => {
+            let moves = |s: &Sphere| turns(s.velocity, s.angular_velocity);
+            ("spheres", spheres.iter().position(moves))
+        }
+        Some(Placement::Polyhedra(Polyhedra {
+            placement: PolyhedronPlacement::Listed(list),
+            ..
+        })) => {
+            let moves = |s: &Polyhedron| turns(s.velocity, s.angular_velocity);
+            ("polyhedra", list.iter().position(moves))
+        }
+        _ => return,
     };
-    let moves = |s: &Sphere| s.velocity != [0.0; 3] || s.angular_velocity != [0.0; 3];
-    if let Some(i) = spheres.iter().position(moves).filter(|_| !points.is_empty()) {
+    if let Some(i) = moving.filter(|_| !points.is_empty()) {
         let message =
             "found a velocity, but the set has a course, which says how fast its bodies are";
-        findings.problem(&path::item(&path::join(at, "spheres"), i), message);
+        findings.problem(&path::item(&path::join(at, key), i), message);
     }
 }
 
-fn placement(table: &BodiesTable, at: &str, findings: &mut Findings) -> Option<Placement> {
-    match (&table.spheres, &table.packing) {
-        (Some(spheres), None) => {
+fn placement(
+    table: &BodiesTable,
+    shapes: &Shapes,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Placement> {
+    match (&table.spheres, &table.polyhedra, &table.packing) {
+        (None, Some(list), None) => polyhedra::listed(table, list, shapes, at, findings),
+        (Some(_), None, None) if table.shape.is_some() => {
+            let message = "found a shape, but the bodies are spheres: expected \"polyhedra\"";
+            findings.problem(&path::join(at, "shape"), message);
+            None
+        }
+        (Some(spheres), None, None) => {
             let at = path::join(at, "spheres");
             let spheres: Vec<_> = (spheres.iter().enumerate())
                 .map(|(i, table)| sphere(table, &path::item(&at, i), findings))
                 .collect();
             spheres.into_iter().collect::<Option<_>>().map(Placement::Listed)
         }
-        (None, Some(table)) => {
-            packing(table, &path::join(at, "packing"), findings).map(Placement::Packed)
+        (None, None, Some(packed)) => {
+            let packing = packing(packed, &path::join(at, "packing"), findings)?;
+            match &table.shape {
+                Some(shape) => polyhedra::packed(shape, packing, shapes, at, findings),
+                None => Some(Placement::Packed(packing)),
+            }
         }
-        (Some(_), Some(_)) => {
+        (None, None, None) => {
+            let keys = ["spheres", "polyhedra", "packing"];
+            if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
+                let message =
+                    "missing: where the bodies are, as \"spheres\", \"polyhedra\" or \"packing\"";
+                findings.problem(at, message);
+            }
+            None
+        }
+        (_, _, Some(_)) => {
+            let other = if table.spheres.is_some() { "spheres" } else { "polyhedra" };
             findings.problem(
                 &path::join(at, "packing"),
-                "found both spheres and a packing, expected one of them",
+                format!("found both {other} and a packing, expected one of them"),
             );
             None
         }
-        (None, None) => {
-            let keys = ["spheres", "packing"];
-            if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
-                findings
-                    .problem(at, "missing: where the bodies are, as \"spheres\" or as \"packing\"");
-            }
+        (Some(_), Some(_), None) => {
+            findings.problem(
+                &path::join(at, "polyhedra"),
+                "found both spheres and polyhedra, expected one of them",
+            );
             None
         }
     }

@@ -13,6 +13,7 @@ mod inlets;
 mod materials;
 mod parts;
 mod placement;
+mod polyhedra;
 mod probes;
 mod run;
 mod scene;
@@ -59,6 +60,14 @@ pub(super) fn notes(spec: &Spec) -> Vec<String> {
     let has = |role| spec.components.iter().any(|c| c.role == role);
     if spec.scene.fluid.is_some() && !has(Role::Fluid) {
         notes.push("scene.fluid is not used: no component has the role fluid".into());
+    }
+    if let Some(fluid) = &spec.scene.fluid
+        && !fluid.inside.is_empty()
+        && fluid.outside.is_empty()
+    {
+        let note = "scene.fluid.inside keeps the fluid that these points reach; whether it leaks out of the parts is \
+                    looked at only where scene.fluid.outside has points that it must not reach";
+        notes.push(note.into());
     }
     if !spec.scene.probes.is_empty() && !has(Role::Fluid) {
         let areas = |probe: &Probe| {

@@ -2,12 +2,15 @@
 //!
 //! Bodies at rest on each other do overlap a little; up to a hundredth of a diameter is left to
 //! the contact law. Bodies that never move freely may reach into walls and into each other, as
-//! the spheres of a rough floor do.
+//! the spheres of a rough floor do. Of polyhedra only the centroid is looked at here: the grains know how far they
+//! reach.
 
 use super::super::path;
 use super::super::read::Findings;
-use super::extent;
-use tremie_messages::scene::{BodySet, Domain, Motion, Placement, Plane, Sphere};
+use super::{extent, probes};
+use tremie_messages::scene::{
+    BodySet, Domain, Motion, Placement, Plane, Polyhedra, PolyhedronPlacement, Sphere,
+};
 
 /// Overlap that a contact law may start from, as a fraction of the smaller diameter.
 const TOLERANCE: f64 = 0.01;
@@ -38,7 +41,21 @@ pub(super) fn check(
                     free: set.motion == Motion::Free,
                 }))
             }
-            Placement::Packed(packing) => {
+            Placement::Polyhedra(Polyhedra {
+                placement: PolyhedronPlacement::Listed(list),
+                ..
+            }) => {
+                for (j, body) in list.iter().enumerate() {
+                    let key = path::item(&path::join(&at, "polyhedra"), j);
+                    let x = body.position;
+                    probes::inside(&x, domain, &path::join(&key, "position"), findings);
+                }
+            }
+            Placement::Packed(packing)
+            | Placement::Polyhedra(Polyhedra {
+                placement: PolyhedronPlacement::Packed(packing),
+                ..
+            }) => {
                 let outside = (0..3)
                     .any(|a| packing.min[a] < domain.min[a] || packing.max[a] > domain.max[a]);
                 if outside {

@@ -4,6 +4,7 @@ use super::super::document::{FluidTable, PlaneTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::contacts::{Surroundings, contacts};
+use super::polyhedra::Shapes;
 use super::{bodies, domain, gaps, inlets, materials, parts, placement, probes, seals, surfaces};
 use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Part, Plane, Scene};
 
@@ -14,7 +15,8 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let planes = planes(&table.planes, findings);
     let parts = parts::parts(&table.parts, findings);
     let seals = seals::surfaces(&table.surfaces, &table.parts, findings);
-    let mut bodies = bodies::bodies(&table.bodies, findings);
+    let shapes = Shapes::of(table, findings);
+    let mut bodies = bodies::bodies(&table.bodies, &shapes, findings);
     let mut names = inlets::Names::of(table);
     let (inlets, own_sets) = inlets::inlets(table, &mut names, findings);
     bodies.extend(own_sets);
@@ -42,6 +44,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         planes: planes?,
         parts: parts?,
         surfaces: seals?,
+        shapes: shapes.used(bodies.iter().flatten().map(|set| &set.placement)),
         bodies: bodies?,
         inlets: inlets?,
         outlets: outlets?,

@@ -1,12 +1,13 @@
 //! The manifest's tables of bodies: how they move, where they are, how large.
 
 use super::forms::{Form, Never, read};
+use super::polyhedra::PolyhedronTable;
 use super::values::DiameterEntry;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use tremie_messages::units::{AngularVelocity, Density, Length, Time, Velocity};
 
-/// Bodies of one material and one kind of motion. Exactly one of `spheres` and `packing`.
+/// Bodies of one material and one kind of motion. Exactly one of `spheres`, `polyhedra` and `packing`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct BodiesTable {
@@ -22,7 +23,12 @@ pub(in super::super) struct BodiesTable {
     pub course: Option<Vec<MotionPointTable>>,
     /// Each sphere given.
     pub spheres: Option<Vec<SphereTable>>,
-    /// Spheres packed at random, without overlap.
+    /// Shape of polyhedra: one of `[[scene.shapes]]`, or tetrahedron, cube, octahedron, dodecahedron or
+    /// icosahedron (default: the bodies are spheres).
+    pub shape: Option<String>,
+    /// Each polyhedron given.
+    pub polyhedra: Option<Vec<PolyhedronTable>>,
+    /// Spheres packed at random, without overlap; or polyhedra in such spheres, turned at random.
     pub packing: Option<PackingTable>,
 }
 
@@ -73,9 +79,9 @@ pub(in super::super) struct PackingTable {
     pub min: Option<[Length; 3]>,
     /// Upper corner of the region. Required.
     pub max: Option<[Length; 3]>,
-    /// Volume of the spheres over volume of the region. Required.
+    /// Volume of the bodies over volume of the region. Required.
     pub fraction: Option<f64>,
-    /// One diameter for all, or `[smallest, largest]` of a uniform distribution.
+    /// One diameter for all (of polyhedra that of a sphere of the same volume), or `[smallest, largest]` of a uniform distribution.
     pub diameter: Option<DiameterEntry>,
     /// Diameters to draw from, each equally likely, or a distribution.
     pub diameters: Option<DiametersEntry>,

@@ -2,7 +2,7 @@
 
 use super::{
     BodiesTable, ContactTable, DomainTable, FluidTable, GapTable, InletTable, MaterialTable,
-    OutletTable, PartTable, ProbeTable, SurfaceTable,
+    OutletTable, PartTable, ProbeTable, ShapeTable, SurfaceTable,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,9 @@ pub(in super::super) struct SceneTable {
     /// Seals of rubber: surfaces that change their shape, each carried by a part.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<SurfaceTable>,
+    /// Shapes of polyhedra, besides tetrahedron, cube, octahedron, dodecahedron and icosahedron.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shapes: Vec<ShapeTable>,
     /// Bodies, in sets of one material and motion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodiesTable>,

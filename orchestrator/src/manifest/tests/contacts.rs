@@ -214,7 +214,7 @@ fn diameters_follow_each_distribution() {
         reads_back(&text);
         match &read(&text).unwrap().spec.scene.bodies[0].placement {
             Placement::Packed(packing) => packing.diameters.clone(),
-            Placement::Listed(_) => panic!(),
+            other => panic!("{other:?}"),
         }
     };
     assert_eq!(

@@ -1,0 +1,325 @@
+//! What polyhedra may touch: the list, what contacts remember, and the loads that they gave.
+//!
+//! Entries stand in the order of ids, so that sums do not depend on where bodies stand in memory, on when
+//! the list was made, or on threads.
+
+use super::{
+    Polyhedra, SPHERE,
+    entries::{Around, Entry, Kind},
+    press::Room,
+    respond::Memory,
+};
+use crate::{
+    bodies::{Bodies, Mobility, Wrench},
+    forces::Scenery,
+    laws::Laws,
+    mesh_contact::distance,
+    pairs::BLOCK,
+    parts::PlacedPart,
+    periodic::PeriodicBox,
+    slider::Along,
+    tally::Tally,
+    walls::{Wall, WallLaws},
+};
+use tremie_team::{Cut, Team};
+
+/// Entries that are one item of work.
+const TOGETHER: usize = 8;
+
+/// Pairs of bodies of which one is a polyhedron, as a block finds them: places in memory, and the image
+/// through which the first sees the second.
+pub(crate) type Found = (u32, u32, u32);
+
+/// The list.
+#[derive(Debug, Default)]
+pub(crate) struct PolyContacts {
+    entries: Vec<Entry>,
+    memories: Vec<Memory>,
+    /// Where the memories of each item of work begin.
+    memory_bounds: Vec<u32>,
+    triangles: Vec<(u32, u32)>,
+    /// Bodies that have entries, in the order of memory.
+    pub bodies: Vec<u32>,
+    /// Sum of the loads on each.
+    pub wrench: Vec<Wrench>,
+    /// Which of `bodies` belong to each block of bodies.
+    pub bounds: Vec<u32>,
+    /// `places[start[p]..start[p + 1]]` are the entries of `bodies[p]`: twice the entry, and one more where
+    /// the body is the other.
+    start: Vec<u32>,
+    places: Vec<u32>,
+    tallies: Vec<Tally>,
+    rooms: Vec<Room>,
+    before: Vec<Entry>,
+    memories_before: Vec<Memory>,
+    near: Vec<u32>,
+}
+
+/// What a list is made from.
+pub(crate) struct Nearness<'a> {
+    pub walls: &'a [Wall],
+    pub wall_laws: &'a WallLaws,
+    pub parts: &'a [PlacedPart],
+    pub part_materials: &'a [u16],
+    pub laws: &'a Laws,
+    pub bounds: &'a PeriodicBox,
+    /// How far beyond touching contacts are listed [m].
+    pub gap: f64,
+}
+
+impl PolyContacts {
+    /// Makes the list anew; contacts that it knew keep their history and their loads.
+    pub fn make(
+        &mut self,
+        pairs: impl Iterator<Item = Found>,
+        polyhedra: &mut Polyhedra,
+        bodies: &Bodies,
+        at: &Nearness<'_>,
+    ) {
+        self.bounds.clear();
+        self.bounds.resize(bodies.len().div_ceil(BLOCK) + 1, 0);
+        if polyhedra.is_empty() {
+            return;
+        }
+        polyhedra.find_slots(bodies);
+        std::mem::swap(&mut self.entries, &mut self.before);
+        std::mem::swap(&mut self.memories, &mut self.memories_before);
+        self.entries.clear();
+        self.triangles.clear();
+        self.entries.extend(pairs.map(|found| of_pair(found, polyhedra, bodies, at.laws)));
+        for grain in 0..polyhedra.len() {
+            self.surfaces(grain, polyhedra, bodies, at);
+        }
+        self.entries.sort_unstable_by_key(|entry| entry.key);
+        self.inherit();
+        self.distribute(bodies);
+        self.gather(polyhedra, bodies);
+    }
+
+    /// Lists walls and parts near a polyhedron.
+    fn surfaces(
+        &mut self,
+        grain: usize,
+        polyhedra: &Polyhedra,
+        bodies: &Bodies,
+        at: &Nearness<'_>,
+    ) {
+        let (id, slot) = (polyhedra.grains()[grain].id, polyhedra.grains()[grain].slot);
+        let (i, ball) = (slot as usize, bodies.balls[slot as usize]);
+        let mobility = bodies.mobility[i];
+        if !mobility.is_free() {
+            return;
+        }
+        let shape = polyhedra.shape_of(grain);
+        let size = polyhedra.grains()[grain].size;
+        let entry = Entry {
+            key: (id, Kind::Wall, 0),
+            places: [slot, 0],
+            image: 0,
+            law: 0,
+            root_mass: mobility.root_reduced_mass(Mobility::NONE),
+            area: shape.largest_face * size * size,
+            near: [0; 2],
+            touching: 0,
+            loads: [Wrench::zero(); 2],
+        };
+        for (number, wall) in (0..).zip(at.walls) {
+            if wall.overlap(&ball) > -at.gap {
+                let law = at.wall_laws[number as usize][bodies.material[i] as usize];
+                let key = (id, Kind::Wall, u64::from(number));
+                self.entries.push(Entry { key, places: [slot, number], law, ..entry });
+            }
+        }
+        for (number, part) in (0..).zip(at.parts) {
+            let first = self.triangles.len() as u32;
+            let reach = ball.radius + at.gap;
+            for (image, shift) in at.bounds.numbered_images() {
+                let x = part.to_part(ball.x + shift);
+                part.triangles_near(x, reach, &mut self.near);
+                let near = |t: &&u32| distance(x, part.triangle(**t).corners) < reach;
+                let near = self.near.iter().filter(near);
+                self.triangles.extend(near.map(|&triangle| (triangle, image)));
+            }
+            let near = [first, self.triangles.len() as u32];
+            if near[0] < near[1] {
+                let law = at.laws.between(at.part_materials[number as usize], bodies.material[i]);
+                let root_mass = mobility.root_reduced_mass(part.mobility());
+                let key = (id, Kind::Part, u64::from(number));
+                let places = [slot, number];
+                self.entries.push(Entry { key, places, law, root_mass, near, ..entry });
+            }
+        }
+    }
+
+    /// Gives entries what those before them remember.
+    fn inherit(&mut self) {
+        self.memories.clear();
+        self.memory_bounds.clear();
+        let mut from = 0;
+        let mut old = self.before.iter().peekable();
+        for (number, entry) in self.entries.iter_mut().enumerate() {
+            if number.is_multiple_of(TOGETHER) {
+                self.memory_bounds.push(self.memories.len() as u32);
+            }
+            while let Some(before) = old.next_if(|before| before.key < entry.key) {
+                from += before.memories();
+            }
+            let count = entry.memories();
+            match old.peek() {
+                Some(before) if before.key == entry.key => {
+                    entry.touching = before.touching;
+                    entry.loads = before.loads;
+                    self.memories.extend(&self.memories_before[from..from + count]);
+                }
+                _ => self.memories.resize(self.memories.len() + count, Memory::NONE),
+            }
+        }
+        self.memory_bounds.push(self.memories.len() as u32);
+    }
+
+    /// Tells which entries belong to which body.
+    fn distribute(&mut self, bodies: &Bodies) {
+        let of_both = |entry: &Entry| if entry.key.1 == Kind::Body { 2 } else { 1 };
+        self.bodies.clear();
+        for entry in &self.entries {
+            self.bodies.extend(&entry.places[..of_both(entry)]);
+        }
+        self.bodies.sort_unstable();
+        self.bodies.dedup();
+        let place = |bodies: &[u32], slot: u32| bodies.partition_point(|&b| b < slot);
+        self.start.clear();
+        self.start.resize(self.bodies.len() + 1, 0);
+        for entry in &self.entries {
+            for &slot in &entry.places[..of_both(entry)] {
+                self.start[place(&self.bodies, slot) + 1] += 1;
+            }
+        }
+        for p in 0..self.bodies.len() {
+            self.start[p + 1] += self.start[p];
+        }
+        self.places.clear();
+        self.places.resize(self.start[self.bodies.len()] as usize, 0);
+        for (number, entry) in (0..).zip(&self.entries) {
+            for (side, &slot) in (0..).zip(&entry.places[..of_both(entry)]) {
+                let p = place(&self.bodies, slot);
+                self.places[self.start[p] as usize] = 2 * number + side;
+                self.start[p] += 1;
+            }
+        }
+        // Each start has moved on to the next one's.
+        self.start.rotate_right(1);
+        self.start[0] = 0;
+        self.wrench.clear();
+        self.wrench.resize(self.bodies.len(), Wrench::zero());
+        for (b, bound) in self.bounds.iter_mut().enumerate() {
+            *bound = place(&self.bodies, (b * BLOCK).min(bodies.len()) as u32) as u32;
+        }
+    }
+
+    /// Adds up the loads on each body, in the order of the others' ids.
+    fn gather(&mut self, polyhedra: &mut Polyhedra, bodies: &Bodies) {
+        for (p, &slot) in self.bodies.iter().enumerate() {
+            let mut sum = Wrench::zero();
+            for &place in &self.places[self.start[p] as usize..self.start[p + 1] as usize] {
+                let load = &self.entries[place as usize / 2].loads[place as usize % 2];
+                sum.force += load.force;
+                sum.torque += load.torque;
+            }
+            self.wrench[p] = sum;
+            let grain = bodies.poly[slot as usize];
+            if grain != SPHERE {
+                polyhedra.grains[grain as usize].torque = sum.torque;
+            }
+        }
+    }
+
+    /// Evaluates the contacts, and adds the loads on parts to those that spheres brought.
+    pub fn evaluate(
+        &mut self,
+        team: &mut Team,
+        polyhedra: &mut Polyhedra,
+        scenery: Scenery<'_>,
+        (walls, parts): (&[Wall], &[PlacedPart]),
+        (on_parts, pushes): (&mut [Wrench], &mut [Along]),
+    ) -> Tally {
+        if polyhedra.is_empty() {
+            return Tally::default();
+        }
+        self.rooms.resize_with(team.threads(), Room::default);
+        self.tallies.clear();
+        self.tallies.resize(self.entries.len().div_ceil(TOGETHER), Tally::default());
+        let around = Around { scenery, polyhedra, walls, parts, triangles: &self.triangles };
+        let pieces = (
+            Cut::every(&mut self.entries, TOGETHER),
+            Cut::at(&mut self.memories, &self.memory_bounds),
+            Cut::every(&mut self.tallies, 1),
+        );
+        type Arrays<'a> = (&'a mut [Entry], &'a mut [Memory], &'a mut [Tally]);
+        let work = |room: &mut Room, _, (entries, mut memories, tally): Arrays<'_>| {
+            for entry in entries {
+                let (own, rest) = memories.split_at_mut(entry.memories());
+                memories = rest;
+                entry.evaluate(&around, own, room, &mut tally[0]);
+            }
+        };
+        team.for_pieces_with(pieces, &mut self.rooms, work);
+        for entry in self.entries.iter().filter(|entry| entry.key.1 == Kind::Part) {
+            let (part, load) = (entry.places[1] as usize, &entry.loads[1]);
+            on_parts[part].force += load.force;
+            on_parts[part].torque += load.torque;
+            if let Some(slider) = parts[part].slider() {
+                pushes[part].add(Along::of(load.force.dot(&slider.axis)));
+            }
+        }
+        self.gather(polyhedra, scenery.bodies);
+        Tally::sum(&self.tallies)
+    }
+
+    /// Energy in the springs of all contacts [J]: of parts as if each triangle had solid straight below it,
+    /// which is exact away from edges.
+    pub fn elastic_energy(
+        &self,
+        polyhedra: &Polyhedra,
+        scenery: Scenery<'_>,
+        (walls, parts): (&[Wall], &[PlacedPart]),
+    ) -> f64 {
+        let around = Around { scenery, polyhedra, walls, parts, triangles: &self.triangles };
+        let (mut energy, mut first, mut room) = (0.0, 0, Room::default());
+        for entry in &self.entries {
+            let memories = &self.memories[first..first + entry.memories()];
+            first += entry.memories();
+            if entry.touching > 0 {
+                energy += entry.energy(&around, &mut room);
+                let touching = &memories[..entry.touching as usize];
+                energy += touching.iter().map(|memory| memory.energy).sum::<f64>();
+            }
+        }
+        energy
+    }
+}
+
+/// The entry of a pair of bodies, the smaller id first.
+fn of_pair((i, j, image): Found, polyhedra: &Polyhedra, bodies: &Bodies, laws: &Laws) -> Entry {
+    let id = |slot: u32| bodies.id_at(slot as usize);
+    // What is one image up for the one is one image down for the other.
+    let (i, j, image) = if id(i) < id(j) { (i, j, image) } else { (j, i, 26 - image) };
+    let area = |slot: u32| match bodies.poly[slot as usize] {
+        SPHERE => f64::INFINITY,
+        grain => {
+            let size = polyhedra.grains()[grain as usize].size;
+            polyhedra.shape_of(grain as usize).largest_face * size * size
+        }
+    };
+    let (a, b) = (i as usize, j as usize);
+    Entry {
+        key: (id(i), Kind::Body, id(j)),
+        places: [i, j],
+        image,
+        law: laws.between(bodies.material[a], bodies.material[b]),
+        root_mass: bodies.mobility[a].root_reduced_mass(bodies.mobility[b]),
+        area: area(i).min(area(j)),
+        near: [0; 2],
+        touching: 0,
+        loads: [Wrench::zero(); 2],
+    }
+}

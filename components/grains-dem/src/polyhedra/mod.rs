@@ -1,0 +1,255 @@
+//! Convex polyhedra among the bodies.
+//!
+//! A polyhedron is a body like others: its ball is the sphere around it, by which neighbours are found, and
+//! its centroid moves as a sphere's centre does. What is its own stands here: shape, size, angular
+//! momentum, and where its corners and faces are in this substep.
+
+mod energy;
+mod entries;
+mod list;
+mod overlap;
+mod press;
+mod respond;
+mod shape;
+mod touch;
+mod turn;
+
+pub(crate) use list::{Found, Nearness, PolyContacts};
+pub(crate) use overlap::{of_bodies, with_part};
+pub(crate) use press::Room;
+pub(crate) use shape::Shape;
+
+use crate::{
+    Vec3,
+    bodies::{Bodies, PlacedSphere},
+};
+use shape::{Solid, to_world, turned_axes};
+use tremie_messages::scene::Scene;
+use tremie_team::{Cut, Team};
+use turn::Inertia;
+
+/// Marks a body that is a sphere.
+pub(crate) const SPHERE: u32 = u32::MAX;
+
+/// Polyhedra that are one item of work.
+const TOGETHER: usize = 16;
+
+/// A polyhedron as it is placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlacedSolid {
+    /// Index of the shape in the scene.
+    pub shape: u32,
+    /// Diameter of a sphere of equal volume [m].
+    pub size: f64,
+    /// Unit quaternion from body to world.
+    pub orientation: [f64; 4],
+}
+
+/// A polyhedron of the run.
+#[derive(Clone, Debug)]
+pub(crate) struct Grain {
+    pub id: u64,
+    /// Where the body stands in memory.
+    pub slot: u32,
+    shape: u32,
+    size: f64,
+    /// Inertia, of a body that forces move.
+    inertia: Option<Inertia>,
+    orientation: [f64; 4],
+    /// Angular momentum: of the full step between substeps, of the half step within one [kg·m²/s].
+    momentum: Vec3,
+    /// Of contacts, at the last evaluation [N·m].
+    torque: Vec3,
+    spin: Vec3,
+    predicted: Vec3,
+    first_vertex: u32,
+    first_normal: u32,
+}
+
+/// The polyhedra of a run, by ascending id.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Polyhedra {
+    shapes: Vec<Shape>,
+    grains: Vec<Grain>,
+    /// Corners and face normals of all, from the centroids.
+    vertices: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    /// Where those of each item of work begin.
+    vertex_bounds: Vec<u32>,
+    normal_bounds: Vec<u32>,
+}
+
+impl Polyhedra {
+    /// Those of a scene, whose shapes are valid; `placed` by ids, which are their places too.
+    pub fn new(scene: &Scene, placed: &[PlacedSphere], team: &mut Team) -> Self {
+        let shapes: Vec<Shape> = scene.shapes.iter().filter_map(|s| Shape::of(s).ok()).collect();
+        let mut own = Self { shapes, ..Self::default() };
+        for (id, body) in (0..).zip(placed) {
+            let Some(solid) = body.solid else { continue };
+            let shape = &own.shapes[solid.shape as usize];
+            let scale = body.mass * solid.size * solid.size;
+            let inertia = body
+                .mobility()
+                .is_free()
+                .then(|| Inertia { moments: shape.inertia.map(|i| i * scale), axes: shape.axes });
+            let q = solid.orientation;
+            let momentum =
+                inertia.map_or(Vec3::zeros(), |inertia| inertia.momentum(q, body.twist.w));
+            if own.grains.len().is_multiple_of(TOGETHER) {
+                own.vertex_bounds.push(own.vertices.len() as u32);
+                own.normal_bounds.push(own.normals.len() as u32);
+            }
+            own.grains.push(Grain {
+                id,
+                slot: id as u32,
+                shape: solid.shape,
+                size: solid.size,
+                inertia,
+                orientation: q,
+                momentum,
+                torque: Vec3::zeros(),
+                spin: body.twist.w,
+                predicted: body.twist.w,
+                first_vertex: own.vertices.len() as u32,
+                first_normal: own.normals.len() as u32,
+            });
+            own.vertices.resize(own.vertices.len() + shape.vertices.len(), Vec3::zeros());
+            own.normals.resize(own.normals.len() + shape.normals.len(), Vec3::zeros());
+        }
+        own.vertex_bounds.push(own.vertices.len() as u32);
+        own.normal_bounds.push(own.normals.len() as u32);
+        own.each(team, |_| ());
+        own
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.grains.is_empty()
+    }
+
+    /// How many they are.
+    pub fn len(&self) -> usize {
+        self.grains.len()
+    }
+
+    /// All of them, by ascending id.
+    pub fn grains(&self) -> &[Grain] {
+        &self.grains
+    }
+
+    /// The shape of one.
+    pub fn shape_of(&self, grain: usize) -> &Shape {
+        &self.shapes[self.grains[grain].shape as usize]
+    }
+
+    /// One where it is.
+    #[inline(always)]
+    pub fn solid(&self, grain: usize) -> Solid<'_> {
+        let own = &self.grains[grain];
+        let shape = &self.shapes[own.shape as usize];
+        let (v, n) = (own.first_vertex as usize, own.first_normal as usize);
+        Solid {
+            shape,
+            size: own.size,
+            vertices: &self.vertices[v..v + shape.vertices.len()],
+            normals: &self.normals[n..n + shape.normals.len()],
+        }
+    }
+
+    /// Finds where in memory the bodies stand, after these were put in another order.
+    pub fn find_slots(&mut self, bodies: &Bodies) {
+        for grain in &mut self.grains {
+            if let Ok(rank) = bodies.ids.binary_search(&grain.id) {
+                grain.slot = bodies.slot[rank];
+            }
+        }
+    }
+
+    /// Turns them through a substep, once their centroids have moved: half kick, drift and prediction; with
+    /// `finish` the half kick that ends the substep before comes first.
+    pub fn first_half(
+        &mut self,
+        team: &mut Team,
+        bodies: &mut Bodies,
+        loaded: bool,
+        (dt, finish): (f64, bool),
+    ) {
+        if self.is_empty() {
+            return;
+        }
+        let (orientation, load) = (&bodies.orientation, &bodies.load);
+        let kicks = if finish { 2.0 } else { 1.0 };
+        self.each(team, |grain| {
+            let slot = grain.slot as usize;
+            let Some(inertia) = grain.inertia else {
+                grain.orientation = orientation[slot];
+                return;
+            };
+            let mut torque = grain.torque;
+            if loaded {
+                torque += load[slot].torque;
+            }
+            grain.momentum += torque * (0.5 * dt * kicks);
+            grain.orientation = inertia.drift(grain.orientation, grain.momentum, dt);
+            grain.spin = inertia.spin(grain.orientation, grain.momentum);
+            let predicted = grain.momentum + torque * (0.5 * dt);
+            grain.predicted = inertia.spin(grain.orientation, predicted);
+        });
+        for grain in self.grains.iter().filter(|grain| grain.inertia.is_some()) {
+            let slot = grain.slot as usize;
+            bodies.orientation[slot] = grain.orientation;
+            bodies.twists[slot].w = grain.spin;
+            bodies.predicted[slot].w = grain.predicted;
+        }
+    }
+
+    /// Half kick that ends a substep.
+    pub fn second_half(&mut self, bodies: &mut Bodies, loaded: bool, dt: f64) {
+        for grain in &mut self.grains {
+            let Some(inertia) = grain.inertia else { continue };
+            let slot = grain.slot as usize;
+            let mut torque = grain.torque;
+            if loaded {
+                torque += bodies.load[slot].torque;
+            }
+            grain.momentum += torque * (0.5 * dt);
+            bodies.twists[slot].w = inertia.spin(grain.orientation, grain.momentum);
+        }
+    }
+
+    /// Changes each, and finds its corners and faces.
+    fn each(&mut self, team: &mut Team, change: impl Fn(&mut Grain) + Sync) {
+        let pieces = (
+            Cut::every(&mut self.grains, TOGETHER),
+            Cut::at(&mut self.vertices, &self.vertex_bounds),
+            Cut::at(&mut self.normals, &self.normal_bounds),
+        );
+        let shapes = &self.shapes;
+        type Arrays<'a> = (&'a mut [Grain], &'a mut [Vec3], &'a mut [Vec3]);
+        team.for_pieces(pieces, |_, (grains, mut vertices, mut normals): Arrays<'_>| {
+            for grain in grains {
+                change(grain);
+                let shape = &shapes[grain.shape as usize];
+                let axes = turned_axes(grain.orientation);
+                let (own, rest) = vertices.split_at_mut(shape.vertices.len());
+                vertices = rest;
+                for (to, v) in own.iter_mut().zip(&shape.vertices) {
+                    *to = to_world(&axes, *v * grain.size);
+                }
+                let (own, rest) = normals.split_at_mut(shape.normals.len());
+                normals = rest;
+                for (to, n) in own.iter_mut().zip(&shape.normals) {
+                    *to = to_world(&axes, *n);
+                }
+            }
+        });
+    }
+
+    /// Energy of rotation [J].
+    pub fn rotational_energy(&self, bodies: &Bodies) -> f64 {
+        let of = |grain: &Grain| {
+            let spin = bodies.twists[grain.slot as usize].w;
+            grain.inertia.map_or(0.0, |i| 0.5 * spin.dot(&i.momentum(grain.orientation, spin)))
+        };
+        self.grains.iter().map(of).sum()
+    }
+}

@@ -1,0 +1,52 @@
+//! How deep bodies overlap of which one is a polyhedron, at the start.
+
+use super::{
+    Polyhedra, SPHERE,
+    press::{Press, Room},
+    shape::Solid,
+    touch,
+};
+use crate::{Vec3, bodies::Ball, parts::PlacedPart};
+
+/// Overlap of two bodies [m], the second `way` from the first, by the numbers of their polyhedra; and the
+/// length that it is measured by. None without a polyhedron.
+pub(crate) fn of_bodies(
+    polyhedra: &Polyhedra,
+    [a, b]: [(u32, &Ball); 2],
+    way: Vec3,
+    room: &mut Room,
+) -> Option<(f64, f64)> {
+    let of_ball = |grain: u32, ball: &Ball, way: Vec3| {
+        let solid = polyhedra.solid(grain as usize);
+        let overlap = ball.radius - touch::closest(solid, way).distance;
+        (overlap, ball.radius.min(solid.inradius()))
+    };
+    match [a.0, b.0] {
+        [SPHERE, SPHERE] => None,
+        [SPHERE, grain] => Some(of_ball(grain, a.1, -way)),
+        [grain, SPHERE] => Some(of_ball(grain, b.1, way)),
+        [one, other] => {
+            let [one, other] = [one, other].map(|grain| polyhedra.solid(grain as usize));
+            let press = touch::of_solids(one, other, way, room);
+            Some((press.deepest, one.inradius().min(other.inradius())))
+        }
+    }
+}
+
+/// How deep a polyhedron at `x` reaches into a part [m].
+pub(crate) fn with_part(solid: Solid<'_>, x: Vec3, part: &PlacedPart, room: &mut Room) -> f64 {
+    let (clearance, _) = part.clearance(x);
+    if clearance <= 0.0 {
+        return solid.inradius();
+    }
+    let mut near = Vec::new();
+    let reach = solid.shape.circumradius * solid.size;
+    part.triangles_near(part.to_part(x), reach, &mut near);
+    let mut press = Press::NONE;
+    for triangle in near {
+        let mut triangle = part.placed_triangle(triangle);
+        triangle.corners = triangle.corners.map(|corner| corner - x);
+        touch::of_triangle(solid, &triangle, room, &mut press);
+    }
+    press.deepest
+}

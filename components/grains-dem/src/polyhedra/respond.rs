@@ -1,0 +1,201 @@
+//! The force in a contact of a polyhedron, from what presses on it.
+//!
+//! The elastic load `F, T` comes from [`super::press`]; n is its direction, seen from the body, x_c its
+//! middle, `k_n` the stiffness of the law, reached where faces touch over the area of the largest face
+//! (the smaller of two). Dashpots, friction and what resists spinning are those that springs and
+//! dashpots spread over the loaded surface have together, scaled with its part of that area, s:
+//!
+//! ```text
+//! v_n   = -(F.v + T.w)/|F|                          rate at which the bodies approach, w their relative spin
+//! f_n   = max(0, |F| + sqrt(s) gamma_n v_n)         the whole load in proportion, torque about x_c too
+//! T_r   = -sqrt(s) gamma_n <(r x n)((r x n).w)>     against rocking, at most f_n r; r from x_c
+//! F_t   as for spheres, with s k_t, sqrt(s) gamma_t, at x_c
+//! T_n   the same for spinning about n, with s k_t <r^2>; at most 0.94 mu f_n sqrt(<r^2>), exact for a disc
+//! ```
+//!
+//! Where friction slips, spring and dashpot give way alike: a soft contact that begins must not find its spring
+//! stretched against the dashpot. Where a loaded surface grows, springs keep their forces, where it shrinks their displacements: either
+//! way no energy is made (see [`Law::at`]). For a face that stays whole this is a linear spring.
+
+use super::press::Press;
+use crate::{
+    Vec3,
+    bodies::Wrench,
+    contact::{self, Steps},
+    law::Law,
+};
+use tremie_messages::scene::Spring;
+
+/// What a contact of a polyhedron remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Memory {
+    /// Tangential displacement [m]; see [`contact::Memory::xi`].
+    pub xi: Vec3,
+    /// Angle about the normal [rad], likewise.
+    pub turn: f64,
+    /// Normal at the last evaluation, away from the body; and normal and overlap for contacts with spheres.
+    pub normal: Vec3,
+    pub overlap: f64,
+    /// Rolling displacement of contacts with spheres [m].
+    pub rolling: Vec3,
+    /// Tangential stiffness at the last evaluation [N/m], and that against spinning [N·m].
+    pub k_t: f64,
+    pub k_turn: f64,
+    /// Energy in the springs of friction at the last evaluation [J].
+    pub energy: f64,
+}
+
+impl Memory {
+    pub const NONE: Self = Self {
+        xi: Vec3::new(0.0, 0.0, 0.0),
+        turn: 0.0,
+        normal: Vec3::new(0.0, 0.0, 0.0),
+        overlap: 0.0,
+        rolling: Vec3::new(0.0, 0.0, 0.0),
+        k_t: 0.0,
+        k_turn: 0.0,
+        energy: 0.0,
+    };
+}
+
+/// Two bodies that press on each other: mass and stiffness.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    /// `sqrt(m*)` [kg^(1/2)].
+    pub root_mass: f64,
+    /// Load over the integral of the depth [N/m³].
+    pub kappa: f64,
+}
+
+/// Relative motion: of the body at its centroid, less what the other would do there; spins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Relative {
+    /// Velocity of the body at its centroid less that of the other there [m/s].
+    pub v: Vec3,
+    /// Angular velocity of the body less that of the other [rad/s].
+    pub w: Vec3,
+    /// Sum of both angular velocities [rad/s].
+    pub both: Vec3,
+}
+
+/// Force on the body and torque about its centroid; what `memory` held counts only if it was `touching`.
+pub(crate) fn load(
+    law: &Law,
+    pair: Pair,
+    press: &Press,
+    relative: &Relative,
+    memory: &mut Memory,
+    (touching, steps): (bool, Steps),
+) -> Wrench {
+    let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
+        return Wrench::zero();
+    };
+    let elastic = press.force * pair.kappa;
+    let strength = elastic.norm_squared().sqrt();
+    if !(press.acts() && strength > 0.0) {
+        return Wrench::zero();
+    }
+    let n = elastic / -strength;
+    let centre = press.centre();
+    let part = pair.kappa * press.area.norm_squared().sqrt() / normal_stiffness;
+    let root = part.sqrt();
+    let (gamma_n, gamma_t) = law.dashpots();
+    let gamma = |[fixed, per_root]: [f64; 2]| root * (fixed + per_root * pair.root_mass);
+    let (gamma_n, gamma_t) = (gamma(gamma_n), gamma(gamma_t));
+
+    let torque = press.torque * pair.kappa;
+    let about_centre = torque - centre.cross(&elastic);
+    let velocity = relative.v + relative.w.cross(&centre);
+    let approach = -(elastic.dot(&velocity) + about_centre.dot(&relative.w)) / strength;
+    let mut f_n = strength + gamma_n * approach;
+    if !law.tension {
+        f_n = f_n.max(0.0);
+    }
+    let scale = f_n / strength;
+    let mut force = elastic * scale;
+    let mut turning = about_centre * scale;
+
+    let pushing = f_n.max(0.0);
+    let square = press.square_radius(centre, n);
+    turning -= rocking(press, centre, n, relative.w, gamma_n, pushing * square.sqrt());
+
+    let old = std::mem::replace(&mut memory.normal, n);
+    memory.overlap = press.deepest;
+    if law.mu > 0.0 {
+        let k_t = tangential_stiffness * part;
+        let along = velocity.dot(&n);
+        let since = if touching {
+            0.0
+        } else {
+            contact::time_since_touch(press.deepest, along, steps.before)
+        };
+        let across = velocity - n * along;
+        let mut xi = if touching {
+            let before = memory.xi * kept(memory.k_t, k_t);
+            let angle = 0.5 * relative.both.dot(&n) * steps.before;
+            contact::turned(before, old, n, angle) + across * (0.5 * steps.before)
+        } else {
+            across * since
+        };
+        xi -= n * xi.dot(&n);
+        let limit = law.mu * pushing;
+        let mut sliding = -(xi * k_t + across * gamma_t);
+        let trial = sliding.norm_squared();
+        if trial > limit * limit {
+            let slip = limit / trial.sqrt();
+            sliding *= slip;
+            xi *= slip;
+        }
+        let spin =
+            Spin { rate: relative.w.dot(&n), k: k_t * square, gamma: gamma_t * square, since };
+        let most = OF_DISC * limit * square.sqrt();
+        let twisting = spin.resist(memory, most, touching, steps);
+        memory.energy = 0.5 * (k_t * xi.norm_squared() + spin.k * memory.turn * memory.turn);
+        memory.turn += spin.rate * (0.5 * steps.after);
+        (memory.xi, memory.k_t) = (xi + across * (0.5 * steps.after), k_t);
+        force += sliding;
+        turning += n * twisting;
+    }
+    Wrench { force, torque: turning + centre.cross(&force) }
+}
+
+/// Moment that friction of a pressed disc can bear against spinning, over friction and the root of the
+/// mean square radius: `2/3 R` over `R/sqrt 2`.
+const OF_DISC: f64 = 0.942_809_041_582_063_4;
+
+/// What remains of a displacement when a spring goes from one stiffness to another.
+fn kept(before: f64, now: f64) -> f64 {
+    if before < now { before / now } else { 1.0 }
+}
+
+/// Torque of dashpots over the loaded surface that rocking feels, no more than pressure can bear.
+fn rocking(press: &Press, centre: Vec3, n: Vec3, w: Vec3, gamma: f64, most: f64) -> Vec3 {
+    let lever = n.cross(&w);
+    let torque = press.spread(centre, lever).cross(&n) * gamma;
+    let size = torque.norm_squared().sqrt();
+    if size > most { torque * (most / size) } else { torque }
+}
+
+/// Spinning about the normal.
+struct Spin {
+    rate: f64,
+    k: f64,
+    gamma: f64,
+    since: f64,
+}
+
+impl Spin {
+    /// The torque against it: spring, dashpot and slider.
+    fn resist(&self, memory: &mut Memory, most: f64, touching: bool, steps: Steps) -> f64 {
+        let mut turn = if touching {
+            memory.turn * kept(memory.k_turn, self.k) + self.rate * (0.5 * steps.before)
+        } else {
+            self.rate * self.since
+        };
+        let trial = -(self.k * turn + self.gamma * self.rate);
+        let slip = if trial.abs() > most { most / trial.abs() } else { 1.0 };
+        turn *= slip;
+        (memory.turn, memory.k_turn) = (turn, self.k);
+        trial * slip
+    }
+}

@@ -1,0 +1,41 @@
+//! Polyhedra that touch advance without a single allocation.
+
+mod common;
+#[path = "common/counting.rs"]
+mod counting;
+use common::solids::*;
+use common::*;
+use counting::ALLOCATIONS;
+use std::sync::atomic::Ordering;
+use tremie_grains_dem::{GrainsDem, Parameters};
+use tremie_messages::scene::{Damping, Geometry, Motion, Part, PartBoundary, Pose};
+
+#[test]
+fn a_substep_of_polyhedra_allocates_nothing() {
+    let mut scene = scene([20e-3; 3], WALLS, law(1e4, 0.4, Damping::Restitution(0.3)));
+    scene.gravity = [0.0, 0.0, -9.81];
+    scene.shapes = vec![shape("cube"), shape("dodecahedron")];
+    let edge = 2e-3;
+    // A tower on a plate, a dodecahedron on the floor, and a sphere on the tower.
+    let at = |k: f64| solid([10e-3, 10e-3, 1e-3 + (k + 0.5) * edge], of_cube(edge), [0.0; 3]);
+    scene.bodies = vec![
+        solids("cube", (0..3).map(|k| at(f64::from(k))).collect()),
+        solids("dodecahedron", vec![solid([4e-3, 4e-3, 1.1e-3], 2e-3, [0.0; 3])]),
+        set(Motion::Free, vec![sphere([10e-3, 10e-3, 7.5e-3], 1e-3, [0.0; 3])]),
+    ];
+    scene.parts = vec![Part {
+        name: "plate".into(),
+        geometry: Geometry::Box { size: [5e-3, 5e-3, 1e-3] },
+        pose: Pose { position: [10e-3, 10e-3, 0.5e-3], ..Pose::IDENTITY },
+        cavity: false,
+        material: "wall".into(),
+        motion: Motion::Fixed,
+        boundary: PartBoundary::Wall,
+    }];
+    let mut dem = GrainsDem::new(&scene, &Parameters::default(), 8e-7, 2).unwrap();
+    dem.advance(2_000, &[]).unwrap();
+    assert!(dem.diagnostics().contacts >= 4, "{:?}", dem.diagnostics());
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    dem.advance(300, &[]).unwrap();
+    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+}

@@ -1,0 +1,359 @@
+//! Convex polyhedra: hulls of few points, with exact faces, moments and principal axes.
+
+use crate::vector::{add, cross, dot, norm, scale, sub, unit};
+use crate::{Mesh, Moments, Vec3};
+use core::f64::consts::PI;
+
+/// A convex polyhedron in its own frame.
+///
+/// Faces are polygons, however many corners they have; coplanar triangles are one face.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convex {
+    vertices: Vec<Vec3>,
+    faces: Vec<ConvexFace>,
+}
+
+/// A face of a convex polyhedron.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvexFace {
+    /// Unit normal, outward.
+    pub normal: Vec3,
+    /// `x . normal` of its points [m].
+    pub offset: f64,
+    /// Its corners, as indices of vertices, anticlockwise seen from outside.
+    pub corners: Vec<u32>,
+}
+
+/// Points that make no convex polyhedron.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConvexError {
+    /// A coordinate that is infinite or no number.
+    #[error("vertex {vertex} is no point")]
+    NotFinite {
+        /// Which, from zero.
+        vertex: usize,
+    },
+    /// Too few points, or all in a plane.
+    #[error(
+        "the {points} vertices enclose no volume: expected four or more that do not lie in one plane"
+    )]
+    Flat {
+        /// How many there are.
+        points: usize,
+    },
+    /// A point that the others enclose: the solid is not convex, or the point is none of its corners.
+    #[error(
+        "vertex {vertex} lies inside the hull of the others, by {depth:.3e} of their extent: expected a convex polyhedron"
+    )]
+    Inside {
+        /// Which, from zero.
+        vertex: usize,
+        /// How deep, over the extent.
+        depth: f64,
+    },
+    /// More corners than contacts are made for.
+    #[error("found {found} corners, expected at most {most}")]
+    TooMany {
+        /// How many.
+        found: usize,
+        /// How many are possible.
+        most: usize,
+    },
+    /// Faces so close to one plane that they cannot be told apart.
+    #[error(
+        "faces lie so close to one plane that they cannot be told apart: expected angles of more than about 1e-5 between them"
+    )]
+    Unclear,
+    /// A closed surface that is not that of its hull.
+    #[error("the surface encloses {found:.6} of the volume of its hull: expected a convex solid")]
+    NotConvex {
+        /// Its volume over that of the hull.
+        found: f64,
+    },
+}
+
+/// Distance from a plane that counts as in it, over the extent of the points: coordinates in single
+/// precision round by a tenth of it.
+const TOLERANCE: f64 = 1e-6;
+
+/// Points farther inside than this, over the extent, are no rounding.
+const INSIDE: f64 = 1e-5;
+
+impl Convex {
+    /// Most corners of a polyhedron.
+    pub const MOST_CORNERS: usize = 32;
+
+    /// Most faces of one with that many corners.
+    pub const MOST_FACES: usize = 2 * Self::MOST_CORNERS - 4;
+
+    /// The hull of points, each of which lies on it. Those that are no corner are left out.
+    ///
+    /// # Errors
+    /// Points inside the hull of others or all in a plane, too many corners.
+    pub fn hull(points: &[Vec3]) -> Result<Self, ConvexError> {
+        if let Some(vertex) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(ConvexError::NotFinite { vertex });
+        }
+        let points = distinct(points);
+        if points.len() > 8 * Self::MOST_CORNERS {
+            return Err(ConvexError::TooMany { found: points.len(), most: Self::MOST_CORNERS });
+        }
+        let extent = extent(&points);
+        let planes = supporting_planes(&points, extent);
+        if planes.len() < 4 {
+            return Err(ConvexError::Flat { points: points.len() });
+        }
+        for (vertex, &p) in points.iter().enumerate() {
+            let depth = planes.iter().map(|(n, o)| o - dot(*n, p)).fold(f64::INFINITY, f64::min);
+            if depth > INSIDE * extent {
+                return Err(ConvexError::Inside { vertex, depth: depth / extent });
+            }
+        }
+        let faces = planes.iter().map(|&plane| face(&points, plane, extent)).collect();
+        Self { vertices: points, faces }.of_corners()
+    }
+
+    /// The solid that a closed mesh encloses, if it is convex.
+    ///
+    /// # Errors
+    /// As [`hull`](Self::hull), and surfaces that are not those of their hulls.
+    pub fn of_mesh(mesh: &Mesh) -> Result<Self, ConvexError> {
+        let own = Self::hull(&mesh.vertices)?;
+        let found = mesh.moments().volume / own.moments().volume;
+        let same = (found - 1.0).abs() < 1e-4;
+        if same { Ok(own) } else { Err(ConvexError::NotConvex { found }) }
+    }
+
+    /// The same shape of unit size: as large as a sphere of diameter 1, its centroid in the origin.
+    pub fn unit(&self) -> Self {
+        let Moments { volume, centroid, .. } = self.moments();
+        let factor = libm::cbrt(PI / 6.0 / volume);
+        let mut own = self.clone();
+        for v in &mut own.vertices {
+            *v = scale(sub(*v, centroid), factor);
+        }
+        for face in &mut own.faces {
+            face.offset = (face.offset - dot(face.normal, centroid)) * factor;
+        }
+        own
+    }
+
+    /// Its corners.
+    pub fn vertices(&self) -> &[Vec3] {
+        &self.vertices
+    }
+
+    /// Its faces.
+    pub fn faces(&self) -> &[ConvexFace] {
+        &self.faces
+    }
+
+    /// Its edges, as indices of vertices; each once.
+    pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.faces.iter().flat_map(|face| sides(&face.corners)).filter(|[a, b]| a < b)
+    }
+
+    /// Length of its longest edge [m].
+    pub fn longest_edge(&self) -> f64 {
+        let length =
+            |[a, b]: [u32; 2]| norm(sub(self.vertices[a as usize], self.vertices[b as usize]));
+        self.edges().map(length).fold(0.0, f64::max)
+    }
+
+    /// Distance of the farthest corner from the origin [m].
+    pub fn circumradius(&self) -> f64 {
+        self.vertices.iter().map(|&v| norm(v)).fold(0.0, f64::max)
+    }
+
+    /// Distance of the closest face from the origin [m].
+    pub fn inradius(&self) -> f64 {
+        self.faces.iter().map(|face| face.offset).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Area of the largest face [m²].
+    pub fn largest_face(&self) -> f64 {
+        let area = |face: &ConvexFace| {
+            let corner = |k: u32| self.vertices[k as usize];
+            let first = corner(face.corners[0]);
+            let fan = face.corners[1..].windows(2).fold([0.0; 3], |sum, pair| {
+                add(sum, cross(sub(corner(pair[0]), first), sub(corner(pair[1]), first)))
+            });
+            0.5 * dot(fan, face.normal)
+        };
+        self.faces.iter().map(area).fold(0.0, f64::max)
+    }
+
+    /// Its faces as triangles, anticlockwise seen from outside.
+    pub fn mesh(&self) -> Mesh {
+        let fan = |face: &ConvexFace| {
+            let first = face.corners[0];
+            let pairs = face.corners[1..].windows(2);
+            pairs.map(move |pair| [first, pair[0], pair[1]]).collect::<Vec<_>>()
+        };
+        let triangles = self.faces.iter().flat_map(fan).collect();
+        Mesh { vertices: self.vertices.clone(), triangles }
+    }
+
+    /// Volume, area, centroid and inertia, exact but for rounding.
+    pub fn moments(&self) -> Moments {
+        self.mesh().moments()
+    }
+
+    /// Leaves out vertices that are no corner of any face, and checks that faces close.
+    fn of_corners(mut self) -> Result<Self, ConvexError> {
+        let is_corner = |k: u32| self.faces.iter().any(|face| face.corners.contains(&k));
+        let kept: Vec<u32> = (0..self.vertices.len() as u32).filter(|&k| is_corner(k)).collect();
+        for corner in self.faces.iter_mut().flat_map(|face| &mut face.corners) {
+            *corner = kept.partition_point(|k| k < corner) as u32;
+        }
+        self.vertices = kept.iter().map(|&k| self.vertices[k as usize]).collect();
+        if self.vertices.len() > Self::MOST_CORNERS {
+            let (found, most) = (self.vertices.len(), Self::MOST_CORNERS);
+            return Err(ConvexError::TooMany { found, most });
+        }
+        let all: Vec<[u32; 2]> = self.faces.iter().flat_map(|face| sides(&face.corners)).collect();
+        let closed = all.iter().all(|&[a, b]| {
+            all.iter().filter(|&&side| side == [b, a]).count() == 1
+                && all.iter().filter(|&&side| side == [a, b]).count() == 1
+        });
+        let whole = self.faces.iter().all(|face| face.corners.len() >= 3);
+        if closed && whole { Ok(self) } else { Err(ConvexError::Unclear) }
+    }
+}
+
+/// Sides of a polygon, in its order.
+fn sides(corners: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]])
+}
+
+/// The points without repetitions, in their order.
+fn distinct(points: &[Vec3]) -> Vec<Vec3> {
+    let near = 0.1 * TOLERANCE * extent(points);
+    let mut kept: Vec<Vec3> = Vec::new();
+    for &p in points {
+        if !kept.iter().any(|&k| norm(sub(p, k)) <= near) {
+            kept.push(p);
+        }
+    }
+    kept
+}
+
+/// Longest edge of the box around points.
+fn extent(points: &[Vec3]) -> f64 {
+    let along = |a: usize| {
+        let ends = points
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], p| [l.min(p[a]), h.max(p[a])]);
+        (ends[1] - ends[0]).max(0.0)
+    };
+    (0..3).map(along).fold(0.0, f64::max)
+}
+
+/// Planes through three of the points that have all others on one side: unit normal, outward, and offset.
+fn supporting_planes(points: &[Vec3], extent: f64) -> Vec<(Vec3, f64)> {
+    let mut planes: Vec<(Vec3, f64)> = Vec::new();
+    let near = TOLERANCE * extent;
+    for i in 0..points.len() {
+        for j in i + 1..points.len() {
+            for k in j + 1..points.len() {
+                let (u, v) = (sub(points[j], points[i]), sub(points[k], points[i]));
+                let n = cross(u, v);
+                // Three points almost in a line tell no plane.
+                if norm(n) <= 1e-4 * norm(u) * norm(v) {
+                    continue;
+                }
+                let Some(n) = unit(n) else { continue };
+                let height = |p: &Vec3| dot(n, sub(*p, points[i]));
+                let (low, high) = points
+                    .iter()
+                    .map(height)
+                    .fold((0.0f64, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
+                let normal = match (low >= -near, high <= near) {
+                    (false, true) => n,
+                    (true, false) => scale(n, -1.0),
+                    _ => continue,
+                };
+                let offset = dot(normal, points[i]);
+                let known = |(n, o): &(Vec3, f64)| {
+                    norm(sub(*n, normal)) < 1e-4 && (o - offset).abs() < 4.0 * near
+                };
+                if !planes.iter().any(known) {
+                    planes.push((normal, offset));
+                }
+            }
+        }
+    }
+    planes
+}
+
+/// The face of a plane: the hull of the points in it (Andrew's monotone chain, 1979).
+fn face(points: &[Vec3], (normal, offset): (Vec3, f64), extent: f64) -> ConvexFace {
+    let smallest = (0..3).fold(0, |s, a| if normal[a].abs() < normal[s].abs() { a } else { s });
+    let mut axis = [0.0; 3];
+    axis[smallest] = 1.0;
+    let u = unit(cross(axis, normal)).unwrap_or([1.0, 0.0, 0.0]);
+    let v = cross(normal, u);
+    let in_plane = |p: Vec3| (dot(normal, p) - offset).abs() <= 2.0 * TOLERANCE * extent;
+    let mut flat: Vec<(f64, f64, u32)> = (0..)
+        .zip(points)
+        .filter(|(_, p)| in_plane(**p))
+        .map(|(k, p)| (dot(u, *p), dot(v, *p), k))
+        .collect();
+    flat.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let turn = |a: &(f64, f64, u32), b: &(f64, f64, u32), c: &(f64, f64, u32)| {
+        (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0)
+    };
+    let least = TOLERANCE * extent * extent;
+    let chain = |order: &mut dyn Iterator<Item = &(f64, f64, u32)>| {
+        let mut chain: Vec<(f64, f64, u32)> = Vec::new();
+        for point in order {
+            while let [.., a, b] = &chain[..]
+                && turn(a, b, point) <= least
+            {
+                chain.pop();
+            }
+            chain.push(*point);
+        }
+        chain.pop();
+        chain
+    };
+    let mut corners = chain(&mut flat.iter());
+    corners.extend(chain(&mut flat.iter().rev()));
+    let corners: Vec<u32> = corners.iter().map(|(_, _, k)| *k).collect();
+    let corner = |k: u32| points[k as usize];
+    // Newell's normal follows all corners, and the offset is their mean.
+    let sum = sides(&corners).fold([0.0; 3], |sum, [a, b]| add(sum, cross(corner(a), corner(b))));
+    let normal = unit(sum).unwrap_or(normal);
+    let mean = corners.iter().map(|&k| dot(normal, corner(k))).sum::<f64>();
+    ConvexFace { normal, offset: mean / corners.len() as f64, corners }
+}
+
+/// Eigenvalues of a symmetric matrix, and its unit eigenvectors, a right-handed frame: Jacobi's method.
+/// A matrix that is diagonal already keeps its axes.
+pub fn principal(matrix: [Vec3; 3]) -> ([f64; 3], [Vec3; 3]) {
+    let mut m = matrix;
+    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let size = m[0][0].abs() + m[1][1].abs() + m[2][2].abs();
+    // It converges quadratically: far fewer rounds than these do.
+    for _ in 0..32 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if m[p][q].abs() <= 1e-15 * size {
+                continue;
+            }
+            let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
+            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            for k in 0..3 {
+                (m[k][p], m[k][q]) = (c * m[k][p] - s * m[k][q], s * m[k][p] + c * m[k][q]);
+            }
+            for k in 0..3 {
+                (m[p][k], m[q][k]) = (c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]);
+                (axes[p][k], axes[q][k]) =
+                    (c * axes[p][k] - s * axes[q][k], s * axes[p][k] + c * axes[q][k]);
+            }
+        }
+    }
+    axes[2] = cross(axes[0], axes[1]);
+    ([m[0][0], m[1][1], m[2][2]], axes)
+}

@@ -1,0 +1,180 @@
+//! Checks of `[[scene.shapes]]`, and of the polyhedra of a set.
+
+use super::super::document::{BodiesTable, PolyhedronTable, SceneTable, ShapeTable};
+use super::super::path;
+use super::super::read::Findings;
+use super::parts::orientation;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use tremie_geometry::{Convex, Mesh, SOLIDS, solid};
+use tremie_messages::scene::{
+    Geometry, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Pose, Shape,
+};
+
+/// The shapes that bodies may name: those of the scene, and the well-known ones.
+pub(super) struct Shapes {
+    known: BTreeMap<String, Convex>,
+    /// Names of shapes that are there, but wrong.
+    wrong: Vec<String>,
+}
+
+impl Shapes {
+    /// Of a scene.
+    pub fn of(table: &SceneTable, findings: &mut Findings) -> Self {
+        let mut own = Self { known: BTreeMap::new(), wrong: Vec::new() };
+        for (i, table) in table.shapes.iter().enumerate() {
+            let at = path::item("scene.shapes", i);
+            let Some(name) = findings.required(&table.name, &at, "name") else { continue };
+            if own.known.contains_key(&name) || SOLIDS.contains(&name.as_str()) {
+                let message = format!("a second shape with the name \"{name}\"");
+                findings.problem(&path::join(&at, "name"), message);
+                continue;
+            }
+            match convex(table, &at, findings) {
+                Some(convex) => drop(own.known.insert(name, convex)),
+                None => own.wrong.push(name),
+            }
+        }
+        for name in SOLIDS {
+            let corners = solid(name).unwrap_or_default();
+            own.known.extend(Convex::hull(&corners).ok().map(|convex| (name.into(), convex)));
+        }
+        own
+    }
+
+    /// Those that are used by sets that are right, as the scene has them.
+    pub fn used<'a>(&self, sets: impl Iterator<Item = &'a Placement>) -> Vec<Shape> {
+        let mut names = Vec::new();
+        for placement in sets {
+            if let Placement::Polyhedra(own) = placement
+                && !names.contains(&own.shape)
+            {
+                names.push(own.shape.clone());
+            }
+        }
+        let shape = |name: String| {
+            let vertices = self.known.get(&name)?.vertices().to_vec();
+            Some(Shape { name, vertices })
+        };
+        names.into_iter().filter_map(shape).collect()
+    }
+
+    /// The shape that a set names.
+    fn find(&self, name: &str, at: &str, findings: &mut Findings) -> Option<&Convex> {
+        let found = self.known.get(name);
+        if found.is_none() && !self.wrong.iter().any(|wrong| wrong == name) {
+            let known: Vec<&str> = self.known.keys().map(String::as_str).collect();
+            let message = format!("found \"{name}\", expected the name of a shape");
+            let help = format!("one of {}, or a [[scene.shapes]] of its own", known.join(", "));
+            findings.problem_with_help(&path::join(at, "shape"), message, help);
+        }
+        found
+    }
+}
+
+fn convex(table: &ShapeTable, at: &str, findings: &mut Findings) -> Option<Convex> {
+    let (key, found) = match (&table.vertices, &table.file) {
+        (Some(vertices), None) => {
+            ("vertices", Convex::hull(vertices).map_err(|error| error.to_string()))
+        }
+        (None, Some(file)) => {
+            let geometry = Geometry::File { path: file.clone(), unit: 1.0 };
+            let mesh = Mesh::of(&geometry).map_err(|error| error.to_string());
+            let convex =
+                mesh.and_then(|mesh| Convex::of_mesh(&mesh).map_err(|error| error.to_string()));
+            ("file", convex)
+        }
+        (None, None) => {
+            let keys = ["vertices", "file"];
+            if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
+                findings.problem(at, "missing: its corners, as \"vertices\" or as a \"file\"");
+            }
+            return None;
+        }
+        (Some(_), Some(_)) => {
+            let message = "found both vertices and a file, expected one of them";
+            findings.problem(&path::join(at, "file"), message);
+            return None;
+        }
+    };
+    match found {
+        Ok(convex) => Some(convex),
+        Err(message) => {
+            findings.problem(&path::join(at, key), format!("makes no shape: {message}"));
+            None
+        }
+    }
+}
+
+/// The listed polyhedra of a set.
+pub(super) fn listed(
+    table: &BodiesTable,
+    list: &[PolyhedronTable],
+    shapes: &Shapes,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Placement> {
+    let name = findings.required(&table.shape, at, "shape")?;
+    let convex = shapes.find(&name, at, findings)?;
+    let at = path::join(at, "polyhedra");
+    let bodies: Vec<_> = (list.iter().enumerate())
+        .map(|(i, table)| polyhedron(table, convex, &path::item(&at, i), findings))
+        .collect();
+    let listed = bodies.into_iter().collect::<Option<_>>()?;
+    Some(of_shape(name, PolyhedronPlacement::Listed(listed)))
+}
+
+/// A packing of polyhedra.
+pub(super) fn packed(
+    name: &str,
+    packing: tremie_messages::scene::Packing,
+    shapes: &Shapes,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Placement> {
+    shapes.find(name, at, findings)?;
+    Some(of_shape(name.into(), PolyhedronPlacement::Packed(packing)))
+}
+
+fn of_shape(shape: String, placement: PolyhedronPlacement) -> Placement {
+    Placement::Polyhedra(Polyhedra { shape, placement })
+}
+
+fn polyhedron(
+    table: &PolyhedronTable,
+    convex: &Convex,
+    at: &str,
+    findings: &mut Findings,
+) -> Option<Polyhedron> {
+    let position = findings.required(&table.position, at, "position");
+    let diameter = match (table.edge, table.diameter) {
+        (Some(_), None) => findings.positive(&table.edge, at, "edge").map(|edge| {
+            let volume = convex.moments().volume;
+            edge / convex.longest_edge() * libm::cbrt(6.0 / PI * volume)
+        }),
+        (None, Some(_)) => findings.positive(&table.diameter, at, "diameter"),
+        (Some(_), Some(_)) => {
+            let message = "found both an edge and a diameter, expected one of them";
+            findings.problem(&path::join(at, "diameter"), message);
+            None
+        }
+        (None, None) => {
+            let keys = ["edge", "diameter"];
+            if !keys.iter().any(|key| findings.is_unreadable(&path::join(at, key))) {
+                findings.problem(at, "missing: its size, as \"edge\" or as \"diameter\"");
+            }
+            None
+        }
+    };
+    let orientation = match &table.rotation {
+        Some(rotation) => orientation(rotation, &path::join(at, "rotation"), findings),
+        None => Some(Pose::IDENTITY.orientation),
+    };
+    Some(Polyhedron {
+        position: position?.map(|x| x.0),
+        orientation: orientation?,
+        diameter: diameter?,
+        velocity: table.velocity?.map(|v| v.0),
+        angular_velocity: table.angular_velocity?.map(|w| w.0),
+    })
+}

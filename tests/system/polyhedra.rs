@@ -1,0 +1,90 @@
+//! Polyhedra in whole runs.
+
+use crate::tremie::{run, run_text, tremie};
+
+/// The example, as short as it takes the first dice to reach the plate.
+const SHORT: &[&str] = &[
+    "--until",
+    "100 ms",
+    "--set",
+    "scene.contacts[0].normal_stiffness=2e4 N/m",
+    "--set",
+    "scene.contacts[0].tangential_stiffness=1.6e4 N/m",
+];
+
+#[test]
+fn dice_fall_and_are_drawn_and_written_without_a_change_of_bits() {
+    let alone = run("examples/dice", SHORT).succeeded();
+    let signals = alone.signals();
+    assert!(signals["grains.contacts"].iter().any(|&contacts| contacts > 0.0), "nothing fell");
+    let height = &signals["grains.mean_height"];
+    assert!(height.last().unwrap() + 10e-3 < height[0]);
+    let options: Vec<&str> =
+        SHORT.iter().copied().chain(["--in-process", "--set", "outputs.fields=20 ms"]).collect();
+    let watched = run("examples/dice", &options).succeeded();
+    assert!(watched.signals_text() == alone.signals_text(), "the observers changed the run");
+    let fields = watched.out.join("fields");
+    let series = std::fs::read_to_string(fields.join("polyhedra.pvd")).unwrap();
+    assert!(series.matches("polyhedra_").count() >= 5, "{series}");
+    let about = std::fs::read_to_string(fields.join("about.txt")).unwrap();
+    for words in ["shape 0 = cube", "shape 2 = chip"] {
+        assert!(about.contains(words), "expected \"{words}\" in: {about}");
+    }
+}
+
+/// What `check` says of the example after a change of its text.
+fn said(from: &str, to: &str) -> String {
+    let manifest = std::fs::read_to_string("examples/dice/manifest.toml").unwrap();
+    assert!(manifest.contains(from), "{from}");
+    let home = tempfile::tempdir().unwrap();
+    let path = home.path().join("manifest.toml");
+    std::fs::write(&path, manifest.replacen(from, to, 1)).unwrap();
+    let output = tremie().arg("check").arg(&path).output().unwrap();
+    assert!(!output.status.success(), "{to} passed");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn what_polyhedra_cannot_be_is_told_at_its_line() {
+    let fluid =
+        "[scene.fluid]\ndensity = \"1000 kg/m3\"\nviscosity = \"0.1 Pa s\"\n\n[[scene.shapes]]";
+    let with_fluid = "[components]\nfluid = \"minimal-fluid\"";
+    let manifest = std::fs::read_to_string("examples/dice/manifest.toml").unwrap();
+    let coupled =
+        manifest.replacen("[[scene.shapes]]", fluid, 1).replacen("[components]", with_fluid, 1);
+    let refused = run_text(&coupled, &["--until", "1 ms"]);
+    assert!(!refused.output.status.success());
+    assert!(refused.errors().contains("takes no polyhedra"), "{}", refused.errors());
+
+    for (from, to, words) in [
+        ("[0.8, 0.5, 1.1]", "[1.6, 1, 0.5]", ["scene.shapes[0].vertices", "inside the hull"]),
+        (
+            ", [0.4, 1.7, 0.3], [0.8, 0.5, 1.1], [1.9, 0.9, 1.2]]",
+            "]",
+            ["scene.shapes[0].vertices", "no shape"],
+        ),
+        ("shape = \"cube\"", "shape = \"cub\"", ["scene.bodies[0].shape", "octahedron"]),
+        ("edge = \"20 mm\"", "size = \"20 mm\"", ["polyhedra[0]", "size"]),
+        (
+            "\"175 mm\"], edge = \"20 mm\"",
+            "\"1 mm\"], edge = \"20 mm\"",
+            ["scene.bodies[2]", "lower face in z"],
+        ),
+        (
+            "\"175 mm\"], edge = \"20 mm\"",
+            "\"60 mm\"], edge = \"20 mm\"",
+            ["scene.bodies[2]", "part \"plate\""],
+        ),
+        (
+            "[\"60 mm\", \"80 mm\", \"175 mm\"]",
+            "[\"43 mm\", \"41 mm\", \"176 mm\"]",
+            ["scene.bodies[2]", "overlap by"],
+        ),
+        ("fraction = 0.12", "fraction = 0.3", ["scene.bodies[0].packing.fraction", "at most 0.2"]),
+    ] {
+        let said = said(from, to);
+        for word in words {
+            assert!(said.contains(word), "expected \"{word}\" in: {said}");
+        }
+    }
+}
