@@ -242,7 +242,7 @@ fn refused(change: impl Fn(&mut Scene), words: [&str; 2]) {
 fn what_is_wrong_is_said() {
     refused(|s| s.inlets[0].bodies = "sand".into(), ["inlets[0].bodies", "no set"]);
     refused(|s| s.bodies[0].motion = Motion::Fixed, ["inlets[0].bodies", "not free"]);
-    refused(|s| s.inlets[0].max[2] = 0.5e-3, ["inlets[0].max", "largest sphere"]);
+    refused(|s| s.inlets[0].max[2] = 0.5e-3, ["inlets[0].max", "largest body"]);
     refused(|s| s.inlets[0].max[2] = 11e-3, ["inlets[0].max", "outside the domain"]);
     refused(|s| s.inlets[0].fraction = 0.5, ["inlets[0].fraction", "no place"]);
     refused(|s| s.inlets[0].every = Some(0.0), ["inlets[0].every", "positive"]);

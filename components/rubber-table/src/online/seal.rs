@@ -86,6 +86,9 @@ pub struct Seal {
     dt: f64,
     placed: Placed,
     settled: Settled,
+    /// Compression where the window began [m], and its mean rate over the window before [m/s].
+    begun: f64,
+    answered: f64,
     /// The section at the start of the substep, now, and its rate.
     before: Vec<Point>,
     points: Vec<Point>,
@@ -157,6 +160,8 @@ impl Seal {
             points,
             outline: outline.vertices,
             settled: Settled { compression: scene.start.compression, rate: 0.0, passes: 0 },
+            begun: scene.start.compression,
+            answered: 0.0,
             impedance: [Impedance::default(); 2],
             trial: None,
             fluid: FromFluid::default(),
@@ -216,6 +221,11 @@ impl Seal {
         }
         fluid.effective = sums.force(self.form).force;
         self.fluid = fluid;
+        // The motion that these loads answer.
+        let now = self.settled.compression;
+        let window = f64::from(self.passes.substeps) * self.dt;
+        self.answered = if window > 0.0 { (now - self.begun) / window } else { 0.0 };
+        self.begun = now;
         self.passes = Passes::default();
     }
 
@@ -290,7 +300,7 @@ impl Seal {
     }
 
     fn begin(&self, contact_stiffness: f64) -> Start {
-        let Settled { compression, rate, .. } = self.settled;
+        let (compression, rate) = (self.settled.compression, self.answered);
         // In contact the sides still move, and within a step a seat holds the foot by stiffness times
         // step alone, which is far less than their impedance; but no fluid moves with the foot, whose
         // mass would bounce on the seat.

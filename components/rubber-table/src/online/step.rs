@@ -69,7 +69,7 @@ impl Impedance {
 pub struct Start {
     /// Compression [m].
     pub compression: f64,
-    /// Its rate over the step before [m/s].
+    /// Its rate when the fluid's load was found: its mean over the exchange before [m/s].
     pub rate: f64,
     /// Length of the step [s].
     pub dt: f64,

@@ -62,7 +62,8 @@ fn problems_of_polyhedra_are_told_at_their_keys() {
     let inside = &["shapes[0].vertices", "vertex 6 lies inside"];
     refused("[0, 2, 1]]", "[0, 2, 1], [0.4, 0.4, 0.5]]", inside);
     refused("[0, 0, 1], [2, 0, 1], [0, 2, 1]]", "[1, 1, 0]]", &["shapes[0].vertices", "plane"]);
-    refused("name = \"wedge\"", "name = \"cube\"", &["shapes[0].name", "second shape"]);
+    let twice = with_polyhedra().replace("\"wedge\"", "\"cube\"");
+    one_problem(&twice, &["shapes[0].name", "second shape"]);
     refused("shape = \"cube\"", "shape = \"cuboid\"", &["bodies[2].shape", "tetrahedron"]);
     refused("shape = \"cube\"\n", "", &["bodies[2].shape", "missing"]);
     refused("edge = \"4 mm\",", "", &["polyhedra[0]", "edge", "diameter"]);
