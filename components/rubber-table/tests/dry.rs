@@ -241,6 +241,26 @@ fn errors_shrink_by_the_factor_of_theory() {
     }
 }
 
+/// A contact that begins and ends from one pass to the next makes the force jump by its dashpot's: a step settles
+/// between, unless the jump is large.
+#[test]
+fn a_contact_that_flickers_does_not_end_a_run() {
+    let table = linear(1.194e5);
+    let (h, force) = (1.194e5, 100.0);
+    let middle = (force * DT + 80.0 * START.compression) / (80.0 + h * DT);
+    let start = Start { contact_stiffness: 0.0, ..START };
+    let settle = |jump: f64| {
+        let flickers = |at: Bracket| {
+            let compression = (at.frame as f64 + at.weight) * 0.3e-3;
+            force + if compression > middle { -0.5 * jump } else { 0.5 * jump }
+        };
+        relax(&table, Law::default(), start, flickers)
+    };
+    let found = settle(1e-3).unwrap();
+    assert!((found.compression - middle).abs() < 1e-11 && found.passes >= 50, "{found:?}");
+    assert!(matches!(settle(10.0), Err(StepError::NotSettled { .. })));
+}
+
 /// Ten thousand vertices of 1e6 N/m each, and no damping: a fixed eta fails, one that adapts does not.
 #[test]
 fn an_eta_that_adapts_settles_whatever_the_contacts() {
