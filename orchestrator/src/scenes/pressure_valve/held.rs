@@ -1,8 +1,8 @@
 //! A manifest to start from: steady flow through the valve, held at a lift.
 
-use super::dimensions::{Closure, Dimensions};
+use super::dimensions::Dimensions;
 use super::moving;
-use super::text::{Room, mm, written};
+use super::text::{Room, beneath, fluid_and_frame, mm, outflow, second_end, written};
 use tremie_messages::units::{Length, Velocity, Viscosity};
 
 /// A steady flow through a valve that is held.
@@ -34,10 +34,6 @@ impl Default for Steady {
 pub fn manifest(valve: &Dimensions, run: &Steady, frame: &str) -> String {
     let cell = run.cell.0;
     let room = Room::around(valve, cell);
-    let second = match valve.closure {
-        Closure::Pressure => "\"wall\"",
-        Closure::Safety => "{ pressure = \"0 Pa\" }",
-    };
     let (inner, outer) = (valve.rubber_inner_radius.0, valve.rubber_outer_radius.0);
     let middle = 0.5 * (run.lift.0 - valve.lip.0);
     let [near, far] = [0.2, 0.8].map(|s| inner + s * (outer - inner));
@@ -54,19 +50,7 @@ x = {{ lower = "symmetry", upper = "wall" }}
 y = {{ lower = "wall", upper = {{ pressure = "0 Pa" }} }}
 z = {{ lower = {{ velocity = ["0 m/s", "0 m/s", "{velocity} m/s"], ramp = "0.3 ms" }}, upper = {second} }}
 
-[scene.fluid]
-density = "1000 kg/m3"
-viscosity = "{viscosity} Pa s"
-expected_speed = "{fastest} m/s"
-inside = [["{half_cell} mm", "{axis} mm", "{inside} mm"]]
-
-# Conduit, bore, seat and chamber.
-[[scene.parts]]
-name = "frame"
-file = "{frame}"
-unit = "mm"
-cavity = true
-
+{fluid_and_frame}
 # Plug, hub, disc and rubber ring, turned about z, which stands upright here.
 [[scene.parts]]
 name = "valve"
@@ -74,10 +58,7 @@ revolved = {{ profile = [{profile}] }}
 position = ["0 mm", "{lift} mm", "0 mm"]
 rotation = {{ axis = [1, 0, 0], angle = "-90 deg" }}
 
-[[scene.probes]]
-name = "beneath"
-point = ["{half_cell} mm", "{axis} mm", "0 mm"]
-
+{beneath}
 [[scene.probes]]
 name = "gap_inner"
 point = ["{half_cell} mm", "{middle} mm", "{near} mm"]
@@ -86,10 +67,7 @@ point = ["{half_cell} mm", "{middle} mm", "{near} mm"]
 name = "gap_outer"
 point = ["{half_cell} mm", "{middle} mm", "{far} mm"]
 
-[[scene.probes]]
-name = "outflow"
-section = {{ axis = "y", at = "{above} mm" }}
-
+{outflow}
 [components]
 fluid = "fluid-lbm"
 
@@ -103,17 +81,15 @@ signals = "5 us"
         origin = Room::listed(room.origin),
         size = Room::listed(room.size),
         velocity = run.velocity.0,
-        viscosity = run.viscosity.0,
-        // A rough guess that covers the jet in the cone; the user knows better.
-        fastest = 8.0 * run.velocity.0,
+        second = second_end(valve),
+        fluid_and_frame = fluid_and_frame(valve, cell, (run.viscosity.0, run.velocity.0), frame),
+        beneath = beneath(valve, cell),
+        outflow = outflow(valve, cell),
         half_cell = mm(0.5 * cell),
-        axis = mm(valve.conduit_axis.0),
-        inside = mm(valve.inlet.0 + 5.0 * cell),
         profile = written(&moving::steel_and_ring(valve)),
         middle = mm(middle),
         near = mm(near),
         far = mm(far),
-        above = mm(valve.chamber_height.0 - 3.5 * cell),
         cell = mm(cell),
     )
 }

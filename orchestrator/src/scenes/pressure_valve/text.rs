@@ -45,6 +45,66 @@ impl Room {
     }
 }
 
+/// What the conduit's far end is, as a manifest has it.
+pub(super) fn second_end(valve: &Dimensions) -> &'static str {
+    match valve.closure {
+        Closure::Pressure => "\"wall\"",
+        Closure::Safety => "{ pressure = \"0 Pa\" }",
+    }
+}
+
+/// The tables of a fluid of `viscosity` [Pa s] that enters at `velocity` [m/s], and of the frame around it, whose
+/// surface is in the file `frame`.
+pub(super) fn fluid_and_frame(
+    valve: &Dimensions,
+    cell: f64,
+    (viscosity, velocity): (f64, f64),
+    frame: &str,
+) -> String {
+    format!(
+        r#"[scene.fluid]
+density = "1000 kg/m3"
+viscosity = "{viscosity} Pa s"
+expected_speed = "{fastest} m/s"
+inside = [["{half_cell} mm", "{axis} mm", "{inside} mm"]]
+
+# Conduit, bore, seat and chamber.
+[[scene.parts]]
+name = "frame"
+file = "{frame}"
+unit = "mm"
+cavity = true
+"#,
+        // A rough guess that covers the jet in the cone; the user knows better.
+        fastest = 8.0 * velocity,
+        half_cell = mm(0.5 * cell),
+        axis = mm(valve.conduit_axis.0),
+        inside = mm(valve.inlet.0 + 5.0 * cell),
+    )
+}
+
+/// The probe in the conduit, beneath the valve.
+pub(super) fn beneath(valve: &Dimensions, cell: f64) -> String {
+    let (half_cell, axis) = (mm(0.5 * cell), mm(valve.conduit_axis.0));
+    format!(
+        r#"[[scene.probes]]
+name = "beneath"
+point = ["{half_cell} mm", "{axis} mm", "0 mm"]
+"#
+    )
+}
+
+/// The probe of what leaves.
+pub(super) fn outflow(valve: &Dimensions, cell: f64) -> String {
+    let above = mm(valve.chamber_height.0 - 3.5 * cell);
+    format!(
+        r#"[[scene.probes]]
+name = "outflow"
+section = {{ axis = "y", at = "{above} mm" }}
+"#
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,10 +1,10 @@
 //! A manifest in which the valve works: a piston pushes slurry through it.
 
-use super::dimensions::{Closure, Dimensions};
+use super::dimensions::Dimensions;
 use super::grains::{self, Grains};
 use super::moving;
 use super::rubber::Resting;
-use super::text::{Room, mm, written};
+use super::text::{Room, beneath, fluid_and_frame, mm, outflow, second_end, written};
 use std::f64::consts::PI;
 use tremie_messages::units::{Length, Pressure, Stiffness, Time, Velocity, Viscosity, Volume};
 
@@ -178,10 +178,6 @@ pub fn manifest(
 ) -> String {
     let cell = run.cell.0;
     let room = Room::around(valve, cell);
-    let second = match valve.closure {
-        Closure::Pressure => "\"wall\"",
-        Closure::Safety => "{ pressure = \"0 Pa\" }",
-    };
     let bore = valve.bore_radius.0;
     let (inner, outer) = (valve.rubber_inner_radius.0, valve.rubber_outer_radius.0);
     let step = cell / run.lattice_speed.0;
@@ -199,19 +195,7 @@ x = {{ lower = "symmetry", upper = "wall" }}
 y = {{ lower = "wall", upper = {{ pressure = "{outlet} Pa", ramp = "0.2 ms" }} }}
 z = {{ lower = {{ reservoir = {{ area = "{area} mm2", volume = "{volume} cm3", piston = "{piston} m/s", ramp = "0.2 ms", stop = "{stop} ms" }} }}, upper = {second} }}
 
-[scene.fluid]
-density = "1000 kg/m3"
-viscosity = "{viscosity} Pa s"
-expected_speed = "{fastest} m/s"
-inside = [["{half_cell} mm", "{axis} mm", "{inside} mm"]]
-
-# Conduit, bore, seat and chamber.
-[[scene.parts]]
-name = "frame"
-file = "{frame}"
-unit = "mm"
-cavity = true
-
+{fluid_and_frame}
 {valve_is}
 [[scene.parts]]
 name = "valve"
@@ -245,10 +229,7 @@ close_at = 0.5
 slip_below = {slip}
 pressure_at = ["rim", "chamber"]
 
-[[scene.probes]]
-name = "beneath"
-point = ["{half_cell} mm", "{axis} mm", "0 mm"]
-
+{beneath}
 # In the bore, at the edge of the cone.
 [[scene.probes]]
 name = "rim"
@@ -258,10 +239,7 @@ point = ["{half_cell} mm", "{rim_y} mm", "{rim_z} mm"]
 name = "chamber"
 point = ["{half_cell} mm", "{chamber_y} mm", "{chamber_z} mm"]
 
-[[scene.probes]]
-name = "outflow"
-section = {{ axis = "y", at = "{above} mm" }}
-
+{outflow}
 {grains}[components]
 fluid = "fluid-lbm"
 grains = "grains-dem" # moves the valve{component}
@@ -289,12 +267,11 @@ signals = "20 us"
         volume = short(run.reservoir.0 * 1e6),
         piston = run.piston.0,
         stop = ms(run.stop),
-        viscosity = run.viscosity.0,
-        // A rough guess that covers the jet in the cone; the user knows better.
-        fastest = 8.0 * run.piston.0,
+        second = second_end(valve),
+        fluid_and_frame = fluid_and_frame(valve, cell, (run.viscosity.0, run.piston.0), frame),
+        beneath = beneath(valve, cell),
+        outflow = outflow(valve, cell),
         half_cell = mm(0.5 * cell),
-        axis = mm(valve.conduit_axis.0),
-        inside = mm(valve.inlet.0 + 5.0 * cell),
         valve_is = own.valve,
         profile = written(&own.profile),
         lower = mm(own.lifts[1]),
@@ -317,7 +294,6 @@ signals = "20 us"
         rim_z = mm(bore - cell),
         chamber_y = mm(2.5 * cell),
         chamber_z = mm(0.5 * (outer + valve.chamber_radius.0)),
-        above = mm(valve.chamber_height.0 - 3.5 * cell),
         cell = mm(cell),
         step = short(step * 1e6),
         what = if slurry.is_some() { "slurry" } else { "fluid" },
