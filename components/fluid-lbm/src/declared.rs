@@ -253,6 +253,13 @@ impl DeclaredGaps {
         self.still_side(self.of(cell)?)
     }
 
+    /// Whether a body is a side of the gap of a cell.
+    pub fn is_side_at(&self, cell: u32, bodies: &Bodies, handle: u32) -> bool {
+        let part = bodies.with_handle(handle).part.as_ref().map(|part| Wall::Part(part.index));
+        let gap = self.of(cell).map(|gap| &self.gaps[usize::from(gap)]);
+        gap.zip(part).is_some_and(|(gap, part)| gap.sides.contains(&part))
+    }
+
     /// Whether the walls of any gap may slip.
     pub fn any_slips(&self) -> bool {
         self.gaps.iter().any(|gap| gap.slip_below > 0.0)

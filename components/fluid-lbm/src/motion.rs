@@ -54,7 +54,7 @@ impl<T: Collides> Solver<T> {
             self.declared.find_mouths(&self.owners, &self.layout);
         }
         if self.slips {
-            self.slip.find(&self.declared, &self.owners, &self.layout);
+            self.slip.find(&self.declared, &self.bodies, &self.owners, &self.layout);
         }
         self.bodies.forget_leaving();
         if outgrown {

@@ -73,15 +73,14 @@ pub struct Slip {
 
 impl Slip {
     /// Finds the links.
-    pub fn find(&mut self, gaps: &DeclaredGaps, owners: &Owners, layout: &Layout) {
+    pub fn find(&mut self, gaps: &DeclaredGaps, bodies: &Bodies, owners: &Owners, layout: &Layout) {
         for item in &mut self.items {
             item.links.clear();
         }
         self.used = 0;
         for cell in gaps.thin_cells().filter(|&cell| owners.is_fluid(cell)) {
             let Some(axis) = gaps.slips_at(cell) else { continue };
-            let beside = gaps.still_side_at(cell).unwrap_or_default();
-            let site = Site { gaps, owners, layout, beside };
+            let site = Site { gaps, bodies, owners, layout, inside: cell };
             for i in (1..Q).filter(|&i| C[i][axis] != 0) {
                 let Some(link) = site.link(cell, i, axis) else { continue };
                 self.push(link);
@@ -229,10 +228,11 @@ fn give(exchange: &mut Exchange, link: &Link, gain: f64, arm: [f64; 3], u: [f64;
 #[derive(Clone, Copy)]
 struct Site<'a> {
     gaps: &'a DeclaredGaps,
+    bodies: &'a Bodies,
     owners: &'a Owners,
     layout: &'a Layout,
-    /// The side that stands still of the gap in question.
-    beside: usize,
+    /// A cell of the gap in question.
+    inside: u32,
 }
 
 impl Site<'_> {
@@ -270,7 +270,7 @@ impl Site<'_> {
         })
     }
 
-    /// Whose wall a link meets; `None` if it is no wall.
+    /// Whose wall a link meets; `None` if it is no wall that slips, such as a sphere in the gap.
     fn whose(&self, cell: u32, i: usize) -> Option<Whose> {
         let still = || {
             let at = self.layout.at(cell);
@@ -281,14 +281,16 @@ impl Site<'_> {
                 return None;
             }
             // A cell beside the gap counts for the one that it is beside.
-            let number = self.gaps.still_side_at(cell).unwrap_or(self.beside);
+            let still = |cell| self.gaps.still_side_at(cell);
+            let number = still(cell).or_else(|| still(self.inside)).unwrap_or_default();
             Some(Whose::Fixture(number as u16))
         };
         let Some(end) = self.layout.neighbour(cell, i) else { return still() };
         let owner: Owner = self.owners.of(end);
+        let is_side = |handle: &u32| self.gaps.is_side_at(self.inside, self.bodies, *handle);
         match owner {
-            SHARED => self.owners.claimants(end).next().map(Whose::Body),
-            owner => owner.checked_sub(BODY).map(Whose::Body),
+            SHARED => self.owners.claimants(end).find(is_side).map(Whose::Body),
+            owner => owner.checked_sub(BODY).filter(is_side).map(Whose::Body),
         }
     }
 }

@@ -245,3 +245,36 @@ fn gaps_that_make_no_sense_are_refused() {
     refused(|gap| gap.pressure = GapRule::Probes(Vec::new()), "pressure");
     refused(|gap| gap.region = Some(GapRegion::Box { min: [1.0; 3], max: [0.0; 3] }), "region");
 }
+
+/// Force on a sphere that is held in a stream between floor and roof of the given kind, which may slip.
+fn held_in_a_stream(face: Face, slip_below: f64) -> [f64; 3] {
+    let mut case = Case::new([24, 8, 7], [PERIODIC, PERIODIC, face], 0.502);
+    case.velocity = [0.02, 0.0, 0.0];
+    let mut scene = case.scene();
+    if slip_below > 0.0 {
+        let between = [0, 1].map(|side| GapSide::Face { axis: 2, side });
+        scene.gaps.push(Gap { between, slip_below, ..gap() });
+    }
+    let mut fluid = case.fluid_of(&scene);
+    let body = [BodyState::at_rest(1, [12.0, 4.1, 3.3])];
+    fluid.apply_events(&[added(1, 1.3)]).unwrap();
+    let mut loads = loads_of(&body);
+    fluid.start(&body, &mut loads).unwrap();
+    for _ in 0..400 {
+        fluid.step(&body, &mut loads).unwrap();
+    }
+    loads[0].force
+}
+
+/// Walls of a thin gap that slip are mirrors, and a sphere between them is none: it is held as between
+/// planes of symmetry, to rounding.
+#[test]
+fn what_is_in_a_slipping_gap_does_not_slip() {
+    let (slipping, mirrored) = (held_in_a_stream(WALL, 8.0), held_in_a_stream(SYMMETRY, 0.0));
+    let rough = held_in_a_stream(WALL, 0.0);
+    println!("slipping {slipping:?}, mirrors {mirrored:?}, rough {rough:?}");
+    for a in 0..3 {
+        assert!((slipping[a] - mirrored[a]).abs() < 1e-12, "{slipping:?} {mirrored:?}");
+    }
+    assert!((rough[0] / mirrored[0] - 1.0).abs() > 0.1);
+}
