@@ -243,9 +243,14 @@ impl DeclaredGaps {
         slips.then(|| usize::from(self.axis[cell as usize]))
     }
 
-    /// Cells that may be in gaps.
-    pub fn thin_cells(&self) -> impl Iterator<Item = u32> {
-        self.candidates.iter().flatten().map(|candidate| candidate.cell)
+    /// Numbers of cells that may be in gaps, by item of work.
+    pub fn items(&self) -> impl Iterator<Item = usize> {
+        self.candidates.iter().map(Vec::len)
+    }
+
+    /// The cells of an item.
+    pub fn cells_of(&self, item: usize) -> impl Iterator<Item = u32> {
+        self.candidates[item].iter().map(|candidate| candidate.cell)
     }
 
     /// The side that stands still of the gap of a cell.

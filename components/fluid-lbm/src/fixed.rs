@@ -138,6 +138,12 @@ impl FixedLinks {
         &self.links[self.first[k] as usize..self.first[k + 1] as usize]
     }
 
+    /// Cell and direction of each link, by cell.
+    pub fn ends(&self) -> impl Iterator<Item = (u32, u8)> {
+        let cells = self.cells.iter().enumerate();
+        cells.flat_map(|(k, &cell)| self.of(k).iter().map(move |link| (cell, link.dir)))
+    }
+
     /// Memory that the tables take [bytes].
     pub fn bytes(&self) -> usize {
         size_of_val(self.links.as_slice()) + 4 * (self.cells.len() + self.first.len())

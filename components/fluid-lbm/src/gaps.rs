@@ -28,17 +28,16 @@ use crate::bodies::{Bodies, Body};
 use crate::cells::Fixture;
 use crate::field::Real;
 use crate::grid::{Grid, Reach, Side};
-use crate::ground::Ground;
 use crate::kernel::Collides;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, Item};
 use crate::owners::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
-use crate::places::Blocked;
 use crate::shape::{Felt, NO_FACET};
 use crate::solver::Solver;
 use crate::sphere::{inside, wall_distance};
+use crate::wall_distances::WallDistances;
 
 /// Surfaces nearer than this part of a link are in contact.
 pub const CONTACT: f64 = 1e-3;
@@ -162,7 +161,13 @@ impl Gaps {
 impl<T: Real> After<'_, T> {
     /// Finds the gap links between a body and what is in mirrors, and, for a sphere, the walls of the
     /// domain.
-    pub fn gaps_at_faces(&self, bodies: &Bodies, body: &Body, ground: &Ground, gaps: &mut Gaps) {
+    pub fn gaps_at_faces(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        walls: &WallDistances,
+        gaps: &mut Gaps,
+    ) {
         let grid = &self.layout.grid;
         // A part on a mirror is its own image.
         let own_image = mirrors_of_part(grid, body.position);
@@ -179,7 +184,7 @@ impl<T: Real> After<'_, T> {
                     Beyond::Fixture(_) | Beyond::Open => true,
                 };
             if !is_known {
-                self.gap(bodies, body, ground, at, i, gaps);
+                self.gap(bodies, body, walls, at, i, gaps);
             }
         });
     }
@@ -190,7 +195,7 @@ impl<T: Real> After<'_, T> {
         &self,
         bodies: &Bodies,
         body: &Body,
-        ground: &Ground,
+        walls: &WallDistances,
         at: [i32; 3],
         i: usize,
         gaps: &mut Gaps,
@@ -206,7 +211,7 @@ impl<T: Real> After<'_, T> {
             None => (wall_distance(arm, c, body.r2()), NO_FACET),
             Some(part) => part.meet_facet(at, C[i]),
         };
-        let Some((across, far)) = self.across(bodies, body, ground, at, (own, cell), i) else {
+        let Some((across, far)) = self.across(bodies, body, walls, at, cell, i) else {
             return;
         };
         // Both as seen from the covered cell.
@@ -230,15 +235,15 @@ impl<T: Real> After<'_, T> {
         &self,
         bodies: &Bodies,
         body: &Body,
-        ground: &Ground,
+        walls: &WallDistances,
         at: [i32; 3],
-        (own, cell): ([i32; 3], u32),
+        cell: u32,
         i: usize,
     ) -> Option<(Across, f64)> {
         let (grid, back) = (&self.layout.grid, OPPOSITE[i]);
         let (other, mirrors) = match beyond(self.layout, at) {
             Beyond::Open => return None,
-            Beyond::Fixture(face) => return fixture(ground, face, (own, cell), i),
+            Beyond::Fixture(face) => return fixture(walls, face, cell, i),
             Beyond::Stored { cell, mirrors } => (cell, mirrors),
         };
         // An image is met where the other is met from the covered cell's image.
@@ -299,21 +304,19 @@ pub fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
     }
 }
 
-/// What stands still at the start of the link `i` into the covered cell `own`, and how far it is from
+/// What stands still at the start of the link `i` into the covered cell `cell`, and how far it is from
 /// there: a face, or the solid that is met.
 pub fn fixture(
-    ground: &Ground,
+    walls: &WallDistances,
     face: Option<Fixture>,
-    (own, cell): ([i32; 3], u32),
+    cell: u32,
     i: usize,
 ) -> Option<(Across, f64)> {
     if let Some(face) = face {
         return Some((Across::fixture(face), 0.5));
     }
-    let none = Fixture::solid(ground.solids.len() as u16);
-    let link = Blocked { cell, dir: OPPOSITE[i] as u8, fixture: none };
-    let (met, distance) = ground.meet(own, &link);
-    Some((Across::fixture(met.fixture), distance))
+    let (met, distance) = walls.meet(cell, OPPOSITE[i])?;
+    Some((Across::fixture(met), distance))
 }
 
 /// Calls `visit` with each cell beyond a wanted face that is next to one that a body covers, and the

@@ -80,6 +80,7 @@ mod survey;
 mod tally;
 mod units;
 mod voxels;
+mod wall_distances;
 
 pub use error::FluidError;
 pub use findings::findings;

@@ -27,7 +27,6 @@ use crate::bodies::{Bodies, Body};
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
 use crate::grid::{Grid, Side};
-use crate::ground::Ground;
 use crate::lanes::Variant;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::layout::Layout;
@@ -36,6 +35,7 @@ use crate::owners::{Owners, SHARED};
 use crate::part_links::{PartLinks, Site};
 use crate::places::Parity;
 use crate::sphere::{Span, wall_distance};
+use crate::wall_distances::WallDistances;
 
 /// Rows of a body's shell that are one item of work.
 const ROWS_PER_ITEM: i32 = 256;
@@ -138,7 +138,7 @@ pub struct After<'a, T: Real> {
     /// Whether bodies keep accounts of mass.
     pub keeps_mass: bool,
     /// The static geometry, if gaps press.
-    pub ground: Option<&'a Ground>,
+    pub walls: Option<&'a WallDistances>,
     /// For each cell the declared gap that it may be frozen in; empty without such gaps.
     pub gap_of: &'a [u16],
 }
@@ -190,8 +190,8 @@ impl<T: Real> After<'_, T> {
         batch.flush(self, body);
         item.exchange = batch.exchange();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);
-        if let Some(ground) = self.ground.filter(|_| item.layers.start == 0) {
-            self.gaps_at_faces(bodies, body, ground, &mut item.gaps);
+        if let Some(walls) = self.walls.filter(|_| item.layers.start == 0) {
+            self.gaps_at_faces(bodies, body, walls, &mut item.gaps);
         }
     }
 
@@ -289,10 +289,10 @@ impl<T: Real> After<'_, T> {
                 }
             }
         }
-        if let Some(ground) = self.ground {
+        if let Some(walls) = self.walls {
             let solid = (u32::MAX >> (31 - (last - first))) & !fluid;
             if solid != 0 {
-                self.gaps_in(row, ground, first, solid, inside, batch);
+                self.gaps_in(row, walls, first, solid, inside, batch);
             }
         }
         while used != 0 {
@@ -306,7 +306,7 @@ impl<T: Real> After<'_, T> {
     fn gaps_in(
         &self,
         row: &Row,
-        ground: &Ground,
+        walls: &WallDistances,
         first: i32,
         solid: u32,
         inside: &[u32; Q],
@@ -321,7 +321,7 @@ impl<T: Real> After<'_, T> {
                 let end = x + C[i][0];
                 if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
                     let at = [x, row.y, row.z];
-                    self.gap(row.bodies, row.body, ground, at, i, &mut batch.gaps);
+                    self.gap(row.bodies, row.body, walls, at, i, &mut batch.gaps);
                 }
             }
         }

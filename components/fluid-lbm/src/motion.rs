@@ -54,7 +54,8 @@ impl<T: Collides> Solver<T> {
             self.declared.find_mouths(&self.owners, &self.layout);
         }
         if self.slips {
-            self.slip.find(&self.declared, &self.bodies, &self.owners, &self.layout);
+            let (gaps, bodies, owners) = (&self.declared, &self.bodies, &self.owners);
+            self.slip.find(gaps, bodies, owners, &self.layout, &mut self.team);
         }
         self.bodies.forget_leaving();
         if outgrown {
@@ -79,9 +80,9 @@ impl<T: Collides> Solver<T> {
 
     /// Finds the links of parts that have moved, and wants the densities that they need.
     fn find_links(&mut self) {
-        let (layout, ground) = (&self.layout, self.surroundings.ground());
-        let ground = (self.gaps_press || !self.declared.is_empty()).then_some(ground);
-        let site = Site { layout, ground, declared: &self.declared, line: T::LINE };
+        let walls = (self.gaps_press || !self.declared.is_empty()).then_some(&self.walls);
+        let layout = &self.layout;
+        let site = Site { layout, walls, declared: &self.declared, line: T::LINE };
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);
         self.team.for_each(&mut self.link_items, |_, item| {
             item.find(&site, bodies);

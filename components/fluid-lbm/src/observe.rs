@@ -132,6 +132,7 @@ impl<T: Collides> Solver<T> {
             + self.layout.places.bytes()
             + self.tally.bytes()
             + self.fixed.bytes()
+            + self.walls.bytes()
             + self.open.bytes()
             + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()
             + self.owners.bytes()

@@ -7,12 +7,12 @@ use crate::cells::Fixture;
 use crate::field::Real;
 use crate::gaps::{Across, Beyond, CONTACT, Gaps, beyond, each_beyond, fixture};
 use crate::grid::Side;
-use crate::ground::Ground;
 use crate::lattice::{C, Q, dot};
 use crate::links::After;
 use crate::part_body::{Facets, PartBody};
 use crate::part_links::{Site, recession};
 use crate::shape::Hit;
+use crate::wall_distances::WallDistances;
 
 /// A gap link between a moving part and what stands still, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +106,7 @@ impl Site<'_> {
     pub fn gaps_at_walls(
         &self,
         body: &Body,
-        ground: &Ground,
+        walls: &WallDistances,
         facets: &mut Facets,
         gaps: &mut GapLinks,
     ) {
@@ -115,7 +115,7 @@ impl Site<'_> {
         let is_wall = |axis: usize, side: usize| grid.sides[axis][side] == Side::Wall;
         each_beyond(grid, body, is_wall, |at, i| {
             part.facets_near(at, facets);
-            self.static_gap(part, facets, ground, at, i, gaps);
+            self.static_gap(part, facets, walls, at, i, gaps);
         });
     }
 
@@ -125,7 +125,7 @@ impl Site<'_> {
         &self,
         part: &PartBody,
         facets: &Facets,
-        ground: &Ground,
+        walls: &WallDistances,
         at: [i32; 3],
         i: usize,
         gaps: &mut GapLinks,
@@ -136,7 +136,7 @@ impl Site<'_> {
             return;
         };
         let Beyond::Fixture(face) = beyond(self.layout, at) else { return };
-        let Some((across, far)) = fixture(ground, face, (own, cell), i) else { return };
+        let Some((across, far)) = fixture(walls, face, cell, i) else { return };
         let meeting = part.meet_among(facets, at, C[i]);
         let place =
             std::array::from_fn(|a| f64::from(at[a]) + 0.5 + meeting.q * f64::from(C[i][a]));

@@ -14,7 +14,6 @@ use crate::declared::{DeclaredGaps, NONE as NO_GAP};
 use crate::field::Real;
 use crate::gaps::{Beyond, beyond};
 use crate::grid::Grid;
-use crate::ground::Ground;
 use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
 use crate::layout::Layout;
 use crate::links::{After, fold};
@@ -22,6 +21,7 @@ use crate::owners::{BODY, FROZEN, SHARED};
 use crate::part_body::{Facets, PartBody};
 use crate::part_gaps::GapLinks;
 use crate::shape::Hit;
+use crate::wall_distances::WallDistances;
 
 /// A link, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +64,7 @@ pub struct Site<'a> {
     /// Where cells are.
     pub layout: &'a Layout,
     /// The static geometry, if gaps press.
-    pub ground: Option<&'a Ground>,
+    pub walls: Option<&'a WallDistances>,
     /// The gaps that the scene declares.
     pub declared: &'a DeclaredGaps,
     /// Cells of a line.
@@ -88,8 +88,8 @@ impl PartLinks {
                 self.find_row(site, part, body.shell_row(y, z));
             }
         }
-        if let Some(ground) = site.ground.filter(|_| layers.start == 0) {
-            site.gaps_at_walls(body, ground, &mut self.facets, &mut self.gaps);
+        if let Some(walls) = site.walls.filter(|_| layers.start == 0) {
+            site.gaps_at_walls(body, walls, &mut self.facets, &mut self.gaps);
         }
         self.lines.clear();
         let line = |cell: u32| cell / site.line as u32;
@@ -203,7 +203,7 @@ impl PartLinks {
     }
 
     fn find_gaps(&mut self, site: &Site, part: &PartBody, at: [i32; 3], found: &[(usize, u8)]) {
-        let Some(ground) = site.ground else { return };
+        let Some(walls) = site.walls else { return };
         let mut near = None;
         for &(i, mirrors) in found {
             let (at, seen) = as_seen(&site.layout.grid, at, i, mirrors);
@@ -211,7 +211,7 @@ impl PartLinks {
                 part.facets_near(at, &mut self.facets);
                 near = Some(at);
             }
-            site.static_gap(part, &self.facets, ground, at, seen, &mut self.gaps);
+            site.static_gap(part, &self.facets, walls, at, seen, &mut self.gaps);
         }
     }
 }
@@ -261,8 +261,8 @@ impl<T: Real> After<'_, T> {
             let cell = run[0].cell;
             let mine = hits.split_off(..run.len().min(hits.len())).unwrap_or_default();
             if !self.owners.is_fluid(cell) {
-                if let Some(ground) = self.ground {
-                    self.gaps_of_run((bodies, body, part), ground, (run, mine), batch);
+                if let Some(walls) = self.walls {
+                    self.gaps_of_run((bodies, body, part), walls, (run, mine), batch);
                 }
                 continue;
             }
@@ -287,7 +287,7 @@ impl<T: Real> After<'_, T> {
                 }
             }
         }
-        if self.ground.is_some() {
+        if self.walls.is_some() {
             let receded = self.press_on(body, part, &list.gaps, &mut batch.gaps);
             batch.recede(receded);
         }
@@ -309,7 +309,7 @@ impl<T: Real> After<'_, T> {
     fn gaps_of_run(
         &self,
         (bodies, body, part): (&Bodies, &Body, &PartBody),
-        ground: &Ground,
+        walls: &WallDistances,
         (run, hits): (&[PartLink], &[Hit]),
         batch: &mut Batch,
     ) {
@@ -333,7 +333,7 @@ impl<T: Real> After<'_, T> {
             return;
         }
         for link in run.iter().filter(|link| link.mirrors == 0) {
-            self.gap(bodies, body, ground, link.at, link.dir.into(), &mut batch.gaps);
+            self.gap(bodies, body, walls, link.at, link.dir.into(), &mut batch.gaps);
         }
     }
 }

@@ -26,8 +26,8 @@ use crate::part_links::as_seen;
 use crate::shape::{Felt, NO_FACET};
 use tremie_team::Team;
 
-/// Links that are one item of work.
-const LINKS_PER_ITEM: usize = 1024;
+/// Room for links, for each cell: as many as end aslant at one side of a gap and at the other.
+const LINKS_PER_CELL: usize = 8;
 
 /// Whose wall a link meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,49 +64,41 @@ struct Item {
     felt: Vec<(u32, Felt)>,
 }
 
-/// All links that slip.
+/// All links that slip, in items as the cells of gaps.
 #[derive(Clone, Debug, Default)]
 pub struct Slip {
     items: Vec<Item>,
-    used: usize,
 }
 
 impl Slip {
-    /// Finds the links.
-    pub fn find(&mut self, gaps: &DeclaredGaps, bodies: &Bodies, owners: &Owners, layout: &Layout) {
-        for item in &mut self.items {
-            item.links.clear();
-        }
-        self.used = 0;
-        for cell in gaps.thin_cells().filter(|&cell| owners.is_fluid(cell)) {
-            let Some(axis) = gaps.slips_at(cell) else { continue };
-            let site = Site { gaps, bodies, owners, layout, inside: cell };
-            for i in (1..Q).filter(|&i| C[i][axis] != 0) {
-                let Some(link) = site.link(cell, i, axis) else { continue };
-                self.push(link);
-                // At the end of a gap the image begins outside.
-                let (source, from) = (link.source, usize::from(link.from));
-                if gaps.slips_at(source) != Some(axis)
-                    && let Some(image) = site.link(source, from, axis)
-                {
-                    self.push(image);
-                }
-            }
-        }
+    /// None yet, in the cells that may be in gaps.
+    pub fn in_gaps(gaps: &DeclaredGaps) -> Self {
+        let item = |cells: usize| Item {
+            links: Vec::with_capacity(cells * LINKS_PER_CELL),
+            exchanges: Vec::with_capacity(8),
+            felt: Vec::with_capacity(cells * LINKS_PER_CELL),
+        };
+        Self { items: gaps.items().map(item).collect() }
     }
 
-    fn push(&mut self, link: Link) {
-        if self.items.get(self.used).is_some_and(|item| item.links.len() == LINKS_PER_ITEM) {
-            self.used += 1;
-        }
-        if self.used == self.items.len() {
-            self.items.push(Item {
-                links: Vec::with_capacity(LINKS_PER_ITEM),
-                exchanges: Vec::with_capacity(8),
-                felt: Vec::with_capacity(LINKS_PER_ITEM),
-            });
-        }
-        self.items[self.used].links.push(link);
+    /// Finds the links.
+    pub fn find(
+        &mut self,
+        gaps: &DeclaredGaps,
+        bodies: &Bodies,
+        owners: &Owners,
+        layout: &Layout,
+        team: &mut Team,
+    ) {
+        team.for_each(&mut self.items, |number, item| {
+            item.links.clear();
+            for cell in gaps.cells_of(number).filter(|&cell| owners.is_fluid(cell)) {
+                if let Some(axis) = gaps.slips_at(cell) {
+                    let site = Site { gaps, bodies, owners, layout, inside: cell };
+                    site.find(axis, &mut item.links);
+                }
+            }
+        });
     }
 
     /// Reads what slips, before anything is reflected.
@@ -236,6 +228,19 @@ struct Site<'a> {
 }
 
 impl Site<'_> {
+    /// Lists the links of its cell, and their images.
+    fn find(&self, axis: usize, links: &mut Vec<Link>) {
+        for i in (1..Q).filter(|&i| C[i][axis] != 0) {
+            let Some(link) = self.link(self.inside, i, axis) else { continue };
+            links.push(link);
+            // At the end of a gap the image begins outside.
+            let (source, from) = (link.source, usize::from(link.from));
+            if self.gaps.slips_at(source) != Some(axis) {
+                links.extend(self.link(source, from, axis));
+            }
+        }
+    }
+
     /// The link `i` of a cell, if it and its image slip.
     fn link(&self, cell: u32, i: usize, axis: usize) -> Option<Link> {
         let whose = self.whose(cell, i)?;

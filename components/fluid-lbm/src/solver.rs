@@ -32,6 +32,7 @@ use crate::surroundings::Surroundings;
 use crate::survey::Survey;
 use crate::tally::Tally;
 use crate::units::Units;
+use crate::wall_distances::WallDistances;
 use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
@@ -78,6 +79,7 @@ pub struct Solver<T: Collides> {
     pub(crate) declared: DeclaredGaps,
     gap_of: Vec<u16>,
     /// Links that slip in them, and whether any do.
+    pub(crate) walls: WallDistances,
     pub(crate) slip: Slip,
     pub(crate) slips: bool,
     scheme: OpenFaces,
@@ -176,6 +178,7 @@ impl<T: Collides> Solver<T> {
         let probes = Probes::new(&scene.probes, &built.layout, &centres);
         let ports = PortFaces::new(scene, &built.layout, &centres);
         let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
+        let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
         let mut solver = Self {
             units,
             field: Field::new(built.layout.places.stride()),
@@ -195,8 +198,9 @@ impl<T: Collides> Solver<T> {
             gaps_press: parameters.gap_pressure == GapPressure::Nearest,
             keeps_mass: parameters.refill == Refill::Mass,
             gap_of: declared.by_cell().to_vec(),
-            slip: Slip::default(),
-            slips: declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity,
+            walls: WallDistances::default(),
+            slip: if slips { Slip::in_gaps(&declared) } else { Slip::default() },
+            slips,
             declared,
             soft_vertices: waiting.iter().map(|soft| soft.vertices().len()).sum(),
             waiting,
@@ -255,6 +259,9 @@ impl<T: Collides> Solver<T> {
             self.wanted.drho = Field::zeros(lines * T::LINE);
         }
         let press = self.gaps_press || !self.declared.is_empty();
+        if press && self.walls.is_empty() {
+            self.walls = self.surroundings.wall_distances(&self.layout, &self.fixed);
+        }
         self.link_items = links::items(&self.bodies, press);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
@@ -355,8 +362,7 @@ impl<T: Collides> Solver<T> {
             drho: &self.wanted.drho,
             variant: self.variant,
             keeps_mass: self.keeps_mass,
-            ground: (self.gaps_press || !self.declared.is_empty())
-                .then_some(self.surroundings.ground()),
+            walls: (self.gaps_press || !self.declared.is_empty()).then_some(&self.walls),
             gap_of: &self.gap_of,
         };
         let bodies = &self.bodies;

@@ -11,6 +11,7 @@ use crate::parameters::{Parameters, Walls};
 use crate::places::{Blocked, Reflection};
 use crate::reservoir::{ReservoirFace, face_of};
 use crate::units::Units;
+use crate::wall_distances::WallDistances;
 use std::sync::Arc;
 use tremie_geometry::Surface;
 use tremie_messages::scene::{Face, Reservoir, Scene};
@@ -137,15 +138,27 @@ impl Surroundings {
         let (fixed, fixed_items) = FixedLinks::new(
             &layout.places,
             fixed.iter().map(|blocked| {
-                let meets = match blocked.fixture.as_solid() {
-                    None => (*blocked, 0.5),
-                    Some(_) => self.ground.meet(layout.at(blocked.cell), blocked),
-                };
+                let meets = self.meet(&layout, blocked);
                 if self.halfway { (meets.0, 0.5) } else { meets }
             }),
         );
         let reflections = survey.reflections;
         Built { layout, reflections, fixed, fixed_items, open, open_items, reservoirs }
+    }
+
+    /// What a blocked link meets first, and where.
+    fn meet(&self, layout: &Layout, blocked: &Blocked) -> (Blocked, f64) {
+        match blocked.fixture.as_solid() {
+            None => (*blocked, 0.5),
+            Some(_) => self.ground.meet(layout.at(blocked.cell), blocked),
+        }
+    }
+
+    /// Where the links of cells to things that stand still meet them.
+    pub fn wall_distances(&self, layout: &Layout, fixed: &FixedLinks) -> WallDistances {
+        let solid = Fixture::solid(self.ground.solids.len() as u16);
+        let links = fixed.ends().map(|(cell, dir)| Blocked { cell, dir, fixture: solid });
+        WallDistances::new(links.map(|link| self.meet(layout, &link)))
     }
 
     /// The faces with a reservoir, of the links that open faces block.
