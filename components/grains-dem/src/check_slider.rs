@@ -129,6 +129,10 @@ fn spring(key: &str, slider: &Slider, problems: &mut Vec<Problem>) {
                     "is {stroke} m, but no stops keep the lift between minus and plus that"
                 );
                 add(".stroke", message, "give a lower and an upper stop");
+            } else if slider.lift.abs() > *stroke {
+                let message =
+                    format!("is {stroke} m, but the lift begins at {} m, beyond it", slider.lift);
+                add(".stroke", message, "start where the spring has travel left");
             }
         }
         SliderSpring::Table(points) => table(points, ends, &mut |message, help| {

@@ -323,6 +323,12 @@ fn a_wrong_slider_is_one_problem() {
     // The tan law ends at its stroke, and needs stops stiffer than itself.
     assert_eq!(key(|s| change_stops(s, |stops| stops.upper = Some(4.6e-3))), "spring.stroke");
     assert_eq!(key(|s| s.stops = None), "spring.stroke");
+    // Nor does it begin beyond, however soft the stop.
+    let beyond = |s: &mut Slider| {
+        s.lift = 4.6e-3;
+        change_stops(s, |stops| stops.stiffness = 1e5);
+    };
+    assert_eq!(key(beyond), "spring.stroke");
     assert_eq!(key(|s| change_stops(s, |stops| stops.stiffness = 600.0)), "spring.rate");
     let rate = SliderSpring::Linear { rate: -1.0, preload: 0.0 };
     assert_eq!(key(|s| s.spring = rate.clone()), "spring.rate");
