@@ -2,7 +2,7 @@
 //!
 //! At a small viscosity a gap of a few cells is held up by its walls: half-way reflection stops what
 //! moves along them within a step or two, which no boundary layer of the real flow does. In gaps that
-//! the scene declares so (`slip_below`), and below a lattice viscosity, links that meet a wall aslant are
+//! the scene declares so (`slip_below`), and below a lattice viscosity, links that meet a wall are
 //! reflected like light: with `a` the axis nearest to the direction across the gap, `m(i)` the direction
 //! `i` mirrored across it, and `t` the part of `c_i` along the wall,
 //!
@@ -12,6 +12,10 @@
 //!
 //! for every pair of links that are each other's image, one of them in the gap, so that no mass is made;
 //! any other link stays as it is. It is done after all other reflection, as a correction of what that gave.
+//!
+//! The link straight at the wall is its own image, and half-way too: between the mirrors, interpolation to the
+//! surface feeds the sound across the gap where the last cells are nearly all covered or nearly all free, and
+//! as tau comes near to 1/2 nothing damps it.
 
 use crate::bodies::{Bodies, Body};
 use crate::declared::DeclaredGaps;
@@ -27,7 +31,7 @@ use crate::shape::{Felt, NO_FACET};
 use tremie_team::Team;
 
 /// Room for links, for each cell: as many as end aslant at one side of a gap and at the other.
-const LINKS_PER_CELL: usize = 8;
+const LINKS_PER_CELL: usize = 10;
 
 /// Whose wall a link meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,9 +113,12 @@ impl Slip {
                     Whose::Fixture(_) => 0.0,
                     Whose::Body(handle) => {
                         let (axis, i) = (usize::from(link.axis), usize::from(link.seen));
-                        let (_, u, _) = wall(bodies.with_handle(handle), link, after.layout);
+                        let body = bodies.with_handle(handle);
+                        let (_, u, _) = wall(body, link, after.layout);
+                        // With what it pays back, see `mass`.
+                        let paid = if after.keeps_mass { body.account.pay } else { 0.0 };
                         let rho = density(&after.post(link.cell));
-                        6.0 * W[i] * rho * C_F64[i][axis] * u[axis]
+                        6.0 * W[i] * rho * (C_F64[i][axis] * u[axis] - paid)
                     }
                 };
                 link.value = after.post_one(link.source, link.from.into()) - push;
@@ -247,9 +254,6 @@ impl Site<'_> {
         let at = self.layout.at(cell);
         let mut along = C[i];
         along[axis] = 0;
-        if along == [0; 3] {
-            return None;
-        }
         let (source, mirrors) = self.layout.near(at, along)?;
         let from = mirrored(MIRROR[axis][OPPOSITE[i]], mirrors);
         if !self.owners.is_fluid(source) || self.whose(source, from).is_none() {

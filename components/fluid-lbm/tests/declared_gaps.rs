@@ -185,6 +185,8 @@ fn sinks(slip_below: f64) -> Option<usize> {
     case.collision = tremie_fluid_lbm::Collision::Bgk;
     case.smagorinsky = 0.17;
     case.refill = Refill::Mass;
+    // As in a run: else the plate answers the lattice's two-step oscillation.
+    case.average_force = true;
     let mut scene = case.scene();
     let open = || Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: true };
     scene.domain.faces[0] = [open(), open()];
@@ -203,6 +205,16 @@ fn sinks(slip_below: f64) -> Option<usize> {
         body[0].position[2] += body[0].velocity[2];
         fluid.step(&body, &mut loads).unwrap();
         closes(&fluid, 1e-11);
+        if k % 20 == 0 {
+            println!(
+                "DBG {slip_below} {k} h {:.4} v {:.2e} F {:.3e} rho {:.2e} {:.2e}",
+                body[0].position[2] - 1.5,
+                body[0].velocity[2],
+                loads[0].force[2],
+                fluid.diagnostics().min_density_deviation,
+                fluid.diagnostics().max_density_deviation
+            );
+        }
         if body[0].position[2] - 1.5 < 1.25 {
             return Some(k);
         }
@@ -244,6 +256,43 @@ fn gaps_that_make_no_sense_are_refused() {
     );
     refused(|gap| gap.pressure = GapRule::Probes(Vec::new()), "pressure");
     refused(|gap| gap.region = Some(GapRegion::Box { min: [1.0; 3], max: [0.0; 3] }), "region");
+}
+
+/// Largest deviation of the density some time after a knock at a plate near the floor of a box, all but without
+/// viscosity, in a gap of a height that slips.
+fn rings_after_a_knock(height: f64) -> f64 {
+    let mut case = Case::new([32, 16, 14], [WALL; 3], 0.500008);
+    case.collision = tremie_fluid_lbm::Collision::Bgk;
+    case.smagorinsky = 0.4;
+    let mut scene = case.scene();
+    let mut plate = part("plate", Geometry::Box { size: [20.0, 10.0, 16.0] }, [16.0, 8.0, 0.0]);
+    plate.motion = Motion::Prescribed(Vec::new());
+    scene.parts.push(plate);
+    scene.gaps.push(Gap { slip_below: 8.0, ..gap() });
+    let mut fluid = case.fluid_of(&scene);
+    let mut body = [BodyState::at_rest(1, [16.0, 8.0, height + 8.0])];
+    fluid.apply_events(&[added_part(1, 0)]).unwrap();
+    let mut loads = loads_of(&body);
+    fluid.start(&body, &mut loads).unwrap();
+    for k in 0..3000 {
+        let knock = if k < 200 { 1e-3 * (0.7 * f64::from(k)).sin() } else { 0.0 };
+        body[0].velocity[2] = knock;
+        body[0].position[2] += knock;
+        fluid.step(&body, &mut loads).unwrap();
+    }
+    let seen = fluid.diagnostics();
+    seen.max_density_deviation.max(-seen.min_density_deviation)
+}
+
+/// Wherever the plate is between two layers of cells, the sound of a knock, which is about 1e-3, dies down. (With
+/// links straight at the plate interpolated, it stays at 3e-3 to 5e-3 in some of these gaps.)
+#[test]
+fn a_gap_that_slips_does_not_ring() {
+    for height in [1.6, 2.6, 3.3, 4.3] {
+        let left = rings_after_a_knock(height);
+        println!("{height}: {left:.1e}");
+        assert!(left < 1e-3, "{height}: {left}");
+    }
 }
 
 /// Force on a sphere that is held in a stream between floor and roof of the given kind, which may slip.
