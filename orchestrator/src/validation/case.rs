@@ -168,6 +168,10 @@ pub enum Take {
     PeakToPeak,
     /// Frequency of the crossings of its mean upwards [1/s].
     Frequency,
+    /// How fast it grows: the slope of the line of least squares [1/s].
+    Slope,
+    /// When the first value was that counts [s]: with `once`, when that happened.
+    TimeOfFirst,
     /// When the greatest value was reached [s].
     TimeOfMax,
     /// When the least value was reached [s].

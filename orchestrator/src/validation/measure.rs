@@ -46,6 +46,8 @@ fn of_points(take: Take, points: &[(f64, f64)]) -> Option<f64> {
         Take::Min => least().map(|point| point.1),
         Take::MaxAbs => most(|b, a| b.abs() > a.abs()).map(|point| point.1.abs()),
         Take::PeakToPeak => Some(greatest()?.1 - least()?.1),
+        Take::Slope => slope(points),
+        Take::TimeOfFirst => points.first().map(|point| point.0),
         Take::TimeOfMax => greatest().map(|point| point.0),
         Take::TimeOfMin => least().map(|point| point.0),
         Take::Frequency => frequency(points),
@@ -60,6 +62,19 @@ fn mean(points: &[(f64, f64)]) -> Option<f64> {
     }
     let area = |pair: &[(f64, f64)]| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
     Some(points.windows(2).map(area).sum::<f64>() / span)
+}
+
+/// Of the line of least squares.
+fn slope(points: &[(f64, f64)]) -> Option<f64> {
+    let count = points.len() as f64;
+    let middle: [f64; 2] =
+        [0, 1].map(|k| points.iter().map(|p| [p.0, p.1][k]).sum::<f64>() / count);
+    let (mut product, mut square) = (0.0, 0.0);
+    for (time, value) in points {
+        product += (time - middle[0]) * (value - middle[1]);
+        square += (time - middle[0]).powi(2);
+    }
+    (square > 0.0).then(|| product / square)
 }
 
 /// From the first to the last crossing of the mean upwards, each found by linear interpolation.
@@ -107,6 +122,10 @@ mod tests {
         near(Take::PeakToPeak, 2.0);
         near(Take::TimeOfMax, 0.1);
         near(Take::Last, 1.0);
+        near(Take::TimeOfFirst, 0.0);
+        let rise = measured(Take::Slope, 0.0, 2e-3).unwrap() / 2.0;
+        assert!((rise / (std::f64::consts::TAU * 2.5) - 1.0).abs() < 1e-3, "{rise}");
+        assert!(measured(Take::Slope, 0.0, 0.0).is_err());
     }
 
     #[test]
