@@ -88,3 +88,69 @@ fn what_polyhedra_cannot_be_is_told_at_its_line() {
         }
     }
 }
+
+/// Dice and a ball sink in a liquid between two plates.
+const SINKING: &str = r#"
+[run]
+until = "60 ms"
+
+[scene]
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+
+[scene.domain]
+size = ["48 mm", "48 mm", "60 mm"]
+x = "periodic"
+y = "periodic"
+
+[scene.fluid]
+density = "1000 kg/m3"
+viscosity = "1 Pa s"
+
+[[scene.bodies]]
+name = "dice"
+density = "2500 kg/m3"
+shape = "cube"
+polyhedra = [
+    { position = ["15 mm", "15 mm", "11 mm"], edge = "12 mm", rotation = { axis = [1, 1, 0], angle = "40 deg" } },
+    { position = ["40 mm", "30 mm", "40 mm"], edge = "12 mm" },
+]
+
+[[scene.bodies]]
+name = "ball"
+density = "2500 kg/m3"
+spheres = [{ position = ["15 mm", "40 mm", "40 mm"], diameter = "15 mm" }]
+
+[[scene.contacts]]
+normal_stiffness = "1e4 N/m"
+tangential_stiffness = "8e3 N/m"
+friction = 0.4
+restitution = 0.4
+
+[components]
+grains = "grains-dem"
+
+[components.fluid]
+program = "fluid-lbm"
+threads = 1
+
+[settings.fluid-lbm]
+cell = "2 mm"
+
+[outputs]
+signals = "2 ms"
+"#;
+
+/// In processes and in one, on one thread and on two. The bodies are between weightless and falling freely: it is
+/// the fluid that holds them.
+#[test]
+fn dice_sink_in_a_fluid_with_the_same_bits() {
+    let alone = run_text(SINKING, &[]).succeeded();
+    let together =
+        run_text(SINKING, &["--in-process", "--set", "components.fluid.threads=2"]).succeeded();
+    assert!(alone.signals_text() == together.signals_text(), "threads or processes enter the bits");
+    let signals = alone.signals();
+    let sunk = signals["grains.mean_height"][0] - signals["grains.mean_height"].last().unwrap();
+    let free = 0.5 * 9.81 * 60e-3f64.powi(2);
+    println!("sunk by {sunk} m; {free} m without a fluid");
+    assert!(sunk > 0.02 * free && sunk < 0.5 * free, "{sunk}");
+}

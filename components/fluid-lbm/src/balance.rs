@@ -35,7 +35,7 @@ impl<T: Collides> Solver<T> {
             while let Some(item) = items.next_if(|item| item.body == place) {
                 exchange.join(&item.exchange);
             }
-            if self.slips && body.part.is_some() {
+            if self.slips && body.is_part() {
                 exchange.join(&self.slip.on_body(body.handle));
             }
             self.exchange.join(&exchange);

@@ -1,23 +1,22 @@
 //! The bodies in the fluid: who lives, where they are, which cells they cover.
 
+use crate::catalogue::Catalogue;
 use crate::error::FluidError;
-use crate::events::{check, surface_of};
+use crate::events::check;
 use crate::grid::Grid;
 use crate::lattice::cross;
 use crate::layout::Layout;
 use crate::mass::Account;
-use crate::part_body::{PartBody, Rounding};
+use crate::part_body::PartBody;
 use crate::shape::Hit;
 use crate::sphere::Spans;
 use crate::surfaces::Soft;
 use crate::units::Units;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
-use tremie_geometry::Surface;
 use tremie_messages::{BodyEvent, BodyState, SurfaceVertex};
 use tremie_team::Team;
 
-/// A sphere or a part in the fluid; lattice units.
+/// A sphere, a part or a polyhedron in the fluid; lattice units.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Its id.
@@ -26,7 +25,7 @@ pub struct Body {
     pub handle: u32,
     /// Radius of a sphere; of a part the distance of its farthest point from its origin.
     pub radius: f64,
-    /// What it is, unless it is a sphere.
+    /// Its surface, unless it is a sphere.
     pub part: Option<Box<PartBody>>,
     /// Centre or origin, in the box along periodic axes.
     pub position: [f64; 3],
@@ -81,6 +80,11 @@ impl Body {
             pressed: [[0.0; 3]; 2],
             account: Account::default(),
         }
+    }
+
+    /// Whether it is a part of the scene or a surface that deforms, no sphere or polyhedron.
+    pub fn is_part(&self) -> bool {
+        self.part.as_ref().is_some_and(|part| part.index != PartBody::NO_PART)
     }
 
     /// Squared radius.
@@ -335,23 +339,17 @@ pub struct Bodies {
     pub vertices: Vec<SurfaceVertex>,
     /// Whether bodies were added or removed since the last step.
     pub changed: bool,
-    /// Surfaces of the scene's parts that move, by index of the part.
-    surfaces: Vec<Option<Arc<Surface>>>,
-    /// Where they are in the scene, and how exactly they are followed.
-    roundings: Vec<Rounding>,
+    /// What they can be besides spheres.
+    catalogue: Catalogue,
     /// How many steps ahead velocities are taken.
     lead: f64,
 }
 
 impl Bodies {
-    /// None, in a scene whose moving parts have the given surfaces and roundings of poses, by index of
-    /// the part; velocities of parts are taken `lead` steps ahead.
-    pub fn with_surfaces(
-        surfaces: Vec<Option<Arc<Surface>>>,
-        roundings: Vec<Rounding>,
-        lead: f64,
-    ) -> Self {
-        Self { surfaces, roundings, lead, ..Self::default() }
+    /// None, in a scene with a catalogue of what they can be; velocities of parts are taken `lead` steps
+    /// ahead.
+    pub fn of(catalogue: Catalogue, lead: f64) -> Self {
+        Self { catalogue, lead, ..Self::default() }
     }
 
     /// Adds deformable surfaces, once.
@@ -428,17 +426,13 @@ impl Bodies {
     ) -> Result<(), FluidError> {
         let mut ids: Vec<u64> = self.living.iter().map(|b| b.id).collect();
         for event in events {
-            check(event, &mut ids, units, &layout.grid, &self.surfaces)?;
+            check(event, &mut ids, units, &layout.grid, &self.catalogue)?;
         }
         for event in events {
             let place = self.living.partition_point(|b| b.id < event.id);
             if event.kind == BodyEvent::ADDED {
                 let handle = self.new_handle();
-                let part = surface_of(event, &self.surfaces).map(|surface| {
-                    let index = event.table as usize;
-                    let rounding = self.roundings[index];
-                    Box::new(PartBody::new(index, surface.clone(), rounding, units.cell))
-                });
+                let part = self.catalogue.body(event, units.cell);
                 let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
                 self.newcomers.push(handle);
                 self.living.insert(place, Body::new(event.id, handle, radius, part));
@@ -481,7 +475,7 @@ impl Bodies {
     pub fn take(&mut self, states: &[BodyState], units: &Units, grid: &Grid) -> bool {
         let mut moved = std::mem::take(&mut self.changed);
         for (body, state) in self.living.iter_mut().zip(states) {
-            let lead = if body.part.is_some() { self.lead } else { 0.0 };
+            let lead = if body.is_part() { self.lead } else { 0.0 };
             moved |= body.take(state, lead, units, grid);
         }
         let first = self.rigid();
@@ -493,8 +487,8 @@ impl Bodies {
 
     /// Whether a part has come, gone or moved by a step.
     pub fn parts_moved(&self) -> bool {
-        self.living.iter().any(|body| body.moved && body.part.is_some())
-            || self.leaving.iter().any(|body| body.part.is_some())
+        self.living.iter().any(|body| body.moved && body.is_part())
+            || self.leaving.iter().any(Body::is_part)
     }
 
     /// Forgets the bodies that left, once nobody needs them.

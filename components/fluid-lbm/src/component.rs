@@ -116,6 +116,7 @@ impl Cut {
 impl Fluid for LatticeFluid {
     const PROGRAM: &'static str = concat!("fluid-lbm ", env!("CARGO_PKG_VERSION"));
     const TAKES_SURFACES: bool = true;
+    const TAKES_POLYHEDRA: bool = true;
     const TELLS_PORTS: bool = true;
 
     fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {

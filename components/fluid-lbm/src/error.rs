@@ -48,7 +48,7 @@ pub enum FluidError {
     },
     /// An event of a kind or shape that this fluid does not know.
     #[error(
-        "event of kind {kind} with shape {shape} for body {id}: this fluid knows added and removed spheres and parts"
+        "event of kind {kind} with shape {shape} for body {id}: this fluid knows added and removed spheres, parts and polyhedra"
     )]
     UnknownEvent {
         /// Id of the body.
@@ -69,6 +69,19 @@ pub enum FluidError {
         part: u64,
         /// Parts of the scene.
         parts: usize,
+    },
+    /// A polyhedron of a shape that the scene does not have, or of which no surface can be made at its
+    /// size.
+    #[error(
+        "body {id} is a polyhedron of shape {shape} of the scene, of which there is none to be made among its {shapes}"
+    )]
+    UnknownShape {
+        /// Id of the body.
+        id: u64,
+        /// Index of the shape.
+        shape: u64,
+        /// Shapes of the scene.
+        shapes: usize,
     },
     /// A sphere with a radius that is not positive and finite.
     #[error("body {id} has the radius {radius} m; it must be positive")]

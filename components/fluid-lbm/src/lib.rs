@@ -22,6 +22,7 @@
 mod balance;
 mod batch;
 mod bodies;
+mod catalogue;
 mod cells;
 mod collision;
 mod columns;

@@ -120,7 +120,7 @@ impl<T: Collides> Solver<T> {
                 receded += item.exchange.receded;
                 weight += item.exchange.weight;
             }
-            if self.slips && body.part.is_some() {
+            if self.slips && body.is_part() {
                 gain += self.slip.on_body(body.handle).mass;
             }
             body.account.is_open = true;

@@ -46,10 +46,11 @@ struct Placed {
     orientation: [f64; 4],
 }
 
-/// A part as a body in the fluid.
+/// A part, or a polyhedron, as a body in the fluid.
 #[derive(Clone, Debug)]
 pub struct PartBody {
-    /// Its index among the parts of the scene; a surface's comes after those of all parts.
+    /// Its index among the parts of the scene; a surface's comes after those of all parts; of a polyhedron
+    /// [`PartBody::NO_PART`].
     pub index: usize,
     /// What a deformable surface has besides.
     pub shape: Option<Box<Shape>>,
@@ -136,6 +137,9 @@ fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
 }
 
 impl PartBody {
+    /// Index of what is no part of the scene.
+    pub const NO_PART: usize = usize::MAX;
+
     /// A part with a surface; `cell` is the edge of a cell [m].
     pub fn new(index: usize, surface: Arc<Surface>, rounding: Rounding, cell: f64) -> Self {
         let moments = surface.mesh().moments();

@@ -2,6 +2,7 @@
 
 use crate::batch::Batch;
 use crate::bodies::{Bodies, Body};
+use crate::catalogue::Catalogue;
 use crate::cells::Fixture;
 use crate::collision::Relaxation;
 use crate::course::Now;
@@ -184,9 +185,13 @@ impl<T: Collides> Solver<T> {
             field: Field::new(built.layout.places.stride()),
             owners: Owners::new(built.layout.cells.len()),
             wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
-            bodies: Bodies::with_surfaces(
-                std::mem::take(&mut surroundings.moving),
-                roundings(scene, parameters, &units),
+            bodies: Bodies::of(
+                Catalogue::new(
+                    scene,
+                    std::mem::take(&mut surroundings.moving),
+                    roundings(scene, parameters, &units),
+                    parameters.spacing_of_poses(),
+                ),
                 parameters.velocity_lead,
             ),
             relaxation,
