@@ -66,6 +66,8 @@ pub struct Surface {
     pub velocity: [f64; 3],
     /// Angular velocity.
     pub spin: [f64; 3],
+    /// Walls nearer than this count as that near, see [`crate::links::nearest_wall`].
+    pub nearest: f64,
 }
 
 /// Sums over links: force, torque, `gain u`, and `gain`.
@@ -128,6 +130,7 @@ fn locate_all(links: &mut [Eight], body: Surface) {
                 v[2] + (w[0] * wall[1] - w[1] * wall[0]),
             ];
             let push = eight.weight[k] * (c[0] * u[0] + c[1] * u[1] + c[2] * u[2]);
+            let q = q.max(body.nearest);
             let part = 0.5 / q;
             let far = q >= 0.5;
             eight.own[k] = if far { part } else { 2.0 * q };

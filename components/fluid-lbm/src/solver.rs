@@ -15,7 +15,7 @@ use crate::lanes::Variant;
 use crate::lattice::CS2;
 use crate::layout::Layout;
 use crate::ledger::Ledger;
-use crate::links::{self, After, Exchange};
+use crate::links::{self, After, Exchange, nearest_wall};
 use crate::motion::Filled;
 use crate::open::{self, Next, OpenCells};
 use crate::owners::Owners;
@@ -367,6 +367,7 @@ impl<T: Collides> Solver<T> {
             drho: &self.wanted.drho,
             variant: self.variant,
             keeps_mass: self.keeps_mass,
+            nearest_wall: nearest_wall(self.tau),
             walls: (self.gaps_press || !self.declared.is_empty()).then_some(&self.walls),
             gap_of: &self.gap_of,
         };

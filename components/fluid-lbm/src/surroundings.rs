@@ -6,6 +6,7 @@ use crate::fixed::{self, FixedLinks};
 use crate::grid::Side;
 use crate::ground::Ground;
 use crate::layout::Layout;
+use crate::links::nearest_wall;
 use crate::open::{self, OpenCells};
 use crate::parameters::{Parameters, Walls};
 use crate::places::{Blocked, Reflection};
@@ -20,6 +21,8 @@ use tremie_messages::scene::{Face, Reservoir, Scene};
 pub struct Surroundings {
     ground: Ground,
     halfway: bool,
+    /// How near curved walls may be, see [`nearest_wall`].
+    nearest: f64,
     /// Which faces let sound out, `2 axis + side`.
     absorbing: [bool; 6],
     /// Which faces have a reservoir, `2 axis + side`.
@@ -85,8 +88,10 @@ impl Surroundings {
             _ => None,
         });
         let halfway = parameters.walls == Walls::Halfway;
+        let nu = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.viscosity / fluid.density);
+        let nearest = nearest_wall(parameters.tau_of(units.time_step, nu));
         let units = *units;
-        Self { ground, halfway, absorbing, reservoirs, units, moving, laws, references }
+        Self { ground, halfway, nearest, absorbing, reservoirs, units, moving, laws, references }
     }
 
     /// The static geometry.
@@ -139,7 +144,8 @@ impl Surroundings {
             &layout.places,
             fixed.iter().map(|blocked| {
                 let meets = self.meet(&layout, blocked);
-                if self.halfway { (meets.0, 0.5) } else { meets }
+                let q = if self.halfway { 0.5 } else { meets.1.max(self.nearest) };
+                (meets.0, q)
             }),
         );
         let reflections = survey.reflections;
