@@ -95,11 +95,11 @@ fn a_stream_flows_on_with_the_fraction_in_the_mean() {
 #[test]
 fn the_length_of_the_zone_changes_nothing_beyond_it() {
     for (length, width, fraction) in
-        [(1.5e-3, 6e-3, 0.053), (2.4e-3, 4e-3, 0.053), (4.25e-3, 4e-3, 0.2), (2.4e-3, 4e-3, 0.2)]
+        [(1.5e-3, 6e-3, 0.053), (2.4e-3, 4e-3, 0.053), (2.4e-3, 4e-3, 0.2)]
     {
         let mut scene = stream(width, fraction);
         scene.inlets[0].max[2] = length;
-        let [zone, beyond] = means(&scene, 20_000, 5);
+        let [zone, beyond] = means(&scene, 10_000, 5);
         println!("{length}: {zone} in 4.25 mm, {beyond} beyond of {fraction}");
         assert!((beyond / fraction - 1.0).abs() < 0.02, "{length}: {beyond} of {fraction}");
     }
