@@ -85,10 +85,6 @@ struct Valve {
 
 impl Valve {
     fn new() -> Self {
-        let home = tempfile::tempdir().unwrap();
-        let spec = Spec::parse(&PathBuf::from("ring.toml"), RING.into()).unwrap();
-        let table = make(&spec).unwrap();
-        table.write(&home.path().join("ring.json")).unwrap();
         // In the middle of every other sector: there the foot is a flat facet, not an edge.
         let bead = |k: usize| {
             let (sin, cos) = (std::f64::consts::PI * (4 * k + 1) as f64 / 24.0).sin_cos();
@@ -98,7 +94,14 @@ impl Valve {
             )
         };
         let beads: Vec<String> = (0..12).map(bead).collect();
-        let text = VALVE.replace("    BEADS", &beads.join("\n"));
+        Self::of(&VALVE.replace("    BEADS", &beads.join("\n")))
+    }
+
+    fn of(text: &str) -> Self {
+        let home = tempfile::tempdir().unwrap();
+        let spec = Spec::parse(&PathBuf::from("ring.toml"), RING.into()).unwrap();
+        let table = make(&spec).unwrap();
+        table.write(&home.path().join("ring.json")).unwrap();
         std::fs::write(home.path().join("manifest.toml"), text).unwrap();
         Self { home, table }
     }
@@ -134,9 +137,75 @@ fn the_valve_comes_to_rest_on_its_ring() {
         let (time, expected) = (signals["time"][gone], 80.0 * compression / load);
         assert!((time / expected - 1.0).abs() < 0.12, "{time} s, {expected} s");
         let passes = value("rubber.ring.mean_passes");
-        assert!((3.0..12.0).contains(&passes), "{passes} passes");
+        assert!((2.0..5.0).contains(&passes), "{passes} passes");
         assert!(value("rubber.ring.most_passes") < 20.0);
     }
+}
+
+/// Beads of different sizes on the floor from the ring's inner rim to its outer, and small ones that fly up at it.
+fn squeezed_and_thrown() -> Vec<String> {
+    let at = |turn: f64, r: f64| {
+        let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+        (15.0 + r * cos, 15.0 + r * sin)
+    };
+    let squeezed = (0..15).map(|k| {
+        let (x, y) = at((f64::from(k) + 0.3) / 15.0, 6.45 + 4.6 * f64::from(k) / 14.0);
+        let d = [1.4, 1.3, 1.36][k as usize % 3];
+        let z = 0.5 * d;
+        format!("{{ position = [\"{x} mm\", \"{y} mm\", \"{z} mm\"], diameter = \"{d} mm\" }},")
+    });
+    let thrown = (0..6).map(|k| {
+        let r = [6.4, 8.75, 11.1, 6.5, 10.0, 11.0][k];
+        let (x, y) = at((2.0 * k as f64 + 0.8) / 15.0, r);
+        let (place, up) = (
+            format!("[\"{x} mm\", \"{y} mm\", \"0.5 mm\"]"),
+            "[\"0 m/s\", \"0 m/s\", \"1.5 m/s\"]",
+        );
+        format!("{{ position = {place}, diameter = \"0.9 mm\", velocity = {up} }},")
+    });
+    squeezed.chain(thrown).collect()
+}
+
+/// With friction and dashpots everywhere, contacts that open within a step, and grains on the ring's rims, which count
+/// with its foot or with its sides: it is thrown off nowhere, comes to rest on the largest, and all of it has the
+/// same bits in processes and threads.
+#[test]
+fn grains_with_dashpots_are_squeezed_and_thrown_at_the_ring() {
+    let text = VALVE
+        .replace("    BEADS", &squeezed_and_thrown().join("\n"))
+        .replace("5.4 mm", "5.6 mm")
+        .replace("until = \"4 ms\"", "until = \"2 ms\"")
+        .replace("4e-7 s", "4.8e-8 s");
+    let contacts = text.find("[[scene.contacts]]").unwrap();
+    let components = text.find("[components]").unwrap();
+    let damped = r#"[[scene.contacts]]
+normal_stiffness = "1e6 N/m"
+tangential_stiffness = "8e5 N/m"
+friction = 0.4
+restitution = 0.3
+
+"#;
+    let text = [&text[..contacts], damped, &text[components..]].concat();
+    let valve = Valve::of(&text);
+    let ran = valve.run(&["--in-process"]).succeeded();
+    let signals = ran.signals();
+    for name in ["rubber.ring.force", "grains.disc.surface_force"] {
+        assert!(
+            (last(&signals, name) / 40.0 - 1.0).abs() < 0.02,
+            "{name}: {}",
+            last(&signals, name)
+        );
+    }
+    // The thrown ones have lost what they had, and what the ring lost went nowhere else.
+    assert!(last(&signals, "grains.kinetic_energy") < 1e-3 * 3.5e-3);
+    let [mean, most] = ["mean", "most"].map(|of| &signals[&format!("rubber.ring.{of}_passes")]);
+    let mean = mean.iter().sum::<f64>() / mean.len() as f64;
+    let most = most.iter().fold(0.0, |a: f64, b| a.max(*b));
+    assert!(mean < 5.0 && most < 60.0, "{mean} passes, at most {most}");
+    let bits = |options: &[&str]| {
+        valve.run(&[&["--set", "run.until=0.4 ms"], options].concat()).succeeded().signals_text()
+    };
+    assert!(bits(&[]) == bits(&["--in-process"]), "threads and processes differ");
 }
 
 #[test]
@@ -174,7 +243,10 @@ fn faults_inside_a_window_are_caught_with_both_sides_named() {
         ("grains", "substep-less", &["substeps", "stamp"]),
     ] {
         let inject = format!("{component}:{fault}@5");
-        let sets = ["--set", "run.deadline=0.4 s", "--set", "run.until=0.1 ms"];
+        // Only one that hangs is found by the deadline; on a busy machine a short one would find others first.
+        let deadline = if fault == "hang" { 3.0 } else { 30.0 };
+        let deadline = format!("run.deadline={deadline} s");
+        let sets = ["--set", &deadline, "--set", "run.until=0.1 ms"];
         let ran = valve.run(&[&["--inject", &inject][..], &sets].concat());
         let about = format!("{inject}\n{}", ran.errors());
         assert_eq!(ran.code(), Some(1), "{about}");

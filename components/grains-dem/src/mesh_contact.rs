@@ -4,7 +4,8 @@
 //! with vertices. A contact counts only if its point stands out of the tangent planes of all before:
 //! edges and vertices of a face that the sphere touches already do not. Contacts that are nearly in
 //! one direction are one, the deepest. So a sphere rolls over a flat floor of triangles as over a
-//! plane, and over facets of a curved one without losing or doubling its support.
+//! plane, and over facets of a curved one without losing or doubling its support. A contact with an edge or a vertex
+//! belongs to the first of the triangles that share it, whatever round-off says of their distances.
 
 use crate::Vec3;
 
@@ -40,6 +41,9 @@ pub(crate) const SAME: f64 = 0.984_807_753;
 
 /// How far a point must stand out of another contact's tangent plane, over the radius.
 const OUT: f64 = 1e-3;
+
+/// Points that are nearer to each other than this, over the radius, are one.
+const TIE: f64 = 1e-9;
 
 /// The contacts found, in the order described above.
 #[derive(Clone, Copy, Debug)]
@@ -90,12 +94,24 @@ pub(crate) fn find(
             (near.point - other.point).dot(&other.normal) <= OUT * radius
                 || near.normal.dot(&other.normal) > SAME
         };
-        if found.count < MOST && !found.contacts().iter().any(hidden) {
+        if let Some(by) = found.contacts().iter().position(hidden) {
+            found.list[by].share(near, radius);
+        } else if found.count < MOST {
             found.list[found.count] = *near;
             found.count += 1;
         }
     }
     found
+}
+
+impl Nearest {
+    /// Hands a point of an edge or a vertex to the first of the triangles at it.
+    fn share(&mut self, other: &Nearest, radius: f64) {
+        let apart = (self.point - other.point).norm_squared();
+        if self.feature > 0 && self.feature == other.feature && apart <= (TIE * radius).powi(2) {
+            self.triangle = self.triangle.min(other.triangle);
+        }
+    }
 }
 
 /// Whether one candidate is looked at before another.
@@ -226,6 +242,31 @@ mod tests {
         // From the face over the edge the distance is continuous.
         let over = |x: f64| at([x, -3.3, 0.9], &block)[0].distance;
         assert!((over(-1e-9) - over(1e-9)).abs() < 1e-15);
+    }
+
+    /// An edge askew: round-off decides from which of its two faces it looks nearer.
+    #[test]
+    fn a_point_of_an_edge_is_of_the_first_face_there() {
+        let (u, v) = (Vec3::new(0.3, 0.7, 0.1).normalize(), Vec3::new(-0.2, 0.4, 0.9).normalize());
+        let along = u.cross(&v).normalize();
+        let face = |side: Vec3, turned: bool| {
+            let (a, b) = if turned { (side, along) } else { (along, side) };
+            quad((side * -9.0 - along * 4.0).into(), (a * 9.0).into(), (b * 9.0).into())
+        };
+        let (first, second) = (face(u, false), face(v, true));
+        let out = -(first[0].normal + second[0].normal) * 0.2;
+        let out = if out.dot(&u) > 0.0 { out } else { -out };
+        let mut asked = 0;
+        for k in 0..300 {
+            let x = along * (-3.0 + 0.021 * f64::from(k)) + out * (1.0 + 1e-3 * f64::from(k % 7));
+            for faces in [[first, second], [second, first]] {
+                for near in at(x.into(), &faces).iter().filter(|near| near.feature == 1) {
+                    assert!(near.triangle < 2, "{k}: {near:?}");
+                    asked += 1;
+                }
+            }
+        }
+        assert!(asked > 400, "{asked}");
     }
 
     #[test]

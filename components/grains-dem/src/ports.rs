@@ -1,5 +1,6 @@
 //! Inlets and outlets: who comes and who goes at the end of a window.
 
+mod filled;
 mod inlet;
 
 use crate::{

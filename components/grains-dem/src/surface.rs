@@ -56,8 +56,8 @@ pub struct FacetLoad {
     pub force: [f64; 3],
     /// Where it acts [m].
     pub point: [f64; 3],
-    /// Normal force over overlap [N/m]; of spheres at a carrier that symmetry planes cut, that of their
-    /// images besides.
+    /// How fast the normal force falls as the facet retreats through the substep [N/m], by the spring and by the dashpot
+    /// over the substep's length; of spheres at a carrier that symmetry planes cut, that of their images besides.
     pub stiffness: f64,
 }
 

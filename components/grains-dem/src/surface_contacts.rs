@@ -3,7 +3,7 @@
 use crate::{
     Vec3,
     bodies::{Ball, Bodies, Mobility, Wrench},
-    contact::{self, Contact, Memory},
+    contact::{self, Contact, Memory, Steps},
     error::GrainsError,
     forces::Scenery,
     law::{Law, Reduced},
@@ -72,6 +72,16 @@ pub(crate) struct Around<'a> {
 
 /// So many facets, which lie together in most meshes, are looked at by one box.
 const GROUP: usize = 32;
+
+/// How fast the normal force of a contact falls as the surface retreats through a substep [N/m]: the spring's
+/// slope, and the dashpot over the substep; not at all where the contact pushes no more.
+fn retreat(law: &Law, pair: Reduced, overlap: f64, normal: f64, steps: Steps) -> f64 {
+    if normal == 0.0 {
+        return 0.0;
+    }
+    let dashpot = law.at(overlap, overlap, pair).gamma_n;
+    law.normal_slope(overlap, pair) + dashpot / steps.after
+}
 
 /// An upright box.
 #[derive(Clone, Copy, Debug)]
@@ -328,7 +338,7 @@ impl Held {
             on_body.force += force;
             on_body.torque += n.cross(&f.tangential) * arm + f.rolling;
             let point = (ball.x + n * arm).into();
-            let stiffness = self.whole * f.normal / overlap;
+            let stiffness = self.whole * retreat(law, entry.reduced, overlap, f.normal, steps);
             out.push(FacetLoad { facet, force: (force * -self.whole).into(), point, stiffness });
             tally.add(overlap / ball.radius, entry.body, Other::Surface(self.carrier as u32));
         }

@@ -77,6 +77,8 @@ fn facets(model: &Model, touching: &[[usize; 2]]) -> Facets {
     for edge in model.mesh().outline().iter().filter(|edge| !edge.iter().all(on_axis)) {
         let list = if model.held_edges().contains(edge) {
             &mut facets.bonded
+        } else if model.guided_edges().contains(edge) {
+            &mut facets.covered
         } else if touching.contains(edge) {
             &mut facets.seat
         } else {

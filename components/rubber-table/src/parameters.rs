@@ -12,8 +12,9 @@ use tremie_messages::units::{Dashpot, Mass, Velocity};
 pub struct Parameters {
     /// Damping nu of `F = h(d) + nu d'`, F the force on the seal, h that of the table, d the compression.
     pub damping: Dashpot,
-    /// Least of the method's number eta: `(k + h') dt` of contacts and table where that is more. It changes
-    /// how many passes a step takes, not where it ends.
+    /// Least of the method's number eta in the first pass of a step: `(k + h') dt` of contacts and table where that is
+    /// more. The passes after it go by the slope that they measure. It changes how many passes a step takes, not
+    /// where it ends.
     pub eta: Dashpot,
     /// A step is settled when a pass changes the compression by less than this times the first change.
     pub tolerance: f64,

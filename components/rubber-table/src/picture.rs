@@ -147,7 +147,9 @@ fn section(
         chart.plotting_area().draw(&PathElement::new(around, WHITE.mix(0.35).stroke_width(1)))?;
     }
     let facets = &contents.facets;
-    for (edges, width) in [(&facets.exposed, 1), (&facets.seat, 2), (&facets.bonded, 4)] {
+    let kinds =
+        [(&facets.exposed, 1), (&facets.seat, 2), (&facets.covered, 3), (&facets.bonded, 4)];
+    for (edges, width) in kinds {
         for edge in edges {
             let ends: Vec<(f64, f64)> = edge.iter().map(place).collect();
             chart.plotting_area().draw(&PathElement::new(ends, BLACK.stroke_width(width)))?;

@@ -142,3 +142,15 @@ fn too_much_is_an_error_with_the_way_gone() {
     assert!(stuck.reached > 0.6e-3 && stuck.reached < 3e-3, "{stuck}");
     assert!(stuck.to_string().contains("compress less"), "{stuck}");
 }
+
+/// Guided on both sides it is strained along the axis alone: (K + 4/3 G) A/t.
+#[test]
+fn a_ring_in_a_groove_has_the_stiffness_of_uniaxial_strain() {
+    let holds = [Hold::bonded("top"), Hold::guided("inner"), Hold::guided("outer")];
+    let model = model(ring([9, 6]), RUBBER, &holds, Some(Seat::flat(0.0)));
+    let area = std::f64::consts::PI * (11e-3f64.powi(2) - 6.5e-3f64.powi(2));
+    let modulus = RUBBER.bulk_modulus + 4.0 / 3.0 * RUBBER.shear_modulus;
+    let found = first_slope(&model) / (modulus * area / 3e-3);
+    // The seat's penalty gives way.
+    assert!((found - 1.0).abs() < 5e-3, "{found}");
+}

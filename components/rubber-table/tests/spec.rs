@@ -33,6 +33,33 @@ fn refused(text: &str) -> String {
     Spec::parse(Path::new("ring.toml"), text.into()).unwrap_err().to_string()
 }
 
+/// A ring on a hub: its inner side cannot bulge, and is neither exposed nor bonded. So its outer side gives as much way as
+/// its foot takes, but for what the rubber shrinks; where the inner side is free, by a third less.
+#[test]
+fn a_side_on_a_hub_is_covered_and_does_not_bulge() {
+    let guided = "[carrier]\nbonded = [\"top\"]\nguided = [\"inner\"]\n\n[table]";
+    let on_hub = table(&RING.replace("[table]", guided));
+    let facets = &on_hub.contents().facets;
+    assert_eq!((facets.covered.len(), facets.exposed.len(), facets.bonded.len()), (12, 12, 18));
+    // Volume that the outer side sweeps, over that of the foot, in the first frame.
+    let swept = |table: &Table| {
+        let [rest, next] = [0, 1].map(|frame| &table.contents().vertices[frame]);
+        let outer = |edge: &&[usize; 2]| edge.iter().all(|&v| rest[v][0] > 10e-3);
+        let of = |&[a, b]: &[usize; 2]| {
+            let out = 0.5 * (next[a][0] - rest[a][0] + next[b][0] - rest[b][0]);
+            2.0 * rest[a][0] * (rest[b][1] - rest[a][1]).abs() * out
+        };
+        let swept: f64 = table.contents().facets.exposed.iter().filter(outer).map(of).sum();
+        swept / ((11e-3f64.powi(2) - 6.5e-3f64.powi(2)) * table.contents().compressions[1])
+    };
+    let [on_hub_, free] = [&on_hub, &table(RING)].map(swept);
+    assert!((on_hub_ - 0.9).abs() < 0.05 && (free - 0.69).abs() < 0.02, "{on_hub_} {free}");
+    for vertices in &on_hub.contents().vertices {
+        let is_on_hub = |&v: &usize| (vertices[v][0] - 6.5e-3).abs() < 1e-15;
+        assert!(facets.covered.iter().flatten().all(is_on_hub));
+    }
+}
+
 #[test]
 fn the_ring_of_the_valve_becomes_a_table() {
     let table = table(RING);

@@ -32,7 +32,8 @@ pub struct FacetLoad {
     pub force: [f64; 3],
     /// A point on its line of action, near the facet [m].
     pub point: [f64; 3],
-    /// Sum of the normal stiffnesses of the contacts on the facet [N/m]; 0 from a fluid.
+    /// How fast the normal force of the contacts on the facet falls as this retreats through the substep [N/m]: their
+    /// springs' stiffness, and their dashpots' coefficients over the substep's length; 0 from a fluid.
     pub stiffness: f64,
 }
 

@@ -93,7 +93,7 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
     for (name, grains, ring) in [
         ("manifest.toml", None, Ring::Rubber("ring.json", rest)),
         ("rigid.toml", None, Ring::Rigid),
-        ("grains.toml", Some(&slurry), Ring::Rigid),
+        ("grains.toml", Some(&slurry), Ring::Rubber("ring.json", rest)),
     ] {
         let working = valve::working(&numbers, &works, grains, "frame.stl", ring);
         write(&folder.join(name), working.as_bytes())?;
@@ -125,7 +125,7 @@ fn numbers(sets: &[(String, String)]) -> Result<Dimensions, SceneError> {
 fn tell(numbers: &Dimensions, folder: &Path) {
     println!(
         "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, ring.toml and ring.json (the ring's table) are in {}, \
-         and manifest.toml, rigid.toml (with a rigid ring), grains.toml (with grains and a rigid ring) and held.toml (steady flow, the valve held)",
+         and manifest.toml, rigid.toml (with a rigid ring), grains.toml (with grains) and held.toml (steady flow, the valve held)",
         folder.display()
     );
     println!(

@@ -17,6 +17,14 @@ pub(crate) struct Upstream {
     pub depth: f64,
 }
 
+impl Upstream {
+    /// How far from there the centre of a sphere lies in the mean, of those that are tried first, in a region of
+    /// this `length` [m].
+    pub fn mean_distance(&self, radius: f64, length: f64) -> f64 {
+        radius + 0.5 * self.depth.min((length - 2.0 * radius).max(0.0))
+    }
+}
+
 /// A region with what is in it.
 pub(crate) struct Feeding<'a> {
     region: Region<'a>,
@@ -35,26 +43,37 @@ impl<'a> Feeding<'a> {
 
     /// Volume of the region outside of parts and walls [m³], from points between them, if there are any.
     pub fn free_volume(&self) -> f64 {
+        self.free_slices(2, 0).iter().sum()
+    }
+
+    /// That of each slice of equal thickness across an axis, from a side of the region on [m³].
+    pub fn free_slices(&self, axis: usize, side: usize) -> Vec<f64> {
         const POINTS: usize = 48;
         let (min, size) = (self.region.bounds.min, self.region.bounds.size);
-        let whole = size.x * size.y * size.z;
+        let slice = size.x * size.y * size.z / POINTS as f64;
         if self.region.parts.is_empty() && self.region.walls.is_empty() {
-            return whole;
+            return vec![slice; POINTS];
         }
         let at = |k: usize, a: usize| min[a] + size[a] * (k as f64 + 0.5) / POINTS as f64;
-        let free = |ball: &Ball| {
-            self.region.walls.iter().all(|wall| wall.overlap(ball) <= 0.0)
-                && self.region.depth_in_parts(ball).0 <= 0.0
+        let is_free = |x: Vec3| {
+            let point = Ball { x, radius: 0.0 };
+            self.region.walls.iter().all(|wall| wall.overlap(&point) <= 0.0)
+                && self.region.depth_in_parts(&point).0 <= 0.0
         };
-        let places = (0..POINTS * POINTS * POINTS).map(|k| {
-            let x = Vec3::new(
-                at(k % POINTS, 0),
-                at(k / POINTS % POINTS, 1),
-                at(k / (POINTS * POINTS), 2),
-            );
-            Ball { x, radius: 0.0 }
-        });
-        whole * places.filter(free).count() as f64 / (POINTS * POINTS * POINTS) as f64
+        let (one, other) = ((axis + 1) % 3, (axis + 2) % 3);
+        let of = |k: usize| {
+            let k = if side == 0 { k } else { POINTS - 1 - k };
+            let places = (0..POINTS * POINTS).map(|point| {
+                let mut x = Vec3::zeros();
+                x[axis] = at(k, axis);
+                x[one] = at(point % POINTS, one);
+                x[other] = at(point / POINTS, other);
+                x
+            });
+            let count = places.filter(|&x| is_free(x)).count();
+            slice * count as f64 / (POINTS * POINTS) as f64
+        };
+        (0..POINTS).map(of).collect()
     }
 
     /// Puts a sphere where it overlaps nothing; `None` when none of the places that were tried will do.

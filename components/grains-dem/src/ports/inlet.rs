@@ -3,8 +3,12 @@
 //! Spheres come while at least half of the next one's volume is lacking, so that the volume swings about
 //! the wanted one. What leaves between two insertions is lacking in the mean until then; the error of the
 //! mean is carried over, as fast as the region empties, so that the mean over time comes out right.
+//!
+//! Spheres come whole: their centres start some way into the region, one to two radii in the mean and more where it
+//! is crowded. What they fill, and what therefore holds the wanted fraction, is the region from there on; with all of it
+//! filled as much the stream beyond would be denser, the more so the shorter the region.
 
-use super::{InletState, upstream};
+use super::{InletState, filled::Filled, upstream};
 use crate::{
     Vec3,
     bodies::Ball,
@@ -32,8 +36,8 @@ pub(super) struct Feeder {
     region: Packing,
     sizes: Sizes,
     largest: f64,
-    /// Volume of spheres that the region shall hold, and of one of them in the mean [m³].
-    wanted: f64,
+    /// Where they fill the region, and the volume of one of them in the mean [m³].
+    filled: Filled,
     mean_volume: f64,
     pub from: InletVelocity,
     /// That of the spheres that come [m/s].
@@ -73,7 +77,11 @@ impl Feeder {
             planes: around.walls.clone(),
             balls: Vec::new(),
         };
-        let free = Feeding::new(&region, &empty, largest).free_volume();
+        let upstream = from_side(inlet.velocity, largest)
+            .filter(|upstream| !scene.domain.is_periodic(upstream.axis));
+        let slices = upstream.map_or((2, 0), |upstream| (upstream.axis, upstream.side));
+        let slices = Feeding::new(&region, &empty, largest).free_slices(slices.0, slices.1);
+        let filled = Filled::new(&region, upstream, slices, &sizes);
         let every = inlet.every.map_or(STEPS, |time| (time / dt - 1e-9).ceil().max(1.0) as u64);
         Some(Self {
             name: inlet.name.clone(),
@@ -81,7 +89,6 @@ impl Feeder {
             mean_volume: sizes.mean_volume(),
             sizes,
             largest,
-            wanted: inlet.fraction * free,
             from: inlet.velocity,
             velocity: match inlet.velocity {
                 InletVelocity::Given(velocity) => velocity,
@@ -96,7 +103,8 @@ impl Feeder {
             held: 0.0,
             loss: 0.0,
             owed: 0.0,
-            state: InletState { deficit: inlet.fraction * free, ..InletState::default() },
+            state: InletState { deficit: filled.wanted(), ..InletState::default() },
+            filled,
             region,
         })
     }
@@ -130,12 +138,14 @@ impl Feeder {
                 feeding.get_or_insert_with(|| Feeding::new(&self.region, around, self.largest));
             let key = self.key.wrapping_add(self.failed.wrapping_mul(0xD134_2543_DE82_EF95));
             let mut random = Random::new(key, 1 << 63 | next);
-            let Some(ball) = feeding.add(0.5 * d, self.upstream(), self.tries, &mut random) else {
+            let upstream = from_side(self.from, self.largest);
+            let Some(ball) = feeding.add(0.5 * d, upstream, self.tries, &mut random) else {
                 self.state.deficit = lacking;
                 self.failed += 1;
                 break;
             };
             came.push(ball);
+            self.filled.count(ball.x, volume);
             lacking -= volume;
             self.held += volume;
             next += 1;
@@ -146,10 +156,11 @@ impl Feeder {
     /// Volume that is lacking, the error of the mean included [m³].
     fn lacking(&mut self, present: f64) -> f64 {
         self.loss += RECENT * (self.held - present - self.loss);
-        let error = self.wanted - 0.5 * (self.held + present);
+        let wanted = self.filled.wanted();
+        let error = wanted - 0.5 * (self.held + present);
         let (loss, bound) = (self.loss.max(0.0), self.mean_volume + self.loss.max(0.0));
-        self.owed = (self.owed + error * loss / self.wanted).clamp(-bound, bound);
-        self.wanted - present + self.owed
+        self.owed = (self.owed + error * loss / wanted).clamp(-bound, bound);
+        wanted - present + self.owed
     }
 
     /// Takes a sphere that came into account.
@@ -164,14 +175,15 @@ impl Feeder {
         let images = around.bounds.images();
         images.map(|shift| volume_in_box(ball.radius, ball.x + shift, min, max)).sum()
     }
+}
 
-    fn upstream(&self) -> Option<Upstream> {
-        let side = match self.from {
-            InletVelocity::Given(velocity) => upstream(velocity.into()),
-            InletVelocity::Face { axis, side } => Some((axis, side)),
-        };
-        side.map(|(axis, side)| Upstream { axis, side, depth: 2.0 * self.largest })
-    }
+/// The side from which spheres of such a velocity come, the largest of a radius [m].
+fn from_side(velocity: InletVelocity, largest: f64) -> Option<Upstream> {
+    let side = match velocity {
+        InletVelocity::Given(velocity) => upstream(velocity.into()),
+        InletVelocity::Face { axis, side } => Some((axis, side)),
+    };
+    side.map(|(axis, side)| Upstream { axis, side, depth: 2.0 * largest })
 }
 
 /// The region of an inlet, as that of a packing.

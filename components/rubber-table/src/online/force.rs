@@ -31,7 +31,8 @@ pub struct EffectiveForce {
 
 /// The force of `loads`, the resultant [N] on each triangle of `surface`, whose vertices are at
 /// `places` [m]; both as seen along the ring's axis z. Shear on what is exposed does not count: a
-/// pressure all around changes no shape, and only what differs from it compresses.
+/// pressure all around changes no shape, and only what differs from it compresses. What is bonded to steel or lies against
+/// it does not count at all.
 pub fn effective_force(
     form: Form,
     surface: &Surface,
@@ -94,7 +95,7 @@ impl Sums {
         match kind {
             FacetKind::Seat => Some(&mut self.seat),
             FacetKind::Exposed => Some(&mut self.exposed),
-            FacetKind::Bonded => None,
+            FacetKind::Covered | FacetKind::Bonded => None,
         }
     }
 }
@@ -156,6 +157,7 @@ mod tests {
                 seat: vec![[0, 1]],
                 exposed: vec![[1, 2], [3, 0]],
                 bonded: vec![[2, 3]],
+                ..Facets::default()
             },
             ..Contents::default()
         })
@@ -212,7 +214,7 @@ mod tests {
         let mut loads = vec![[0.0; 3]; surface.triangles.len()];
         for (load, kind) in loads.iter_mut().zip(&surface.kinds) {
             match kind {
-                FacetKind::Bonded => *load = [3.0, 1.0, -5.0],
+                FacetKind::Covered | FacetKind::Bonded => *load = [3.0, 1.0, -5.0],
                 FacetKind::Exposed => *load = [0.0, 0.0, 2.0],
                 FacetKind::Seat => {}
             }

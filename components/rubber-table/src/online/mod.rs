@@ -6,6 +6,7 @@
 mod force;
 mod placed;
 mod seal;
+mod search;
 mod step;
 
 pub use force::{EffectiveForce, Form, Sums, effective_force};

@@ -81,7 +81,7 @@ pub struct Seal {
     first_sector: Vec<usize>,
     law: Law,
     form: Form,
-    /// Out of contact and in contact.
+    /// With its foot in the fluid, and on its seat.
     impedance: [Impedance; 2],
     dt: f64,
     placed: Placed,
@@ -96,7 +96,7 @@ pub struct Seal {
     /// Of the trial that the next pass is about; `None` where there is none.
     trial: Option<Trial>,
     fluid: FromFluid,
-    /// Load inwards on each facet [N], while the peak is sought; else 0.
+    /// Load inwards on each facet [N], while the peak is sought, or 1 where anything touches, while that is; else 0.
     pressing: Vec<f64>,
     passes: Passes,
     readings: Readings,
@@ -190,7 +190,7 @@ impl Seal {
         self.surface.triangles.len()
     }
 
-    /// What a fluid adds to its resistance out of contact and in contact.
+    /// What a fluid adds to its resistance with its foot in the fluid, and on its seat.
     pub fn impedance(&self) -> [Impedance; 2] {
         self.impedance
     }
@@ -258,11 +258,15 @@ impl Seal {
         let Some(Trial(step)) = self.trial.take() else { return Ok(true) };
         let (of_contacts, stiffness) = self.collect(contacts.clone());
         let force = of_contacts.force + self.fluid.effective;
-        let wrong = |error| SealError::Step { name: self.name.clone(), error };
-        let mut step = match step {
-            Some(step) => step,
-            None => Step::begin(&self.table, self.law, self.begin(stiffness)).map_err(wrong)?,
+        let begun = match step {
+            Some(step) => Ok(step),
+            None => {
+                let start = self.begin(stiffness, contacts.clone());
+                Step::begin(&self.table, self.law, start)
+            }
         };
+        let wrong = |error| SealError::Step { name: self.name.clone(), error };
+        let mut step = begun.map_err(wrong)?;
         let outcome = step.pass(&self.table, force).map_err(wrong)?;
         let peak = match outcome {
             Outcome::Again => 0.0,
@@ -299,14 +303,33 @@ impl Seal {
         Load { id: 0, force, torque: std::array::from_fn(|i| moment[i] - about[i]) }
     }
 
-    fn begin(&self, contact_stiffness: f64) -> Start {
+    fn begin(
+        &mut self,
+        contact_stiffness: f64,
+        contacts: impl Iterator<Item = FacetLoad> + Clone,
+    ) -> Start {
         let (compression, rate) = (self.settled.compression, self.answered);
-        // In contact the sides still move, and within a step a seat holds the foot by stiffness times
+        // On its seat the sides still move, and within a step a seat holds the foot by stiffness times
         // step alone, which is far less than their impedance; but no fluid moves with the foot, whose
-        // mass would bounce on the seat.
+        // mass would bounce on the seat. A grain covers a facet of it, and hardly keeps the fluid away.
         let [free, seated] = self.impedance;
-        let impedance = if contact_stiffness == 0.0 { free } else { seated };
+        let impedance = Impedance(free.0 + (seated.0 - free.0) * self.covered(contacts));
         Start { compression, rate, dt: self.dt, contact_stiffness, impedance }
+    }
+
+    /// The share of the foot that lies in facets on which contacts press.
+    fn covered(&mut self, contacts: impl Iterator<Item = FacetLoad> + Clone) -> f64 {
+        let mut covered = 0.0;
+        for FacetLoad { facet, .. } in contacts.clone() {
+            let facet = facet as usize;
+            if self.surface.kinds[facet] == FacetKind::Seat && self.pressing[facet] == 0.0 {
+                self.pressing[facet] = 1.0;
+                covered += area(self.corners(facet));
+            }
+        }
+        contacts.for_each(|load| self.pressing[load.facet as usize] = 0.0);
+        let foot = self.areas().force(self.form).seat_area;
+        if foot > 0.0 { (covered / foot).min(1.0) } else { 1.0 }
     }
 
     fn impedance_of(&self, water: Water) -> [Impedance; 2] {

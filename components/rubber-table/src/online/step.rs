@@ -8,7 +8,11 @@
 //! whose fixed point F = h + ν (d - d0)/dt does not depend on η, a number of the method alone. Each pass
 //! shrinks the error by [η - (k + h') dt] / (η + ν), where k = -dF/dd: it converges while
 //! 2η > (k + h') dt - ν, fastest at η = (k + h') dt.
+//!
+//! An η that adapts takes the slope from the passes, and keeps between trials on either side (`search`): a contact
+//! that opens makes F jump, and a repetition with one η goes to and fro across the jump for ever.
 
+use super::search::{Search, Slopes};
 use crate::table::{BeyondTable, Bracket, Table};
 
 /// The method's number η [N·s/m].
@@ -16,7 +20,8 @@ use crate::table::{BeyondTable, Bracket, Table};
 pub enum Eta {
     /// Always this one.
     Fixed(f64),
-    /// (k + h') dt of the step, but at least this: converges whatever the contacts' stiffness.
+    /// (k + h') dt of the step, but at least this, then what the passes measure: settles on any force that falls as the
+    /// ring retreats, jumps and all.
     AtLeast(f64),
 }
 
@@ -73,14 +78,17 @@ pub struct Start {
     pub rate: f64,
     /// Length of the step [s].
     pub dt: f64,
-    /// Sum of the normal stiffnesses of all contacts on what touches the seat, k [N/m].
+    /// How fast the force of all contacts on what touches the seat falls as it retreats, k [N/m]: springs, and
+    /// dashpots over the step.
     pub contact_stiffness: f64,
     /// What the fluid adds.
     pub impedance: Impedance,
 }
 
-/// Part of the table's largest compression by which half of all passes may fail to settle: some 1e-11 m.
-const STUCK: f64 = 1e-8;
+/// Parts of the table's largest compression that are no change: what round-off could make; and, where trials on either
+/// side of a jump close in, what it does to vertices in the world.
+const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
+const AT_A_JUMP: f64 = 1e-12;
 
 /// A step on its way.
 #[derive(Clone, Debug)]
@@ -92,8 +100,9 @@ pub struct Step {
     at: Bracket,
     first_change: f64,
     passes: u32,
-    /// Compression and force of the pass before.
-    before: Option<(f64, f64)>,
+    search: Search,
+    /// Compression and force of the last two passes.
+    known: [Option<(f64, f64)>; 2],
 }
 
 /// What a pass came to.
@@ -132,7 +141,7 @@ pub enum StepError {
         /// What was given.
         force: f64,
     },
-    /// A force that grows as the ring retreats.
+    /// A force that grows as the ring retreats, in a step that fails.
     #[error(
         "the force on the ring grows by {slope:.3e} N/m as the ring retreats, where contacts of {stiffness:.3e} N/m should let go; \
              its direction is wrong: it must point from the seat to the carrier"
@@ -173,7 +182,23 @@ impl Step {
             Eta::AtLeast(least) => least.max(newton),
         };
         let trial = start.compression.max(0.0);
-        Ok(Self { law, start, eta, trial, at, first_change: 0.0, passes: 0, before: None })
+        let damping = law.damping + start.impedance.0;
+        let slopes = Slopes {
+            least: table.slope(at) + damping / start.dt,
+            first: (eta + damping) / start.dt,
+        };
+        let search = Search::new(slopes);
+        Ok(Self {
+            law,
+            start,
+            eta,
+            trial,
+            at,
+            first_change: 0.0,
+            passes: 0,
+            search,
+            known: [None; 2],
+        })
     }
 
     /// The compression for which the force is wanted [m].
@@ -189,60 +214,77 @@ impl Step {
     /// One pass, with the effective `force` [N] at the trial; `table` is the one that it began with.
     ///
     /// # Errors
-    /// If the trial leaves the table, the force is no number or has the wrong sign, or passes run out.
+    /// If the trial leaves the table, the force is no number, or passes run out; with the reason, if the force grows
+    /// as the ring retreats.
     pub fn pass(&mut self, table: &Table, force: f64) -> Result<Outcome, StepError> {
         if !force.is_finite() {
             return Err(StepError::NotFinite { compression: self.trial, force });
         }
-        self.check_sign(force)?;
-        let next = self.next(table, force).max(0.0);
-        let change = (next - self.trial).abs();
-        self.before = Some((self.trial, force));
-        self.at = table.bracket(next)?;
-        self.trial = next;
+        self.known = [self.known[1], Some((self.trial, force))];
+        let (next, change) = self.next(table, force);
         self.passes += 1;
         if self.passes == 1 {
             self.first_change = change;
         }
-        // What round-off could change is none; nor is, when passes do not get nearer, what a contact's dashpot
-        // does that begins and ends from one pass to the next.
-        let is_stuck = self.passes >= self.law.most_passes / 2;
-        let least = if is_stuck { STUCK } else { 8.0 * f64::EPSILON } * table.last_compression();
-        if change <= self.law.tolerance * self.first_change + least {
-            let rate = (next - self.start.compression) / self.start.dt;
-            return Ok(Outcome::Settled(Settled { compression: next, rate, passes: self.passes }));
+        let is_searched = matches!(self.law.eta, Eta::AtLeast(_));
+        let least = if is_searched { AT_A_JUMP } else { ROUND_OFF } * table.last_compression();
+        let is_settled = change <= self.law.tolerance * self.first_change + least;
+        // What was searched for is found where the force is known; a repetition goes on to where it leads.
+        let is_found = is_settled && is_searched;
+        self.trial = if is_found { self.trial } else { next };
+        self.at = table.bracket(self.trial).map_err(|error| self.blame(error.into()))?;
+        if is_settled {
+            let (compression, passes) = (self.trial, self.passes);
+            let rate = (compression - self.start.compression) / self.start.dt;
+            return Ok(Outcome::Settled(Settled { compression, rate, passes }));
         }
         if self.passes >= self.law.most_passes {
             let newton = (self.start.contact_stiffness + table.slope(self.at)) * self.start.dt;
             let least = (0.5 * (newton - self.law.damping - self.start.impedance.0)).max(0.0);
-            return Err(StepError::NotSettled {
-                passes: self.passes,
-                change,
-                eta: self.eta,
-                least,
-            });
+            let (passes, eta) = (self.passes, self.eta);
+            let error = StepError::NotSettled { passes, change, eta, least };
+            return Err(self.blame(error));
         }
         Ok(Outcome::Again)
     }
 
-    fn next(&self, table: &Table, force: f64) -> f64 {
-        let Start { compression, rate, dt, impedance: Impedance(z), .. } = self.start;
-        let damping = self.law.damping + z;
-        let drive = force + z * rate - table.force(self.at);
-        (drive * dt + compression * damping + self.trial * self.eta) / (self.eta + damping)
+    /// The next trial, and what the pass changes [m].
+    fn next(&mut self, table: &Table, force: f64) -> (f64, f64) {
+        let (trial, excess) = (self.trial, self.excess(table, force));
+        match self.law.eta {
+            Eta::Fixed(eta) => {
+                let damping = self.law.damping + self.start.impedance.0;
+                let next = (trial + excess * self.start.dt / (eta + damping)).max(0.0);
+                (next, (next - trial).abs())
+            }
+            // What rests on nothing and is not pushed stays.
+            Eta::AtLeast(_) if trial == 0.0 && excess <= 0.0 => (0.0, 0.0),
+            Eta::AtLeast(_) => {
+                let (next, change) = self.search.next(trial, excess);
+                let end = table.last_compression();
+                // Beyond the table only from its end.
+                (if trial < end { next.clamp(0.0, end) } else { next.max(0.0) }, change)
+            }
+        }
     }
 
-    /// A force may grow a little as the ring retreats, because its surface turns; not as much as its
-    /// contacts are stiff.
-    fn check_sign(&self, force: f64) -> Result<(), StepError> {
-        let Some((trial, before)) = self.before else { return Ok(()) };
-        let (moved, stiffness) = (self.trial - trial, self.start.contact_stiffness);
-        let slope = (force - before) / moved;
+    /// What the effective `force` has over table and resistance at the trial [N].
+    fn excess(&self, table: &Table, force: f64) -> f64 {
+        let Start { compression, rate, dt, impedance: Impedance(z), .. } = self.start;
+        let damping = self.law.damping + z;
+        force + z * rate - table.force(self.at) - damping * (self.trial - compression) / dt
+    }
+
+    /// Says of a step that fails that its force has the wrong direction, if that grew at last as the ring retreated, as
+    /// much as its contacts are stiff: a little it may, because its surface turns.
+    fn blame(&self, error: StepError) -> StepError {
+        let [Some((then, was)), Some((trial, force))] = self.known else { return error };
+        let (slope, stiffness) = ((force - was) / (trial - then), self.start.contact_stiffness);
         // Changes that round-off could make say nothing.
-        let is_clear = (force - before).abs() > 1e-6 * force.abs().max(before.abs());
+        let is_clear = (force - was).abs() > 1e-6 * force.abs().max(was.abs());
         match stiffness > 0.0 && is_clear && slope > 0.5 * stiffness {
-            true => Err(StepError::WrongSign { slope, stiffness }),
-            false => Ok(()),
+            true => StepError::WrongSign { slope, stiffness },
+            false => error,
         }
     }
 }

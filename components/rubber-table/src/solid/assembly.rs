@@ -19,6 +19,7 @@ pub struct Model {
     /// Derivative of each held displacement by the compression; 0 of unknowns.
     pub(super) rates: Vec<f64>,
     held: Vec<[usize; 2]>,
+    guided: Vec<[usize; 2]>,
     contact: Option<Contact>,
     /// Forces at a volume strain of 1e-6, below which round-off would pass for imbalance [N].
     least_scale: f64,
@@ -66,7 +67,7 @@ impl Model {
         let corners = (0..mesh.quads().len()).map(|quad| mesh.corners(quad));
         let elements = corners.map(|corners| Element::new(&corners, symmetry)).collect();
         let free: Vec<[usize; 2]> =
-            mesh.outline().iter().copied().filter(|edge| !held.edges.contains(edge)).collect();
+            mesh.outline().iter().copied().filter(|edge| !held.holds(edge)).collect();
         let stiffness = contact_stiffness * material.youngs_modulus();
         let contact = seat.map(|seat| Contact::new(seat, &free, mesh.nodes(), symmetry, stiffness));
         let mut model = Self {
@@ -77,6 +78,7 @@ impl Model {
             unknown_count,
             rates: held.rates,
             held: held.edges,
+            guided: held.guided,
             contact,
             least_scale: 0.0,
         };
@@ -103,6 +105,11 @@ impl Model {
     /// Edges that steel holds.
     pub fn held_edges(&self) -> &[[usize; 2]] {
         &self.held
+    }
+
+    /// Edges that slide along steel.
+    pub fn guided_edges(&self) -> &[[usize; 2]] {
+        &self.guided
     }
 
     /// The undeformed state.

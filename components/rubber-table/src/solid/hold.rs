@@ -36,6 +36,11 @@ impl Hold {
         Self { boundary: boundary.into(), radial: false, axial: Axial::Moves }
     }
 
+    /// Upright along the carrier, on which it slides without friction and which it does not leave.
+    pub fn guided(boundary: &str) -> Self {
+        Self { boundary: boundary.into(), radial: true, axial: Axial::Free }
+    }
+
     /// Bonded to something that stays where it is.
     pub fn fixed(boundary: &str) -> Self {
         Self { boundary: boundary.into(), radial: true, axial: Axial::Stays }
@@ -85,6 +90,8 @@ pub(super) const HELD: usize = usize::MAX;
 pub(super) struct Held {
     /// Edges of the outline that are held, or lie on the axis.
     pub edges: Vec<[usize; 2]>,
+    /// Those that are held upright alone.
+    pub guided: Vec<[usize; 2]>,
     fixed: Vec<bool>,
     /// Derivative of each displacement by the compression; 0 of those not held by the carrier.
     pub rates: Vec<f64>,
@@ -93,8 +100,12 @@ pub(super) struct Held {
 impl Held {
     pub fn new(mesh: &Mesh, symmetry: Symmetry, holds: &[Hold]) -> Result<Self, ModelError> {
         let count = 2 * mesh.nodes().len();
-        let mut held =
-            Self { edges: Vec::new(), fixed: vec![false; count], rates: vec![0.0; count] };
+        let mut held = Self {
+            edges: Vec::new(),
+            guided: Vec::new(),
+            fixed: vec![false; count],
+            rates: vec![0.0; count],
+        };
         for hold in holds {
             let edges =
                 mesh.boundary(&hold.boundary).ok_or_else(|| ModelError::NoSuchBoundary {
@@ -105,7 +116,10 @@ impl Held {
                 held.fixed[2 * node] |= hold.radial;
                 held.hold_axially(node, hold.axial)?;
             }
-            held.edges.extend(edges);
+            match hold.axial {
+                Axial::Free => held.guided.extend(edges),
+                Axial::Moves | Axial::Stays => held.edges.extend(edges),
+            }
         }
         if symmetry == Symmetry::Axisymmetric {
             held.hold_axis(mesh);
@@ -114,6 +128,11 @@ impl Held {
             return Err(ModelError::NothingMoves);
         }
         Ok(held)
+    }
+
+    /// Whether an edge is held in any way.
+    pub fn holds(&self, edge: &[usize; 2]) -> bool {
+        self.edges.contains(edge) || self.guided.contains(edge)
     }
 
     fn hold_axially(&mut self, node: usize, axial: Axial) -> Result<(), ModelError> {

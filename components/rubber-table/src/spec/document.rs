@@ -72,6 +72,8 @@ pub(super) struct Carrier {
     pub bonded: Vec<String>,
     #[serde(default)]
     pub sliding: Vec<String>,
+    #[serde(default)]
+    pub guided: Vec<String>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -112,7 +114,11 @@ impl Document {
             Section::ORing(_) => "upper",
             _ => "top",
         };
-        self.carrier.clone().unwrap_or(Carrier { bonded: vec![top.into()], sliding: Vec::new() })
+        self.carrier.clone().unwrap_or(Carrier {
+            bonded: vec![top.into()],
+            sliding: Vec::new(),
+            guided: Vec::new(),
+        })
     }
 
     /// Everything that is wrong with single values.

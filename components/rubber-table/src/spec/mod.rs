@@ -13,6 +13,7 @@
 //!
 //! [carrier]                        # steel that comes down; without this, "top" is bonded
 //! bonded = ["top"]
+//! guided = ["inner"]               # none by default: lies against the steel, upright, and slides along it
 //!
 //! [seat]                           # without this, flat
 //! meridian = [["6 mm", "0 mm"], ["9 mm", "0 mm"], ["12 mm", "0.3 mm"]]
@@ -145,7 +146,8 @@ fn model(document: &Document, folder: &Path, material: NeoHookean) -> Result<Mod
     let carrier = document.carrier();
     let bonded = carrier.bonded.iter().map(|name| Hold::bonded(name));
     let sliding = carrier.sliding.iter().map(|name| Hold::sliding(name));
-    let holds: Vec<Hold> = bonded.chain(sliding).collect();
+    let guided = carrier.guided.iter().map(|name| Hold::guided(name));
+    let holds: Vec<Hold> = bonded.chain(sliding).chain(guided).collect();
     Model::new(mesh, Symmetry::Axisymmetric, material, &holds, Some(seat), document.seat.stiffness)
         .map_err(|error| Problem::new("carrier", error.to_string()))
 }

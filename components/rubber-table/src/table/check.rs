@@ -218,7 +218,8 @@ fn check_outline(contents: &Contents) -> Result<(), TableError> {
         false => Err(TableError::NoSuchVertex { what, vertex: *vertex, count }),
     };
     contents.quads.iter().flatten().try_for_each(|vertex| known("quads", vertex))?;
-    let edges = || facets.seat.iter().chain(&facets.exposed).chain(&facets.bonded);
+    let free = || facets.seat.iter().chain(&facets.exposed);
+    let edges = || free().chain(&facets.covered).chain(&facets.bonded);
     edges().flatten().try_for_each(|vertex| known("facets", vertex))?;
     for end in 0..2 {
         let mut seen = BTreeSet::new();

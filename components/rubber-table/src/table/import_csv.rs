@@ -6,7 +6,7 @@
 //! frames.csv     compression_m,force_N       a row for each frame, the first 0,0
 //! vertices.csv   frame,vertex,r_m,z_m        all vertices of all frames, both counted from 0
 //! facets.csv     kind,from,to                edges of the outline, the rubber on their left;
-//!                                            kind: seat, exposed or bonded
+//!                                            kind: seat, exposed, covered or bonded
 //! ```
 //!
 //! Heights z point away from the seat and are seen from the carrier: bonded vertices stand still.
@@ -81,6 +81,7 @@ struct FacetRow {
 enum Kind {
     Seat,
     Exposed,
+    Covered,
     Bonded,
 }
 
@@ -100,6 +101,7 @@ pub fn read(folder: &Path) -> Result<Table, CsvError> {
         let list = match kind {
             Kind::Seat => &mut contents.facets.seat,
             Kind::Exposed => &mut contents.facets.exposed,
+            Kind::Covered => &mut contents.facets.covered,
             Kind::Bonded => &mut contents.facets.bonded,
         };
         list.push([from, to]);

@@ -51,6 +51,7 @@ impl Table {
         [
             (FacetKind::Seat, &facets.seat),
             (FacetKind::Exposed, &facets.exposed),
+            (FacetKind::Covered, &facets.covered),
             (FacetKind::Bonded, &facets.bonded),
         ]
         .into_iter()

@@ -3,13 +3,13 @@
 use super::Diameters;
 use serde::{Deserialize, Serialize};
 
-/// A region that is kept filled with spheres up to a solid fraction.
+/// A region that is kept filled with spheres, so that they flow on from it at a solid fraction.
 ///
-/// Spheres come at the end of a window, one by one, where they overlap nothing, without spin. While the
-/// fraction falls short, the next one waits for a place. The fraction is that of the volume that spheres
-/// and region have in common over the region's volume outside of parts, in the mean over time. Whole
-/// spheres come: within about a diameter of where they come from the region holds less, so that what flows
-/// on from a region of length L is denser by about a part d/L.
+/// Spheres come at the end of a window, one by one, where they overlap nothing, without spin. While they
+/// fall short, the next one waits for a place. The fraction is that of the volume that spheres and region
+/// have in common over the region's volume outside of parts, in the mean over time, from the mean distance
+/// on at which they come. They come whole, some radii away from where the stream enters, and before that the region
+/// holds less: so the stream beyond has the fraction, however long the region is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inlet {
@@ -21,7 +21,7 @@ pub struct Inlet {
     pub min: [f64; 3],
     /// Upper corner [m].
     pub max: [f64; 3],
-    /// Solid fraction that is kept.
+    /// Solid fraction at which they flow on.
     pub fraction: f64,
     /// Their diameters.
     pub diameters: Diameters,

@@ -49,7 +49,8 @@ pub struct SurfaceStart {
 pub struct Section {
     /// Radius and height `[r, z]` of each point at rest [m]. One with the radius 0 stays on the axis.
     pub points: Vec<[f64; 2]>,
-    /// Its edges, the material to their left: those of the seat first, then the exposed, then the bonded.
+    /// Its edges, the material to their left: those of the seat first, then the exposed, the covered and
+    /// the bonded.
     pub edges: Vec<SectionEdge>,
 }
 
@@ -72,6 +73,8 @@ pub enum FacetKind {
     Seat,
     /// B: stays free.
     Exposed,
+    /// Lies against its carrier, along which it slides: neither a fluid nor grains get there.
+    Covered,
     /// Held by the carrier.
     Bonded,
 }

@@ -24,7 +24,8 @@ pub(in super::super) struct InletTable {
     pub min: Option<[Length; 3]>,
     /// Upper corner of the region. Required.
     pub max: Option<[Length; 3]>,
-    /// Solid fraction of the region outside of parts that is kept, in the mean over time. Required.
+    /// Solid fraction at which the spheres flow on, in the mean over time: that of the region outside of parts from
+    /// where they come on. Required.
     pub fraction: Option<f64>,
     /// One diameter for all, or `[smallest, largest]` of a uniform distribution.
     pub diameter: Option<DiameterEntry>,

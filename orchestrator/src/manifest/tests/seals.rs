@@ -13,7 +13,12 @@ fn contents() -> Contents {
         compressions: vec![0.0, 1e-4, 2e-4],
         forces: vec![0.0, 5.0, 11.0],
         vertices: [0.0, 1e-4, 2e-4].map(frame).to_vec(),
-        facets: Facets { seat: vec![[0, 1]], exposed: vec![[1, 2], [3, 0]], bonded: vec![[2, 3]] },
+        facets: Facets {
+            seat: vec![[0, 1]],
+            exposed: vec![[1, 2], [3, 0]],
+            bonded: vec![[2, 3]],
+            ..Facets::default()
+        },
         ..Contents::default()
     }
 }
