@@ -1,7 +1,7 @@
 //! Files for ParaView: read by an independent reader, and at no price in bits.
 
 #[path = "../../components/fields/tests/reader/mod.rs"]
-mod reader;
+pub mod reader;
 
 use crate::tremie::{SMALL, run_text};
 use reader::VtkFile;

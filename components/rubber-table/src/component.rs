@@ -103,6 +103,12 @@ impl Rubber for Seals {
         }
     }
 
+    fn strains(&self, strains: &mut [f64]) {
+        for (seal, [first, _]) in self.seals.iter().zip(&self.first) {
+            seal.write_strains(&mut strains[*first..first + seal.vertex_count()]);
+        }
+    }
+
     fn pass(&mut self, contacts: &[FacetLoad]) -> Result<bool, SolverError> {
         let mut all_settled = true;
         for (seal, [_, first]) in self.seals.iter_mut().zip(&self.first) {
