@@ -57,7 +57,7 @@ fn the_plan_says_how_much_fields_will_write() {
         .args(["--set", "outputs.fields=5 ms", "--set", "settings.fields.stride=2"])
         .output()
         .unwrap();
-    let text = String::from_utf8_lossy(&output.stderr);
+    let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}");
     assert!(text.contains("frames of 12 x 12 x 16 nodes from fluid: 46.1 kB each"), "{text}");
 }

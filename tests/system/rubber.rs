@@ -193,7 +193,8 @@ fn a_ring_that_is_watched_is_the_same_ring() {
     let compression = last_value(&ran, "rubber.ring.compression");
     let pressed = lowest(last) - lowest(first);
     let moved = last_value(&ran, "grains.disc.lift");
-    assert!((pressed - (compression + moved)).abs() < 1e-9, "{pressed} {compression} {moved}");
+    // The foot lies on the seat of the table as well as that holds it.
+    assert!((pressed - (compression + moved)).abs() < 1e-8, "{pressed} {compression} {moved}");
     let strain = highest_strain(last);
     let mean = compression / 3e-3;
     assert!((mean..10.0 * mean).contains(&strain), "{strain}, compressed by {mean}");

@@ -15,7 +15,7 @@ pub fn text(scene: &Scene) -> String {
          parts    velocity [m/s] of points, part (index) of cells\n\
          polyhedra  velocity [m/s] of points, id, set and shape (indices) of cells\n\
          rubber   velocity [m/s] and strain (equivalent shear strain) of points, surface (index) and\n         \
-         kind (0 touches the seat, 1 stays free, 2 is bonded) of cells\n",
+         kind (0 touches the seat, 2 is bonded, 1 is neither) of cells\n",
     );
     let mut list = |title: &str, names: &mut dyn Iterator<Item = &String>| {
         for (k, name) in names.enumerate() {

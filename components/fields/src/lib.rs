@@ -42,7 +42,7 @@
 //! | rubber | `velocity` (points) | 3 Float64 | m/s | |
 //! | | `strain` (points) | Float64 | | equivalent shear strain ([`tremie_messages::frame::SurfaceSample::strain`]) |
 //! | | `surface` (cells) | UInt32 | | index of the surface in the scene |
-//! | | `kind` (cells) | UInt8 | | 0 touches the seat, 1 stays free, 2 is bonded |
+//! | | `kind` (cells) | UInt8 | | 0 touches the seat, 2 is bonded, 1 is neither |
 //!
 //! In ParaView, bodies become spheres by `Glyph` with scale array `radius` and factor 2.
 //!

@@ -26,8 +26,8 @@ impl Rubber {
             all.surfaces.resize(all.triangles.len(), number);
             all.kinds.extend(turned.kinds.iter().map(|kind| match kind {
                 FacetKind::Seat => 0,
-                FacetKind::Exposed => 1,
                 FacetKind::Bonded => 2,
+                _ => 1,
             }));
             first += turned.vertex_count() as i64;
         }

@@ -39,6 +39,7 @@ mod fixed;
 mod fluid;
 mod gap_findings;
 mod gaps;
+mod grain_space;
 mod grid;
 mod ground;
 mod kernel;
@@ -49,6 +50,8 @@ mod leak;
 mod ledger;
 mod links;
 mod mass;
+#[cfg(feature = "component")]
+mod meanings;
 mod motion;
 mod narrow;
 mod observe;

@@ -11,7 +11,7 @@ use tremie_recorder::{End, Item, ReadError, Recorder, Recording};
 use tremie_sdk::{Moment, Observer, Setup};
 
 fn names() -> Vec<Signal> {
-    let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+    let signal = |name: &str, unit: &str| Signal::new(name, unit, &[]);
     vec![signal("max_speed", "m/s"), signal("body0 z", "m")]
 }
 

@@ -53,8 +53,9 @@ pub fn layout(shown: &Shown<'_>) -> Container {
     let left = Container::new(ContainerKind::Vertical, "Scene")
         .with(scenes(shown), 10.0)
         .with(legends(shown.rubber), 1.0);
-    let about = View::new("TextDocument", "About this run", "about");
-    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain([about]));
+    let words = |name: &str, path| View::new("TextDocument", name, path);
+    let words = [words("About this run", "about"), words("Signals", "about/signals")];
+    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain(words));
     let mut right = Container::new(ContainerKind::Vertical, "Run").with(pictures, 5.0);
     for part in plot_parts(shown.plots, shown.end) {
         right = right.with(part, 3.0);

@@ -17,6 +17,7 @@
 //! | `signals/<component>/<name>` | watched scalars, one plot per component and unit | each frame |
 //! | `log` | the run's log | each line |
 //! | `about` | domain, fluid, bodies and schedule in words | static |
+//! | `about/signals` | what the signals mean | static |
 //!
 //! Timelines are `sim_time` (simulated seconds, shown first) and `window` (coupling windows). No wall
 //! clock enters.

@@ -110,6 +110,18 @@ fn kind(signal: &Signal) -> Kind {
     }
 }
 
+/// The signals of these streams with their meanings, as Markdown.
+pub fn meanings(frames: &[FrameStream]) -> String {
+    let mut text = String::from("| signal | unit | meaning |\n| --- | --- | --- |\n");
+    for frame in frames {
+        let FrameContent::Signals(signals) = &frame.content else { continue };
+        for Signal { name, unit, meaning } in signals {
+            text += &format!("| {}.{name} | {unit} | {meaning} |\n", frame.from);
+        }
+    }
+    text
+}
+
 /// Names the lines of a component's signals.
 pub fn log_names(
     stream: &RecordingStream,
@@ -147,8 +159,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn each_signal_is_explained() {
+        let signal = Signal::new("outlet.pressure", "Pa", &[("pressure", "gauge pressure there")]);
+        let stream = FrameStream {
+            from: "fluid".into(),
+            to: "viewer".into(),
+            content: FrameContent::Signals(vec![signal]),
+            every: 1,
+            lossless: false,
+            service: String::new(),
+            capacity: 0,
+            depth: 1,
+        };
+        let text = meanings(&[stream]);
+        assert!(text.contains("| fluid.outlet.pressure | Pa | gauge pressure there |"), "{text}");
+    }
+
+    #[test]
     fn one_plot_for_each_component_and_unit() {
-        let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+        let signal = |name: &str, unit: &str| Signal::new(name, unit, &[]);
         let stream = |from: &str, signals| FrameStream {
             from: from.into(),
             to: "viewer".into(),

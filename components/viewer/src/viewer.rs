@@ -14,7 +14,9 @@ use crate::signals::Plot;
 use crate::solids::Solids;
 use crate::view::{Eye, Vector, overview, up_vector};
 use crate::{blueprint, legend, signals, stage};
-use rerun::{RecordingStream, RecordingStreamError, TextLog, TextLogLevel};
+use rerun::{
+    MediaType, RecordingStream, RecordingStreamError, TextDocument, TextLog, TextLogLevel,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use tremie_messages::frame::{
     BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
@@ -185,6 +187,9 @@ impl Observer for Viewer {
         let parts = drawn(Parts::open(recording, scene, &meshes))?;
         let frames = setup.assignment.as_ref().map_or(&[][..], |assignment| &assignment.frames);
         let expected = scene.fluid.as_ref().and_then(|fluid| fluid.expected_speed);
+        let words = TextDocument::new(signals::meanings(frames));
+        let words = words.with_media_type(MediaType::MARKDOWN);
+        drawn(recording.log_static("about/signals", &words))?;
         let viewer = Self {
             scale: Scale::new(Map::Viridis, parameters.max_speed.map(|speed| speed.0), expected),
             strain: Scale::new(Map::Plasma, parameters.max_strain, None),

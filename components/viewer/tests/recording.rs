@@ -52,7 +52,7 @@ fn scene() -> Scene {
 }
 
 fn signals() -> [(&'static str, Vec<Signal>); 2] {
-    let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+    let signal = |name: &str, unit: &str| Signal::new(name, unit, &[]);
     [
         (
             "fluid",

@@ -52,6 +52,19 @@ pub struct Signal {
     pub name: String,
     /// SI unit, `1` if it has none.
     pub unit: String,
+    /// What it is, a few words without a full stop; empty where a component says nothing.
+    #[serde(default)]
+    pub meaning: String,
+}
+
+impl Signal {
+    /// A signal; its meaning is what `meanings` has for the last part of its name, after the last `.`.
+    pub fn new(name: impl Into<String>, unit: &str, meanings: &[(&str, &str)]) -> Self {
+        let name = name.into();
+        let last = name.rsplit('.').next().unwrap_or_default();
+        let meaning = meanings.iter().find(|(of, _)| *of == last).map(|(_, text)| *text);
+        Self { meaning: meaning.unwrap_or_default().into(), unit: unit.into(), name }
+    }
 }
 
 /// A plane cut that a component can send.
