@@ -22,6 +22,8 @@ pub enum Command {
     Run(RunArgs),
     /// Check a manifest completely and print the plan, without running it.
     Check(CheckArgs),
+    /// List the signals of a manifest's components: names, units, what they mean.
+    Signals(ManifestArgs),
     /// List the built-in components and the roles they can take.
     Components,
     /// Open a finished run in the Rerun viewer.

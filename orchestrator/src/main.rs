@@ -9,6 +9,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Run(arguments) => commands::run(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
+        Command::Signals(arguments) => commands::signals(&arguments),
         Command::Components => commands::components(),
         Command::View(arguments) => commands::view(&arguments),
         Command::Report(arguments) => commands::report(&arguments),

@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 use tremie_channels::sweep::RunPlaces;
 use tremie_channels::{Between, ChannelError, Processes, Threads};
 use tremie_messages::start::{
-    Assignment, Description, Injection, InjectionKind, Reply, Request, Transport,
+    Assignment, Description, Injection, InjectionKind, Reply, Request, Signal, Transport,
 };
 use tremie_messages::units;
 use tremie_messages::{Problem, Role};
@@ -280,16 +280,13 @@ impl Prepared {
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.
-    fn signal_names(&self) -> Vec<(String, String)> {
+    fn signal_names(&self) -> Vec<(String, Signal)> {
         let physics = self.peers.iter().zip(&self.descriptions);
         physics
             .filter(|(peer, _)| peer.role != Role::Observer)
             .flat_map(|(peer, description)| {
                 let name = &peer.name;
-                description
-                    .signals
-                    .iter()
-                    .map(move |s| (format!("{name}.{}", s.name), s.unit.clone()))
+                description.signals.iter().map(move |s| (format!("{name}.{}", s.name), s.clone()))
             })
             .collect()
     }

@@ -1,6 +1,7 @@
 //! Conditions of a manifest that end a run early.
 
 use crate::manifest::{Limit, StopCondition};
+use tremie_messages::start::Signal;
 
 /// Watches the conditions as rows of signals come.
 #[derive(Debug)]
@@ -18,12 +19,12 @@ struct Watched {
 }
 
 impl StopWatch {
-    /// Watches `conditions`; `names` are those of a row's values (`component.signal`). Conditions on
-    /// other names were refused by the plan.
-    pub fn new(conditions: &[StopCondition], names: &[(String, String)]) -> Self {
+    /// Watches `conditions`; `signals` are those of a row's values, by full names (`component.signal`).
+    /// Conditions on other names were refused by the plan.
+    pub fn new(conditions: &[StopCondition], signals: &[(String, Signal)]) -> Self {
         let place = |c: &StopCondition| {
             let name = format!("{}.{}", c.component, c.signal);
-            names.iter().position(|(known, _)| *known == name)
+            signals.iter().position(|(known, _)| *known == name)
         };
         let watched = |c: &StopCondition| {
             Some(Watched { condition: c.clone(), place: place(c)?, since: None })
@@ -73,8 +74,8 @@ mod tests {
             after,
             hold,
         };
-        let names = [("fluid.mass".into(), "kg".into()), ("grains.speed".into(), "m/s".into())];
-        StopWatch::new(&[condition], &names)
+        let signal = |name: &str| (name.to_string(), Signal::new(name, "1", &[]));
+        StopWatch::new(&[condition], &["fluid.mass", "grains.speed"].map(signal))
     }
 
     #[test]

@@ -49,12 +49,20 @@ pub struct Terminal {
     bar: Option<ProgressBar>,
     last_plain: Instant,
     told: bool,
+    /// Whether what is said is what was asked for, and belongs on standard output.
+    answers: bool,
 }
 
 impl Terminal {
     /// Speaks in `style`.
     pub fn new(style: Style) -> Self {
-        Self { style, bar: None, last_plain: Instant::now(), told: false }
+        Self { style, bar: None, last_plain: Instant::now(), told: false, answers: false }
+    }
+
+    /// Speaks in `style` for a command whose answer is what it says: on standard output, but for errors. (A
+    /// run is asked for its files: what it says of its work goes to standard error.)
+    pub fn answering(style: Style) -> Self {
+        Self { answers: true, ..Self::new(style) }
     }
 
     /// Whether errors may be coloured.
@@ -70,7 +78,7 @@ impl Terminal {
     /// Something that a user wants to read.
     pub fn say(&self, text: &str) {
         match self.style {
-            Style::Person => self.print(text),
+            Style::Person => self.speak(text),
             Style::Json => self.json(json!({"event": "note", "text": text})),
             Style::Quiet | Style::Silent => {}
         }
@@ -81,7 +89,14 @@ impl Terminal {
         match self.style {
             Style::Json => self.json(json!({"event": "warning", "text": text})),
             Style::Silent => {}
-            _ => self.print(&format!("warning: {text}")),
+            _ => self.speak(&format!("warning: {text}")),
+        }
+    }
+
+    /// Something that a user must read, and that says itself how bad it is; programs get it otherwise.
+    pub fn point_out(&self, text: &str) {
+        if matches!(self.style, Style::Person | Style::Quiet) {
+            self.speak(text);
         }
     }
 
@@ -160,6 +175,15 @@ impl Terminal {
         bar.set_message(progress.line());
     }
 
+    fn speak(&self, text: &str) {
+        if self.answers {
+            // Whoever reads may stop reading.
+            let _ = writeln!(std::io::stdout(), "{text}");
+        } else {
+            self.print(text);
+        }
+    }
+
     fn print(&self, text: &str) {
         match &self.bar {
             Some(bar) => bar.println(text),
@@ -196,7 +220,8 @@ impl Progress {
             });
         }
         if self.bodies > 0 {
-            parts.push(format!("{} grains", self.bodies));
+            let plural = if self.bodies == 1 { "y" } else { "ies" };
+            parts.push(format!("{} bod{plural}", self.bodies));
         }
         for (name, compute, wait) in &self.shares {
             parts.push(format!(

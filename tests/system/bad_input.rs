@@ -117,7 +117,7 @@ fn check_finds_the_same_and_runs_nothing() {
     assert_eq!(output.status.code(), Some(2));
     std::fs::write(&manifest, SMALL).unwrap();
     let output = tremie().arg("check").arg(&manifest).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{said}");
     for word in ["fluid-lbm", "grains-dem", "substeps", "tau"] {
         assert!(said.contains(word), "expected \"{word}\" in the plan:\n{said}");

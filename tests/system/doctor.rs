@@ -135,7 +135,12 @@ fn a_person_reads_a_table_and_the_remedies() {
     let manifest = home.path().join("manifest.toml");
     std::fs::write(&manifest, PUBLISHED).unwrap();
     let output = tremie().arg("check").arg(&manifest).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(
+        String::from_utf8_lossy(&output.stderr),
+        "",
+        "what was asked for is on standard output"
+    );
+    let said = String::from_utf8_lossy(&output.stdout);
     for words in
         ["verdict", "0.500004", "doubtful: grains: damping ratio", "remedy: ", "findings: "]
     {
@@ -167,6 +172,42 @@ fn a_lattice_too_soft_for_the_bed_is_wrong() {
     assert_eq!((code, soft["verdict"].as_str()), (Some(1), Some("wrong")));
     let (_, plan) = check(&text, &["--set", "settings.fluid-lbm.time_step=0.05 ms"]);
     assert_eq!(finding(&plan, "fluid", quantity)["verdict"], "ok");
+}
+
+#[test]
+fn a_wrong_number_is_called_wrong_once() {
+    let home = tempfile::tempdir().unwrap();
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, PUBLISHED).unwrap();
+    let output = tremie()
+        .arg("check")
+        .arg(&manifest)
+        .args(["--quiet", "--set", "settings.fluid-lbm.cell=0.6 mm"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("wrong: fluid: cells across the smallest sphere is 1.33333"), "{said}");
+    assert!(!said.contains("warning: wrong"), "{said}");
+    assert_eq!(output.status.code(), Some(1));
+}
+
+#[test]
+fn a_low_relaxation_time_with_few_cells_a_grain_is_doubted() {
+    // At 0.51 the lattice itself is well damped; three cells a grain do not see the layer around it.
+    let sets = [
+        "settings.fluid-lbm.cell=1 mm",
+        "settings.fluid-lbm.time_step=66.66666667 us",
+        "scene.fluid.expected_speed=0.8 m/s",
+    ];
+    let (_, plan) = check(SMALL, &sets.map(|set| ["--set", set]).concat());
+    let found = finding(&plan, "fluid", "relaxation time");
+    assert!((found["value"].as_f64().unwrap() - 0.51).abs() < 1e-6, "{found:#}");
+    assert_eq!(found["verdict"], "ok");
+    // D = 3 cells, Re = 0.8 3e-3 / 5e-5.
+    is_pointed_out(
+        finding(&plan, "fluid", "cells in the boundary layer of the smallest sphere"),
+        3.0 / 48_f64.sqrt(),
+    );
 }
 
 #[test]

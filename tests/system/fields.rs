@@ -1,7 +1,7 @@
 //! Files for ParaView: read by an independent reader, and at no price in bits.
 
 #[path = "../../components/fields/tests/reader/mod.rs"]
-mod reader;
+pub mod reader;
 
 use crate::tremie::{SMALL, run_text};
 use reader::VtkFile;
@@ -57,7 +57,7 @@ fn the_plan_says_how_much_fields_will_write() {
         .args(["--set", "outputs.fields=5 ms", "--set", "settings.fields.stride=2"])
         .output()
         .unwrap();
-    let text = String::from_utf8_lossy(&output.stderr);
+    let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}");
     assert!(text.contains("frames of 12 x 12 x 16 nodes from fluid: 46.1 kB each"), "{text}");
 }

@@ -3,7 +3,7 @@
 use crate::tremie::run_text;
 
 /// A stream that brings grains and takes them away.
-const STREAM: &str = r#"
+pub const STREAM: &str = r#"
 [run]
 until = "6 ms"
 

@@ -17,6 +17,7 @@ mod rubber;
 mod running;
 mod same_bits;
 mod scenes;
+mod signals;
 mod sliders;
 mod starting;
 mod tremie;

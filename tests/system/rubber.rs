@@ -1,9 +1,12 @@
 //! A rubber ring on a valve, in a run: the dry test of Mutabaruka and Kamrin (Fig. 11), and what can go
 //! wrong inside a window.
 
+use crate::fields::reader::VtkFile;
 use crate::tremie::{Ran, run, tremie};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use tremie_messages::frame::SurfaceSample;
+use tremie_recorder::{Item, Recording};
 use tremie_rubber_table::{make::make, spec::Spec, table::Table};
 
 /// The valve's ring.
@@ -109,6 +112,10 @@ impl Valve {
     fn run(&self, options: &[&str]) -> Ran {
         run(self.home.path().to_str().unwrap(), options)
     }
+}
+
+fn last_value(ran: &Ran, name: &str) -> f64 {
+    last(&ran.signals(), name)
 }
 
 fn last(signals: &BTreeMap<String, Vec<f64>>, name: &str) -> f64 {
@@ -223,6 +230,47 @@ fn processes_threads_and_repeats_agree() {
     let two = "components.grains={ program = \"grains-dem\", sync_iter = 10, threads = 2 }";
     assert!(once == bits(&["--set", two]), "one thread and two differ");
     assert!(once == bits(&["--schedule", "parallel"]), "no fluid, no order of work");
+}
+
+#[test]
+fn a_ring_that_is_watched_is_the_same_ring() {
+    let valve = Valve::new();
+    let short = ["--set", "run.until=0.1 ms"];
+    let alone = valve.run(&short).succeeded().signals_text();
+    let view = valve.home.path().join("run.rrd");
+    let watched = ["--set", "outputs.record=true", "--set", "outputs.frames=20 us"];
+    let more = ["--set", "outputs.fields=50 us", "--view", view.to_str().unwrap()];
+    let ran = valve.run(&[&short[..], &watched, &more].concat()).succeeded();
+    assert!(ran.signals_text() == alone, "observers changed the run");
+    let items = Recording::open(&ran.out.join("run.mcap")).unwrap().items();
+    let surfaces = |item: Result<Item, _>| match item.unwrap() {
+        Item::Surfaces { at, samples, .. } => Some((at.stamp.window, samples)),
+        _ => None,
+    };
+    let seen: Vec<_> = items.filter_map(surfaces).collect();
+    // The start, and every five of 25 windows.
+    assert_eq!(seen.len(), 6);
+    let lowest = |samples: &[SurfaceSample]| {
+        samples.iter().map(|s| s.vertex.position[2]).fold(f64::INFINITY, f64::min)
+    };
+    let highest_strain =
+        |samples: &[SurfaceSample]| samples.iter().map(|s| s.strain).fold(0.0, f64::max);
+    let (_, first) = seen.first().unwrap();
+    let (window, last) = seen.last().unwrap();
+    assert!((lowest(first) - 1.4e-3).abs() < 1e-9 && highest_strain(first) == 0.0);
+    // It bulges as it is pressed.
+    let compression = last_value(&ran, "rubber.ring.compression");
+    let pressed = lowest(last) - lowest(first);
+    let moved = last_value(&ran, "grains.disc.lift");
+    // The foot lies on the seat of the table as well as that holds it.
+    assert!((pressed - (compression + moved)).abs() < 1e-8, "{pressed} {compression} {moved}");
+    let strain = highest_strain(last);
+    let mean = compression / 3e-3;
+    assert!((mean..10.0 * mean).contains(&strain), "{strain}, compressed by {mean}");
+    let file = VtkFile::read(&ran.out.join(format!("fields/rubber_{window:06}.vtp")));
+    let sent: Vec<f64> = last.iter().map(|sample| sample.strain).collect();
+    assert_eq!(file.array::<f64>("strain"), (1, sent));
+    assert!(std::fs::read(&view).unwrap().starts_with(b"RRF"));
 }
 
 #[test]

@@ -13,7 +13,9 @@ pub fn text(scene: &Scene) -> String {
          angular_velocity [rad/s], orientation (unit quaternion x, y, z, w from body to world)\n         \
          Spheres: filter Glyph, glyph type Sphere, scale array radius, scale factor 2.\n\
          parts    velocity [m/s] of points, part (index) of cells\n\
-         polyhedra  velocity [m/s] of points, id, set and shape (indices) of cells\n",
+         polyhedra  velocity [m/s] of points, id, set and shape (indices) of cells\n\
+         rubber   velocity [m/s] and strain (equivalent shear strain) of points, surface (index) and\n         \
+         kind (0 touches the seat, 2 is bonded, 1 is neither) of cells\n",
     );
     let mut list = |title: &str, names: &mut dyn Iterator<Item = &String>| {
         for (k, name) in names.enumerate() {
@@ -24,5 +26,6 @@ pub fn text(scene: &Scene) -> String {
     list("set", &mut scene.bodies.iter().map(|set| &set.name));
     list("shape", &mut scene.shapes.iter().map(|shape| &shape.name));
     list("part", &mut scene.parts.iter().map(|part| &part.name));
+    list("surface", &mut scene.surfaces.iter().map(|surface| &surface.name));
     text
 }

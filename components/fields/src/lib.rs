@@ -1,4 +1,4 @@
-//! Writes whole fields, bodies and parts of a run as VTK files, for ParaView and everything else that
+//! Writes whole fields, bodies, parts and rubber of a run as VTK files, for ParaView and everything else that
 //! is built on VTK.
 //!
 //! [`Fields`] is an observer; `outputs.fields = "10 ms"` in a manifest starts it. It fills `OUT/fields`:
@@ -9,7 +9,8 @@
 //! | `bodies_<window>.vtp` | PolyData | one point for each sphere |
 //! | `polyhedra_<window>.vtp` | PolyData | triangles of the polyhedra, if there are any |
 //! | `parts_<window>.vtp` | PolyData | triangles of the scene's parts, where they are |
-//! | `<volume>.pvd`, `bodies.pvd`, `polyhedra.pvd`, `parts.pvd` | collection | the files of a series by time: open these |
+//! | `rubber_<window>.vtp` | PolyData | triangles of the deformable surfaces, if there are any |
+//! | `<volume>.pvd`, `bodies.pvd`, `polyhedra.pvd`, `parts.pvd`, `rubber.pvd` | collection | the files of a series by time: open these |
 //! | `about.txt` | text | arrays, units, names of sets, shapes and parts |
 //!
 //! The volume of the lattice-Boltzmann fluid is called `lattice`. `<window>` is the coupling window at
@@ -38,6 +39,10 @@
 //! | | `set`, `shape` (cells) | UInt32 | | indices of its set and its shape in the scene |
 //! | parts | `velocity` (points) | 3 Float64 | m/s | |
 //! | | `part` (cells) | UInt32 | | index of the part in the scene |
+//! | rubber | `velocity` (points) | 3 Float64 | m/s | |
+//! | | `strain` (points) | Float64 | | equivalent shear strain ([`tremie_messages::frame::SurfaceSample::strain`]) |
+//! | | `surface` (cells) | UInt32 | | index of the surface in the scene |
+//! | | `kind` (cells) | UInt8 | | 0 touches the seat, 2 is bonded, 1 is neither |
 //!
 //! In ParaView, bodies become spheres by `Glyph` with scale array `radius` and factor 2.
 //!
@@ -57,6 +62,7 @@ mod document;
 mod encode;
 mod parameters;
 mod parts;
+mod rubber;
 mod series;
 mod solids;
 mod tables;

@@ -3,12 +3,15 @@
 use crate::document::Document;
 use crate::parameters::Parameters;
 use crate::parts::Parts;
+use crate::rubber::Rubber;
 use crate::series::{Entry, Series};
 use crate::solids::Solids;
 use crate::{about, tables};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::frame::{
+    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+};
 use tremie_messages::start::{Description, FrameContent, Signal, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem, Stamp};
 use tremie_sdk::{Moment, Observer, ObserverError, Setup};
@@ -19,8 +22,10 @@ const BODIES: &str = "bodies";
 const PARTS: &str = "parts";
 /// Series of the polyhedra.
 const POLYHEDRA: &str = "polyhedra";
+/// Series of the deformable surfaces.
+const RUBBER: &str = "rubber";
 
-/// Writes fields, bodies and parts as VTK files.
+/// Writes fields, bodies, parts and rubber as VTK files.
 pub struct Fields {
     folder: PathBuf,
     parameters: Parameters,
@@ -28,12 +33,13 @@ pub struct Fields {
     series: BTreeMap<String, Series>,
     parts: Option<Parts>,
     solids: Option<Solids>,
+    rubber: Option<Rubber>,
     /// Written so far [bytes].
     size: u64,
 }
 
 /// Series that are no lattices.
-const SURFACES: [&str; 3] = [BODIES, PARTS, POLYHEDRA];
+const SURFACES: [&str; 4] = [BODIES, PARTS, POLYHEDRA, RUBBER];
 
 fn failed(path: &Path, error: impl std::fmt::Display) -> ObserverError {
     ObserverError(format!("{} cannot be written: {error}", path.display()))
@@ -118,6 +124,7 @@ impl Observer for Fields {
             program: Self::PROGRAM.into(),
             watches: Watches {
                 bodies: true,
+                surfaces: true,
                 volumes: Some(parameters.wish()),
                 slices: false,
                 signals: false,
@@ -148,8 +155,9 @@ impl Observer for Fields {
             .map_err(|error| failed(&words, error))?;
         let parts = read_parts(setup)?;
         let solids = Solids::new(&setup.hello.scene);
+        let rubber = Rubber::new(&setup.hello.scene);
         let series = BTreeMap::new();
-        let mut fields = Self { folder, parameters, series, parts, solids, size: 0 };
+        let mut fields = Self { folder, parameters, series, parts, solids, rubber, size: 0 };
         if let Some(parts) = &fields.parts {
             let at = Moment { stamp: Stamp::default(), time: 0.0 };
             let document = parts.document(at, fields.parameters.compression);
@@ -170,6 +178,17 @@ impl Observer for Fields {
             self.keep(POLYHEDRA, at, document)?;
         }
         self.keep_parts(at, bodies)
+    }
+
+    fn surfaces(
+        &mut self,
+        _from: &str,
+        at: Moment,
+        samples: &[SurfaceSample],
+    ) -> Result<(), ObserverError> {
+        let Some(rubber) = &self.rubber else { return Ok(()) };
+        let document = rubber.document(at, samples, self.parameters.compression);
+        self.keep(RUBBER, at, document)
     }
 
     fn slice(

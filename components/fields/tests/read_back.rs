@@ -5,12 +5,15 @@ mod reader;
 use reader::VtkFile;
 use std::path::Path;
 use tremie_fields::Fields;
-use tremie_messages::frame::{BodySample, SliceNode, VolumeHeader};
-use tremie_messages::scene::{Domain, Face, Geometry, Motion, Part, PartBoundary, Pose, Scene};
+use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample, VolumeHeader};
+use tremie_messages::scene::{
+    DeformableSurface, Domain, Face, FacetKind, Geometry, Motion, Part, PartBoundary, Pose, Scene,
+    Section, SectionEdge,
+};
 use tremie_messages::start::{
     Assignment, Clock, FrameContent, FrameStream, Hello, Transport, VolumeGrid,
 };
-use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp};
+use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp, SurfaceVertex};
 use tremie_sdk::{Moment, Observer, Setup};
 
 fn scene() -> Scene {
@@ -227,6 +230,54 @@ fn a_moving_part_is_where_its_body_is() {
     let (_, corners) = file.array::<i64>("connectivity");
     assert!(corners[..36].iter().all(|c| (0..8).contains(c)));
     assert!(corners[36..].iter().all(|c| (8..16).contains(c)));
+}
+
+#[test]
+fn rubber_comes_back_with_its_strain() {
+    let home = tempfile::tempdir().unwrap();
+    let mut setup = setup(home.path(), serde_json::json!({}));
+    let edge = |a, b, kind| SectionEdge { points: [a, b], kind };
+    let ring = |name: &str| DeformableSurface {
+        name: name.into(),
+        carrier: "gate".into(),
+        table: String::new(),
+        pose: Pose::IDENTITY,
+        sectors: 4,
+        material: "rubber".into(),
+        seat_stiffness: 1e9,
+        start: Default::default(),
+        section: Section {
+            points: vec![[1.0, 0.0], [2.0, 0.0], [2.0, 1.0]],
+            edges: vec![
+                edge(0, 1, FacetKind::Seat),
+                edge(1, 2, FacetKind::Exposed),
+                edge(2, 0, FacetKind::Bonded),
+            ],
+        },
+    };
+    setup.hello.scene.surfaces = vec![ring("one"), ring("other")];
+    let watches = Fields::describe(&setup).unwrap().watches;
+    assert!(watches.surfaces);
+    let mut fields = Fields::open(&setup).unwrap();
+    let sample = |k: u32| SurfaceSample {
+        vertex: SurfaceVertex { position: [k.into(), 0.5, 0.0], velocity: [0.0, k.into(), 1.0] },
+        strain: f64::from(k) / 7.0,
+    };
+    let sent: Vec<_> = (0..24).map(sample).collect();
+    fields.surfaces("rubber", moment(5), &sent).unwrap();
+    assert!(fields.close(5).unwrap().contains("1 of rubber"));
+    let file = VtkFile::read(&home.path().join("fields/rubber_000005.vtp"));
+    assert_eq!(file.array("strain"), (1, sent.iter().map(|s| s.strain).collect::<Vec<f64>>()));
+    let vectors = |of: fn(&SurfaceSample) -> [f64; 3]| sent.iter().flat_map(of).collect::<Vec<_>>();
+    assert_eq!(file.array("points"), (3, vectors(|s| s.vertex.position)));
+    assert_eq!(file.array("velocity"), (3, vectors(|s| s.vertex.velocity)));
+    let kinds = [[0u8; 8], [1; 8], [2; 8]].concat();
+    assert_eq!(file.array("kind"), (1, kinds.repeat(2)));
+    assert_eq!(file.array("surface"), (1, [[0u32; 24], [1; 24]].concat()));
+    let (_, corners) = file.array::<i64>("connectivity");
+    assert_eq!(corners.len(), 3 * 48);
+    // The second surface has the same triangles, on its own vertices.
+    assert!(corners[..72].iter().zip(&corners[72..]).all(|(a, b)| a + 12 == *b && *a < 12));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The lattice fluid as a component of a run.
 
 use crate::findings::findings;
+use crate::meanings::MEANINGS;
 use crate::{
     FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_signals, reservoir_signals,
 };
@@ -356,7 +357,7 @@ fn join_facet(load: &mut FacetLoad, other: &FacetLoad, share: f64) {
 }
 
 fn signal(name: &str, unit: &str) -> Signal {
-    Signal { name: name.into(), unit: unit.into() }
+    Signal::new(name, unit, MEANINGS)
 }
 
 /// What the listed terms do not account for in the change of momentum: rounding, if nothing is missing.

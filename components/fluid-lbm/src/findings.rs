@@ -2,6 +2,7 @@
 
 use crate::compression;
 use crate::gap_findings as gaps;
+use crate::grain_space::{DryRegion, Throat};
 use crate::lattice::CS2;
 use crate::narrow::Narrow;
 use crate::parameters::{Parameters, Precision};
@@ -18,6 +19,8 @@ use tremie_messages::scene::{
 const RESOLVED: f64 = 8.0;
 /// Cells across a sphere below which it may cover no cell at all.
 const UNSEEN: f64 = 2.0;
+/// Cells in the boundary layer of a sphere, D/√Re thick, below which the layer is not resolved.
+const LAYER: f64 = 1.0;
 /// Cells across a gap from which the flow through it is trusted.
 const WIDE: f64 = 4.0;
 /// Cells across a gap below which it may hold no cell.
@@ -41,6 +44,9 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     let mut findings = vec![lattice.relaxation_time(), lattice.speed()];
     findings.extend(lattice.mach());
     findings.extend(resolution.cells_per_smallest_sphere.map(|cells| lattice.sphere(cells)));
+    findings.extend(resolution.cells_per_smallest_sphere.and_then(|d| lattice.layer(d)));
+    findings.extend(resolution.dry_regions.iter().map(DryRegion::finding));
+    findings.extend(resolution.throat.as_ref().map(Throat::finding));
     findings.extend(resolution.narrowest_gap.as_ref().map(|gap| lattice.gap(gap)));
     findings.extend(resolution.narrowest_gap_of_bodies.as_ref().map(|gap| lattice.film(gap)));
     findings.extend(resolution.mended.iter().map(mended));
@@ -139,6 +145,27 @@ impl Lattice<'_> {
                 format!("its drag is trusted to a few per cent from {RESOLVED} on"),
                 remedy,
             )
+    }
+
+    /// A low relaxation time is a large Reynolds number of a cell: with few cells across, the layer in which a
+    /// sphere's drag is made is thinner than one.
+    fn layer(&self, cells: f64) -> Option<Finding> {
+        let speed = self.fluid.expected_speed.filter(|speed| *speed > 0.0)?;
+        let nu = self.fluid.viscosity / self.fluid.density;
+        let diameter = cells * self.resolution.cell;
+        let re = speed * diameter / nu;
+        let layer = cells / re.sqrt();
+        let finding =
+            Finding::new("cells in the boundary layer of the smallest sphere", layer, "1");
+        let at = format!(
+            "D over the root of its Reynolds number, {} if it met the expected speed",
+            short(re)
+        );
+        Some(finding.because(&at).doubtful_if(
+            layer < LAYER,
+            format!("{at}; below {LAYER} the layer that makes its drag is thinner than a cell"),
+            format!("a cell of {} m makes it {LAYER}; where spheres go along with the fluid this matters less", short(diameter / re.sqrt() / LAYER)),
+        ))
     }
 
     fn gap(&self, gap: &Narrow) -> Finding {

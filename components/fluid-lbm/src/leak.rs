@@ -28,6 +28,8 @@ pub fn narrowest(
     // For each cell reached, the narrowest cell of the widest way to it.
     let mut through = vec![u32::MAX; grid.len()];
     let mut heap = BinaryHeap::new();
+    let mut is_end = vec![false; grid.len()];
+    to.iter().for_each(|&end| is_end[end] = true);
     let narrower = |a: usize, b: u32| if room[a] < room[b as usize] { a as u32 } else { b };
     for &start in from.iter().filter(|&&start| obstacles.solid[start] == 0) {
         through[start] = start as u32;
@@ -35,7 +37,7 @@ pub fn narrowest(
     }
     while let Some((_, std::cmp::Reverse(cell))) = heap.pop() {
         let so_far = through[cell as usize];
-        if to.contains(&(cell as usize)) {
+        if is_end[cell as usize] {
             let width = 2.0 * f64::from(room[so_far as usize]).sqrt() - 1.0;
             return Some(Narrowest { at: grid.at(so_far as usize), width });
         }

@@ -40,6 +40,7 @@ mod fixed;
 mod fluid;
 mod gap_findings;
 mod gaps;
+mod grain_space;
 mod grid;
 mod ground;
 mod kernel;
@@ -50,6 +51,8 @@ mod leak;
 mod ledger;
 mod links;
 mod mass;
+#[cfg(feature = "component")]
+mod meanings;
 mod motion;
 mod narrow;
 mod observe;

@@ -75,7 +75,8 @@ pub fn narrowest(scene: &Scene, ground: &Ground) -> [Option<Narrow>; 2] {
     let mut fixed = Search::new(cell);
     for (k, part) in parts.iter().enumerate() {
         for other in &parts[k + 1..] {
-            if let Some(ends) = between_parts(part, other, &domain, fixed.width, cell) {
+            let reached = |place| is_reached(ground, place);
+            if let Some(ends) = between_parts(part, other, &domain, &reached, fixed.width, cell) {
                 fixed.offer(ends, [part.name, other.name]);
             }
         }
@@ -83,8 +84,9 @@ pub fn narrowest(scene: &Scene, ground: &Ground) -> [Option<Narrow>; 2] {
         for wall in walls.iter().filter(|_| !part.surface.is_cavity()) {
             let vertices = part.surface.mesh().vertices.iter().map(|&v| part.frame.to_world(v));
             let lowest = vertices.min_by(|a, b| wall.height(*a).total_cmp(&wall.height(*b)));
-            if let Some(lowest) = lowest.filter(|&v| wall.height(v) > 0.0) {
-                fixed.offer([lowest, wall.closest(lowest)], [part.name, wall.name]);
+            let ends = lowest.filter(|&v| wall.height(v) > 0.0).map(|v| [v, wall.closest(v)]);
+            if let Some(ends) = ends.filter(|&ends| is_reached(ground, middle(ends))) {
+                fixed.offer(ends, [part.name, wall.name]);
             }
         }
     }
@@ -202,15 +204,39 @@ fn walls(scene: &Scene) -> Vec<Wall> {
         .collect()
 }
 
+fn middle([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
+    std::array::from_fn(|k| 0.5 * (a[k] + b[k]))
+}
+
+/// Cells around a gap among which one must be fluid for the fluid to reach the gap.
+const NEAR: i32 = 2;
+
+/// Whether there is fluid at a place, or within two cells of it: a narrow gap holds no cell itself.
+fn is_reached(ground: &Ground, place: [f64; 3]) -> bool {
+    let Centres { cell, min } = ground.centres();
+    let at: [i32; 3] = std::array::from_fn(|a| ((place[a] - min[a]) / cell).floor() as i32);
+    let around = || -NEAR..=NEAR;
+    around().any(|z| {
+        around().any(|y| {
+            around().any(|x| {
+                let at = [at[0] + x, at[1] + y, at[2] + z];
+                ground.grid.contains(at) && ground.voxels.is_fluid(&ground.grid, at)
+            })
+        })
+    })
+}
+
 /// The two ends of the narrowest place between two parts, if it is narrower than `width`. `None` if
 /// they touch.
 ///
 /// Points of one surface two cells apart and less, and from those that may come closest on by going to
-/// the closest point of the other surface and back; within the domain, outside of which parts may meet.
+/// the closest point of the other surface and back; within the domain, outside of which parts may meet, and
+/// where `reached` says that there is fluid.
 fn between_parts(
     a: &Placed,
     b: &Placed,
     domain: &Bounds,
+    reached: &dyn Fn([f64; 3]) -> bool,
     width: f64,
     cell: f64,
 ) -> Option<[[f64; 3]; 2]> {
@@ -237,7 +263,8 @@ fn between_parts(
             if found <= CONTACT * cell {
                 return None;
             }
-            if found < best && domain.contains(from) && domain.contains(to) {
+            let is_inside = domain.contains(from) && domain.contains(to);
+            if found < best && is_inside && reached(middle([from, to])) {
                 (best, ends) = (found, Some([from, to]));
             }
         }
@@ -361,6 +388,30 @@ mod tests {
         let gap = gap.unwrap();
         assert!((gap.cells - 1.5).abs() < 0.06, "{gap:?}");
         assert!((gap.place[0] - 8.75).abs() < 0.2, "{gap:?}");
+    }
+
+    /// Two boxes 0.5 apart, in a hollow that no way leads to from the fluid, and the same with it.
+    #[test]
+    fn a_gap_that_no_fluid_reaches_counts_for_nothing() {
+        let cube =
+            |name: &str, edge: f64, at: [f64; 3]| part(name, Geometry::Box { size: [edge; 3] }, at);
+        let wall = |name: &str, z: f64| {
+            part(name, Geometry::Box { size: [60.0, 60.0, 4.0] }, [20.0, 20.0, z])
+        };
+        let pair = [cube("one", 6.0, [12.0, 20.0, 30.0]), cube("other", 6.0, [18.5, 20.0, 30.0])];
+        let found = |inside: [f64; 3]| {
+            let scene = Scene {
+                fluid: Some(FluidMaterial {
+                    inside: vec![inside],
+                    ..FluidMaterial::at_rest(1000.0, 1e-3)
+                }),
+                parts: [&[wall("shelf", 16.0)][..], &pair].concat(),
+                ..Scene::empty(Domain::new([0.0; 3], [40.0; 3], Face::WALLS))
+            };
+            Parameters::with_cell(1.0).resolve(&scene).unwrap().narrowest_gap
+        };
+        assert!((found([2.0, 2.0, 30.0]).unwrap().cells - 0.5).abs() < 1e-9);
+        assert_eq!(found([2.0, 2.0, 5.0]), None);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
 
 use crate::field::Field;
+use crate::grain_space::{DryRegion, Throat, dry_regions, throat};
 use crate::ground::Ground;
 use crate::lattice::{CS2, Q};
 use crate::narrow::{Narrow, narrowest};
@@ -36,6 +37,10 @@ pub struct Resolution {
     pub narrowest_gap: Option<Narrow>,
     /// The narrowest gap between a listed body and anything at the start, within 8 cells.
     pub narrowest_gap_of_bodies: Option<Narrow>,
+    /// Regions in which grains start or come, with space that no fluid reaches.
+    pub dry_regions: Vec<DryRegion>,
+    /// The narrowest place on the way of grains to where they leave.
+    pub throat: Option<Throat>,
     /// Cells of the fluid at the faces that have a reservoir: axis, side, number.
     pub reservoir_cells: Vec<(usize, usize, usize)>,
     /// Parts whose files had to be mended.
@@ -109,6 +114,8 @@ impl Parameters {
             fluid_cells,
             narrowest_gap,
             narrowest_gap_of_bodies,
+            dry_regions: dry_regions(scene, &ground),
+            throat: throat(scene, &ground),
             reservoir_cells,
             mended: mended(scene, &ground),
             notes: ground.notes(),
@@ -318,7 +325,8 @@ fn smallest_diameter(scene: &Scene) -> Option<f64> {
         };
         diameters.into_iter().reduce(f64::min)
     };
-    scene.bodies.iter().filter_map(|set| of_set(&set.placement)).reduce(f64::min)
+    let inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[0]);
+    scene.bodies.iter().filter_map(|set| of_set(&set.placement)).chain(inlets).reduce(f64::min)
 }
 
 /// What a user should know before trusting results; numbers with a verdict are in

@@ -1,15 +1,15 @@
 //! A step allocates nothing while no body comes or goes.
 
 mod common;
-#[path = "common/counting.rs"]
-mod counting;
 
 use common::*;
-use counting::ALLOCATIONS;
-use std::sync::atomic::Ordering::Relaxed;
 use tremie_fluid_lbm::Refill;
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Course, Face, Geometry, Motion, Reservoir};
+use tremie_test_support::{Counting, allocations};
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
 
 #[test]
 fn a_step_allocates_nothing() {
@@ -52,13 +52,13 @@ fn a_step_allocates_nothing() {
     advance(&mut bodies);
     fluid.step(&bodies, &mut loads).unwrap();
 
-    let before = ALLOCATIONS.load(Relaxed);
+    let before = allocations();
     let mut covered = 0;
     for _ in 0..150 {
         advance(&mut bodies);
         fluid.step(&bodies, &mut loads).unwrap();
         covered += fluid.diagnostics().covered;
     }
-    assert_eq!(ALLOCATIONS.load(Relaxed) - before, 0);
+    assert_eq!(allocations() - before, 0);
     assert!(covered > 500, "{covered}");
 }

@@ -1,12 +1,8 @@
 //! A step with a deformable surface allocates nothing unless its links are found anew.
 
 mod common;
-#[path = "common/counting.rs"]
-mod counting;
 
 use common::*;
-use counting::ALLOCATIONS;
-use std::sync::atomic::Ordering::Relaxed;
 use tremie_fluid_lbm::Refill;
 use tremie_geometry::Turned;
 use tremie_messages::scene::{
@@ -14,6 +10,10 @@ use tremie_messages::scene::{
     SectionEdge,
 };
 use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
+use tremie_test_support::{Counting, allocations};
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
 
 #[test]
 fn a_step_without_a_search_allocates_nothing() {
@@ -67,14 +67,14 @@ fn a_step_without_a_search_allocates_nothing() {
             vertex.position = [13.0 + wider * x, 13.0 + wider * y, 3.2 + creep + z];
             vertex.velocity = [0.0, 0.0, 1e-4];
         }
-        let before = ALLOCATIONS.load(Relaxed);
+        let before = allocations();
         fluid.set_surfaces(&vertices).unwrap();
         match step {
             0 => fluid.start(&bodies, &mut loads).unwrap(),
             _ => fluid.step(&bodies, &mut loads).unwrap(),
         }
         fluid.surface_loads(&mut on_facets);
-        let made = ALLOCATIONS.load(Relaxed) - before;
+        let made = allocations() - before;
         if (3..20).contains(&step) || step > 41 {
             counts[0] += made;
         } else {

@@ -2,6 +2,7 @@
 
 use crate::carried::{Carried, check_start, in_scene, surfaces};
 use crate::findings::findings;
+use crate::meanings::MEANINGS;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::scene::{Motion, Scene};
@@ -220,12 +221,15 @@ fn is_followed(scene: &Scene, spheres: usize) -> bool {
 }
 
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
-    let signal = |name: String, unit: &str| Signal { name, unit: unit.into() };
+    let signal = |name: String, unit: &str| Signal::new(name, unit, MEANINGS);
     let mut all: Vec<_> =
         SIGNALS.iter().map(|(name, unit)| signal((*name).to_string(), unit)).collect();
     if is_followed(scene, spheres) {
         for body in 0..spheres {
-            all.extend(PATH.iter().map(|(name, unit)| signal(format!("body{body}_{name}"), unit)));
+            all.extend(PATH.iter().map(|(name, unit)| Signal {
+                name: format!("body{body}_{name}"),
+                ..signal((*name).to_string(), unit)
+            }));
         }
     }
     for part in &scene.parts {

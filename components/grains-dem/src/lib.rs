@@ -84,6 +84,8 @@ mod laws;
 mod linear;
 mod loads;
 mod lubrication;
+#[cfg(feature = "component")]
+mod meanings;
 mod memory;
 mod mesh_contact;
 mod mirrors;

@@ -1,13 +1,13 @@
 //! A settled bed advances without a single allocation.
 
 mod common;
-#[path = "common/counting.rs"]
-mod counting;
 use common::*;
-use counting::ALLOCATIONS;
-use std::sync::atomic::Ordering;
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::scene::{Damping, Geometry, Motion, Part, PartBoundary, Pose};
+use tremie_test_support::{Counting, allocations};
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
 
 #[test]
 fn a_substep_allocates_nothing() {
@@ -31,9 +31,9 @@ fn a_substep_allocates_nothing() {
     for (id, load) in (0..).zip(&mut loads) {
         load.id = id;
     }
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let before = allocations();
     for _ in 0..200 {
         dem.advance(3, &loads).unwrap();
     }
-    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert_eq!(allocations() - before, 0);
 }

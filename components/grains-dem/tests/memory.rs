@@ -2,31 +2,9 @@
 
 mod common;
 use common::*;
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::atomic::{AtomicUsize, Ordering},
-};
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::scene::Damping;
-
-struct Counting;
-
-static LIVE: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: hands every call to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        LIVE.fetch_add(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        LIVE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: `pointer` came from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use tremie_test_support::{Counting, live_bytes};
 
 #[global_allocator]
 static COUNTING: Counting = Counting;
@@ -38,12 +16,12 @@ fn a_bed_takes_what_is_announced() {
     scene.bodies = vec![packed([0.0; 3], [16e-3, 16e-3, 10e-3], 0.58, (0.95e-3, 1.05e-3), 4)];
     let parameters = Parameters::default();
     let announced = parameters.resolve(&scene).unwrap().memory as f64;
-    let before = LIVE.load(Ordering::Relaxed);
+    let before = live_bytes();
     let mut dem = GrainsDem::new(&scene, &parameters, 4e-6, 1).unwrap();
     while dem.diagnostics().list_rebuilds < 3 {
         dem.advance(200, &[]).unwrap();
     }
-    let taken = (LIVE.load(Ordering::Relaxed) - before) as f64;
+    let taken = (live_bytes() - before) as f64;
     let spheres = dem.body_count() as f64;
     println!("{} bytes a sphere, announced {}", taken / spheres, announced / spheres);
     // Buffers that grow by doubling have some room to spare.

@@ -1,14 +1,14 @@
 //! Polyhedra that touch advance without a single allocation.
 
 mod common;
-#[path = "common/counting.rs"]
-mod counting;
 use common::solids::*;
 use common::*;
-use counting::ALLOCATIONS;
-use std::sync::atomic::Ordering;
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::scene::{Damping, Geometry, Motion, Part, PartBoundary, Pose};
+use tremie_test_support::{Counting, allocations};
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
 
 #[test]
 fn a_substep_of_polyhedra_allocates_nothing() {
@@ -35,7 +35,7 @@ fn a_substep_of_polyhedra_allocates_nothing() {
     let mut dem = GrainsDem::new(&scene, &Parameters::default(), 8e-7, 2).unwrap();
     dem.advance(2_000, &[]).unwrap();
     assert!(dem.diagnostics().contacts >= 4, "{:?}", dem.diagnostics());
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let before = allocations();
     dem.advance(300, &[]).unwrap();
-    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert_eq!(allocations() - before, 0);
 }

@@ -1,16 +1,16 @@
 //! Trials of a surface that deforms, and substeps with one, make no allocation.
 
 mod common;
-#[path = "common/counting.rs"]
-mod counting;
 use common::*;
-use counting::ALLOCATIONS;
-use std::sync::atomic::Ordering;
 use tremie_geometry::Mesh;
 use tremie_grains_dem::{DeformableSurface, GrainsDem, Parameters, SurfaceState};
 use tremie_messages::scene::{
     Damping, Geometry, Motion, Part, PartBoundary, Pose, Slider, SliderSpring,
 };
+use tremie_test_support::{Counting, allocations};
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
 
 fn part(size: [f64; 3], position: [f64; 3], motion: Motion) -> Part {
     Part {
@@ -63,7 +63,7 @@ fn neither_a_trial_nor_a_substep_with_a_surface_allocates() {
     dem.begin_window(4_000, &[]).unwrap();
     for k in 0..4_000 {
         if k == 3_000 {
-            before = ALLOCATIONS.load(Ordering::Relaxed);
+            before = allocations();
         }
         let phase = f64::from(k % 500) / 250.0;
         let down = 0.5e-3 * if phase < 1.0 { phase } else { 2.0 - phase };
@@ -79,7 +79,7 @@ fn neither_a_trial_nor_a_substep_with_a_surface_allocates() {
         let state = SurfaceState { vertices: &now, velocities: &velocities, carrier_force };
         dem.finish_substep(&[state]).unwrap();
     }
-    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert_eq!(allocations() - before, 0);
     assert!(contacts > 1_000, "{contacts}");
     dem.end_window().unwrap();
 }

@@ -1,13 +1,15 @@
-//! Bodies and cuts as the points of a point cloud, and back.
+//! Bodies, vertices of surfaces and cuts as the points of a point cloud, and back.
 
 use crate::proto::{
     Grid, NumericType, PackedElementField, PointCloud, Pose, Quaternion, Vector3, timestamp,
 };
-use tremie_messages::BodyState;
-use tremie_messages::frame::{BodySample, SliceHeader, SliceNode};
+use tremie_messages::frame::{BodySample, SliceHeader, SliceNode, SurfaceSample};
+use tremie_messages::{BodyState, SurfaceVertex};
 
 /// Bytes of a body: its sample, and its speed.
 const BODY: usize = 144 + 4;
+/// Bytes of a vertex of a surface: its sample.
+const VERTEX: usize = 56;
 /// Bytes of a node: its position, the node itself, and its speed.
 const NODE: usize = 12 + 20 + 4;
 
@@ -36,6 +38,19 @@ const BODY_FIELDS: [(&str, u32, NumericType); 22] = {
         ("wz", 104, Float64),
         ("shape", 132, Uint32),
         ("part", 140, Uint32),
+    ]
+};
+
+const VERTEX_FIELDS: [(&str, u32, NumericType); 7] = {
+    use NumericType::Float64;
+    [
+        ("x", 0, Float64),
+        ("y", 8, Float64),
+        ("z", 16, Float64),
+        ("strain", 48, Float64),
+        ("vx", 24, Float64),
+        ("vy", 32, Float64),
+        ("vz", 40, Float64),
     ]
 };
 
@@ -124,6 +139,30 @@ fn body(bytes: &[u8]) -> BodySample {
         motion: half(136),
         part: half(140),
     }
+}
+
+/// Vertices of deformable surfaces as a point cloud.
+pub fn encode_vertices(nanoseconds: u64, samples: &[SurfaceSample]) -> PointCloud {
+    let mut data = Vec::with_capacity(samples.len() * VERTEX);
+    for SurfaceSample { vertex, strain } in samples {
+        let numbers = vertex.position.iter().chain(&vertex.velocity).chain([strain]);
+        numbers.for_each(|x| data.extend(x.to_le_bytes()));
+    }
+    cloud(nanoseconds, VERTEX, &VERTEX_FIELDS, data)
+}
+
+/// Vertices of a point cloud; `None` if it is of another layout.
+pub fn decode_vertices(cloud: &PointCloud) -> Option<Vec<SurfaceSample>> {
+    fits(cloud, VERTEX).then(|| cloud.data.chunks_exact(VERTEX).map(vertex).collect())
+}
+
+fn vertex(bytes: &[u8]) -> SurfaceSample {
+    let f = |word: usize| f64::from_le_bytes(take(bytes, 8 * word));
+    let vertex = SurfaceVertex {
+        position: std::array::from_fn(f),
+        velocity: std::array::from_fn(|k| f(3 + k)),
+    };
+    SurfaceSample { vertex, strain: f(6) }
 }
 
 /// Nodes of a cut as a point cloud.

@@ -32,6 +32,7 @@ pub const SIGNALS: &str = "signals";
 pub fn topic(stream: &Stream) -> String {
     match stream {
         Stream::Bodies(from) => format!("/bodies/{from}"),
+        Stream::Surfaces(from) => format!("/surfaces/{from}"),
         Stream::Cut(from, name) => format!("/cuts/{from}/{name}"),
         Stream::Signals(from) => format!("/signals/{from}"),
     }
@@ -96,7 +97,7 @@ impl McapFile {
             return Ok(());
         }
         match stream {
-            Stream::Bodies(_) | Stream::Cut(..) => self.add_channel(
+            Stream::Bodies(_) | Stream::Surfaces(_) | Stream::Cut(..) => self.add_channel(
                 &topic,
                 "foxglove.PointCloud",
                 &schema::point_cloud(),

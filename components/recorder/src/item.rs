@@ -1,6 +1,6 @@
 //! A frame as it was recorded.
 
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
 use tremie_messages::start::Signal;
 use tremie_sdk::{Moment, Observer, ObserverError};
 
@@ -15,6 +15,15 @@ pub enum Item {
         at: Moment,
         /// The bodies.
         bodies: Vec<BodySample>,
+    },
+    /// All vertices of deformable surfaces at one moment.
+    Surfaces {
+        /// Sender.
+        from: String,
+        /// When.
+        at: Moment,
+        /// The vertices.
+        samples: Vec<SurfaceSample>,
     },
     /// A cut through a field.
     Slice {
@@ -59,6 +68,7 @@ impl Item {
     pub fn tell<O: Observer>(&self, observer: &mut O) -> Result<(), ObserverError> {
         match self {
             Item::Bodies { from, at, bodies } => observer.bodies(from, *at, bodies),
+            Item::Surfaces { from, at, samples } => observer.surfaces(from, *at, samples),
             Item::Slice { from, name, at, header, nodes } => {
                 observer.slice(from, name, *at, header, nodes)
             }
@@ -70,9 +80,10 @@ impl Item {
     /// Window of the frame.
     pub fn window(&self) -> u64 {
         match self {
-            Item::Bodies { at, .. } | Item::Slice { at, .. } | Item::Signals { at, .. } => {
-                at.stamp.window
-            }
+            Item::Bodies { at, .. }
+            | Item::Surfaces { at, .. }
+            | Item::Slice { at, .. }
+            | Item::Signals { at, .. } => at.stamp.window,
             // Lines of the log may speak of windows that were not recorded.
             Item::Log { .. } => 0,
         }

@@ -1,6 +1,6 @@
 //! The observer.
 
-use crate::codec::{encode_bodies, encode_grid, encode_nodes};
+use crate::codec::{encode_bodies, encode_grid, encode_nodes, encode_vertices};
 use crate::document::RunNote;
 use crate::file::{Entry, LOG, McapFile, topic};
 use crate::parameters::Parameters;
@@ -8,8 +8,8 @@ use crate::proto::{Frame, Level, Log, timestamp};
 use crate::signals::{bytes, encode};
 use crate::windows::{Progress, Stream};
 use std::collections::BTreeMap;
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
-use tremie_messages::start::{Description, Signal};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
+use tremie_messages::start::{Description, Signal, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem};
 use tremie_sdk::{Moment, Observer, ObserverError, Setup};
 
@@ -112,6 +112,7 @@ impl Observer for Recorder {
         Ok(Description {
             interface: INTERFACE_VERSION,
             program: Self::PROGRAM.into(),
+            watches: Watches { surfaces: true, ..Watches::default() },
             ..Description::default()
         })
     }
@@ -146,6 +147,18 @@ impl Observer for Recorder {
         let stream = Stream::Bodies(from.into());
         let time = nanoseconds(at);
         let data = bytes(&encode_bodies(time, bodies));
+        self.take(at, stream.clone(), Entry { frame: frame(at, topic(&stream)), time, data })
+    }
+
+    fn surfaces(
+        &mut self,
+        from: &str,
+        at: Moment,
+        samples: &[SurfaceSample],
+    ) -> Result<(), ObserverError> {
+        let stream = Stream::Surfaces(from.into());
+        let time = nanoseconds(at);
+        let data = bytes(&encode_vertices(time, samples));
         self.take(at, stream.clone(), Entry { frame: frame(at, topic(&stream)), time, data })
     }
 

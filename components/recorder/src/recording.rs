@@ -1,6 +1,6 @@
 //! Reads a recording, and plays it to any observer.
 
-use crate::codec::{decode_bodies, decode_grid, decode_nodes};
+use crate::codec::{decode_bodies, decode_grid, decode_nodes, decode_vertices};
 use crate::document::{END, RUN, RunNote};
 use crate::file::{FRAMES, LOG, SIGNALS};
 use crate::item::Item;
@@ -215,6 +215,9 @@ fn item(frame: Frame, signals: &[Signal], data: &[u8]) -> Option<Item> {
     let (kind, from, name) = (parts.next()?, parts.next().unwrap_or_default(), parts.next());
     Some(match kind {
         "bodies" => Item::Bodies { from: from.into(), at, bodies: decode_bodies(&cloud()?)? },
+        "surfaces" => {
+            Item::Surfaces { from: from.into(), at, samples: decode_vertices(&cloud()?)? }
+        }
         "cuts" => Item::Slice {
             from: from.into(),
             name: name?.into(),

@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn names_become_fields() {
-        let signal = |name: &str| Signal { name: name.into(), unit: "1".into() };
+        let signal = |name: &str| Signal::new(name, "1", &[]);
         let names = fields(&[
             signal("speed"),
             signal("max speed"),

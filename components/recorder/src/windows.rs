@@ -13,6 +13,8 @@ pub const HOLD: u64 = 2;
 pub enum Stream {
     /// All bodies.
     Bodies(String),
+    /// All vertices of deformable surfaces.
+    Surfaces(String),
     /// A cut, by sender and name.
     Cut(String, String),
     /// Signals.
@@ -34,6 +36,7 @@ impl Progress {
             let from = frame.from.clone();
             let stream = match &frame.content {
                 FrameContent::Bodies => Stream::Bodies(from),
+                FrameContent::Surfaces => Stream::Surfaces(from),
                 FrameContent::Slice(name) => Stream::Cut(from, name.clone()),
                 FrameContent::Signals(_) => Stream::Signals(from),
                 FrameContent::Log | FrameContent::Volume(_) => return None,

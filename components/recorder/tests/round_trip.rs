@@ -1,17 +1,17 @@
 //! What is written through the observer is read back equal, and identical runs give identical files.
 
 use std::path::Path;
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode};
+use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
 use tremie_messages::scene::{Domain, Face, Scene};
 use tremie_messages::start::{
     Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport,
 };
-use tremie_messages::{BodyState, INTERFACE_VERSION, Role, Stamp};
+use tremie_messages::{BodyState, INTERFACE_VERSION, Role, Stamp, SurfaceVertex};
 use tremie_recorder::{End, Item, ReadError, Recorder, Recording};
 use tremie_sdk::{Moment, Observer, Setup};
 
 fn names() -> Vec<Signal> {
-    let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+    let signal = |name: &str, unit: &str| Signal::new(name, unit, &[]);
     vec![signal("max_speed", "m/s"), signal("body0 z", "m")]
 }
 
@@ -172,6 +172,28 @@ fn what_was_written_is_read_back_equal() {
     let (back, end) = read(folder.path());
     assert_eq!(back, items);
     assert_eq!(end, End { last_common_window: 50, complete: true });
+}
+
+#[test]
+fn deformable_surfaces_come_back_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut x = noise(7);
+    let mut sample = || SurfaceSample {
+        vertex: SurfaceVertex {
+            position: std::array::from_fn(|_| x()),
+            velocity: std::array::from_fn(|_| x()),
+        },
+        strain: x(),
+    };
+    let mut surfaces = |window| Item::Surfaces {
+        from: "rubber".into(),
+        at: moment(window),
+        samples: (0..30).map(|_| sample()).collect(),
+    };
+    let items: Vec<_> =
+        (0..=5).flat_map(|w| [bodies(w, 3), surfaces(w), slice(w, [6, 4]), signals(w)]).collect();
+    write(folder.path(), 1, &items, 5);
+    assert_eq!(read(folder.path()).0, items);
 }
 
 #[test]

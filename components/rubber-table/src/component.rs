@@ -20,15 +20,15 @@ pub struct Seals {
 }
 
 /// Signals of each seal, in the order in which they are pushed, named `surface.value`.
-const SIGNALS: [(&str, &str); 8] = [
-    ("compression", "m"),
-    ("rate", "m/s"),
-    ("force", "N"),
-    ("table_force", "N"),
-    ("mean_passes", "1"),
-    ("most_passes", "1"),
-    ("seat_pressure", "Pa"),
-    ("peak_seat_pressure", "Pa"),
+const SIGNALS: [(&str, &str, &str); 8] = [
+    ("compression", "m", "how far it is compressed"),
+    ("rate", "m/s", "rate of the compression over the last step"),
+    ("force", "N", "what compresses it: the effective force of all that acts on its surface"),
+    ("table_force", "N", "force of the table at this compression"),
+    ("mean_passes", "1", "trials of a step, in the mean over the window"),
+    ("most_passes", "1", "most trials of a step in the window"),
+    ("seat_pressure", "Pa", "mean pressure of contacts on what touches the seat"),
+    ("peak_seat_pressure", "Pa", "largest pressure of contacts on a facet of that"),
 ];
 
 impl Rubber for Seals {
@@ -100,6 +100,12 @@ impl Rubber for Seals {
     fn surface(&self, vertices: &mut [SurfaceVertex]) {
         for (seal, [first, _]) in self.seals.iter().zip(&self.first) {
             seal.write(&mut vertices[*first..first + seal.vertex_count()]);
+        }
+    }
+
+    fn strains(&self, strains: &mut [f64]) {
+        for (seal, [first, _]) in self.seals.iter().zip(&self.first) {
+            seal.write_strains(&mut strains[*first..first + seal.vertex_count()]);
         }
     }
 
@@ -181,7 +187,11 @@ fn failed(error: SealError) -> SolverError {
 fn signals(scene: &Scene) -> Vec<Signal> {
     let of = |surface: &DeformableSurface| {
         let name = surface.name.clone();
-        SIGNALS.map(|(value, unit)| Signal { name: format!("{name}.{value}"), unit: unit.into() })
+        SIGNALS.map(|(value, unit, meaning)| Signal {
+            name: format!("{name}.{value}"),
+            unit: unit.into(),
+            meaning: meaning.into(),
+        })
     };
     scene.surfaces.iter().flat_map(of).collect()
 }

@@ -3,32 +3,13 @@
 mod common;
 
 use common::{RUBBER, model, press, ring};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use tremie_messages::scene::{DeformableSurface, Pose};
 use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
 use tremie_rubber_table::make::tabulate;
 use tremie_rubber_table::online::{Form, Impedance, Law, Seal, Start, effective_force, relax};
 use tremie_rubber_table::solid::Hold;
 use tremie_rubber_table::solid::contact::Seat;
-
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: hands every call to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: `pointer` came from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use tremie_test_support::{Counting, allocations};
 
 #[global_allocator]
 static COUNTING: Counting = Counting;
@@ -49,7 +30,7 @@ fn a_step_allocates_nothing() {
         contact_stiffness: 1e6,
         impedance: Impedance(5.0),
     };
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let before = allocations();
     for form in [Form::Axial, Form::Pressure] {
         let settled = relax(&table, Law::default(), start, |at| {
             table.vertices_into(at, &mut section);
@@ -58,7 +39,7 @@ fn a_step_allocates_nothing() {
         });
         assert!(settled.unwrap().passes > 2);
     }
-    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert_eq!(allocations() - before, 0);
     a_seal_allocates_nothing(table);
 }
 
@@ -80,7 +61,7 @@ fn a_seal_allocates_nothing(table: tremie_rubber_table::table::Table) {
     let load =
         |facet| FacetLoad { facet, force: [0.0, 0.0, 0.1], stiffness: 1e5, ..FacetLoad::default() };
     let loads: Vec<FacetLoad> = (0..200).map(load).collect();
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let before = allocations();
     seal.begin_window(loads.iter().copied());
     for _ in 0..3 {
         seal.begin_substep(&BodyState::at_rest(0, [0.0; 3]));
@@ -90,5 +71,5 @@ fn a_seal_allocates_nothing(table: tremie_rubber_table::table::Table) {
         }
         assert!(seal.resultant().force[2] > 0.0);
     }
-    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert_eq!(allocations() - before, 0);
 }

@@ -3,8 +3,10 @@
 mod common;
 
 use common::{RUBBER, first_slope, model, press, ring, rubber};
+use tremie_rubber_table::make::tabulate;
 use tremie_rubber_table::solid::contact::Seat;
 use tremie_rubber_table::solid::{Hold, Model};
+use tremie_rubber_table::table::{Contents, Table};
 
 /// Bonded above, on a plane that it cannot leave.
 fn on_plane(elements: [usize; 2], bulk_over_shear: f64) -> Model {
@@ -153,4 +155,21 @@ fn a_ring_in_a_groove_has_the_stiffness_of_uniaxial_strain() {
     let found = first_slope(&model) / (modulus * area / 3e-3);
     // The seat's penalty gives way.
     assert!((found - 1.0).abs() < 5e-3, "{found}");
+}
+
+#[test]
+fn strain_from_the_outline_agrees_with_that_from_the_section() {
+    let model = on_seat([36, 24]);
+    let frames = press(&model, 0.48e-3, 17);
+    let whole = tabulate(&model, &frames, String::new(), None).unwrap();
+    let alone = Table::new(Contents { quads: vec![], mises: vec![], ..whole.contents().clone() });
+    let rest = &whole.contents().vertices[0];
+    // The outer side, off its corners: what the outline does not see, the change of volume, is small there.
+    let is_side = |v: &usize| rest[*v][0] > 10.999e-3 && (0.5e-3..2.0e-3).contains(&rest[*v][1]);
+    let side: Vec<usize> = (0..rest.len()).filter(is_side).collect();
+    let (inside, outside) = (whole.strains_of(&side), alone.unwrap().strains_of(&side));
+    assert!(side.len() > 8);
+    for (a, b) in inside[16].iter().zip(&outside[16]) {
+        assert!((a / b - 1.0).abs() < 0.15 && *a > 0.05, "{a} {b}");
+    }
 }

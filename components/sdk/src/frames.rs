@@ -3,7 +3,7 @@
 use crate::context::Context;
 use crate::stop::Stop;
 use tremie_channels::{Between, ChannelError, ChannelSpec, Ringer, Sender};
-use tremie_messages::frame::{BodySample, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::frame::{BodySample, SliceHeader, SliceNode, SurfaceSample, VolumeHeader};
 use tremie_messages::start::{FrameContent, FrameStream, Reply, VolumeGrid};
 use tremie_messages::units::wait;
 use tremie_messages::{BodyEvent, BodyState, Stamp};
@@ -11,6 +11,7 @@ use tremie_messages::{BodyEvent, BodyState, Stamp};
 /// A stream of frames to one observer.
 enum Stream<S: Between> {
     Bodies(Sender<S, Stamp, BodySample>),
+    Surfaces(Sender<S, Stamp, SurfaceSample>),
     Slice(String, Sender<S, SliceHeader, SliceNode>),
     Volume(VolumeGrid, Sender<S, VolumeHeader, SliceNode>),
     Signals(Sender<S, Stamp, f64>),
@@ -44,6 +45,8 @@ pub fn frame_spec(plan: &FrameStream) -> ChannelSpec<'_> {
 pub trait Shows {
     /// Bodies, as they are, and what is known of each.
     fn bodies(&self, _states: &mut Vec<BodyState>, _kinds: &mut Vec<BodyEvent>) {}
+    /// All vertices of deformable surfaces, as they are.
+    fn surfaces(&mut self, _samples: &mut [SurfaceSample]) {}
     /// A cut through a field.
     fn slice(&mut self, _name: &str, _nodes: &mut [SliceNode]) -> SliceHeader {
         SliceHeader::default()
@@ -67,6 +70,9 @@ impl<S: Between> Frames<S> {
             let spec = frame_spec(plan);
             let stream = match &plan.content {
                 FrameContent::Bodies => Stream::Bodies(open.sender_with_patience(spec, patience)?),
+                FrameContent::Surfaces => {
+                    Stream::Surfaces(open.sender_with_patience(spec, patience)?)
+                }
                 FrameContent::Slice(name) => {
                     Stream::Slice(name.clone(), open.sender_with_patience(spec, patience)?)
                 }
@@ -148,6 +154,11 @@ impl<S: Between> Outlet<S> {
     ) -> Result<(), ChannelError> {
         match &self.stream {
             Stream::Signals(sender) => sender.send_copy(stamp, signals),
+            Stream::Surfaces(sender) => {
+                let mut loan = sender.loan(self.plan.capacity as usize)?;
+                shown.surfaces(loan.values());
+                loan.send(stamp)
+            }
             Stream::Slice(name, sender) => {
                 let mut loan = sender.loan(self.plan.capacity as usize)?;
                 let header = shown.slice(name, loan.values());

@@ -33,7 +33,8 @@ impl Impulse {
     pub fn announce(mut description: Description, name: &str) -> Description {
         for axis in ["x", "y", "z"] {
             let name = format!("{name}_{axis}");
-            description.signals.push(Signal { name, unit: "N s".into() });
+            let meaning = "impulse of the loads of the fluid on all bodies since the start".into();
+            description.signals.push(Signal { name, unit: "N s".into(), meaning });
         }
         description
     }

@@ -10,7 +10,9 @@ use crate::stop::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use tremie_channels::{Between, Receiver};
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::frame::{
+    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+};
 use tremie_messages::start::{
     Assignment, Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Hello, Reply,
 };
@@ -23,6 +25,7 @@ const PULSE: Duration = Duration::from_millis(500);
 
 enum Input<S: Between> {
     Bodies(Receiver<S, Stamp, BodySample>),
+    Surfaces(Receiver<S, Stamp, SurfaceSample>),
     Slice(Receiver<S, SliceHeader, SliceNode>),
     Volume(Receiver<S, VolumeHeader, SliceNode>),
     Signals(Receiver<S, Stamp, f64>),
@@ -141,6 +144,7 @@ fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> 
         let attachment = &context.attachment;
         let input = match &plan.content {
             FrameContent::Bodies => Input::Bodies(attachment.receiver(spec)?),
+            FrameContent::Surfaces => Input::Surfaces(attachment.receiver(spec)?),
             FrameContent::Slice(_) => Input::Slice(attachment.receiver(spec)?),
             FrameContent::Volume(_) => Input::Volume(attachment.receiver(spec)?),
             FrameContent::Signals(_) => Input::Signals(attachment.receiver(spec)?),
@@ -186,6 +190,10 @@ impl<S: Between> Inlet<S> {
             (Input::Bodies(receiver), _) => receiver.take()?.map(|message| {
                 let at = moment(clock, *message.header());
                 (at.stamp, observer.bodies(from, at, message.values()))
+            }),
+            (Input::Surfaces(receiver), _) => receiver.take()?.map(|message| {
+                let at = moment(clock, *message.header());
+                (at.stamp, observer.surfaces(from, at, message.values()))
             }),
             (Input::Slice(receiver), FrameContent::Slice(name)) => {
                 receiver.take()?.map(|message| {

@@ -1,7 +1,9 @@
 //! What an observer implements: a component without a role in the physics, which sees frames.
 
 use crate::setup::Setup;
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::frame::{
+    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+};
 use tremie_messages::start::{Description, Signal};
 use tremie_messages::{Problem, Stamp};
 
@@ -47,6 +49,17 @@ pub trait Observer: Sized {
         at: Moment,
         bodies: &[BodySample],
     ) -> Result<(), ObserverError>;
+
+    /// All vertices of the scene's deformable surfaces at one moment. Comes only to observers that ask for
+    /// them.
+    fn surfaces(
+        &mut self,
+        _from: &str,
+        _at: Moment,
+        _samples: &[SurfaceSample],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
 
     /// A cut through a field.
     fn slice(

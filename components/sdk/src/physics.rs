@@ -336,6 +336,13 @@ pub trait Rubber: Sized {
     /// Writes all vertices as they are now: the start, a trial, or what was accepted.
     fn surface(&self, vertices: &mut [SurfaceVertex]);
 
+    /// Writes the equivalent shear strain at each vertex as it is now, as
+    /// [`SurfaceSample::strain`](tremie_messages::frame::SurfaceSample::strain) has it. Called only when
+    /// an observer looks; nothing that follows may depend on it.
+    fn strains(&self, strains: &mut [f64]) {
+        strains.fill(f64::NAN);
+    }
+
     /// Takes the loads of contacts on the trial; `true` if the surfaces are settled by it, else there is
     /// another trial now.
     ///

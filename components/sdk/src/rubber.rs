@@ -9,6 +9,7 @@ use crate::role::Player;
 use crate::setup::Setup;
 use crate::stop::Stop;
 use tremie_channels::{Between, Received};
+use tremie_messages::frame::SurfaceSample;
 use tremie_messages::schedule::Content;
 use tremie_messages::{FacetLoad, Problem, Stamp, SurfaceVertex};
 
@@ -20,9 +21,22 @@ pub struct RubberPlayer<S: Between, R: Rubber> {
     surface: Option<OutPort<S, SurfaceVertex>>,
     load: Option<InPort<S, FacetLoad>>,
     loads: Option<Received<S, Stamp, FacetLoad>>,
+    /// Room for what observers see; empty until one looks.
+    seen: (Vec<SurfaceVertex>, Vec<f64>),
 }
 
-impl<S: Between, R: Rubber> Shows for RubberPlayer<S, R> {}
+impl<S: Between, R: Rubber> Shows for RubberPlayer<S, R> {
+    fn surfaces(&mut self, samples: &mut [SurfaceSample]) {
+        let (vertices, strains) = &mut self.seen;
+        vertices.resize(self.sizes.vertices, SurfaceVertex::default());
+        strains.resize(self.sizes.vertices, 0.0);
+        self.rubber.surface(vertices);
+        self.rubber.strains(strains);
+        for ((sample, vertex), strain) in samples.iter_mut().zip(vertices).zip(strains) {
+            *sample = SurfaceSample { vertex: *vertex, strain: *strain };
+        }
+    }
+}
 
 impl<S: Between, R: Rubber> Player<S> for RubberPlayer<S, R> {
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
@@ -33,6 +47,7 @@ impl<S: Between, R: Rubber> Player<S> for RubberPlayer<S, R> {
             surface: None,
             load: None,
             loads: None,
+            seen: Default::default(),
         })
     }
 

@@ -1,6 +1,6 @@
 //! Bodies as spheres coloured by their speed.
 
-use crate::scale::{GREY, SpeedScale, speed};
+use crate::scale::{GREY, Scale, speed};
 use crate::view::{part, single};
 use rerun::{Color, Points3D, RecordingStream, RecordingStreamResult};
 use tremie_messages::BodyEvent;
@@ -36,7 +36,7 @@ impl Bodies {
         &mut self,
         stream: &RecordingStream,
         bodies: &[BodySample],
-        scale: &SpeedScale,
+        scale: &Scale,
     ) -> RecordingStreamResult<()> {
         for (k, set) in self.sets.iter_mut().enumerate() {
             let own = |body: &&BodySample| body.set == k as u32 && is_sphere(body);
@@ -72,7 +72,7 @@ impl Set {
         &mut self,
         stream: &RecordingStream,
         bodies: impl Iterator<Item = &'a BodySample> + Clone,
-        scale: &SpeedScale,
+        scale: &Scale,
     ) -> RecordingStreamResult<()> {
         let radii = compact(bodies.clone().map(|body| body.radius as f32).collect());
         if radii.is_empty() && !self.shown {
@@ -92,7 +92,7 @@ impl Set {
     }
 }
 
-fn colour(body: &BodySample, scale: &SpeedScale) -> u32 {
+fn colour(body: &BodySample, scale: &Scale) -> u32 {
     if is_fixed(body) { GREY } else { scale.colour(speed(single(body.state.velocity))) }
 }
 

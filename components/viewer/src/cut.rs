@@ -1,6 +1,6 @@
 //! A cut through the fluid: a mesh coloured by speed, and arrows on some of its nodes.
 
-use crate::scale::{GREY, SpeedScale, speed};
+use crate::scale::{GREY, Scale, speed};
 use crate::view::{Eye, Vector, along, cross, dot, facing, norm, part, single, unit};
 use rerun::components::Radius;
 use rerun::{Arrows3D, Color, Mesh3D, RecordingStream, RecordingStreamResult};
@@ -139,7 +139,7 @@ impl Cut {
         &self,
         stream: &RecordingStream,
         nodes: &[SliceNode],
-        scale: &SpeedScale,
+        scale: &Scale,
     ) -> RecordingStreamResult<()> {
         let colour = |node: &SliceNode| {
             Color::from_u32(if node.solid != 0 { GREY } else { scale.colour(speed(node.velocity)) })

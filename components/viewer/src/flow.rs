@@ -4,7 +4,7 @@ use crate::field::Field;
 use crate::isosurface::{Isosurface, Level};
 use crate::parameters::{Parameters, PlaneSetting};
 use crate::patch::Patch;
-use crate::scale::SpeedScale;
+use crate::scale::Scale;
 use crate::streamlines::Streamlines;
 use rerun::{RecordingStream, RecordingStreamResult};
 use tremie_messages::frame::{SliceHeader, SliceNode};
@@ -55,7 +55,7 @@ impl Flow {
         &mut self,
         stream: &RecordingStream,
         field: &Field<'_>,
-        scale: &SpeedScale,
+        scale: &Scale,
     ) -> RecordingStreamResult<()> {
         if let Some(streamlines) = &self.streamlines {
             streamlines.log(stream, field, scale)?;

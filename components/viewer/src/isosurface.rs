@@ -1,7 +1,7 @@
 //! Surfaces of equal speed or equal pressure.
 
 use crate::field::Field;
-use crate::scale::{SpeedScale, rgba, speed};
+use crate::scale::{Scale, rgba, speed};
 use crate::view::{norm, part, single};
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
@@ -65,7 +65,7 @@ impl Isosurface {
         &mut self,
         stream: &RecordingStream,
         field: &Field<'_>,
-        scale: &SpeedScale,
+        scale: &Scale,
     ) -> RecordingStreamResult<()> {
         self.find(field);
         if self.found.indices.is_empty() {

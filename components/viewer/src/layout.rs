@@ -1,7 +1,7 @@
 //! What is seen where.
 
 use crate::blueprint::{Container, Part, View};
-use crate::legend::{HEIGHT, WIDTH};
+use crate::legend::{HEIGHT, Legend, SPEED, STRAIN, WIDTH};
 use crate::signals::Plot;
 use crate::view::{Eye, single};
 use rerun::blueprint::components::{
@@ -40,6 +40,8 @@ pub struct Shown<'a> {
     pub cuts: &'a [CutView],
     /// Whether there are streamlines.
     pub streamlines: bool,
+    /// Whether there is rubber, coloured by strain.
+    pub rubber: bool,
     /// Plots of signals.
     pub plots: &'a [Plot],
     /// Simulated time that plots reach to [s]; as far as there are data, if it is not known.
@@ -50,9 +52,10 @@ pub struct Shown<'a> {
 pub fn layout(shown: &Shown<'_>) -> Container {
     let left = Container::new(ContainerKind::Vertical, "Scene")
         .with(scenes(shown), 10.0)
-        .with(legend(), 1.0);
-    let about = View::new("TextDocument", "About this run", "about");
-    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain([about]));
+        .with(legends(shown.rubber), 1.0);
+    let words = |name: &str, path| View::new("TextDocument", name, path);
+    let words = [words("About this run", "about"), words("Signals", "about/signals")];
+    let pictures = tabs("Cuts", shown.cuts.iter().map(cut).chain(words));
     let mut right = Container::new(ContainerKind::Vertical, "Run").with(pictures, 5.0);
     for part in plot_parts(shown.plots, shown.end) {
         right = right.with(part, 3.0);
@@ -106,13 +109,23 @@ fn cut(cut: &CutView) -> View {
     space(&cut.name, cut.eye, vec![format!("/{}/**", cut.path)])
 }
 
-fn legend() -> View {
+fn legends(rubber: bool) -> Part {
+    let speed = legend("Speed of bodies and fluid", SPEED);
+    if !rubber {
+        return speed.into();
+    }
+    let strain = legend("Equivalent shear strain of rubber", STRAIN);
+    let both = Container::new(ContainerKind::Horizontal, "Legends").with(speed, 1.0);
+    both.with(strain, 1.0).into()
+}
+
+fn legend(name: &str, legend: Legend) -> View {
     let [width, height] = [f64::from(WIDTH), f64::from(HEIGHT)];
     let range = Range2D {
         x_range: [-0.08 * width, 1.08 * width].into(),
         y_range: [-0.3 * height, 2.6 * height].into(),
     };
-    View::new("2D", "Speed of bodies and fluid", "legend")
+    View::new("2D", name, legend.path)
         .property("VisualBounds2D", Bounds::new(VisualBounds2D(range)))
 }
 

@@ -1,6 +1,6 @@
-//! The colour scale and its numbers, drawn as a picture: Rerun has none of its own.
+//! Colour scales and their numbers, drawn as pictures: Rerun has none of its own.
 
-use crate::scale::{SpeedScale, viridis};
+use crate::scale::{Map, Scale};
 use crate::stage::number;
 use rerun::components::Radius;
 use rerun::{Color, ColorModel, Image, Points2D, RecordingStream, RecordingStreamResult};
@@ -14,35 +14,44 @@ const READABLE: Color = Color(rerun::Rgba32::from_rgb(70, 125, 165));
 /// Numbers along the bar, ends included.
 const MARKS: u32 = 5;
 
-/// Draws the bar, once.
-pub fn log_bar(stream: &RecordingStream) -> RecordingStreamResult<()> {
-    let row = (0..WIDTH).flat_map(|x| viridis(f64::from(x) / f64::from(WIDTH - 1)));
-    let bytes: Vec<u8> = row.collect::<Vec<_>>().repeat(HEIGHT as usize);
-    stream.log_static(
-        "legend/bar",
-        &Image::from_color_model_and_bytes(
-            bytes,
-            [WIDTH, HEIGHT],
-            ColorModel::RGB,
-            rerun::ChannelDatatype::U8,
-        ),
-    )
+/// A legend: its entity, and the unit of its numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Legend {
+    /// Entity under which bar and numbers are.
+    pub path: &'static str,
+    unit: &'static str,
 }
 
-/// Writes the numbers of the scale as it is now.
-pub fn log_numbers(stream: &RecordingStream, scale: &SpeedScale) -> RecordingStreamResult<()> {
-    let at = |k: u32| f64::from(k) / f64::from(MARKS - 1);
-    let text = |k: u32| match k {
-        0 => "0 m/s".to_string(),
-        k if k == MARKS - 1 => format!("≥ {} m/s", number(scale.max())),
-        k => number(scale.max() * at(k)),
-    };
-    stream.log(
-        "legend/numbers",
-        &Points2D::new((0..MARKS).map(|k| [at(k) as f32 * WIDTH as f32, HEIGHT as f32 + 1.0]))
-            .with_labels((0..MARKS).map(text))
-            .with_show_labels(true)
-            .with_radii([Radius::new_ui_points(1.0)])
-            .with_colors([READABLE]),
-    )
+/// That of speed.
+pub const SPEED: Legend = Legend { path: "legend/speed", unit: " m/s" };
+/// That of equivalent shear strain.
+pub const STRAIN: Legend = Legend { path: "legend/strain", unit: "" };
+
+impl Legend {
+    /// Draws the bar, once.
+    pub fn log_bar(self, stream: &RecordingStream, map: Map) -> RecordingStreamResult<()> {
+        let row = (0..WIDTH).flat_map(|x| map.colour(f64::from(x) / f64::from(WIDTH - 1)));
+        let bytes: Vec<u8> = row.collect::<Vec<_>>().repeat(HEIGHT as usize);
+        let (size, kind) = ([WIDTH, HEIGHT], rerun::ChannelDatatype::U8);
+        let image = Image::from_color_model_and_bytes(bytes, size, ColorModel::RGB, kind);
+        stream.log_static(format!("{}/bar", self.path), &image)
+    }
+
+    /// Writes the numbers of the scale as it is now.
+    pub fn log_numbers(self, stream: &RecordingStream, scale: &Scale) -> RecordingStreamResult<()> {
+        let at = |k: u32| f64::from(k) / f64::from(MARKS - 1);
+        let text = |k: u32| match k {
+            0 => format!("0{}", self.unit),
+            k if k == MARKS - 1 => format!("≥ {}{}", number(scale.max()), self.unit),
+            k => number(scale.max() * at(k)),
+        };
+        stream.log(
+            format!("{}/numbers", self.path),
+            &Points2D::new((0..MARKS).map(|k| [at(k) as f32 * WIDTH as f32, HEIGHT as f32 + 1.0]))
+                .with_labels((0..MARKS).map(text))
+                .with_show_labels(true)
+                .with_radii([Radius::new_ui_points(1.0)])
+                .with_colors([READABLE]),
+        )
+    }
 }

@@ -11,17 +11,23 @@
 //! | `scene/cuts/<component>/<name>/arrows` | velocity on a readable number of its nodes | each frame |
 //! | `scene/streamlines/<component>/<volume>` | streamlines of the moment, coloured by speed | each frame |
 //! | `scene/isosurfaces/<component>/<volume>/..` | surfaces of equal speed or pressure, where asked for | each frame |
-//! | `scene/parts/<name>` | a rigid part, half transparent | shape static, pose where it moves |
-//! | `legend/..` | the colour scale and its numbers | when the scale changes |
+//! | `scene/parts/<name>` | a rigid part, half transparent where it stands still | shape static, pose where it moves |
+//! | `scene/rubber/<name>` | a deformable surface, coloured by equivalent shear strain | triangles now and then, the rest each frame |
+//! | `legend/speed`, `legend/strain` | colour scales and their numbers | when a scale changes |
 //! | `signals/<component>/<name>` | watched scalars, one plot per component and unit | each frame |
 //! | `log` | the run's log | each line |
 //! | `about` | domain, fluid, bodies and schedule in words | static |
+//! | `about/signals` | what the signals mean | static |
 //!
 //! Timelines are `sim_time` (simulated seconds, shown first) and `window` (coupling windows). No wall
 //! clock enters.
 //!
-//! **Speed and colour.** Bodies and cuts share one scale of speed from zero to a round number that
-//! never falls while a run goes on ([`scale::SpeedScale`]); `max_speed` fixes it.
+//! **Colours.** Bodies and cuts share one scale of speed from zero to a round number that never falls while
+//! a run goes on ([`scale::Scale`]); `max_speed` fixes it. Rubber has one of its own, for the equivalent
+//! shear strain ([`tremie_messages::frame::SurfaceSample::strain`]); `max_strain` fixes that.
+//!
+//! **Symmetry.** Of a domain with symmetry planes, parts and rubber are drawn only as far as the planes, and
+//! the eye looks in through the first of them: what is computed is a section.
 //!
 //! **Fields.** Streamlines, cuts along any plane ([`Parameters::slices`]) and surfaces of equal speed or
 //! pressure come from a frame of the fluid's lattice, thinned to [`Parameters::volume_nodes`] nodes. The
@@ -47,7 +53,9 @@ mod page;
 mod parameters;
 mod parts;
 mod patch;
+mod rubber;
 pub mod scale;
+mod section;
 mod session;
 mod signals;
 mod solids;

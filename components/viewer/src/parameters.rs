@@ -49,6 +49,8 @@ pub struct Parameters {
     pub memory_limit: String,
     /// Speed at the upper end of the colour scale; follows the run if unset.
     pub max_speed: Option<Velocity>,
+    /// Equivalent shear strain of rubber at the upper end of its colour scale; follows the run if unset.
+    pub max_strain: Option<f64>,
     /// Whether to draw cuts.
     pub cuts: bool,
     /// About how many arrows to draw on a cut; 0 for none.
@@ -78,6 +80,7 @@ impl Default for Parameters {
             open: false,
             memory_limit: "1 GB".into(),
             max_speed: None,
+            max_strain: None,
             cuts: true,
             arrows: 400,
             slices: Vec::new(),
@@ -105,6 +108,9 @@ impl Parameters {
         }
         if self.max_speed.is_some_and(|speed| speed.0 <= 0.0) {
             problems.push(Problem::of_parameter("max_speed", "must be positive"));
+        }
+        if self.max_strain.is_some_and(|strain| strain.is_nan() || strain <= 0.0) {
+            problems.push(Problem::of_parameter("max_strain", "must be positive"));
         }
         if self.mode == Mode::Web && self.web_port != 0 && self.web_port == self.grpc_port {
             problems.push(Problem::of_parameter(
@@ -137,6 +143,7 @@ impl Parameters {
             || self.iso_pressure.is_some();
         let wish = VolumeWish { most_nodes: Some(self.volume_nodes), ..VolumeWish::default() };
         Watches {
+            surfaces: true,
             slices: self.cuts && self.slices.is_empty(),
             volumes: volumes.then_some(wish),
             ..Watches::default()

@@ -1,15 +1,18 @@
-//! Rigid parts as half transparent surfaces that move with their bodies.
+//! Rigid parts as surfaces that move with their bodies: half transparent where they stand still.
 
+use crate::section::Mirror;
 use crate::view::{Vector, part, single};
 use rerun::components::AlbedoFactor;
 use rerun::{Mesh3D, Quaternion, RecordingStream, RecordingStreamResult, Transform3D};
-use tremie_geometry::{GeometryError, Mesh};
+use tremie_geometry::{Frame, GeometryError, Mesh};
 use tremie_messages::frame::BodySample;
-use tremie_messages::scene::{Part, PartBoundary, Pose, Scene};
+use tremie_messages::scene::{Motion, Part, PartBoundary, Pose, Scene};
 use tremie_messages::{BodyEvent, Problem};
 
 /// Colour of walls.
 const WALL: [u8; 4] = [176, 184, 196, 110];
+/// Colour of walls that move.
+const MOVING: [u8; 4] = [104, 111, 122, 255];
 /// Colour of the wall of a cavity: it stands between the eye and everything.
 const CAVITY: [u8; 4] = [176, 184, 196, 36];
 /// Colour where fluid is driven in or out.
@@ -41,11 +44,25 @@ fn normal(a: Vector, b: Vector, c: Vector) -> Vector {
     unit(cross(along(b, -1.0, a), along(c, -1.0, a)))
 }
 
+/// What of a part's surface is drawn, in its own frame.
+fn seen(part: &Part, mesh: &Mesh, mirrors: &[Mirror]) -> Mesh {
+    let frame = Frame::of(&part.pose);
+    let mut world = mesh.clone();
+    world.vertices.iter_mut().for_each(|vertex| *vertex = frame.to_world(*vertex));
+    for mirror in Mirror::of(mirrors, part) {
+        // A cavity is a surface without a solid inside.
+        world = mirror.cut(&world, !part.cavity);
+    }
+    world.vertices.iter_mut().for_each(|vertex| *vertex = frame.to_part(*vertex));
+    world
+}
+
 fn colour(part: &Part) -> [u8; 4] {
     match part.boundary {
         PartBoundary::Velocity { .. } => VELOCITY,
         PartBoundary::Pressure { .. } => PRESSURE,
         PartBoundary::Wall if part.cavity => CAVITY,
+        PartBoundary::Wall if part.motion != Motion::Fixed => MOVING,
         PartBoundary::Wall => WALL,
     }
 }
@@ -73,11 +90,15 @@ impl Parts {
         meshes: &[Mesh],
     ) -> RecordingStreamResult<Self> {
         let mut drawn = Vec::new();
+        let mirrors = Mirror::all(&scene.domain);
         for (part_, mesh) in scene.parts.iter().zip(meshes) {
             let path = format!("scene/parts/{}", part(&part_.name));
             let [r, g, b, a] = colour(part_);
             let colour = AlbedoFactor(rerun::Rgba32::from_unmultiplied_rgba(r, g, b, a));
-            stream.log_static(path.as_str(), &surface(mesh).with_albedo_factor(colour))?;
+            stream.log_static(
+                path.as_str(),
+                &surface(&seen(part_, mesh, &mirrors)).with_albedo_factor(colour),
+            )?;
             // Not static: what is static cannot move later.
             stream.log(path.as_str(), &transform(&part_.pose))?;
             drawn.push((path, part_.pose));

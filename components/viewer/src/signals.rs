@@ -40,6 +40,9 @@ const BOOKKEEPING: [&str; 10] = [
     "rebuilds",
 ];
 
+/// Units of what says most: how far something has moved, and under which pressure.
+const FIRST_UNITS: [&str; 2] = ["m", "Pa"];
+
 /// Colours of lines, to be told apart also by those who see few colours (Okabe and Ito).
 const PALETTE: [[u8; 3]; 7] = [
     [0, 114, 178],
@@ -51,32 +54,48 @@ const PALETTE: [[u8; 3]; 7] = [
     [240, 228, 66],
 ];
 
-/// Plots for the signals of these streams.
+/// Plots for the signals of these streams. Those of a kind take turns by component, so that the first few
+/// show something of each.
 pub fn plots(frames: &[FrameStream]) -> Vec<Plot> {
-    let mut plots: Vec<(Kind, Plot)> = Vec::new();
+    let mut all = Vec::new();
     for frame in frames {
         let FrameContent::Signals(signals) = &frame.content else {
             continue;
         };
-        for signal in signals {
-            let kind = kind(signal);
-            let of = if signal.name.contains('.') { " at probes and parts" } else { "" };
-            let title = match signal.unit.as_str() {
-                "1" | "" => format!("{}{of}", frame.from),
-                unit => format!("{}{of} [{unit}]", frame.from),
-            };
-            let path = path(&frame.from, &signal.name);
-            match plots.iter_mut().find(|(other, plot)| *other == kind && plot.title == title) {
-                Some((_, plot)) => plot.paths.push(path),
-                None => {
-                    let first = kind != Kind::Books;
-                    plots.push((kind, Plot { title, paths: vec![path], first }));
-                }
+        let mut own = of_component(&frame.from, signals);
+        own.sort_by_key(|(kind, unit, _)| (*kind, *unit));
+        for at in 0..own.len() {
+            let kind = own[at].0;
+            let turn = own[..at].iter().filter(|(other, ..)| *other == kind).count();
+            all.push(((kind, turn), own[at].2.clone()));
+        }
+    }
+    all.sort_by_key(|(place, _)| *place);
+    all.into_iter().map(|(_, plot)| plot).collect()
+}
+
+/// A component's plots, with kind and rank of the unit.
+fn of_component(from: &str, signals: &[Signal]) -> Vec<(Kind, usize, Plot)> {
+    let mut plots: Vec<(Kind, usize, Plot)> = Vec::new();
+    for signal in signals {
+        let kind = kind(signal);
+        let of = if signal.name.contains('.') { " at probes and parts" } else { "" };
+        let title = match signal.unit.as_str() {
+            "1" | "" => format!("{from}{of}"),
+            unit => format!("{from}{of} [{unit}]"),
+        };
+        let path = path(from, &signal.name);
+        match plots.iter_mut().find(|(other, _, plot)| *other == kind && plot.title == title) {
+            Some((.., plot)) => plot.paths.push(path),
+            None => {
+                let first = kind != Kind::Books;
+                let unit = FIRST_UNITS.iter().position(|unit| *unit == signal.unit);
+                let unit = unit.unwrap_or(FIRST_UNITS.len());
+                plots.push((kind, unit, Plot { title, paths: vec![path], first }));
             }
         }
     }
-    plots.sort_by_key(|(kind, _)| *kind);
-    plots.into_iter().map(|(_, plot)| plot).collect()
+    plots
 }
 
 fn kind(signal: &Signal) -> Kind {
@@ -89,6 +108,18 @@ fn kind(signal: &Signal) -> Kind {
         _ if measured => Kind::Measured,
         _ => Kind::Whole,
     }
+}
+
+/// The signals of these streams with their meanings, as Markdown.
+pub fn meanings(frames: &[FrameStream]) -> String {
+    let mut text = String::from("| signal | unit | meaning |\n| --- | --- | --- |\n");
+    for frame in frames {
+        let FrameContent::Signals(signals) = &frame.content else { continue };
+        for Signal { name, unit, meaning } in signals {
+            text += &format!("| {}.{name} | {unit} | {meaning} |\n", frame.from);
+        }
+    }
+    text
 }
 
 /// Names the lines of a component's signals.
@@ -128,8 +159,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn each_signal_is_explained() {
+        let signal = Signal::new("outlet.pressure", "Pa", &[("pressure", "gauge pressure there")]);
+        let stream = FrameStream {
+            from: "fluid".into(),
+            to: "viewer".into(),
+            content: FrameContent::Signals(vec![signal]),
+            every: 1,
+            lossless: false,
+            service: String::new(),
+            capacity: 0,
+            depth: 1,
+        };
+        let text = meanings(&[stream]);
+        assert!(text.contains("| fluid.outlet.pressure | Pa | gauge pressure there |"), "{text}");
+    }
+
+    #[test]
     fn one_plot_for_each_component_and_unit() {
-        let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+        let signal = |name: &str, unit: &str| Signal::new(name, unit, &[]);
         let stream = |from: &str, signals| FrameStream {
             from: from.into(),
             to: "viewer".into(),
@@ -150,16 +198,19 @@ mod tests {
                     signal("mean_speed", "m/s"),
                     signal("momentum_gap", "N s"),
                     signal("outlet.mass_flow_rate", "kg/s"),
+                    signal("inlet.pressure", "Pa"),
                     signal("choke.torque_x", "N m"),
                 ],
             ),
-            stream("grains", vec![signal("max_speed", "m/s")]),
+            stream("grains", vec![signal("max_speed", "m/s"), signal("valve.lift", "m")]),
         ]);
         let titles: Vec<_> =
             plots.iter().map(|p| (p.title.as_str(), p.paths.len(), p.first)).collect();
         assert_eq!(
             titles,
             [
+                ("fluid at probes and parts [Pa]", 1, true),
+                ("grains at probes and parts [m]", 1, true),
                 ("fluid at probes and parts [kg/s]", 1, true),
                 ("fluid [m/s]", 2, true),
                 ("grains [m/s]", 1, true),

@@ -2,7 +2,7 @@
 
 use crate::field::Field;
 use crate::patch::Patch;
-use crate::scale::SpeedScale;
+use crate::scale::Scale;
 use crate::view::{Vector, along, norm, part, single};
 use rerun::components::Radius;
 use rerun::{Color, LineStrips3D, RecordingStream, RecordingStreamResult};
@@ -53,7 +53,7 @@ impl Streamlines {
         &self,
         stream: &RecordingStream,
         field: &Field<'_>,
-        scale: &SpeedScale,
+        scale: &Scale,
     ) -> RecordingStreamResult<()> {
         let slowest = STAGNANT * scale.max();
         let mut strips = Vec::new();

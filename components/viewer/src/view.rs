@@ -1,8 +1,9 @@
 //! Directions: which way is up, and from where the scene is looked at.
 
+use crate::section::Mirror;
 use rerun::components::ViewCoordinates;
 use rerun::coordinates::{Axis3, Handedness, Sign, SignedAxis3};
-use tremie_messages::scene::Scene;
+use tremie_messages::scene::{Motion, Scene};
 
 /// A vector, for the little geometry that a viewer needs.
 pub type Vector = [f64; 3];
@@ -54,11 +55,18 @@ pub struct Eye {
     pub up: Vector,
 }
 
-/// Axis and sign of up: against gravity if that lies along an axis, else +z.
+/// Axis and sign of up: against gravity if that lies along an axis; without gravity along that of the
+/// first part that slides, so that valves stand upright; else +z.
 pub fn up(scene: &Scene) -> (usize, f64) {
-    let along_axis = |a: usize| (0..3).all(|b| a == b || scene.gravity[b] == 0.0);
-    match (0..3).find(|a| scene.gravity[*a] != 0.0 && along_axis(*a)) {
-        Some(axis) => (axis, -scene.gravity[axis].signum()),
+    let lies_along = |v: Vector, a: usize| v[a] != 0.0 && (0..3).all(|b| a == b || v[b] == 0.0);
+    let slider = scene.parts.iter().find_map(|part| match &part.motion {
+        Motion::Slider(slider) => Some(slider.axis),
+        _ => None,
+    });
+    let pull = scene.gravity.map(|g| -g);
+    let direction = if pull == [0.0; 3] { slider.unwrap_or_default() } else { pull };
+    match (0..3).find(|a| lies_along(direction, *a)) {
+        Some(axis) => (axis, direction[axis].signum()),
         None => (2, 1.0),
     }
 }
@@ -82,19 +90,33 @@ pub fn centre(scene: &Scene) -> Vector {
     std::array::from_fn(|a| 0.5 * (scene.domain.min[a] + scene.domain.max[a]))
 }
 
-/// An eye that sees the whole domain: in front of its widest side, a little to the right and above.
+/// An eye that sees the whole domain: before a symmetry plane that stands upright, if there is one, else in
+/// front of its widest side; a little to the right and above.
 pub fn overview(scene: &Scene) -> Eye {
     let (axis, sign) = up(scene);
     let size = scene.domain.size();
     let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
     // The eye stands off along the shorter of the horizontal axes; of equal ones, along -y if up is z.
     let (across, depth) = if size[a] >= size[b] { (a, b) } else { (b, a) };
-    let mut direction = [0.0; 3];
-    direction[depth] = -1.0;
-    direction[across] = 0.55;
-    direction[axis] = 0.45 * sign;
+    let mirrors = Mirror::all(&scene.domain);
     let target = centre(scene);
-    let position = along(target, 1.05 * norm(size), unit(direction));
+    let mut direction = [0.0; 3];
+    let distance = match mirrors.iter().map(Mirror::outward).find(|(normal, _)| *normal != axis) {
+        // What is seen there is a section: nearly straight on, and near.
+        Some((normal, outward)) => {
+            direction[normal] = outward;
+            direction[3 - normal - axis] = 0.3;
+            direction[axis] = 0.25 * sign;
+            0.92
+        }
+        None => {
+            direction[depth] = -1.0;
+            direction[across] = 0.55;
+            direction[axis] = 0.45 * sign;
+            1.05
+        }
+    };
+    let position = along(target, distance * norm(size), unit(direction));
     Eye { position, target, up: up_vector(scene) }
 }
 

@@ -7,15 +7,20 @@ use crate::flow::Flow;
 use crate::layout::{CutView, Shown, layout};
 use crate::parameters::Parameters;
 use crate::parts::{self, Parts};
-use crate::scale::SpeedScale;
+use crate::rubber::{self, Rubber};
+use crate::scale::{Map, Scale};
 use crate::session::Session;
 use crate::signals::Plot;
 use crate::solids::Solids;
 use crate::view::{Eye, Vector, overview, up_vector};
 use crate::{blueprint, legend, signals, stage};
-use rerun::{RecordingStream, RecordingStreamError, TextLog, TextLogLevel};
+use rerun::{
+    MediaType, RecordingStream, RecordingStreamError, TextDocument, TextLog, TextLogLevel,
+};
 use std::collections::{BTreeMap, BTreeSet};
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
+use tremie_messages::frame::{
+    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+};
 use tremie_messages::scene::Domain;
 use tremie_messages::start::{Description, FrameContent, Signal};
 use tremie_messages::{INTERFACE_VERSION, Problem};
@@ -36,13 +41,15 @@ const EARLY: f64 = 0.8;
 pub struct Viewer {
     session: Session,
     parameters: Parameters,
-    scale: SpeedScale,
+    scale: Scale,
+    strain: Scale,
     overview: Eye,
     up: Vector,
     domain: Domain,
     bodies: Bodies,
     solids: Solids,
     parts: Parts,
+    rubber: Rubber,
     cuts: BTreeMap<(String, String), Cut>,
     flows: BTreeMap<(String, String), Flow>,
     /// Whether there is a view of streamlines.
@@ -84,7 +91,10 @@ impl Viewer {
         self.legend_age += 1;
         if self.scale.follow(&mut speeds) || self.frames == 1 || self.legend_age >= REPEAT {
             self.legend_age = 0;
-            drawn(legend::log_numbers(self.recording(), &self.scale))?;
+            drawn(legend::SPEED.log_numbers(self.recording(), &self.scale))?;
+            if !self.rubber.is_empty() {
+                drawn(legend::STRAIN.log_numbers(self.recording(), &self.strain))?;
+            }
         }
         Ok(())
     }
@@ -100,6 +110,7 @@ impl Viewer {
             overview: self.overview,
             cuts: &cuts,
             streamlines: self.streamlines,
+            rubber: !self.rubber.is_empty(),
             plots: &self.plots,
             end: self.end,
         };
@@ -166,20 +177,29 @@ impl Observer for Viewer {
         recording.set_log_time_enabled(false);
         recording.set_log_tick_enabled(false);
         drawn(stage::log(recording, scene, setup.assignment.as_ref()))?;
-        drawn(legend::log_bar(recording))?;
+        drawn(legend::SPEED.log_bar(recording, Map::Viridis))?;
+        let rubber = Rubber::new(scene);
+        if !rubber.is_empty() {
+            drawn(legend::STRAIN.log_bar(recording, Map::Plasma))?;
+        }
         recording.set_duration_secs(TIME, 0.0);
         recording.set_time_sequence(WINDOW, 0);
         let parts = drawn(Parts::open(recording, scene, &meshes))?;
         let frames = setup.assignment.as_ref().map_or(&[][..], |assignment| &assignment.frames);
         let expected = scene.fluid.as_ref().and_then(|fluid| fluid.expected_speed);
+        let words = TextDocument::new(signals::meanings(frames));
+        let words = words.with_media_type(MediaType::MARKDOWN);
+        drawn(recording.log_static("about/signals", &words))?;
         let viewer = Self {
-            scale: SpeedScale::new(parameters.max_speed.map(|speed| speed.0), expected),
+            scale: Scale::new(Map::Viridis, parameters.max_speed.map(|speed| speed.0), expected),
+            strain: Scale::new(Map::Plasma, parameters.max_strain, None),
             overview: overview(scene),
             up: up_vector(scene),
             domain: scene.domain.clone(),
             bodies: Bodies::new(scene),
             solids: Solids::new(scene),
             parts,
+            rubber,
             cuts: BTreeMap::new(),
             flows: BTreeMap::new(),
             streamlines: parameters.streamlines > 0
@@ -208,6 +228,19 @@ impl Observer for Viewer {
         drawn(self.parts.log(self.session.recording(), bodies))?;
         drawn(self.solids.log(self.session.recording(), bodies))?;
         drawn(self.bodies.log(self.session.recording(), bodies, &self.scale))
+    }
+
+    fn surfaces(
+        &mut self,
+        _from: &str,
+        at: Moment,
+        samples: &[SurfaceSample],
+    ) -> Result<(), ObserverError> {
+        self.set_time(at);
+        if self.strain.follow(&mut rubber::strains(samples)) {
+            drawn(legend::STRAIN.log_numbers(self.recording(), &self.strain))?;
+        }
+        drawn(self.rubber.log(self.session.recording(), samples, &self.strain))
     }
 
     fn slice(

@@ -1,19 +1,23 @@
 //! A synthetic run shown by the viewer: what arrives in the recording, and how big it gets.
 
+use rerun::external::arrow::array::Array;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, VolumeHeader};
+use tremie_geometry::Turned;
+use tremie_messages::frame::{
+    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
+};
 use tremie_messages::scene::{
-    BodySet, Diameters, Domain, Face, FluidMaterial, Geometry, Motion, Packing, Part, PartBoundary,
-    Placement, Pose, Scene,
+    BodySet, DeformableSurface, Diameters, Domain, Face, FacetKind, FluidMaterial, Geometry,
+    Motion, Packing, Part, PartBoundary, Placement, Pose, Scene, Section, SectionEdge,
 };
 use tremie_messages::start::{
     Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport, VolumeGrid,
 };
-use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp};
+use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp, SurfaceVertex};
 use tremie_sdk::{Moment, Observer, Setup};
 use tremie_viewer::Viewer;
 
@@ -48,7 +52,7 @@ fn scene() -> Scene {
 }
 
 fn signals() -> [(&'static str, Vec<Signal>); 2] {
-    let signal = |name: &str, unit: &str| Signal { name: name.into(), unit: unit.into() };
+    let signal = |name: &str, unit: &str| Signal::new(name, unit, &[]);
     [
         (
             "fluid",
@@ -267,9 +271,13 @@ fn everything_arrives_in_the_recording() {
         assert_eq!(*count, rows, "{entity}");
         assert_eq!(timelines, &time, "{entity}");
     }
-    for entity in
-        ["/scene/domain/edges", "/scene/domain/wall_z0", "/about", "/legend/bar", "/legend/numbers"]
-    {
+    for entity in [
+        "/scene/domain/edges",
+        "/scene/domain/wall_z0",
+        "/about",
+        "/legend/speed/bar",
+        "/legend/speed/numbers",
+    ] {
         assert!(found.contains_key(entity), "{entity}");
     }
     assert!(!found.contains_key("/scene/domain/wall_y0"), "periodic faces are no walls");
@@ -356,6 +364,101 @@ fn what_is_made_from_a_volume_arrives() {
     let (surfaces, _) = &found["/scene/isosurfaces/fluid/lattice/speed"];
     assert!((1..=20).contains(surfaces), "the flow starts from rest: {surfaces}");
     assert!(!found.contains_key("/scene/isosurfaces/fluid/lattice/pressure"));
+}
+
+/// A ring around the x axis, carried by a gate, in the half of a domain before a mirror.
+fn ring() -> DeformableSurface {
+    let edge = |a, b, kind| SectionEdge { points: [a, b], kind };
+    let half = 0.5_f64.sqrt();
+    DeformableSurface {
+        name: "ring".into(),
+        carrier: "gate".into(),
+        table: String::new(),
+        pose: Pose { orientation: [0.0, half, 0.0, half], ..Pose::IDENTITY },
+        sectors: 12,
+        material: "rubber".into(),
+        seat_stiffness: 1e9,
+        start: Default::default(),
+        section: Section {
+            points: vec![[2e-3, 0.0], [3e-3, 0.0], [3e-3, 1e-3], [2e-3, 1e-3]],
+            edges: vec![
+                edge(0, 1, FacetKind::Seat),
+                edge(1, 2, FacetKind::Exposed),
+                edge(2, 3, FacetKind::Bonded),
+                edge(3, 0, FacetKind::Exposed),
+            ],
+        },
+    }
+}
+
+/// Numbers in the column `component` of all rows of an entity, one list for each row that has some.
+fn lengths(path: &Path, entity: &str, component: &str) -> Vec<usize> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut found = Vec::new();
+    for message in DecoderApp::decode_eager(file).unwrap() {
+        let LogMsg::ArrowMsg(_, arrow) = message.unwrap() else { continue };
+        let chunk = Chunk::from_arrow_msg(&arrow).unwrap();
+        if chunk.entity_path().to_string() != entity {
+            continue;
+        }
+        for (descriptor, column) in chunk.components().iter() {
+            if descriptor.to_string().contains(component) {
+                let rows = &column.list_array;
+                found.extend(
+                    (0..rows.len()).filter(|k| rows.is_valid(*k)).map(|k| rows.value(k).len()),
+                );
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn rubber_is_drawn_as_far_as_the_mirror_with_its_own_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.rrd");
+    let mut setup = setup(folder.path(), serde_json::json!({"mode": "file", "file": path}));
+    assert!(Viewer::describe(&setup).unwrap().watches.surfaces);
+    let scene = &mut setup.hello.scene;
+    // The ring's axis lies in the plane y = 0: half of the ring is beyond.
+    scene.domain.faces[1] = [Face::Symmetry, Face::WALL];
+    scene.parts = vec![Part {
+        name: "gate".into(),
+        geometry: Geometry::Box { size: [0.002, 0.012, 0.02] },
+        pose: Pose { position: [0.03, 0.0, 0.01], ..Pose::IDENTITY },
+        cavity: false,
+        material: "steel".into(),
+        motion: Motion::Fixed,
+        boundary: PartBoundary::Wall,
+    }];
+    scene.surfaces = vec![ring()];
+    let turned = Turned::of(&ring());
+    let sample = |place: &[f64; 3], strain: f64| SurfaceSample {
+        vertex: SurfaceVertex { position: *place, velocity: [0.0; 3] },
+        strain,
+    };
+    let mut viewer = Viewer::open(&setup).unwrap();
+    for frame in 0..70 {
+        let strain = 0.004 * frame as f64;
+        let samples: Vec<_> = (turned.places(&ring().section.points).iter())
+            .map(|place| sample(place, strain))
+            .collect();
+        viewer.surfaces("rubber", moment(frame), &samples).unwrap();
+    }
+    viewer.close(690).unwrap();
+    drop(viewer);
+    let found = entities(&path);
+    assert_eq!(found["/scene/rubber/ring"].0, 70);
+    assert!(found.contains_key("/legend/strain/bar"));
+    // 0, 0.004 and on to 0.276: from 0.005 to 0.5, each of 1, 2 and 5.
+    assert_eq!(found["/legend/strain/numbers"].0, 7);
+    let entity = "/scene/rubber/ring";
+    // Half of the ring's 96 triangles, and two for each of the two sections; sent twice.
+    assert_eq!(lengths(&path, entity, "triangle_indices"), [52, 52]);
+    // Four sharp edges of seven vertices, drawn for both sides, and two sections of four corners.
+    let vertices = vec![2 * 4 * 7 + 2 * 4; 70];
+    assert_eq!(lengths(&path, entity, "vertex_positions"), vertices);
+    assert_eq!(lengths(&path, entity, "vertex_colors"), vertices);
 }
 
 #[test]

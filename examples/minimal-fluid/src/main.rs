@@ -36,7 +36,11 @@ impl Fluid for StokesFluid {
         Ok(Description {
             // No step of its own: it takes whatever window the others need.
             step: None,
-            signals: vec![Signal { name: "largest_drag".into(), unit: "N".into() }],
+            signals: vec![Signal {
+                name: "largest_drag".into(),
+                unit: "N".into(),
+                meaning: "largest drag on a sphere".into(),
+            }],
             notes: vec![format!("Stokes drag, {} Pa s", fluid.viscosity)],
             warnings: vec!["grains do not feel each other through this fluid".into()],
             ..Description::default()

@@ -76,6 +76,7 @@ pub use intersections::Intersections;
 pub use mend::{Repairs, mend};
 pub use mesh::{Loaded, Mesh, load};
 pub use moments::Moments;
+pub use read::triangulate;
 pub use row::{Row, RowScratch};
 pub use shapes::{CYLINDER_SEGMENTS, SPHERE_LEVELS};
 pub use solids::{SOLIDS, solid};

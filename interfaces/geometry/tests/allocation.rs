@@ -1,29 +1,8 @@
 //! Questions allocate nothing.
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::atomic::{AtomicUsize, Ordering},
-};
 use tremie_geometry::{Bounds, Row, RowScratch, Surface};
 use tremie_messages::scene::Geometry;
-
-struct Counting;
-
-static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: hands every call to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: `pointer` came from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use tremie_test_support::{Counting, allocations};
 
 #[global_allocator]
 static COUNTING: Counting = Counting;
@@ -47,8 +26,8 @@ fn questions_allocate_nothing() {
         distance + crossing.fraction + near.len() as f64
     };
     ask(0.0);
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let before = allocations();
     let sum: f64 = (0..100).map(|i| ask(0.004 * f64::from(i))).sum();
-    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    assert_eq!(allocations() - before, 0);
     assert!(sum.is_finite() && row.contains(&true));
 }

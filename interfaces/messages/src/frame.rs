@@ -1,7 +1,7 @@
 //! What observers see: frames, sent at the observer's own rate and never waited for by physics
 //! longer than the channel's buffer allows.
 
-use crate::{BodyState, Message, Stamp};
+use crate::{BodyState, Message, Stamp, SurfaceVertex};
 
 /// A body as an observer sees it. 144 bytes.
 #[repr(C)]
@@ -21,6 +21,20 @@ pub struct BodySample {
     pub motion: u32,
     /// Index into the scene's list of parts, for a part; else 0.
     pub part: u32,
+}
+
+/// A vertex of a deformable surface as an observer sees it. 56 bytes.
+///
+/// A frame carries all vertices of the scene's deformable surfaces, numbered through as everywhere.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceSample {
+    /// Where it is and how it moves.
+    pub vertex: SurfaceVertex,
+    /// Equivalent shear strain √(2/3 e:e), e the deviator of the logarithmic strain: 0 at rest, the
+    /// logarithm of the stretch in a uniaxial test without change of volume; not a number where it is not
+    /// known [1].
+    pub strain: f64,
 }
 
 /// A plane cut through a field, sampled on a regular grid.
@@ -90,6 +104,10 @@ impl LogHeader {
 // SAFETY: BodyState (112 bytes, align 8), two words of 8 bytes and four of 4, no padding.
 unsafe impl Message for BodySample {
     const TYPE_NAME: &'static str = "tremie.BodySample.2";
+}
+// SAFETY: SurfaceVertex (48 bytes, align 8) and a word of 8 bytes, no padding.
+unsafe impl Message for SurfaceSample {
+    const TYPE_NAME: &'static str = "tremie.SurfaceSample.1";
 }
 // SAFETY: 40 bytes, then eleven words, no padding.
 unsafe impl Message for SliceHeader {

@@ -1,5 +1,9 @@
 //! What each command of the program does.
 //!
+//! Standard output has what a command was asked for: the plan and the verdicts of `check`, lists, schemas, where
+//! things were written; with `--json` everything. Standard error has errors, and what `run` and `view` say of
+//! their work.
+//!
 //! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
 //! user ended a run.
 
@@ -8,6 +12,7 @@ mod report;
 mod rubber;
 mod run;
 mod scene;
+mod signals;
 mod simple;
 mod validate;
 mod view;
@@ -16,6 +21,7 @@ pub use report::report;
 pub use rubber::rubber;
 pub use run::{check, run};
 pub use scene::scene;
+pub use signals::signals;
 pub use simple::{clean, component, components, conform, schema};
 pub use validate::validate;
 pub use view::view;

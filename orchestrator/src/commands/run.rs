@@ -17,7 +17,7 @@ use tremie_messages::Verdict;
 
 /// `tremie check`: everything up to the plan, and what its numbers mean.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
-    let mut terminal = Terminal::new(style(&arguments.manifest));
+    let mut terminal = Terminal::answering(style(&arguments.manifest));
     let json = arguments.manifest.json;
     let mut manifest =
         match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
@@ -154,7 +154,7 @@ impl Drop for OutputFolder {
     }
 }
 
-fn style(arguments: &ManifestArgs) -> Style {
+pub(super) fn style(arguments: &ManifestArgs) -> Style {
     match (arguments.quiet, arguments.json) {
         (_, true) => Style::Json,
         (true, _) => Style::Quiet,
@@ -163,7 +163,7 @@ fn style(arguments: &ManifestArgs) -> Style {
 }
 
 /// The folder from which a manifest's programs are found.
-fn folder_of(manifest: &Path) -> PathBuf {
+pub(super) fn folder_of(manifest: &Path) -> PathBuf {
     if manifest.is_dir() {
         manifest.to_path_buf()
     } else {
@@ -244,7 +244,7 @@ fn show_findings(findings: &[Judged], terminal: &Terminal) {
         terminal.say(&sentence);
     }
     for sentence in doctor::sentences(findings, Verdict::Wrong) {
-        terminal.warn(&sentence);
+        terminal.point_out(&sentence);
     }
     terminal.say(&doctor::total(findings));
 }

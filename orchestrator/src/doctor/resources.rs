@@ -4,7 +4,7 @@ use super::Machine;
 use crate::plan::{Plan, bytes};
 use tremie_messages::Finding;
 use tremie_messages::Role;
-use tremie_messages::frame::{BodySample, SliceNode};
+use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample};
 use tremie_messages::start::{Description, FrameContent};
 
 /// Part of what is free that a run may take without a doubt.
@@ -63,6 +63,7 @@ fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
     let frames = plan.frames.iter().filter(|stream| stream.lossless).map(|stream| {
         let value = match stream.content {
             FrameContent::Bodies => size_of::<BodySample>(),
+            FrameContent::Surfaces => size_of::<SurfaceSample>(),
             FrameContent::Slice(_) | FrameContent::Volume(_) => size_of::<SliceNode>(),
             FrameContent::Signals(_) => size_of::<f64>(),
             FrameContent::Log => 0,

@@ -12,7 +12,9 @@ impl<S: Between> Drive<'_, S> {
     pub(super) fn hear_early(&mut self, course: &mut Course) -> Result<(), Trouble> {
         let bodies: u64 = self.descriptions.iter().map(|description| description.bodies).sum();
         let (windows, window) = (self.windows, self.clock.window());
-        let text = format!("{windows} windows of {window:.4e} s begin, with {bodies} bodies");
+        // Where bodies come and go that is what there is room for.
+        let room = if self.changing_bodies().is_some() { "room for " } else { "" };
+        let text = format!("{windows} windows of {window:.4e} s begin, with {room}{bodies} bodies");
         self.note_at(0, Level::Info, ORCHESTRATOR, &text)?;
         for (index, text) in std::mem::take(&mut self.early).into_lines() {
             self.hear_log(course, index, &text)?;

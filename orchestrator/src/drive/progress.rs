@@ -1,11 +1,34 @@
 //! What the user sees of a run in progress.
 
 use super::{Course, Drive};
+use crate::launch::Peer;
 use crate::terminal::Progress;
 use std::time::Instant;
 use tremie_channels::Between;
+use tremie_messages::Role;
+use tremie_messages::start::Description;
+
+/// The signal of grains that says how many bodies are there, where they come and go.
+const BODIES: &str = "bodies";
 
 impl<S: Between> Drive<'_, S> {
+    /// Name of the signal that says how many bodies are there, where they come and go.
+    pub(super) fn changing_bodies(&self) -> Option<String> {
+        let counted = |(peer, description): (&Peer, &Description)| {
+            let has = description.signals.iter().any(|signal| signal.name == BODIES);
+            (peer.role == Role::Grains && has).then(|| format!("{}.{BODIES}", peer.name))
+        };
+        self.peers.iter().zip(self.descriptions).find_map(counted)
+    }
+
+    /// How many bodies there are: as the grains said last where they come and go, else as they said at first.
+    fn bodies(&self) -> u64 {
+        match self.changing_bodies() {
+            Some(name) => self.table.newest(&name).unwrap_or(0.0) as u64,
+            None => self.descriptions.iter().map(|description| description.bodies).sum(),
+        }
+    }
+
     /// Shows how far the run is, and how fast.
     pub(super) fn show_progress(&mut self, course: &Course, now: Instant) {
         let window = self.monitor.common_window().unwrap_or(0);
@@ -17,7 +40,7 @@ impl<S: Between> Drive<'_, S> {
             rate: course.rate,
             work: Vec::new(),
             shares: Vec::new(),
-            bodies: self.descriptions.iter().map(|d| d.bodies).sum(),
+            bodies: self.bodies(),
         };
         for (watched, peer) in self.physics.iter().enumerate() {
             let totals = self.monitor.totals()[watched];

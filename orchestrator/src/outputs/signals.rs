@@ -5,13 +5,16 @@ use crate::monitor::Row;
 use serde::Serialize;
 use std::fs::File;
 use std::path::Path;
-use tremie_messages::start::Clock;
+use tremie_messages::start::{Clock, Signal};
 
 /// Least, greatest and last value of a signal, with the times of the extremes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statistics {
     /// SI unit.
     pub unit: String,
+    /// What the signal means; empty where its component does not say.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub meaning: String,
     /// Least value.
     pub min: f64,
     /// When it was taken first [s].
@@ -37,7 +40,7 @@ pub struct SignalTable {
 }
 
 impl SignalTable {
-    /// Opens the table at `path` for signals of these names (`component.signal`) and units.
+    /// Opens the table at `path` for signals with these full names (`component.signal`).
     ///
     /// # Errors
     /// If the file cannot be made.
@@ -45,14 +48,14 @@ impl SignalTable {
         path: &Path,
         clock: Clock,
         every: u64,
-        signals: &[(String, String)],
+        signals: &[(String, Signal)],
     ) -> Result<Self, OutputError> {
         let file = File::create(path).map_err(OutputError::at(path))?;
         let mut table = csv::Writer::from_writer(file);
-        let head = |(name, unit): &(String, String)| format!("{name} [{unit}]");
+        let head = |(name, signal): &(String, Signal)| format!("{name} [{}]", signal.unit);
         let fixed = ["window".to_string(), "time [s]".to_string()];
         table.write_record(fixed.into_iter().chain(signals.iter().map(head)))?;
-        let statistics = signals.iter().map(|(_, unit)| Statistics::none(unit)).collect();
+        let statistics = signals.iter().map(|(_, signal)| Statistics::none(signal)).collect();
         let names = signals.iter().map(|(name, _)| name.clone()).collect();
         Ok(Self { table, clock, every: every.max(1), names, statistics, held: None })
     }
@@ -87,6 +90,12 @@ impl SignalTable {
         Ok(self.names.into_iter().zip(self.statistics).collect())
     }
 
+    /// The newest value of the signal of this full name; `None` before there is one.
+    pub fn newest(&self, name: &str) -> Option<f64> {
+        let at = self.names.iter().position(|own| own == name)?;
+        Some(self.statistics[at].last).filter(|last| !last.is_nan())
+    }
+
     fn time(&self, row: &Row) -> f64 {
         self.clock.seconds(row.window * self.clock.ticks_per_window)
     }
@@ -100,9 +109,10 @@ impl SignalTable {
 }
 
 impl Statistics {
-    fn none(unit: &str) -> Self {
-        let (none, unit) = (f64::NAN, unit.to_string());
-        Self { unit, min: none, min_at: none, max: none, max_at: none, last: none }
+    fn none(signal: &Signal) -> Self {
+        let Signal { unit, meaning, .. } = signal.clone();
+        let none = f64::NAN;
+        Self { unit, meaning, min: none, min_at: none, max: none, max_at: none, last: none }
     }
 
     fn take(&mut self, time: f64, value: f64) {

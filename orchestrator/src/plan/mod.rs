@@ -202,7 +202,9 @@ fn assemble(
     let frames_every = windows_in(spec.outputs.frames, window, steps.windows);
     let substeps = substeps_of_all(described, &steps);
     let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
-    let frames = streams::streams(described, body_capacity, |observer| {
+    let vertices = capacity(Content::Surface, body_capacity, &spec.scene);
+    let room = streams::Room { bodies: body_capacity, vertices };
+    let frames = streams::streams(described, room, |observer| {
         windows_in(spec.interval(observer), window, steps.windows)
     });
     let (volumes, no_nodes) = streams::notes(described, &frames, steps.windows);

@@ -112,6 +112,7 @@ fn edge_row(edge: &Edge) -> Vec<String> {
 fn frame_row(stream: &FrameStream) -> Vec<String> {
     let content = match &stream.content {
         FrameContent::Bodies => "bodies".to_string(),
+        FrameContent::Surfaces => "surfaces".to_string(),
         FrameContent::Slice(name) => format!("slice {name}"),
         FrameContent::Volume(grid) => format!("volume {}", grid.name),
         FrameContent::Signals(_) => "signals".to_string(),
@@ -148,6 +149,7 @@ fn edge_memory(edge: &Edge) -> u64 {
 fn frame_memory(stream: &FrameStream) -> u64 {
     let (header, value) = match stream.content {
         FrameContent::Bodies => (size_of::<Stamp>(), size_of::<frame::BodySample>()),
+        FrameContent::Surfaces => (size_of::<Stamp>(), size_of::<frame::SurfaceSample>()),
         FrameContent::Slice(_) => (size_of::<frame::SliceHeader>(), size_of::<frame::SliceNode>()),
         FrameContent::Volume(_) => {
             (size_of::<frame::VolumeHeader>(), size_of::<frame::SliceNode>())

@@ -19,11 +19,20 @@ const LOG_DEPTH: u64 = 256;
 /// Longest line of the log [bytes].
 const LOG_LINE: u64 = 4096;
 
+/// Most values that frames of the whole scene hold.
+#[derive(Clone, Copy)]
+pub(super) struct Room {
+    /// Bodies.
+    pub bodies: u64,
+    /// Vertices of deformable surfaces.
+    pub vertices: u64,
+}
+
 /// All streams that observers want; physics in the order of `components`, then the log. `every`:
 /// windows between frames to an observer.
 pub(super) fn streams(
     components: &[Described<'_>],
-    body_capacity: u64,
+    room: Room,
     every: impl Fn(&ComponentSpec) -> u64,
 ) -> Vec<FrameStream> {
     let is_observer = |c: &&Described<'_>| c.0.role == Role::Observer;
@@ -31,7 +40,7 @@ pub(super) fn streams(
     let mut streams = Vec::new();
     for (spec, description) in components.iter().filter(|c| !is_observer(c)) {
         for (observer, wishes) in &observers {
-            let contents = contents(spec.role, description, &wishes.watches, body_capacity);
+            let contents = contents(spec.role, description, &wishes.watches, room);
             for (name, content, capacity) in contents {
                 let every = every(observer);
                 streams.push(stream(&spec.name, observer, &name, content, every, capacity));
@@ -92,11 +101,15 @@ fn contents(
     role: Role,
     description: &Description,
     watches: &Watches,
-    bodies: u64,
+    room: Room,
 ) -> Vec<(String, FrameContent, u64)> {
     let mut contents = Vec::new();
     if role == Role::Grains && watches.bodies {
-        contents.push(("bodies".to_string(), FrameContent::Bodies, bodies.max(1)));
+        contents.push(("bodies".to_string(), FrameContent::Bodies, room.bodies.max(1)));
+    }
+    if role == Role::Rubber && watches.surfaces {
+        let content = FrameContent::Surfaces;
+        contents.push(("surfaces".to_string(), content, room.vertices.max(1)));
     }
     for slice in description.slices.iter().filter(|_| watches.slices) {
         let content = FrameContent::Slice(slice.name.clone());

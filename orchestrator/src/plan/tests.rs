@@ -35,7 +35,7 @@ fn spec(sets: &[(&str, &str)]) -> Spec {
 }
 
 fn signal(name: &str) -> Signal {
-    Signal { name: name.into(), unit: "m/s".into() }
+    Signal::new(name, "m/s", &[])
 }
 
 /// The paper's steps, whose ratio is 2.4.
@@ -413,6 +413,14 @@ fn a_rubber_makes_the_substeps_of_the_grains_and_bounds_them() {
         assert_eq!([Content::Carrier, Content::Resultant].map(capacity), [1, 1]);
         assert_eq!(edge(Content::Trial).sender_substeps, substeps);
         assert_eq!(edge(Content::SurfaceLoad).service, "fluid/surface_load/rubber");
+        let seen = |plan: &Plan| {
+            let frames = plan.frames.iter().filter(|s| s.content == FrameContent::Surfaces);
+            frames.map(|s| (s.service.clone(), s.capacity)).collect::<Vec<_>>()
+        };
+        assert_eq!(seen(&plan), [], "nobody asks");
+        descriptions[3].1.watches.surfaces = true;
+        let plan = make(&spec, &descriptions, &Options::default()).unwrap();
+        assert_eq!(seen(&plan), [("rubber/frames/surfaces/viewer".to_string(), 22)]);
     }
     let injection = Injection { kind: InjectionKind::SubstepMore, window: 3 };
     let options = Options { injections: vec![("rubber".into(), injection)] };

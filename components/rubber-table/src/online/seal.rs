@@ -76,6 +76,8 @@ pub struct Seal {
     surface: Surface,
     /// Vertices of the table behind the section's points.
     outline: Vec<usize>,
+    /// Equivalent shear strain of each point of the section in each frame of the table.
+    strains: Vec<Vec<f64>>,
     sectors: f64,
     /// Triangles of the first sector: all others are turned from these.
     first_sector: Vec<usize>,
@@ -158,6 +160,7 @@ impl Seal {
             before: points.clone(),
             rates: vec![[0.0; 2]; points.len()],
             points,
+            strains: table.strains_of(&outline.vertices),
             outline: outline.vertices,
             settled: Settled { compression: scene.start.compression, rate: 0.0, passes: 0 },
             begun: scene.start.compression,
@@ -245,6 +248,17 @@ impl Seal {
     /// Writes the vertices: of the trial, or of what was accepted.
     pub fn write(&self, out: &mut [SurfaceVertex]) {
         self.placed.write(&self.surface, &self.points, &self.rates, out);
+    }
+
+    /// Writes the equivalent shear strain at each vertex, linear in the compression between two frames of
+    /// the table as all of it, at the compression that was accepted last.
+    pub fn write_strains(&self, out: &mut [f64]) {
+        let Ok(at) = self.table.bracket(self.settled.compression) else { return };
+        let (a, b) = (&self.strains[at.frame], &self.strains[at.frame + 1]);
+        for (point, out) in self.surface.section.iter().zip(out) {
+            let point = *point as usize;
+            *out = (1.0 - at.weight) * a[point] + at.weight * b[point];
+        }
     }
 
     /// A pass, with the loads of contacts on the trial; `true` if it settled the substep.

@@ -32,6 +32,7 @@ mod check;
 mod file;
 pub mod import_csv;
 pub mod import_frd;
+mod strain;
 mod surface;
 
 pub use check::TableError;

@@ -4,6 +4,8 @@ mod obj;
 mod polygon;
 mod stl;
 
+pub use polygon::triangulate;
+
 use crate::{GeometryError, Mesh};
 use std::path::Path;
 

@@ -1,0 +1,135 @@
+//! What a component says of itself.
+
+use crate::Finding;
+use serde::{Deserialize, Serialize};
+
+/// What a component is and needs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// Interface version that the component was built for.
+    pub interface: u32,
+    /// Program and version, for the log.
+    pub program: String,
+    /// The step that it would take: the largest that is stable and accurate, or the user's [s].
+    /// `None` for observers, and for solvers that can take any step.
+    pub step: Option<f64>,
+    /// Number of bodies that it brings (grains).
+    pub bodies: u64,
+    /// Scalars that it reports every window.
+    pub signals: Vec<Signal>,
+    /// Cuts that it can send to observers.
+    pub slices: Vec<SliceSpec>,
+    /// Whole fields that it can send to observers.
+    #[serde(default)]
+    pub volumes: Vec<VolumeSpec>,
+    /// Of a fluid: whether it tells the velocities at open faces ([`crate::PortState`]); of grains: whether
+    /// they take them.
+    #[serde(default)]
+    pub ports: bool,
+    /// For an observer: what it wants to see.
+    #[serde(default)]
+    pub watches: Watches,
+    /// What one unit of [`crate::control::Report::work`] is: `cell updates`, `grain steps`.
+    pub work: String,
+    /// Lines for the plan: resolution, dimensionless numbers, memory.
+    pub notes: Vec<String>,
+    /// Doubtful things, with the remedy, that are no matter of a number.
+    pub warnings: Vec<String>,
+    /// Numbers that say how far the results can be trusted, each with a verdict.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
+    /// Memory that the component expects to take [bytes]; 0 where it does not know.
+    #[serde(default)]
+    pub memory: u64,
+    /// Resolution, for the summary: name and value, as `cells per diameter = 16`.
+    pub resolution: std::collections::BTreeMap<String, f64>,
+}
+
+/// A scalar that a component reports every window.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Signal {
+    /// Name, in snake case; the run calls it `component.name`.
+    pub name: String,
+    /// SI unit, `1` if it has none.
+    pub unit: String,
+    /// What it is, a few words without a full stop; empty where a component says nothing.
+    #[serde(default)]
+    pub meaning: String,
+}
+
+impl Signal {
+    /// A signal; its meaning is what `meanings` has for the last part of its name, after the last `.`.
+    pub fn new(name: impl Into<String>, unit: &str, meanings: &[(&str, &str)]) -> Self {
+        let name = name.into();
+        let last = name.rsplit('.').next().unwrap_or_default();
+        let meaning = meanings.iter().find(|(of, _)| *of == last).map(|(_, text)| *text);
+        Self { meaning: meaning.unwrap_or_default().into(), unit: unit.into(), name }
+    }
+}
+
+/// A plane cut that a component can send.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SliceSpec {
+    /// Name, unique in the component.
+    pub name: String,
+    /// Number of nodes.
+    pub nodes: u64,
+}
+
+/// A lattice whose nodes a component can send.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VolumeSpec {
+    /// Name, unique in the component.
+    pub name: String,
+    /// Position of the first node [m].
+    pub origin: [f64; 3],
+    /// Step to the next node along each axis [m].
+    pub step: [f64; 3],
+    /// Number of nodes along each axis.
+    pub count: [u64; 3],
+}
+
+/// What an observer wants to see. Streams that nobody wants are not set up, and cost nothing.
+///
+/// Left out of a description, it is everything but deformable surfaces and whole fields.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Watches {
+    /// Bodies.
+    pub bodies: bool,
+    /// Deformable surfaces.
+    pub surfaces: bool,
+    /// Cuts.
+    pub slices: bool,
+    /// Signals.
+    pub signals: bool,
+    /// Lines of the log.
+    pub log: bool,
+    /// Whole fields, this much of each.
+    pub volumes: Option<VolumeWish>,
+}
+
+impl Default for Watches {
+    fn default() -> Self {
+        Self {
+            bodies: true,
+            surfaces: false,
+            slices: true,
+            signals: true,
+            log: true,
+            volumes: None,
+        }
+    }
+}
+
+/// How much of a field an observer wants.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct VolumeWish {
+    /// Every so many nodes along each axis; 0 counts as 1.
+    pub stride: u64,
+    /// Most nodes in a frame: the stride grows until they are no more.
+    pub most_nodes: Option<u64>,
+    /// Corners of the box whose nodes are wanted [m]: all nodes, if there is none.
+    pub region: Option<[[f64; 3]; 2]>,
+}

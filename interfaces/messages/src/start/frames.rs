@@ -1,0 +1,141 @@
+//! Streams of frames, and the part of a lattice that one carries.
+
+use super::{Signal, VolumeSpec, VolumeWish};
+use serde::{Deserialize, Serialize};
+
+/// What a frame holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrameContent {
+    /// [`crate::frame::BodySample`]s of all bodies.
+    Bodies,
+    /// [`crate::frame::SurfaceSample`]s of all vertices of the scene's deformable surfaces.
+    Surfaces,
+    /// A cut of that name: [`crate::frame::SliceNode`]s.
+    Slice(String),
+    /// Nodes of a lattice: [`crate::frame::SliceNode`]s.
+    Volume(VolumeGrid),
+    /// The component's signals, in the order of its description, with that order given here.
+    Signals(Vec<Signal>),
+    /// Lines of the log (sent by the orchestrator).
+    Log,
+}
+
+/// Nodes of a lattice, the same number apart along each axis.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct VolumeGrid {
+    /// Name of the volume in its component's description.
+    pub name: String,
+    /// Node of the lattice where the grid begins.
+    pub first: [u64; 3],
+    /// Every so many nodes of the lattice, along each axis.
+    pub stride: u64,
+    /// Number of nodes along each axis.
+    pub count: [u64; 3],
+}
+
+impl VolumeGrid {
+    /// The part of `volume` that an observer wants; `None` if no node of it is.
+    ///
+    /// Nodes that a stride leaves out are left out evenly at both ends.
+    pub fn new(volume: &VolumeSpec, wish: &VolumeWish) -> Option<Self> {
+        let ranges: Vec<[u64; 2]> =
+            (0..3).map(|axis| wanted(volume, wish, axis)).collect::<Option<_>>()?;
+        let grid = |stride: u64| {
+            let count = std::array::from_fn(|a| (ranges[a][1] - ranges[a][0]).div_ceil(stride));
+            let left_out = |a: usize| ranges[a][1] - ranges[a][0] - 1 - (count[a] - 1) * stride;
+            let first = std::array::from_fn(|a| ranges[a][0] + left_out(a) / 2);
+            Self { name: volume.name.clone(), first, stride, count }
+        };
+        let most = wish.most_nodes.unwrap_or(u64::MAX).max(1);
+        let longest = ranges.iter().map(|[begin, end]| end - begin).max()?;
+        // A stride of the longest edge leaves one node.
+        (wish.stride.max(1)..=longest.max(wish.stride)).map(grid).find(|grid| grid.nodes() <= most)
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> u64 {
+        self.count.iter().product()
+    }
+
+    /// Node of the lattice that node `at` of the grid is.
+    pub fn lattice_node(&self, at: [u64; 3]) -> [u64; 3] {
+        std::array::from_fn(|a| self.first[a] + self.stride * at[a])
+    }
+}
+
+/// Nodes along an axis that lie in the wanted region, as `[begin, end]`; `None` if there are none.
+fn wanted(volume: &VolumeSpec, wish: &VolumeWish, axis: usize) -> Option<[u64; 2]> {
+    let count = volume.count[axis];
+    let (begin, end) = match wish.region {
+        None => (0, count),
+        Some([min, max]) => {
+            let nodes = |x: f64| (x - volume.origin[axis]) / volume.step[axis];
+            // Half a millionth of a step of slack: a region may end on a node.
+            let begin = (nodes(min[axis]) - 5e-7).ceil().max(0.0) as u64;
+            let end = (nodes(max[axis]) + 5e-7).floor() + 1.0;
+            (begin, (end.max(0.0) as u64).min(count))
+        }
+    };
+    (begin < end).then_some([begin, end])
+}
+
+/// A stream of frames from a component to an observer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrameStream {
+    /// Sending component.
+    pub from: String,
+    /// Receiving observer.
+    pub to: String,
+    /// What a frame holds.
+    pub content: FrameContent,
+    /// A frame every so many windows, one of the start exchange, and one of the run's last window.
+    pub every: u64,
+    /// `true`: the sender waits (boundedly) for room; `false`: the oldest frame gives way.
+    pub lossless: bool,
+    /// Name of the shared-memory service.
+    pub service: String,
+    /// Most values in a frame.
+    pub capacity: u64,
+    /// Most frames under way.
+    pub depth: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice(count: [u64; 3]) -> VolumeSpec {
+        VolumeSpec { name: "lattice".into(), origin: [0.5; 3], step: [1.0; 3], count }
+    }
+
+    #[test]
+    fn a_whole_lattice_is_itself() {
+        let grid = VolumeGrid::new(&lattice([4, 5, 6]), &VolumeWish::default()).unwrap();
+        assert_eq!((grid.first, grid.stride, grid.count), ([0; 3], 1, [4, 5, 6]));
+    }
+
+    #[test]
+    fn the_stride_grows_until_nodes_fit_and_leaves_out_evenly() {
+        let wish = VolumeWish { most_nodes: Some(100_000), ..Default::default() };
+        let grid = VolumeGrid::new(&lattice([110, 110, 176]), &wish).unwrap();
+        assert_eq!((grid.stride, grid.count), (3, [37, 37, 59]));
+        assert_eq!(grid.first, [0, 0, 0]);
+        assert_eq!(grid.lattice_node([36, 36, 58]), [108, 108, 174]);
+        let wish = VolumeWish { stride: 4, ..Default::default() };
+        let grid = VolumeGrid::new(&lattice([8, 7, 1]), &wish).unwrap();
+        assert_eq!((grid.first, grid.count), ([1, 1, 0], [2, 2, 1]));
+        let one = VolumeWish { most_nodes: Some(1), ..Default::default() };
+        assert_eq!(VolumeGrid::new(&lattice([8, 7, 1]), &one).unwrap().nodes(), 1);
+    }
+
+    #[test]
+    fn a_region_takes_the_nodes_in_it() {
+        let region = |min, max| VolumeWish { region: Some([min, max]), ..Default::default() };
+        let grid = VolumeGrid::new(&lattice([10; 3]), &region([2.5, -9.0, 3.6], [4.5, 99.0, 4.4]));
+        assert!(grid.is_none(), "no node lies between 3.6 and 4.4 along z");
+        let wish = region([2.5, -9.0, 3.0], [4.5, 99.0, 4.9]);
+        let grid = VolumeGrid::new(&lattice([10; 3]), &wish).unwrap();
+        assert_eq!((grid.first, grid.count), ([2, 0, 3], [3, 10, 2]));
+    }
+}

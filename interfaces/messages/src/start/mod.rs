@@ -1,0 +1,196 @@
+//! The start contract: how a component process is started, asked what it is, and told what to do.
+//!
+//! It is plain text, so that any language can take part. The orchestrator starts the program with
+//! the environment variable [`INTERFACE_VARIABLE`] set and speaks with it in lines of JSON, one
+//! [`Request`] or [`Reply`] a line: requests on the component's standard input, replies on its
+//! standard output. Standard error is the component's own, and lands in the run's log.
+//!
+//! ```text
+//! orchestrator                         component
+//!   {"hello": {..}}            ->
+//!                              <-      {"description": {..}}   or {"refusal": {..}}
+//!   {"assignment": {..}}       ->
+//!                              <-      {"ready": {..}}         or {"refusal": {..}}
+//!        windows run over shared memory: credit, reports, edges, frames
+//!                              <-      {"finished": {..}}      or {"fault": {..}}
+//!   {"quit": {}}               ->      (closes its channels and exits with code 0)
+//! ```
+//!
+//! End of input at any time means that the orchestrator is gone: the component ends at once.
+
+mod description;
+mod fault;
+mod frames;
+
+pub use description::{Description, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches};
+pub use fault::{Fault, FaultKind, Injection, InjectionKind};
+pub use frames::{FrameContent, FrameStream, VolumeGrid};
+
+use crate::schedule::{Edge, Script};
+use crate::{Problem, Role, scene::Scene};
+use serde::{Deserialize, Serialize};
+
+/// Environment variable that tells a program that it was started as a component; its value is the
+/// interface version in decimal.
+pub const INTERFACE_VARIABLE: &str = "TREMIE_INTERFACE";
+
+/// A line from the orchestrator to a component.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Request {
+    /// Who are you, and can you do this?
+    Hello(Box<Hello>),
+    /// Do this.
+    Assignment(Box<Assignment>),
+    /// Close everything and exit.
+    Quit {},
+}
+
+/// A line from a component to the orchestrator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reply {
+    /// Answers [`Request::Hello`].
+    Description(Box<Description>),
+    /// The input is wrong; each problem names its key.
+    Refusal {
+        /// What is wrong.
+        problems: Vec<Problem>,
+    },
+    /// All channels are open; answers [`Request::Assignment`].
+    Ready {},
+    /// An observer has taken a first frame of each of its streams: from now on its channels lose
+    /// nothing. (A receiver that has never taken anything can lose messages, whatever the channel.)
+    Watching {},
+    /// The component has looked for a peer's message for some time, in vain; said again as long as
+    /// that lasts. When every component has looked after the last of them began to wait, a message
+    /// was lost, and the orchestrator need not wait for the deadline to say so.
+    Waiting {
+        /// The peer.
+        from: String,
+        /// What the peer owes, as `state of window 7`.
+        what: String,
+        /// Window whose message the peer owes.
+        owed: u64,
+        /// When this wait began, after everything that the component had to send before: nanoseconds
+        /// of the machine's clock, comparable between processes.
+        since: u64,
+        /// When the last look at the channel began, by the same clock.
+        looked: u64,
+        /// Window that the component works on.
+        window: u64,
+        /// Inside a window: which message of the exchange between grains and rubber is owed, counted so
+        /// that later ones have larger numbers; else 0.
+        #[serde(default)]
+        turn: u64,
+    },
+    /// An observer took no frames for too long; the component sends it no more.
+    GaveUp {
+        /// The observer.
+        observer: String,
+        /// What failed.
+        why: String,
+    },
+    /// An observer that was told to finish is still at it: it has taken frames since it last spoke,
+    /// or begins to close its outputs. One that says nothing for some seconds counts as hung.
+    Busy {},
+    /// The wait of the last [`Reply::Waiting`] is over.
+    Resumed {},
+    /// The last window is done and every message sent.
+    Finished {
+        /// Last window that the component completed.
+        window: u64,
+        /// What an observer wrote or lost, for the run's summary; empty for physics.
+        note: String,
+    },
+    /// Something failed; the component ends.
+    Fault(Fault),
+}
+
+/// First request: what the component will take part in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hello {
+    /// Interface version of the orchestrator; a component of another version refuses.
+    pub interface: u32,
+    /// Id of the run.
+    pub run: u64,
+    /// Name of the component in this run.
+    pub component: String,
+    /// What it shall stand for.
+    pub role: Role,
+    /// What is simulated.
+    pub scene: Scene,
+    /// The component's own table in the manifest, as written there (units and all).
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+    /// Threads that it may use to compute.
+    pub threads: u32,
+    /// Folder of the run's outputs, for observers.
+    pub output: String,
+}
+
+/// Time in a run: integer ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Clock {
+    /// Length of a tick [s].
+    pub tick: f64,
+    /// Ticks in a coupling window.
+    pub ticks_per_window: u64,
+}
+
+impl Clock {
+    /// Length of a window [s].
+    pub fn window(&self) -> f64 {
+        self.tick * self.ticks_per_window as f64
+    }
+
+    /// Simulated time at `ticks` [s].
+    pub fn seconds(&self, ticks: u64) -> f64 {
+        self.tick * ticks as f64
+    }
+}
+
+/// Second request: what the component has to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Assignment {
+    /// Ticks and windows.
+    pub clock: Clock,
+    /// Number of windows in the run.
+    pub windows: u64,
+    /// Substeps of this component in a window (`sync_iter`).
+    pub substeps: u32,
+    /// Length of one of them [s].
+    pub step: f64,
+    /// Most bodies that can live at once.
+    pub body_capacity: u64,
+    /// Edges that this component sends or receives on; scripts index this list.
+    pub edges: Vec<Edge>,
+    /// What to do in each window.
+    pub script: Script,
+    /// Frames to send (physics) or to take (observers).
+    pub frames: Vec<FrameStream>,
+    /// How to reach the others.
+    pub transport: Transport,
+    /// Faults to commit on purpose, for tests of a run's guards.
+    pub injections: Vec<Injection>,
+}
+
+/// Where shared memory of a run is found, and how long to wait.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Transport {
+    /// `true`: processes (`ipc`); `false`: threads of one process (`local`).
+    pub between_processes: bool,
+    /// Folder of the run's shared-memory bookkeeping, readable by its user only.
+    pub root: String,
+    /// Prefix of the names of everything that the run puts into shared memory.
+    pub prefix: String,
+    /// Service that carries [`crate::control::Credit`] to this component.
+    pub credit_service: String,
+    /// Service that carries [`crate::control::Report`] from this component.
+    pub report_service: String,
+    /// Most reports under way; credit never runs further ahead.
+    pub report_depth: u64,
+    /// Longest wait for a peer's message [s]; after it the peer counts as hung.
+    pub deadline: f64,
+    /// How long to poll before blocking [s].
+    pub poll: f64,
+}
