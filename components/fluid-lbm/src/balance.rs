@@ -1,6 +1,6 @@
 //! Loads on the bodies and the balance of a step.
 
-use crate::bodies::Body;
+use crate::body::Body;
 use crate::cells::Fixture;
 use crate::grid::{Grid, Side};
 use crate::kernel::Collides;
@@ -60,9 +60,11 @@ impl<T: Collides> Solver<T> {
             let turn = cross(body.middle(), buoyancy);
             add_scaled(&mut balance.delivered, given[0], 1.0);
             add_scaled(&mut balance.buoyancy, buoyancy, 1.0);
+            let force = std::array::from_fn(|a| given[0][a] + buoyancy[a]);
+            body.urge(force);
             *load = Load {
                 id: body.id,
-                force: std::array::from_fn(|a| (given[0][a] + buoyancy[a]) * force_unit),
+                force: force.map(|f| f * force_unit),
                 torque: std::array::from_fn(|a| (given[1][a] + turn[a]) * torque_unit),
             };
         }

@@ -3,7 +3,7 @@
 //! See `links` for the formulae. A link costs the numbers below, some 200 bytes that stay in the
 //! first-level cache, three places of the field, and the density, which the collision left.
 
-use crate::bodies::Body;
+use crate::body::Body;
 use crate::columns::{self, Eight, LANES, Sums, Surface};
 use crate::field::Real;
 use crate::gaps::Gaps;

@@ -16,7 +16,8 @@
 //! the moving side's account has it (see `mass`); a cell that thaws gets the mean density of the fluid
 //! around, or that of the gap.
 
-use crate::bodies::{Bodies, Body};
+use crate::bodies::Bodies;
+use crate::body::Body;
 use crate::cells::Fixture;
 use crate::field::Real;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, dot, mirrored};

@@ -24,7 +24,8 @@
 //! The force is that of a fluid that is not simulated: the ledger lists it by itself, as `gaps`.
 
 use crate::balance::mirrors_of_part;
-use crate::bodies::{Bodies, Body};
+use crate::bodies::Bodies;
+use crate::body::Body;
 use crate::cells::Fixture;
 use crate::field::Real;
 use crate::grid::{Grid, Reach, Side};

@@ -22,6 +22,7 @@
 mod balance;
 mod batch;
 mod bodies;
+mod body;
 mod catalogue;
 mod cells;
 mod collision;

@@ -23,7 +23,8 @@
 //! batch is full. Sums run in eight lanes that are added in order.
 
 use crate::batch::{Batch, Link};
-use crate::bodies::{Bodies, Body};
+use crate::bodies::Bodies;
+use crate::body::Body;
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
 use crate::grid::{Grid, Side};

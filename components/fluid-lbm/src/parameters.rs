@@ -62,8 +62,9 @@ pub struct Parameters {
     /// last step: 0 for the velocity given. A body that moves under the fluid's force gets the force of
     /// a step after it, half a step later still with `average_force`; that lag feeds sound between
     /// body and walls, at the rate `rho cs^2 A^2 lag / (M V)`, and at a small viscosity nothing damps
-    /// it. 1 makes up for both, and is stable with `average_force` alone. Spheres are not taken ahead: they
-    /// are too small to feed much sound, and what a lead makes of the jolts between grains is noise.
+    /// it. 1 makes up for both, and is stable with `average_force` alone. Free spheres and polyhedra are taken
+    /// ahead by no more than the fluid's own force changes their velocity: what a lead makes of the jolts
+    /// between grains is noise. They feed the sound across gaps as narrow as a few of them.
     #[serde(default)]
     pub velocity_lead: f64,
     /// Largest Mach number: of the scene's expected speed at the start, of the flow while running.

@@ -2,7 +2,7 @@
 //! until it has moved by a step. See `gaps` for what they are and `part_links` for how they follow.
 
 use crate::batch::Link;
-use crate::bodies::Body;
+use crate::body::Body;
 use crate::cells::Fixture;
 use crate::field::Real;
 use crate::gaps::{Across, Beyond, CONTACT, Gaps, beyond, each_beyond, fixture};

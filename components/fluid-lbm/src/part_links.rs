@@ -8,7 +8,8 @@
 //! takes: a piston displaces what it should. A flat wall that has moved by `d` is met at `q + d.n / (c.n)`.
 
 use crate::batch::{Batch, Link};
-use crate::bodies::{Bodies, Body};
+use crate::bodies::Bodies;
+use crate::body::Body;
 use crate::cells::NONE;
 use crate::declared::{DeclaredGaps, NONE as NO_GAP};
 use crate::field::Real;

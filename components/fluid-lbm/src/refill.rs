@@ -5,7 +5,7 @@
 //! stress that of the neighbour `x_d` in the direction closest to the outward normal. Extrapolating
 //! densities instead would amplify noise in narrow gaps, where only one neighbour exists.
 
-use crate::bodies::Body;
+use crate::body::Body;
 use crate::field::{Field, Real};
 use crate::lattice::{C, C_F64, Q, dot, equilibrium, mirrored};
 use crate::layout::Layout;

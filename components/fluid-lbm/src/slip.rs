@@ -17,7 +17,8 @@
 //! surface feeds the sound across the gap where the last cells are nearly all covered or nearly all free, and
 //! as tau comes near to 1/2 nothing damps it.
 
-use crate::bodies::{Bodies, Body};
+use crate::bodies::Bodies;
+use crate::body::Body;
 use crate::declared::DeclaredGaps;
 use crate::field::Real;
 use crate::grid::{Reach, Side};

@@ -1,7 +1,8 @@
 //! The solver in one precision: what it is made of, and the order of a step.
 
 use crate::batch::Batch;
-use crate::bodies::{Bodies, Body};
+use crate::bodies::Bodies;
+use crate::body::Body;
 use crate::catalogue::Catalogue;
 use crate::cells::Fixture;
 use crate::collision::Relaxation;

@@ -1,0 +1,340 @@
+//! One body in the fluid: where it is, how its wall moves, which cells it covers.
+
+use crate::grid::Grid;
+use crate::lattice::cross;
+use crate::layout::Layout;
+use crate::mass::Account;
+use crate::part_body::PartBody;
+use crate::shape::Hit;
+use crate::sphere::Spans;
+use crate::units::Units;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use tremie_messages::{BodyState, SurfaceVertex};
+use tremie_team::Team;
+
+/// A sphere, a part or a polyhedron in the fluid; lattice units.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Its id.
+    pub id: u64,
+    /// Its number in the map of owners.
+    pub handle: u32,
+    /// Radius of a sphere; of a part the distance of its farthest point from its origin.
+    pub radius: f64,
+    /// Its surface, unless it is a sphere.
+    pub part: Option<Box<PartBody>>,
+    /// Centre or origin, in the box along periodic axes.
+    pub position: [f64; 3],
+    /// Mass of one that moves under the fluid's force alone and contacts; infinite of others.
+    pub mass: f64,
+    /// By how much the fluid's last force changes its velocity in a step.
+    pub urged: [f64; 3],
+    /// Velocity of its wall: what it was given, and further by what it is likely to change by.
+    pub velocity: [f64; 3],
+    /// Angular velocity, likewise.
+    pub spin: [f64; 3],
+    /// Velocity and angular velocity that it was given last.
+    given: [[f64; 3]; 2],
+    /// Cells inside.
+    pub spans: Spans,
+    /// Cells inside one step before.
+    previous: Spans,
+    /// Whether it has a position yet.
+    placed: bool,
+    /// Whether its cells must be found anew.
+    pub moved: bool,
+    /// Cells that it left and entered in the last move.
+    pub left: Vec<u32>,
+    /// Cells that it entered in the last move.
+    pub entered: Vec<u32>,
+    /// Force and torque that averaging holds back.
+    pub carried: [[f64; 3]; 2],
+    /// Force and torque of the pressure in gaps in the last step.
+    pub pressed: [[f64; 3]; 2],
+    /// What it owes the fluid.
+    pub account: Account,
+}
+
+impl Body {
+    /// One that is nowhere yet.
+    pub fn new(id: u64, handle: u32, radius: f64, part: Option<Box<PartBody>>) -> Self {
+        let spans = Spans::empty(if part.is_some() { 0.0 } else { radius });
+        let side = (2.0 * radius).ceil() as usize + 4;
+        // A move by less than a cell changes less than this; a jump may allocate.
+        let changes = side * side;
+        Self {
+            id,
+            handle,
+            radius,
+            part,
+            mass: f64::INFINITY,
+            urged: [0.0; 3],
+            position: [0.0; 3],
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            given: [[0.0; 3]; 2],
+            previous: spans.clone(),
+            spans,
+            placed: false,
+            moved: false,
+            left: Vec::with_capacity(changes),
+            entered: Vec::with_capacity(changes),
+            carried: [[0.0; 3]; 2],
+            pressed: [[0.0; 3]; 2],
+            account: Account::default(),
+        }
+    }
+
+    /// Whether it is a part of the scene or a surface that deforms, no sphere or polyhedron.
+    pub fn is_part(&self) -> bool {
+        self.part.as_ref().is_some_and(|part| part.index != PartBody::NO_PART)
+    }
+
+    /// Squared radius.
+    #[inline]
+    pub fn r2(&self) -> f64 {
+        self.radius * self.radius
+    }
+
+    /// Volume [cells].
+    pub fn volume(&self) -> f64 {
+        match &self.part {
+            Some(part) => part.volume,
+            None => 4.0 / 3.0 * std::f64::consts::PI * self.radius * self.r2(),
+        }
+    }
+
+    /// From its centre or origin to the centre of its volume.
+    pub fn middle(&self) -> [f64; 3] {
+        self.part.as_ref().map_or([0.0; 3], |part| part.middle())
+    }
+
+    /// Takes note of the force that it is given.
+    pub fn urge(&mut self, force: [f64; 3]) {
+        self.urged = force.map(|f| f / self.mass);
+    }
+
+    /// Direction away from the body at a point of its surface, seen from its centre or origin.
+    pub fn outward(&self, arm: [f64; 3]) -> [f64; 3] {
+        self.part.as_ref().map_or(arm, |part| part.outward(arm))
+    }
+
+    /// Rows along y or z in which links to it can begin.
+    pub fn shell_side(&self) -> i32 {
+        self.part.as_ref().map_or(self.spans.shell_side(), |part| part.side() + 2)
+    }
+
+    /// Coordinates `(y, z)` of row `(j, k)` of the shell, `0 <= j, k < shell_side()`.
+    pub fn shell_row(&self, j: i32, k: i32) -> [i32; 2] {
+        match &self.part {
+            Some(part) => [part.origin()[0] - 1 + j, part.origin()[1] - 1 + k],
+            None => self.spans.shell_row(j, k),
+        }
+    }
+
+    /// Whether it covers a cell, given as seen from it.
+    pub fn covers(&self, [x, y, z]: [i32; 3]) -> bool {
+        match &self.part {
+            None => self.spans.at(y, z).contains(x),
+            Some(part) => part.inside(y, z, x, x) != 0,
+        }
+    }
+
+    /// Whether the other body is the part that carries this surface, or the other way round.
+    pub fn is_bonded_to(&self, other: &Self) -> bool {
+        let carrier = |body: &Self| Some(body.part.as_ref()?.shape.as_ref()?.carrier);
+        let is = |body: &Self, index| body.part.as_ref().is_some_and(|part| part.index == index);
+        carrier(self).is_some_and(|index| is(other, index))
+            || carrier(other).is_some_and(|index| is(self, index))
+    }
+
+    /// Where on a surface that can deform the point nearest to `arm` is; [`Hit::NONE`] on others.
+    pub fn hit_near(&self, arm: [f64; 3]) -> Hit {
+        let part = self.part.as_ref().filter(|part| part.shape.is_some());
+        part.map_or(Hit::NONE, |part| part.hit_near(arm))
+    }
+
+    /// Velocity of the wall at `arm` from the centre, which is `hit` on a surface that can deform.
+    #[inline]
+    pub fn velocity_of(&self, hit: Hit, arm: [f64; 3]) -> [f64; 3] {
+        match self.part.as_ref().and_then(|part| part.shape.as_ref()) {
+            Some(shape) => shape.velocity_at(hit),
+            None => self.velocity_at(arm),
+        }
+    }
+
+    /// Velocity of the point at `arm` from the centre, of a rigid body.
+    #[inline]
+    pub fn velocity_at(&self, arm: [f64; 3]) -> [f64; 3] {
+        let turn = cross(self.spin, arm);
+        std::array::from_fn(|a| self.velocity[a] + turn[a])
+    }
+
+    /// Takes over a state; true if the body is now elsewhere.
+    pub fn take(&mut self, state: &BodyState, lead: f64, units: &Units, grid: &Grid) -> bool {
+        let velocity = state.velocity.map(|v| v / units.velocity());
+        let spin = state.angular_velocity.map(|w| w * units.time_step);
+        let before = if self.placed { self.given } else { [velocity, spin] };
+        let further = |now: [f64; 3], before: [f64; 3]| {
+            std::array::from_fn(|a| now[a] + lead * (now[a] - before[a]))
+        };
+        if self.is_part() {
+            (self.velocity, self.spin) = (further(velocity, before[0]), further(spin, before[1]));
+        } else {
+            let change = |a: usize| lesser(velocity[a] - before[0][a], self.urged[a]);
+            self.velocity = std::array::from_fn(|a| velocity[a] + lead * change(a));
+            self.spin = spin;
+        }
+        self.given = [velocity, spin];
+        let position = grid.canonical(units.position_to_lattice(state.position));
+        let elsewhere = match &mut self.part {
+            Some(part) => part.place(position, state.orientation),
+            None => position != self.position,
+        };
+        let moved = !self.placed || elsewhere;
+        if moved && self.placed {
+            // The old cells, seen from the same side of a periodic face as the new ones.
+            let turns = std::array::from_fn(|a| {
+                let n = f64::from(grid.n[a]);
+                let turns = ((position[a] - self.position[a]) / n).round();
+                if grid.periodic[a] { turns as i32 * grid.n[a] } else { 0 }
+            });
+            if turns != [0; 3] {
+                self.spans.shift(turns);
+                if let Some(part) = &mut self.part {
+                    part.shift(turns);
+                }
+            }
+        }
+        self.position = position;
+        self.placed = true;
+        self.moved = moved;
+        moved
+    }
+
+    /// Takes over the vertices of a surface; true if it is now elsewhere.
+    pub fn take_shape(&mut self, vertices: &[SurfaceVertex], lead: f64, units: &Units) -> bool {
+        let moved = self.part.as_mut().is_some_and(|part| part.deform(vertices, lead, units));
+        (self.placed, self.moved) = (true, moved);
+        moved
+    }
+
+    /// Finds the cells inside of a part that has moved. True if a surface outgrew its room.
+    pub fn cover_part(&mut self, layout: &Layout, team: &mut Team) -> bool {
+        let Some(part) = self.part.as_mut().filter(|_| self.moved) else { return false };
+        let side = part.side();
+        part.cover(&layout.grid, team);
+        if part.shape.is_some() {
+            self.radius = part.radius();
+        }
+        part.side() != side
+    }
+
+    /// Finds the cells inside at the new position, and which were left and entered; of a part, once it
+    /// is covered.
+    pub fn cover(&mut self, layout: &Layout) {
+        self.left.clear();
+        self.entered.clear();
+        if !self.moved {
+            return;
+        }
+        if self.part.is_some() {
+            return self.note_changes(layout);
+        }
+        std::mem::swap(&mut self.spans, &mut self.previous);
+        self.spans.fit(&layout.grid, self.position, self.radius);
+        let (left, entered) = (&mut self.left, &mut self.entered);
+        self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
+        self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
+    }
+
+    /// Lists the cells that a part's last move changed.
+    fn note_changes(&mut self, layout: &Layout) {
+        let (left, entered) = (&mut self.left, &mut self.entered);
+        left.clear();
+        entered.clear();
+        if let Some(part) = &self.part {
+            part.changes(
+                |at| left.extend(stored(layout, at)),
+                |at| entered.extend(stored(layout, at)),
+            );
+        }
+    }
+
+    /// Wants the densities of all lines of `line` cells in which links to a sphere can begin; those of a
+    /// part are known.
+    pub fn want(&self, layout: &Layout, line: usize, lines: &[AtomicU8]) {
+        if self.part.is_some() {
+            return;
+        }
+        let grid = &layout.grid;
+        // Links are at most the square root of 2 long.
+        let reach = self.radius + 1.5;
+        let side = self.shell_side();
+        for k in 0..side * side {
+            let [y, z] = self.shell_row(k % side, k / side);
+            let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
+            let d = [f64::from(y) + 0.5 - self.position[1], f64::from(z) + 0.5 - self.position[2]];
+            let square = reach * reach - (d[0] * d[0] + d[1] * d[1]);
+            if square <= 0.0 || !grid.contains([0, real_y, real_z]) {
+                continue;
+            }
+            let half = square.sqrt();
+            let first = (self.position[0] - half).floor() as i32;
+            let last = (self.position[0] + half).floor() as i32;
+            if !grid.periodic[0] {
+                want_range(
+                    layout,
+                    line,
+                    lines,
+                    [first.max(0), last.min(grid.n[0] - 1)],
+                    [real_y, real_z],
+                );
+            } else if first < 0 || last >= grid.n[0] {
+                want_range(layout, line, lines, [0, grid.n[0] - 1], [real_y, real_z]);
+            } else {
+                want_range(layout, line, lines, [first, last], [real_y, real_z]);
+            }
+        }
+    }
+
+    /// Leaves all its cells.
+    pub fn leave(&mut self, layout: &Layout) {
+        if let Some(part) = &mut self.part {
+            part.leave();
+            return self.note_changes(layout);
+        }
+        self.previous.clear();
+        std::mem::swap(&mut self.spans, &mut self.previous);
+        let (left, previous, spans) = (&mut self.left, &self.previous, &self.spans);
+        left.clear();
+        self.entered.clear();
+        previous.minus(spans, |at| left.extend(stored(layout, at)));
+    }
+}
+
+/// Of two changes the lesser, if both go the same way.
+fn lesser(a: f64, b: f64) -> f64 {
+    if a * b <= 0.0 { 0.0 } else { a.signum() * a.abs().min(b.abs()) }
+}
+
+/// Wants the lines of the stored cells from `first` to `last` of a row.
+fn want_range(
+    layout: &Layout,
+    line: usize,
+    lines: &[AtomicU8],
+    [first, last]: [i32; 2],
+    [y, z]: [i32; 2],
+) {
+    let mut stored = (first..=last).filter_map(|x| layout.cell([x, y, z]));
+    let Some(begin) = stored.next() else { return };
+    let end = stored.next_back().unwrap_or(begin);
+    for wanted in &lines[begin as usize / line..=end as usize / line] {
+        wanted.store(1, Relaxed);
+    }
+}
+
+/// The stored cell at coordinates that may lie beyond a periodic face.
+fn stored(layout: &Layout, at: [i32; 3]) -> Option<u32> {
+    layout.cell(std::array::from_fn(|a| layout.grid.wrap(a, at[a])))
+}
