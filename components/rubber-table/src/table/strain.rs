@@ -127,6 +127,7 @@ mod tests {
                     seat: vec![[0, 1]],
                     exposed: vec![[1, 2], [3, 0]],
                     bonded: vec![[2, 3]],
+                    ..Facets::default()
                 },
                 quads: if has_quad { vec![[0, 1, 2, 3]] } else { Vec::new() },
                 ..Contents::default()
