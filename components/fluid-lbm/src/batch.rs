@@ -156,7 +156,7 @@ impl Batch {
     pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
         let full = self.links.div_ceil(LANES);
         let r2 = body.part.is_none().then(|| body.r2());
-        let nearest = after.nearest_wall;
+        let nearest = if body.is_part() { 0.0 } else { after.nearest_wall };
         let surface = Surface { r2, velocity: body.velocity, spin: body.spin, nearest };
         columns::locate(after.variant, &mut self.eights[..full], surface);
         let is_soft = body.part.as_ref().is_some_and(|part| part.shape.is_some());

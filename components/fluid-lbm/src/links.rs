@@ -431,7 +431,8 @@ pub fn fold(grid: &Grid, axis: usize, k: i32) -> (i32, u8) {
 ///
 /// Interpolation to a wall that nearly touches the last cell amplifies waves between it and a wall across: with
 /// BGK below a relaxation time of some 0.514 at a fiftieth of a link, of 0.507 at a tenth. At less than a fifth
-/// nothing grows at any relaxation time. So the bound falls from a fifth at 1/2 to nothing at 0.52.
+/// nothing grows at any relaxation time. So the bound falls from a fifth at 1/2 to nothing at 0.52. Parts that move
+/// stay where they are: a valve that stands where a layer of cells opens would hunt for the step in its flow.
 pub fn nearest_wall(tau: f64) -> f64 {
     0.2 * (1.0 - (tau - 0.5) / 0.02).clamp(0.0, 1.0)
 }
