@@ -244,6 +244,11 @@ impl DeclaredGaps {
         slips.then(|| usize::from(self.axis[cell as usize]))
     }
 
+    /// Whether the gap of a cell holds one layer of cells.
+    pub fn is_one_cell(&self, cell: u32) -> bool {
+        self.thickness[cell as usize] < 1.5
+    }
+
     /// Numbers of cells that may be in gaps, by item of work.
     pub fn items(&self) -> impl Iterator<Item = usize> {
         self.candidates.iter().map(Vec::len)

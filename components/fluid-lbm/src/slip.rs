@@ -15,7 +15,8 @@
 //!
 //! The link straight at the wall is its own image, and half-way too: between the mirrors, interpolation to the
 //! surface feeds the sound across the gap where the last cells are nearly all covered or nearly all free, and
-//! as tau comes near to 1/2 nothing damps it.
+//! as tau comes near to 1/2 nothing damps it. In a gap of one cell it stays interpolated, which damps: a shut valve
+//! and its seal would feed the sound in it.
 
 use crate::bodies::Bodies;
 use crate::body::Body;
@@ -255,6 +256,9 @@ impl Site<'_> {
         let at = self.layout.at(cell);
         let mut along = C[i];
         along[axis] = 0;
+        if along == [0; 3] && self.gaps.is_one_cell(self.inside) {
+            return None;
+        }
         let (source, mirrors) = self.layout.near(at, along)?;
         let from = mirrored(MIRROR[axis][OPPOSITE[i]], mirrors);
         if !self.owners.is_fluid(source) || self.whose(source, from).is_none() {
