@@ -5,6 +5,7 @@ use crate::parameters::Compression;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
+use tremie_sdk::Moment;
 
 /// A VTK file being put together.
 pub struct Document {
@@ -28,6 +29,37 @@ impl Document {
         let mut document = Self { text, data: Vec::new(), compression, open: Vec::new() };
         document.begin(kind, attributes);
         document
+    }
+
+    /// A file of a surface of so many points and triangles at a moment: data of points and cells follow, and then
+    /// [`Self::mesh`].
+    pub fn surface(at: Moment, points: usize, triangles: usize, compression: Compression) -> Self {
+        let mut document = Self::new("PolyData", "", compression).moment(at.time, at.stamp.window);
+        document.begin(
+            "Piece",
+            &format!(
+                "NumberOfPoints=\"{points}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
+                 NumberOfStrips=\"0\" NumberOfPolys=\"{triangles}\""
+            ),
+        );
+        document
+    }
+
+    /// Adds the points [m] of a surface and the corners of its triangles.
+    pub fn mesh(
+        &mut self,
+        points: impl Iterator<Item = f64>,
+        corners: impl Iterator<Item = [i64; 3]>,
+    ) {
+        self.begin("Points", "");
+        self.array("points", 3, "m", points);
+        self.end();
+        self.begin("Polys", "");
+        let mut triangles = 0;
+        let counted = corners.inspect(|_| triangles += 1).flatten();
+        self.array("connectivity", 1, "", counted);
+        self.array("offsets", 1, "", (1..=triangles).map(|k: i64| 3 * k));
+        self.end();
     }
 
     /// Notes when the data hold: ParaView reads `TimeValue`.

@@ -56,15 +56,7 @@ impl Parts {
     pub fn document(&self, at: Moment, compression: Compression) -> Document {
         let points: usize = self.parts.iter().map(|part| part.mesh.vertices.len()).sum();
         let triangles: usize = self.parts.iter().map(|part| part.mesh.triangles.len()).sum();
-        let mut document =
-            Document::new("PolyData", "", compression).moment(at.time, at.stamp.window);
-        document.begin(
-            "Piece",
-            &format!(
-                "NumberOfPoints=\"{points}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
-                 NumberOfStrips=\"0\" NumberOfPolys=\"{triangles}\""
-            ),
-        );
+        let mut document = Document::surface(at, points, triangles, compression);
         document.begin("PointData", "Vectors=\"velocity\"");
         document.array("velocity", 3, "m/s", self.parts.iter().flat_map(Placed::velocities));
         document.end();
@@ -76,18 +68,14 @@ impl Parts {
             .flat_map(|(k, part)| std::iter::repeat_n(k as u32, part.mesh.triangles.len()));
         document.array("part", 1, "", numbers);
         document.end();
-        document.begin("Points", "");
-        document.array("points", 3, "m", self.parts.iter().flat_map(Placed::points));
-        document.end();
-        document.begin("Polys", "");
         let mut before = 0;
         let corners = self.parts.iter().flat_map(|part| {
             let first = before;
             before += part.mesh.vertices.len() as i64;
-            part.mesh.triangles.iter().flatten().map(move |corner| first + i64::from(*corner))
+            let own = part.mesh.triangles.iter();
+            own.map(move |corners| corners.map(|corner| first + i64::from(corner)))
         });
-        document.array("connectivity", 1, "", corners);
-        document.array("offsets", 1, "", (1..=triangles as i64).map(|k| 3 * k));
+        document.mesh(self.parts.iter().flat_map(Placed::points), corners);
         document
     }
 }

@@ -41,17 +41,7 @@ impl Rubber {
         samples: &[SurfaceSample],
         compression: Compression,
     ) -> Document {
-        let mut document =
-            Document::new("PolyData", "", compression).moment(at.time, at.stamp.window);
-        document.begin(
-            "Piece",
-            &format!(
-                "NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
-                 NumberOfStrips=\"0\" NumberOfPolys=\"{}\"",
-                samples.len(),
-                self.triangles.len()
-            ),
-        );
+        let mut document = Document::surface(at, samples.len(), self.triangles.len(), compression);
         let points = || samples.iter().map(|sample| &sample.vertex);
         document.begin("PointData", "Scalars=\"strain\" Vectors=\"velocity\"");
         document.array("velocity", 3, "m/s", points().flat_map(|vertex| vertex.velocity));
@@ -61,12 +51,8 @@ impl Rubber {
         document.array("surface", 1, "", self.surfaces.iter().copied());
         document.array("kind", 1, "", self.kinds.iter().copied());
         document.end();
-        document.begin("Points", "");
-        document.array("points", 3, "m", points().flat_map(|vertex| vertex.position));
-        document.end();
-        document.begin("Polys", "");
-        document.array("connectivity", 1, "", self.triangles.iter().flatten().copied());
-        document.array("offsets", 1, "", (1..=self.triangles.len() as i64).map(|k| 3 * k));
+        let positions = points().flat_map(|vertex| vertex.position);
+        document.mesh(positions, self.triangles.iter().copied());
         document
     }
 }

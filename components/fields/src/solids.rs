@@ -49,15 +49,7 @@ impl Solids {
         let solids: Vec<Solid> = bodies.iter().filter_map(solid).collect();
         let points: usize = solids.iter().map(|solid| solid.mesh.vertices.len()).sum();
         let triangles: usize = solids.iter().map(|solid| solid.mesh.triangles.len()).sum();
-        let mut document =
-            Document::new("PolyData", "", compression).moment(at.time, at.stamp.window);
-        document.begin(
-            "Piece",
-            &format!(
-                "NumberOfPoints=\"{points}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" \
-                 NumberOfStrips=\"0\" NumberOfPolys=\"{triangles}\""
-            ),
-        );
+        let mut document = Document::surface(at, points, triangles, compression);
         document.begin("PointData", "Vectors=\"velocity\"");
         document.array("velocity", 3, "m/s", solids.iter().flat_map(Solid::velocities));
         document.end();
@@ -70,18 +62,14 @@ impl Solids {
         document.array("set", 1, "", cells().map(|body| body.set));
         document.array("shape", 1, "", cells().map(|body| body.part));
         document.end();
-        document.begin("Points", "");
-        document.array("points", 3, "m", solids.iter().flat_map(Solid::points));
-        document.end();
-        document.begin("Polys", "");
         let mut before = 0;
         let corners = solids.iter().flat_map(|solid| {
             let first = before;
             before += solid.mesh.vertices.len() as i64;
-            solid.mesh.triangles.iter().flatten().map(move |corner| first + i64::from(*corner))
+            let own = solid.mesh.triangles.iter();
+            own.map(move |corners| corners.map(|corner| first + i64::from(corner)))
         });
-        document.array("connectivity", 1, "", corners);
-        document.array("offsets", 1, "", (1..=triangles as i64).map(|k| 3 * k));
+        document.mesh(solids.iter().flat_map(Solid::points), corners);
         document
     }
 }

@@ -16,11 +16,14 @@
 //! the moving side's account has it (see `mass`); a cell that thaws gets the mean density of the fluid
 //! around, or that of the gap.
 
+mod slipping;
+mod thickness;
+
 use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::cells::Fixture;
 use crate::field::Real;
-use crate::lattice::{C, C_F64, OPPOSITE, Q, dot, mirrored};
+use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::links::{After, density};
@@ -36,9 +39,6 @@ pub const POCKET: usize = 64;
 
 /// Candidates that are one item of work.
 const CELLS_PER_ITEM: usize = 256;
-
-/// Cosine of the angle between the ways to both sides at most.
-const OPPOSITE_WAYS: f64 = -0.9;
 
 /// Of no gap.
 pub const NONE: u16 = u16::MAX;
@@ -237,45 +237,6 @@ impl DeclaredGaps {
         self.of(cell).map_or(0.0, |gap| self.drho(gap))
     }
 
-    /// Whether the walls of a fluid cell slip, and across which axis.
-    pub fn slips_at(&self, cell: u32) -> Option<usize> {
-        let gap = &self.gaps[usize::from(self.of(cell)?)];
-        let slips = self.thickness[cell as usize] < gap.slip_below;
-        slips.then(|| usize::from(self.axis[cell as usize]))
-    }
-
-    /// Whether the gap of a cell holds one layer of cells.
-    pub fn is_one_cell(&self, cell: u32) -> bool {
-        self.thickness[cell as usize] < 1.5
-    }
-
-    /// Numbers of cells that may be in gaps, by item of work.
-    pub fn items(&self) -> impl Iterator<Item = usize> {
-        self.candidates.iter().map(Vec::len)
-    }
-
-    /// The cells of an item.
-    pub fn cells_of(&self, item: usize) -> impl Iterator<Item = u32> {
-        self.candidates[item].iter().map(|candidate| candidate.cell)
-    }
-
-    /// The side that stands still of the gap of a cell.
-    pub fn still_side_at(&self, cell: u32) -> Option<usize> {
-        self.still_side(self.of(cell)?)
-    }
-
-    /// Whether a body is a side of the gap of a cell.
-    pub fn is_side_at(&self, cell: u32, bodies: &Bodies, handle: u32) -> bool {
-        let part = bodies.with_handle(handle).part.as_ref().map(|part| Wall::Part(part.index));
-        let gap = self.of(cell).map(|gap| &self.gaps[usize::from(gap)]);
-        gap.zip(part).is_some_and(|(gap, part)| gap.sides.contains(&part))
-    }
-
-    /// Whether the walls of any gap may slip.
-    pub fn any_slips(&self) -> bool {
-        self.gaps.iter().any(|gap| gap.slip_below > 0.0)
-    }
-
     /// Measures the thickness at all cells that may be in gaps.
     pub fn measure(&mut self, layout: &Layout, bodies: &Bodies, team: &mut Team) {
         self.is_measured = true;
@@ -391,71 +352,6 @@ impl DeclaredGaps {
 }
 
 impl Declared {
-    /// How far from a point a side counts [cells].
-    fn reach(&self) -> f64 {
-        f64::from(self.open_at.max(self.slip_below))
-    }
-
-    /// Distance of a point [m] from the sides that stand still, and the way to the first of them
-    /// [cells]; `None` where the gap is not.
-    fn still(
-        &self,
-        point: [f64; 3],
-        layout: &Layout,
-        surroundings: &Surroundings,
-        centres: &Centres,
-    ) -> Option<(f64, [f64; 3])> {
-        if self.region.is_some_and(|region| !region.contains(point)) {
-            return None;
-        }
-        let reach = self.reach();
-        let (mut still, mut first) = (0.0, [0.0; 3]);
-        for side in self.sides {
-            let way = match side {
-                Wall::Part(_) => continue,
-                Wall::Face { axis, side } => {
-                    let x = (point[axis] - centres.min[axis]) / centres.cell;
-                    let mut way = [0.0; 3];
-                    way[axis] = [-x, f64::from(layout.grid.n[axis]) - x][side];
-                    way
-                }
-                Wall::Solid(number) => {
-                    let solid = &surroundings.ground().solids[number];
-                    solid.way_within(point, reach * centres.cell)?.map(|x| x / centres.cell)
-                }
-            };
-            if still == 0.0 {
-                first = way;
-            } else if !are_opposite(first, way) {
-                return None;
-            }
-            still += length(way);
-        }
-        (still < reach).then_some((still, first))
-    }
-
-    /// Thickness at a candidate, and the axis nearest to the direction across.
-    fn thickness(&self, layout: &Layout, bodies: &Bodies, candidate: &Candidate) -> (f32, u8) {
-        let mut thickness = f64::from(candidate.still);
-        let mut across = candidate.way.map(f64::from);
-        for side in self.sides {
-            let Wall::Part(index) = side else { continue };
-            let at = layout.at(candidate.cell);
-            let part = body_of(bodies, index).and_then(|body| body.part.as_ref());
-            let way =
-                part.and_then(|part| part.nearest(&layout.grid, at, self.reach() - thickness));
-            let Some(way) = way.filter(|&way| thickness == 0.0 || are_opposite(across, way)) else {
-                return (f32::INFINITY, 0);
-            };
-            thickness += length(way);
-            across = way;
-        }
-        let larger = |best: usize, a: usize| {
-            if across[a].abs() > across[best].abs() { a } else { best }
-        };
-        (thickness as f32, (1..3).fold(0, larger) as u8)
-    }
-
     /// The body that opens it.
     fn mover<'a>(&self, bodies: &'a Bodies) -> Option<&'a Body> {
         self.sides.iter().find_map(|side| match side {
@@ -468,15 +364,6 @@ impl Declared {
 /// The body that a part of the scene is.
 fn body_of(bodies: &Bodies, index: usize) -> Option<&Body> {
     bodies.living.iter().find(|body| body.part.as_ref().is_some_and(|part| part.index == index))
-}
-
-/// Whether the ways from a point to both sides of a gap are opposite.
-fn are_opposite(a: [f64; 3], b: [f64; 3]) -> bool {
-    dot(a, b) <= OPPOSITE_WAYS * length(a) * length(b)
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    dot(v, v).sqrt()
 }
 
 fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layout) -> Declared {

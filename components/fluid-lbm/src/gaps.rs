@@ -426,7 +426,7 @@ impl<T: Collides> Solver<T> {
     /// Finds what the pressure in gaps gives to bodies and fixtures, from what the links' search
     /// found.
     pub(crate) fn press(&mut self) {
-        if !self.gaps_press && self.declared.is_empty() {
+        if !self.feels_gaps() {
             return;
         }
         let items = &self.link_items;

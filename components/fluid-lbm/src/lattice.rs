@@ -123,6 +123,16 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// A value for each direction, as `std::array::from_fn` makes it, which is not unrolled for so many.
+#[inline(always)]
+pub fn each(mut value: impl FnMut(usize) -> f64) -> [f64; Q] {
+    let mut all = [0.0; Q];
+    for (i, one) in all.iter_mut().enumerate() {
+        *one = value(i);
+    }
+    all
+}
+
 /// Deviation of the equilibrium from rest, `feq_i - w_i`, for `rho = 1 + drho` (second order in the
 /// velocity).
 #[inline]

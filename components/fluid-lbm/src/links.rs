@@ -29,7 +29,7 @@ use crate::field::{Field, Real};
 use crate::gaps::Gaps;
 use crate::grid::{Grid, Side};
 use crate::lanes::Variant;
-use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
+use crate::lattice::{C, C_F64, OPPOSITE, Q, each, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::{Owners, SHARED};
@@ -168,11 +168,7 @@ impl<T: Real> After<'_, T> {
     /// All post-collision populations of a cell.
     #[inline(always)]
     pub fn post(&self, cell: u32) -> [f64; Q] {
-        let mut g = [0.0; Q];
-        for i in 0..Q {
-            g[i] = self.post_one(cell, i);
-        }
-        g
+        each(|i| self.post_one(cell, i))
     }
 
     /// Reflects the links of an item and records what they exchanged.

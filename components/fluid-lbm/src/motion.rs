@@ -80,7 +80,7 @@ impl<T: Collides> Solver<T> {
 
     /// Finds the links of parts that have moved, and wants the densities that they need.
     fn find_links(&mut self) {
-        let walls = (self.gaps_press || !self.declared.is_empty()).then_some(&self.walls);
+        let walls = self.feels_gaps().then_some(&self.walls);
         let layout = &self.layout;
         let site = Site { layout, walls, declared: &self.declared, line: T::LINE };
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);

@@ -42,7 +42,7 @@
 use crate::course::{Law, Now};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Side};
-use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, equilibrium};
+use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each, equilibrium};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::Owners;
@@ -212,8 +212,9 @@ impl<T: Real> Next<'_, T> {
     }
 
     /// Populations that the next collision finds in a cell.
+    #[inline]
     pub fn populations(&self, cell: u32) -> [f64; Q] {
-        std::array::from_fn(|i| self.field.get(self.layout.place(self.parity, cell, i)))
+        each(|i| self.field.get(self.layout.place(self.parity, cell, i)))
     }
 
     fn open_cell(&self, open: &OpenCell, k: usize, item: &mut Item) {
@@ -302,9 +303,7 @@ impl<T: Real> Next<'_, T> {
             }
             Now::Density(drho) => (drho, self.limited(open, u, item)),
         };
-        std::array::from_fn(|i| {
-            equilibrium(i, drho, velocity) + (from[i] - equilibrium(i, content.drho, u))
-        })
+        each(|i| equilibrium(i, drho, velocity) + (from[i] - equilibrium(i, content.drho, u)))
     }
 
     fn bounce(

@@ -7,7 +7,7 @@
 
 use crate::body::Body;
 use crate::field::{Field, Real};
-use crate::lattice::{C, C_F64, Q, dot, equilibrium, mirrored};
+use crate::lattice::{C, C_F64, Q, dot, each, equilibrium, mirrored};
 use crate::layout::Layout;
 use crate::owners::Owners;
 use crate::places::Parity;
@@ -36,6 +36,7 @@ pub struct Content {
 
 impl Content {
     /// Of populations.
+    #[inline]
     pub fn of(h: &[f64; Q]) -> Self {
         let mut content = Self::default();
         for i in 0..Q {
@@ -55,8 +56,9 @@ impl Content {
 
 impl<T: Real> Before<'_, T> {
     /// Populations that the collision will find in a cell.
+    #[inline(always)]
     pub fn populations(&self, cell: u32) -> [f64; Q] {
-        std::array::from_fn(|i| self.field.get(self.layout.place(self.parity, cell, i)))
+        each(|i| self.field.get(self.layout.place(self.parity, cell, i)))
     }
 
     /// Writes them.
@@ -79,7 +81,7 @@ impl<T: Real> Before<'_, T> {
         let farthest = body.radius.ceil() as i32 + 2;
         let drho = (1..=farthest).find_map(|reach| self.mean_around(owners, cell, reach));
         let (drho, u) = (drho.unwrap_or(alone), body.velocity_of(body.hit_near(arm), arm));
-        let mut h = std::array::from_fn(|i| equilibrium(i, drho, u));
+        let mut h = each(|i| equilibrium(i, drho, u));
         if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);

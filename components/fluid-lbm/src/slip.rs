@@ -29,7 +29,7 @@ use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, density};
 use crate::owners::{BODY, Owner, Owners, SHARED};
 use crate::part_links::as_seen;
-use crate::shape::{Felt, NO_FACET};
+use crate::shape::{Felt, Hit, NO_FACET};
 use tremie_team::Team;
 
 /// Room for links, for each cell: as many as end aslant at one side of a gap and at the other.
@@ -47,6 +47,8 @@ enum Whose {
 /// A link that slips.
 #[derive(Clone, Copy, Debug)]
 struct Link {
+    /// Its number among all that an item may have: in the order of its links.
+    number: u32,
     cell: u32,
     /// Where the population comes from, and its direction there.
     source: u32,
@@ -58,6 +60,8 @@ struct Link {
     axis: u8,
     at: [i32; 3],
     whose: Whose,
+    /// Where it meets a deformable surface, as that was when its cells were found.
+    hit: Hit,
     value: f64,
 }
 
@@ -65,6 +69,8 @@ struct Link {
 #[derive(Clone, Debug, Default)]
 struct Item {
     links: Vec<Link>,
+    /// Those of the step before.
+    before: Vec<Link>,
     exchanges: Vec<(Whose, Exchange)>,
     /// What facets of deformable surfaces felt of it, with the handle of the body.
     felt: Vec<(u32, Felt)>,
@@ -81,6 +87,7 @@ impl Slip {
     pub fn in_gaps(gaps: &DeclaredGaps) -> Self {
         let item = |cells: usize| Item {
             links: Vec::with_capacity(cells * LINKS_PER_CELL),
+            before: Vec::with_capacity(cells * LINKS_PER_CELL),
             exchanges: Vec::with_capacity(8),
             felt: Vec::with_capacity(cells * LINKS_PER_CELL),
         };
@@ -96,14 +103,19 @@ impl Slip {
         layout: &Layout,
         team: &mut Team,
     ) {
+        let same_places = !bodies.parts_moved();
         team.for_each(&mut self.items, |number, item| {
+            std::mem::swap(&mut item.links, &mut item.before);
             item.links.clear();
-            for cell in gaps.cells_of(number).filter(|&cell| owners.is_fluid(cell)) {
+            for (k, cell) in gaps.cells_of(number).enumerate().filter(|(_, c)| owners.is_fluid(*c))
+            {
                 if let Some(axis) = gaps.slips_at(cell) {
-                    let site = Site { gaps, bodies, owners, layout, inside: cell };
+                    let first = (k * 2 * Q) as u32;
+                    let site = Site { gaps, bodies, owners, layout, inside: cell, first };
                     site.find(axis, &mut item.links);
                 }
             }
+            item.meet(same_places, bodies, layout);
         });
     }
 
@@ -116,7 +128,7 @@ impl Slip {
                     Whose::Body(handle) => {
                         let (axis, i) = (usize::from(link.axis), usize::from(link.seen));
                         let body = bodies.with_handle(handle);
-                        let (_, u, _) = wall(body, link, after.layout);
+                        let u = body.velocity_of(link.hit, link.arm(body, after.layout));
                         // With what it pays back, see `mass`.
                         let paid = if after.keeps_mass { body.account.pay } else { 0.0 };
                         let rho = density(&after.post(link.cell));
@@ -159,9 +171,11 @@ impl Slip {
                     }
                     Whose::Body(handle) => {
                         let body = bodies.with_handle(handle);
-                        let (arm, u, facet) = wall(body, link, after.layout);
+                        let arm = link.arm(body, after.layout);
+                        let u = body.velocity_of(link.hit, arm);
                         let force = give(exchange, link, gain, arm, u);
-                        if facet != NO_FACET {
+                        if link.hit.facet != NO_FACET {
+                            let facet = link.hit.facet;
                             let felt = Felt { facet, gap: Felt::FLUID, force, at: arm };
                             item.felt.push((handle, felt));
                         }
@@ -197,17 +211,39 @@ impl Slip {
     }
 }
 
-/// Where a link half-way meets a body, seen from its origin, the wall's velocity there, and the facet.
-fn wall(body: &Body, link: &Link, layout: &Layout) -> ([f64; 3], [f64; 3], u32) {
-    let c = C_F64[usize::from(link.seen)];
-    let arm = if link.mirrors == 0 {
-        layout.grid.arm(body.position, link.at)
-    } else {
-        std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a])
-    };
-    let arm = std::array::from_fn(|a| arm[a] + 0.5 * c[a]);
-    let hit = body.hit_near(arm);
-    (arm, body.velocity_of(hit, arm), hit.facet)
+impl Item {
+    /// Finds where links meet deformable surfaces; those of the step before that are still there meet them in the
+    /// same places, unless these have moved.
+    fn meet(&mut self, same_places: bool, bodies: &Bodies, layout: &Layout) {
+        let mut known = self.before.iter().filter(|_| same_places).peekable();
+        for link in &mut self.links {
+            let Whose::Body(handle) = link.whose else { continue };
+            while known.next_if(|before| before.number < link.number).is_some() {}
+            let same = known
+                .peek()
+                .filter(|before| before.number == link.number && before.whose == link.whose);
+            link.hit = same.map_or_else(
+                || {
+                    let body = bodies.with_handle(handle);
+                    body.hit_near(link.arm(body, layout))
+                },
+                |before| before.hit,
+            );
+        }
+    }
+}
+
+impl Link {
+    /// Where it meets a body, half-way, seen from the body's origin.
+    fn arm(&self, body: &Body, layout: &Layout) -> [f64; 3] {
+        let c = C_F64[usize::from(self.seen)];
+        let arm = if self.mirrors == 0 {
+            layout.grid.arm(body.position, self.at)
+        } else {
+            std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a])
+        };
+        std::array::from_fn(|a| arm[a] + 0.5 * c[a])
+    }
 }
 
 /// Adds the Galilean-invariant exchange of a link whose reflected population grew by `gain`; returns the
@@ -232,20 +268,23 @@ struct Site<'a> {
     bodies: &'a Bodies,
     owners: &'a Owners,
     layout: &'a Layout,
-    /// A cell of the gap in question.
+    /// A cell of the gap in question, and the number of its first link.
     inside: u32,
+    first: u32,
 }
 
 impl Site<'_> {
     /// Lists the links of its cell, and their images.
     fn find(&self, axis: usize, links: &mut Vec<Link>) {
         for i in (1..Q).filter(|&i| C[i][axis] != 0) {
+            let number = self.first + 2 * i as u32;
             let Some(link) = self.link(self.inside, i, axis) else { continue };
-            links.push(link);
+            links.push(Link { number, ..link });
             // At the end of a gap the image begins outside.
             let (source, from) = (link.source, usize::from(link.from));
             if self.gaps.slips_at(source) != Some(axis) {
-                links.extend(self.link(source, from, axis));
+                let image = self.link(source, from, axis);
+                links.extend(image.map(|link| Link { number: number + 1, ..link }));
             }
         }
     }
@@ -271,6 +310,7 @@ impl Site<'_> {
         };
         let (at, seen) = as_seen(&self.layout.grid, at, i, mirrors);
         Some(Link {
+            number: self.first,
             cell,
             source,
             from: from as u8,
@@ -280,6 +320,7 @@ impl Site<'_> {
             axis: axis as u8,
             at,
             whose,
+            hit: Hit::NONE,
             value: 0.0,
         })
     }

@@ -264,7 +264,7 @@ impl<T: Collides> Solver<T> {
             self.wanted.lines.resize_with(lines, AtomicU8::default);
             self.wanted.drho = Field::zeros(lines * T::LINE);
         }
-        let press = self.gaps_press || !self.declared.is_empty();
+        let press = self.feels_gaps();
         if press && self.walls.is_empty() {
             self.walls = self.surroundings.wall_distances(&self.layout, &self.fixed);
         }
@@ -274,6 +274,11 @@ impl<T: Collides> Solver<T> {
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
         self.owners.reserve(changes);
         self.refills.reserve(changes.saturating_sub(self.refills.len()));
+    }
+
+    /// Whether the links' search looks across gaps that hold no fluid.
+    pub(crate) fn feels_gaps(&self) -> bool {
+        self.gaps_press || !self.declared.is_empty()
     }
 
     /// See [`crate::FluidLbm::start`].
@@ -369,7 +374,7 @@ impl<T: Collides> Solver<T> {
             variant: self.variant,
             keeps_mass: self.keeps_mass,
             nearest_wall: nearest_wall(self.tau),
-            walls: (self.gaps_press || !self.declared.is_empty()).then_some(&self.walls),
+            walls: self.feels_gaps().then_some(&self.walls),
             gap_of: &self.gap_of,
         };
         let bodies = &self.bodies;

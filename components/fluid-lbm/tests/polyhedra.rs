@@ -4,7 +4,6 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::FluidLbm;
 use tremie_messages::scene::{Geometry, Motion, Scene, Shape};
 use tremie_messages::{BodyEvent, BodyState, Load};
 
@@ -78,24 +77,9 @@ fn drag(event: BodyEvent, diameter: f64) -> f64 {
     case.velocity = [0.6 * a * length.powi(3) / stokes, 0.0, 0.0];
     let mut scene = case.scene();
     scene.shapes.push(cube());
-    let mut fluid = case.fluid_of(&scene);
-    let body = [BodyState::at_rest(1, [0.5 * length + 0.1, 0.5 * length + 0.2, 0.5 * length])];
-    fluid.apply_events(&[event]).unwrap();
-    let mut loads = loads_of(&body);
-    fluid.start(&body, &mut loads).unwrap();
-    let superficial = |fluid: &FluidLbm| fluid.ledger().momentum[0] / length.powi(3) + 0.5 * a;
-    let mut before = 0.0;
-    loop {
-        for _ in 0..100 {
-            fluid.step(&body, &mut loads).unwrap();
-        }
-        let now = superficial(&fluid);
-        if (now - before).abs() < 1e-4 * now {
-            break;
-        }
-        before = now;
-    }
-    let in_box = loads[0].force[0] / (stokes * superficial(&fluid));
+    let middle = 0.5 * length;
+    let steady = steady_drag(&case, &scene, event, [middle + 0.1, middle + 0.2, middle]);
+    let in_box = steady.force / (stokes * steady.superficial);
     let fraction = 4.0 / 3.0 * PI * (radius / length).powi(3);
     1.0 / (1.0 / in_box + 1.7601 * fraction.cbrt() - fraction + 1.5593 * fraction.powi(2))
 }

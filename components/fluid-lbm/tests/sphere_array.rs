@@ -5,7 +5,6 @@
 mod common;
 
 use common::*;
-use tremie_messages::BodyState;
 
 /// `K` from the load on the sphere, and from the balance of forces, on a box of `n` cells.
 fn drag(n: usize, fraction: f64, expected: f64) -> [f64; 2] {
@@ -20,27 +19,11 @@ fn drag(n: usize, fraction: f64, expected: f64) -> [f64; 2] {
     let scale = 6.0 * std::f64::consts::PI * mu * radius;
     case.velocity = [a * length.powi(3) / (scale * expected), 0.0, 0.0];
     case.threads = 2;
-    let mut fluid = case.fluid();
-    let bodies =
-        [BodyState::at_rest(1, [0.5 * length + 0.1, 0.5 * length + 0.2, 0.5 * length + 0.3])];
-    fluid.apply_events(&[added(1, radius)]).unwrap();
-    let mut loads = loads_of(&bodies);
-    fluid.start(&bodies, &mut loads).unwrap();
-    let superficial =
-        |fluid: &tremie_fluid_lbm::FluidLbm| fluid.ledger().momentum[0] / length.powi(3) + 0.5 * a;
-    let mut before = 0.0;
-    loop {
-        for _ in 0..100 {
-            fluid.step(&bodies, &mut loads).unwrap();
-        }
-        let now = superficial(&fluid);
-        if (now - before).abs() < 1e-4 * now {
-            break;
-        }
-        before = now;
-    }
-    let scale = scale * superficial(&fluid);
-    [loads[0].force[0] / scale, a * length.powi(3) / scale]
+    let middle = 0.5 * length;
+    let position = [middle + 0.1, middle + 0.2, middle + 0.3];
+    let steady = steady_drag(&case, &case.scene(), added(1, radius), position);
+    let scale = scale * steady.superficial;
+    [steady.force / scale, a * length.powi(3) / scale]
 }
 
 #[test]

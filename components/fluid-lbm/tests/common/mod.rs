@@ -177,6 +177,36 @@ pub fn advance(bodies: &mut [BodyState]) {
     }
 }
 
+/// What a body that is held feels in a steady flow.
+pub struct SteadyDrag {
+    /// Force along the acceleration, x.
+    pub force: f64,
+    /// Mean velocity over the whole box, what the body fills included.
+    pub superficial: f64,
+}
+
+/// Drag on a body held at a position in a periodic box, whose fluid is accelerated along x, when the flow changes by
+/// less than 1e-4 in 100 steps.
+pub fn steady_drag(case: &Case, scene: &Scene, event: BodyEvent, position: [f64; 3]) -> SteadyDrag {
+    let mut fluid = case.fluid_of(scene);
+    let body = [BodyState::at_rest(event.id, position)];
+    fluid.apply_events(&[event]).unwrap();
+    let mut loads = loads_of(&body);
+    fluid.start(&body, &mut loads).unwrap();
+    let volume = case.cells.iter().product::<usize>() as f64;
+    let mut before = 0.0;
+    loop {
+        for _ in 0..100 {
+            fluid.step(&body, &mut loads).unwrap();
+        }
+        let superficial = fluid.ledger().momentum[0] / volume + 0.5 * case.acceleration[0];
+        if (superficial - before).abs() < 1e-4 * superficial {
+            return SteadyDrag { force: loads[0].force[0], superficial };
+        }
+        before = superficial;
+    }
+}
+
 /// Every cell of a fluid.
 pub fn cells(fluid: &FluidLbm) -> impl Iterator<Item = [usize; 3]> + use<> {
     let [nx, ny, nz] = fluid.cells();
