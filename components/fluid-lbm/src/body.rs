@@ -1,12 +1,12 @@
 //! One body in the fluid: where it is, how its wall moves, which cells it covers.
 
 use crate::grid::Grid;
-use crate::lattice::cross;
+use crate::lattice::{C, C_F64, cross};
 use crate::layout::Layout;
 use crate::mass::Account;
 use crate::part_body::PartBody;
 use crate::shape::Hit;
-use crate::sphere::Spans;
+use crate::sphere::{Spans, wall_distance};
 use crate::units::Units;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_messages::{BodyState, SurfaceVertex};
@@ -146,6 +146,19 @@ impl Body {
         let is = |body: &Self, index| body.part.as_ref().is_some_and(|part| part.index == index);
         carrier(self).is_some_and(|index| is(other, index))
             || carrier(other).is_some_and(|index| is(self, index))
+    }
+
+    /// Where the link `i` of a cell at `arm` meets it, as part of the link's length; a part where its links were
+    /// found.
+    pub fn met_at(&self, arm: [f64; 3], i: usize) -> f64 {
+        match &self.part {
+            None => wall_distance(arm, C_F64[i], self.r2()),
+            Some(part) => {
+                // The cell as the part sees it.
+                let at = std::array::from_fn(|a| (arm[a] + self.position[a] - 0.5).round() as i32);
+                part.meet(at, C[i])
+            }
+        }
     }
 
     /// Where on a surface that can deform the point nearest to `arm` is; [`Hit::NONE`] on others.

@@ -27,15 +27,15 @@ use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
-use crate::grid::{Grid, Side};
+use crate::grid::{Grid, Reach, Side};
 use crate::lanes::Variant;
-use crate::lattice::{C, C_F64, OPPOSITE, Q, each, mirrored};
+use crate::lattice::{C, OPPOSITE, Q, each, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::{Owners, SHARED};
-use crate::part_links::{PartLinks, Site};
+use crate::part_links::{PartLinks, Site, as_seen};
 use crate::places::Parity;
-use crate::sphere::{Span, wall_distance};
+use crate::sphere::Span;
 use crate::wall_distances::WallDistances;
 
 /// Rows of a body's shell that are one item of work.
@@ -359,21 +359,38 @@ impl<T: Real> After<'_, T> {
         match self.layout.neighbour(cell, link.dir.into()) {
             None => false,
             Some(end) => {
-                self.owners.of(end) != SHARED || self.is_first(row.bodies, row.body, link, end)
+                self.owners.of(end) != SHARED
+                    || self.is_first(row.bodies, row.body, cell, link.dir.into(), end)
             }
         }
     }
 
-    /// Whether of all bodies that hold the end of the link, this one is met first (then: has the
-    /// lowest id).
-    pub fn is_first(&self, bodies: &Bodies, body: &Body, link: &Link, end: u32) -> bool {
-        let c = C_F64[link.seen as usize];
-        let q = if body.part.is_some() { link.q } else { wall_distance(link.arm, c, body.r2()) };
+    /// Whether of all bodies that hold the end of the link `i` of a cell, this one is met first (then: has the
+    /// lowest id). Where a link meets a body does not depend on who asks: else two might take it, or nobody.
+    pub fn is_first(&self, bodies: &Bodies, body: &Body, cell: u32, i: usize, end: u32) -> bool {
+        let at = self.layout.at(cell);
+        let q = self.met_at(body, at, i);
         self.owners.claimants(end).filter(|&handle| handle != body.handle).all(|handle| {
             let other = bodies.with_handle(handle);
-            let of_other = self.distance(body, other, link.arm, link.seen.into());
+            let of_other = self.met_at(other, at, i);
             q < of_other || (q == of_other && body.id < other.id)
         })
+    }
+
+    /// Where the link `i` of a cell meets a body that holds its end; a part where its links were found.
+    fn met_at(&self, body: &Body, at: [i32; 3], i: usize) -> f64 {
+        let grid = &self.layout.grid;
+        let mirrors = match grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
+            Reach::Cell { mirrors, .. } => mirrors,
+            Reach::Face { .. } => 0,
+        };
+        let (at, seen) = as_seen(grid, at, i, mirrors);
+        let arm = if mirrors == 0 {
+            grid.arm(body.position, at)
+        } else {
+            std::array::from_fn(|a| f64::from(at[a]) + 0.5 - body.position[a])
+        };
+        body.met_at(arm, seen)
     }
 }
 
@@ -386,14 +403,7 @@ impl<T: Real> After<'_, T> {
             let n = f64::from(self.layout.grid.n[a]);
             if self.layout.grid.periodic[a] { d - n * (d / n).round() } else { d }
         });
-        match &other.part {
-            None => wall_distance(arm, C_F64[i], other.r2()),
-            Some(part) => {
-                // The cell as that body sees it.
-                let at = std::array::from_fn(|a| (arm[a] + other.position[a] - 0.5).round() as i32);
-                part.meet(at, C[i])
-            }
-        }
+        other.met_at(arm, i)
     }
 }
 

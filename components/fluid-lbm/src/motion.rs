@@ -56,6 +56,7 @@ impl<T: Collides> Solver<T> {
         if self.slips {
             let (gaps, bodies, owners) = (&self.declared, &self.bodies, &self.owners);
             self.slip.find(gaps, bodies, owners, &self.layout, &mut self.team);
+            self.owners.forget_changes();
         }
         self.bodies.forget_leaving();
         if outgrown {

@@ -53,6 +53,14 @@ pub struct Owners {
     pub frozen: usize,
     /// Fluid cells.
     pub fluid_cells: usize,
+    changes: Option<Changes>,
+}
+
+/// Cells whose owner changed, each once.
+#[derive(Clone, Debug)]
+struct Changes {
+    cells: Vec<u32>,
+    is_listed: Vec<bool>,
 }
 
 impl Owners {
@@ -72,6 +80,36 @@ impl Owners {
             isolated: 0,
             frozen: 0,
             fluid_cells: cells,
+            changes: None,
+        }
+    }
+
+    /// Lists from now on which cells change hands.
+    pub fn list_changes(&mut self) {
+        let cells = self.of.len();
+        let (cells, is_listed) = (Vec::with_capacity(cells), vec![false; cells]);
+        self.changes = Some(Changes { cells, is_listed });
+    }
+
+    /// Cells that changed hands since the list was last emptied, if there is one.
+    pub fn changed(&self) -> &[u32] {
+        self.changes.as_ref().map_or(&[], |changes| &changes.cells)
+    }
+
+    /// Empties the list of changes.
+    pub fn forget_changes(&mut self) {
+        if let Some(Changes { cells, is_listed }) = &mut self.changes {
+            for cell in cells.drain(..) {
+                is_listed[cell as usize] = false;
+            }
+        }
+    }
+
+    fn note(&mut self, cell: u32) {
+        if let Some(Changes { cells, is_listed }) = &mut self.changes
+            && !std::mem::replace(&mut is_listed[cell as usize], true)
+        {
+            cells.push(cell);
         }
     }
 
@@ -105,7 +143,8 @@ impl Owners {
 
     /// Memory that the map takes [bytes].
     pub fn bytes(&self) -> usize {
-        4 * self.of.len() + self.fluid.len()
+        let changes = self.changes.as_ref().map_or(0, |changes| 5 * changes.is_listed.len());
+        4 * self.of.len() + self.fluid.len() + changes
     }
 
     /// Whether more than one body holds any cell.
@@ -140,6 +179,7 @@ impl Owners {
         self.isolated -= usize::from(was == ISOLATED);
         self.frozen += usize::from(owner == FROZEN);
         self.frozen -= usize::from(was == FROZEN);
+        self.note(cell as u32);
     }
 
     /// Begins a step: nothing was covered or uncovered.
@@ -158,6 +198,7 @@ impl Owners {
         }
         if let Ok(place) = self.shared.binary_search(&(cell, handle)) {
             self.shared.remove(place);
+            self.note(cell);
         }
         let rest = {
             let mut rest = self.claimants(cell);
@@ -210,6 +251,7 @@ impl Owners {
     fn share(&mut self, cell: u32, handle: u32) {
         if let Err(place) = self.shared.binary_search(&(cell, handle)) {
             self.shared.insert(place, (cell, handle));
+            self.note(cell);
         }
     }
 

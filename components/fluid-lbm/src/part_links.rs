@@ -274,7 +274,8 @@ impl<T: Real> After<'_, T> {
                 let link = found.now(body, part, slot, hit);
                 let is_mine = !any_shared
                     || self.layout.neighbour(cell, found.dir.into()).is_none_or(|end| {
-                        self.owners.of(end) != SHARED || self.is_first(bodies, body, &link, end)
+                        self.owners.of(end) != SHARED
+                            || self.is_first(bodies, body, cell, found.dir.into(), end)
                     });
                 if is_mine {
                     batch.push(link);

@@ -276,6 +276,17 @@ impl Places {
         self.in_pieces(entries[i] as usize, lane)
     }
 
+    /// [`Places::of`] of the first cell of a line, if those of the others follow it.
+    #[inline(always)]
+    pub fn of_line(&self, parity: Parity, line: usize, i: usize) -> Option<usize> {
+        let first = line << self.line_bits;
+        if parity == Parity::Even || i == 0 {
+            return Some(i * self.stride + first);
+        }
+        let entries = &self.lines[line];
+        (entries[0] >> i & 1 == 0).then(|| entries[i] as usize)
+    }
+
     /// Asks memory for what [`Places::odd`] reads for a cell.
     #[inline(always)]
     pub fn prefetch(&self, cell: u32) {

@@ -25,6 +25,9 @@ pub struct Before<'a, T: Real> {
     pub acceleration: [f64; 3],
 }
 
+/// Cells of the longest line.
+pub const MOST_LANES: usize = 16;
+
 /// Density minus 1 and momentum `sum_i h_i c_i` of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Content {
@@ -71,6 +74,37 @@ impl<T: Real> Before<'_, T> {
     /// Density minus 1 and momentum of a cell.
     pub fn content(&self, cell: u32) -> Content {
         Content::of(&self.populations(cell))
+    }
+
+    /// The same of the first `lanes` cells of a line.
+    pub fn contents(&self, line: usize, lanes: usize) -> [Content; MOST_LANES] {
+        let first = (line * T::LINE) as u32;
+        let (mut h, mut drho, mut j) =
+            ([0.0; MOST_LANES], [0.0; MOST_LANES], [[0.0; MOST_LANES]; 3]);
+        for i in 0..Q {
+            match self.layout.places.of_line(self.parity, line, i) {
+                Some(place) => {
+                    for (lane, h) in h[..lanes].iter_mut().enumerate() {
+                        *h = self.field.get(place + lane);
+                    }
+                }
+                None => {
+                    for (lane, h) in h[..lanes].iter_mut().enumerate() {
+                        let place = self.layout.place(self.parity, first + lane as u32, i);
+                        *h = self.field.get(place);
+                    }
+                }
+            }
+            for lane in 0..MOST_LANES {
+                drho[lane] += h[lane];
+            }
+            for a in (0..3).filter(|&a| C[i][a] != 0) {
+                for lane in 0..MOST_LANES {
+                    j[a][lane] += h[lane] * C_F64[i][a];
+                }
+            }
+        }
+        std::array::from_fn(|lane| Content { drho: drho[lane], j: j.map(|j| j[lane]) })
     }
 
     /// Fills a cell that `body` uncovered, from cells that were fluid before, or with the density `1 +

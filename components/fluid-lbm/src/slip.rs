@@ -80,21 +80,39 @@ struct Item {
 #[derive(Clone, Debug, Default)]
 pub struct Slip {
     items: Vec<Item>,
+    /// By cell, whether links depend on whose it is.
+    matters: Vec<bool>,
+    /// By cell, whether its links are to be found anew, and which cells those are.
+    is_stale: Vec<bool>,
+    stale: Vec<u32>,
+    /// Whether links were found at all.
+    is_found: bool,
 }
 
 impl Slip {
     /// None yet, in the cells that may be in gaps.
-    pub fn in_gaps(gaps: &DeclaredGaps) -> Self {
+    pub fn in_gaps(gaps: &DeclaredGaps, layout: &Layout) -> Self {
+        let cells = layout.cells.len();
+        let mut matters = vec![false; cells];
+        for cell in gaps.items().enumerate().flat_map(|(item, _)| gaps.cells_of(item)) {
+            around(layout, cell).for_each(|near| matters[near as usize] = true);
+        }
         let item = |cells: usize| Item {
             links: Vec::with_capacity(cells * LINKS_PER_CELL),
             before: Vec::with_capacity(cells * LINKS_PER_CELL),
             exchanges: Vec::with_capacity(8),
             felt: Vec::with_capacity(cells * LINKS_PER_CELL),
         };
-        Self { items: gaps.items().map(item).collect() }
+        Self {
+            items: gaps.items().map(item).collect(),
+            matters,
+            is_stale: vec![false; cells],
+            stale: Vec::with_capacity(cells),
+            is_found: false,
+        }
     }
 
-    /// Finds the links.
+    /// Finds the links: of all cells if parts have moved, else of those around which cells changed hands.
     pub fn find(
         &mut self,
         gaps: &DeclaredGaps,
@@ -103,20 +121,50 @@ impl Slip {
         layout: &Layout,
         team: &mut Team,
     ) {
-        let same_places = !bodies.parts_moved();
+        let is_new = bodies.parts_moved() || !std::mem::replace(&mut self.is_found, true);
+        if !is_new {
+            self.mark(owners, layout);
+        }
+        let is_stale = &self.is_stale;
         team.for_each(&mut self.items, |number, item| {
             std::mem::swap(&mut item.links, &mut item.before);
             item.links.clear();
-            for (k, cell) in gaps.cells_of(number).enumerate().filter(|(_, c)| owners.is_fluid(*c))
-            {
-                if let Some(axis) = gaps.slips_at(cell) {
-                    let first = (k * 2 * Q) as u32;
+            let mut known = item.before.iter().filter(|_| !is_new).peekable();
+            for (k, cell) in gaps.cells_of(number).enumerate() {
+                let (first, end) = ((k * 2 * Q) as u32, ((k + 1) * 2 * Q) as u32);
+                while known.next_if(|link| link.number < first).is_some() {}
+                if !is_new && !is_stale[cell as usize] {
+                    while let Some(&link) = known.next_if(|link| link.number < end) {
+                        item.links.push(link);
+                    }
+                } else if let Some(axis) = gaps.slips_at(cell).filter(|_| owners.is_fluid(cell)) {
                     let site = Site { gaps, bodies, owners, layout, inside: cell, first };
+                    let begin = item.links.len();
                     site.find(axis, &mut item.links);
+                    for link in &mut item.links[begin..] {
+                        while known.next_if(|before| before.number < link.number).is_some() {}
+                        link.hit = known
+                            .peek()
+                            .filter(|before| before.is_same(link))
+                            .map_or_else(|| link.meet(bodies, layout), |before| before.hit);
+                    }
                 }
             }
-            item.meet(same_places, bodies, layout);
         });
+        for cell in self.stale.drain(..) {
+            self.is_stale[cell as usize] = false;
+        }
+    }
+
+    /// Marks the cells whose links may differ since cells changed hands: those around them.
+    fn mark(&mut self, owners: &Owners, layout: &Layout) {
+        for &cell in owners.changed().iter().filter(|&&cell| self.matters[cell as usize]) {
+            for near in around(layout, cell) {
+                if !std::mem::replace(&mut self.is_stale[near as usize], true) {
+                    self.stale.push(near);
+                }
+            }
+        }
     }
 
     /// Reads what slips, before anything is reflected.
@@ -211,29 +259,26 @@ impl Slip {
     }
 }
 
-impl Item {
-    /// Finds where links meet deformable surfaces; those of the step before that are still there meet them in the
-    /// same places, unless these have moved.
-    fn meet(&mut self, same_places: bool, bodies: &Bodies, layout: &Layout) {
-        let mut known = self.before.iter().filter(|_| same_places).peekable();
-        for link in &mut self.links {
-            let Whose::Body(handle) = link.whose else { continue };
-            while known.next_if(|before| before.number < link.number).is_some() {}
-            let same = known
-                .peek()
-                .filter(|before| before.number == link.number && before.whose == link.whose);
-            link.hit = same.map_or_else(
-                || {
-                    let body = bodies.with_handle(handle);
-                    body.hit_near(link.arm(body, layout))
-                },
-                |before| before.hit,
-            );
-        }
-    }
+/// A cell and the stored cells next to it, over corners too.
+fn around(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
+    let at = layout.at(cell);
+    let near = move |k| layout.near(at, [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
+    (0..27).filter_map(near).map(|(near, _)| near)
 }
 
 impl Link {
+    /// Whether this is the link of the step before.
+    fn is_same(&self, now: &Self) -> bool {
+        (self.number, self.whose) == (now.number, now.whose)
+    }
+
+    /// Where it meets a deformable surface.
+    fn meet(&self, bodies: &Bodies, layout: &Layout) -> Hit {
+        let Whose::Body(handle) = self.whose else { return Hit::NONE };
+        let body = bodies.with_handle(handle);
+        body.hit_near(self.arm(body, layout))
+    }
+
     /// Where it meets a body, half-way, seen from the body's origin.
     fn arm(&self, body: &Body, layout: &Layout) -> [f64; 3] {
         let c = C_F64[usize::from(self.seen)];

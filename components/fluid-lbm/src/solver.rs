@@ -181,10 +181,14 @@ impl<T: Collides> Solver<T> {
         let ports = PortFaces::new(scene, &built.layout, &centres);
         let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
+        let mut owners = Owners::new(built.layout.cells.len());
+        if slips {
+            owners.list_changes();
+        }
         let mut solver = Self {
             units,
             field: Field::new(built.layout.places.stride()),
-            owners: Owners::new(built.layout.cells.len()),
+            owners,
             wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
             bodies: Bodies::of(
                 Catalogue::new(
@@ -205,7 +209,7 @@ impl<T: Collides> Solver<T> {
             keeps_mass: parameters.refill == Refill::Mass,
             gap_of: declared.by_cell().to_vec(),
             walls: WallDistances::default(),
-            slip: if slips { Slip::in_gaps(&declared) } else { Slip::default() },
+            slip: if slips { Slip::in_gaps(&declared, &built.layout) } else { Slip::default() },
             slips,
             declared,
             soft_vertices: waiting.iter().map(|soft| soft.vertices().len()).sum(),

@@ -4,7 +4,9 @@
 mod common;
 
 use common::*;
+use tremie_fluid_lbm::FluidLbm;
 use tremie_messages::BodyState;
+use tremie_messages::scene::{Geometry, Motion};
 
 /// Two spheres one cell apart approach, touch, overlap slightly, and part again.
 #[test]
@@ -35,6 +37,60 @@ fn two_spheres_one_cell_apart_stay_finite() {
         assert!(fallbacks > 0);
         assert!(fluid.diagnostics().max_density_deviation < 0.1);
     }
+}
+
+/// Cells of a plate that moves by less than `part_step`, and so is where its links were found but for a shift, are
+/// held by spheres too: each link there is one body's, neither of two nor of none.
+#[test]
+fn each_link_belongs_to_one_body() {
+    let mut dice = Dice(11);
+    let case = Case::new([24, 24, 20], [PERIODIC, SYMMETRY, WALL], 0.6);
+    let mut scene = case.scene();
+    let position = [12.0, 12.0, 10.3];
+    let mut plate = part("plate", Geometry::Box { size: [14.0, 16.0, 5.0] }, position);
+    plate.motion = Motion::Prescribed(Vec::new());
+    scene.parts.push(plate);
+    let parameters = tremie_fluid_lbm::Parameters { part_step: 0.2, ..case.parameters() };
+    let mut fluid =
+        FluidLbm::with_variant(&scene, &parameters, 1.0, case.threads, case.variant).unwrap();
+    let mut bodies: Vec<BodyState> = (0..40)
+        .map(|id| {
+            let height = [7.8, 12.8][id as usize % 2] + dice.between(-1.0, 1.0);
+            let x = dice.between(4.0, 20.0);
+            BodyState::at_rest(id, [x, dice.between(4.0, 20.0), height])
+        })
+        .collect();
+    let mut events: Vec<_> = bodies.iter().map(|body| added(body.id, 1.4)).collect();
+    bodies.push(BodyState::at_rest(100, position));
+    events.push(added_part(100, 0));
+    fluid.apply_events(&events).unwrap();
+    let mut loads = loads_of(&bodies);
+    fluid.start(&bodies, &mut loads).unwrap();
+    for _ in 0..60 {
+        bodies[40].velocity = [0.0, 0.0, 0.01];
+        advance(&mut bodies);
+        fluid.step(&bodies, &mut loads).unwrap();
+        assert_eq!(fluid.diagnostics().links, links_into_bodies(&fluid));
+    }
+}
+
+/// Links from fluid cells into others, in a box that is periodic along x, mirrored along y and walled along z.
+fn links_into_bodies(fluid: &FluidLbm) -> usize {
+    let n = fluid.cells().map(|n| n as i32);
+    let is_solid = |at: [usize; 3]| fluid.node(at).solid;
+    let mut links = 0;
+    for at in cells(fluid).filter(|at| !is_solid(*at)) {
+        for k in 0..27 {
+            let c = [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1];
+            let reach = c.iter().map(|c: &i32| c.abs()).sum::<i32>();
+            let to: [i32; 3] = std::array::from_fn(|a| at[a] as i32 + c[a]);
+            if (1..=2).contains(&reach) && (0..n[2]).contains(&to[2]) {
+                let to = [to[0].rem_euclid(n[0]), to[1].clamp(0, n[1] - 1), to[2]];
+                links += usize::from(is_solid(to.map(|k| k as usize)));
+            }
+        }
+    }
+    links
 }
 
 /// Many spheres of 2.4 cells, dropped anywhere (overlapping, cut by walls), moving at random.
