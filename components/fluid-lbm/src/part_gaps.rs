@@ -81,13 +81,14 @@ impl<T: Real> After<'_, T> {
             first = link.end as usize;
             let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
             let by = dot(link.slope.map(f64::from), part.drift_of(hit, arm));
+            // In contact there is no fluid to press, or to press out.
+            if link.width + by <= CONTACT {
+                continue;
+            }
             if link.across.as_declared().is_some() {
                 let (dir, q) = (link.dir, link.q + by);
                 let link = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
                 receded += recession(body, &link, hit);
-            }
-            if link.width + by <= CONTACT {
-                continue;
             }
             let gap = gaps.add(link.across, arm, (link.dir.into(), link.q + by), hit.facet);
             for &cell in witnesses {

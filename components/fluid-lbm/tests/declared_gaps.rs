@@ -178,6 +178,33 @@ fn a_pocket_is_frozen() {
     assert!(drift.abs() < 0.1, "{drift}");
 }
 
+/// A plate that is pressed into the floor, half a cell deep, presses no fluid out: there is none. (What would be paid
+/// for that in the chambers feeds their sound, when a seal trembles on its seat.) A little higher it does.
+#[test]
+fn what_is_in_contact_presses_nothing_out() {
+    let pressed_out = |height: f64| {
+        let (mut case, mut scene) = channel(Some(gap()));
+        case.refill = Refill::Mass;
+        scene.domain.faces[0] = [WALL, WALL];
+        let mut fluid = case.fluid_of(&scene);
+        let mut body = [BodyState::at_rest(1, [16.0, 2.0, height + 8.0])];
+        fluid.apply_events(&[added_part(1, 0)]).unwrap();
+        let mut loads = loads_of(&body);
+        fluid.start(&body, &mut loads).unwrap();
+        let before = fluid.ledger().mass;
+        for k in 0..500 {
+            body[0].velocity[2] = if k < 200 { -2.5e-3 } else { 0.0 };
+            body[0].position[2] += body[0].velocity[2];
+            fluid.step(&body, &mut loads).unwrap();
+            closes(&fluid, 1e-12);
+        }
+        fluid.ledger().mass - before
+    };
+    let (standing, lifted) = (pressed_out(-0.1), pressed_out(0.9));
+    println!("on the floor {standing:.3} cells, above it {lifted:.3}");
+    assert!(standing.abs() < 0.25 && (lifted / 24.0 - 1.0).abs() < 0.05, "{standing} {lifted}");
+}
+
 /// A plate sinks on the floor under a load, in a fluid of lattice viscosity 2e-4, from 3.6 cells, with walls
 /// that slip in thin gaps or not. The balance closes in either case. Steps until it is at 1.25 cells.
 fn sinks(slip_below: f64) -> Option<usize> {
