@@ -129,6 +129,12 @@ impl<T: Real> Field<T> {
         T::load(&self.places()[place]).to_f64()
     }
 
+    /// The numbers in as many places as a line has, from one on.
+    #[inline(always)]
+    pub fn line(&self, first: usize) -> impl Iterator<Item = f64> {
+        self.places()[first..first + T::LINE].iter().map(|place| T::load(place).to_f64())
+    }
+
     /// Writes the nearest number to a place and returns it.
     #[inline(always)]
     pub fn set(&self, place: usize, value: f64) -> f64 {

@@ -385,12 +385,7 @@ impl<T: Real> After<'_, T> {
             Reach::Face { .. } => 0,
         };
         let (at, seen) = as_seen(grid, at, i, mirrors);
-        let arm = if mirrors == 0 {
-            grid.arm(body.position, at)
-        } else {
-            std::array::from_fn(|a| f64::from(at[a]) + 0.5 - body.position[a])
-        };
-        body.met_at(arm, seen)
+        body.met_at(grid.arm(body.position, at), seen)
     }
 }
 

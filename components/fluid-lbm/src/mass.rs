@@ -19,7 +19,8 @@
 //!
 //! Where a body borders a declared gap that holds no fluid (see `declared`), its surface has no links, but
 //! the sum over its gap links counts in `space` as well: what such a gap draws in as it widens leaves the
-//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new.
+//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new. Those in contact count
+//! nothing: there is no fluid between.
 //!
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.

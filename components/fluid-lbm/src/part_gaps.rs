@@ -72,7 +72,7 @@ impl<T: Real> After<'_, T> {
     }
 
     /// Records the gap links between a part and what stands still. Returns the volume by which the
-    /// part recedes from declared gaps.
+    /// part recedes from declared gaps, as far as it is not in contact: there is no fluid to draw in or to press out.
     pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) -> f64 {
         let (mut first, mut receded) = (0, 0.0);
         for (k, link) in list.links.iter().enumerate() {
@@ -81,14 +81,17 @@ impl<T: Real> After<'_, T> {
             first = link.end as usize;
             let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
             let by = dot(link.slope.map(f64::from), part.drift_of(hit, arm));
-            // In contact there is no fluid to press, or to press out.
-            if link.width + by <= CONTACT {
-                continue;
-            }
+            let width = link.width + by;
             if link.across.as_declared().is_some() {
                 let (dir, q) = (link.dir, link.q + by);
-                let link = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
-                receded += recession(body, &link, hit);
+                let now = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
+                let wall = std::array::from_fn(|a| arm[a] + q * f64::from(C[usize::from(dir)][a]));
+                let wider = dot(link.slope.map(f64::from), body.velocity_of(hit, wall));
+                receded += recession(body, &now, hit) * part_apart(width, wider);
+            }
+            // In contact there is no fluid to press.
+            if width <= CONTACT {
+                continue;
             }
             let gap = gaps.add(link.across, arm, (link.dir.into(), link.q + by), hit.facet);
             for &cell in witnesses {
@@ -100,6 +103,16 @@ impl<T: Real> After<'_, T> {
         }
         receded
     }
+}
+
+/// The part of a step in which surfaces were apart that are now so far from each other, after they have come apart
+/// by `wider`: what goes into contact and comes out of it again has then drawn in as much as it has pressed out.
+fn part_apart(width: f64, wider: f64) -> f64 {
+    let apart = |width: f64| (width - CONTACT).max(0.0);
+    if wider == 0.0 {
+        return f64::from(u8::from(width > CONTACT));
+    }
+    (apart(width) - apart(width - wider)) / wider
 }
 
 impl Site<'_> {

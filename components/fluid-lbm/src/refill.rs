@@ -79,15 +79,11 @@ impl<T: Real> Before<'_, T> {
     /// The same of the first `lanes` cells of a line.
     pub fn contents(&self, line: usize, lanes: usize) -> [Content; MOST_LANES] {
         let first = (line * T::LINE) as u32;
-        let (mut h, mut drho, mut j) =
-            ([0.0; MOST_LANES], [0.0; MOST_LANES], [[0.0; MOST_LANES]; 3]);
+        let (mut drho, mut j) = ([0.0; MOST_LANES], [[0.0; MOST_LANES]; 3]);
         for i in 0..Q {
+            let mut h = [0.0; MOST_LANES];
             match self.layout.places.of_line(self.parity, line, i) {
-                Some(place) => {
-                    for (lane, h) in h[..lanes].iter_mut().enumerate() {
-                        *h = self.field.get(place + lane);
-                    }
-                }
+                Some(place) => h.iter_mut().zip(self.field.line(place)).for_each(|(h, f)| *h = f),
                 None => {
                     for (lane, h) in h[..lanes].iter_mut().enumerate() {
                         let place = self.layout.place(self.parity, first + lane as u32, i);
@@ -95,11 +91,11 @@ impl<T: Real> Before<'_, T> {
                     }
                 }
             }
-            for lane in 0..MOST_LANES {
+            for lane in 0..T::LINE {
                 drho[lane] += h[lane];
             }
             for a in (0..3).filter(|&a| C[i][a] != 0) {
-                for lane in 0..MOST_LANES {
+                for lane in 0..T::LINE {
                     j[a][lane] += h[lane] * C_F64[i][a];
                 }
             }

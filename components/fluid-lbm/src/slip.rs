@@ -121,7 +121,7 @@ impl Slip {
         layout: &Layout,
         team: &mut Team,
     ) {
-        let is_new = bodies.parts_moved() || !std::mem::replace(&mut self.is_found, true);
+        let is_new = !std::mem::replace(&mut self.is_found, true) || bodies.parts_moved();
         if !is_new {
             self.mark(owners, layout);
         }
@@ -281,12 +281,7 @@ impl Link {
 
     /// Where it meets a body, half-way, seen from the body's origin.
     fn arm(&self, body: &Body, layout: &Layout) -> [f64; 3] {
-        let c = C_F64[usize::from(self.seen)];
-        let arm = if self.mirrors == 0 {
-            layout.grid.arm(body.position, self.at)
-        } else {
-            std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a])
-        };
+        let (arm, c) = (layout.grid.arm(body.position, self.at), C_F64[usize::from(self.seen)]);
         std::array::from_fn(|a| arm[a] + 0.5 * c[a])
     }
 }

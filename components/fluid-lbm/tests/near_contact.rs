@@ -46,7 +46,7 @@ fn each_link_belongs_to_one_body() {
     let mut dice = Dice(11);
     let case = Case::new([24, 24, 20], [PERIODIC, SYMMETRY, WALL], 0.6);
     let mut scene = case.scene();
-    let position = [12.0, 12.0, 10.3];
+    let position = [2.0, 12.0, 10.3];
     let mut plate = part("plate", Geometry::Box { size: [14.0, 16.0, 5.0] }, position);
     plate.motion = Motion::Prescribed(Vec::new());
     scene.parts.push(plate);
@@ -56,8 +56,8 @@ fn each_link_belongs_to_one_body() {
     let mut bodies: Vec<BodyState> = (0..40)
         .map(|id| {
             let height = [7.8, 12.8][id as usize % 2] + dice.between(-1.0, 1.0);
-            let x = dice.between(4.0, 20.0);
-            BodyState::at_rest(id, [x, dice.between(4.0, 20.0), height])
+            let x = dice.between(0.0, 24.0);
+            BodyState::at_rest(id, [x, dice.between(0.0, 24.0), height])
         })
         .collect();
     let mut events: Vec<_> = bodies.iter().map(|body| added(body.id, 1.4)).collect();
