@@ -17,7 +17,7 @@ static COUNTING: Counting = Counting;
 
 #[test]
 fn a_step_without_a_search_allocates_nothing() {
-    let mut case = Case::new([26, 26, 18], [WALL, WALL, WALL], 0.7);
+    let mut case = Case::new([26, 26, 18], [WALL, WALL, WALL], 0.51);
     case.threads = 2;
     case.average_force = true;
     case.refill = Refill::Mass;

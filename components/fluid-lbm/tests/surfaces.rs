@@ -300,7 +300,7 @@ fn a_sphere_that_grows_keeps_the_mass() {
 fn the_same_bits_on_any_number_of_threads() {
     let ring = [[4.0, -1.7], [8.2, -1.9], [8.0, 1.6], [4.2, 1.6]];
     let run = |threads: usize| {
-        let mut case = Case::new([26, 26, 20], [WALL, WALL, WALL], 0.7);
+        let mut case = Case::new([26, 26, 20], [WALL, WALL, WALL], 0.51);
         case.threads = threads;
         case.average_force = true;
         case.refill = Refill::Mass;
