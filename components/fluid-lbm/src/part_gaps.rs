@@ -10,7 +10,7 @@ use crate::grid::Side;
 use crate::lattice::{C, Q, dot};
 use crate::links::After;
 use crate::part_body::{Facets, PartBody};
-use crate::part_links::{Site, recession};
+use crate::part_links::{Site, recession, wall_velocity};
 use crate::shape::Hit;
 use crate::wall_distances::WallDistances;
 
@@ -85,9 +85,9 @@ impl<T: Real> After<'_, T> {
             if link.across.as_declared().is_some() {
                 let (dir, q) = (link.dir, link.q + by);
                 let now = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
-                let wall = std::array::from_fn(|a| arm[a] + q * f64::from(C[usize::from(dir)][a]));
-                let wider = dot(link.slope.map(f64::from), body.velocity_of(hit, wall));
-                receded += recession(body, &now, hit) * part_apart(width, wider);
+                let velocity = wall_velocity(body, &now, hit);
+                let wider = dot(link.slope.map(f64::from), velocity);
+                receded += recession(&now, velocity) * part_apart(width, wider);
             }
             // In contact there is no fluid to press.
             if width <= CONTACT {

@@ -320,7 +320,7 @@ impl<T: Real> After<'_, T> {
         if self.owners.of(cell) == FROZEN {
             for (k, link) in run.iter().enumerate() {
                 let link = link.now(body, part, 0, hit(k));
-                batch.recede(recession(body, &link, hit(k)));
+                batch.recede(recession(&link, wall_velocity(body, &link, hit(k))));
             }
         }
         let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
@@ -340,11 +340,16 @@ impl<T: Real> After<'_, T> {
     }
 }
 
-/// Volume by which a wall recedes along a link.
-pub fn recession(body: &Body, link: &Link, hit: Hit) -> f64 {
+/// Velocity of the wall where a link meets it.
+pub fn wall_velocity(body: &Body, link: &Link, hit: Hit) -> [f64; 3] {
     let c = C_F64[usize::from(link.seen)];
-    let wall = std::array::from_fn(|a| link.arm[a] + link.q * c[a]);
-    6.0 * W[usize::from(link.seen)] * dot(c, body.velocity_of(hit, wall))
+    body.velocity_of(hit, std::array::from_fn(|a| link.arm[a] + link.q * c[a]))
+}
+
+/// Volume by which a wall of a velocity recedes along a link.
+pub fn recession(link: &Link, velocity: [f64; 3]) -> f64 {
+    let seen = usize::from(link.seen);
+    6.0 * W[seen] * dot(C_F64[seen], velocity)
 }
 
 impl PartLink {
