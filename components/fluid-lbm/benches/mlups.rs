@@ -17,7 +17,7 @@ fn scene(n: usize, face: Face) -> Scene {
     Scene { fluid: Some(fluid), ..Scene::empty(Domain::new([0.0; 3], [n as f64; 3], faces)) }
 }
 
-#[allow(clippy::too_many_arguments)]
+#[expect(clippy::too_many_arguments, reason = "each is a column of the table")]
 fn fluid(
     n: usize,
     face: Face,

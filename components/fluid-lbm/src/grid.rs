@@ -124,6 +124,14 @@ impl Grid {
         }
     }
 
+    /// The axes at which a way that ends at these coordinates is mirrored; none where a face ends it.
+    pub fn mirrors_to(&self, end: [i32; 3]) -> u8 {
+        match self.reach(end) {
+            Reach::Cell { mirrors, .. } => mirrors,
+            Reach::Face { .. } => 0,
+        }
+    }
+
     /// A position [cells] moved into the box along periodic axes.
     pub fn canonical(&self, position: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| {

@@ -1,8 +1,9 @@
 //! Box, stored cells and places of populations, together.
 
 use crate::cells::{Cells, Obstacles};
+use crate::field::{Field, Real};
 use crate::grid::{Grid, Reach, Side};
-use crate::lattice::C;
+use crate::lattice::{C, Q, each};
 use crate::places::{Parity, Places, Survey};
 
 /// Box, stored cells and places of populations.
@@ -53,6 +54,12 @@ impl Layout {
     #[inline(always)]
     pub fn place(&self, parity: Parity, cell: u32, i: usize) -> usize {
         self.places.of(parity, cell, i)
+    }
+
+    /// The populations `f_i` that the collision of a parity finds in a cell.
+    #[inline(always)]
+    pub fn populations<T: Real>(&self, field: &Field<T>, parity: Parity, cell: u32) -> [f64; Q] {
+        each(|i| field.get(self.place(parity, cell, i)))
     }
 
     /// The stored cell at `d` cells from `at`, through periodic faces and mirrors, and the axes at

@@ -27,7 +27,7 @@ use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
-use crate::grid::{Grid, Reach, Side};
+use crate::grid::{Grid, Side};
 use crate::lanes::Variant;
 use crate::lattice::{C, OPPOSITE, Q, each, mirrored};
 use crate::layout::Layout;
@@ -81,6 +81,8 @@ pub struct Exchange {
     pub receded: f64,
     /// See `receded`.
     pub weight: f64,
+    /// Volume by which it receded from gaps that hold no fluid.
+    pub drawn: f64,
     /// Number of links.
     pub links: usize,
     /// Those without a second fluid cell where it was needed.
@@ -98,6 +100,7 @@ impl Exchange {
         self.mass += other.mass;
         self.receded += other.receded;
         self.weight += other.weight;
+        self.drawn += other.drawn;
         self.links += other.links;
         self.fallbacks += other.fallbacks;
     }
@@ -380,10 +383,7 @@ impl<T: Real> After<'_, T> {
     /// Where the link `i` of a cell meets a body that holds its end; a part where its links were found.
     fn met_at(&self, body: &Body, at: [i32; 3], i: usize) -> f64 {
         let grid = &self.layout.grid;
-        let mirrors = match grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
-            Reach::Cell { mirrors, .. } => mirrors,
-            Reach::Face { .. } => 0,
-        };
+        let mirrors = grid.mirrors_to(std::array::from_fn(|a| at[a] + C[i][a]));
         let (at, seen) = as_seen(grid, at, i, mirrors);
         body.met_at(grid.arm(body.position, at), seen)
     }

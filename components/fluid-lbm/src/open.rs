@@ -59,6 +59,9 @@ pub const CELLS_PER_ITEM: usize = 512;
 /// the domain.
 const RELAX: f64 = 0.25;
 
+/// How many cells ahead of its use memory is asked for.
+const AHEAD: usize = 8;
+
 /// A cell at an open face.
 #[derive(Clone, Copy, Debug)]
 struct OpenCell {
@@ -204,9 +207,26 @@ impl<T: Real> Next<'_, T> {
     /// Gives an item's cells their populations and records what entered.
     pub fn open(&self, cells: &OpenCells, item: &mut Item) {
         (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
-        for (k, open) in cells.cells[item.cells.clone()].iter().enumerate() {
+        let own = &cells.cells[item.cells.clone()];
+        for (k, open) in own.iter().enumerate() {
+            if let Some(next) = own.get(k + AHEAD) {
+                self.ask_for(next, &own[k + AHEAD - 1]);
+            }
             if self.owners.is_fluid(open.cell) {
                 self.open_cell(open, k, item);
+            }
+        }
+    }
+
+    /// Asks memory for what a cell needs, unless it lies in one line with the cell before.
+    fn ask_for(&self, open: &OpenCell, before: &OpenCell) {
+        let line = |cell: u32| cell as usize / T::LINE;
+        let pairs = [(open.cell, before.cell), (open.inner, before.inner)];
+        for (cell, before) in pairs {
+            if cell != crate::cells::NONE && line(cell) != line(before) {
+                for i in 0..Q {
+                    self.field.prefetch(self.layout.place(self.parity, cell, i));
+                }
             }
         }
     }
@@ -214,7 +234,7 @@ impl<T: Real> Next<'_, T> {
     /// Populations that the next collision finds in a cell.
     #[inline]
     pub fn populations(&self, cell: u32) -> [f64; Q] {
-        each(|i| self.field.get(self.layout.place(self.parity, cell, i)))
+        self.layout.populations(self.field, self.parity, cell)
     }
 
     fn open_cell(&self, open: &OpenCell, k: usize, item: &mut Item) {

@@ -61,7 +61,7 @@ impl<T: Real> Before<'_, T> {
     /// Populations that the collision will find in a cell.
     #[inline(always)]
     pub fn populations(&self, cell: u32) -> [f64; Q] {
-        each(|i| self.field.get(self.layout.place(self.parity, cell, i)))
+        self.layout.populations(self.field, self.parity, cell)
     }
 
     /// Writes them.

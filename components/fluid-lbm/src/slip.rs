@@ -343,11 +343,7 @@ impl Site<'_> {
         if !self.owners.is_fluid(source) || self.whose(source, from).is_none() {
             return None;
         }
-        let end = std::array::from_fn(|a| at[a] + C[i][a]);
-        let mirrors = match self.layout.grid.reach(end) {
-            Reach::Cell { mirrors, .. } => mirrors,
-            Reach::Face { .. } => 0,
-        };
+        let mirrors = self.layout.grid.mirrors_to(std::array::from_fn(|a| at[a] + C[i][a]));
         let (at, seen) = as_seen(&self.layout.grid, at, i, mirrors);
         Some(Link {
             number: self.first,
