@@ -12,7 +12,8 @@ use core::f64::consts::PI;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{
-    BodySet, Face, FluidMaterial, Motion, PartBoundary, Placement, Scene,
+    BodySet, Face, FluidMaterial, Motion, Packing, PartBoundary, Placement, PolyhedronPlacement,
+    Scene,
 };
 
 /// Cells across a sphere from which its drag is trusted to a few per cent.
@@ -306,17 +307,22 @@ fn mended(mended: &Mended) -> Finding {
     )
 }
 
-/// Volume of the spheres of a set [m³].
+/// Volume of the bodies of a set [m³].
 fn volume(set: &BodySet) -> f64 {
+    let all = |diameters: &mut dyn Iterator<Item = f64>| {
+        diameters.map(|d| PI / 6.0 * d * d * d).sum::<f64>()
+    };
+    let packed = |packing: &Packing| {
+        let region: f64 = (0..3).map(|a| packing.max[a] - packing.min[a]).product();
+        packing.fraction * region
+    };
     match &set.placement {
-        Placement::Listed(spheres) => {
-            spheres.iter().map(|s| PI / 6.0 * s.diameter * s.diameter * s.diameter).sum()
-        }
-        Placement::Packed(packing) => {
-            let region: f64 = (0..3).map(|a| packing.max[a] - packing.min[a]).product();
-            packing.fraction * region
-        }
-        Placement::Polyhedra(_) => 0.0,
+        Placement::Listed(spheres) => all(&mut spheres.iter().map(|sphere| sphere.diameter)),
+        Placement::Packed(packing) => packed(packing),
+        Placement::Polyhedra(polyhedra) => match &polyhedra.placement {
+            PolyhedronPlacement::Listed(list) => all(&mut list.iter().map(|body| body.diameter)),
+            PolyhedronPlacement::Packed(packing) => packed(packing),
+        },
     }
 }
 
@@ -324,7 +330,7 @@ fn volume(set: &BodySet) -> f64 {
 mod tests {
     use super::*;
     use tremie_messages::Verdict;
-    use tremie_messages::scene::{Domain, Sphere};
+    use tremie_messages::scene::{Domain, Polyhedra, Polyhedron, Sphere};
     use tremie_messages::units::Time;
 
     fn scene(diameter: f64, gravity: f64) -> Scene {
@@ -370,6 +376,23 @@ mod tests {
         assert!((cells.value - 8.0 / 3.0).abs() < 1e-9);
         assert!(cells.remedy.contains("1e-4 m"), "{}", cells.remedy);
         assert!((judge("lattice speed").value - 2500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_polyhedron_counts_as_the_sphere_of_its_volume() {
+        let cube = Polyhedron {
+            position: [0.006; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            diameter: 0.6e-3,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        };
+        let placement = PolyhedronPlacement::Listed(vec![cube]);
+        let mut scene = scene(0.8e-3, 9.81);
+        scene.bodies[0].placement =
+            Placement::Polyhedra(Polyhedra { shape: "cube".into(), placement });
+        let cells = judge(&scene, 3e-4, 1.2e-7, "cells across the smallest sphere");
+        assert!((cells.value - 2.0).abs() < 1e-9, "{}", cells.value);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::Surface;
 use tremie_messages::Problem;
-use tremie_messages::scene::{Diameters, Domain, FluidMaterial, Placement, Scene};
+use tremie_messages::scene::{Domain, FluidMaterial, Placement, PolyhedronPlacement, Scene};
 
 /// What follows from parameters and scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -309,24 +309,24 @@ fn too_many(cells: [usize; 3]) -> Problem {
         .help("choose a larger cell or a smaller domain")
 }
 
-/// Diameter of the smallest sphere that the scene lists or may draw [m].
+/// Diameter of the smallest sphere that the scene lists or may draw [m]; a polyhedron counts as the sphere
+/// of its volume.
 fn smallest_diameter(scene: &Scene) -> Option<f64> {
-    let of_set = |placement: &Placement| -> Option<f64> {
-        let diameters: Vec<f64> = match placement {
-            Placement::Listed(spheres) => spheres.iter().map(|s| s.diameter).collect(),
-            Placement::Packed(packing) => match &packing.diameters {
-                Diameters::Uniform { min, .. }
-                | Diameters::Normal { min, .. }
-                | Diameters::LogNormal { min, .. } => vec![*min],
-                Diameters::Sieve(points) => points.iter().map(|point| point.size).collect(),
-                Diameters::Listed(list) => list.clone(),
-            },
-            Placement::Polyhedra(_) => Vec::new(),
-        };
-        diameters.into_iter().reduce(f64::min)
+    let least = |placement: &Placement| match placement {
+        Placement::Listed(spheres) => {
+            spheres.iter().map(|sphere| sphere.diameter).fold(f64::INFINITY, f64::min)
+        }
+        Placement::Packed(packing) => packing.diameters.extremes()[0],
+        Placement::Polyhedra(polyhedra) => match &polyhedra.placement {
+            PolyhedronPlacement::Listed(list) => {
+                list.iter().map(|body| body.diameter).fold(f64::INFINITY, f64::min)
+            }
+            PolyhedronPlacement::Packed(packing) => packing.diameters.extremes()[0],
+        },
     };
+    let sets = scene.bodies.iter().map(|set| least(&set.placement));
     let inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[0]);
-    scene.bodies.iter().filter_map(|set| of_set(&set.placement)).chain(inlets).reduce(f64::min)
+    sets.chain(inlets).filter(|d| d.is_finite()).reduce(f64::min)
 }
 
 /// What a user should know before trusting results; numbers with a verdict are in
