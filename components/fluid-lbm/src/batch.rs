@@ -98,7 +98,7 @@ impl Batch {
 
     /// Counts a volume by which the wall recedes where it has no links; see `mass`.
     pub fn recede(&mut self, volume: f64) {
-        self.exchange.receded += volume;
+        self.exchange.drawn += volume;
     }
 
     /// Makes room for a chunk of cells, if there is not enough.
@@ -157,7 +157,8 @@ impl Batch {
         let full = self.links.div_ceil(LANES);
         let r2 = body.part.is_none().then(|| body.r2());
         let nearest = if body.is_part() { 0.0 } else { after.nearest_wall };
-        let surface = Surface { r2, velocity: body.velocity, spin: body.spin, nearest };
+        let (velocity, spin, change) = (body.velocity, body.spin, body.change);
+        let surface = Surface { r2, velocity, spin, change, nearest };
         columns::locate(after.variant, &mut self.eights[..full], surface);
         let is_soft = body.part.as_ref().is_some_and(|part| part.shape.is_some());
         if is_soft {

@@ -35,6 +35,9 @@ pub struct Body {
     pub spin: [f64; 3],
     /// Velocity and angular velocity that it was given last.
     given: [[f64; 3]; 2],
+    /// By how much the velocity changes in a step, where it is taken further than given; see
+    /// [`crate::columns::late`].
+    pub change: [f64; 3],
     /// Cells inside.
     pub spans: Spans,
     /// Cells inside one step before.
@@ -73,6 +76,7 @@ impl Body {
             velocity: [0.0; 3],
             spin: [0.0; 3],
             given: [[0.0; 3]; 2],
+            change: [0.0; 3],
             previous: spans.clone(),
             spans,
             placed: false,
@@ -191,13 +195,17 @@ impl Body {
         let further = |now: [f64; 3], before: [f64; 3]| {
             std::array::from_fn(|a| now[a] + lead * (now[a] - before[a]))
         };
-        if self.is_part() {
+        let change = std::array::from_fn(|a| velocity[a] - before[0][a]);
+        let change = if self.is_part() {
             (self.velocity, self.spin) = (further(velocity, before[0]), further(spin, before[1]));
+            change
         } else {
-            let change = |a: usize| lesser(velocity[a] - before[0][a], self.urged[a]);
-            self.velocity = std::array::from_fn(|a| velocity[a] + lead * change(a));
+            let change = std::array::from_fn(|a| lesser(change[a], self.urged[a]));
+            self.velocity = std::array::from_fn(|a| velocity[a] + lead * change[a]);
             self.spin = spin;
-        }
+            change
+        };
+        self.change = if lead > 0.0 { change } else { [0.0; 3] };
         self.given = [velocity, spin];
         let position = grid.canonical(units.position_to_lattice(state.position));
         let elsewhere = match &mut self.part {

@@ -14,25 +14,30 @@
 //! `space` is the difference between the cells that the fluid has and the volume that it should have:
 //! bounded, and without the last sum where the body is closed. As long as nothing is owed, a closed
 //! box keeps its mean density, and a piston that shuts half of it the mass. In each step a
-//! fiftieth of what is owed goes to the fluid cells at the body's links, in proportion to weight and
+//! part of what is owed goes to the fluid cells at the body's links, in proportion to weight and
 //! density: the surface breathes, and the momentum that a closed surface gives by that is zero.
 //!
 //! Where a body borders a declared gap that holds no fluid (see `declared`), its surface has no links, but
 //! the sum over its gap links counts in `space` as well: what such a gap draws in as it widens leaves the
-//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new. Those in contact count
-//! nothing: there is no fluid between.
+//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new; within some
+//! tens of steps. Those in contact count nothing: there is no fluid between.
 //!
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
 
 use crate::kernel::Collides;
 use crate::lattice::Q;
+use crate::links::Exchange;
 use crate::owners::{BODY, SHARED};
 use crate::solver::Solver;
 
 /// Part of what is owed that a step pays. Between a body's surface and the last cells is volume whose
-/// density follows the sound around: what is owed for that comes and goes by itself.
-const RATE: f64 = 0.02;
+/// density follows the sound around: what is owed for that comes and goes by itself, and paid within a period
+/// it would feed the sound.
+const RATE: f64 = 0.002;
+
+/// The same of what gaps drew in or pressed out, which does not come back by itself.
+const RATE_OF_GAPS: f64 = 0.02;
 
 /// The mass that one body owes the fluid [cells at density 1].
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,6 +48,8 @@ pub struct Account {
     space: f64,
     /// What is owed.
     pub owed: f64,
+    /// Of that, what gaps drew in.
+    of_gaps: f64,
     /// What the coming step pays to a link, for each unit of `6 w_i rho`.
     pub pay: f64,
 }
@@ -60,13 +67,20 @@ impl Account {
         self.space += 1.0;
     }
 
-    /// Links gave `gain` to the fluid while the wall receded by the volume `receded`, and weigh
-    /// `weight`, the sum of `6 w_i`; `mean` is the fluid's mean density.
-    fn settle(&mut self, gain: f64, receded: f64, weight: f64, mean: f64) {
-        self.took -= gain;
-        self.space -= receded;
+    /// Links gave what `exchange` says to the fluid; `mean` is the fluid's mean density.
+    fn settle(&mut self, exchange: &Exchange, mean: f64) {
+        let Exchange { mass, receded, drawn, weight, .. } = *exchange;
+        self.took -= mass;
+        self.space -= receded + drawn;
         self.owed = self.took + mean * self.space;
-        self.pay = if weight > 0.0 { RATE * self.owed / weight } else { 0.0 };
+        self.of_gaps -= mean * drawn;
+        let (fast, slow) = (RATE_OF_GAPS * self.of_gaps, RATE * (self.owed - self.of_gaps));
+        if weight > 0.0 {
+            self.pay = (fast + slow) / weight;
+            self.of_gaps -= fast;
+        } else {
+            self.pay = 0.0;
+        }
     }
 }
 
@@ -115,17 +129,15 @@ impl<T: Collides> Solver<T> {
         let mut owed = 0.0;
         let mut items = self.link_items.iter().peekable();
         for (place, body) in self.bodies.living.iter_mut().enumerate() {
-            let (mut gain, mut receded, mut weight) = (0.0, 0.0, 0.0);
+            let mut all = Exchange::default();
             while let Some(item) = items.next_if(|item| item.body == place) {
-                gain += item.exchange.mass;
-                receded += item.exchange.receded;
-                weight += item.exchange.weight;
+                all.join(&item.exchange);
             }
             if self.slips && body.is_part() {
-                gain += self.slip.on_body(body.handle).mass;
+                all.mass += self.slip.on_body(body.handle).mass;
             }
             body.account.is_open = true;
-            body.account.settle(gain, receded, weight, mean);
+            body.account.settle(&all, mean);
             owed += body.account.owed;
         }
         self.balance.mass_owed = owed;
@@ -142,15 +154,34 @@ mod tests {
     #[test]
     fn a_piston_owes_nothing() {
         let mut account = Account::default();
+        let links = |mass: f64, receded: f64, weight: f64| Exchange {
+            mass,
+            receded,
+            weight,
+            ..Exchange::default()
+        };
         for _ in 0..10 {
-            account.settle(-0.11, 0.1, 1.0, 1.1);
+            account.settle(&links(-0.11, 0.1, 1.0), 1.1);
             assert!(account.owed.abs() < 1e-15);
         }
         account.uncover(0.1);
-        account.settle(0.0, 0.0, 2.0, 1.1);
+        account.settle(&links(0.0, 0.0, 2.0), 1.1);
         assert!(account.owed.abs() < 1e-15 && account.pay.abs() < 1e-15);
         account.uncover(0.0);
-        account.settle(0.0, 0.0, 2.0, 1.1);
+        account.settle(&links(0.0, 0.0, 2.0), 1.1);
         assert!((account.owed - 0.1).abs() < 1e-15 && (account.pay - 0.05 * RATE).abs() < 1e-16);
+    }
+
+    /// What a gap draws in is paid within some tens of steps.
+    #[test]
+    fn a_gap_is_paid_soon() {
+        let mut account = Account::default();
+        let drawn = Exchange { drawn: 0.5, weight: 4.0, ..Exchange::default() };
+        account.settle(&drawn, 1.0);
+        for _ in 0..200 {
+            let paid = Exchange { mass: account.pay * 4.0, weight: 4.0, ..Exchange::default() };
+            account.settle(&paid, 1.0);
+        }
+        assert!(account.owed.abs() < 0.02 * 0.5, "{}", account.owed);
     }
 }
