@@ -3,11 +3,12 @@
 use crate::tremie::{run, tremie};
 
 /// What `tremie scene` writes, `tremie check` accepts; as many cells are fluid as the space has
-/// volume, 1 %.
+/// volume, 1 %. Both ways out of a safety valve lead to the same pressure.
 #[test]
 fn a_valve_from_its_numbers_can_be_run() {
     let home = tempfile::tempdir().unwrap();
-    for (closure, volume) in [("pressure", 197_800.0), ("safety", 208_700.0)] {
+    let cases = [("pressure", 197_800.0, "10416 Pa"), ("safety", 208_700.0, "0 Pa")];
+    for (closure, volume, outlet) in cases {
         let folder = home.path().join(closure);
         let made = tremie()
             .args(["scene", "pressure-valve"])
@@ -26,6 +27,9 @@ fn a_valve_from_its_numbers_can_be_run() {
             let errors = String::from_utf8_lossy(&checked.stderr);
             assert!(checked.status.success(), "{closure}, {manifest}: {errors}");
         }
+        let text = std::fs::read_to_string(folder.join("manifest.toml")).unwrap();
+        let above = format!("y = {{ lower = \"wall\", upper = {{ pressure = \"{outlet}\"");
+        assert!(text.contains(&above), "{closure}: {text}");
         let checked =
             tremie().arg("check").arg(folder.join("held.toml")).arg("--json").output().unwrap();
         let text = String::from_utf8_lossy(&checked.stdout);

@@ -3,7 +3,7 @@
 use super::WRONG_INPUT;
 use crate::cli::{SceneArgs, SceneName};
 use crate::scenes::pressure_valve::{
-    self as valve, Dimensions, Grains, Resting, Ring, Steady, Working,
+    self as valve, Closure, Dimensions, Grains, Resting, Ring, Steady, Working,
 };
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -48,7 +48,7 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
         return Err(SceneError::Numbers(misfits.iter().map(ToString::to_string).collect()));
     }
     let defaults = Steady::default();
-    let works = working(arguments);
+    let works = working(arguments, numbers.closure);
     let run =
         Steady { lift: arguments.lift.unwrap_or(defaults.lift), cell: works.cell, ..defaults };
     if run.lift < numbers.lip {
@@ -103,9 +103,9 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
 }
 
 /// The run in which the valve works, with the cells of the command line.
-fn working(arguments: &SceneArgs) -> Working {
+fn working(arguments: &SceneArgs, closure: Closure) -> Working {
     let usual = if arguments.coarse { Working::coarse() } else { Working::default() };
-    Working { cell: arguments.cell.unwrap_or(usual.cell), ..usual }
+    Working { cell: arguments.cell.unwrap_or(usual.cell), ..usual }.closed_by(closure)
 }
 
 /// The usual numbers with those of the command line in place of some.

@@ -1,6 +1,6 @@
 //! A manifest in which the valve works: a piston pushes slurry through it.
 
-use super::dimensions::Dimensions;
+use super::dimensions::{Closure, Dimensions};
 use super::grains::{self, Grains};
 use super::moving;
 use super::rubber::Resting;
@@ -29,7 +29,7 @@ pub struct Working {
     pub until: Time,
     /// Dynamic viscosity of the fluid.
     pub viscosity: Viscosity,
-    /// Pressure at the outlet.
+    /// Pressure above the valve, at the outlet.
     pub outlet: Pressure,
     /// Stiffness of the spring where it begins.
     pub spring_rate: Stiffness,
@@ -82,6 +82,16 @@ impl Working {
             reservoir: Volume(1e-3),
             ..Self::default()
         }
+    }
+
+    /// The same with the pressure above the valve that Mutabaruka and Kamrin have for a closure: at a
+    /// safety valve both ways out lead to the same.
+    pub fn closed_by(self, closure: Closure) -> Self {
+        let outlet = match closure {
+            Closure::Pressure => Pressure(10416.0),
+            Closure::Safety => Pressure(0.0),
+        };
+        Self { outlet, ..self }
     }
 }
 
