@@ -1,6 +1,7 @@
 //! Every example, in its short form.
 
 use crate::tremie::{run, tremie};
+use std::f64::consts::PI;
 
 #[test]
 fn settling_sphere() {
@@ -76,6 +77,35 @@ fn a_slit_of_a_cell_between_flanges_is_found_at_its_place() {
         let radius = (place[0] - 16.0).hypot(place[1] - 16.0);
         assert!((6.0..11.0).contains(&radius), "{place:?} mm");
     }
+}
+
+/// Hydrostatics: on a shut valve presses what is beneath on the area within the ring, and what is above on all
+/// of it, 1 %; which density the fluid has at no pressure plays no part.
+#[test]
+fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
+    let forces = ["1000 kg/m3", "1500 kg/m3"].map(|density| {
+        let sets = [
+            "outputs.record=false".to_string(),
+            "scene.fluid.viscosity=\"1 Pa s\"".into(),
+            format!("scene.fluid.density={density:?}"),
+            // So heavy that it stays.
+            "scene.parts[1].motion.slider.mass=\"100 kg\"".into(),
+            "scene.domain.z.lower={ pressure = \"3e5 Pa\", ramp = \"1 ms\", absorbing = true }"
+                .into(),
+        ];
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let options: Vec<&str> = ["--until", "2 ms", "--quiet"].into_iter().chain(sets).collect();
+        let signals = run("examples/pressure-valve/rigid.toml", &options).succeeded().signals();
+        let last = |name: &str| *signals[name].last().unwrap();
+        assert!((last("fluid.rim.pressure") / 3e5 - 1.0).abs() < 1e-3);
+        last("grains.valve.fluid_force")
+    });
+    let (inner, outer) = (6.5e-3_f64, 11e-3_f64);
+    let expected = PI * (3e5 * inner * inner - 10416.0 * outer * outer);
+    for force in forces {
+        assert!((force / expected - 1.0).abs() < 0.01, "{force} N, expected {expected} N");
+    }
+    assert!((forces[1] / forces[0] - 1.0).abs() < 1e-3, "{forces:?}");
 }
 
 /// The valve with its rubber ring begins at rest, and opens at the pressure that lifts it off its seat, 10 %, the ring having
