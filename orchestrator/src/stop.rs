@@ -47,6 +47,10 @@ impl Watched {
     fn look(&mut self, time: f64, values: &[f64]) -> Option<String> {
         let StopCondition { component, signal, limit, after, hold } = &self.condition;
         let value = values[self.place];
+        if value.is_nan() {
+            // Not measured in this window.
+            return None;
+        }
         if time < *after || !limit.is_met_by(value) {
             self.since = None;
             return None;

@@ -1,7 +1,7 @@
 //! What a run reports, and what that means.
 
 use crate::inlets::STREAM;
-use crate::tremie::{run_text, tremie};
+use crate::tremie::{Ran, SMALL, run_text, tremie};
 use serde_json::Value;
 
 /// The signals of a manifest, as `tremie signals --json` lists them.
@@ -44,4 +44,35 @@ fn a_person_reads_a_list_and_finds_it_in_the_summary() {
     let ran = run_text(STREAM, &["--until", "0.5 ms", "--set", "outputs.record=false"]).succeeded();
     let told = &ran.summary()["signals"]["grains.bodies"];
     assert_eq!(told["meaning"], "grains that are there", "{told:#}");
+}
+
+/// A probe is measured where a row is kept and in the last window, with the same bits as if in every window, whoever
+/// looks; extremes and conditions see what was measured.
+#[test]
+fn probes_are_measured_where_rows_are_kept() {
+    let probe = "[[scene.probes]]\nname = \"middle\"\nregion = { min = [\"3 mm\", \"3 mm\", \"3 mm\"], max = [\"9 mm\", \"9 mm\", \"9 mm\"] }\n";
+    let until =
+        "[[stop_when]]\nsignal = \"fluid.middle.velocity_z\"\nbelow = -1e-4\nhold = \"4 ms\"\n";
+    let text = format!("{SMALL}\n{probe}\n{until}");
+    let kept = |signals: &str, outputs: &str| {
+        let outputs = format!("{outputs}\nsignals = \"{signals}\"");
+        run_text(&text.replace("record = false", &outputs), &["--until", "1 s"]).succeeded()
+    };
+    let rows = |ran: &Ran| ran.signals_text().lines().map(str::to_string).collect::<Vec<_>>();
+    let all = kept("1 ns", "record = false");
+    let few = kept("3 ms", "record = false");
+    let watched = kept("3 ms", "frames = \"1 ms\"");
+    assert_eq!(rows(&few), rows(&watched));
+    let ends = |ran: &Ran| ran.summary()["windows"].as_u64().unwrap();
+    assert!(ends(&few) >= ends(&all), "{} {}", ends(&few), ends(&all));
+
+    let every = rows(&few)[2].split(',').next().unwrap().parse::<u64>().unwrap();
+    assert!(every > 1 && !ends(&few).is_multiple_of(every), "{every} {}", ends(&few));
+    let (all, known) = (rows(&all), rows(&few));
+    let same = known.iter().filter(|row| all.contains(row)).count();
+    assert!(same >= all.len() / every as usize, "{same} of {}", known.len());
+    let column = &few.signals()["fluid.middle.velocity_z"];
+    assert!(column.iter().all(|value| value.is_finite()), "{column:?}");
+    let least = column.iter().copied().fold(f64::INFINITY, f64::min);
+    assert_eq!(few.summary()["signals"]["fluid.middle.velocity_z"]["min"], least);
 }

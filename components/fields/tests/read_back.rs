@@ -60,6 +60,7 @@ fn setup(output: &Path, parameters: serde_json::Value) -> Setup {
             windows: 20,
             substeps: 1,
             step: 1e-3,
+            rows_every: 1,
             body_capacity: 10,
             edges: Vec::new(),
             script: Default::default(),

@@ -91,7 +91,7 @@ fn signals(scene: &Scene) -> Vec<Signal> {
     }
     let of_reservoirs = reservoir_signals(scene);
     signals.extend(of_reservoirs.iter().map(|(name, unit)| signal(name, unit)));
-    signals.extend(probe_signals(scene).iter().map(|(name, unit)| signal(name, unit)));
+    signals.extend(probe_signals(scene).iter().map(|(name, unit)| signal(name, unit).sampled()));
     signals
 }
 
@@ -258,6 +258,9 @@ impl Fluid for LatticeFluid {
         }
         self.fluid.reservoirs(&mut self.reservoirs);
         values.extend(self.reservoirs.iter().flat_map(ReservoirState::values));
+    }
+
+    fn sampled(&mut self, values: &mut Vec<f64>) {
         self.fluid.probes(values);
     }
 

@@ -110,6 +110,7 @@ impl RunNote {
             windows: self.windows,
             substeps: 1,
             step: self.clock.window(),
+            rows_every: 1,
             body_capacity: 0,
             edges: Vec::new(),
             script: Script::default(),

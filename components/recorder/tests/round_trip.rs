@@ -45,6 +45,7 @@ fn setup(output: &Path, run: u64) -> Setup {
             windows: 100,
             substeps: 1,
             step: 1.2e-7,
+            rows_every: 1,
             body_capacity: 0,
             edges: Vec::new(),
             script: Default::default(),

@@ -191,6 +191,7 @@ fn signals(scene: &Scene) -> Vec<Signal> {
             name: format!("{name}.{value}"),
             unit: unit.into(),
             meaning: meaning.into(),
+            sampled: false,
         })
     };
     scene.surfaces.iter().flat_map(of).collect()

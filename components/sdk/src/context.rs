@@ -252,6 +252,14 @@ impl<S: Between> Context<S> {
         Ok(may(self.granted))
     }
 
+    /// Whether a row of the signals of the present window is kept: by the plan, or because it is known to be
+    /// the last.
+    pub fn keeps_row(&self) -> bool {
+        let Assignment { windows, rows_every, .. } = self.assignment;
+        let is_last = self.window == windows || self.finish && self.granted == Some(self.window);
+        is_last || self.window.is_multiple_of(rows_every.max(1))
+    }
+
     /// Whether the orchestrator said that the run is over.
     pub fn finish_requested(&mut self) -> Result<bool, Stop> {
         heed_credit(&self.credit, &mut self.granted, &mut self.finish)?;

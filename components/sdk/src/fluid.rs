@@ -38,6 +38,8 @@ pub struct FluidPlayer<S: Between, F: Fluid> {
     port: Option<OutPort<S, PortState>>,
     /// Faces whose velocities the grains are told.
     ports: Vec<PortState>,
+    /// The signals that are sampled, as they were when they were measured last.
+    sampled: Vec<f64>,
 }
 
 impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
@@ -69,6 +71,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
             facets: sizes.room_for_loads(),
             port: None,
             ports: PortState::all(&setup.hello.scene),
+            sampled: Vec::new(),
         })
     }
 
@@ -159,8 +162,13 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
         }
     }
 
-    fn signals(&mut self, values: &mut Vec<f64>) {
+    fn signals(&mut self, values: &mut Vec<f64>, measure: bool) {
         self.fluid.signals(values);
+        if measure {
+            self.sampled.clear();
+            self.fluid.sampled(&mut self.sampled);
+        }
+        values.extend(&self.sampled);
         self.impulse.push(values);
     }
 

@@ -95,6 +95,13 @@ impl<S: Between> Frames<S> {
         Ok(Self { outlets })
     }
 
+    /// Whether an observer is to see the signals of a window.
+    pub fn show_signals(&self, window: u64) -> bool {
+        self.outlets.iter().any(|outlet| {
+            matches!(outlet.stream, Stream::Signals(_)) && window.is_multiple_of(outlet.plan.every)
+        })
+    }
+
     /// Sends the frames that are due at the end of the present window.
     ///
     /// An observer that takes nothing is given up, and the orchestrator told so: observers never stop

@@ -139,7 +139,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
         }
     }
 
-    fn signals(&mut self, values: &mut Vec<f64>) {
+    fn signals(&mut self, values: &mut Vec<f64>, _: bool) {
         self.grains.signals(values);
         self.impulse.push(values);
     }

@@ -34,7 +34,7 @@ impl Impulse {
         for axis in ["x", "y", "z"] {
             let name = format!("{name}_{axis}");
             let meaning = "impulse of the loads of the fluid on all bodies since the start".into();
-            description.signals.push(Signal { name, unit: "N s".into(), meaning });
+            description.signals.push(Signal { name, unit: "N s".into(), meaning, sampled: false });
         }
         description
     }

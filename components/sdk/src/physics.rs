@@ -146,8 +146,12 @@ pub trait Fluid: Sized {
         Err(SolverError::no_ports(Self::PROGRAM))
     }
 
-    /// Pushes the values of the signals, in the order of the description.
+    /// Pushes the values of the signals, in the order of the description; without those that are sampled.
     fn signals(&mut self, values: &mut Vec<f64>);
+
+    /// Pushes the values of the signals that the description calls sampled; there they follow all others.
+    /// Called in windows whose row is kept, and where an observer looks.
+    fn sampled(&mut self, _values: &mut Vec<f64>) {}
 
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {

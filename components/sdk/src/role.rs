@@ -23,8 +23,9 @@ pub trait Player<S: Between>: Shows + Sized {
     fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop>;
     /// Sends the present window's message.
     fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop>;
-    /// Pushes the values of the signals.
-    fn signals(&mut self, values: &mut Vec<f64>);
+    /// Pushes the values of the signals; unless `measure`, those that are sampled as they were when they
+    /// were measured last.
+    fn signals(&mut self, values: &mut Vec<f64>, measure: bool);
     /// Work done in one substep.
     fn work(&self) -> u64;
     /// Whether it commits faults that end its own process inside a window, not before one.

@@ -106,7 +106,7 @@ impl<S: Between, R: Rubber> Player<S> for RubberPlayer<S, R> {
         port.send(context, loan)
     }
 
-    fn signals(&mut self, values: &mut Vec<f64>) {
+    fn signals(&mut self, values: &mut Vec<f64>, _: bool) {
         self.rubber.signals(values);
     }
 

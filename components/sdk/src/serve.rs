@@ -102,6 +102,9 @@ pub fn serve<S: Between, P: Player<S>>(
         }
     };
     let signals = description.signals.len();
+    let flags = description.signals.iter().map(|signal| signal.sampled);
+    let sampled: Vec<usize> =
+        flags.enumerate().filter_map(|(k, sampled)| sampled.then_some(k)).collect();
     let mut context =
         match Context::<S>::open(hello.run, &hello.component, assignment, signals, line) {
             Ok(context) => context,
@@ -111,9 +114,10 @@ pub fn serve<S: Between, P: Player<S>>(
                 return fault.map_or(Ok(()), |fault| tell_fault(&mut line, fault));
             }
         };
-    let ended = catch_unwind(AssertUnwindSafe(|| live(&mut player, &mut context))).unwrap_or_else(
-        |panic| Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic))),
-    );
+    let ended = catch_unwind(AssertUnwindSafe(|| live(&mut player, &mut context, &sampled)))
+        .unwrap_or_else(|panic| {
+            Err(context.fault(FaultKind::Solver, &context.component, panic_text(&*panic)))
+        });
     let window = context.window;
     match ended {
         Ok(last) => {
@@ -150,8 +154,13 @@ pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     format!("the solver panicked: {said}")
 }
 
-/// From ready to the last window; returns that window.
-fn live<S: Between, P: Player<S>>(player: &mut P, context: &mut Context<S>) -> Result<u64, Stop> {
+/// From ready to the last window; returns that window. `sampled` are the places of the signals that are
+/// not measured in every window.
+fn live<S: Between, P: Player<S>>(
+    player: &mut P,
+    context: &mut Context<S>,
+    sampled: &[usize],
+) -> Result<u64, Stop> {
     player.open(context)?;
     let mut frames = Frames::open(context)?;
     let gone = |_| Stop::Aborted;
@@ -170,13 +179,20 @@ fn live<S: Between, P: Player<S>>(player: &mut P, context: &mut Context<S>) -> R
             context.substeps = substeps_to_make(context, P::ends_inside())?;
         }
         play(player, context, if window == 0 { &script.start } else { &script.window })?;
+        let keeps_row = context.keeps_row();
         values.clear();
-        player.signals(&mut values);
+        player.signals(&mut values, keeps_row || frames.show_signals(window));
         frames.send(context, player, &values);
+        if !keeps_row {
+            // What is reported does not depend on who looks.
+            sampled.iter().for_each(|&place| values[place] = f64::NAN);
+        }
         let work = player.work();
         context.send_report(begin, work, &values)?;
     }
     // Only here is it known that the window was the last: a run may end before its plan does.
+    values.clear();
+    player.signals(&mut values, true);
     frames.send_last(context, player, &values);
     Ok(context.window)
 }

@@ -115,7 +115,7 @@ pub fn meanings(frames: &[FrameStream]) -> String {
     let mut text = String::from("| signal | unit | meaning |\n| --- | --- | --- |\n");
     for frame in frames {
         let FrameContent::Signals(signals) = &frame.content else { continue };
-        for Signal { name, unit, meaning } in signals {
+        for Signal { name, unit, meaning, .. } in signals {
             text += &format!("| {}.{name} | {unit} | {meaning} |\n", frame.from);
         }
     }

@@ -101,6 +101,7 @@ fn setup(output: &Path, parameters: serde_json::Value) -> Setup {
             windows: 1000,
             substeps: 1,
             step: 1e-4,
+            rows_every: 1,
             body_capacity: 0,
             edges: Vec::new(),
             script: Default::default(),

@@ -40,6 +40,7 @@ impl Fluid for StokesFluid {
                 name: "largest_drag".into(),
                 unit: "N".into(),
                 meaning: "largest drag on a sphere".into(),
+                sampled: false,
             }],
             notes: vec![format!("Stokes drag, {} Pa s", fluid.viscosity)],
             warnings: vec!["grains do not feel each other through this fluid".into()],

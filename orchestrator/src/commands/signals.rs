@@ -44,7 +44,7 @@ fn list(manifest: &Manifest, path: &Path) -> Result<Vec<(String, Signal)>, RunEr
 
 fn tell(signals: &[(String, Signal)], terminal: &Terminal) {
     let row = |(component, signal): &(String, Signal)| {
-        let Signal { name, unit, meaning } = signal;
+        let Signal { name, unit, meaning, .. } = signal;
         vec![format!("{component}.{name}"), unit.clone(), meaning.clone()]
     };
     if !terminal.speaks_json() {

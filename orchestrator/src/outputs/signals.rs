@@ -115,7 +115,11 @@ impl Statistics {
         Self { unit, meaning, min: none, min_at: none, max: none, max_at: none, last: none }
     }
 
+    /// Takes a value; one that is not a number was not measured.
     fn take(&mut self, time: f64, value: f64) {
+        if value.is_nan() {
+            return;
+        }
         if self.min.is_nan() || value < self.min {
             (self.min, self.min_at) = (value, time);
         }

@@ -82,6 +82,7 @@ pub struct PlannedComponent {
     pub notes: Vec<String>,
     clock: Clock,
     windows: u64,
+    rows_every: u64,
     body_capacity: u64,
     edges: Vec<Edge>,
     script: Script,
@@ -97,6 +98,7 @@ impl PlannedComponent {
             windows: self.windows,
             substeps: self.substeps,
             step: self.step,
+            rows_every: self.rows_every,
             body_capacity: self.body_capacity,
             edges: self.edges.clone(),
             script: self.script.clone(),
@@ -200,6 +202,7 @@ fn assemble(
     let window = steps.clock.window();
     let body_capacity = body_capacity(described);
     let frames_every = windows_in(spec.outputs.frames, window, steps.windows);
+    let rows_every = signal_rows_every(spec, window, steps.windows);
     let substeps = substeps_of_all(described, &steps);
     let edges = edges(wiring, &substeps, |content| capacity(content, body_capacity, &spec.scene));
     let vertices = capacity(Content::Surface, body_capacity, &spec.scene);
@@ -219,6 +222,7 @@ fn assemble(
         notes: description.notes.clone(),
         clock: steps.clock,
         windows: steps.windows,
+        rows_every,
         body_capacity,
         edges: wiring.members[index].links.iter().map(|link| edges[*link].clone()).collect(),
         script: wiring.members[index].script.clone(),
@@ -248,7 +252,7 @@ fn assemble(
         windows: steps.windows,
         schedule: spec.run.schedule,
         frames_every,
-        signal_rows_every: signal_rows_every(spec, window, steps.windows),
+        signal_rows_every: rows_every,
         components: described.iter().enumerate().map(component).collect(),
         warnings: described.iter().flat_map(warn).chain(no_nodes).collect(),
         notes: steps.notes.into_iter().chain(volumes).collect(),

@@ -45,7 +45,7 @@ pub struct Description {
     pub resolution: std::collections::BTreeMap<String, f64>,
 }
 
-/// A scalar that a component reports every window.
+/// A scalar that a component reports.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Signal {
     /// Name, in snake case; the run calls it `component.name`.
@@ -55,6 +55,10 @@ pub struct Signal {
     /// What it is, a few words without a full stop; empty where a component says nothing.
     #[serde(default)]
     pub meaning: String,
+    /// Whether it takes time to measure and is measured only in windows whose row is kept, and in a run's
+    /// last; otherwise it is measured in every window.
+    #[serde(default)]
+    pub sampled: bool,
 }
 
 impl Signal {
@@ -63,7 +67,13 @@ impl Signal {
         let name = name.into();
         let last = name.rsplit('.').next().unwrap_or_default();
         let meaning = meanings.iter().find(|(of, _)| *of == last).map(|(_, text)| *text);
-        Self { meaning: meaning.unwrap_or_default().into(), unit: unit.into(), name }
+        let meaning = meaning.unwrap_or_default().into();
+        Self { meaning, unit: unit.into(), name, sampled: false }
+    }
+
+    /// The same, but measured only where a row is kept.
+    pub fn sampled(self) -> Self {
+        Self { sampled: true, ..self }
     }
 }
 

@@ -160,6 +160,8 @@ pub struct Assignment {
     pub substeps: u32,
     /// Length of one of them [s].
     pub step: f64,
+    /// A row of signals is kept every so many windows.
+    pub rows_every: u64,
     /// Most bodies that can live at once.
     pub body_capacity: u64,
     /// Edges that this component sends or receives on; scripts index this list.
