@@ -75,8 +75,8 @@ pub struct Surface {
 /// How much later than half a step after its start a link that meets the wall at `q` is reflected, in steps: what
 /// comes back to the cell at the step's end met the wall at `1 - q` of the step, or at `q` where that is more.
 ///
-/// The wall's velocity is that of this time. A constant one would be late for all links but those that meet the
-/// wall half-way, and as a force that is late it would feed the sound around the body: a plate on 30 cells of
+/// The wall's velocity is that of this time. One and the same for all links would be late for all but those that meet
+/// the wall half-way, and as a force that is late it would feed the sound around the body: a plate on 30 cells of
 /// fluid swings by a factor of e more in some thousand steps. (A surface that deforms answers the force with a
 /// velocity, not with a change of it: taken further, that would swing from step to step.)
 #[inline(always)]

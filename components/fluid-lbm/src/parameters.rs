@@ -62,8 +62,8 @@ pub struct Parameters {
     /// last step: 0 for the velocity given. A body that moves under the fluid's force gets the force of
     /// a step after it, half a step later still with `average_force`; that lag feeds sound between
     /// body and walls, at the rate `rho cs^2 A^2 lag / (M V)`, and at a small viscosity nothing damps
-    /// it. 1 makes up for both, and is stable with `average_force` alone. With a lead, the velocity of a rigid
-    /// body's wall is in each link that of the time at which the link meets it. Free spheres and polyhedra are taken
+    /// it. 1 makes up for both, and is stable with `average_force` alone. With a lead, a rigid
+    /// body's velocity is in each interpolated link that of the time at which the link meets it. Free spheres and polyhedra are taken
     /// ahead by no more than the fluid's own force changes their velocity: what a lead makes of the jolts
     /// between grains is noise. They feed the sound across gaps as narrow as a few of them.
     #[serde(default)]
