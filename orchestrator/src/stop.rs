@@ -12,8 +12,9 @@ pub struct StopWatch {
 #[derive(Debug)]
 struct Watched {
     condition: StopCondition,
-    /// Place of its signal in a row.
+    /// Place of its signal in a row, and whether that is measured in some windows only.
     place: usize,
+    sampled: bool,
     /// Simulated time since which it has held.
     since: Option<f64>,
 }
@@ -22,12 +23,11 @@ impl StopWatch {
     /// Watches `conditions`; `signals` are those of a row's values, by full names (`component.signal`).
     /// Conditions on other names were refused by the plan.
     pub fn new(conditions: &[StopCondition], signals: &[(String, Signal)]) -> Self {
-        let place = |c: &StopCondition| {
-            let name = format!("{}.{}", c.component, c.signal);
-            signals.iter().position(|(known, _)| *known == name)
-        };
         let watched = |c: &StopCondition| {
-            Some(Watched { condition: c.clone(), place: place(c)?, since: None })
+            let name = format!("{}.{}", c.component, c.signal);
+            let place = signals.iter().position(|(known, _)| *known == name)?;
+            let sampled = signals[place].1.sampled;
+            Some(Watched { condition: c.clone(), place, sampled, since: None })
         };
         Self { conditions: conditions.iter().filter_map(watched).collect() }
     }
@@ -47,7 +47,7 @@ impl Watched {
     fn look(&mut self, time: f64, values: &[f64]) -> Option<String> {
         let StopCondition { component, signal, limit, after, hold } = &self.condition;
         let value = values[self.place];
-        if value.is_nan() {
+        if self.sampled && value.is_nan() {
             // Not measured in this window.
             return None;
         }

@@ -98,7 +98,8 @@ impl<S: Between> Frames<S> {
     /// Whether an observer is to see the signals of a window.
     pub fn show_signals(&self, window: u64) -> bool {
         self.outlets.iter().any(|outlet| {
-            matches!(outlet.stream, Stream::Signals(_)) && window.is_multiple_of(outlet.plan.every)
+            let shows = matches!(outlet.stream, Stream::Signals(_)) && !outlet.broken;
+            shows && window.is_multiple_of(outlet.plan.every)
         })
     }
 

@@ -165,7 +165,7 @@ fn live<S: Between, P: Player<S>>(
     let mut frames = Frames::open(context)?;
     let gone = |_| Stop::Aborted;
     context.line().reply(&Reply::Ready {}).map_err(gone)?;
-    let mut values = Vec::new();
+    let (mut values, mut is_measured) = (Vec::new(), false);
     let script = context.assignment.script.clone();
     for window in 0..=context.assignment.windows {
         let begin = Instant::now();
@@ -180,19 +180,25 @@ fn live<S: Between, P: Player<S>>(
         }
         play(player, context, if window == 0 { &script.start } else { &script.window })?;
         let keeps_row = context.keeps_row();
+        is_measured = keeps_row || frames.show_signals(window);
         values.clear();
-        player.signals(&mut values, keeps_row || frames.show_signals(window));
+        player.signals(&mut values, is_measured);
         frames.send(context, player, &values);
-        if !keeps_row {
+        if !keeps_row && !sampled.is_empty() {
             // What is reported does not depend on who looks.
-            sampled.iter().for_each(|&place| values[place] = f64::NAN);
+            is_measured = false;
+            for &place in sampled {
+                values.get_mut(place).into_iter().for_each(|value| *value = f64::NAN);
+            }
         }
         let work = player.work();
         context.send_report(begin, work, &values)?;
     }
     // Only here is it known that the window was the last: a run may end before its plan does.
-    values.clear();
-    player.signals(&mut values, true);
+    if !is_measured && !sampled.is_empty() {
+        values.clear();
+        player.signals(&mut values, true);
+    }
     frames.send_last(context, player, &values);
     Ok(context.window)
 }

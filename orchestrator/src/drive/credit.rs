@@ -22,7 +22,8 @@ impl<S: Between> Drive<'_, S> {
             course.rate = (done - course.mark.0) as f64 / since;
             course.mark = (done, now);
         }
-        let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD };
+        // Less than to where a condition ends the run: who is allowed that window knows that it is the last.
+        let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD - 1 };
         if !course.not_watching.is_empty() {
             // Only the start exchange, until they have seen it.
             return self.grant_through(course, 0);

@@ -25,6 +25,9 @@ pub struct Statistics {
     pub max_at: f64,
     /// Value at the end.
     pub last: f64,
+    /// Whether it is measured in some windows only.
+    #[serde(skip)]
+    sampled: bool,
 }
 
 /// `signals.csv`: window, time and all signals, a row every so many windows and the last one.
@@ -110,14 +113,23 @@ impl SignalTable {
 
 impl Statistics {
     fn none(signal: &Signal) -> Self {
-        let Signal { unit, meaning, .. } = signal.clone();
+        let Signal { unit, meaning, sampled, .. } = signal.clone();
         let none = f64::NAN;
-        Self { unit, meaning, min: none, min_at: none, max: none, max_at: none, last: none }
+        Self {
+            unit,
+            meaning,
+            min: none,
+            min_at: none,
+            max: none,
+            max_at: none,
+            last: none,
+            sampled,
+        }
     }
 
-    /// Takes a value; one that is not a number was not measured.
+    /// Takes a value, if it was measured.
     fn take(&mut self, time: f64, value: f64) {
-        if value.is_nan() {
+        if self.sampled && value.is_nan() {
             return;
         }
         if self.min.is_nan() || value < self.min {

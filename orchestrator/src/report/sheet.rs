@@ -53,13 +53,15 @@ fn chart(panel: &Panel) -> Chart {
     }
 }
 
-/// Of many points least and greatest of each stretch, so that no peak is lost; a few as they are.
+/// Of many points least and greatest of each stretch, so that no peak is lost; a few as they are. What was not
+/// measured is left out.
 fn thinned(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
     let stretch = points.len().div_ceil(POINTS).max(1);
     points.chunks(stretch).flat_map(move |part| {
         let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let least = part.iter().min_by(by_value).copied();
-        let greatest = part.iter().max_by(by_value).copied().filter(|_| stretch > 1);
+        let measured = || part.iter().filter(|point| !point.1.is_nan());
+        let least = measured().min_by(by_value).copied();
+        let greatest = measured().max_by(by_value).copied().filter(|_| stretch > 1);
         let mut both: Vec<_> = least.into_iter().chain(greatest).collect();
         both.sort_by(|a, b| a.0.total_cmp(&b.0));
         both
@@ -79,6 +81,8 @@ mod tests {
         assert!(few.len() <= 2 * POINTS);
         assert!(few.contains(&(77_777.0, 5.0)) && few.contains(&(12_345.0, -5.0)));
         assert!(few.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+        let unmeasured: Vec<_> = thinned(&[(0.0, 1.0), (1.0, f64::NAN)]).collect();
+        assert_eq!(unmeasured, [(0.0, 1.0)]);
         let short: Vec<_> = thinned(&points[..50]).collect();
         assert_eq!(short, points[..50]);
     }

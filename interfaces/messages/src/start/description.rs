@@ -15,7 +15,7 @@ pub struct Description {
     pub step: Option<f64>,
     /// Number of bodies that it brings (grains).
     pub bodies: u64,
-    /// Scalars that it reports every window.
+    /// Scalars that it reports.
     pub signals: Vec<Signal>,
     /// Cuts that it can send to observers.
     pub slices: Vec<SliceSpec>,
@@ -56,7 +56,7 @@ pub struct Signal {
     #[serde(default)]
     pub meaning: String,
     /// Whether it takes time to measure and is measured only in windows whose row is kept, and in a run's
-    /// last; otherwise it is measured in every window.
+    /// last; otherwise it is measured in every window. Fluids may have such signals; they come after all others.
     #[serde(default)]
     pub sampled: bool,
 }
