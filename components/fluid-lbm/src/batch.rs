@@ -97,7 +97,7 @@ impl Batch {
     }
 
     /// Counts a volume by which the wall recedes where it has no links; see `mass`.
-    pub fn recede(&mut self, volume: f64) {
+    pub fn draw(&mut self, volume: f64) {
         self.exchange.drawn += volume;
     }
 

@@ -192,19 +192,14 @@ impl Body {
         let velocity = state.velocity.map(|v| v / units.velocity());
         let spin = state.angular_velocity.map(|w| w * units.time_step);
         let before = if self.placed { self.given } else { [velocity, spin] };
-        let further = |now: [f64; 3], before: [f64; 3]| {
-            std::array::from_fn(|a| now[a] + lead * (now[a] - before[a]))
-        };
-        let change = std::array::from_fn(|a| velocity[a] - before[0][a]);
-        let change = if self.is_part() {
-            (self.velocity, self.spin) = (further(velocity, before[0]), further(spin, before[1]));
-            change
+        let change: [f64; 3] = std::array::from_fn(|a| velocity[a] - before[0][a]);
+        let (change, spin_change) = if self.is_part() {
+            (change, std::array::from_fn(|a| spin[a] - before[1][a]))
         } else {
-            let change = std::array::from_fn(|a| lesser(change[a], self.urged[a]));
-            self.velocity = std::array::from_fn(|a| velocity[a] + lead * change[a]);
-            self.spin = spin;
-            change
+            (std::array::from_fn(|a| lesser(change[a], self.urged[a])), [0.0; 3])
         };
+        self.velocity = std::array::from_fn(|a| velocity[a] + lead * change[a]);
+        self.spin = std::array::from_fn(|a| spin[a] + lead * spin_change[a]);
         self.change = if lead > 0.0 { change } else { [0.0; 3] };
         self.given = [velocity, spin];
         let position = grid.canonical(units.position_to_lattice(state.position));

@@ -8,13 +8,9 @@ use crate::narrow::Narrow;
 use crate::parameters::{Parameters, Precision};
 use crate::reservoir_findings as reservoirs;
 use crate::resolution::{Mended, Resolution};
-use core::f64::consts::PI;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
-use tremie_messages::scene::{
-    BodySet, Face, FluidMaterial, Motion, Packing, PartBoundary, Placement, PolyhedronPlacement,
-    Scene,
-};
+use tremie_messages::scene::{Face, FluidMaterial, Motion, PartBoundary, Scene};
 
 /// Cells across a sphere from which its drag is trusted to a few per cent.
 const RESOLVED: f64 = 8.0;
@@ -259,7 +255,11 @@ impl Lattice<'_> {
         let floor: f64 = (0..3).filter(|a| *a != down).map(|a| size[a]).product();
         let free = self.scene.bodies.iter().filter(|set| set.motion == Motion::Free);
         let weight: f64 = free
-            .map(|set| (set.density - self.fluid.density).abs() * volume(set) * gravity[down].abs())
+            .map(|set| {
+                (set.density - self.fluid.density).abs()
+                    * set.placement.sizes().volume()
+                    * gravity[down].abs()
+            })
             .sum();
         if weight == 0.0 || self.scene.domain.is_periodic(down) {
             return None;
@@ -307,30 +307,14 @@ fn mended(mended: &Mended) -> Finding {
     )
 }
 
-/// Volume of the bodies of a set [m³].
-fn volume(set: &BodySet) -> f64 {
-    let all = |diameters: &mut dyn Iterator<Item = f64>| {
-        diameters.map(|d| PI / 6.0 * d * d * d).sum::<f64>()
-    };
-    let packed = |packing: &Packing| {
-        let region: f64 = (0..3).map(|a| packing.max[a] - packing.min[a]).product();
-        packing.fraction * region
-    };
-    match &set.placement {
-        Placement::Listed(spheres) => all(&mut spheres.iter().map(|sphere| sphere.diameter)),
-        Placement::Packed(packing) => packed(packing),
-        Placement::Polyhedra(polyhedra) => match &polyhedra.placement {
-            PolyhedronPlacement::Listed(list) => all(&mut list.iter().map(|body| body.diameter)),
-            PolyhedronPlacement::Packed(packing) => packed(packing),
-        },
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::f64::consts::PI;
     use tremie_messages::Verdict;
-    use tremie_messages::scene::{Domain, Polyhedra, Polyhedron, Sphere};
+    use tremie_messages::scene::{
+        BodySet, Domain, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Sphere,
+    };
     use tremie_messages::units::Time;
 
     fn scene(diameter: f64, gravity: f64) -> Scene {

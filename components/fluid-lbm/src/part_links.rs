@@ -291,7 +291,7 @@ impl<T: Real> After<'_, T> {
         }
         if self.walls.is_some() {
             let receded = self.press_on(body, part, &list.gaps, &mut batch.gaps);
-            batch.recede(receded);
+            batch.draw(receded);
         }
     }
 
@@ -320,7 +320,7 @@ impl<T: Real> After<'_, T> {
         if self.owners.of(cell) == FROZEN {
             for (k, link) in run.iter().enumerate() {
                 let link = link.now(body, part, 0, hit(k));
-                batch.recede(recession(&link, wall_velocity(body, &link, hit(k))));
+                batch.draw(recession(&link, wall_velocity(body, &link, hit(k))));
             }
         }
         let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);

@@ -12,7 +12,7 @@ use crate::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::Surface;
 use tremie_messages::Problem;
-use tremie_messages::scene::{Domain, FluidMaterial, Placement, PolyhedronPlacement, Scene};
+use tremie_messages::scene::{Domain, FluidMaterial, Scene};
 
 /// What follows from parameters and scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -312,19 +312,7 @@ fn too_many(cells: [usize; 3]) -> Problem {
 /// Diameter of the smallest sphere that the scene lists or may draw [m]; a polyhedron counts as the sphere
 /// of its volume.
 fn smallest_diameter(scene: &Scene) -> Option<f64> {
-    let least = |placement: &Placement| match placement {
-        Placement::Listed(spheres) => {
-            spheres.iter().map(|sphere| sphere.diameter).fold(f64::INFINITY, f64::min)
-        }
-        Placement::Packed(packing) => packing.diameters.extremes()[0],
-        Placement::Polyhedra(polyhedra) => match &polyhedra.placement {
-            PolyhedronPlacement::Listed(list) => {
-                list.iter().map(|body| body.diameter).fold(f64::INFINITY, f64::min)
-            }
-            PolyhedronPlacement::Packed(packing) => packing.diameters.extremes()[0],
-        },
-    };
-    let sets = scene.bodies.iter().map(|set| least(&set.placement));
+    let sets = scene.bodies.iter().map(|set| set.placement.sizes().extremes()[0]);
     let inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[0]);
     sets.chain(inlets).filter(|d| d.is_finite()).reduce(f64::min)
 }

@@ -18,9 +18,7 @@ use crate::{
     walls::{self, Wall},
 };
 use core::f64::consts::PI;
-use tremie_messages::scene::{
-    BodySet, Domain, Face, Packing, Placement, Polyhedra, PolyhedronPlacement,
-};
+use tremie_messages::scene::{BodySet, BodySizes, Domain, Face, Packing};
 
 /// Up to this solid fraction spheres are inserted one after the other; above, insertion slows
 /// down (it ends for good at 0.38) and a crowded start is relaxed instead.
@@ -63,15 +61,9 @@ struct Region<'a> {
 
 /// Diameters [m] of the bodies of a set, or of spheres of equal volume, in the order in which a packing draws them.
 pub(crate) fn diameters_of(set: &BodySet) -> Vec<f64> {
-    match &set.placement {
-        Placement::Listed(list) => list.iter().map(|sphere| sphere.diameter).collect(),
-        Placement::Packed(packing) => diameters(packing),
-        Placement::Polyhedra(Polyhedra {
-            placement: PolyhedronPlacement::Listed(list), ..
-        }) => list.iter().map(|body| body.diameter).collect(),
-        Placement::Polyhedra(Polyhedra {
-            placement: PolyhedronPlacement::Packed(packing), ..
-        }) => diameters(packing),
+    match set.placement.sizes() {
+        BodySizes::Listed(diameters) => diameters,
+        BodySizes::Packed(packing) => diameters(packing),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Bodies: sets of them, how they move, where they are at the start.
 
-use super::{Polyhedra, Slider};
+use super::{Polyhedra, PolyhedronPlacement, Slider};
+use core::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 /// Spheres, or polyhedra of one shape, of one material and one kind of motion.
@@ -56,6 +57,60 @@ pub enum Placement {
     Packed(Packing),
     /// Convex polyhedra of one shape.
     Polyhedra(Polyhedra),
+}
+
+impl Placement {
+    /// How large the bodies are.
+    pub fn sizes(&self) -> BodySizes<'_> {
+        match self {
+            Self::Listed(list) => {
+                BodySizes::Listed(list.iter().map(|body| body.diameter).collect())
+            }
+            Self::Packed(packing) => BodySizes::Packed(packing),
+            Self::Polyhedra(polyhedra) => match &polyhedra.placement {
+                PolyhedronPlacement::Listed(list) => {
+                    BodySizes::Listed(list.iter().map(|body| body.diameter).collect())
+                }
+                PolyhedronPlacement::Packed(packing) => BodySizes::Packed(packing),
+            },
+        }
+    }
+}
+
+/// Sizes of the bodies of a set; a polyhedron counts as the sphere of its volume.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodySizes<'a> {
+    /// The diameter of each [m].
+    Listed(Vec<f64>),
+    /// What a packing draws.
+    Packed(&'a Packing),
+}
+
+impl BodySizes<'_> {
+    /// The smallest and the largest diameter that there is or may be drawn [m]: infinity and zero where
+    /// there is none.
+    pub fn extremes(&self) -> [f64; 2] {
+        match self {
+            Self::Listed(list) => extremes(list.iter().copied()),
+            Self::Packed(packing) => packing.diameters.extremes(),
+        }
+    }
+
+    /// Volume of all bodies together [m³].
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Listed(list) => list.iter().map(|d| PI / 6.0 * d * d * d).sum(),
+            Self::Packed(packing) => {
+                let sides = (0..3).map(|a| packing.max[a] - packing.min[a]);
+                packing.fraction * sides.product::<f64>()
+            }
+        }
+    }
+}
+
+/// The least and the greatest of some diameters.
+fn extremes(diameters: impl Iterator<Item = f64>) -> [f64; 2] {
+    diameters.fold([f64::INFINITY, 0.0], |[low, high], d| [d.min(low), d.max(high)])
 }
 
 /// A sphere at the start.
@@ -133,15 +188,12 @@ impl Diameters {
     /// The smallest and the largest diameter that may be drawn [m]: infinity and zero where there
     /// is none.
     pub fn extremes(&self) -> [f64; 2] {
-        let of = |sizes: &mut dyn Iterator<Item = f64>| {
-            sizes.fold([f64::INFINITY, 0.0], |[low, high], d| [d.min(low), d.max(high)])
-        };
         match self {
             Self::Uniform { min, max }
             | Self::Normal { min, max, .. }
             | Self::LogNormal { min, max, .. } => [*min, *max],
-            Self::Sieve(points) => of(&mut points.iter().map(|point| point.size)),
-            Self::Listed(list) => of(&mut list.iter().copied()),
+            Self::Sieve(points) => extremes(points.iter().map(|point| point.size)),
+            Self::Listed(list) => extremes(list.iter().copied()),
         }
     }
 }

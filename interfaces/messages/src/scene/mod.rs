@@ -15,7 +15,9 @@ mod ring;
 mod slider;
 mod surfaces;
 
-pub use bodies::{BodySet, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere};
+pub use bodies::{
+    BodySet, BodySizes, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere,
+};
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
 pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-use tremie_messages::units::{Angle, Density, Length, Mass};
+use tremie_messages::units::{Angle, Density, Length, Mass, Pressure};
 
 /// The numbers that make a valve, in the valve's frame: y along its axis, zero on the flat of the seat
 /// and up with the lift; z along the conduit, in the direction of the flow; the plane x = 0 a mirror.
@@ -59,6 +59,17 @@ pub enum Closure {
     Pressure,
     /// An orifice and a second outlet.
     Safety,
+}
+
+impl Closure {
+    /// Pressure above the valve in the runs of Mutabaruka and Kamrin: at a safety valve both ways out
+    /// lead to the same.
+    pub fn outlet(self) -> Pressure {
+        Pressure(match self {
+            Self::Pressure => 10416.0,
+            Self::Safety => 0.0,
+        })
+    }
 }
 
 impl Default for Dimensions {

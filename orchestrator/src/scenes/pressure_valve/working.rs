@@ -61,7 +61,7 @@ impl Default for Working {
             stop: Time(25e-3),
             until: Time(35e-3),
             viscosity: Viscosity(1e-3),
-            outlet: Pressure(10416.0),
+            outlet: Closure::Pressure.outlet(),
             spring_rate: Stiffness(625.0),
             spring_preload: Length(92e-3),
             spring_stroke: Length(4.5e-3),
@@ -84,14 +84,9 @@ impl Working {
         }
     }
 
-    /// The same with the pressure above the valve that Mutabaruka and Kamrin have for a closure: at a
-    /// safety valve both ways out lead to the same.
+    /// The same with the pressure above the valve that belongs to a closure.
     pub fn closed_by(self, closure: Closure) -> Self {
-        let outlet = match closure {
-            Closure::Pressure => Pressure(10416.0),
-            Closure::Safety => Pressure(0.0),
-        };
-        Self { outlet, ..self }
+        Self { outlet: closure.outlet(), ..self }
     }
 }
 
