@@ -19,8 +19,9 @@
 //!
 //! Where a body borders a declared gap that holds no fluid (see `declared`), its surface has no links, but
 //! the sum over its gap links counts in `space` as well: what such a gap draws in as it widens leaves the
-//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new; within some
-//! tens of steps. Those in contact count nothing: there is no fluid between.
+//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new. This part is
+//! paid in the next step: it moves with the body, and paid late it would feed the sound around a shut valve, as
+//! a wall would that moves late. Those in contact count nothing: there is no fluid between.
 //!
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
@@ -36,9 +37,6 @@ use crate::solver::Solver;
 /// it would feed the sound.
 const RATE: f64 = 0.002;
 
-/// The same of what gaps drew in or pressed out, which does not come back by itself.
-const RATE_OF_GAPS: f64 = 0.02;
-
 /// The mass that one body owes the fluid [cells at density 1].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Account {
@@ -48,7 +46,7 @@ pub struct Account {
     space: f64,
     /// What is owed.
     pub owed: f64,
-    /// Of that, what gaps drew in.
+    /// Of that, what gaps drew in since it could last be paid.
     of_gaps: f64,
     /// What the coming step pays to a link, for each unit of `6 w_i rho`.
     pub pay: f64,
@@ -74,10 +72,9 @@ impl Account {
         self.space -= receded + drawn;
         self.owed = self.took + mean * self.space;
         self.of_gaps -= mean * drawn;
-        let (fast, slow) = (RATE_OF_GAPS * self.of_gaps, RATE * (self.owed - self.of_gaps));
         if weight > 0.0 {
-            self.pay = (fast + slow) / weight;
-            self.of_gaps -= fast;
+            self.pay = (self.of_gaps + RATE * (self.owed - self.of_gaps)) / weight;
+            self.of_gaps = 0.0;
         } else {
             self.pay = 0.0;
         }
@@ -172,16 +169,21 @@ mod tests {
         assert!((account.owed - 0.1).abs() < 1e-15 && (account.pay - 0.05 * RATE).abs() < 1e-16);
     }
 
-    /// What a gap draws in is paid within some tens of steps.
+    /// What a gap draws in is paid in the next step, once there are links to pay at.
     #[test]
-    fn a_gap_is_paid_soon() {
+    fn a_gap_is_paid_at_once() {
         let mut account = Account::default();
-        let drawn = Exchange { drawn: 0.5, weight: 4.0, ..Exchange::default() };
-        account.settle(&drawn, 1.0);
-        for _ in 0..200 {
-            let paid = Exchange { mass: account.pay * 4.0, weight: 4.0, ..Exchange::default() };
-            account.settle(&paid, 1.0);
-        }
-        assert!(account.owed.abs() < 0.02 * 0.5, "{}", account.owed);
+        let mut step = |drawn: f64, weight: f64| {
+            let mass = account.pay * weight;
+            account.settle(&Exchange { drawn, mass, weight, ..Exchange::default() }, 1.0);
+            (mass, account.owed)
+        };
+        assert_eq!(step(0.5, 4.0), (0.0, -0.5));
+        assert_eq!(step(0.25, 4.0), (-0.5, -0.25));
+        assert_eq!(step(0.5, 0.0), (0.0, -0.75), "no links");
+        step(0.0, 4.0);
+        // What was due when there were none is like any other debt.
+        let (paid, owed) = step(0.0, 4.0);
+        assert!((paid + 0.5).abs() < 1e-3 && (owed + 0.25).abs() < 1e-3, "{paid} {owed}");
     }
 }
