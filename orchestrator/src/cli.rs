@@ -30,6 +30,8 @@ pub enum Command {
     View(ViewArgs),
     /// Draw the curves of a finished run, or of several to compare them.
     Report(ReportArgs),
+    /// Read a valve out of a finished run: when it cracks and reseats, its flow coefficient, forces, what is stuck.
+    Valve(ValveArgs),
     /// Check that a program keeps the contract of a component.
     Conform(ConformArgs),
     /// Run scenes whose result is known, and compare.
@@ -126,6 +128,34 @@ pub struct ReportArgs {
     /// Where to write the picture [default: report.svg in the first folder]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,
+}
+
+/// Arguments of `tremie valve`.
+#[derive(Debug, Args)]
+pub struct ValveArgs {
+    /// Folder of a finished run
+    pub out: PathBuf,
+    /// The part that is the valve [default: the only one that slides]
+    #[arg(long, value_name = "NAME")]
+    pub part: Option<String>,
+    /// Probe or reservoir of the pressure upstream [default: the only reservoir]
+    #[arg(long, value_name = "NAME")]
+    pub upstream: Option<String>,
+    /// Probe of the pressure downstream [default: gauge pressure 0]
+    #[arg(long, value_name = "NAME")]
+    pub downstream: Option<String>,
+    /// Probe of the rate of flow [default: the only one]
+    #[arg(long, value_name = "NAME")]
+    pub flow: Option<String>,
+    /// Lift above which it counts as open, as "0.5 mm" [default: a tenth of its way]
+    #[arg(long, value_name = "LENGTH")]
+    pub open_at: Option<Length>,
+    /// Where to write the picture [default: valve.svg in the folder]
+    #[arg(long, value_name = "FILE.svg")]
+    pub to: Option<PathBuf>,
+    /// Print one JSON document instead of a table
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `tremie conform`.

@@ -4,7 +4,7 @@
 //! components ([`launch`]) and asks each what it is, in a [`round`]; [`plan`] assigns steps and [`schedule`] the order of
 //! work; [`doctor`] says which numbers are doubtful; [`mod@run`] hands out the assignments; [`drive`] lets the
 //! windows go by over [`control`], with [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
-//! [`mod@report`] draws what a finished run kept, with [`charts`]; [`validation`] makes runs whose results are known;
+//! [`mod@report`] draws what a finished run kept, with [`charts`], and [`mod@valve`] reads a valve out of it; [`validation`] makes runs whose results are known;
 //! [`scenes`] builds scenes from numbers.
 
 pub mod charts;
@@ -30,3 +30,4 @@ pub mod schedule;
 pub mod stop;
 pub mod terminal;
 pub mod validation;
+pub mod valve;

@@ -108,31 +108,57 @@ fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
     assert!((forces[1] / forces[0] - 1.0).abs() < 1e-3, "{forces:?}");
 }
 
-/// The valve with its rubber ring begins at rest, and opens at the pressure that lifts it off its seat, 10 %, the ring having
-/// given back much of its compression.
+/// The coarse valve with its rubber ring, from its beginning to its end: it begins at rest, opens at the pressure that
+/// lifts it off its seat, 10 %, the ring having given back much of its compression; holds where the forces
+/// balance, 2 %, while as much flows as the piston displaces, 1 %; and shuts when the piston stops, and is tight.
 #[test]
 fn pressure_valve() {
-    let ran = run("examples/pressure-valve", &["--until", "3 ms", "--quiet"]).succeeded();
+    let ran = run("examples/pressure-valve", &["--quiet"]).succeeded();
     let signals = ran.signals();
     let (time, lift) = (&signals["time"], &signals["grains.valve.lift"]);
     let compression = &signals["rubber.ring.compression"];
-    let value = |name: &str, k: usize| signals[&format!("grains.valve.{name}")][k];
-    // Shut, the valve follows the balance of all forces.
-    let shut: Vec<usize> = (1..time.len()).filter(|&k| time[k] < 1e-3).collect();
-    let upward =
-        |k| value("fluid_force", k) + value("surface_force", k) + value("carrier_force", k);
-    let mean =
-        |of: &dyn Fn(usize) -> f64| shut.iter().map(|&k| of(k)).sum::<f64>() / shut.len() as f64;
-    let (up, spring) = (mean(&upward), mean(&|k| value("spring_force", k)));
-    assert!((up / -spring - 1.0).abs() < 0.03, "{up} N against {spring} N");
+    let forces = ["fluid_force", "surface_force", "carrier_force"]
+        .map(|name| format!("grains.valve.{name}"));
+    let upward = |k: usize| forces.iter().map(|name| signals[name][k]).sum::<f64>();
+    let between =
+        |from: f64, to: f64| (0..time.len()).filter(move |&k| time[k] > from && time[k] < to);
+    let mean = |from: f64, to: f64, of: &dyn Fn(usize) -> f64| {
+        between(from, to).map(of).sum::<f64>() / between(from, to).count() as f64
+    };
+    let unbalanced = |from: f64, to: f64| {
+        mean(from, to, &upward) / -mean(from, to, &|k| signals["grains.valve.spring_force"][k])
+            - 1.0
+    };
+    let flow = |from: f64, to: f64| mean(from, to, &|k| signals["fluid.outflow.flow_rate"][k]);
+
+    // Shut at first.
     assert!((compression[0] / 0.4209e-3 - 1.0).abs() < 0.01, "{} m", compression[0]);
-    let last = time.len() - 1;
-    assert!(lift[last] > 1e-3 && value("surface_force", last) == 0.0, "{} m", lift[last]);
-    // The last that the ring touches its seat.
-    let opened = (0..last).rfind(|&k| value("surface_force", k) > 0.0).expect("it begins shut");
+    let over = unbalanced(0.0, 1e-3);
+    assert!(over.abs() < 0.03, "forces on the shut valve differ by {over}");
+
+    // It opens: the last that the ring touches its seat, before it lifts.
+    let open = lift.iter().position(|lift| *lift > 1e-3).expect("the valve stays shut");
+    let opened = (0..open)
+        .rfind(|&k| signals["grains.valve.surface_force"][k] > 0.0)
+        .expect("it begins shut");
     let pressure = signals["fluid.reservoir_z_lower.pressure"][opened];
     assert!((pressure / 4.65e5 - 1.0).abs() < 0.1, "it opens at {pressure} Pa");
     assert!(compression[opened] < 0.6 * compression[0], "{} m", compression[opened]);
+
+    // It holds.
+    let (velocity, over) = (
+        mean(18e-3, 25e-3, &|k| signals["fluid.reservoir_z_lower.velocity"][k]),
+        unbalanced(18e-3, 25e-3),
+    );
+    assert!((velocity / 6.0 - 1.0).abs() < 0.01, "{velocity} m/s");
+    assert!(over.abs() < 0.02, "forces on the open valve differ by {over}");
+
+    // The piston stops at 25 ms, and it shuts: its gap freezes between 0.35 and 0.62 mm.
+    assert!(between(30e-3, 35e-3).all(|k| (0.35e-3..0.65e-3).contains(&lift[k])), "{lift:?}");
+    let over = unbalanced(33e-3, 35e-3);
+    assert!(over.abs() < 0.02, "forces on the shut valve differ by {over}");
+    let leak = flow(33e-3, 35e-3) / flow(18e-3, 25e-3);
+    assert!(leak.abs() < 0.01, "{leak} of the flow goes past the shut valve");
 }
 
 /// The coarse valve with a rigid ring opens at the pressure that lifts it off its ring, 10 %, and holds where fluid and spring balance,

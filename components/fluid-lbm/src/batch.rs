@@ -165,7 +165,7 @@ impl Batch {
             self.move_walls();
         }
         if after.keeps_mass {
-            self.pay(body);
+            self.pay(after, body);
         }
         self.ask(after);
         self.reflect(after);
@@ -207,13 +207,29 @@ impl Batch {
 
     /// Adds up by how much the wall recedes, and adds what the body pays to what its motion pushes;
     /// see `mass`.
-    fn pay(&mut self, body: &Body) {
+    fn pay<T: Real>(&mut self, after: &After<T>, body: &Body) {
         for k in 0..self.links {
             let (s, l) = (&mut self.eights[k / LANES], k % LANES);
             let along = s.c[0][l] * s.u[0][l] + s.c[1][l] * s.u[1][l] + s.c[2][l] * s.u[2][l];
             self.exchange.receded += s.weight[l] * along;
             self.exchange.weight += s.weight[l];
             s.push[l] -= body.account.pay * s.weight[l];
+        }
+        if body.is_part() && !self.gaps.given.is_empty() {
+            self.give(after);
+        }
+    }
+
+    /// Adds what links give to the intakes of gaps; see `declared`.
+    fn give<T: Real>(&mut self, after: &After<T>) {
+        for k in 0..self.links {
+            let cell = self.cells[self.slots[k] as usize];
+            if let Some((intake, rate)) = after.intakes.at(cell) {
+                let (s, l) = (&mut self.eights[k / LANES], k % LANES);
+                s.push[l] += rate * s.weight[l];
+                let weight = s.weight[l] * (1.0 + after.drho.get(cell as usize));
+                self.gaps.given[intake].add(weight, rate);
+            }
         }
     }
 

@@ -14,11 +14,14 @@
 //! The sides feel the pressure of the gap on their links into frozen cells, and on gap links between
 //! them (see `gaps`). Freezing takes a cell's mass and momentum from the fluid as covering does, and
 //! the moving side's account has it (see `mass`); a cell that thaws gets the mean density of the fluid
-//! around, or that of the gap.
+//! around, or that of the gap. What a gap draws in as it widens leaves the fluid where its pressure is measured
+//! (see `intake`).
 
+mod intake;
 mod slipping;
 mod thickness;
 
+pub use self::intake::{Given, Intakes};
 use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::cells::Fixture;
@@ -39,6 +42,11 @@ pub const POCKET: usize = 64;
 
 /// Candidates that are one item of work.
 const CELLS_PER_ITEM: usize = 256;
+
+/// Steps by which the pressure of probes is extrapolated: it is as old as the beginning of its step, half a one; forces
+/// are averaged with those of the step before, half a one; and what the gap draws in is paid half a step after the
+/// side has moved. What comes late feeds the sound around, as a late wall does (see [`late`](crate::columns::late)).
+const LEAD: f64 = 1.5;
 
 /// Of no gap.
 pub const NONE: u16 = u16::MAX;
@@ -63,15 +71,29 @@ struct Declared {
     slip_below: f32,
     region: Option<GapRegion>,
     rule: GapRule,
-    /// Cells of the probes that say the pressure, with their weights, by probe.
-    probes: Vec<(f64, Vec<(u32, f64)>)>,
+    /// Probes that say the pressure.
+    probes: Vec<Weighted>,
+    /// Intakes through which it draws in fluid, and the share of each.
+    intakes: Vec<(u16, f64)>,
     /// Sum over the fluid cells next to frozen ones of the density minus 1, and their number.
     around: [f64; 2],
-    /// Density minus 1 by the rule.
+    /// Density minus 1 by the rule; by probes, when it acts (see [`LEAD`]).
     drho: f64,
+    /// The same by probes, as it was in the last step.
+    before: f64,
     /// Whether its sides are there, and whether they were before.
     is_there: bool,
     is_new: bool,
+}
+
+/// A probe that says the pressure of a gap.
+#[derive(Clone, Debug)]
+struct Weighted {
+    /// Its number in the scene.
+    number: usize,
+    weight: f64,
+    /// Its cells and their weights.
+    cells: Vec<(u32, f64)>,
 }
 
 /// A cell that may be in a gap.
@@ -312,7 +334,7 @@ impl DeclaredGaps {
         for gap in &mut self.gaps {
             gap.around = [0.0; 2];
             let (mut sum, mut weights) = (0.0, 0.0);
-            for (weight, cells) in &gap.probes {
+            for Weighted { weight, cells, .. } in &gap.probes {
                 let (mut drho, mut all) = (0.0, 0.0);
                 for &(cell, part) in cells.iter().filter(|(cell, _)| after.owners.is_fluid(*cell)) {
                     drho += part * (density(&after.post(cell)) - 1.0);
@@ -323,7 +345,9 @@ impl DeclaredGaps {
                     weights += weight;
                 }
             }
-            gap.drho = if weights > 0.0 { sum / weights } else { 0.0 };
+            let now = if weights > 0.0 { sum / weights } else { 0.0 };
+            gap.drho = now + LEAD * (now - gap.before);
+            gap.before = now;
         }
         self.impulse = [0.0; 3];
         for mouth in &self.mouths {
@@ -336,6 +360,16 @@ impl DeclaredGaps {
             let f = after.field.set(after.next_place(mouth.cell, OPPOSITE[i]), g);
             add_scaled(&mut self.impulse, C_F64[i], g + f);
         }
+    }
+
+    /// The intakes of gaps, which learn of theirs.
+    pub fn intakes(&mut self) -> Intakes {
+        Intakes::new(&mut self.gaps)
+    }
+
+    /// Intakes of a gap, and the share of each.
+    pub fn shares(&self, gap: u16) -> &[(u16, f64)] {
+        &self.gaps[usize::from(gap)].intakes
     }
 
     /// Settles the pressures of gaps whose rule is the nearest fluid; `found` gives for a gap the sum
@@ -383,12 +417,12 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layo
         GapRule::Probes(weights) => weights.as_slice(),
         GapRule::Zero | GapRule::Nearest => &[],
     };
-    let of_probe = |name: &str| {
-        let probe = scene.probes.iter().find(|probe| probe.name == name)?;
-        let cells = samples(&layout.grid, &centres, &probe.shape).into_iter();
-        Some(cells.filter_map(|(at, part)| Some((layout.cell(at)?, part))).collect())
-    };
-    let probes = weights.iter().filter_map(|w| Some((w.weight, of_probe(&w.probe)?)));
+    let probes = weights.iter().filter_map(|w| {
+        let number = scene.probes.iter().position(|probe| probe.name == w.probe)?;
+        let cells = samples(&layout.grid, &centres, &scene.probes[number].shape).into_iter();
+        let cells = cells.filter_map(|(at, part)| Some((layout.cell(at)?, part)));
+        Some(Weighted { number, weight: w.weight, cells: cells.collect() })
+    });
     Declared {
         sides: [side(&gap.between[0]), side(&gap.between[1])],
         open_at: gap.open_at as f32,
@@ -397,8 +431,10 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layo
         region: gap.region,
         rule: gap.pressure.clone(),
         probes: probes.collect(),
+        intakes: Vec::new(),
         around: [0.0; 2],
         drho: 0.0,
+        before: 0.0,
         is_there: false,
         is_new: false,
     }

@@ -27,6 +27,7 @@ use crate::balance::mirrors_of_part;
 use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::cells::Fixture;
+use crate::declared::Given;
 use crate::field::Real;
 use crate::grid::{Grid, Reach, Side};
 use crate::kernel::Collides;
@@ -102,6 +103,8 @@ pub struct Gap {
     pub drho: f64,
     /// See there.
     pub cells: f64,
+    /// Volume by which the body receded from it, if the scene declares it.
+    pub drawn: f64,
     /// Force and torque on the body for each unit of `drho`.
     load: [[f64; 3]; 2],
 }
@@ -112,18 +115,22 @@ pub struct Gaps {
     list: Vec<Gap>,
     /// What facets of a deformable surface felt, of gaps and of the fluid.
     pub felt: Vec<Felt>,
+    /// What links gave to each intake of declared gaps.
+    pub given: Vec<Given>,
 }
 
 impl Gaps {
-    /// None, with room for those of an item.
-    pub fn with_room() -> Self {
-        Self { list: Vec::with_capacity(ROOM), felt: Vec::new() }
+    /// None, with room for those of an item, and a number of intakes.
+    pub fn with_room(intakes: usize) -> Self {
+        let given = vec![Given::default(); intakes];
+        Self { list: Vec::with_capacity(ROOM), felt: Vec::new(), given }
     }
 
     /// Forgets all.
     pub fn clear(&mut self) {
         self.list.clear();
         self.felt.clear();
+        self.given.fill(Given::default());
     }
 
     /// Adds what the gap link `i` gives that leads from `arm`, seen from the body, to its surface at `q`,
@@ -147,12 +154,29 @@ impl Gaps {
         gap
     }
 
+    /// Counts a volume by which the body recedes from a gap that the scene declares.
+    pub fn draw(&mut self, gap: u16, volume: f64) {
+        let place = self.place(Across::declared(gap));
+        self.list[place].drawn += volume;
+    }
+
+    /// What the body drew in by gaps that the scene declares.
+    pub fn drawn(&self) -> impl Iterator<Item = (u16, f64)> {
+        self.list.iter().filter_map(|gap| Some((gap.across.as_declared()?, gap.drawn)))
+    }
+
     /// Place of the gap to something.
     fn place(&mut self, across: Across) -> usize {
         let place = self.list.iter().position(|gap| gap.across == across);
         place.unwrap_or_else(|| {
             if self.list.len() < ROOM {
-                self.list.push(Gap { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] });
+                self.list.push(Gap {
+                    across,
+                    drho: 0.0,
+                    cells: 0.0,
+                    drawn: 0.0,
+                    load: [[0.0; 3]; 2],
+                });
             }
             self.list.len() - 1
         })

@@ -25,6 +25,7 @@
 use crate::batch::{Batch, Link};
 use crate::bodies::Bodies;
 use crate::body::Body;
+use crate::declared::Intakes;
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
 use crate::grid::{Grid, Side};
@@ -107,7 +108,7 @@ impl Exchange {
 }
 
 /// The items of all bodies.
-pub fn items(bodies: &Bodies, gaps_press: bool) -> Vec<Item> {
+pub fn items(bodies: &Bodies, gaps_press: bool, intakes: usize) -> Vec<Item> {
     let mut items = Vec::new();
     for (place, body) in bodies.living.iter().enumerate() {
         let side = body.shell_side();
@@ -116,7 +117,7 @@ pub fn items(bodies: &Bodies, gaps_press: bool) -> Vec<Item> {
         while first < side {
             let layers = first..(first + layers).min(side);
             first = layers.end;
-            let gaps = if gaps_press { Gaps::with_room() } else { Gaps::default() };
+            let gaps = if gaps_press { Gaps::with_room(intakes) } else { Gaps::default() };
             let found = PartLinks::default();
             items.push(Item { body: place, layers, exchange: Exchange::default(), gaps, found });
         }
@@ -147,6 +148,8 @@ pub struct After<'a, T: Real> {
     pub walls: Option<&'a WallDistances>,
     /// For each cell the declared gap that it may be frozen in; empty without such gaps.
     pub gap_of: &'a [u16],
+    /// Where what such gaps draw in leaves the fluid.
+    pub intakes: &'a Intakes,
 }
 
 impl Item {

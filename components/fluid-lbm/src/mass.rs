@@ -19,9 +19,10 @@
 //!
 //! Where a body borders a declared gap that holds no fluid (see `declared`), its surface has no links, but
 //! the sum over its gap links counts in `space` as well: what such a gap draws in as it widens leaves the
-//! fluid along the rest of the body's surface, so that the cells which thaw bring nothing new. This part is
-//! paid in the next step: it moves with the body, and paid late it would feed the sound around a shut valve, as
-//! a wall would that moves late. Those in contact count nothing: there is no fluid between.
+//! fluid, so that the cells which thaw bring nothing new. It does so in the next step, for it moves with the body, and
+//! paid late it would feed the sound around a shut valve, as a wall would that moves late; and where the gap's pressure
+//! is measured, through *intakes* (see `declared::intake`). These then owe it and the body does not. What has no intake the body
+//! pays along the rest of its surface. Gap links in contact count nothing: there is no fluid between.
 //!
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
@@ -65,13 +66,14 @@ impl Account {
         self.space += 1.0;
     }
 
-    /// Links gave what `exchange` says to the fluid; `mean` is the fluid's mean density.
-    fn settle(&mut self, exchange: &Exchange, mean: f64) {
+    /// Links gave what `exchange` says to the fluid, of which `drawn` is all that gaps drew in and `taken` the mass that
+    /// intakes will take for it; `mean` is the fluid's mean density.
+    fn settle(&mut self, exchange: &Exchange, mean: f64, taken: f64) {
         let Exchange { mass, receded, drawn, weight, .. } = *exchange;
-        self.took -= mass;
+        self.took += taken - mass;
         self.space -= receded + drawn;
         self.owed = self.took + mean * self.space;
-        self.of_gaps -= mean * drawn;
+        self.of_gaps += taken - mean * drawn;
         if weight > 0.0 {
             self.pay = (self.of_gaps + RATE * (self.owed - self.of_gaps)) / weight;
             self.of_gaps = 0.0;
@@ -124,19 +126,32 @@ impl<T: Collides> Solver<T> {
         }
         let mean = self.balance.mass / self.owners.fluid_cells.max(1) as f64;
         let mut owed = 0.0;
+        let mut left = self.intakes.receive(&self.link_items);
         let mut items = self.link_items.iter().peekable();
         for (place, body) in self.bodies.living.iter_mut().enumerate() {
-            let mut all = Exchange::default();
+            let (mut all, mut taken) = (Exchange::default(), 0.0);
             while let Some(item) = items.next_if(|item| item.body == place) {
                 all.join(&item.exchange);
+                // What links gave to intakes the body does not owe.
+                all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
+                for (gap, drawn) in item.gaps.drawn() {
+                    all.drawn += drawn;
+                    taken += self.intakes.draw(self.declared.shares(gap), mean * drawn);
+                }
+            }
+            // What intakes cannot give any more, a body has to.
+            if body.is_part() {
+                taken -= std::mem::take(&mut left);
             }
             if self.slips && body.is_part() {
                 all.mass += self.slip.on_body(body.handle).mass;
             }
             body.account.is_open = true;
-            body.account.settle(&all, mean);
+            body.account.settle(&all, mean, taken);
             owed += body.account.owed;
         }
+        self.intakes.decide();
+        owed -= self.intakes.due();
         self.balance.mass_owed = owed;
         self.ledger.mass_owed = owed * self.units.mass();
     }
@@ -158,14 +173,14 @@ mod tests {
             ..Exchange::default()
         };
         for _ in 0..10 {
-            account.settle(&links(-0.11, 0.1, 1.0), 1.1);
+            account.settle(&links(-0.11, 0.1, 1.0), 1.1, 0.0);
             assert!(account.owed.abs() < 1e-15);
         }
         account.uncover(0.1);
-        account.settle(&links(0.0, 0.0, 2.0), 1.1);
+        account.settle(&links(0.0, 0.0, 2.0), 1.1, 0.0);
         assert!(account.owed.abs() < 1e-15 && account.pay.abs() < 1e-15);
         account.uncover(0.0);
-        account.settle(&links(0.0, 0.0, 2.0), 1.1);
+        account.settle(&links(0.0, 0.0, 2.0), 1.1, 0.0);
         assert!((account.owed - 0.1).abs() < 1e-15 && (account.pay - 0.05 * RATE).abs() < 1e-16);
     }
 
@@ -175,7 +190,7 @@ mod tests {
         let mut account = Account::default();
         let mut step = |drawn: f64, weight: f64| {
             let mass = account.pay * weight;
-            account.settle(&Exchange { drawn, mass, weight, ..Exchange::default() }, 1.0);
+            account.settle(&Exchange { drawn, mass, weight, ..Exchange::default() }, 1.0, 0.0);
             (mass, account.owed)
         };
         assert_eq!(step(0.5, 4.0), (0.0, -0.5));

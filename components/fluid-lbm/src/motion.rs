@@ -52,6 +52,7 @@ impl<T: Collides> Solver<T> {
         self.owners.admit();
         if !self.declared.is_empty() {
             self.declared.find_mouths(&self.owners, &self.layout);
+            self.intakes.look(self.declared.by_cell(), &self.owners, &self.layout);
         }
         if self.slips {
             let (gaps, bodies, owners) = (&self.declared, &self.bodies, &self.owners);

@@ -71,10 +71,10 @@ impl<T: Real> After<'_, T> {
         gaps.add(Across::declared(gap), link.arm, (link.seen.into(), link.q), facet);
     }
 
-    /// Records the gap links between a part and what stands still. Returns the volume by which the
+    /// Records the gap links between a part and what stands still, and the volume by which the
     /// part recedes from declared gaps, as far as it is not in contact: there is no fluid to draw in or to press out.
-    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) -> f64 {
-        let (mut first, mut receded) = (0, 0.0);
+    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) {
+        let mut first = 0;
         for (k, link) in list.links.iter().enumerate() {
             let hit = list.hits.get(k).copied().unwrap_or(Hit::NONE);
             let witnesses = &list.witnesses[first..link.end as usize];
@@ -82,12 +82,12 @@ impl<T: Real> After<'_, T> {
             let arm = std::array::from_fn(|a| f64::from(link.at[a]) + 0.5 - body.position[a]);
             let by = dot(link.slope.map(f64::from), part.drift_of(hit, arm));
             let width = link.width + by;
-            if link.across.as_declared().is_some() {
+            if let Some(gap) = link.across.as_declared() {
                 let (dir, q) = (link.dir, link.q + by);
                 let now = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
                 let velocity = wall_velocity(body, &now, hit);
                 let wider = dot(link.slope.map(f64::from), velocity);
-                receded += recession(&now, velocity) * part_apart(width, wider);
+                gaps.draw(gap, recession(&now, velocity) * part_apart(width, wider));
             }
             // In contact there is no fluid to press.
             if width <= CONTACT {
@@ -101,7 +101,6 @@ impl<T: Real> After<'_, T> {
                 }
             }
         }
-        receded
     }
 }
 

@@ -290,8 +290,7 @@ impl<T: Real> After<'_, T> {
             }
         }
         if self.walls.is_some() {
-            let receded = self.press_on(body, part, &list.gaps, &mut batch.gaps);
-            batch.draw(receded);
+            self.press_on(body, part, &list.gaps, &mut batch.gaps);
         }
     }
 
@@ -318,18 +317,21 @@ impl<T: Real> After<'_, T> {
         let cell = run[0].cell;
         let hit = |k: usize| hits.get(k).copied().unwrap_or(Hit::NONE);
         if self.owners.of(cell) == FROZEN {
+            let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
             for (k, link) in run.iter().enumerate() {
                 let link = link.now(body, part, 0, hit(k));
-                batch.draw(recession(&link, wall_velocity(body, &link, hit(k))));
+                let receded = recession(&link, wall_velocity(body, &link, hit(k)));
+                match gap {
+                    Some(gap) => {
+                        batch.gaps.draw(gap, receded);
+                        self.press_frozen(gap, &link, hit(k).facet, &mut batch.gaps);
+                    }
+                    None => batch.draw(receded),
+                }
             }
-        }
-        let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
-        if let Some(gap) = gap.filter(|_| self.owners.of(cell) == FROZEN) {
-            for (k, link) in run.iter().enumerate() {
-                let link = link.now(body, part, 0, hit(k));
-                self.press_frozen(gap, &link, hit(k).facet, &mut batch.gaps);
+            if gap.is_some() {
+                return;
             }
-            return;
         }
         if self.is_bonded(bodies, body, cell) {
             return;

@@ -7,7 +7,7 @@ use crate::catalogue::Catalogue;
 use crate::cells::Fixture;
 use crate::collision::Relaxation;
 use crate::course::Now;
-use crate::declared::DeclaredGaps;
+use crate::declared::{DeclaredGaps, Intakes};
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
@@ -80,6 +80,8 @@ pub struct Solver<T: Collides> {
     /// Gaps that the scene declares, and by cell.
     pub(crate) declared: DeclaredGaps,
     gap_of: Vec<u16>,
+    /// Where what they draw in leaves the fluid.
+    pub(crate) intakes: Intakes,
     /// Links that slip in them, and whether any do.
     pub(crate) walls: WallDistances,
     pub(crate) slip: Slip,
@@ -179,7 +181,7 @@ impl<T: Collides> Solver<T> {
         let centres = Centres { cell: units.cell, min: units.min };
         let probes = Probes::new(&scene.probes, &built.layout, &centres);
         let ports = PortFaces::new(scene, &built.layout, &centres);
-        let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
+        let mut declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
         let mut owners = Owners::new(built.layout.cells.len());
         if slips {
@@ -208,6 +210,7 @@ impl<T: Collides> Solver<T> {
             gaps_press: parameters.gap_pressure == GapPressure::Nearest,
             keeps_mass: parameters.refill == Refill::Mass,
             gap_of: declared.by_cell().to_vec(),
+            intakes: declared.intakes(),
             walls: WallDistances::default(),
             slip: if slips { Slip::in_gaps(&declared, &built.layout) } else { Slip::default() },
             slips,
@@ -272,7 +275,7 @@ impl<T: Collides> Solver<T> {
         if press && self.walls.is_empty() {
             self.walls = self.surroundings.wall_distances(&self.layout, &self.fixed);
         }
-        self.link_items = links::items(&self.bodies, press);
+        self.link_items = links::items(&self.bodies, press, self.intakes.len());
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
@@ -380,6 +383,7 @@ impl<T: Collides> Solver<T> {
             nearest_wall: nearest_wall(self.tau),
             walls: self.feels_gaps().then_some(&self.walls),
             gap_of: &self.gap_of,
+            intakes: &self.intakes,
         };
         let bodies = &self.bodies;
         if self.slips {

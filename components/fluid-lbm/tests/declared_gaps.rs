@@ -230,6 +230,50 @@ fn a_plate_that_trembles_on_the_floor_keeps_the_mass() {
     assert!(pressed_out.abs() < 0.1, "{pressed_out}");
 }
 
+/// What a shut slot draws in leaves the chamber where its pressure is measured, each by its weight: a plate rises by
+/// 0.8 cells between two closed chambers of 480 cells, of which it takes 38.4, within 5 %: links at its
+/// edges push a part of that.
+#[test]
+fn a_slot_draws_from_where_its_pressure_is_measured() {
+    let left = |weights: [f64; 2]| {
+        let weight = |(probe, weight): (&str, f64)| GapWeight { probe: probe.into(), weight };
+        let probes = ["before", "behind"].into_iter().zip(weights).map(weight).collect();
+        let (mut case, mut scene) =
+            channel(Some(Gap { pressure: GapRule::Probes(probes), ..gap() }));
+        case.refill = Refill::Mass;
+        scene.domain.faces[0] = [WALL, WALL];
+        let mut fluid = case.fluid_of(&scene);
+        let mut body = [BodyState::at_rest(1, [16.0, 2.0, 8.6])];
+        fluid.apply_events(&[added_part(1, 0)]).unwrap();
+        let mut loads = loads_of(&body);
+        fluid.start(&body, &mut loads).unwrap();
+        for k in 0..1200 {
+            let speed = if k < 800 { 1e-3 } else { 0.0 };
+            body[0].velocity[2] = speed;
+            body[0].position[2] += speed;
+            fluid.step(&body, &mut loads).unwrap();
+            closes(&fluid, 1e-12);
+        }
+        let chamber = |first: usize| {
+            let cells = (0..480).map(|k| [first + k / 48, k / 12 % 4, k % 12]);
+            cells.map(|cell| -3.0 * fluid.pressure_at(cell)).sum::<f64>()
+        };
+        [chamber(0), chamber(22)]
+    };
+    for (weights, expected) in
+        [([1.0, 0.0], [38.4, 0.0]), ([1.0, 1.0], [19.2, 19.2]), ([1.0, 3.0], [9.6, 28.8])]
+    {
+        let found = left(weights);
+        println!("{weights:?}: {found:?} cells were drawn in");
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!(
+                (found - expected).abs() < 0.05 * 38.4,
+                "{weights:?}: {found}, expected {expected}"
+            );
+        }
+    }
+}
+
 /// A plate sinks on the floor under a load, in a fluid of lattice viscosity 2e-4, from 3.6 cells, with walls
 /// that slip in thin gaps or not. The balance closes in either case. Steps until it is at 1.25 cells.
 fn sinks(slip_below: f64) -> Option<usize> {

@@ -15,6 +15,7 @@ mod scene;
 mod signals;
 mod simple;
 mod validate;
+mod valve;
 mod view;
 
 pub use report::report;
@@ -24,6 +25,7 @@ pub use scene::scene;
 pub use signals::signals;
 pub use simple::{clean, component, components, conform, schema};
 pub use validate::validate;
+pub use valve::valve;
 pub use view::view;
 
 use crate::manifest::{Manifest, ManifestErrors};

@@ -6,7 +6,7 @@
 
 pub mod panels;
 pub mod scale;
-mod sheet;
+pub mod sheet;
 
 use crate::outputs::{SIGNALS, Signals, UnreadableSignals};
 use panels::Panel;

@@ -18,16 +18,25 @@ const POINTS: usize = 600;
 
 /// Draws a report.
 pub(super) fn draw(report: &Report, title: &str, path: &Path) -> Result<(), String> {
+    let all: Vec<Chart> = report.panels.iter().map(chart).collect();
+    charts(&all, title, path)
+}
+
+/// Draws charts under a title, as SVG.
+///
+/// # Errors
+/// A sentence, if they cannot be drawn or written.
+pub fn charts(charts: &[Chart], title: &str, path: &Path) -> Result<(), String> {
     let said = |error: &dyn std::fmt::Display| error.to_string();
-    let columns = report.panels.len().clamp(1, COLUMNS);
-    let rows = report.panels.len().div_ceil(columns);
+    let columns = charts.len().clamp(1, COLUMNS);
+    let rows = charts.len().div_ceil(columns);
     let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + HEAD);
     let sheet = SVGBackend::new(path, size).into_drawing_area();
     sheet.fill(&WHITE).map_err(|error| said(&error))?;
     let (head, body) = sheet.split_vertically(HEAD);
     head.titled(title, ("sans-serif", 22)).map_err(|error| said(&error))?;
-    for (panel, area) in report.panels.iter().zip(body.split_evenly((rows, columns))) {
-        chart(panel).draw(&area)?;
+    for (chart, area) in charts.iter().zip(body.split_evenly((rows, columns))) {
+        chart.draw(&area)?;
     }
     sheet.present().map_err(|error| said(&error))
 }

@@ -8,7 +8,8 @@ use tremie_messages::units::{Density, Length, Stiffness, Time};
 /// Grains beneath the valve at the start, and those that come with the fluid.
 ///
 /// The defaults are those of Mutabaruka and Kamrin's runs, in which one after the other is varied; in place
-/// of a restitution they have a dashpot of 3 kg/s, which for grains of 0.8 mm amounts to 0.15 to 0.26.
+/// of a restitution they have a dashpot of 3 kg/s, which for grains of 0.8 mm amounts to 0.15 to 0.26 and wants a
+/// shorter step than theirs, and none on rubber.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grains {
     /// Mean of the smallest and the largest diameter; sizes are uniform between them.
@@ -21,11 +22,13 @@ pub struct Grains {
     pub density: Density,
     /// Length of the region in the conduit, from its inlet, that is kept filled.
     pub zone: Length,
-    /// Normal stiffness of all contacts; the tangential one is 0.8 of it.
+    /// Normal stiffness of contacts with grains and with steel; the tangential one is 0.8 of it.
     pub stiffness: Stiffness,
+    /// The same with rubber, where nothing damps a contact but the ring.
+    pub on_rubber: Stiffness,
     /// Coefficient of friction of all contacts.
     pub friction: f64,
-    /// Restitution of all contacts.
+    /// Restitution of contacts with grains and with steel.
     pub restitution: f64,
     /// Longest step of the grains. The default resolves single contacts, as the paper's does; a dense packing of
     /// such grains wants a fifth of it.
@@ -41,6 +44,7 @@ impl Default for Grains {
             density: Density(2500.0),
             zone: Length(4.25e-3),
             stiffness: Stiffness(1e7),
+            on_rubber: Stiffness(1e5),
             friction: 0.4,
             restitution: 0.3,
             time_step: Time(4e-8),
@@ -67,7 +71,7 @@ impl Grains {
 }
 
 /// The tables of a manifest for them, with the probes that tell what becomes of them.
-pub(super) fn tables(valve: &Dimensions, grains: &Grains) -> String {
+pub(super) fn tables(valve: &Dimensions, grains: &Grains, is_rubber: bool) -> String {
     let (bore, axis) = (valve.bore_radius.0, valve.conduit_axis.0);
     let (inlet, end, top) = (valve.inlet.0, end(valve), -valve.cone_depth());
     let [smallest, largest] = grains.diameters().map(mm);
@@ -105,7 +109,7 @@ normal_stiffness = "{stiffness} N/m"
 tangential_stiffness = "{tangential} N/m"
 friction = {friction}
 restitution = {restitution}
-
+{on_rubber}
 # Of the same box as above: the fraction in conduit and bore is this over {part}.
 [[scene.probes]]
 name = "packing"
@@ -118,6 +122,7 @@ ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{bore_} mm",
 
 "#,
         density = grains.density.0,
+        on_rubber = if is_rubber { on_rubber(grains) } else { String::new() },
         percent = (100.0 * share).round(),
         end = mm(end),
         begin = short(share * grains.fraction),
@@ -133,6 +138,23 @@ ring = {{ axis = "y", through = ["0 mm", "0 mm", "0 mm"], radii = ["{bore_} mm",
         outer = mm(valve.rubber_outer_radius.0),
         // The disc's upper side at lift 0.
         disc = mm(valve.hub_height() + valve.disc_thickness()),
+    )
+}
+
+/// The law of their contacts with rubber.
+fn on_rubber(grains: &Grains) -> String {
+    format!(
+        r#"
+[[scene.contacts]]
+between = ["rubber", "grains"]
+normal_stiffness = "{normal} N/m"
+tangential_stiffness = "{tangential} N/m"
+friction = {friction}
+restitution = 1.0
+"#,
+        normal = grains.on_rubber.0,
+        tangential = 0.8 * grains.on_rubber.0,
+        friction = grains.friction,
     )
 }
 

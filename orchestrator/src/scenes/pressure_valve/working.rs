@@ -147,15 +147,20 @@ impl OfRing {
                 stop_stiffness: METAL,
                 surface: format!(
                     r#"
+[scene.materials.rubber]
+density = "{density} kg/m3"
+
 # The ring below the disc. It begins as spring and outlet compress it.
 [[scene.surfaces]]
 name = "ring"
+material = "rubber"
 carrier = "valve"
 table = "{table}"
 position = ["0 mm", "0 mm", "{low} mm"]
 sectors = 48
 start = "{start} mm"
 "#,
+                    density = valve.rubber.0,
                     low = mm(-valve.lip.0),
                     start = short(1e3 * resting.compression),
                 ),
@@ -187,6 +192,7 @@ pub fn manifest(
     let bore = valve.bore_radius.0;
     let (inner, outer) = (valve.rubber_inner_radius.0, valve.rubber_outer_radius.0);
     let step = cell / run.lattice_speed.0;
+    let is_rubber = matches!(ring, Ring::Rubber(..));
     let own = OfRing::new(valve, run, ring);
     format!(
         r#"# A piston pushes a {what} through a spring-loaded valve, and stops. Half of the valve: x = 0 is a mirror.
@@ -303,7 +309,7 @@ signals = "20 us"
         cell = mm(cell),
         step = short(step * 1e6),
         what = if slurry.is_some() { "slurry" } else { "fluid" },
-        grains = slurry.map_or(String::new(), |slurry| grains::tables(valve, slurry)),
+        grains = slurry.map_or(String::new(), |slurry| grains::tables(valve, slurry, is_rubber)),
         substep = short(1e6 * slurry.map_or(step, |slurry| slurry.time_step.0)),
     )
 }

@@ -1,0 +1,231 @@
+//! `tremie valve OUT`: what the designer of a valve reads of a finished run.
+
+use super::WRONG_INPUT;
+use crate::charts::{Chart, Curve};
+use crate::cli::ValveArgs;
+use crate::manifest;
+use crate::outputs::{SIGNALS, Signals};
+use crate::plan::columns;
+use crate::report::sheet;
+use crate::valve::{
+    Asked, Characteristics, Moment, Site, Stretch, Watched, characteristics, curves,
+};
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use tremie_messages::scene::{Face, ProbeShape, Scene};
+
+/// Points of a curve at most.
+const POINTS: usize = 2000;
+
+/// `tremie valve`: a table, and a picture of pressure drop, rate of flow and lift over each other.
+pub fn valve(arguments: &ValveArgs) -> ExitCode {
+    match find(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}: {error}", arguments.out.display());
+            WRONG_INPUT.into()
+        }
+    }
+}
+
+fn find(arguments: &ValveArgs) -> Result<(), String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let signals = Signals::read(&arguments.out.join(SIGNALS))
+        .map_err(|error| format!("{error}\nOUT is the folder of a run, with its {SIGNALS}"))?;
+    let manifest = manifest::load(&arguments.out, &[]).map_err(|error| text(&error))?;
+    let asked = Asked {
+        part: arguments.part.clone(),
+        upstream: arguments.upstream.clone(),
+        downstream: arguments.downstream.clone(),
+        flow: arguments.flow.clone(),
+    };
+    let watched = Watched::find(&signals, &asked)?;
+    let site = site(&manifest.spec.scene, &watched.part, arguments.open_at.map(|lift| lift.0));
+    let found = characteristics(&signals, &watched, &site)?;
+    let picture = picture(arguments, &signals, &watched, &site, found.open_at)?;
+    if arguments.json {
+        let all = serde_json::to_string(&found).map_err(|error| text(&error))?;
+        println!("{all}");
+        return Ok(());
+    }
+    for line in columns(&["", "value", "when and how"], rows(&found, &site, &watched)) {
+        println!("{line}");
+    }
+    if let Some(path) = picture {
+        println!(
+            "\n{}: pressure drop, rate of flow and flow coefficient while it is open",
+            path.display()
+        );
+    }
+    Ok(())
+}
+
+/// What the scene says of the valve.
+fn site(scene: &Scene, part: &str, open_at: Option<f64>) -> Site {
+    let domain = &scene.domain;
+    let origin = scene.parts.iter().find(|known| known.name == part).map(|part| part.pose.position);
+    // A part whose origin is on a mirror is half of one.
+    let is_halved = |axis: usize| {
+        let planes = [domain.min[axis], domain.max[axis]];
+        (0..2).any(|side| {
+            domain.faces[axis][side] == Face::Symmetry
+                && origin
+                    .is_some_and(|at| (at[axis] - planes[side]).abs() < 1e-9 * domain.size()[axis])
+        })
+    };
+    let rings = scene.probes.iter().filter_map(|probe| match &probe.shape {
+        ProbeShape::Ring(ring) => {
+            let [inner, outer] = ring.radii;
+            Some((probe.name.clone(), PI * (outer * outer - inner * inner)))
+        }
+        _ => None,
+    });
+    let sizes = scene.bodies.iter().map(|set| set.placement.sizes().extremes());
+    let sizes = sizes.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    Site {
+        copies: (0..3).filter(|&axis| is_halved(axis)).fold(1.0, |copies, _| 2.0 * copies),
+        density: scene.fluid.as_ref().map_or(1000.0, |fluid| fluid.density),
+        open_at,
+        rings: rings.collect(),
+        diameter: sizes.map(|[least, greatest]| 0.5 * (least + greatest)),
+    }
+}
+
+fn rows(found: &Characteristics, site: &Site, watched: &Watched) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    let mut row =
+        |what: &str, value: String, how: String| rows.push(vec![what.to_string(), value, how]);
+    let at = |m: &Moment| format!("at {:.4} ms, lift {:.4} mm", 1e3 * m.time, 1e3 * m.lift);
+    let threshold = format!("it never passes a lift of {:.4} mm", 1e3 * found.open_at);
+    let moment = |m: &Option<Moment>| match m {
+        Some(m) => (format!("{:.4e} Pa", m.drop), at(m)),
+        None => ("-".into(), threshold.clone()),
+    };
+    let (value, how) = moment(&found.cracking);
+    row("cracking pressure drop", value, how);
+    let greatest = &found.greatest;
+    row(
+        "greatest lift",
+        format!("{:.4} mm", 1e3 * greatest.lift),
+        format!("at {:.4} ms", 1e3 * greatest.time),
+    );
+    let (value, how) = moment(&found.reseating);
+    row("reseating pressure drop", value, how);
+    for (name, stretch) in [("held", &found.held), ("shut", &found.shut)] {
+        if let Some(stretch) = stretch {
+            stretch_rows(name, stretch, &mut row);
+        }
+    }
+    if let [Some(held), Some(shut)] =
+        [&found.held, &found.shut].map(|s| s.as_ref().and_then(|s| s.flow))
+    {
+        row("shut: flow over that when held", format!("{:.2e}", shut / held), String::new());
+    }
+    for (signal, time, pressure) in &found.seals {
+        row(
+            "greatest seal contact pressure",
+            format!("{pressure:.4e} Pa"),
+            format!("at {:.4} ms, {signal}", 1e3 * time),
+        );
+    }
+    for stuck in &found.stuck {
+        row(
+            "projected area of stuck grains (NASP)",
+            format!("{:.4}", stuck.area_fraction),
+            format!("at the end, {}", stuck.probe),
+        );
+        if let Some(debris) = stuck.debris {
+            row(
+                "debris",
+                format!("{debris:.4}"),
+                "cubes of a grain's diameter, if all that are stuck break".into(),
+            );
+        }
+    }
+    let downstream = watched.downstream.as_deref().unwrap_or("gauge zero");
+    row("", String::new(), format!("drop: {} less {downstream}", watched.upstream));
+    if let Some(flow) = &watched.flow {
+        row("", String::new(), format!("flow: {} of {flow}", site.copies));
+    }
+    rows
+}
+
+fn stretch_rows(name: &str, stretch: &Stretch, row: &mut impl FnMut(&str, String, String)) {
+    let [mean, least, greatest] = stretch.lift.map(|lift| 1e3 * lift);
+    let time = format!("mean from {:.4} to {:.4} ms", 1e3 * stretch.from, 1e3 * stretch.until);
+    row(
+        &format!("{name}: lift"),
+        format!("{mean:.4} mm"),
+        format!("{time}, {least:.4} to {greatest:.4} mm"),
+    );
+    row(&format!("{name}: pressure drop"), format!("{:.4e} Pa", stretch.drop), String::new());
+    if let Some(flow) = stretch.flow {
+        row(
+            &format!("{name}: rate of flow"),
+            format!("{flow:.4e} m³/s"),
+            "of the whole valve".into(),
+        );
+    }
+    if let Some(kv) = stretch.kv {
+        row(
+            &format!("{name}: flow coefficient Kv"),
+            format!("{kv:.4} m³/h"),
+            "at a drop of 1 bar".into(),
+        );
+    }
+    for (signal, force) in &stretch.forces {
+        let force_of = signal.rsplit('.').next().unwrap_or(signal).replace('_', " ");
+        row(&format!("{name}: {force_of}"), format!("{force:.4} N"), String::new());
+    }
+}
+
+/// Draws the curves; nothing without a rate of flow, or if it never opens.
+fn picture(
+    arguments: &ValveArgs,
+    signals: &Signals,
+    watched: &Watched,
+    site: &Site,
+    open_at: f64,
+) -> Result<Option<PathBuf>, String> {
+    let [drop, flow, kv] = curves(signals, watched, site, open_at)?;
+    if drop.is_empty() {
+        return Ok(None);
+    }
+    let path = arguments.to.clone().unwrap_or_else(|| arguments.out.join("valve.svg"));
+    let chart =
+        |title: &str, [x, y]: [&str; 2], [by_x, by_y]: [f64; 2], points: Vec<(f64, f64)>| {
+            let every = points.len().div_ceil(POINTS).max(1);
+            let points =
+                points.into_iter().step_by(every).map(|(a, b)| (by_x * a, by_y * b)).collect();
+            Chart {
+                title: title.into(),
+                x: x.into(),
+                y: y.into(),
+                log_x: false,
+                curves: vec![Curve { name: watched.part.clone(), points, marks: false }],
+            }
+        };
+    let charts = [
+        chart(
+            "pressure drop over flow",
+            ["rate of flow [m³/h]", "pressure drop [kPa]"],
+            [3600.0, 1e-3],
+            drop,
+        ),
+        chart("flow over lift", ["lift [mm]", "rate of flow [m³/h]"], [1e3, 3600.0], flow),
+        chart("flow coefficient over lift", ["lift [mm]", "Kv [m³/h]"], [1e3, 1.0], kv),
+    ];
+    let charts: Vec<Chart> =
+        charts.into_iter().filter(|chart| !chart.curves[0].points.is_empty()).collect();
+    sheet::charts(&charts, &title(&arguments.out), &path)
+        .map_err(|message| format!("cannot draw {}: {message}", path.display()))?;
+    Ok(Some(path))
+}
+
+fn title(out: &Path) -> String {
+    let absolute = out.canonicalize().unwrap_or_else(|_| out.to_path_buf());
+    absolute
+        .file_name()
+        .map_or_else(|| out.display().to_string(), |name| name.to_string_lossy().into())
+}
