@@ -159,6 +159,21 @@ fn pressure_valve() {
     assert!(over.abs() < 0.02, "forces on the shut valve differ by {over}");
     let leak = flow(33e-3, 35e-3) / flow(18e-3, 25e-3);
     assert!(leak.abs() < 0.01, "{leak} of the flow goes past the shut valve");
+
+    // What a designer reads of it.
+    let said =
+        tremie().args(["valve", "--json", "--open-at", "0.7 mm"]).arg(&ran.out).output().unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    let valve: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
+    let number =
+        |path: &str| valve.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+    // Half the valve is computed: 6 m/s through the whole conduit.
+    let piston = 6.0 * std::f64::consts::PI * 4.75e-3 * 4.75e-3;
+    assert!((number("/held/flow") / piston - 1.0).abs() < 0.03, "{valve}");
+    let kv = 3600.0 * piston / (number("/held/drop") / 1e5).sqrt();
+    assert!((number("/held/kv") / kv - 1.0).abs() < 0.03, "{valve}");
+    assert!(number("/cracking/drop") > 4.65e5 && number("/reseating/drop") < 4e5, "{valve}");
+    assert!(ran.out.join("valve.svg").exists());
 }
 
 /// The coarse valve with a rigid ring opens at the pressure that lifts it off its ring, 10 %, and holds where fluid and spring balance,

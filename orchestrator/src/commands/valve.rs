@@ -16,14 +16,14 @@ use std::process::ExitCode;
 use tremie_messages::scene::{Face, ProbeShape, Scene};
 
 /// Points of a curve at most.
-const POINTS: usize = 2000;
+const POINTS: usize = 200;
 
 /// `tremie valve`: a table, and a picture of pressure drop, rate of flow and lift over each other.
 pub fn valve(arguments: &ValveArgs) -> ExitCode {
     match find(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}: {error}", arguments.out.display());
+            eprintln!("error: {error}");
             WRONG_INPUT.into()
         }
     }
@@ -97,12 +97,13 @@ fn rows(found: &Characteristics, site: &Site, watched: &Watched) -> Vec<Vec<Stri
     let mut row =
         |what: &str, value: String, how: String| rows.push(vec![what.to_string(), value, how]);
     let at = |m: &Moment| format!("at {:.4} ms, lift {:.4} mm", 1e3 * m.time, 1e3 * m.lift);
-    let threshold = format!("it never passes a lift of {:.4} mm", 1e3 * found.open_at);
-    let moment = |m: &Option<Moment>| match m {
+    let threshold = format!("a lift of {:.4} mm", 1e3 * found.open_at);
+    let moment = |m: &Option<Moment>, missing: &str| match m {
         Some(m) => (format!("{:.4e} Pa", m.drop), at(m)),
-        None => ("-".into(), threshold.clone()),
+        None => ("-".into(), missing.to_string()),
     };
-    let (value, how) = moment(&found.cracking);
+    let never = format!("it never passes {threshold}");
+    let (value, how) = moment(&found.cracking, &never);
     row("cracking pressure drop", value, how);
     let greatest = &found.greatest;
     row(
@@ -110,12 +111,22 @@ fn rows(found: &Characteristics, site: &Site, watched: &Watched) -> Vec<Vec<Stri
         format!("{:.4} mm", 1e3 * greatest.lift),
         format!("at {:.4} ms", 1e3 * greatest.time),
     );
-    let (value, how) = moment(&found.reseating);
-    row("reseating pressure drop", value, how);
-    for (name, stretch) in [("held", &found.held), ("shut", &found.shut)] {
-        if let Some(stretch) = stretch {
-            stretch_rows(name, stretch, &mut row);
+    let open = match found.cracking {
+        Some(_) => {
+            format!("at the end it is above {threshold}; --open-at says which lift counts as open")
         }
+        None => never.clone(),
+    };
+    let (value, how) = moment(&found.reseating, &open);
+    row("reseating pressure drop", value, how);
+    if let Some(held) = &found.held {
+        stretch_rows("held", held, &mut row);
+        if let Some(kv) = held.kv {
+            row("held: flow coefficient Kv", format!("{kv:.4} m³/h"), "at a drop of 1 bar".into());
+        }
+    }
+    if let Some(shut) = &found.shut {
+        stretch_rows("shut", shut, &mut row);
     }
     if let [Some(held), Some(shut)] =
         [&found.held, &found.shut].map(|s| s.as_ref().and_then(|s| s.flow))
@@ -167,13 +178,6 @@ fn stretch_rows(name: &str, stretch: &Stretch, row: &mut impl FnMut(&str, String
             "of the whole valve".into(),
         );
     }
-    if let Some(kv) = stretch.kv {
-        row(
-            &format!("{name}: flow coefficient Kv"),
-            format!("{kv:.4} m³/h"),
-            "at a drop of 1 bar".into(),
-        );
-    }
     for (signal, force) in &stretch.forces {
         let force_of = signal.rsplit('.').next().unwrap_or(signal).replace('_', " ");
         row(&format!("{name}: {force_of}"), format!("{force:.4} N"), String::new());
@@ -188,16 +192,14 @@ fn picture(
     site: &Site,
     open_at: f64,
 ) -> Result<Option<PathBuf>, String> {
-    let [drop, flow, kv] = curves(signals, watched, site, open_at)?;
+    let [drop, flow, kv] = curves(signals, watched, site, open_at, POINTS)?;
     if drop.is_empty() {
         return Ok(None);
     }
     let path = arguments.to.clone().unwrap_or_else(|| arguments.out.join("valve.svg"));
     let chart =
         |title: &str, [x, y]: [&str; 2], [by_x, by_y]: [f64; 2], points: Vec<(f64, f64)>| {
-            let every = points.len().div_ceil(POINTS).max(1);
-            let points =
-                points.into_iter().step_by(every).map(|(a, b)| (by_x * a, by_y * b)).collect();
+            let points = points.into_iter().map(|(a, b)| (by_x * a, by_y * b)).collect();
             Chart {
                 title: title.into(),
                 x: x.into(),

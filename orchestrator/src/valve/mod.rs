@@ -4,8 +4,8 @@
 //! flow through the whole valve:
 //!
 //! * it *cracks* when its lift first exceeds a given one, and *reseats* when it last falls below it again;
-//! * it is *held* in the middle half of the time between, and *shut* in the last tenth of what the run simulates
-//!   after it has reseated;
+//! * it is *held* in the middle half of the time in which it is open at least half as far as at most, and *shut* in the
+//!   last tenth of what the run simulates, after it has reseated;
 //! * its flow coefficient is `Kv = Q sqrt((rho/1000 kg/m³) (1 bar/drop))`, `Q` in m³/h (IEC 60534-1);
 //! * grains stuck in a ring probe are counted by their projected area over the ring's (NASP), and by the debris
 //!   that they leave, see [`tremie_grains_dem::stuck`].
@@ -43,7 +43,7 @@ pub struct Characteristics {
     pub cracking: Option<Moment>,
     /// When its lift was greatest.
     pub greatest: Moment,
-    /// When it shut for the last time.
+    /// When it shut for the last time; `None` if it is open at the end.
     pub reseating: Option<Moment>,
     /// While it was held open.
     pub held: Option<Stretch>,
@@ -115,8 +115,10 @@ pub fn characteristics(
     let reseated = cracked
         .and((1..=last).rfind(|&k| !is_open(k) && is_open(k - 1)))
         .filter(|_| !is_open(last));
-    let held = cracked.map(|from| {
-        let (from, until) = (run.times[from], run.times[reseated.unwrap_or(last)]);
+    let is_far = |k: &usize| run.lift[*k] >= 0.5 * run.lift[peak];
+    let held = cracked.and_then(|_| {
+        let (from, until) =
+            (run.times[(0..=last).find(is_far)?], run.times[(0..=last).rfind(is_far)?]);
         let quarter = 0.25 * (until - from);
         run.stretch(from + quarter, until - quarter, site)
     });
@@ -129,30 +131,45 @@ pub fn characteristics(
         cracking: cracked.map(|k| run.moment(k)),
         greatest: run.moment(peak),
         reseating: reseated.map(|k| run.moment(k)),
-        held: held.flatten(),
+        held,
         shut: shut.flatten(),
         seals: seals(signals),
         stuck: all_stuck(signals, site, run.lift[last]),
     })
 }
 
-/// The curves of pressure drop over rate of flow, of rate of flow and of flow coefficient over lift, while it is open.
+/// The curves of pressure drop over rate of flow, of rate of flow and of flow coefficient over lift, while it is open, in
+/// the order of time: means over the `parts` of the run, so that sound averages out.
+///
+/// # Errors
+/// A sentence, if a signal is missing.
 pub fn curves(
     signals: &Signals,
     watched: &Watched,
     site: &Site,
     open_at: f64,
+    parts: usize,
 ) -> Result<[Vec<(f64, f64)>; 3], String> {
     let run = Run::of(signals, watched)?;
     let mut curves = [const { Vec::new() }; 3];
-    let Some(flow) = run.flow else { return Ok(curves) };
-    for k in (0..run.times.len()).filter(|&k| run.lift[k] > open_at && flow[k].is_finite()) {
-        let (flow, drop) = (site.copies * flow[k], run.drop[k]);
-        curves[0].push((flow, drop));
-        curves[1].push((run.lift[k], flow));
-        curves[2].extend(kv(flow, drop, site.density).map(|kv| (run.lift[k], kv)));
+    let all: Vec<usize> = (0..run.times.len()).collect();
+    for part in all.chunks(all.len().div_ceil(parts).max(1)) {
+        let lift = mean(part, run.lift);
+        let Some(flow) = run.flow.map(|flow| site.copies * mean(part, flow)) else { continue };
+        let drop = mean(part, &run.drop);
+        if lift > open_at && flow.is_finite() && drop.is_finite() {
+            curves[0].push((flow, drop));
+            curves[1].push((lift, flow));
+            curves[2].extend(kv(flow, drop, site.density).map(|kv| (lift, kv)));
+        }
     }
     Ok(curves)
+}
+
+/// Mean of what was measured of some rows.
+fn mean(rows: &[usize], of: &[f64]) -> f64 {
+    let measured = || rows.iter().map(|&k| of[k]).filter(|value| value.is_finite());
+    measured().sum::<f64>() / measured().count() as f64
 }
 
 /// Flow coefficient [m³/h at 1 bar] of a rate of flow [m³/s] under a pressure drop [Pa], if both go downstream.
@@ -194,10 +211,7 @@ impl<'a> Run<'a> {
     fn stretch(&self, from: f64, until: f64, site: &Site) -> Option<Stretch> {
         let within: Vec<usize> =
             (0..self.times.len()).filter(|&k| (from..=until).contains(&self.times[k])).collect();
-        let mean = |of: &[f64]| {
-            let measured = || within.iter().map(|&k| of[k]).filter(|value| value.is_finite());
-            measured().sum::<f64>() / measured().count() as f64
-        };
+        let mean = |of: &[f64]| mean(&within, of);
         let extreme =
             |better: fn(f64, f64) -> f64| within.iter().map(|&k| self.lift[k]).reduce(better);
         let drop = mean(&self.drop);
@@ -320,7 +334,7 @@ mod tests {
         let watched =
             Watched::find(&signals, &Asked { upstream: Some("inlet".into()), ..Asked::default() })
                 .unwrap();
-        let [drop, flow, kv] = curves(&signals, &watched, &site(), 1e-3).unwrap();
+        let [drop, flow, kv] = curves(&signals, &watched, &site(), 1e-3, 401).unwrap();
         assert_eq!((drop.len(), flow.len(), kv.len()), (199, 199, 199));
         assert_eq!(drop[7], (2e-3, 4.1e5));
         assert_eq!(flow[7], (2e-3, 2e-3));
