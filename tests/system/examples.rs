@@ -157,7 +157,11 @@ fn pressure_valve() {
     assert!(between(30e-3, 35e-3).all(|k| (0.35e-3..0.65e-3).contains(&lift[k])), "{lift:?}");
     let over = unbalanced(33e-3, 35e-3);
     assert!(over.abs() < 0.02, "forces on the shut valve differ by {over}");
-    let leak = flow(33e-3, 35e-3) / flow(18e-3, 25e-3);
+    // What leaves is what the valve, afloat on its gap, displaces as it moves.
+    let late: Vec<usize> = between(33e-3, 35e-3).collect();
+    let (first, last) = (late[0], late[late.len() - 1]);
+    let rise = (lift[last] - lift[first]) / (time[last] - time[first]);
+    let leak = (flow(33e-3, 35e-3) - 0.5 * PI * 11e-3 * 11e-3 * rise) / flow(18e-3, 25e-3);
     assert!(leak.abs() < 0.01, "{leak} of the flow goes past the shut valve");
 
     // What a designer reads of it.
@@ -167,12 +171,14 @@ fn pressure_valve() {
     let valve: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
     let number =
         |path: &str| valve.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
-    // Half the valve is computed: 6 m/s through the whole conduit.
-    let piston = 6.0 * std::f64::consts::PI * 4.75e-3 * 4.75e-3;
-    assert!((number("/held/flow") / piston - 1.0).abs() < 0.03, "{valve}");
-    let kv = 3600.0 * piston / (number("/held/drop") / 1e5).sqrt();
-    assert!((number("/held/kv") / kv - 1.0).abs() < 0.03, "{valve}");
-    assert!(number("/cracking/drop") > 4.65e5 && number("/reseating/drop") < 4e5, "{valve}");
+    // Half the valve is computed; 6 m/s through the whole conduit, of which these cells make one 6 % wider.
+    let held = number("/held/flow") / (6.0 * PI * 4.75e-3 * 4.75e-3);
+    assert!((0.97..1.08).contains(&held), "{valve}");
+    let drop = mean(18e-3, 25e-3, &|k| signals["fluid.reservoir_z_lower.pressure"][k]);
+    let kv = 3600.0 * 2.0 * flow(18e-3, 25e-3) / (drop / 1e5).sqrt();
+    assert!((number("/held/kv") / kv - 1.0).abs() < 0.02, "{valve}");
+    assert!((4.65e5..6e5).contains(&number("/cracking/drop")), "{valve}");
+    assert!((1.5e5..4e5).contains(&number("/reseating/drop")), "{valve}");
     assert!(ran.out.join("valve.svg").exists());
 }
 

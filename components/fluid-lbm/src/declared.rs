@@ -79,8 +79,6 @@ struct Declared {
     around: [f64; 2],
     /// Density minus 1 by the rule; by probes, when it acts (see [`LEAD`]).
     drho: f64,
-    /// The same by probes, as it was in the last step.
-    before: f64,
     /// Whether its sides are there, and whether they were before.
     is_there: bool,
     is_new: bool,
@@ -94,6 +92,8 @@ struct Weighted {
     weight: f64,
     /// Its cells and their weights.
     cells: Vec<(u32, f64)>,
+    /// Density minus 1 when it was last measured, if it was.
+    last: Option<f64>,
 }
 
 /// A cell that may be in a gap.
@@ -193,6 +193,11 @@ impl DeclaredGaps {
     /// For each stored cell the gap that it may be frozen in.
     pub fn by_cell(&self) -> &[u16] {
         &self.of
+    }
+
+    /// Number of the gaps.
+    pub fn len(&self) -> usize {
+        self.gaps.len()
     }
 
     /// Whether the scene declares none.
@@ -334,20 +339,13 @@ impl DeclaredGaps {
         for gap in &mut self.gaps {
             gap.around = [0.0; 2];
             let (mut sum, mut weights) = (0.0, 0.0);
-            for Weighted { weight, cells, .. } in &gap.probes {
-                let (mut drho, mut all) = (0.0, 0.0);
-                for &(cell, part) in cells.iter().filter(|(cell, _)| after.owners.is_fluid(*cell)) {
-                    drho += part * (density(&after.post(cell)) - 1.0);
-                    all += part;
-                }
-                if all > 0.0 {
-                    sum += weight * drho / all;
-                    weights += weight;
+            for probe in &mut gap.probes {
+                if let Some(drho) = probe.measure(after) {
+                    sum += probe.weight * drho;
+                    weights += probe.weight;
                 }
             }
-            let now = if weights > 0.0 { sum / weights } else { 0.0 };
-            gap.drho = now + LEAD * (now - gap.before);
-            gap.before = now;
+            gap.drho = if weights > 0.0 { sum / weights } else { 0.0 };
         }
         self.impulse = [0.0; 3];
         for mouth in &self.mouths {
@@ -382,6 +380,24 @@ impl DeclaredGaps {
                 gap.drho = if cells > 0.0 { drho / cells } else { 0.0 };
             }
         }
+    }
+}
+
+impl Weighted {
+    /// Density minus 1 at the time when it acts, see [`LEAD`]; what it was where no cell of the probe is fluid. `None`
+    /// before it was measured.
+    fn measure<T: Real>(&mut self, after: &After<T>) -> Option<f64> {
+        let (mut drho, mut all) = (0.0, 0.0);
+        for &(cell, part) in self.cells.iter().filter(|(cell, _)| after.owners.is_fluid(*cell)) {
+            drho += part * (density(&after.post(cell)) - 1.0);
+            all += part;
+        }
+        if all == 0.0 {
+            return self.last;
+        }
+        let now = drho / all;
+        let before = self.last.replace(now).unwrap_or(now);
+        Some(now + LEAD * (now - before))
     }
 }
 
@@ -421,7 +437,7 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layo
         let number = scene.probes.iter().position(|probe| probe.name == w.probe)?;
         let cells = samples(&layout.grid, &centres, &scene.probes[number].shape).into_iter();
         let cells = cells.filter_map(|(at, part)| Some((layout.cell(at)?, part)));
-        Some(Weighted { number, weight: w.weight, cells: cells.collect() })
+        Some(Weighted { number, weight: w.weight, cells: cells.collect(), last: None })
     });
     Declared {
         sides: [side(&gap.between[0]), side(&gap.between[1])],
@@ -434,7 +450,6 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layo
         intakes: Vec::new(),
         around: [0.0; 2],
         drho: 0.0,
-        before: 0.0,
         is_there: false,
         is_new: false,
     }

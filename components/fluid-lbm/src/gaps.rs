@@ -103,8 +103,6 @@ pub struct Gap {
     pub drho: f64,
     /// See there.
     pub cells: f64,
-    /// Volume by which the body receded from it, if the scene declares it.
-    pub drawn: f64,
     /// Force and torque on the body for each unit of `drho`.
     load: [[f64; 3]; 2],
 }
@@ -115,21 +113,28 @@ pub struct Gaps {
     list: Vec<Gap>,
     /// What facets of a deformable surface felt, of gaps and of the fluid.
     pub felt: Vec<Felt>,
-    /// What links gave to each intake of declared gaps.
+    /// Volume by which the body receded from each gap that the scene declares.
+    pub drawn: Vec<f64>,
+    /// What links gave to each intake of those.
     pub given: Vec<Given>,
 }
 
 impl Gaps {
-    /// None, with room for those of an item, and a number of intakes.
-    pub fn with_room(intakes: usize) -> Self {
-        let given = vec![Given::default(); intakes];
-        Self { list: Vec::with_capacity(ROOM), felt: Vec::new(), given }
+    /// None, with room for those of an item, and for gaps that the scene declares and their intakes.
+    pub fn with_room(declared: usize, intakes: usize) -> Self {
+        Self {
+            list: Vec::with_capacity(ROOM),
+            felt: Vec::new(),
+            drawn: vec![0.0; declared],
+            given: vec![Given::default(); intakes],
+        }
     }
 
     /// Forgets all.
     pub fn clear(&mut self) {
         self.list.clear();
         self.felt.clear();
+        self.drawn.fill(0.0);
         self.given.fill(Given::default());
     }
 
@@ -156,13 +161,7 @@ impl Gaps {
 
     /// Counts a volume by which the body recedes from a gap that the scene declares.
     pub fn draw(&mut self, gap: u16, volume: f64) {
-        let place = self.place(Across::declared(gap));
-        self.list[place].drawn += volume;
-    }
-
-    /// What the body drew in by gaps that the scene declares.
-    pub fn drawn(&self) -> impl Iterator<Item = (u16, f64)> {
-        self.list.iter().filter_map(|gap| Some((gap.across.as_declared()?, gap.drawn)))
+        self.drawn[usize::from(gap)] += volume;
     }
 
     /// Place of the gap to something.
@@ -170,13 +169,7 @@ impl Gaps {
         let place = self.list.iter().position(|gap| gap.across == across);
         place.unwrap_or_else(|| {
             if self.list.len() < ROOM {
-                self.list.push(Gap {
-                    across,
-                    drho: 0.0,
-                    cells: 0.0,
-                    drawn: 0.0,
-                    load: [[0.0; 3]; 2],
-                });
+                self.list.push(Gap { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] });
             }
             self.list.len() - 1
         })

@@ -108,7 +108,8 @@ impl Exchange {
 }
 
 /// The items of all bodies.
-pub fn items(bodies: &Bodies, gaps_press: bool, intakes: usize) -> Vec<Item> {
+/// Those that press count for so many declared gaps and intakes.
+pub fn items(bodies: &Bodies, gaps_press: bool, [declared, intakes]: [usize; 2]) -> Vec<Item> {
     let mut items = Vec::new();
     for (place, body) in bodies.living.iter().enumerate() {
         let side = body.shell_side();
@@ -117,7 +118,8 @@ pub fn items(bodies: &Bodies, gaps_press: bool, intakes: usize) -> Vec<Item> {
         while first < side {
             let layers = first..(first + layers).min(side);
             first = layers.end;
-            let gaps = if gaps_press { Gaps::with_room(intakes) } else { Gaps::default() };
+            let gaps =
+                if gaps_press { Gaps::with_room(declared, intakes) } else { Gaps::default() };
             let found = PartLinks::default();
             items.push(Item { body: place, layers, exchange: Exchange::default(), gaps, found });
         }

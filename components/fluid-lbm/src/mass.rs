@@ -134,7 +134,7 @@ impl<T: Collides> Solver<T> {
                 all.join(&item.exchange);
                 // What links gave to intakes the body does not owe.
                 all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
-                for (gap, drawn) in item.gaps.drawn() {
+                for (gap, drawn) in (0..).zip(&item.gaps.drawn) {
                     all.drawn += drawn;
                     taken += self.intakes.draw(self.declared.shares(gap), mean * drawn);
                 }

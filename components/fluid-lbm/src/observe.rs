@@ -137,6 +137,7 @@ impl<T: Collides> Solver<T> {
             + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()
             + self.owners.bytes()
             + self.declared.bytes()
+            + self.intakes.bytes()
             + self.wanted.bytes()
     }
 

@@ -275,7 +275,8 @@ impl<T: Collides> Solver<T> {
         if press && self.walls.is_empty() {
             self.walls = self.surroundings.wall_distances(&self.layout, &self.fixed);
         }
-        self.link_items = links::items(&self.bodies, press, self.intakes.len());
+        let counts = [self.declared.len(), self.intakes.len()];
+        self.link_items = links::items(&self.bodies, press, counts);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();

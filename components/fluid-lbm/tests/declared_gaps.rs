@@ -261,7 +261,7 @@ fn a_slot_draws_from_where_its_pressure_is_measured() {
         [chamber(0), chamber(22)]
     };
     for (weights, expected) in
-        [([1.0, 0.0], [38.4, 0.0]), ([1.0, 1.0], [19.2, 19.2]), ([1.0, 3.0], [9.6, 28.8])]
+        [([1.0, 0.0], [38.4, 0.0]), ([3.0, 1.0], [28.8, 9.6]), ([1.0, 3.0], [9.6, 28.8])]
     {
         let found = left(weights);
         println!("{weights:?}: {found:?} cells were drawn in");

@@ -115,8 +115,9 @@ pub fn characteristics(
     let reseated = cracked
         .and((1..=last).rfind(|&k| !is_open(k) && is_open(k - 1)))
         .filter(|_| !is_open(last));
-    let is_far = |k: &usize| run.lift[*k] >= 0.5 * run.lift[peak];
-    let held = cracked.and_then(|_| {
+    let half = 0.5 * (run.lift[0] + run.lift[peak]);
+    let is_far = |k: &usize| is_open(*k) && run.lift[*k] >= half;
+    let held = is_open(peak).then_some(()).and_then(|()| {
         let (from, until) =
             (run.times[(0..=last).find(is_far)?], run.times[(0..=last).rfind(is_far)?]);
         let quarter = 0.25 * (until - from);

@@ -74,27 +74,35 @@ impl Intakes {
         self.list.len()
     }
 
-    /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first, and from
-    /// there through what bodies cover now and may leave later.
+    /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first, then through what
+    /// bodies cover there now and may leave later, then into the gaps.
     pub fn look(&mut self, in_gap: &[u16], owners: &Owners, layout: &Layout) {
         if !self.nearest.is_empty() || self.list.is_empty() {
             return;
         }
         self.nearest = vec![FAR; in_gap.len()];
-        let mut reached = VecDeque::new();
+        let rank = |cell: u32| {
+            let is_in_gap = in_gap[cell as usize] != NONE;
+            2 * usize::from(is_in_gap) + usize::from(!owners.is_fluid(cell))
+        };
+        let mut reached = [const { VecDeque::new() }; 4];
         for &(intake, cell) in &self.seeds {
             self.nearest[cell as usize] = intake;
-            reached.push_back(cell);
+            reached[0].push_back(cell);
         }
-        let mut covered = VecDeque::new();
-        while let Some(cell) = reached.pop_front().or_else(|| covered.pop_front()) {
+        while let Some(cell) = reached.iter_mut().find_map(VecDeque::pop_front) {
             for next in faces(layout, cell) {
-                if self.nearest[next as usize] == FAR && in_gap[next as usize] == NONE {
+                if self.nearest[next as usize] == FAR {
                     self.nearest[next as usize] = self.nearest[cell as usize];
-                    if owners.is_fluid(next) { &mut reached } else { &mut covered }.push_back(next);
+                    reached[rank(next)].push_back(next);
                 }
             }
         }
+    }
+
+    /// Memory that the table takes [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nearest.as_slice())
     }
 
     /// The intake of a link at a cell, and what it gives there for each unit of `6 w_i rho`.

@@ -50,7 +50,8 @@ pub enum GapRule {
     Zero,
     /// The mean over the fluid cells next to it.
     Nearest,
-    /// The weighted mean of the pressures at probes.
+    /// The weighted mean of the pressures at probes. What the gap draws in as it widens a fluid may then take on their
+    /// sides of it, by the same weights.
     Probes(Vec<GapWeight>),
 }
 

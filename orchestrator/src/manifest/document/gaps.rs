@@ -22,7 +22,8 @@ pub(in super::super) struct GapTable {
     pub close_at: Option<f64>,
     /// What presses on both sides while the gap holds no fluid (default: nearest).
     pub pressure: Option<GapPressureName>,
-    /// Probes whose mean pressure that is.
+    /// Probes whose mean pressure that is. Put them on either side of it: what the gap draws in as it widens leaves the
+    /// fluid there.
     pub pressure_at: Option<Vec<String>>,
     /// Their weights (default: all alike).
     pub weights: Option<Vec<f64>>,
