@@ -80,6 +80,11 @@ fn what_polyhedra_cannot_be_is_told_at_its_line() {
             "[\"43 mm\", \"41 mm\", \"176 mm\"]",
             ["scene.bodies[2]", "overlap by"],
         ),
+        (
+            "shape = \"cube\"",
+            "clump = \"tower\"\nshape = \"cube\"",
+            ["scene.bodies[0].clump", "packed"],
+        ),
         ("fraction = 0.12", "fraction = 0.3", ["scene.bodies[0].packing.fraction", "at most 0.2"]),
     ] {
         let said = said(from, to);
@@ -89,7 +94,7 @@ fn what_polyhedra_cannot_be_is_told_at_its_line() {
     }
 }
 
-/// Dice and a ball sink in a liquid between two plates.
+/// Dice, a ball and a clump of both sink in a liquid between two plates.
 const SINKING: &str = r#"
 [run]
 until = "60 ms"
@@ -119,6 +124,21 @@ polyhedra = [
 name = "ball"
 density = "2500 kg/m3"
 spheres = [{ position = ["15 mm", "40 mm", "40 mm"], diameter = "15 mm" }]
+
+[[scene.bodies]]
+name = "head"
+density = "2500 kg/m3"
+material = "dice"
+clump = "hammer"
+shape = "cube"
+polyhedra = [{ position = ["40 mm", "10 mm", "25 mm"], edge = "10 mm" }]
+
+[[scene.bodies]]
+name = "handle"
+density = "2500 kg/m3"
+material = "ball"
+clump = "hammer"
+spheres = [{ position = ["32 mm", "10 mm", "25 mm"], diameter = "10 mm" }]
 
 [[scene.contacts]]
 normal_stiffness = "1e4 N/m"

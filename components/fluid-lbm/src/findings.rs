@@ -333,6 +333,7 @@ mod tests {
                 density: 2500.0,
                 material: "grains".into(),
                 motion: Motion::Free,
+                clump: None,
                 placement: Placement::Listed(vec![sphere]),
             }],
             ..Scene::empty(domain)

@@ -173,6 +173,7 @@ mod tests {
                 density: 2000.0,
                 material: "sand".into(),
                 motion: Motion::Free,
+                clump: None,
                 placement: Placement::Packed(packing),
             }],
             ..Scene::empty(Domain::new([0.0; 3], [40.0, 20.0, 20.0], Face::WALLS))

@@ -353,6 +353,7 @@ mod tests {
                 density: 2000.0,
                 material: "steel".into(),
                 motion: Motion::Free,
+                clump: None,
                 placement: Placement::Listed(spheres.collect()),
             }],
             ..Scene::empty(Domain::new([0.0; 3], [40.0; 3], Face::WALLS))

@@ -140,6 +140,7 @@ fn small_spheres_are_found() {
             density: 2500.0,
             material: "grains".into(),
             motion: Motion::Free,
+            clump: None,
             placement: Placement::Listed(vec![Sphere {
                 position: [5e-3; 3],
                 diameter,

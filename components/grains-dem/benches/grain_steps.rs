@@ -42,6 +42,7 @@ fn bed(spheres: f64) -> Scene {
             density: 2500.0,
             material: "bed".into(),
             motion: Motion::Free,
+            clump: None,
             placement: Placement::Packed(Packing {
                 min: [0.0; 3],
                 max: [side, side, height],

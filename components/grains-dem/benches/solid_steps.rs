@@ -36,6 +36,7 @@ fn heap(name: &str) -> Scene {
             density: 2500.0,
             material: "heap".into(),
             motion: Motion::Free,
+            clump: None,
             placement: Placement::Polyhedra(Polyhedra {
                 shape: name.into(),
                 placement: PolyhedronPlacement::Packed(packing),

@@ -94,6 +94,7 @@ fn scene(spheres: usize) -> Scene {
             density: 2500.0,
             material: "sand".into(),
             motion: Motion::Free,
+            clump: None,
             placement: Placement::Listed((0..spheres).map(place).collect()),
         }]
         .into_iter()

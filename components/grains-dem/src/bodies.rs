@@ -16,6 +16,9 @@ use tremie_messages::scene::{BodySet, Motion, Scene};
 /// Where a body stood that was not there yet.
 pub(crate) const NEW: u32 = u32::MAX;
 
+/// Marks a body that is in no clump.
+pub(crate) const ALONE: u32 = u32::MAX;
+
 /// A sphere in space, or that around a polyhedron: what the search for contacts reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ball {
@@ -58,15 +61,17 @@ impl Wrench {
 /// What resists acceleration; both 0 for a body whose motion is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mobility {
-    /// `1/m` [1/kg].
+    /// `1/m` [1/kg]; of a body in a clump that of the clump.
     pub inverse_mass: f64,
-    /// `1/(2/5 m R²)` [1/(kg·m²)]; 0 for a polyhedron, which turns by itself.
+    /// `1/(2/5 m R²)` [1/(kg·m²)]; 0 for a polyhedron, which turns by itself, and in a clump.
     pub inverse_inertia: f64,
+    /// The clump that the body belongs to, or [`ALONE`].
+    pub clump: u32,
 }
 
 impl Mobility {
     /// That of a wall, or of a body whose motion is given.
-    pub const NONE: Self = Self { inverse_mass: 0.0, inverse_inertia: 0.0 };
+    pub const NONE: Self = Self { inverse_mass: 0.0, inverse_inertia: 0.0, clump: ALONE };
 
     /// `sqrt(m*)` of a pair, where a body of given motion counts as infinitely heavy [kg^(1/2)].
     pub fn root_reduced_mass(self, other: Self) -> f64 {
@@ -76,6 +81,17 @@ impl Mobility {
     /// Whether forces move the body.
     pub fn is_free(self) -> bool {
         self.inverse_mass > 0.0
+    }
+
+    /// Whether the body goes with others.
+    pub fn is_joined(self) -> bool {
+        self.clump != ALONE
+    }
+
+    /// Whether two bodies can touch: not if forces move neither, nor within a clump.
+    #[inline(always)]
+    pub fn meets(self, other: Self) -> bool {
+        (self.is_free() || other.is_free()) && (self.clump != other.clump || !self.is_joined())
     }
 }
 
@@ -91,6 +107,17 @@ pub(crate) struct PlacedSphere {
     pub motion: Motion,
     /// Index of its set in the scene.
     pub set: usize,
+    /// What it is joined to.
+    pub clump: Option<Joined>,
+}
+
+/// The clump that a body belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Joined {
+    /// Its number.
+    pub number: u32,
+    /// Its mass [kg].
+    pub mass: f64,
 }
 
 impl PlacedSphere {
@@ -99,6 +126,9 @@ impl PlacedSphere {
         if self.motion != Motion::Free {
             return Mobility::NONE;
         }
+        if let Some(Joined { number, mass }) = self.clump {
+            return Mobility { inverse_mass: 1.0 / mass, inverse_inertia: 0.0, clump: number };
+        }
         let radius = self.ball.radius;
         Mobility {
             inverse_mass: 1.0 / self.mass,
@@ -106,6 +136,7 @@ impl PlacedSphere {
                 Some(_) => 0.0,
                 None => 1.0 / (0.4 * self.mass * radius * radius),
             },
+            clump: ALONE,
         }
     }
 }
@@ -117,7 +148,7 @@ pub(crate) struct SphereSet {
     pub density: f64,
     /// Number of the material.
     pub material: u16,
-    /// Whether forces move them.
+    /// Whether forces move them, each by itself.
     pub free: bool,
 }
 
@@ -127,7 +158,7 @@ impl SphereSet {
         let of = |set: &BodySet| Self {
             density: set.density,
             material: laws.material(&set.material),
-            free: set.motion == Motion::Free,
+            free: set.motion == Motion::Free && set.clump.is_none(),
         };
         scene.bodies.iter().map(of).collect()
     }
@@ -354,6 +385,7 @@ mod tests {
             mass: 1.0 + k,
             motion: Motion::Free,
             set: k as usize,
+            clump: None,
         };
         let mut bodies = Bodies::new(&[0.0, 1.0, 2.0, 3.0].map(sphere), |set| set as u16);
         for order in [[2, 0, 3, 1], [1, 2, 3, 0]] {

@@ -3,7 +3,7 @@
 use crate::{
     Lubrication, Parameters, Vec3,
     bodies::Ball,
-    check_law, check_packing, check_polyhedra, check_ports, check_slider,
+    check_clumps, check_law, check_packing, check_polyhedra, check_ports, check_slider,
     encounters::Population,
     laws,
     overlaps::TOUCHING,
@@ -76,6 +76,7 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
         }
     }
     check_polyhedra::shapes(scene, parameters, &mut problems);
+    check_clumps::clumps(scene, &mut problems);
     for (i, pair) in scene.contacts.iter().enumerate() {
         check_law::law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
     }
@@ -238,6 +239,7 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
         largest = diameters.iter().fold(largest, |a, &d| a.max(d * around));
     }
     largest = scene.inlets.iter().fold(largest, |d, inlet| d.max(inlet.diameters.extremes()[1]));
+    check_clumps::wholes(scene, problems);
     problems.extend(Population::of(scene).problems());
     let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
     let needed = 2.0 * (largest * (1.0 + parameters.skin_fraction()) + reach);

@@ -3,7 +3,7 @@
 use crate::{
     bodies::Wrench,
     fetch::fetch,
-    pairs::{ACTING, Pairs},
+    pairs::{ACTING, BLOCK, Pairs},
     search::Contacts,
 };
 
@@ -39,6 +39,12 @@ impl<'a> Few<'a> {
         Self { bodies: &bodies[own.clone()], wrench: &wrench[own] }
     }
 
+    /// Leaves out bodies before `i`.
+    fn skip_to(&mut self, i: usize) {
+        let before = self.bodies.partition_point(|&body| (body as usize) < i);
+        (self.bodies, self.wrench) = (&self.bodies[before..], &self.wrench[before..]);
+    }
+
     /// The force on body `i`, later than all asked for before.
     #[inline(always)]
     fn on(&mut self, i: usize) -> Option<&'a Wrench> {
@@ -72,6 +78,13 @@ impl<'a> Collector<'a> {
             until: range.start,
             end: range.end,
         }
+    }
+
+    /// Contact force and torque on one body, as [`on`](Self::on) sums them up.
+    pub fn alone(contacts: Contacts<'a>, i: usize, radius: f64) -> Wrench {
+        let mut own = Self::new(contacts, i / BLOCK, i..i + 1);
+        own.surfaces.iter_mut().for_each(|few| few.skip_to(i));
+        own.on(i, radius)
     }
 
     /// Contact force and torque on body `i` of the block, each in its turn: first those of

@@ -3,6 +3,7 @@
 use crate::{
     Vec3,
     bodies::Bodies,
+    clumps::{Clump, Clumps},
     contact::{Contact, Memory},
     forces::{Scenery, touch_of_balls},
     law::{Law, Reduced},
@@ -36,8 +37,8 @@ pub struct Diagnostics {
     pub momentum: [f64; 3],
     /// Largest speed [m/s].
     pub max_speed: f64,
-    /// Mean height of centres against gravity, from the lowest point of the domain [m]; 0 without
-    /// gravity.
+    /// Mean height of centres against gravity, from the lowest point of the domain [m], of clumps that of
+    /// their centroids; 0 without gravity.
     pub mean_height: f64,
     /// Contacts between bodies, and between bodies and walls.
     pub contacts: u64,
@@ -67,6 +68,8 @@ pub(crate) struct Seen<'a> {
     pub parts: &'a [PlacedPart],
     /// The polyhedra.
     pub polyhedra: &'a Polyhedra,
+    /// Bodies that are joined.
+    pub clumps: &'a Clumps,
 }
 
 /// Sums over bodies, in the order of their ids: in fixed blocks, and these in their order.
@@ -115,6 +118,9 @@ impl Survey {
             }
         });
         let mut all = self.blocks.iter().fold(Sums::default(), |all, sums| all.and(sums));
+        for clump in seen.clumps.all() {
+            all.join(clump, clump.centroid(bodies).dot(&up) - lowest, strength);
+        }
         seen.parts.iter().filter_map(PlacedPart::slider).for_each(|slider| all.slide(slider));
         for surface in &seen.contacts.surfaces.held {
             all.elastic += surface.elastic_energy(seen.scenery.laws);
@@ -133,6 +139,11 @@ impl Sums {
             return;
         }
         let (mass, square) = (1.0 / mobility.inverse_mass, twist.v.norm_squared());
+        self.square = self.square.max(square);
+        if mobility.is_joined() {
+            // Clumps are added up by themselves.
+            return;
+        }
         self.kinetic += 0.5 * mass * square;
         // Polyhedra have three moments of inertia, and are added up by themselves.
         if mobility.inverse_inertia > 0.0 {
@@ -140,7 +151,17 @@ impl Sums {
         }
         self.potential += mass * gravity * height;
         self.momentum += twist.v * mass;
-        self.square = self.square.max(square);
+        self.height += height;
+        self.free += 1;
+    }
+
+    /// Adds a clump, whose centroid is at a height.
+    fn join(&mut self, clump: &Clump, height: f64, gravity: f64) {
+        let [kinetic, rotational] = clump.energies();
+        self.kinetic += kinetic;
+        self.rotational += rotational;
+        self.potential += clump.mass * gravity * height;
+        self.momentum += clump.v * clump.mass;
         self.height += height;
         self.free += 1;
     }

@@ -1,6 +1,7 @@
 //! Who may meet whom under which law, and the extreme pairs under each.
 
 use crate::{
+    clumps::{self, Whole},
     law::{Law, Reduced},
     laws::{Surface, surfaces},
     packing, placement,
@@ -14,8 +15,35 @@ use tremie_messages::{
     },
 };
 
-/// Mass [kg], infinite where the motion is given, and radius [m].
-type Grain = (f64, f64);
+/// A body that may meet others.
+#[derive(Clone, Copy, Debug)]
+struct Grain {
+    /// Mass [kg], of a clump's body that of the clump; infinite where the motion is given.
+    mass: f64,
+    /// Mass that a contact has to move, at least [kg]; see [`clumps::Whole::felt`].
+    felt: f64,
+    /// Radius [m].
+    radius: f64,
+    /// The clump that it belongs to.
+    clump: Option<u32>,
+}
+
+impl Grain {
+    /// A body by itself.
+    fn alone(mass: f64, radius: f64) -> Self {
+        Self { mass, felt: mass, radius, clump: None }
+    }
+
+    /// What does not move.
+    fn still(radius: f64) -> Self {
+        Self::alone(f64::INFINITY, radius)
+    }
+
+    /// Whether two belong to one clump, so that they never touch.
+    fn is_joined_to(&self, other: &Self) -> bool {
+        self.clump.is_some() && self.clump == other.clump
+    }
+}
 
 /// The bodies of one material.
 struct Kind<'a> {
@@ -27,6 +55,17 @@ struct Kind<'a> {
     heaviest: [Grain; 2],
     /// Smallest and largest radius of all.
     radii: [f64; 2],
+    /// Whether all belong to one clump; `None` without any.
+    sole: Option<Sole>,
+}
+
+/// Whether the bodies of a kind are one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sole {
+    /// All belong to this clump.
+    Clump(u32),
+    /// They do not.
+    Many,
 }
 
 /// The bodies of a scene by material, with what they may meet.
@@ -50,7 +89,7 @@ pub(crate) struct Encounter<'a> {
     pub light: Reduced,
     /// The heaviest pair.
     pub heavy: Reduced,
-    /// Sum of the inverse masses of the lightest pair [1/kg].
+    /// Sum of the inverse masses that a contact of the lightest pair has to move [1/kg].
     pub inverse_mass: f64,
     /// Whether it is with a wall or a part.
     pub with_surface: bool,
@@ -66,7 +105,7 @@ impl<'a> Population<'a> {
     pub fn of(scene: &'a Scene) -> Self {
         let mut all =
             Self { scene, kinds: Vec::new(), surfaces: surfaces(scene), fed: 0, speed: 0.0 };
-        for set in &scene.bodies {
+        for (set, whole) in scene.bodies.iter().zip(clumps::wholes(scene)) {
             let material = set.material.as_str();
             if !all.kinds.iter().any(|kind| kind.material == material) {
                 all.kinds.push(Kind::none(material));
@@ -74,8 +113,14 @@ impl<'a> Population<'a> {
             let kind = all.kinds.iter_mut().find(|kind| kind.material == material);
             let Some(kind) = kind else { continue };
             for d in packing::diameters_of(set) {
-                let mass = placement::mass(set.density, d);
-                kind.add((mass, 0.5 * d), set.motion == Motion::Free);
+                let alone = Grain::alone(placement::mass(set.density, d), 0.5 * d);
+                let joined = |Whole { number, mass, felt }| Grain {
+                    mass,
+                    felt,
+                    radius: alone.radius,
+                    clump: Some(number),
+                };
+                kind.add(whole.map_or(alone, joined), set.motion == Motion::Free);
             }
         }
         for inlet in &scene.inlets {
@@ -86,7 +131,8 @@ impl<'a> Population<'a> {
             let Some(kind) = all.kinds.iter_mut().find(of_set) else { continue };
             // Two of each, which may meet.
             for d in inlet.diameters.extremes().into_iter().flat_map(|d| [d, d]) {
-                kind.add((placement::mass(set.density, d), 0.5 * d), set.motion == Motion::Free);
+                let grain = Grain::alone(placement::mass(set.density, d), 0.5 * d);
+                kind.add(grain, set.motion == Motion::Free);
                 all.fed += 1;
             }
         }
@@ -94,10 +140,11 @@ impl<'a> Population<'a> {
         all
     }
 
-    /// Mass and radius of the lightest body of a set.
-    pub fn lightest(set: &BodySet) -> Option<Grain> {
+    /// Mass that a contact of a set's smallest body has to move, at least [kg], and its radius [m].
+    pub fn lightest(set: &BodySet, whole: Option<Whole>) -> Option<(f64, f64)> {
         let smallest = packing::diameters_of(set).into_iter().reduce(f64::min)?;
-        Some((placement::mass(set.density, smallest), 0.5 * smallest))
+        let own = placement::mass(set.density, smallest);
+        Some((whole.map_or(own, |whole| whole.felt), 0.5 * smallest))
     }
 
     /// Number of bodies at the start.
@@ -139,7 +186,7 @@ impl<'a> Population<'a> {
         let mut found: Vec<Encounter<'a>> = Vec::new();
         self.each(|a, b, _, (light, heavy, contacts)| {
             let Some(law) = self.scene.law(a, b) else { return };
-            let with_surface = light[1].1.is_infinite();
+            let with_surface = light[1].radius.is_infinite();
             let side = if with_surface { "surface of " } else { "" };
             let name = format!("{a} with {side}{b}");
             let ((light, inverse_mass), (heavy, _)) = (reduced(light), reduced(heavy));
@@ -169,17 +216,17 @@ impl<'a> Population<'a> {
         for (index, a) in self.kinds.iter().enumerate() {
             for b in &self.kinds[index..] {
                 let same = a.material == b.material;
-                if a.free + b.free == 0 || (same && a.bodies < 2) {
+                if a.free + b.free == 0 || a.never_meets(b, same) {
                     continue;
                 }
                 let (light, heavy) = if same {
                     let other = |of: [Grain; 2]| {
-                        if a.free >= 2 { of } else { [of[0], (f64::INFINITY, a.radii[0])] }
+                        if a.free >= 2 { of } else { [of[0], Grain::still(a.radii[0])] }
                     };
                     (other(a.lightest), other(a.heaviest))
                 } else {
                     let of = |kind: &Kind, grain: Grain| {
-                        if kind.free > 0 { grain } else { (f64::INFINITY, kind.radii[0]) }
+                        if kind.free > 0 { grain } else { Grain::still(kind.radii[0]) }
                     };
                     (
                         [of(a, a.lightest[0]), of(b, b.lightest[0])],
@@ -193,7 +240,7 @@ impl<'a> Population<'a> {
         }
         for kind in self.kinds.iter().filter(|kind| kind.free > 0) {
             for surface in &self.surfaces {
-                let flat = (surface.mass, f64::INFINITY);
+                let flat = Grain::alone(surface.mass, f64::INFINITY);
                 let pairs = ([kind.lightest[0], flat], [kind.heaviest[0], flat], 1);
                 let what = format!("bodies of \"{}\" may touch {}", kind.material, surface.name);
                 visit(kind.material, surface.material, what, pairs);
@@ -208,39 +255,59 @@ impl<'a> Kind<'a> {
             material,
             bodies: 0,
             free: 0,
-            lightest: [(f64::INFINITY, f64::INFINITY); 2],
-            heaviest: [(0.0, 0.0); 2],
+            lightest: [Grain::alone(f64::INFINITY, f64::INFINITY); 2],
+            heaviest: [Grain::alone(0.0, 0.0); 2],
             radii: [f64::INFINITY, 0.0],
+            sole: None,
         }
     }
 
+    /// Whether bodies of two kinds cannot touch: there is but one, or they all belong to one clump.
+    fn never_meets(&self, other: &Self, same: bool) -> bool {
+        let one_clump = match (self.sole, other.sole) {
+            (Some(Sole::Clump(a)), Some(Sole::Clump(b))) => a == b,
+            _ => false,
+        };
+        (same && self.bodies < 2) || one_clump
+    }
+
     fn add(&mut self, grain: Grain, free: bool) {
+        self.sole = match (self.sole, grain.clump.filter(|_| free)) {
+            (None, Some(clump)) => Some(Sole::Clump(clump)),
+            (Some(Sole::Clump(known)), Some(clump)) if known == clump => self.sole,
+            _ => Some(Sole::Many),
+        };
         self.bodies += 1;
-        self.radii = [self.radii[0].min(grain.1), self.radii[1].max(grain.1)];
+        self.radii = [self.radii[0].min(grain.radius), self.radii[1].max(grain.radius)];
         if !free {
             return;
         }
         self.free += 1;
-        self.lightest = first_two(self.lightest, grain, |a, b| a.0 < b.0);
-        self.heaviest = first_two(self.heaviest, grain, |a, b| a.0 > b.0);
+        self.lightest = first_two(self.lightest, grain, |a, b| a.felt < b.felt);
+        self.heaviest = first_two(self.heaviest, grain, |a, b| a.mass > b.mass);
     }
 }
 
+/// The first and the second of three; of bodies of one clump the first alone, for they never touch.
 fn first_two([a, b]: [Grain; 2], c: Grain, before: fn(&Grain, &Grain) -> bool) -> [Grain; 2] {
-    if before(&c, &a) {
-        [c, a]
-    } else if before(&c, &b) {
-        [a, c]
-    } else {
-        [a, b]
-    }
+    let first = if before(&c, &a) { c } else { a };
+    let mut others = [b, if before(&c, &a) { a } else { c }]
+        .into_iter()
+        .filter(|other| !other.is_joined_to(&first))
+        .collect::<Vec<_>>();
+    others.sort_by(|x, y| match (before(x, y), before(y, x)) {
+        (true, _) => std::cmp::Ordering::Less,
+        (_, true) => std::cmp::Ordering::Greater,
+        _ => std::cmp::Ordering::Equal,
+    });
+    [first, others.first().copied().unwrap_or(b)]
 }
 
-/// Reduced mass and radius, and the sum of inverse masses.
+/// Reduced mass and radius, and the sum of the inverse masses that a contact has to move.
 fn reduced([a, b]: [Grain; 2]) -> (Reduced, f64) {
-    let inverse_mass = 1.0 / a.0 + 1.0 / b.0;
-    let radius = 1.0 / (1.0 / a.1 + 1.0 / b.1);
-    (Reduced { root_mass: (1.0 / inverse_mass).sqrt(), radius }, inverse_mass)
+    let inverse_mass = 1.0 / a.mass + 1.0 / b.mass;
+    let radius = 1.0 / (1.0 / a.radius + 1.0 / b.radius);
+    (Reduced { root_mass: (1.0 / inverse_mass).sqrt(), radius }, 1.0 / a.felt + 1.0 / b.felt)
 }
 
 fn speed(scene: &Scene) -> f64 {

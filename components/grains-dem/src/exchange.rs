@@ -88,6 +88,7 @@ impl GrainsDem {
             twist: Twist { v: added.velocity.into(), w: Vec3::zeros() },
             mass: placement::mass(self.sets[added.set].density, added.diameter),
             motion: Motion::Free,
+            clump: None,
             set: added.set,
         }
     }
@@ -106,6 +107,9 @@ impl GrainsDem {
         };
         if let Some(&id) = removed.iter().find(is_solid) {
             return Err(GrainsError::NotRemovable { id, why: "it is a polyhedron" });
+        }
+        if let (Some(&id), Some(_)) = (removed.first(), self.clumps.all().first()) {
+            return Err(GrainsError::NotRemovable { id, why: "there are clumps, which stay" });
         }
         for (index, sphere) in added.iter().enumerate() {
             let why = match self.sets.get(sphere.set) {

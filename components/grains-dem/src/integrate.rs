@@ -83,7 +83,8 @@ impl Wandered {
     }
 }
 
-/// Acceleration and angular acceleration of a body under contact forces, loads and weight.
+/// Acceleration and angular acceleration of a body under contact forces, loads and weight; none of one that
+/// goes with a clump.
 #[inline(always)]
 fn acceleration(
     contact: Wrench,
@@ -91,6 +92,9 @@ fn acceleration(
     mobility: Mobility,
     gravity: Vec3,
 ) -> Twist {
+    if mobility.is_joined() {
+        return Twist::zero();
+    }
     let gravity = if mobility.is_free() { gravity } else { Vec3::zeros() };
     let Wrench { mut force, mut torque } = contact;
     if let Some(load) = load {

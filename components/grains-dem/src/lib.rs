@@ -57,12 +57,14 @@ mod bodies;
 mod carried;
 mod cells;
 mod check;
+mod check_clumps;
 mod check_law;
 mod check_packing;
 mod check_polyhedra;
 mod check_ports;
 mod check_sizes;
 mod check_slider;
+mod clumps;
 mod collect;
 #[cfg(feature = "component")]
 pub mod component;

@@ -141,7 +141,7 @@ impl PlacedPart {
     pub fn mobility(&self) -> Mobility {
         self.slider().map_or(Mobility::NONE, |slider| Mobility {
             inverse_mass: slider.whole / slider.mass,
-            inverse_inertia: 0.0,
+            ..Mobility::NONE
         })
     }
 

@@ -1,7 +1,8 @@
 //! The bodies of a scene, placed.
 
 use crate::{
-    bodies::{Ball, PlacedSphere, Twist},
+    bodies::{Ball, Joined, PlacedSphere, Twist},
+    clumps::{self, Whole},
     packing::{self, Surroundings},
     parts::PlacedPart,
     periodic::PeriodicBox,
@@ -35,13 +36,13 @@ pub(crate) fn lever(scene: &Scene) -> f64 {
 }
 
 /// That of a sphere over one through the centre: `1 + 5/2`.
-const OF_SPHERE: f64 = 3.5;
+pub(crate) const OF_SPHERE: f64 = 3.5;
 
 /// How deep a corner at a right angle sinks into a wall at a speed [m/s], over the radius of the sphere inside,
 /// at most of all polyhedra: its force is `k h^3/(2 A)`, with the area of the largest face, so that
 /// `h = (4 m v^2 A/k)^(1/4)`. 0 without polyhedra.
 pub(crate) fn corner_depth(scene: &Scene, speed: f64) -> f64 {
-    let of = |set: &BodySet| {
+    let of = |(set, whole): (&BodySet, Option<Whole>)| {
         let (shape, _) = shape_of(scene, set)?;
         let shape = Shape::of(&scene.shapes[shape as usize]).ok()?;
         let size = packing::diameters_of(set).into_iter().fold(0.0, f64::max);
@@ -52,10 +53,11 @@ pub(crate) fn corner_depth(scene: &Scene, speed: f64) -> f64 {
         });
         let softest = stiffness.fold(f64::INFINITY, f64::min);
         let area = shape.largest_face * size * size;
-        let energy = 4.0 * mass(set.density, size) * speed * speed;
+        let mass = whole.map_or_else(|| mass(set.density, size), |whole| whole.mass);
+        let energy = 4.0 * mass * speed * speed;
         Some((energy * area / softest).sqrt().sqrt() / (shape.inradius * size))
     };
-    scene.bodies.iter().filter_map(of).fold(0.0, f64::max)
+    scene.bodies.iter().zip(clumps::wholes(scene)).filter_map(of).fold(0.0, f64::max)
 }
 
 /// The shape of a set of polyhedra, and the width of the spheres around them.
@@ -69,7 +71,25 @@ fn shape_of(scene: &Scene, set: &BodySet) -> Option<(u32, f64)> {
 /// The listed bodies of all sets.
 pub(crate) fn listed(scene: &Scene) -> Vec<PlacedSphere> {
     let sets = scene.bodies.iter().enumerate();
-    sets.flat_map(|(set, bodies)| listed_of(set, bodies, scene)).collect()
+    let mut placed =
+        sets.flat_map(|(set, bodies)| listed_of(set, bodies, scene)).collect::<Vec<_>>();
+    join(scene, &mut placed);
+    placed
+}
+
+/// Tells bodies to which clumps they belong.
+fn join(scene: &Scene, placed: &mut [PlacedSphere]) {
+    let (numbers, count) = clumps::numbers(scene);
+    let mut masses = vec![0.0; count];
+    for body in &*placed {
+        if let Some(number) = numbers[body.set] {
+            masses[number as usize] += body.mass;
+        }
+    }
+    for body in placed {
+        let of = |number: u32| Joined { number, mass: masses[number as usize] };
+        body.clump = numbers[body.set].map(of);
+    }
 }
 
 /// All bodies, in the order of sets. Packings keep clear of all parts, of all listed bodies,
@@ -139,6 +159,7 @@ pub(crate) fn place(
             },
         }
     }
+    join(scene, &mut placed);
     if problems.is_empty() { Ok(placed) } else { Err(problems) }
 }
 
@@ -175,6 +196,7 @@ fn at_rest(set: usize, bodies: &BodySet, ball: Ball) -> PlacedSphere {
         mass: mass(bodies.density, 2.0 * ball.radius),
         motion: bodies.motion.clone(),
         set,
+        clump: None,
     }
 }
 

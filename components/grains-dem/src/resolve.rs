@@ -225,7 +225,8 @@ fn limits(
     for encounter in encounters {
         let (law, pair, inverse_mass) =
             (Law::new(encounter.law), encounter.light, encounter.inverse_mass);
-        contact = contact.min(contact_time(encounter.law, pair, speed));
+        let felt = Reduced { root_mass: (1.0 / inverse_mass).sqrt(), ..pair };
+        contact = contact.min(contact_time(encounter.law, felt, speed));
         let overlap = deepest(encounter, pair, speed);
         let lubrication = squeeze.map_or(0.0, |squeeze| squeeze.largest(pair.radius));
         let of = |contacts| {

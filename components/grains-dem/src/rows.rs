@@ -54,7 +54,7 @@ impl Rows {
 }
 
 /// Visits the bodies of body i's row: those ahead of it in the cells whose surfaces are closer to
-/// i's than `gap`, where at least one of the two is free; with them goes the square of the distance.
+/// i's than `gap`, where at least one of the two is free and they are not joined; with them goes the square of the distance.
 #[inline(always)]
 pub(crate) fn near(
     cells: &Cells,
@@ -71,7 +71,7 @@ pub(crate) fn near(
         let reach = ball.radius + balls[j].radius + gap;
         let distance = (balls[j].x - ball.x) + shifts[image as usize];
         let square = distance.norm_squared();
-        if square < reach * reach && (mobility[i].is_free() || mobility[j].is_free()) && j != i {
+        if square < reach * reach && mobility[i].meets(mobility[j]) && j != i {
             visit(Neighbour { other, image }, j, square);
         }
     });
@@ -84,7 +84,8 @@ mod tests {
     use proptest::prelude::*;
     use tremie_messages::scene::{Domain, Face};
 
-    const FREE: Mobility = Mobility { inverse_mass: 1.0, inverse_inertia: 1.0 };
+    const FREE: Mobility =
+        Mobility { inverse_mass: 1.0, inverse_inertia: 1.0, clump: crate::bodies::ALONE };
 
     fn random_balls(bounds: &PeriodicBox, n: usize, seed: u64) -> Vec<Ball> {
         (0..n)

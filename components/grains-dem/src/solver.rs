@@ -3,6 +3,7 @@
 use crate::{
     Diagnostics, GrainsError, Parameters, Vec3,
     bodies::{Bodies, PlacedSphere, SphereSet},
+    clumps::Clumps,
     contact::Steps,
     diagnostics::{Seen, Survey},
     driven::Driven,
@@ -35,7 +36,7 @@ use tremie_team::Team;
 /// Overlap over the smaller radius that ends a run.
 const TOO_DEEP: f64 = 0.5;
 
-/// Spheres and convex polyhedra in a box, in contact with each other and with walls.
+/// Spheres, convex polyhedra and clumps of them in a box, in contact with each other and with walls.
 pub struct GrainsDem {
     domain: Domain,
     pub(crate) around: Surroundings,
@@ -43,6 +44,7 @@ pub struct GrainsDem {
     pub(crate) dt: f64,
     pub(crate) bodies: Bodies,
     pub(crate) polyhedra: Polyhedra,
+    pub(crate) clumps: Clumps,
     pub(crate) events: Vec<BodyEvent>,
     pub(crate) roll: Roll,
     /// The id of the next body that comes.
@@ -146,6 +148,8 @@ impl GrainsDem {
         }
         let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
         let largest = scene.inlets.iter().fold(largest, |d, i| d.max(i.diameters.extremes()[1]));
+        let clumps = Clumps::of_placed(scene, spheres);
+        clumps.end(&mut bodies);
         let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
         bodies.reserve(ports.capacity);
         let mass = spheres.iter().map(|sphere| sphere.mass).collect();
@@ -168,6 +172,7 @@ impl GrainsDem {
             around,
             bodies,
             polyhedra,
+            clumps,
             team,
             driven: Driven::of_scene(scene, spheres),
             steps: 0,
@@ -290,6 +295,7 @@ impl GrainsDem {
             gravity: self.gravity,
             parts: &self.around.parts,
             polyhedra: &self.polyhedra,
+            clumps: &self.clumps,
         };
         let sums = self.survey.sums(&mut self.team, &seen);
         Diagnostics {
@@ -337,11 +343,13 @@ impl GrainsDem {
         let (team, bodies) = (&mut self.team, &mut self.bodies);
         let bounds = &self.around.bounds;
         let step = (self.dt, finish);
+        self.clumps.begin(bodies, forces, step);
         integrate::first_half(team, bodies, bounds, forces, step, &mut self.reaches);
         let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
         self.crossed |= reach.crossed;
         self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
+        self.clumps.end(&mut self.bodies);
         let (bodies, team) = (&mut self.bodies, &mut self.team);
         self.polyhedra.first_half(team, bodies, self.loaded, (self.dt, finish));
         let mut wrapped = false;
@@ -388,6 +396,9 @@ impl GrainsDem {
         let mut on_surfaces = Tally::default();
         search.surfaces.accept(surfaces, &scenery, &near, &mut on_surfaces)?;
         self.push_sliders(surfaces);
+        let forces =
+            Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };
+        self.clumps.evaluate(&self.bodies, forces);
         self.tally = Tally::sum(&[Tally::sum(&self.tallies), on_surfaces, on_solids]);
         self.deep_overlaps += self.tally.deep;
         self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);

@@ -120,6 +120,7 @@ impl GrainsDem {
                 gravity: self.gravity,
             };
             integrate::second_half(&mut self.team, &mut self.bodies, forces, self.dt);
+            self.clumps.second_half(&mut self.bodies, forces, self.dt);
             self.polyhedra.second_half(&mut self.bodies, self.loaded, self.dt);
             self.around.parts.iter_mut().for_each(|part| part.finish(self.dt));
         }

@@ -3,6 +3,7 @@
 use crate::{
     Vec3,
     check::{MIN_STEPS_PER_CONTACT, is_positive},
+    clumps::{self, Whole},
     encounters::{Population, contact_time},
     law::Reduced,
     slider::unit,
@@ -108,8 +109,9 @@ fn one(
         problems.push(Problem::new(format!("{key}.carrier"), message).help(help));
         return;
     };
-    for set in scene.bodies.iter().filter(|set| set.motion == Motion::Free) {
-        meets(key, scene, surface, (set, dt), problems);
+    let sets = scene.bodies.iter().zip(clumps::wholes(scene));
+    for (set, whole) in sets.filter(|(set, _)| set.motion == Motion::Free) {
+        meets(key, scene, surface, (set, whole, dt), problems);
     }
     if problems.len() == before {
         seats(key, surface, (slider, dt), problems);
@@ -121,7 +123,7 @@ fn meets(
     key: &str,
     scene: &Scene,
     surface: &DeformableSurface,
-    (set, dt): (&BodySet, f64),
+    (set, whole, dt): (&BodySet, Option<Whole>, f64),
     problems: &mut Vec<Problem>,
 ) {
     let (a, b) = (&set.material, &surface.material);
@@ -131,7 +133,7 @@ fn meets(
         problems.push(Problem::new("scene.contacts", message).help(help));
         return;
     };
-    let Some((mass, radius)) = Population::lightest(set) else { return };
+    let Some((mass, radius)) = Population::lightest(set, whole) else { return };
     let speed = slowest(scene);
     let pair = Reduced { root_mass: mass.sqrt(), radius };
     too_few(key, "a sphere", contact_time(law, pair, speed), dt, problems);

@@ -30,6 +30,7 @@ fn scene() -> Scene {
         density: 2500.0,
         material: name.into(),
         motion,
+        clump: None,
         placement: Placement::Packed(Packing {
             min: [0.0; 3],
             max: SIZE,

@@ -115,7 +115,7 @@ impl<'a> Crowd<'a> {
     fn new(region: &'a Region<'a>, radii: &[f64], seed: u64) -> Self {
         let mut balls = starts(region, radii, seed);
         balls.extend(&region.obstacles);
-        let mobile = Mobility { inverse_mass: 1.0, inverse_inertia: 1.0 };
+        let mobile = Mobility { inverse_mass: 1.0, ..Mobility::NONE };
         let mut mobility = vec![mobile; radii.len()];
         mobility.resize(balls.len(), Mobility::NONE);
         let largest = balls.iter().fold(0.0, |d: f64, ball| d.max(2.0 * ball.radius));

@@ -17,16 +17,16 @@ mod turn;
 pub(crate) use list::{Found, Nearness, PolyContacts};
 pub(crate) use overlap::{of_bodies, with_part};
 pub(crate) use press::Room;
-pub(crate) use shape::Shape;
+pub(crate) use shape::{Shape, to_world, turned_axes};
+pub(crate) use turn::Inertia;
 
 use crate::{
     Vec3,
     bodies::{Bodies, PlacedSphere},
 };
-use shape::{Solid, to_world, turned_axes};
+use shape::Solid;
 use tremie_messages::scene::Scene;
 use tremie_team::{Cut, Team};
-use turn::Inertia;
 
 /// Marks a body that is a sphere.
 pub(crate) const SPHERE: u32 = u32::MAX;
@@ -53,7 +53,7 @@ pub(crate) struct Grain {
     pub slot: u32,
     shape: u32,
     size: f64,
-    /// Inertia, of a body that forces move.
+    /// Inertia, of a body that forces move by itself.
     inertia: Option<Inertia>,
     orientation: [f64; 4],
     /// Angular momentum: of the full step between substeps, of the half step within one [kg·m²/s].
@@ -87,11 +87,9 @@ impl Polyhedra {
         for (id, body) in (0..).zip(placed) {
             let Some(solid) = body.solid else { continue };
             let shape = &own.shapes[solid.shape as usize];
-            let scale = body.mass * solid.size * solid.size;
-            let inertia = body
-                .mobility()
-                .is_free()
-                .then(|| Inertia { moments: shape.inertia.map(|i| i * scale), axes: shape.axes });
+            let mobility = body.mobility();
+            let inertia = (mobility.is_free() && !mobility.is_joined())
+                .then(|| shape.inertia_of(body.mass, solid.size));
             let q = solid.orientation;
             let momentum =
                 inertia.map_or(Vec3::zeros(), |inertia| inertia.momentum(q, body.twist.w));
@@ -177,7 +175,6 @@ impl Polyhedra {
             return;
         }
         let (orientation, load) = (&bodies.orientation, &bodies.load);
-        let kicks = if finish { 2.0 } else { 1.0 };
         self.each(team, |grain| {
             let slot = grain.slot as usize;
             let Some(inertia) = grain.inertia else {
@@ -188,7 +185,10 @@ impl Polyhedra {
             if loaded {
                 torque += load[slot].torque;
             }
-            grain.momentum += torque * (0.5 * dt * kicks);
+            if finish {
+                grain.momentum += torque * (0.5 * dt);
+            }
+            grain.momentum += torque * (0.5 * dt);
             grain.orientation = inertia.drift(grain.orientation, grain.momentum, dt);
             grain.spin = inertia.spin(grain.orientation, grain.momentum);
             let predicted = grain.momentum + torque * (0.5 * dt);

@@ -1,5 +1,6 @@
 //! Shapes of polyhedra, in the form that contacts want.
 
+use super::turn::Inertia;
 use crate::Vec3;
 use core::ops::Range;
 use tremie_geometry::{Convex, ConvexError, principal};
@@ -69,6 +70,11 @@ impl Shape {
     pub fn corners(&self, face: usize) -> &[u32] {
         let own: Range<usize> = self.ends[face] as usize..self.ends[face + 1] as usize;
         &self.corners[own]
+    }
+
+    /// Inertia of a body [kg·m²], of this mass [kg] and as large as a sphere of this diameter [m].
+    pub fn inertia_of(&self, mass: f64, size: f64) -> Inertia {
+        Inertia { moments: self.inertia.map(|i| i * (mass * size * size)), axes: self.axes }
     }
 
     /// How much more a push beyond the centroid moves it than one through it, at most: `1 + R^2 m/I` with

@@ -63,6 +63,7 @@ pub fn set(motion: Motion, spheres: Vec<Sphere>) -> BodySet {
         density: DENSITY,
         material: "grains".into(),
         motion,
+        clump: None,
         placement: Placement::Listed(spheres),
     }
 }
@@ -79,6 +80,7 @@ pub fn packed(
         density: DENSITY,
         material: "grains".into(),
         motion: Motion::Free,
+        clump: None,
         placement: Placement::Packed(Packing {
             min,
             max,

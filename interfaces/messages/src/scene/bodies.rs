@@ -16,6 +16,10 @@ pub struct BodySet {
     pub material: String,
     /// How the bodies move.
     pub motion: Motion,
+    /// The clump that they belong to: bodies of all sets with this name are joined rigidly, and move as one.
+    /// It is as heavy as they are together; where they overlap they do not touch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clump: Option<String>,
     /// Where they are at the start.
     pub placement: Placement,
 }

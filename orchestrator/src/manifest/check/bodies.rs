@@ -55,6 +55,7 @@ fn body_set(
         name: name?,
         density: density?,
         motion: motion?,
+        clump: table.clump.clone(),
         placement: placement?,
     })
 }

@@ -103,6 +103,7 @@ fn own_set(
         name,
         density: density?,
         motion: Motion::Free,
+        clump: None,
         placement: Placement::Listed(Vec::new()),
     })
 }

@@ -19,6 +19,9 @@ pub(in super::super) struct BodiesTable {
     pub material: Option<String>,
     /// How they move (default: free).
     pub motion: Option<MotionName>,
+    /// The clump that they belong to: all free bodies of sets with the same name here are joined rigidly
+    /// (default: each moves by itself). A clump is as heavy as its bodies are together.
+    pub clump: Option<String>,
     /// Velocities of a prescribed motion over time (default: those that they were placed with).
     pub course: Option<Vec<MotionPointTable>>,
     /// Each sphere given.

@@ -1,0 +1,103 @@
+//! What can be wrong with clumps.
+
+use crate::{
+    check::AXES,
+    clumps::{Clumps, Misfit},
+    placement,
+};
+use tremie_messages::{
+    Problem,
+    scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene},
+};
+
+/// The clumps of a scene.
+pub(crate) fn clumps(scene: &Scene, problems: &mut Vec<Problem>) {
+    let named = scene.bodies.iter().enumerate();
+    let named = named.filter_map(|(i, set)| Some((i, set, set.clump.as_deref()?)));
+    for (i, set, name) in named {
+        let key = format!("scene.bodies[{i}].clump");
+        if let Some((message, help)) = fault(scene, set, name) {
+            problems.push(Problem::new(key, message).help(help));
+        }
+    }
+    let name = scene.bodies.iter().find_map(|set| set.clump.as_deref());
+    if let (Some(name), Some(outlet)) = (name, scene.outlets.first()) {
+        let message = format!(
+            "is \"{}\", but there is the clump \"{name}\", and clumps do not come and go",
+            outlet.name
+        );
+        let help = "leave out the outlet, or let its bodies move one by one";
+        problems.push(Problem::new("scene.outlets[0].name", message).help(help));
+    }
+}
+
+/// Places and velocities of the bodies of clumps, in a scene whose bodies are right.
+pub(crate) fn wholes(scene: &Scene, problems: &mut Vec<Problem>) {
+    let placed = placement::listed(scene);
+    let size = scene.domain.size();
+    for clump in Clumps::of_placed(scene, &placed).all() {
+        let of = |rank: u32| {
+            let set = placed[rank as usize].set;
+            let name = scene.bodies[set].clump.as_deref().unwrap_or_default();
+            (format!("scene.bodies[{set}].clump"), name)
+        };
+        let axes = (0..3).filter(|&axis| scene.domain.is_periodic(axis));
+        for axis in axes.filter(|&axis| clump.extent(axis) > 0.5 * size[axis]) {
+            let (key, name) = of(clump.first());
+            let message = format!(
+                "is \"{name}\", which reaches over {:.3e} m in {}, more than half of the domain, which wraps around \
+                 there",
+                clump.extent(axis),
+                AXES[axis]
+            );
+            let help = "place the clump so that it lies across none of the faces that wrap around, or enlarge the domain";
+            problems.push(Problem::new(key, message).help(help));
+        }
+        let Misfit { rank, expected, apart, scale } = clump.misfit(&placed);
+        if apart > RIGID * scale {
+            let (key, name) = of(rank);
+            let [x, y, z]: [f64; 3] = expected.into();
+            let message = format!(
+                "is \"{name}\", but the velocities of its bodies are not those of a rigid motion: body {rank} differs by \
+                 {apart:.3e} m/s"
+            );
+            let help = format!(
+                "with the momenta of its bodies the clump gives this body ({x:.6e}, {y:.6e}, {z:.6e}) m/s: give each its \
+                 velocity, that of the centroid and w x r"
+            );
+            problems.push(Problem::new(key, message).help(help));
+        }
+    }
+}
+
+/// Velocities that differ by less than this part are those of a rigid motion, but for rounding.
+const RIGID: f64 = 1e-6;
+
+fn fault(scene: &Scene, set: &BodySet, name: &str) -> Option<(String, &'static str)> {
+    if name.is_empty() {
+        return Some(("is empty, expected a name".into(), "name it, or leave it out"));
+    }
+    if set.motion != Motion::Free {
+        let message =
+            format!("is \"{name}\", but these bodies are not free: their motion is given already");
+        return Some((
+            message,
+            "leave it out: bodies of one motion keep their places to each other",
+        ));
+    }
+    let packed = match &set.placement {
+        Placement::Listed(_) => false,
+        Placement::Packed(_) => true,
+        Placement::Polyhedra(own) => matches!(own.placement, PolyhedronPlacement::Packed(_)),
+    };
+    if packed {
+        let message = format!("is \"{name}\", but these bodies are packed at random");
+        return Some((message, "list the bodies that are joined, each where it is"));
+    }
+    if let Some(inlet) = scene.inlets.iter().find(|inlet| inlet.bodies == set.name) {
+        let message =
+            format!("is \"{name}\", but the inlet \"{}\" feeds bodies of this set", inlet.name);
+        return Some((message, "give the inlet a set of its own"));
+    }
+    None
+}

@@ -1,0 +1,395 @@
+//! Clumps: bodies that are joined rigidly.
+
+mod common;
+use common::{solids::*, *};
+use tremie_grains_dem::{GrainsDem, GrainsError, Parameters};
+use tremie_messages::{
+    body::{BodyState, Load},
+    scene::{BodySet, Damping, Motion, Outlet, Placement, Scene, Sphere},
+};
+
+const D: f64 = 2e-3;
+const STIFF: f64 = 1e5;
+
+fn joined(clump: &str, set: BodySet) -> BodySet {
+    BodySet { name: format!("{} of {clump}", set.name), clump: Some(clump.into()), ..set }
+}
+
+fn spheres(list: Vec<Sphere>) -> BodySet {
+    set(Motion::Free, list)
+}
+
+fn open_space(friction: f64, damping: Damping) -> Scene {
+    scene([40e-3; 3], WALLS, law(STIFF, friction, damping))
+}
+
+/// Three spheres in a line, `2 arm` from end to end.
+fn bar(middle: [f64; 3], arm: f64) -> BodySet {
+    let at = |x: f64| sphere([middle[0] + x, middle[1], middle[2]], D, [0.0; 3]);
+    joined("bar", spheres(vec![at(-arm), at(0.0), at(arm)]))
+}
+
+/// A ball strikes the end of a bar without friction: both go away as impact of rigid bodies has it,
+/// `J = (1 + e) v/(1/m + 1/M + r^2/I)`.
+#[test]
+fn a_struck_clump_leaves_as_a_rigid_body_does() {
+    let (arm, speed) = (5e-3, 0.5);
+    for e in [1.0, 0.6] {
+        let mut scene = open_space(0.0, Damping::Restitution(e));
+        let ball = sphere([25e-3, 20e-3, 20e-3 - 1.2 * D], D, [0.0, 0.0, speed]);
+        scene.bodies = vec![bar([20e-3; 3], arm), spheres(vec![ball])];
+        let mut dem = make(&scene, 2.5e-7);
+        dem.advance(4_800, &[]).unwrap();
+        let (m, whole) = (mass(D), 3.0 * mass(D));
+        let moment = 3.0 * inertia(D) + 2.0 * m * arm * arm;
+        // A spring with a dashpot gives the restitution of the masses that it is made for: here the turning
+        // bar is lighter.
+        let after = state(&dem);
+        let ends = |k: usize| after[k].velocity[2];
+        let (v, spin) = (ends(1), after[1].angular_velocity[1]);
+        let impulse = m * (speed - after[3].velocity[2]);
+        assert!((impulse / (whole * v) - 1.0).abs() < 1e-9, "momentum");
+        assert!(
+            (impulse * arm / (moment * -spin) - 1.0).abs() < 1e-3,
+            "{} {}",
+            impulse * arm,
+            moment * spin
+        );
+        assert!((ends(2) - v + spin * arm).abs() < 1e-3 * v, "rigid");
+        let apart = (ends(2) - after[3].velocity[2]) / speed;
+        let mobility = 1.0 / m + 1.0 / whole + arm * arm / moment;
+        let expected = (1.0 + apart) * speed / mobility;
+        assert!((impulse / expected - 1.0).abs() < 2e-3, "{impulse} {expected}");
+        let bound = if e == 1.0 { 1e-3 } else { 0.1 };
+        assert!((apart - e).abs() < bound, "restitution {apart} {e}");
+    }
+}
+
+/// Head on the whole of a clump meets the ball: the restitution is that of its law.
+#[test]
+fn a_clump_that_is_struck_in_the_middle_gives_the_restitution_of_its_law() {
+    let (speed, e) = (0.5, 0.6);
+    let mut scene = open_space(0.5, Damping::Restitution(e));
+    let ball = sphere([20e-3, 20e-3, 20e-3 - 1.2 * D], D, [0.0, 0.0, speed]);
+    scene.bodies = vec![bar([20e-3; 3], 3e-3), spheres(vec![ball])];
+    let mut dem = make(&scene, 2.5e-7);
+    dem.advance(4_800, &[]).unwrap();
+    let after = state(&dem);
+    let apart = (after[1].velocity[2] - after[3].velocity[2]) / speed;
+    // The contact ends at a whole step: of two spheres alike.
+    assert!((apart - e).abs() < 5e-3, "{apart}");
+    assert!(after[0].angular_velocity.iter().all(|w| w.abs() < 1e-9));
+}
+
+/// Two halves of a box turn as the box does.
+#[test]
+fn a_box_of_two_pieces_turns_as_one_of_one_piece() {
+    let (edge, w) = (2e-3, [30.0, 400.0, -20.0]);
+    let spinning = |at: [f64; 3], diameter| {
+        let mut body = solid(at, diameter, [0.1, 0.2, -0.1]);
+        body.angular_velocity = w;
+        body
+    };
+    let mut scene = open_space(0.5, Damping::Restitution(1.0));
+    let corner = |k: usize, a: usize| f64::from(k as u32 >> a & 1) - 0.5;
+    let block = |stretch: [f64; 3]| -> Vec<[f64; 3]> {
+        (0..8).map(|k| std::array::from_fn(|a| stretch[a] * corner(k, a))).collect()
+    };
+    let shape_of =
+        |name: &str, vertices| tremie_messages::scene::Shape { name: name.into(), vertices };
+    scene.shapes = vec![
+        shape("cube"),
+        shape_of("brick", block([2.0, 1.0, 1.0])),
+        shape_of("slab", block([2.0, 1.0, 0.5])),
+    ];
+    let with = |diameter: f64, factor: f64| diameter * factor.cbrt();
+    // A brick, two cubes beside each other, and a brick and a slab with half a slab on it: 2 x 1 x 1 and
+    // 2 x 1 x 0.5 on 2 x 1 x 0.5.
+    let (whole, halves, layers) = ([10e-3; 3], [10e-3, 20e-3, 20e-3], [20e-3, 20e-3, 10e-3]);
+    let moved =
+        |at: [f64; 3], by: [f64; 3]| -> [f64; 3] { std::array::from_fn(|a| at[a] + by[a] * edge) };
+    let turning = |at: [f64; 3], by: [f64; 3], diameter| {
+        // The velocity that the piece has as one of a rigid body.
+        let mut body = spinning(moved(at, by), diameter);
+        let more = cross(w, by.map(|x| x * edge));
+        body.velocity = std::array::from_fn(|a| body.velocity[a] + more[a]);
+        body
+    };
+    let size = of_cube(edge);
+    scene.bodies = vec![
+        solids("brick", vec![spinning(whole, with(size, 2.0))]),
+        joined(
+            "halves",
+            solids(
+                "cube",
+                vec![
+                    turning(halves, [-0.5, 0.0, 0.0], size),
+                    turning(halves, [0.5, 0.0, 0.0], size),
+                ],
+            ),
+        ),
+        joined(
+            "layers",
+            solids(
+                "slab",
+                vec![
+                    turning(layers, [0.0, 0.0, -0.25], size),
+                    turning(layers, [0.0, 0.0, 0.25], size),
+                ],
+            ),
+        ),
+    ];
+    let mut dem = make(&scene, 1e-6);
+    let before = whole_energy(&mut dem);
+    dem.advance(20_000, &[]).unwrap();
+    let after = state(&dem);
+    let alike = |a: [f64; 4], b: [f64; 4]| (0..4).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+    for piece in &after[1..] {
+        let error = alike(after[0].orientation, piece.orientation);
+        assert!(error < 1e-9, "{error}");
+        assert!(norm(minus(after[0].angular_velocity, piece.angular_velocity)) < 1e-6);
+    }
+    let middle: [f64; 3] =
+        std::array::from_fn(|a| 0.5 * (after[1].position[a] + after[2].position[a]));
+    let way = minus(middle, minus(halves, whole));
+    assert!(norm(minus(way, after[0].position)) < 1e-13);
+    assert!(alike(after[0].orientation, [0.0, 0.0, 0.0, 1.0]) > 0.3, "it turned");
+    assert!((whole_energy(&mut dem) / before - 1.0).abs() < 1e-6);
+}
+
+/// A tangle of clumps of spheres and polyhedra among loose ones.
+fn crowd(stiffness: f64, friction: f64, damping: Damping) -> Scene {
+    let mut scene = scene([16e-3; 3], FLOOR, law(stiffness, friction, damping));
+    scene.shapes = vec![shape("cube"), shape("tetrahedron")];
+    let hash = |k: u64| (k.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as f64 / (1u64 << 24) as f64;
+    let (mut k, mut loose) = (0, Vec::new());
+    for place in 0..64 {
+        let at: [f64; 3] = std::array::from_fn(|a| 2e-3 + 4e-3 * f64::from(place >> (2 * a) & 3));
+        let mut next = || {
+            k += 1;
+            2.0 * hash(k) - 1.0
+        };
+        let v: [f64; 3] = std::array::from_fn(|_| next());
+        let other = [at[0] + 0.9e-3, at[1] + 0.3e-3, at[2]];
+        match place % 4 {
+            0 => {
+                let pair = vec![sphere(at, 1.4e-3, v), sphere(other, 1e-3, v)];
+                scene.bodies.push(joined(&format!("pair {place}"), spheres(pair)));
+            }
+            1 => {
+                let name = format!("block {place}");
+                let cube = solids("cube", vec![solid(at, 1.2e-3, v)]);
+                scene.bodies.push(joined(&name, cube));
+                let mut tip = solid(other, 1e-3, v);
+                tip.orientation = turned([1.0, 2.0, 0.5], 0.7);
+                scene.bodies.push(joined(&name, solids("tetrahedron", vec![tip])));
+            }
+            _ => loose.push(sphere(at, 1.3e-3, v)),
+        }
+    }
+    scene.bodies.push(BodySet { name: "loose".into(), ..spheres(loose) });
+    scene
+}
+
+/// Without friction and dashpots nothing is lost, and nothing made.
+#[test]
+fn clumps_keep_energy_and_momentum() {
+    let mut scene = crowd(1e4, 0.0, Damping::Restitution(1.0));
+    scene.domain.faces = PERIODIC;
+    let mut dem = make(&scene, 1e-6);
+    let (energy, momentum) = (whole_energy(&mut dem), dem.diagnostics().momentum);
+    let mut touched = 0;
+    for _ in 0..200 {
+        dem.advance(100, &[]).unwrap();
+        touched += dem.diagnostics().contacts;
+        let error = (whole_energy(&mut dem) / energy - 1.0).abs();
+        assert!(error < 3e-3, "{error}");
+    }
+    assert!(touched > 20, "{touched}");
+    let scale = 64.0 * mass(1.3e-3);
+    assert!(norm(minus(dem.diagnostics().momentum, momentum)) < 1e-9 * scale);
+}
+
+fn fallen(threads: usize, windows: u32, substeps: u32, skin: f64) -> (Scene, Vec<BodyState>) {
+    let mut scene = crowd(3e3, 0.5, Damping::Restitution(0.4));
+    scene.gravity = [0.5, 0.0, -200.0];
+    let parameters = Parameters { skin: Some(skin), ..Parameters::default() };
+    let mut dem = GrainsDem::new(&scene, &parameters, 4e-7, threads).unwrap();
+    for _ in 0..windows {
+        dem.advance(substeps, &[]).unwrap();
+    }
+    let after = state(&dem);
+    (scene, after)
+}
+
+/// Bodies of a clump keep their places to each other, also across periodic faces; nothing depends on
+/// threads, windows or lists.
+#[test]
+fn clumps_fall_and_stay_whole_with_equal_bits() {
+    let (scene, after) = fallen(1, 1, 60_000, 0.1);
+    for (threads, windows, substeps, skin) in
+        [(2, 1, 60_000, 0.1), (1, 20_000, 3, 0.1), (3, 20, 3_000, 0.02)]
+    {
+        assert_eq!(after, fallen(threads, windows, substeps, skin).1);
+    }
+    let mut id = 0;
+    let mut places = Vec::new();
+    for set in &scene.bodies {
+        let listed: Vec<[f64; 3]> = match &set.placement {
+            Placement::Listed(list) => list.iter().map(|body| body.position).collect(),
+            Placement::Polyhedra(own) => match &own.placement {
+                tremie_messages::scene::PolyhedronPlacement::Listed(list) => {
+                    list.iter().map(|body| body.position).collect()
+                }
+                _ => unreachable!(),
+            },
+            Placement::Packed(_) => unreachable!(),
+        };
+        for at in listed {
+            places.push((set.clump.clone(), at, after[id].position));
+            id += 1;
+        }
+    }
+    let mut checked = 0;
+    for pair in places.windows(2).filter(|pair| pair[0].0.is_some() && pair[0].0 == pair[1].0) {
+        let first = norm(minus(pair[0].1, pair[1].1));
+        let mut way = minus(pair[0].2, pair[1].2);
+        for a in 0..2 {
+            way[a] -= 16e-3 * (way[a] / 16e-3).round();
+        }
+        assert!((norm(way) - first).abs() < 1e-12, "{} {first}", norm(way));
+        checked += 1;
+    }
+    assert_eq!(checked, 32);
+    let lowest = after.iter().map(|body| body.position[2]).fold(1.0, f64::min);
+    assert!(lowest < 1.5e-3, "some lie on the floor");
+}
+
+/// Loads of a fluid act where they are given: a couple turns a clump, and a force at its end moves it too.
+#[test]
+fn loads_on_the_bodies_of_a_clump_move_it() {
+    let (arm, force) = (5e-3, 1e-4);
+    let mut scene = open_space(0.0, Damping::Restitution(1.0));
+    scene.bodies = vec![bar([20e-3; 3], arm)];
+    let mut dem = make(&scene, 1e-6);
+    let load = |id, f: f64| Load { id, force: [0.0, 0.0, f], torque: [0.0; 3] };
+    let loads = [load(0, -force), load(1, 0.0), load(2, 2.0 * force)];
+    let steps = 100;
+    dem.advance(steps, &loads).unwrap();
+    let (time, after) = (f64::from(steps) * 1e-6, state(&dem));
+    let moment = 3.0 * inertia(D) + 2.0 * mass(D) * arm * arm;
+    let (v, w) = (force * time / (3.0 * mass(D)), -3.0 * force * arm * time / moment);
+    assert!((after[1].velocity[2] / v - 1.0).abs() < 1e-6, "{} {v}", after[1].velocity[2]);
+    assert!((after[1].angular_velocity[1] / w - 1.0).abs() < 1e-6);
+    assert_eq!(dem.diagnostics().fluid_impulse, [0.0, 0.0, force * time]);
+}
+
+#[test]
+fn what_makes_no_clump_is_named() {
+    let good = || {
+        let mut scene = open_space(0.0, Damping::Restitution(1.0));
+        scene.bodies = vec![bar([20e-3; 3], 3e-3)];
+        scene
+    };
+    let found = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = good();
+        change(&mut scene);
+        let problems = Parameters::default().resolve(&scene).expect_err("a problem");
+        (problems[0].key.clone(), problems[0].to_string())
+    };
+    let of_set = "scene.bodies[0].clump";
+    let (key, text) = found(&|s| s.bodies[0].clump = Some(String::new()));
+    assert!(key == of_set && text.contains("empty"), "{text}");
+    let (key, text) = found(&|s| s.bodies[0].motion = Motion::Fixed);
+    assert!(key == of_set && text.contains("not free"), "{text}");
+    let (key, text) = found(&|s| {
+        s.bodies[0].placement = packed([5e-3; 3], [30e-3; 3], 0.1, (D, D), 1).placement;
+    });
+    assert!(key == of_set && text.contains("packed"), "{text}");
+    let (key, text) = found(&|s| {
+        s.outlets = vec![Outlet { name: "drain".into(), axis: 2, at: 2e-3, side: 0 }];
+    });
+    assert!(key == "scene.outlets[0].name" && text.contains("come and go"), "{text}");
+    let (key, text) = found(&|s| match &mut s.bodies[0].placement {
+        Placement::Listed(list) => list[2].angular_velocity = [0.0, 5.0, 0.0],
+        _ => unreachable!(),
+    });
+    assert!(key == of_set && text.contains("rigid motion"), "{text}");
+    let (key, text) = found(&|s| {
+        s.domain.faces = PERIODIC;
+        s.bodies = vec![bar([20e-3; 3], 15e-3)];
+    });
+    assert!(key == of_set && text.contains("wraps around"), "{text}");
+    let mut dem = make(&good(), 1e-6);
+    let error = dem.exchange(&[0], &[]).unwrap_err();
+    assert!(matches!(error, GrainsError::NotRemovable { id: 0, .. }), "{error}");
+}
+
+/// A clump of one sphere is that sphere, to the last bit where it does not turn.
+#[test]
+fn a_clump_of_one_sphere_moves_as_the_sphere_does() {
+    let velocities = |clump: bool| {
+        let mut scene = open_space(0.5, Damping::Restitution(0.6));
+        let ball = sphere([20e-3, 20e-3, 20e-3 - 1.2 * D], D, [0.0, 0.0, 0.5]);
+        let struck = spheres(vec![sphere([20e-3; 3], D, [0.0; 3])]);
+        let struck = if clump { joined("one", struck) } else { struck };
+        scene.bodies = vec![struck, BodySet { name: "ball".into(), ..spheres(vec![ball]) }];
+        let mut dem = make(&scene, 1e-6);
+        dem.advance(1_200, &[]).unwrap();
+        state(&dem).iter().map(|body| body.velocity).collect::<Vec<_>>()
+    };
+    assert_eq!(velocities(true), velocities(false));
+}
+
+/// A raft of many spheres, all of which touch at once, and a ball with a light handle that is struck at its tip: the
+/// default time step follows both.
+#[test]
+fn the_time_step_follows_rafts_and_long_handles() {
+    let mut scene = open_space(0.3, Damping::Restitution(0.5));
+    let raft = (0..100).map(|k| {
+        let at = [5e-3 + D * f64::from(k % 10), 5e-3 + D * f64::from(k / 10), 0.6 * D];
+        sphere(at, D, [0.0, 0.0, -0.3])
+    });
+    scene.bodies = vec![joined("raft", spheres(raft.collect()))];
+    let parameters = Parameters::default();
+    let step = parameters.resolve(&scene).unwrap().time_step.unwrap();
+    let mut dem = GrainsDem::new(&scene, &parameters, step, 1).unwrap();
+    let mut fastest = 0.0f64;
+    for _ in 0..200 {
+        dem.advance(((4e-3 / step) / 200.0) as u32 + 1, &[]).unwrap();
+        fastest = fastest.max(state(&dem)[0].velocity[2]);
+    }
+    assert!(fastest > 1e-3 && fastest < 0.3 * 0.5, "{fastest}");
+
+    let mut scene = open_space(0.0, Damping::Restitution(1.0));
+    let middle = [20e-3; 3];
+    let head = joined("mallet", spheres(vec![sphere(middle, 10e-3, [0.0; 3])]));
+    let beads = (0..5).map(|k| sphere([27e-3 + 2e-3 * f64::from(k), 20e-3, 20e-3], D, [0.0; 3]));
+    let handle = joined("mallet", spheres(beads.collect()));
+    let ball = sphere([35e-3, 20e-3, 20e-3 - 1.2 * D], D, [0.0, 0.0, 0.5]);
+    scene.bodies = vec![
+        head,
+        BodySet { name: "handle".into(), ..handle },
+        BodySet { name: "ball".into(), ..spheres(vec![ball]) },
+    ];
+    let step = parameters.resolve(&scene).unwrap().time_step.unwrap();
+    let mut dem = GrainsDem::new(&scene, &parameters, step, 1).unwrap();
+    let before = whole_energy(&mut dem);
+    dem.advance((2e-3 / step) as u32, &[]).unwrap();
+    assert!(dem.diagnostics().max_overlap_ratio > 0.0, "they met");
+    let after = whole_energy(&mut dem);
+    assert!((after / before - 1.0).abs() < 0.02, "{after} {before}");
+}
+
+/// A clump by itself needs no law for bodies with each other, for they never touch.
+#[test]
+fn a_clump_does_not_meet_itself() {
+    let mut scene = open_space(0.0, Damping::Restitution(1.0));
+    scene.bodies = vec![bar([20e-3; 3], 3e-3)];
+    scene.contacts.retain(|pair| pair.between.contains(&"wall".to_string()));
+    assert!(Parameters::default().resolve(&scene).is_ok());
+    scene.bodies.push(BodySet { name: "other".into(), ..bar([20e-3, 20e-3, 30e-3], 3e-3) });
+    scene.bodies[1].clump = Some("other".into());
+    let problems = Parameters::default().resolve(&scene).expect_err("no law");
+    assert!(problems[0].to_string().contains("no law"), "{}", problems[0]);
+}
