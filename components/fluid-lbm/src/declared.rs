@@ -73,8 +73,6 @@ struct Declared {
     rule: GapRule,
     /// Probes that say the pressure.
     probes: Vec<Weighted>,
-    /// Intakes through which it draws in fluid, and the share of each.
-    intakes: Vec<(u16, f64)>,
     /// Sum over the fluid cells next to frozen ones of the density minus 1, and their number.
     around: [f64; 2],
     /// Density minus 1 by the rule; by probes, when it acts (see [`LEAD`]).
@@ -360,14 +358,9 @@ impl DeclaredGaps {
         }
     }
 
-    /// The intakes of gaps, which learn of theirs.
-    pub fn intakes(&mut self) -> Intakes {
-        Intakes::new(&mut self.gaps)
-    }
-
-    /// Intakes of a gap, and the share of each.
-    pub fn shares(&self, gap: u16) -> &[(u16, f64)] {
-        &self.gaps[usize::from(gap)].intakes
+    /// The intakes of gaps.
+    pub fn intakes(&self) -> Intakes {
+        Intakes::new(&self.gaps)
     }
 
     /// Settles the pressures of gaps whose rule is the nearest fluid; `found` gives for a gap the sum
@@ -447,7 +440,6 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layo
         region: gap.region,
         rule: gap.pressure.clone(),
         probes: probes.collect(),
-        intakes: Vec::new(),
         around: [0.0; 2],
         drho: 0.0,
         is_there: false,

@@ -136,7 +136,7 @@ impl<T: Collides> Solver<T> {
                 all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
                 for (gap, drawn) in (0..).zip(&item.gaps.drawn) {
                     all.drawn += drawn;
-                    taken += self.intakes.draw(self.declared.shares(gap), mean * drawn);
+                    taken += self.intakes.draw(gap, mean * drawn);
                 }
             }
             // What intakes cannot give any more, a body has to.

@@ -178,8 +178,8 @@ impl Slip {
                         let body = bodies.with_handle(handle);
                         let u = body.velocity_of(link.hit, link.arm(body, after.layout));
                         // With what it pays back, see `mass`.
-                        let given = after.intakes.at(link.cell).map_or(0.0, |(_, rate)| rate);
-                        let paid = if after.keeps_mass { body.account.pay - given } else { 0.0 };
+                        let given = || after.intakes.at(link.cell).map_or(0.0, |(_, rate)| rate);
+                        let paid = if after.keeps_mass { body.account.pay - given() } else { 0.0 };
                         let rho = density(&after.post(link.cell));
                         6.0 * W[i] * rho * (C_F64[i][axis] * u[axis] - paid)
                     }

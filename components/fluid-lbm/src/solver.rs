@@ -181,7 +181,7 @@ impl<T: Collides> Solver<T> {
         let centres = Centres { cell: units.cell, min: units.min };
         let probes = Probes::new(&scene.probes, &built.layout, &centres);
         let ports = PortFaces::new(scene, &built.layout, &centres);
-        let mut declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
+        let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
         let mut owners = Owners::new(built.layout.cells.len());
         if slips {

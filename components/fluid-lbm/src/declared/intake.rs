@@ -21,7 +21,9 @@ const FAR: u16 = u16::MAX;
 #[derive(Clone, Debug, Default)]
 pub struct Intakes {
     list: Vec<Intake>,
-    /// Cells of the probes, by intake.
+    /// Of each gap those through which it draws in fluid, and the share of each.
+    shares: Vec<Vec<(u16, f64)>>,
+    /// Cells of the probes, by intake, until the nearest were looked for.
     seeds: Vec<(u16, u32)>,
     /// For each stored cell the intake nearest by way of the fluid, once it was looked for.
     nearest: Vec<u16>,
@@ -47,16 +49,18 @@ pub struct Given {
 }
 
 impl Intakes {
-    /// Of gaps, which learn of theirs.
-    pub(super) fn new(gaps: &mut [Declared]) -> Self {
+    /// Of gaps, in their order.
+    pub(super) fn new(gaps: &[Declared]) -> Self {
         let mut own = Self::default();
         let mut of_probes = BTreeMap::new();
         for gap in gaps {
             let weights: f64 = gap.probes.iter().map(|probe| probe.weight).sum();
-            for probe in &gap.probes {
+            let shares = gap.probes.iter().map(|probe| {
                 let intake = of_probes.entry(probe.number).or_insert_with(|| own.add(&probe.cells));
-                gap.intakes.push((*intake, probe.weight / weights));
-            }
+                (*intake, probe.weight / weights)
+            });
+            let shares = shares.collect();
+            own.shares.push(shares);
         }
         own
     }
@@ -86,7 +90,7 @@ impl Intakes {
             2 * usize::from(is_in_gap) + usize::from(!owners.is_fluid(cell))
         };
         let mut reached = [const { VecDeque::new() }; 4];
-        for &(intake, cell) in &self.seeds {
+        for (intake, cell) in std::mem::take(&mut self.seeds) {
             self.nearest[cell as usize] = intake;
             reached[0].push_back(cell);
         }
@@ -112,10 +116,10 @@ impl Intakes {
         Some((number, self.list.get(number)?.rate))
     }
 
-    /// Takes over what a gap of some shares drew in, as far as there are links to take it, and returns that part.
-    pub fn draw(&mut self, shares: &[(u16, f64)], mass: f64) -> f64 {
+    /// Takes over what a gap drew in, as far as there are links to take it, and returns that part.
+    pub fn draw(&mut self, gap: u16, mass: f64) -> f64 {
         let mut part = 0.0;
-        for &(intake, share) in shares {
+        for &(intake, share) in &self.shares[usize::from(gap)] {
             let intake = &mut self.list[usize::from(intake)];
             if intake.weight > 0.0 {
                 intake.due += share * mass;
