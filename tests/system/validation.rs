@@ -18,3 +18,82 @@ fn a_case_that_is_not_there_is_named() {
     assert!(!output.status.success());
     assert!(said.contains("settling-spere") && said.contains("settling-sphere"), "{said}");
 }
+
+/// One sphere that falls, dry.
+const FALL: &str = r#"
+[run]
+until = "1 ms"
+
+[scene]
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+
+[scene.domain]
+size = ["10 mm", "10 mm", "10 mm"]
+
+[[scene.bodies]]
+name = "ball"
+density = "2500 kg/m3"
+spheres = [{ position = ["5 mm", "5 mm", "8 mm"], diameter = "1 mm" }]
+
+[[scene.contacts]]
+normal_stiffness = "1000 N/m"
+tangential_stiffness = "800 N/m"
+friction = 0.3
+restitution = 0.8
+
+[components]
+grains = "grains-dem"
+
+[settings.grains-dem]
+time_step = "1 us"
+"#;
+
+const CASE: &str = r#"
+title = "A fall"
+source = "Galilei"
+
+[[runs]]
+name = "broken"
+[runs.set]
+"scene.bodies[0].density" = "-1 kg/m3"
+
+[[runs]]
+name = "whole"
+[[runs.checks]]
+name = "speed"
+value = { signal = "grains.max_speed", take = "last" }
+expected = 9.81e-3
+tolerance = 1e-6
+
+[[runs]]
+name = "against the broken one"
+[[runs.checks]]
+name = "speed over that"
+value = { signal = "grains.max_speed", take = "last" }
+over = { run = "broken", signal = "grains.max_speed", take = "last" }
+expected = 1.0
+tolerance = 0.1
+"#;
+
+/// A run that fails takes no other's result with it.
+#[test]
+fn a_run_that_fails_is_told_among_the_results_of_the_others() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("cases/fall");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("manifest.toml"), FALL).unwrap();
+    std::fs::write(folder.join("case.toml"), CASE).unwrap();
+    let output = tremie()
+        .args(["validate", "--cases", "cases", "--report", "report.md"])
+        .current_dir(home.path())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    let report = std::fs::read_to_string(home.path().join("report.md")).unwrap();
+    println!("{said}{}\n{report}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("fall, broken: the run failed") && said.contains("not all passed"));
+    assert!(report.contains("| broken | the run failed") && report.contains("**not passed**"));
+    assert!(report.contains("| whole | speed | 0.00981 |"), "its result is kept");
+    assert!(report.contains("| against the broken one | the run failed"));
+}

@@ -100,7 +100,8 @@ pub fn cases(folder: &Path, names: &[String]) -> Result<Vec<Case>, ValidationErr
 /// Makes the runs of a case in `scratch` and judges them; `say` is told each as it ends.
 ///
 /// # Errors
-/// See [`ValidationError`]. A result outside its tolerance is none: the record says so.
+/// See [`ValidationError`]. A result outside its tolerance is none, nor is a run that fails: the record says so, and
+/// the other runs are made.
 pub fn try_case(
     case: &Case,
     short: bool,
@@ -110,8 +111,20 @@ pub fn try_case(
     let mut record = Record::new(case, short);
     let mut before = Vec::new();
     for run in case.runs.iter().filter(|run| !short || run.short.is_some()) {
-        let outcome = execute::run(case, run, short, scratch)?;
-        let findings = judge::all(case, run, short, &outcome.signals, &before)?;
+        let judged = execute::run(case, run, short, scratch).and_then(|outcome| {
+            let findings = judge::all(case, run, short, &outcome.signals, &before)?;
+            Ok((outcome, findings))
+        });
+        let (outcome, findings) = match judged {
+            Ok(judged) => judged,
+            // A run may also be held against one that failed.
+            Err(error) if record.any_failed() || matches!(error, ValidationError::Run { .. }) => {
+                say(&error.to_string());
+                record.fail(run, &error.to_string());
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
         before.push((run.name.clone(), outcome.signals.clone()));
         for finding in &findings {
             say(&format!("{}, {}: {finding}", case.name, run.name));

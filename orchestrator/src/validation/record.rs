@@ -37,6 +37,9 @@ pub struct RunRecord {
     pub wall_time: f64,
     /// What the checks found.
     pub findings: Vec<Finding>,
+    /// Why there is nothing to check: the run failed, or one that it is held against.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed: Option<String>,
     /// Times and signals that pictures show; not kept.
     #[serde(skip)]
     pub signals: crate::outputs::Signals,
@@ -52,12 +55,32 @@ impl Record {
     pub fn add(&mut self, run: &CaseRun, outcome: Outcome, findings: Vec<Finding>) {
         let Outcome { signals, resolution, wall_time } = outcome;
         let (name, x) = (run.name.clone(), run.x);
-        self.runs.push(RunRecord { name, x, resolution, wall_time, findings, signals });
+        let failed = None;
+        self.runs.push(RunRecord { name, x, resolution, wall_time, findings, failed, signals });
     }
 
-    /// Whether everything is near enough to its reference.
+    /// Adds a run that failed, for a reason.
+    pub fn fail(&mut self, run: &CaseRun, why: &str) {
+        self.runs.push(RunRecord {
+            name: run.name.clone(),
+            x: run.x,
+            resolution: BTreeMap::new(),
+            wall_time: 0.0,
+            findings: Vec::new(),
+            failed: Some(why.into()),
+            signals: crate::outputs::Signals::default(),
+        });
+    }
+
+    /// Whether any run failed.
+    pub fn any_failed(&self) -> bool {
+        self.runs.iter().any(|run| run.failed.is_some())
+    }
+
+    /// Whether all runs went well, and everything is near enough to its reference.
     pub fn passed(&self) -> bool {
-        self.runs.iter().all(|run| run.findings.iter().all(|finding| finding.passed))
+        !self.any_failed()
+            && self.runs.iter().all(|run| run.findings.iter().all(|finding| finding.passed))
     }
 
     /// Number of checks.

@@ -71,6 +71,10 @@ fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str)
         for finding in &run.findings {
             row(out, run, finding);
         }
+        if let Some(why) = &run.failed {
+            let last = why.lines().last().unwrap_or_default().replace('|', "\\|");
+            let _ = writeln!(out, "| {} | the run failed: {last} | | | | | **no** |", run.name);
+        }
     }
     out.push_str("\n| run | resolution | time |\n| --- | --- | --- |\n");
     for run in &record.runs {
