@@ -36,6 +36,8 @@ pub enum Command {
     Conform(ConformArgs),
     /// Run scenes whose result is known, and compare.
     Validate(ValidateArgs),
+    /// Measure how fast the parts are on this machine.
+    Bench(BenchArgs),
     /// Build a scene from numbers: its parts as STL files, and a manifest to start from.
     Scene(SceneArgs),
     /// Make or import the table of a rubber seal.
@@ -185,6 +187,31 @@ pub struct ValidateArgs {
     /// Where to write the report on all cases
     #[arg(long, value_name = "FILE", default_value = "VALIDATION.md")]
     pub report: PathBuf,
+}
+
+/// Arguments of `tremie bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Only cases whose names have all these words, as: lattice f64 "2 threads" [default: all]
+    pub words: Vec<String>,
+    /// Numbers of threads [default: 1 and the number of cores]
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub threads: Vec<usize>,
+    /// Cells along an edge of the lattices
+    #[arg(long, value_name = "CELLS", default_value_t = 128)]
+    pub edge: usize,
+    /// Measurements of each case
+    #[arg(long, value_name = "N", default_value_t = 7)]
+    pub repeats: usize,
+    /// How long a measurement takes, about, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
+    pub seconds: f64,
+    /// Only list the cases
+    #[arg(long)]
+    pub list: bool,
+    /// Print JSON, one document for each number
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `tremie scene`.

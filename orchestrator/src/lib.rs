@@ -5,8 +5,9 @@
 //! work; [`doctor`] says which numbers are doubtful; [`mod@run`] hands out the assignments; [`drive`] lets the
 //! windows go by over [`control`], with [`monitor`] watching; [`outputs`] keeps what a user reads afterwards.
 //! [`mod@report`] draws what a finished run kept, with [`charts`], and [`mod@valve`] reads a valve out of it; [`validation`] makes runs whose results are known;
-//! [`scenes`] builds scenes from numbers.
+//! [`scenes`] builds scenes from numbers; [`bench`] says how fast all that is.
 
+pub mod bench;
 pub mod charts;
 pub mod cli;
 pub mod commands;

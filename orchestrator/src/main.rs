@@ -13,6 +13,7 @@ fn main() -> ExitCode {
         Command::Components => commands::components(),
         Command::View(arguments) => commands::view(&arguments),
         Command::Report(arguments) => commands::report(&arguments),
+        Command::Bench(arguments) => commands::bench(&arguments),
         Command::Valve(arguments) => commands::valve(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),

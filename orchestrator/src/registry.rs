@@ -1,5 +1,6 @@
 //! The built-in components: the one place where the orchestrator names them.
 
+use crate::bench::idle::{IdleFluid, IdleGrains};
 use schemars::{Schema, SchemaGenerator};
 use tremie_messages::Role;
 use tremie_sdk::Line;
@@ -64,7 +65,25 @@ pub const BUILT_IN: &[BuiltIn] = &[
     },
 ];
 
+/// Components that compute nothing, for `tremie bench`.
+const IDLE: &[BuiltIn] = &[
+    BuiltIn {
+        name: "idle-fluid",
+        role: Role::Fluid,
+        about: "finds no loads",
+        settings: SchemaGenerator::subschema_for::<()>,
+        run: tremie_sdk::run_fluid::<IdleFluid>,
+    },
+    BuiltIn {
+        name: "idle-grains",
+        role: Role::Grains,
+        about: "never move",
+        settings: SchemaGenerator::subschema_for::<()>,
+        run: tremie_sdk::run_grains::<IdleGrains>,
+    },
+];
+
 /// The built-in component of that name.
 pub fn built_in(name: &str) -> Option<&'static BuiltIn> {
-    BUILT_IN.iter().find(|component| component.name == name)
+    BUILT_IN.iter().chain(IDLE).find(|component| component.name == name)
 }

@@ -7,6 +7,7 @@
 //! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
 //! user ended a run.
 
+mod bench;
 mod interrupts;
 mod report;
 mod rubber;
@@ -18,6 +19,7 @@ mod validate;
 mod valve;
 mod view;
 
+pub use bench::bench;
 pub use report::report;
 pub use rubber::rubber;
 pub use run::{check, run};

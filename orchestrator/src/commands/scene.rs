@@ -64,7 +64,7 @@ fn write_valve(arguments: &SceneArgs) -> Result<(), SceneError> {
     let rest = Resting::of(&numbers, &works, &table).ok_or_else(|| {
         let pressing = works.closing_force(&numbers);
         let line = format!(
-            "the ring does not hold {pressing:.1} N, spring and outlet, before it is compressed by its lip, {}, or by a fifth of its height",
+            "the ring does not hold {pressing:.1} N, spring and outlet, before it is compressed by its lip, {}, or by three tenths of its height",
             numbers.lip
         );
         SceneError::Numbers(vec![line])

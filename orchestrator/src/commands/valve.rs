@@ -6,12 +6,12 @@ use crate::cli::ValveArgs;
 use crate::manifest;
 use crate::outputs::{SIGNALS, Signals};
 use crate::plan::columns;
-use crate::report::sheet;
+use crate::report::{name_of, sheet};
 use crate::valve::{
     Asked, Characteristics, Moment, Site, Stretch, Watched, characteristics, curves,
 };
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use tremie_messages::scene::{Face, ProbeShape, Scene};
 
@@ -220,14 +220,7 @@ fn picture(
     ];
     let charts: Vec<Chart> =
         charts.into_iter().filter(|chart| !chart.curves[0].points.is_empty()).collect();
-    sheet::charts(&charts, &title(&arguments.out), &path)
+    sheet::charts(&charts, &name_of(&arguments.out), &path)
         .map_err(|message| format!("cannot draw {}: {message}", path.display()))?;
     Ok(Some(path))
-}
-
-fn title(out: &Path) -> String {
-    let absolute = out.canonicalize().unwrap_or_else(|_| out.to_path_buf());
-    absolute
-        .file_name()
-        .map_or_else(|| out.display().to_string(), |name| name.to_string_lossy().into())
 }

@@ -91,7 +91,8 @@ pub fn draw(report: &Report, title: &str, path: &Path) -> Result<(), ReportError
         .map_err(|message| ReportError::Picture { path: path.to_path_buf(), message })
 }
 
-fn name_of(out: &Path) -> String {
+/// Name of a run: that of its folder.
+pub(crate) fn name_of(out: &Path) -> String {
     let absolute = out.canonicalize().unwrap_or_else(|_| out.to_path_buf());
     absolute.file_name().map_or_else(|| out.display().to_string(), |n| n.to_string_lossy().into())
 }

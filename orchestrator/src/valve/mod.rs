@@ -117,9 +117,10 @@ pub fn characteristics(
         .filter(|_| !is_open(last));
     let half = 0.5 * (run.lift[0] + run.lift[peak]);
     let is_far = |k: &usize| is_open(*k) && run.lift[*k] >= half;
-    let held = is_open(peak).then_some(()).and_then(|()| {
-        let (from, until) =
-            (run.times[(0..=last).find(is_far)?], run.times[(0..=last).rfind(is_far)?]);
+    let far =
+        if is_open(peak) { (0..=last).find(is_far).zip((0..=last).rfind(is_far)) } else { None };
+    let held = far.and_then(|(first, last)| {
+        let (from, until) = (run.times[first], run.times[last]);
         let quarter = 0.25 * (until - from);
         run.stretch(from + quarter, until - quarter, site)
     });

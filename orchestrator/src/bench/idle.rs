@@ -1,0 +1,97 @@
+//! Components that compute nothing: what is left of a run is the exchange.
+
+use std::collections::BTreeMap;
+use tremie_sdk::messages::start::Description;
+use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
+use tremie_sdk::{Fluid, Grains, Setup, SolverError};
+
+/// Length of a window [s]; means nothing here.
+pub const WINDOW: f64 = 1e-6;
+
+/// A fluid that finds no loads.
+pub struct IdleFluid;
+
+impl Fluid for IdleFluid {
+    const PROGRAM: &'static str = "idle-fluid";
+
+    fn describe(_: &Setup) -> Result<Description, Vec<Problem>> {
+        Ok(Description::default())
+    }
+
+    fn create(_: &Setup) -> Result<Self, Vec<Problem>> {
+        Ok(Self)
+    }
+
+    fn events(&mut self, _: &[BodyEvent]) -> Result<(), SolverError> {
+        Ok(())
+    }
+
+    fn start(&mut self, _: &[BodyState], _: &mut [Load]) -> Result<(), SolverError> {
+        Ok(())
+    }
+
+    fn advance(&mut self, _: u32, _: &[BodyState], _: &mut [Load]) -> Result<(), SolverError> {
+        // The loads are zero already.
+        Ok(())
+    }
+
+    fn signals(&mut self, _: &mut Vec<f64>) {}
+}
+
+/// Grains that never move.
+pub struct IdleGrains {
+    count: usize,
+    /// The initial bodies until the first window is over.
+    events: Vec<BodyEvent>,
+}
+
+/// The number of bodies that the settings ask for.
+fn count(setup: &Setup) -> Result<usize, Vec<Problem>> {
+    let parameters: BTreeMap<String, usize> = setup.parameters()?;
+    parameters.get("bodies").copied().ok_or_else(|| vec![Problem::new("bodies", "is missing")])
+}
+
+impl Grains for IdleGrains {
+    const PROGRAM: &'static str = "idle-grains";
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        let bodies = count(setup)? as u64;
+        Ok(Description { step: Some(WINDOW), bodies, ..Description::default() })
+    }
+
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let count = count(setup)?;
+        let added = |id| BodyEvent {
+            id,
+            kind: BodyEvent::ADDED,
+            shape: BodyEvent::SPHERE,
+            motion: BodyEvent::FREE,
+            set: 0,
+            mass: 1.0,
+            size: [1e-3, 0.0, 0.0],
+            table: 0,
+        };
+        Ok(Self { count, events: (0..count as u64).map(added).collect() })
+    }
+
+    fn events(&self) -> &[BodyEvent] {
+        &self.events
+    }
+
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    fn state(&self, bodies: &mut [BodyState]) {
+        for (id, body) in bodies.iter_mut().enumerate() {
+            *body = BodyState::at_rest(id as u64, [0.0; 3]);
+        }
+    }
+
+    fn advance(&mut self, _: u32, _: &[Load]) -> Result<(), SolverError> {
+        self.events.clear();
+        Ok(())
+    }
+
+    fn signals(&mut self, _: &mut Vec<f64>) {}
+}

@@ -1,0 +1,188 @@
+//! The lattice by itself: whole boxes, a bore that leaves part of a box, spheres that move.
+
+use super::{Asked, Case, Measure, Quantity};
+use std::time::Instant;
+use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision, Walls};
+use tremie_messages::scene::{
+    Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
+};
+use tremie_messages::{BodyEvent, BodyState, Load};
+
+/// Populations of a cell, each read and written once.
+const POPULATIONS: f64 = 19.0;
+/// Smagorinsky's constant where there is one.
+const SMAGORINSKY: f64 = 0.1;
+/// Spheres along an edge of the box, and their radius in cells.
+const SPHERES: usize = 4;
+const RADIUS: f64 = 5.0;
+/// How far they move in a step, in cells.
+const MOTION: f64 = 0.01;
+
+/// The lattices.
+pub fn cases(asked: &Asked) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (precision, name, bytes) in [(Precision::F64, "f64", 8.0), (Precision::F32, "f32", 4.0)] {
+        let traffic = 2.0 * POPULATIONS * bytes;
+        for &threads in &asked.threads {
+            for (collision, smagorinsky) in
+                [("BGK", 0.0), ("TRT", 0.0), ("BGK with Smagorinsky", SMAGORINSKY)]
+            {
+                let parameters = Parameters {
+                    collision: if collision == "TRT" { Collision::Trt } else { Collision::Bgk },
+                    precision,
+                    smagorinsky,
+                    ..Parameters::with_cell(1.0)
+                };
+                let name = format!("lattice {name}, {collision}, periodic {}³", asked.edge);
+                cases.push(whole(name, parameters, asked.edge, threads, traffic));
+            }
+            cases.push(bore(name, precision, asked.edge, threads, traffic));
+            cases.push(links(name, precision, threads));
+        }
+    }
+    cases
+}
+
+/// A box of cubed cells of 1 m with a fluid of tau = 0.8.
+fn scene(edge: usize, face: Face) -> Scene {
+    let faces = [0; 3].map(|_| [face.clone(), face.clone()]);
+    let fluid = FluidMaterial { velocity: [0.01, 0.0, 0.0], ..FluidMaterial::at_rest(1.0, 0.1) };
+    let domain = Domain::new([0.0; 3], [edge as f64; 3], faces);
+    Scene { fluid: Some(fluid), ..Scene::empty(domain) }
+}
+
+fn fluid(scene: &Scene, parameters: &Parameters, threads: usize) -> Result<FluidLbm, String> {
+    let said = |problems: Vec<tremie_messages::Problem>| {
+        problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+    };
+    let time_step = parameters.resolve(scene).map_err(said)?.time_step;
+    FluidLbm::new(scene, parameters, time_step, threads).map_err(said)
+}
+
+/// Seconds of a step: the mean over as many pairs as take about `seconds`.
+fn seconds_per_step(
+    fluid: &mut FluidLbm,
+    bodies: &mut [BodyState],
+    loads: &mut [Load],
+    seconds: f64,
+) -> Result<f64, String> {
+    let (start, mut steps) = (Instant::now(), 0);
+    while steps == 0 || start.elapsed().as_secs_f64() < seconds {
+        for _ in 0..2 {
+            for body in &mut *bodies {
+                body.position[0] += MOTION;
+            }
+            fluid.step(bodies, loads).map_err(|error| error.to_string())?;
+        }
+        steps += 2;
+    }
+    Ok(start.elapsed().as_secs_f64() / f64::from(steps))
+}
+
+fn started(mut fluid: FluidLbm) -> Result<FluidLbm, String> {
+    fluid.start(&[], &mut []).map_err(|error| error.to_string())?;
+    Ok(fluid)
+}
+
+/// A whole box without bodies or walls.
+fn whole(name: String, parameters: Parameters, edge: usize, threads: usize, traffic: f64) -> Case {
+    let make = move || {
+        let mut fluid = started(fluid(&scene(edge, Face::Periodic), &parameters, threads)?)?;
+        let cells = fluid.diagnostics().fluid_cells as f64;
+        let measure: Measure = Box::new(move |seconds| {
+            let step = seconds_per_step(&mut fluid, &mut [], &mut [], seconds)?;
+            Ok(vec![1e-6 * cells / step])
+        });
+        Ok(measure)
+    };
+    let quantities = vec![Quantity { traffic: Some(traffic), ..Quantity::new("", "MLUPS") }];
+    Case { name, threads, quantities, make: Box::new(make) }
+}
+
+/// A bore and the bolt in it, and the box around it, full: their times and memory. 44 % of the box are fluid.
+fn bore(precise: &str, precision: Precision, edge: usize, threads: usize, traffic: f64) -> Case {
+    let make = move || {
+        let parameters = Parameters {
+            collision: Collision::Bgk,
+            precision,
+            walls: Walls::Halfway,
+            ..Parameters::with_cell(1.0)
+        };
+        let mut dense = started(fluid(&scene(edge, Face::Periodic), &parameters, threads)?)?;
+        let mut bored = scene(edge, Face::WALL);
+        let size = edge as f64;
+        bored.parts = [("bore", 0.4375, true), ("bolt", 0.219, false)]
+            .map(|(name, radius, cavity)| Part {
+                name: name.into(),
+                geometry: Geometry::Cylinder { radius: radius * size, length: 3.0 * size },
+                pose: Pose { position: [0.501 * size; 3], ..Pose::IDENTITY },
+                cavity,
+                material: "wall".into(),
+                motion: Motion::Fixed,
+                boundary: PartBoundary::Wall,
+            })
+            .to_vec();
+        let mut bored = started(fluid(&bored, &parameters, threads)?)?;
+        let measure: Measure = Box::new(move |seconds| {
+            let whole = seconds_per_step(&mut dense, &mut [], &mut [], 0.5 * seconds)?;
+            let part = seconds_per_step(&mut bored, &mut [], &mut [], 0.5 * seconds)?;
+            let cells = bored.diagnostics().fluid_cells as f64;
+            let bytes = [&bored, &dense].map(|fluid| fluid.memory_bytes() as f64);
+            Ok(vec![1e-6 * cells / part, part / whole, bytes[0] / bytes[1], bytes[0] / cells])
+        });
+        Ok(measure)
+    };
+    let quantities = vec![
+        Quantity { traffic: Some(traffic), ..Quantity::new("", "MLUPS") },
+        Quantity::new("time over the whole box's", "1"),
+        Quantity::new("memory over the whole box's", "1"),
+        Quantity::new("memory of a fluid cell", "B"),
+    ];
+    let name = format!("lattice {precise}, BGK, bore with a bolt in {edge}³");
+    Case { name, threads, quantities, make: Box::new(make) }
+}
+
+/// What links of moving spheres cost beside the lattice without them.
+fn links(precise: &str, precision: Precision, threads: usize) -> Case {
+    let pitch = 24.0;
+    let make = move || {
+        let parameters = Parameters { precision, ..Parameters::with_cell(1.0) };
+        let scene = scene((pitch as usize) * SPHERES, Face::Periodic);
+        let mut empty = started(fluid(&scene, &parameters, threads)?)?;
+        let mut filled = fluid(&scene, &parameters, threads)?;
+        let place = |k: usize| {
+            let at = [k % SPHERES, k / SPHERES % SPHERES, k / SPHERES / SPHERES];
+            at.map(|k| (k as f64 + 0.5) * pitch + 0.123)
+        };
+        let state = |k: usize| BodyState {
+            velocity: [MOTION, 0.0, 0.0],
+            ..BodyState::at_rest(k as u64, place(k))
+        };
+        let mut bodies: Vec<BodyState> = (0..SPHERES.pow(3)).map(state).collect();
+        let event = |body: &BodyState| BodyEvent {
+            id: body.id,
+            kind: BodyEvent::ADDED,
+            shape: BodyEvent::SPHERE,
+            motion: BodyEvent::FREE,
+            set: 0,
+            mass: 1.0,
+            size: [RADIUS, 0.0, 0.0],
+            table: 0,
+        };
+        let events: Vec<BodyEvent> = bodies.iter().map(event).collect();
+        let mut loads = vec![Load::default(); bodies.len()];
+        filled.apply_events(&events).map_err(|error| error.to_string())?;
+        filled.start(&bodies, &mut loads).map_err(|error| error.to_string())?;
+        let measure: Measure = Box::new(move |seconds| {
+            let without = seconds_per_step(&mut empty, &mut [], &mut [], 0.5 * seconds)?;
+            let with = seconds_per_step(&mut filled, &mut bodies, &mut loads, 0.5 * seconds)?;
+            let links = filled.diagnostics().links as f64;
+            Ok(vec![1e9 * threads as f64 * (with - without) / links])
+        });
+        Ok(measure)
+    };
+    let spheres = SPHERES.pow(3);
+    let name = format!("lattice {precise}, links of {spheres} moving spheres of 10 cells");
+    let quantities = vec![Quantity::new("", "core ns a link")];
+    Case { name, threads, quantities, make: Box::new(make) }
+}

@@ -1,0 +1,86 @@
+//! `tremie bench`: how fast the parts are on this machine.
+
+use super::WRONG_INPUT;
+use crate::bench::{Asked, Case, Row, cases, measure};
+use crate::cli::BenchArgs;
+use crate::plan::columns;
+use std::process::ExitCode;
+
+/// `tremie bench`: a table, or one JSON document a line.
+pub fn bench(arguments: &BenchArgs) -> ExitCode {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut threads = arguments.threads.clone();
+    if threads.is_empty() {
+        threads.extend([1, cores]);
+        threads.dedup();
+    }
+    let asked = Asked {
+        words: arguments.words.clone(),
+        threads,
+        edge: arguments.edge,
+        repeats: arguments.repeats,
+        seconds: arguments.seconds,
+    };
+    let cases = cases(&asked);
+    if cases.is_empty() {
+        eprintln!("error: no case has the words {}", asked.words.join(", "));
+        return WRONG_INPUT.into();
+    }
+    if arguments.list {
+        cases.iter().for_each(|case| println!("{}", name(case)));
+        return ExitCode::SUCCESS;
+    }
+    if !arguments.json {
+        println!("{cores} cores; median of {}, least and greatest\n", asked.repeats);
+    }
+    let mut whole = true;
+    for case in &cases {
+        match measure(case, &asked) {
+            Ok(rows) if arguments.json => rows.iter().for_each(json),
+            Ok(rows) => table(&name(case), &rows),
+            Err(error) => {
+                eprintln!("error: {}: {error}", name(case));
+                whole = false;
+            }
+        }
+    }
+    if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn name(case: &Case) -> String {
+    match case.threads {
+        0 => case.name.clone(),
+        1 => format!("{}, 1 thread", case.name),
+        threads => format!("{}, {threads} threads", case.name),
+    }
+}
+
+fn json(row: &Row) {
+    println!("{}", serde_json::to_string(row).expect("plain numbers have a form in JSON"));
+}
+
+fn table(name: &str, rows: &[Row]) {
+    println!("{name}");
+    let line = |row: &Row| {
+        let [least, greatest] = row.range.map(number);
+        let share = row.share.map_or(String::new(), |share| {
+            let traffic = row.quantity.traffic.unwrap_or(f64::NAN);
+            format!("{traffic:.0} B each, {:.0} % of the bandwidth in place", 100.0 * share)
+        });
+        let quantity = &row.quantity;
+        let value = format!("{} {}", number(row.median), quantity.unit);
+        vec![quantity.name.clone(), value, format!("{least} to {greatest}"), share]
+    };
+    let lines = columns(&["", "", "", ""], rows.iter().map(line).collect());
+    lines.iter().skip(1).for_each(|line| println!("{line}"));
+}
+
+/// Four digits.
+fn number(value: f64) -> String {
+    match value.abs() {
+        size if size >= 1000.0 => format!("{value:.0}"),
+        size if size >= 100.0 => format!("{value:.1}"),
+        size if size >= 10.0 => format!("{value:.2}"),
+        _ => format!("{value:.3}"),
+    }
+}
