@@ -44,7 +44,8 @@ fn exchange(bodies: usize, rate: f64, waiting: &str, poll: Option<Duration>) -> 
     };
     let quantities =
         vec![Quantity::new("a window", "us"), Quantity::new("the longest wait in it", "us")];
-    let name = format!("exchange of {bodies} bodies, {waiting}, 3 processes");
+    let some = if bodies == 1 { "1 body".into() } else { format!("{bodies} bodies") };
+    let name = format!("exchange of {some}, {waiting}, 3 processes");
     Case { name, threads: 0, quantities, make: Box::new(make) }
 }
 

@@ -107,6 +107,10 @@ pub fn measure(case: &Case, asked: &Asked) -> Result<Vec<Row>, String> {
     let limited = case.quantities.iter().any(|quantity| quantity.traffic.is_some());
     let mut stream = limited.then(|| Stream::new(case.threads)).transpose()?;
     let mut measure = (case.make)()?;
+    // Memory that lay idle may have to be found again.
+    if let Some(stream) = &mut stream {
+        stream.in_place();
+    }
     let mut found = vec![Vec::new(); case.quantities.len()];
     let mut shares = vec![Vec::new(); case.quantities.len()];
     for _ in 0..asked.repeats.max(1) {

@@ -68,7 +68,8 @@ fn table(name: &str, rows: &[Row]) {
             format!("{traffic:.0} B each, {:.0} % of the bandwidth in place", 100.0 * share)
         });
         let quantity = &row.quantity;
-        let value = format!("{} {}", number(row.median), quantity.unit);
+        let unit = if quantity.unit == "1" { "" } else { quantity.unit };
+        let value = format!("{} {unit}", number(row.median));
         vec![quantity.name.clone(), value, format!("{least} to {greatest}"), share]
     };
     let lines = columns(&["", "", "", ""], rows.iter().map(line).collect());
