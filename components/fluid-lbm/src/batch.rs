@@ -4,12 +4,13 @@
 //! first-level cache, three places of the field, and the density, which the collision left.
 
 use crate::body::Body;
-use crate::columns::{self, Eight, LANES, Sums, Surface};
+use crate::columns::{self, Eight, LANES, Lane, Paid, Sums, Surface};
 use crate::field::Real;
 use crate::gaps::Gaps;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
 use crate::ledger::add_scaled;
 use crate::links::{After, CHUNK, Exchange};
+use crate::places::Parity;
 use crate::shape::{Felt, NO_FACET};
 
 /// Links of a full batch: their cache lines, some three each, must fit in the first-level cache together
@@ -17,14 +18,15 @@ use crate::shape::{Felt, NO_FACET};
 const LINKS: usize = 320;
 /// Links of a chunk of cells at most.
 const MOST: usize = CHUNK as usize * (Q - 1);
-/// Cells of a batch: those of the chunks that it holds.
-const CELLS: usize = 1024;
+
+/// The place of a population that there is not.
+const NOWHERE: usize = u32::MAX as usize;
 
 /// A link of a body.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
-    /// The batch's slot of the cell where it begins.
-    pub slot: u16,
+    /// The cell where it begins.
+    pub cell: u32,
     /// Its direction.
     pub dir: u8,
     /// Its direction as seen by the body: mirrored if the link goes through a mirror.
@@ -42,13 +44,12 @@ pub struct Batch {
     eights: Box<[Eight]>,
     dirs: [u8; LINKS],
     mirrors: [u8; LINKS],
-    slots: [u16; LINKS],
+    cells: [u32; LINKS],
     /// Places of `g_i`, of the other population, and of the result.
     places: [[u32; 3]; LINKS],
     links: usize,
-    cells: [u32; CELLS],
-    used: usize,
     sums: Sums,
+    paid: Paid,
     exchange: Exchange,
     /// Velocity of the wall and facet of each link, of a surface that can deform.
     walls: [([f64; 3], u32); LINKS],
@@ -62,12 +63,11 @@ impl Default for Batch {
             eights: vec![Eight::NONE; LINKS / LANES].into(),
             dirs: [0; LINKS],
             mirrors: [0; LINKS],
-            slots: [0; LINKS],
+            cells: [0; LINKS],
             places: [[0; 3]; LINKS],
             links: 0,
-            cells: [0; CELLS],
-            used: 0,
             sums: [[0.0; LANES]; 10],
+            paid: [[0.0; LANES]; 2],
             exchange: Exchange::default(),
             walls: [([0.0; 3], NO_FACET); LINKS],
             gaps: Gaps::default(),
@@ -78,20 +78,25 @@ impl Default for Batch {
 impl Batch {
     /// Begins an item of a body.
     pub fn begin(&mut self, _: &Body) {
-        (self.links, self.used) = (0, 0);
+        self.links = 0;
         self.sums = [[0.0; LANES]; 10];
+        self.paid = [[0.0; LANES]; 2];
         self.exchange = Exchange::default();
     }
 
     /// What the item exchanged.
     pub fn exchange(&self) -> Exchange {
-        let sum = |k: usize| self.sums[k].iter().fold(0.0, |sum, x| sum + x);
+        let total = |lane: &Lane| lane.iter().fold(0.0, |sum, x| sum + x);
+        let sum = |k: usize| total(&self.sums[k]);
         let vector = |k: usize| [sum(k), sum(k + 1), sum(k + 2)];
+        let [receded, weight] = self.paid.each_ref().map(total);
         Exchange {
             force: vector(0),
             torque: vector(3),
             swept: vector(6),
             mass: sum(9),
+            receded,
+            weight,
             ..self.exchange
         }
     }
@@ -104,23 +109,9 @@ impl Batch {
     /// Makes room for a chunk of cells, if there is not enough.
     #[inline]
     pub fn make_room<T: Real>(&mut self, after: &After<T>, body: &Body) {
-        if self.links + MOST > LINKS || self.used + CHUNK as usize > CELLS {
+        if self.links + MOST > LINKS {
             self.flush(after, body);
         }
-    }
-
-    /// Takes a cell into the batch and returns its slot.
-    #[inline(always)]
-    pub fn cell(&mut self, number: u32) -> u16 {
-        self.cells[self.used] = number;
-        self.used += 1;
-        (self.used - 1) as u16
-    }
-
-    /// The cell in a slot.
-    #[inline(always)]
-    pub fn number(&self, slot: u16) -> u32 {
-        self.cells[slot as usize]
     }
 
     /// Takes a link into the batch.
@@ -137,7 +128,7 @@ impl Batch {
         eight.weight[lane] = 6.0 * W[link.seen as usize];
         self.dirs[k] = link.dir;
         self.mirrors[k] = link.mirrors;
-        self.slots[k] = link.slot;
+        self.cells[k] = link.cell;
         self.links += 1;
     }
 
@@ -154,7 +145,11 @@ impl Batch {
 
     /// Reflects all links of the batch and empties it.
     pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
+        if self.links == 0 {
+            return;
+        }
         let full = self.links.div_ceil(LANES);
+        self.fill_up(full);
         let r2 = body.part.is_none().then(|| body.r2());
         let nearest = if body.is_part() { 0.0 } else { after.nearest_wall };
         let (velocity, spin, change) = (body.velocity, body.spin, body.change);
@@ -179,7 +174,23 @@ impl Batch {
             self.feel();
         }
         self.exchange.links += self.links;
-        (self.links, self.used) = (0, 0);
+        self.links = 0;
+    }
+
+    /// Fills the lanes beyond the last link with links as it that weigh nothing.
+    fn fill_up(&mut self, full: usize) {
+        let last = self.links - 1;
+        let (model, from) = (self.eights[last / LANES], last % LANES);
+        let eight = &mut self.eights[full - 1];
+        for lane in from + 1..LANES {
+            for a in 0..3 {
+                eight.arm[a][lane] = model.arm[a][from];
+                eight.c[a][lane] = model.c[a][from];
+            }
+            eight.q[lane] = model.q[from];
+            eight.cc[lane] = model.cc[from];
+            eight.weight[lane] = 0.0;
+        }
     }
 
     /// Takes the walls' velocities, which no rigid motion gives.
@@ -208,13 +219,8 @@ impl Batch {
     /// Adds up by how much the wall recedes, and adds what the body pays to what its motion pushes;
     /// see `mass`.
     fn pay<T: Real>(&mut self, after: &After<T>, body: &Body) {
-        for k in 0..self.links {
-            let (s, l) = (&mut self.eights[k / LANES], k % LANES);
-            let along = s.c[0][l] * s.u[0][l] + s.c[1][l] * s.u[1][l] + s.c[2][l] * s.u[2][l];
-            self.exchange.receded += s.weight[l] * along;
-            self.exchange.weight += s.weight[l];
-            s.push[l] -= body.account.pay * s.weight[l];
-        }
+        let full = self.links.div_ceil(LANES);
+        columns::pay(after.variant, &mut self.eights[..full], body.account.pay, &mut self.paid);
         if body.is_part() && !self.gaps.given.is_empty() {
             self.give(after);
         }
@@ -223,7 +229,7 @@ impl Batch {
     /// Adds what links give to the intakes of gaps; see `declared`.
     fn give<T: Real>(&mut self, after: &After<T>) {
         for k in 0..self.links {
-            let cell = self.cells[self.slots[k] as usize];
+            let cell = self.cells[k];
             if let Some((intake, rate)) = after.intakes.at(cell) {
                 let (s, l) = (&mut self.eights[k / LANES], k % LANES);
                 s.push[l] += rate * s.weight[l];
@@ -235,17 +241,26 @@ impl Batch {
 
     /// Finds the places of each link and asks memory for them.
     fn ask<T: Real>(&mut self, after: &After<T>) {
-        let (parity, next) = (after.parity, after.parity.flipped());
+        let (places, is_even) = (&after.layout.places, after.parity == Parity::Even);
+        let stride = places.stride();
         for k in 0..self.links {
-            let (cell, i) = (self.number(self.slots[k]), self.dirs[k] as usize);
-            let of = |parity, i| after.layout.place(parity, cell, i);
-            let other = of(if self.is_near(k) { next } else { parity }, i);
-            let places = [of(parity, OPPOSITE[i]), other, of(next, OPPOSITE[i])];
-            for place in places {
+            let (cell, i) = (self.cells[k], usize::from(self.dirs[k]));
+            // Places within the cell, and those that odd steps use; see `places`.
+            let within = [i, OPPOSITE[i]].map(|i| i * stride + cell as usize);
+            let back = places.odd(cell, OPPOSITE[i]);
+            let [own, result] = if is_even { [within[1], back] } else { [back, within[1]] };
+            let near = self.is_near(k);
+            let other = if near || !is_even { places.odd(cell, i) } else { within[0] };
+            let other = match near {
+                true if !after.is_fluid_at(other, cell, i) => NOWHERE,
+                true if !is_even => within[0],
+                _ => other,
+            };
+            for place in [own, other, result] {
                 after.field.prefetch(place);
             }
             after.drho.prefetch(cell as usize);
-            self.places[k] = places.map(|place| place as u32);
+            self.places[k] = [own, other, result].map(|place| place as u32);
         }
     }
 
@@ -259,17 +274,15 @@ impl Batch {
     /// Reads, interpolates and writes populations.
     fn reflect<T: Real>(&mut self, after: &After<T>) {
         for k in 0..self.links {
-            let near = self.is_near(k);
             let [own, other, result] = self.places[k].map(|place| place as usize);
-            let cell = self.cells[self.slots[k] as usize];
             let (s, l) = (&mut self.eights[k / LANES], k % LANES);
             let g = after.field.get(own);
-            let push = s.push[l] * (1.0 + after.drho.get(cell as usize));
-            let f = if !near || after.has_behind(cell, self.dirs[k] as usize) {
-                s.own[l] * g + s.other[l] * after.field.get(other) - push
-            } else {
+            let push = s.push[l] * (1.0 + after.drho.get(self.cells[k] as usize));
+            let f = if other == NOWHERE {
                 self.exchange.fallbacks += 1;
                 g - push
+            } else {
+                s.own[l] * g + s.other[l] * after.field.get(other) - push
             };
             let f = after.field.set(result, f);
             (s.sum[l], s.gain[l]) = (g + f, f - g);
@@ -307,9 +320,13 @@ impl<T: Real> After<'_, T> {
     /// Whether the cell behind a link's beginning, against direction `i`, is fluid.
     #[inline(always)]
     pub fn has_behind(&self, cell: u32, i: usize) -> bool {
-        // The place from which the next odd step of this cell reads `f_i` lies in the cell behind.
+        self.is_fluid_at(self.layout.places.odd(cell, i), cell, i)
+    }
+
+    /// The same, given the place from which odd steps of the cell read `f_i`: it lies in the cell behind.
+    #[inline(always)]
+    fn is_fluid_at(&self, place: usize, cell: u32, i: usize) -> bool {
         let stride = self.layout.places.stride();
-        let place = self.layout.places.odd(cell, i);
         if place == i * stride + cell as usize {
             return self.layout.sees_itself(cell, OPPOSITE[i]);
         }

@@ -179,6 +179,16 @@ impl Bodies {
         moved
     }
 
+    /// Takes note of which bodies hold cells with others, whose handles these are.
+    pub fn note_sharing(&mut self, handles: impl Iterator<Item = u32>) {
+        for body in &mut self.living {
+            body.shares = false;
+        }
+        for handle in handles {
+            self.living[self.places[handle as usize] as usize].shares = true;
+        }
+    }
+
     /// Whether a part has come, gone or moved by a step.
     pub fn parts_moved(&self) -> bool {
         self.living.iter().any(|body| body.moved && body.is_part())

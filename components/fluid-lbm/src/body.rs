@@ -6,6 +6,7 @@ use crate::layout::Layout;
 use crate::mass::Account;
 use crate::part_body::PartBody;
 use crate::shape::Hit;
+use crate::shell::{Around, Shell, Stored};
 use crate::sphere::{Spans, wall_distance};
 use crate::units::Units;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -42,6 +43,12 @@ pub struct Body {
     pub spans: Spans,
     /// Cells inside one step before.
     previous: Spans,
+    /// The cells around a sphere.
+    pub shell: Shell,
+    /// Lines in which links to a sphere can begin.
+    lines: Vec<u32>,
+    /// Whether it holds cells that another body holds too.
+    pub shares: bool,
     /// Whether it has a position yet.
     placed: bool,
     /// Whether its cells must be found anew.
@@ -63,6 +70,9 @@ impl Body {
     pub fn new(id: u64, handle: u32, radius: f64, part: Option<Box<PartBody>>) -> Self {
         let spans = Spans::empty(if part.is_some() { 0.0 } else { radius });
         let side = (2.0 * radius).ceil() as usize + 4;
+        let shell = Shell::new(if part.is_some() { 0 } else { spans.shell_side() });
+        // A row's cells that are not covered lie in two lines, or at the end of one more.
+        let lines = if part.is_some() { 0 } else { (side + 1) * (side + 1) * (2 + side / 8) };
         // A move by less than a cell changes less than this; a jump may allocate.
         let changes = side * side;
         Self {
@@ -79,6 +89,9 @@ impl Body {
             change: [0.0; 3],
             previous: spans.clone(),
             spans,
+            lines: Vec::with_capacity(lines),
+            shell,
+            shares: false,
             placed: false,
             moved: false,
             left: Vec::with_capacity(changes),
@@ -248,7 +261,9 @@ impl Body {
 
     /// Finds the cells inside at the new position, and which were left and entered; of a part, once it
     /// is covered.
-    pub fn cover(&mut self, layout: &Layout) {
+    ///
+    /// Lines are of `line` cells.
+    pub fn cover(&mut self, layout: &Layout, line: usize) {
         self.left.clear();
         self.entered.clear();
         if !self.moved {
@@ -259,9 +274,14 @@ impl Body {
         }
         std::mem::swap(&mut self.spans, &mut self.previous);
         self.spans.fit(&layout.grid, self.position, self.radius);
+        let origin = self.position.map(|x| (x - self.radius).floor() as i32 - 1);
+        let is_elsewhere = self.shell.fit(layout, origin);
         let (left, entered) = (&mut self.left, &mut self.entered);
         self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
         self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
+        if is_elsewhere || !self.left.is_empty() || !self.entered.is_empty() {
+            self.find_lines(&layout.grid, line);
+        }
     }
 
     /// Lists the cells that a part's last move changed.
@@ -277,40 +297,32 @@ impl Body {
         }
     }
 
-    /// Wants the densities of all lines of `line` cells in which links to a sphere can begin; those of a
-    /// part are known.
-    pub fn want(&self, layout: &Layout, line: usize, lines: &[AtomicU8]) {
-        if self.part.is_some() {
-            return;
-        }
-        let grid = &layout.grid;
-        // Links are at most the square root of 2 long.
-        let reach = self.radius + 1.5;
-        let side = self.shell_side();
+    /// Lists the lines of `line` cells in which links to a sphere can begin.
+    fn find_lines(&mut self, grid: &Grid, line: usize) {
+        self.lines.clear();
+        let (shell, side) = (&self.shell, self.spans.shell_side());
         for k in 0..side * side {
-            let [y, z] = self.shell_row(k % side, k / side);
-            let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
-            let d = [f64::from(y) + 0.5 - self.position[1], f64::from(z) + 0.5 - self.position[2]];
-            let square = reach * reach - (d[0] * d[0] + d[1] * d[1]);
-            if square <= 0.0 || !grid.contains([0, real_y, real_z]) {
-                continue;
+            let [y, z] = self.spans.shell_row(k % side, k / side);
+            let Some(around) = Around::of(grid, &self.spans, [y, z]) else { continue };
+            for (w, &window) in shell.windows().iter().enumerate() {
+                let ends =
+                    around.ends(grid, shell, (w, window)).iter().fold(0, |all, ends| all | ends);
+                let Stored { cells, number, .. } = shell.row(w, y, z);
+                let near = (ends | ends >> 1 | ends >> 2) & cells & around.outside(grid, window);
+                if near != 0 {
+                    let number_at = |bit: u32| number + (cells & ((1 << bit) - 1)).count_ones();
+                    let first = number_at(near.trailing_zeros()) / line as u32;
+                    let last = number_at(63 - near.leading_zeros()) / line as u32;
+                    self.lines.extend(first..=last);
+                }
             }
-            let half = square.sqrt();
-            let first = (self.position[0] - half).floor() as i32;
-            let last = (self.position[0] + half).floor() as i32;
-            if !grid.periodic[0] {
-                want_range(
-                    layout,
-                    line,
-                    lines,
-                    [first.max(0), last.min(grid.n[0] - 1)],
-                    [real_y, real_z],
-                );
-            } else if first < 0 || last >= grid.n[0] {
-                want_range(layout, line, lines, [0, grid.n[0] - 1], [real_y, real_z]);
-            } else {
-                want_range(layout, line, lines, [first, last], [real_y, real_z]);
-            }
+        }
+    }
+
+    /// Wants the densities of all lines in which links to a sphere can begin; those of a part are known.
+    pub fn want(&self, lines: &[AtomicU8]) {
+        for &line in &self.lines {
+            lines[line as usize].store(1, Relaxed);
         }
     }
 
@@ -332,22 +344,6 @@ impl Body {
 /// Of two changes the lesser, if both go the same way.
 fn lesser(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 { 0.0 } else { a.signum() * a.abs().min(b.abs()) }
-}
-
-/// Wants the lines of the stored cells from `first` to `last` of a row.
-fn want_range(
-    layout: &Layout,
-    line: usize,
-    lines: &[AtomicU8],
-    [first, last]: [i32; 2],
-    [y, z]: [i32; 2],
-) {
-    let mut stored = (first..=last).filter_map(|x| layout.cell([x, y, z]));
-    let Some(begin) = stored.next() else { return };
-    let end = stored.next_back().unwrap_or(begin);
-    for wanted in &lines[begin as usize / line..=end as usize / line] {
-        wanted.store(1, Relaxed);
-    }
 }
 
 /// The stored cell at coordinates that may lie beyond a periodic face.

@@ -84,8 +84,6 @@ struct Word {
 pub struct Cells {
     /// Which cells of the box are stored, and so their numbers: the count of those before.
     words: Vec<Word>,
-    /// Cells of the box.
-    boxed: usize,
     /// For each stored cell its index in the box.
     at: Vec<u32>,
 }
@@ -105,18 +103,12 @@ impl Cells {
             word.before = before;
             before += word.bits.count_ones();
         }
-        Self { words, boxed, at }
+        Self { words, at }
     }
 
     /// How many are stored.
     pub fn len(&self) -> usize {
         self.at.len()
-    }
-
-    /// Whether every cell of the box is stored.
-    #[inline(always)]
-    pub fn are_all(&self) -> bool {
-        self.at.len() == self.boxed
     }
 
     /// Number of the cell with an index in the box, or [`NONE`].

@@ -87,6 +87,9 @@ pub fn late(q: f64) -> f64 {
 /// Sums over links: force, torque, `gain u`, and `gain`.
 pub type Sums = [Lane; 10];
 
+/// Sums over links: volume by which the wall receded, and weights.
+pub type Paid = [Lane; 2];
+
 /// Compiles a function for each variant, and calls the one that is asked for.
 macro_rules! variants {
     ($(#[$doc:meta])* $name:ident = $inner:ident($($arg:ident: $type:ty),*)) => {
@@ -119,6 +122,11 @@ macro_rules! variants {
 variants! {
     /// Finds where links meet the body and what follows from that.
     locate = locate_all(links: &mut [Eight], body: Surface)
+}
+
+variants! {
+    /// Adds what bodies pay to what their motion pushes, and up by how much their walls recede; see `mass`.
+    pay = pay_all(links: &mut [Eight], rate: f64, sums: &mut Paid)
 }
 
 variants! {
@@ -170,6 +178,21 @@ fn meet_sphere(eight: &mut Eight, r2: f64) {
         let root = (b * b - eight.cc[k] * gap).max(0.0).sqrt();
         eight.q[k] = (gap / (root - b)).clamp(f64::MIN_POSITIVE, 1.0);
     }
+}
+
+#[inline(always)]
+fn pay_all(links: &mut [Eight], rate: f64, sums: &mut Paid) {
+    let mut own = *sums;
+    for eight in links {
+        for k in 0..LANES {
+            let [cx, cy, cz] = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
+            let along = cx * eight.u[0][k] + cy * eight.u[1][k] + cz * eight.u[2][k];
+            own[0][k] += eight.weight[k] * along;
+            own[1][k] += eight.weight[k];
+            eight.push[k] -= rate * eight.weight[k];
+        }
+    }
+    *sums = own;
 }
 
 #[inline(always)]

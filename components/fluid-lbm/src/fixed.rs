@@ -1,5 +1,5 @@
 //! Links at things that stand still, where reflection half-way alone does not do: curved walls,
-//! walls that slide along themselves, regions that prescribe velocity or pressure.
+//! walls that slide along themselves, regions that prescribe velocity or pressure. (Half-way reflection: see `halfway`.)
 //!
 //! With `g` the populations after the collision, `i'` opposite to `i`, the link `i` leaving `x_f` and
 //! meeting the surface at `x_f + q c_i`:

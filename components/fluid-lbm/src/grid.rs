@@ -86,6 +86,18 @@ impl Grid {
         }
     }
 
+    /// Coordinate along an axis, moved back into the box at a mirror, and whether it was.
+    #[inline]
+    pub fn fold(&self, axis: usize, k: i32) -> (i32, u8) {
+        if k == -1 && self.sides[axis][0] == Side::Symmetry {
+            (0, 1)
+        } else if k == self.n[axis] && self.sides[axis][1] == Side::Symmetry {
+            (k - 1, 1)
+        } else {
+            (k, 0)
+        }
+    }
+
     /// Whether the coordinates are those of a cell of the box.
     #[inline]
     pub fn contains(&self, at: [i32; 3]) -> bool {

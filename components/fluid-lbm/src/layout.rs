@@ -15,6 +15,8 @@ pub struct Layout {
     pub cells: Cells,
     /// Where their populations are.
     pub places: Places,
+    /// Stored cells from which links end at thin solids between cells, sorted.
+    at_sheets: Vec<u32>,
 }
 
 impl Layout {
@@ -28,7 +30,10 @@ impl Layout {
     ) -> (Self, Survey) {
         let cells = Cells::new(&grid, obstacles);
         let (places, survey) = Places::new(&grid, &cells, obstacles, line, special);
-        (Self { grid, cells, places }, survey)
+        let numbers = obstacles.sheets.iter().map(|sheet| cells.number(sheet.cell as usize));
+        let mut at_sheets: Vec<_> = numbers.collect();
+        at_sheets.dedup();
+        (Self { grid, cells, places, at_sheets }, survey)
     }
 
     /// A box without solids.
@@ -41,6 +46,11 @@ impl Layout {
     #[inline]
     pub fn cell(&self, at: [i32; 3]) -> Option<u32> {
         self.cells.at(&self.grid, at)
+    }
+
+    /// Whether a link from a stored cell ends at a thin solid between cells.
+    pub fn is_at_sheet(&self, cell: u32) -> bool {
+        self.at_sheets.binary_search(&cell).is_ok()
     }
 
     /// Coordinates of a stored cell.

@@ -17,10 +17,10 @@
 //! f_i' (c_i' - u_w)`, in deviations from the fluid at rest, so that it counts gauge pressure.
 //!
 //! # Order of work
-//! Links are found row by row and collected in a batch; then one loop does the geometry of the
-//! whole batch, one reads and writes populations, one adds up forces. Loops over a batch have no
-//! branches where vectors can do them; memory is asked for when a link is found and used when the
-//! batch is full. Sums run in eight lanes that are added in order.
+//! Links of a sphere are found in words of bits, row by row (see `shell`); those of parts are listed (see
+//! `part_links`). They are collected in a batch; then one loop does the geometry of the whole batch, one finds
+//! places and asks memory for them, one reads and writes populations, one adds up forces. Loops over a batch
+//! have no branches where vectors can do them. Sums run in eight lanes that are added in order.
 
 use crate::batch::{Batch, Link};
 use crate::bodies::Bodies;
@@ -28,15 +28,14 @@ use crate::body::Body;
 use crate::declared::Intakes;
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
-use crate::grid::{Grid, Side};
 use crate::lanes::Variant;
-use crate::lattice::{C, OPPOSITE, Q, each, mirrored};
+use crate::lattice::{C, OPPOSITE, Q, each};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::{Owners, SHARED};
 use crate::part_links::{PartLinks, Site, as_seen};
 use crate::places::Parity;
-use crate::sphere::Span;
+use crate::shell::{Around, Stored};
 use crate::wall_distances::WallDistances;
 
 /// Rows of a body's shell that are one item of work.
@@ -202,128 +201,88 @@ impl<T: Real> After<'_, T> {
         }
     }
 
-    /// Finds the links that begin in a row `(y, z)`, given as seen from the body.
+    /// Finds the links that begin in a row `(y, z)`, given as seen from the sphere.
     fn row(&self, bodies: &Bodies, body: &Body, [y, z]: [i32; 2], batch: &mut Batch) {
         let grid = &self.layout.grid;
-        let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
-        if real_y < 0 || real_y >= grid.n[1] || real_z < 0 || real_z >= grid.n[2] {
+        if !grid.contains([0, grid.wrap(1, y), grid.wrap(2, z)]) {
             return;
         }
-        // For each direction the cells whose links end inside, and the axes at which they are
-        // mirrored on the way along y and z.
-        let mut starts = [(Span::NONE, 0_u8); Q];
-        let (mut first, mut last) = (i32::MAX, i32::MIN);
-        let to_y = [-1, 0, 1].map(|d| fold(grid, 1, y + d));
-        let to_z = [-1, 0, 1].map(|d| fold(grid, 2, z + d));
-        let around = to_z.map(|(z, _)| to_y.map(|(y, _)| body.spans.at(y, z)));
-        if around.iter().flatten().all(|span| span.is_empty()) {
-            return;
-        }
-        for i in 1..Q {
-            let [dy, dz] = [1, 2].map(|a| (C[i][a] + 1) as usize);
-            let (ends, mirror_y, mirror_z) = (around[dz][dy], to_y[dy].1, to_z[dz].1);
-            if !ends.is_empty() {
-                let mut start = Span { first: ends.first - C[i][0], last: ends.last - C[i][0] };
-                if !grid.periodic[0] {
-                    // A body at a mirror goes on behind it.
-                    let mirror = |side: usize| grid.sides[0][side] == Side::Symmetry;
-                    let begin =
-                        if C[i][0] == -1 && ends.first == 0 && mirror(0) { 0 } else { start.first };
-                    let end = if C[i][0] == 1 && ends.last == grid.n[0] - 1 && mirror(1) {
-                        ends.last
-                    } else {
-                        start.last
-                    };
-                    start = Span { first: begin.max(0), last: end.min(grid.n[0] - 1) };
-                    if start.is_empty() {
-                        continue;
-                    }
-                }
-                starts[i] = (start, mirror_y << 1 | mirror_z << 2);
-                first = first.min(start.first);
-                last = last.max(start.last);
-            }
-        }
-        let own = body.spans.at(y, z);
-        let base = grid.index([0, real_y, real_z]);
-        let mirrors = starts.map(|(_, mirrors)| mirrors);
-        let row = Row { bodies, body, y, z, base, mirrors: &mirrors };
-        let mut x = first;
-        while x <= last {
-            if own.contains(x) {
-                x = own.last + 1;
+        let Some(around) = Around::of(grid, &body.spans, [y, z]) else { return };
+        for (w, &window) in body.shell.windows().iter().enumerate() {
+            let ends = around.ends(grid, &body.shell, (w, window));
+            if ends == [0; 9] {
                 continue;
             }
-            let until = if own.first > x { own.first - 1 } else { last };
-            let end = (x + CHUNK - 1).min(until).min(last);
-            let mut links = [0; Q];
+            let Stored { cells, at_sheets, number, .. } = body.shell.row(w, y, z);
+            let outside = around.outside(grid, window);
+            let fluid = outside & self.owners.fluid_among(cells, number);
+            let first = window.first;
+            let doubtful = if body.shares { u64::MAX } else { at_sheets };
+            let row = Row { bodies, body, y, z, first, cells, doubtful, mirrors: &around.mirrors };
+            // Those cells of the row from which a link of each direction ends inside.
+            let into: [u64; Q] = std::array::from_fn(|i| ends[Around::to(i)] >> (1 + C[i][0]));
+            let mut number = number;
+            for first in (0..window.count).step_by(CHUNK as usize) {
+                let chunk = u64::MAX >> (64 - CHUNK) << first;
+                number =
+                    self.chunk(&row, first, [fluid & chunk, outside & chunk], number, &into, batch);
+            }
+        }
+    }
+
+    /// Finds the links that begin in [`CHUNK`] cells of a row, of which those `outside` the body count and those
+    /// are `fluid`. `number` is that of the first of them that is stored; returns that of the next after them.
+    #[inline(always)]
+    fn chunk(
+        &self,
+        row: &Row,
+        first: i32,
+        [fluid, outside]: [u64; 2],
+        mut number: u32,
+        into: &[u64; Q],
+        batch: &mut Batch,
+    ) -> u32 {
+        let mut numbers = [0; CHUNK as usize];
+        for (k, own) in (first..).zip(&mut numbers) {
+            *own = number;
+            number += u32::from(row.cells >> k & 1 == 1);
+        }
+        if fluid != 0 {
+            batch.make_room(self, row.body);
+            self.layout.places.prefetch(numbers[0]);
+            self.layout.places.prefetch(number);
             for i in 1..Q {
-                let (from, to) = (starts[i].0.first.max(x), starts[i].0.last.min(end));
-                if from <= to {
-                    links[i] = (u32::MAX >> (31 - (to - from))) << (from - x);
-                }
-            }
-            self.chunk(&row, x, end, &links, batch);
-            x = end + 1;
-        }
-    }
-
-    /// Finds the links that begin in the cells `first..=last` of a row, at most [`CHUNK`] of them.
-    /// `inside` says for each direction and cell whether the link's end is in the body.
-    fn chunk(&self, row: &Row, first: i32, last: i32, inside: &[u32; Q], batch: &mut Batch) {
-        let (grid, cells) = (&self.layout.grid, &self.layout.cells);
-        batch.make_room(self, row.body);
-        // Fluid cells of the chunk, and the batch's slot of each.
-        let (mut fluid, mut slots) = (0_u32, [0; CHUNK as usize]);
-        for x in first..=last {
-            let index = row.base + grid.wrap(0, x) as usize;
-            let number = if cells.are_all() { index as u32 } else { cells.number(index) };
-            if number != crate::cells::NONE && self.owners.is_fluid(number) {
-                fluid |= 1 << (x - first);
-                slots[(x - first) as usize] = batch.cell(number);
-            }
-        }
-        let mut used = 0_u32;
-        for i in 1..Q {
-            let mut links = fluid & inside[i];
-            used |= links;
-            while links != 0 {
-                let k = links.trailing_zeros();
-                links &= links - 1;
-                let link = self.link(row, first + k as i32, i, slots[k as usize]);
-                if self.is_mine(row, &link, batch) {
-                    batch.push(link);
+                let mut links = into[i] & fluid;
+                while links != 0 {
+                    let k = links.trailing_zeros() as i32;
+                    links &= links - 1;
+                    let link = self.link(row, k, i, numbers[(k - first) as usize]);
+                    if row.doubtful >> k & 1 == 0 || self.is_mine(row, &link) {
+                        batch.push(link);
+                    }
                 }
             }
         }
-        if let Some(walls) = self.walls {
-            let solid = (u32::MAX >> (31 - (last - first))) & !fluid;
-            if solid != 0 {
-                self.gaps_in(row, walls, first, solid, inside, batch);
-            }
+        if let Some(walls) = self.walls.filter(|_| outside & !fluid != 0) {
+            self.gaps_in(row, walls, outside & !fluid, into, batch);
         }
-        while used != 0 {
-            self.layout.places.prefetch(batch.number(slots[used.trailing_zeros() as usize]));
-            used &= used - 1;
-        }
+        number
     }
 
-    /// Finds the gap links that begin in the cells of a row from `first` on whose bits are set in
-    /// `solid`; see `gaps`.
+    /// Finds the gap links that begin in the cells of a row whose bits are set in `solid`; see `gaps`.
     fn gaps_in(
         &self,
         row: &Row,
         walls: &WallDistances,
-        first: i32,
-        solid: u32,
-        inside: &[u32; Q],
+        solid: u64,
+        into: &[u64; Q],
         batch: &mut Batch,
     ) {
         let grid = &self.layout.grid;
-        for i in (1..Q).filter(|&i| row.mirrors[i] == 0) {
-            let mut links = solid & inside[i];
+        for i in (1..Q).filter(|&i| row.mirrors[Around::to(i)] == 0) {
+            let mut links = into[i] & solid;
             while links != 0 {
-                let x = first + links.trailing_zeros() as i32;
+                let x = row.first + links.trailing_zeros() as i32;
                 links &= links - 1;
                 let end = x + C[i][0];
                 if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
@@ -334,43 +293,31 @@ impl<T: Real> After<'_, T> {
         }
     }
 
-    /// The link `i` of a cell at `x` of a row.
+    /// The link `i` of cell `k` of a row.
     #[inline(always)]
-    fn link(&self, row: &Row, x: i32, i: usize, slot: u16) -> Link {
-        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[i]);
+    fn link(&self, row: &Row, k: i32, i: usize, cell: u32) -> Link {
+        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[Around::to(i)]);
+        let x = row.first + k;
         let end = x + C[i][0];
         if !grid.periodic[0] && (end < 0 || end >= grid.n[0]) {
             mirrors |= 1;
         }
         let mut at = [x, row.y, row.z];
-        let mut c = i;
+        let mut seen = i;
         if mirrors != 0 {
             // As seen by the body: the mirrored link of the mirrored cell.
-            c = mirrored(i, mirrors);
-            for a in 0..3 {
-                if mirrors >> a & 1 == 1 {
-                    at[a] = if C[i][a] < 0 { -1 - at[a] } else { 2 * grid.n[a] - 1 - at[a] };
-                }
-            }
+            (at, seen) = as_seen(grid, at, i, mirrors);
         }
         let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - row.body.position[a]);
-        Link { slot, dir: i as u8, seen: c as u8, mirrors, arm, q: f64::NAN }
+        Link { cell, dir: i as u8, seen: seen as u8, mirrors, arm, q: f64::NAN }
     }
 
-    /// Whether a link ends in no static solid, and no other body holds its end and is met before.
-    #[inline(always)]
-    fn is_mine(&self, row: &Row, link: &Link, batch: &Batch) -> bool {
-        if self.layout.cells.are_all() && !self.owners.any_shared() {
-            return true;
-        }
-        let cell = batch.number(link.slot);
-        match self.layout.neighbour(cell, link.dir.into()) {
-            None => false,
-            Some(end) => {
-                self.owners.of(end) != SHARED
-                    || self.is_first(row.bodies, row.body, cell, link.dir.into(), end)
-            }
-        }
+    /// Whether a link ends at no thin solid, and no other body holds its end and is met before.
+    fn is_mine(&self, row: &Row, link: &Link) -> bool {
+        let i = usize::from(link.dir);
+        self.layout.neighbour(link.cell, i).is_some_and(|end| {
+            self.owners.of(end) != SHARED || self.is_first(row.bodies, row.body, link.cell, i, end)
+        })
     }
 
     /// Whether of all bodies that hold the end of the link `i` of a cell, this one is met first (then: has the
@@ -407,29 +354,21 @@ impl<T: Real> After<'_, T> {
     }
 }
 
-/// A row of cells around a body.
+/// A row of cells around a sphere, in a window of its shell.
 struct Row<'a> {
     bodies: &'a Bodies,
     body: &'a Body,
     /// Coordinates as seen from the body.
     y: i32,
     z: i32,
-    /// Index in the box of its first cell.
-    base: usize,
-    /// For each direction the axes among y and z at which links are mirrored.
-    mirrors: &'a [u8; Q],
-}
-
-/// A row's coordinate along `axis`, moved back into the box at a mirror, and whether it was.
-#[inline]
-pub fn fold(grid: &Grid, axis: usize, k: i32) -> (i32, u8) {
-    if k == -1 && grid.sides[axis][0] == Side::Symmetry {
-        (0, 1)
-    } else if k == grid.n[axis] && grid.sides[axis][1] == Side::Symmetry {
-        (k - 1, 1)
-    } else {
-        (k, 0)
-    }
+    /// The same of its first cell.
+    first: i32,
+    /// Which of its cells are stored.
+    cells: u64,
+    /// Those whose links may end at a thin solid, or in cells that others hold too.
+    doubtful: u64,
+    /// For each row around, the axes among y and z at which links to it are mirrored.
+    mirrors: &'a [u8; 9],
 }
 
 /// As part of a link, how near a wall may be to the cell where the link begins; one that is nearer counts as

@@ -33,8 +33,8 @@ impl<T: Collides> Solver<T> {
             outgrown |= body.cover_part(layout, &mut self.team);
         }
         self.team.for_each(&mut self.bodies.living, |_, body| {
-            body.cover(layout);
-            body.want(layout, T::LINE, lines);
+            body.cover(layout, T::LINE);
+            body.want(lines);
         });
         for body in self.bodies.leaving.iter().chain(&self.bodies.living) {
             for &cell in &body.left {
@@ -46,6 +46,7 @@ impl<T: Collides> Solver<T> {
                 self.owners.claim(cell, body.handle);
             }
         }
+        self.bodies.note_sharing(self.owners.sharing());
         self.freeze();
         self.count_losses();
         self.refill();

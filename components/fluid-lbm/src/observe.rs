@@ -3,6 +3,7 @@
 use crate::balance::{mirrors_of_part, with_image};
 use crate::error::FluidError;
 use crate::field::Field;
+use crate::halfway;
 use crate::kernel::Collides;
 use crate::lattice::{CS2, Q, dot, equilibrium};
 use crate::ledger::Ledger;
@@ -132,6 +133,7 @@ impl<T: Collides> Solver<T> {
             + self.layout.places.bytes()
             + self.tally.bytes()
             + self.fixed.bytes()
+            + self.halfway_items.iter().map(halfway::Item::bytes).sum::<usize>()
             + self.walls.bytes()
             + self.open.bytes()
             + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()

@@ -68,8 +68,8 @@ impl Owners {
     pub fn new(cells: usize) -> Self {
         let mut fluid = vec![0xff; cells / 8];
         fluid.push((1_u32 << (cells % 8)) as u8 - 1);
-        // Lines of 16 cells are read whole.
-        fluid.extend([0; 2]);
+        // Words are read whole.
+        fluid.extend([0; 9]);
         Self {
             of: vec![FLUID; cells],
             fluid,
@@ -135,6 +135,32 @@ impl Owners {
         self.fluid[cell as usize / 8] >> (cell % 8) & 1 == 1
     }
 
+    /// Which of the cells with consecutive numbers from `number` on, one for each bit set in `cells`, are fluid.
+    #[inline(always)]
+    pub fn fluid_among(&self, cells: u64, mut number: u32) -> u64 {
+        let (mut rest, mut fluid) = (cells, 0);
+        // Mostly one run of bits.
+        while rest != 0 {
+            let begin = rest.trailing_zeros();
+            let run = (rest >> begin).trailing_ones();
+            let mask = u64::MAX >> (64 - run) << begin;
+            fluid |= self.fluid_from(number) << begin & mask;
+            rest &= !mask;
+            number += run;
+        }
+        fluid
+    }
+
+    /// Whether the 64 cells from `number` on are fluid.
+    #[inline(always)]
+    fn fluid_from(&self, number: u32) -> u64 {
+        let (first, shift) = (number as usize / 8, number % 8);
+        let bytes = &self.fluid[first..first + 9];
+        let word = u64::from_le_bytes(std::array::from_fn(|k| bytes[k]));
+        // In two steps, because none by 64 is a shift.
+        word >> shift | u64::from(bytes[8]) << 1 << (63 - shift)
+    }
+
     /// Whether every cell is fluid.
     #[inline(always)]
     pub fn all_fluid(&self) -> bool {
@@ -147,10 +173,9 @@ impl Owners {
         4 * self.of.len() + self.fluid.len() + changes
     }
 
-    /// Whether more than one body holds any cell.
-    #[inline]
-    pub fn any_shared(&self) -> bool {
-        !self.shared.is_empty()
+    /// Handles of the bodies that hold cells with others, some more than once.
+    pub fn sharing(&self) -> impl Iterator<Item = u32> {
+        self.shared.iter().map(|&(_, handle)| handle)
     }
 
     /// One bit a cell: whether it is fluid.

@@ -84,7 +84,7 @@ impl<T: Real> After<'_, T> {
             let width = link.width + by;
             if let Some(gap) = link.across.as_declared() {
                 let (dir, q) = (link.dir, link.q + by);
-                let now = Link { slot: 0, dir, seen: dir, mirrors: 0, arm, q };
+                let now = Link { cell: crate::cells::NONE, dir, seen: dir, mirrors: 0, arm, q };
                 let velocity = wall_velocity(body, &now, hit);
                 let wider = dot(link.slope.map(f64::from), velocity);
                 gaps.draw(gap, recession(&now, velocity) * part_apart(width, wider));

@@ -17,7 +17,7 @@ use crate::gaps::{Beyond, beyond};
 use crate::grid::Grid;
 use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
 use crate::layout::Layout;
-use crate::links::{After, fold};
+use crate::links::After;
 use crate::owners::{BODY, FROZEN, SHARED};
 use crate::part_body::{Facets, PartBody};
 use crate::part_gaps::GapLinks;
@@ -29,6 +29,8 @@ use crate::wall_distances::WallDistances;
 pub struct PartLink {
     /// The cell where it begins.
     cell: u32,
+    /// The cell where it ends.
+    end: u32,
     /// Its direction.
     dir: u8,
     /// Its direction as seen by the body.
@@ -128,8 +130,8 @@ impl PartLinks {
             return;
         }
         let ends: [([i32; 2], u8); Q] = std::array::from_fn(|i| {
-            let (to_y, mirror_y) = fold(grid, 1, y + C[i][1]);
-            let (to_z, mirror_z) = fold(grid, 2, z + C[i][2]);
+            let (to_y, mirror_y) = grid.fold(1, y + C[i][1]);
+            let (to_z, mirror_z) = grid.fold(2, z + C[i][2]);
             ([to_y, to_z], mirror_y << 1 | mirror_z << 2)
         });
         let [mut first, mut last] = part.range();
@@ -149,7 +151,7 @@ impl PartLinks {
             let mut count = 0;
             for i in 1..Q {
                 let ([to_y, to_z], mut mirrors) = ends[i];
-                let (to_x, mirror_x) = fold(grid, 0, x + C[i][0]);
+                let (to_x, mirror_x) = grid.fold(0, x + C[i][0]);
                 mirrors |= mirror_x;
                 if part.inside(to_y, to_z, to_x, to_x) != 0 {
                     found[count] = (i, mirrors);
@@ -178,9 +180,7 @@ impl PartLinks {
     ) {
         let mut near = None;
         for &(i, mirrors) in found {
-            if site.layout.neighbour(cell, i).is_none() {
-                continue;
-            }
+            let Some(end) = site.layout.neighbour(cell, i) else { continue };
             let (at, seen) = as_seen(&site.layout.grid, at, i, mirrors);
             if near != Some(at) {
                 part.facets_near(at, &mut self.facets);
@@ -192,6 +192,7 @@ impl PartLinks {
             }
             self.links.push(PartLink {
                 cell,
+                end,
                 dir: i as u8,
                 seen: seen as u8,
                 mirrors,
@@ -256,7 +257,6 @@ impl<T: Real> After<'_, T> {
         list: &PartLinks,
         batch: &mut Batch,
     ) {
-        let any_shared = self.owners.any_shared();
         let mut hits = list.hits.as_slice();
         for run in list.links.chunk_by(|a, b| a.cell == b.cell) {
             let cell = run[0].cell;
@@ -268,15 +268,12 @@ impl<T: Real> After<'_, T> {
                 continue;
             }
             batch.make_room(self, body);
-            let slot = batch.cell(cell);
             for (k, found) in run.iter().enumerate() {
                 let hit = mine.get(k).copied().unwrap_or(Hit::NONE);
-                let link = found.now(body, part, slot, hit);
-                let is_mine = !any_shared
-                    || self.layout.neighbour(cell, found.dir.into()).is_none_or(|end| {
-                        self.owners.of(end) != SHARED
-                            || self.is_first(bodies, body, cell, found.dir.into(), end)
-                    });
+                let link = found.now(body, part, hit);
+                let is_mine = !body.shares
+                    || self.owners.of(found.end) != SHARED
+                    || self.is_first(bodies, body, cell, found.dir.into(), found.end);
                 if is_mine {
                     batch.push(link);
                     if found.rims != 0 {
@@ -319,7 +316,7 @@ impl<T: Real> After<'_, T> {
         if self.owners.of(cell) == FROZEN {
             let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
             for (k, link) in run.iter().enumerate() {
-                let link = link.now(body, part, 0, hit(k));
+                let link = link.now(body, part, hit(k));
                 let receded = recession(&link, wall_velocity(body, &link, hit(k)));
                 match gap {
                     Some(gap) => {
@@ -357,12 +354,12 @@ pub fn recession(link: &Link, velocity: [f64; 3]) -> f64 {
 impl PartLink {
     /// The link as it is now.
     #[inline(always)]
-    fn now(&self, body: &Body, part: &PartBody, slot: u16, hit: Hit) -> Link {
+    fn now(&self, body: &Body, part: &PartBody, hit: Hit) -> Link {
         let arm: [f64; 3] = std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a]);
         let drift = part.drift_of(hit, arm);
         let s = self.slope.map(f64::from);
         let q = self.q + (s[0] * drift[0] + s[1] * drift[1] + s[2] * drift[2]);
         let q = q.clamp(f64::MIN_POSITIVE, 1.0);
-        Link { slot, dir: self.dir, seen: self.seen, mirrors: self.mirrors, arm, q }
+        Link { cell: self.cell, dir: self.dir, seen: self.seen, mirrors: self.mirrors, arm, q }
     }
 }

@@ -26,7 +26,7 @@ use crate::grid::{Reach, Side};
 use crate::lattice::{C, C_F64, MIRROR, OPPOSITE, Q, W, cross, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
-use crate::links::{After, Exchange, density};
+use crate::links::{After, Exchange};
 use crate::owners::{BODY, Owner, Owners, SHARED};
 use crate::part_links::as_seen;
 use crate::shape::{Felt, Hit, NO_FACET};
@@ -180,7 +180,7 @@ impl Slip {
                         // With what it pays back, see `mass`.
                         let given = || after.intakes.at(link.cell).map_or(0.0, |(_, rate)| rate);
                         let paid = if after.keeps_mass { body.account.pay - given() } else { 0.0 };
-                        let rho = density(&after.post(link.cell));
+                        let rho = 1.0 + after.drho.get(link.cell as usize);
                         6.0 * W[i] * rho * (C_F64[i][axis] * u[axis] - paid)
                     }
                 };

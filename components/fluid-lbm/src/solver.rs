@@ -11,6 +11,7 @@ use crate::declared::{DeclaredGaps, Intakes};
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
+use crate::halfway;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lanes::Variant;
 use crate::lattice::CS2;
@@ -108,6 +109,7 @@ pub struct Solver<T: Collides> {
     now: Vec<Now>,
     pub(crate) fixed: FixedLinks,
     pub(crate) fixed_items: Vec<fixed::Item>,
+    pub(crate) halfway_items: Vec<halfway::Item>,
     pub(crate) open: OpenCells,
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) reservoirs: Vec<ReservoirFace>,
@@ -234,6 +236,7 @@ impl<T: Collides> Solver<T> {
             layout: built.layout,
             fixed: built.fixed,
             fixed_items: built.fixed_items,
+            halfway_items: built.halfway_items,
             open: built.open,
             open_items: built.open_items,
             reservoirs: built.reservoirs,
@@ -273,7 +276,8 @@ impl<T: Collides> Solver<T> {
         }
         let press = self.feels_gaps();
         if press && self.walls.is_empty() {
-            self.walls = self.surroundings.wall_distances(&self.layout, &self.fixed);
+            let (fixed, halfway) = (&self.fixed, &self.halfway_items);
+            self.walls = self.surroundings.wall_distances(&self.layout, fixed, halfway);
         }
         let counts = [self.declared.len(), self.intakes.len()];
         self.link_items = links::items(&self.bodies, press, counts);
@@ -404,6 +408,7 @@ impl<T: Collides> Solver<T> {
         self.team.for_each(&mut self.fixed_items, |_, item| {
             after.reflect_fixed(fixed, now, references, item);
         });
+        self.team.for_each(&mut self.halfway_items, |_, item| after.feel_halfway(item));
         if self.slips {
             self.slip.write(&after, bodies, references, &mut self.team);
         }
@@ -439,10 +444,10 @@ impl<T: Collides> Solver<T> {
         for (fixture, impulse) in self.fixtures.iter_mut().zip(&self.impulses) {
             *fixture = Exchange { force: impulse.map(|x| -x), ..Exchange::default() };
         }
-        for item in &self.fixed_items {
-            for (Fixture(number), exchange) in &item.exchanges {
-                self.fixtures[usize::from(*number)].join(exchange);
-            }
+        let fixed = self.fixed_items.iter().flat_map(|item| &item.exchanges);
+        let halfway = self.halfway_items.iter().flat_map(|item| &item.exchanges);
+        for (Fixture(number), exchange) in fixed.chain(halfway) {
+            self.fixtures[usize::from(*number)].join(exchange);
         }
         if self.slips {
             for (number, fixture) in self.fixtures.iter_mut().enumerate() {

@@ -5,6 +5,7 @@ use crate::course::Law;
 use crate::fixed::{self, FixedLinks};
 use crate::grid::Side;
 use crate::ground::Ground;
+use crate::halfway;
 use crate::layout::Layout;
 use crate::links::nearest_wall;
 use crate::open::{self, OpenCells};
@@ -46,6 +47,8 @@ pub struct Built {
     pub fixed: FixedLinks,
     /// Their items of work.
     pub fixed_items: Vec<fixed::Item>,
+    /// Links at walls at rest that are met half-way.
+    pub halfway_items: Vec<halfway::Item>,
     /// Cells at open faces.
     pub open: OpenCells,
     /// Their items of work.
@@ -140,16 +143,28 @@ impl Surroundings {
         };
         let open: Vec<_> = open.into_iter().filter(|blocked| !has_reservoir(blocked)).collect();
         let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open);
-        let (fixed, fixed_items) = FixedLinks::new(
-            &layout.places,
-            fixed.iter().map(|blocked| {
-                let meets = self.meet(&layout, blocked);
-                let q = if self.halfway { 0.5 } else { meets.1.max(self.nearest) };
-                (meets.0, q)
-            }),
-        );
+        let met = fixed.iter().map(|blocked| {
+            let (met, q) = self.meet(&layout, blocked);
+            (met, if self.halfway { 0.5 } else { q.max(self.nearest) })
+        });
+        let is_at_rest =
+            |met: &Blocked| self.laws[usize::from(met.fixture.0)] == Some(Law::Wall([0.0; 3]));
+        let (halfway, fixed): (Vec<_>, Vec<_>) =
+            met.partition(|(met, q)| *q == 0.5 && is_at_rest(met));
+        let halfway: Vec<_> = halfway.into_iter().map(|(met, _)| met).collect();
+        let halfway_items = halfway::items(&layout, &halfway, &self.references);
+        let (fixed, fixed_items) = FixedLinks::new(&layout.places, fixed.into_iter());
         let reflections = survey.reflections;
-        Built { layout, reflections, fixed, fixed_items, open, open_items, reservoirs }
+        Built {
+            layout,
+            reflections,
+            fixed,
+            fixed_items,
+            halfway_items,
+            open,
+            open_items,
+            reservoirs,
+        }
     }
 
     /// What a blocked link meets first, and where.
@@ -161,9 +176,17 @@ impl Surroundings {
     }
 
     /// Where the links of cells to things that stand still meet them.
-    pub fn wall_distances(&self, layout: &Layout, fixed: &FixedLinks) -> WallDistances {
+    pub fn wall_distances(
+        &self,
+        layout: &Layout,
+        fixed: &FixedLinks,
+        halfway: &[halfway::Item],
+    ) -> WallDistances {
         let solid = Fixture::solid(self.ground.solids.len() as u16);
-        let links = fixed.ends().map(|(cell, dir)| Blocked { cell, dir, fixture: solid });
+        let mut ends: Vec<_> =
+            fixed.ends().chain(halfway.iter().flat_map(halfway::Item::ends)).collect();
+        ends.sort_unstable();
+        let links = ends.into_iter().map(|(cell, dir)| Blocked { cell, dir, fixture: solid });
         WallDistances::new(links.map(|link| self.meet(layout, &link)))
     }
 
