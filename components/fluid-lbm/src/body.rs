@@ -6,7 +6,7 @@ use crate::layout::Layout;
 use crate::mass::Account;
 use crate::part_body::PartBody;
 use crate::shape::Hit;
-use crate::shell::{Around, Shell, Stored};
+use crate::shell::{Near, Shell};
 use crate::sphere::{Spans, wall_distance};
 use crate::units::Units;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -276,11 +276,14 @@ impl Body {
         self.spans.fit(&layout.grid, self.position, self.radius);
         let origin = self.position.map(|x| (x - self.radius).floor() as i32 - 1);
         let is_elsewhere = self.shell.fit(layout, origin);
-        let (left, entered) = (&mut self.left, &mut self.entered);
-        self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
-        self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
+        if !self.spans.are(&self.previous) {
+            let (left, entered) = (&mut self.left, &mut self.entered);
+            self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
+            self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
+        }
         if is_elsewhere || !self.left.is_empty() || !self.entered.is_empty() {
-            self.find_lines(&layout.grid, line);
+            self.shell.cover(&layout.grid, &self.spans);
+            self.find_lines(line);
         }
     }
 
@@ -298,23 +301,18 @@ impl Body {
     }
 
     /// Lists the lines of `line` cells in which links to a sphere can begin.
-    fn find_lines(&mut self, grid: &Grid, line: usize) {
+    fn find_lines(&mut self, line: usize) {
         self.lines.clear();
-        let (shell, side) = (&self.shell, self.spans.shell_side());
-        for k in 0..side * side {
-            let [y, z] = self.spans.shell_row(k % side, k / side);
-            let Some(around) = Around::of(grid, &self.spans, [y, z]) else { continue };
-            for (w, &window) in shell.windows().iter().enumerate() {
-                let ends =
-                    around.ends(grid, shell, (w, window)).iter().fold(0, |all, ends| all | ends);
-                let Stored { cells, number, .. } = shell.row(w, y, z);
-                let near = (ends | ends >> 1 | ends >> 2) & cells & around.outside(grid, window);
-                if near != 0 {
-                    let number_at = |bit: u32| number + (cells & ((1 << bit) - 1)).count_ones();
-                    let first = number_at(near.trailing_zeros()) / line as u32;
-                    let last = number_at(63 - near.leading_zeros()) / line as u32;
-                    self.lines.extend(first..=last);
-                }
+        let shell = &self.shell;
+        for near in shell.near(0..self.spans.shell_side()) {
+            let ends = shell.around(near).iter().fold(0, |all, ends| all | ends);
+            let &Near { cells, number, free, .. } = near;
+            let begin = (ends | ends >> 1 | ends >> 2) & cells & free;
+            if begin != 0 {
+                let number_at = |bit: u32| number + (cells & ((1 << bit) - 1)).count_ones();
+                let first = number_at(begin.trailing_zeros()) / line as u32;
+                let last = number_at(63 - begin.leading_zeros()) / line as u32;
+                self.lines.extend(first..=last);
             }
         }
     }

@@ -7,6 +7,7 @@
 
 use crate::collision::{Constants, Relaxation, collide};
 use crate::field::{Field, Real, prefetch};
+use crate::halfway::HalfwayLinks;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
 use crate::lanes::{Lanes, Portable, Variant};
@@ -25,6 +26,8 @@ pub struct Block {
     pub survey: Survey,
     /// For each of the block's runs of reflecting links, the sum of the reflected populations.
     pub reflected: Vec<f64>,
+    /// Links at walls at rest, and what these felt.
+    pub halfway: HalfwayLinks,
 }
 
 /// What a kernel works on, the same for all blocks.

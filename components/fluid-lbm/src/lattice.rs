@@ -142,9 +142,57 @@ pub fn equilibrium(i: usize, drho: f64, u: [f64; 3]) -> f64 {
     W[i] * (drho + rho * (3.0 * cu + 4.5 * cu * cu - 1.5 * dot(u, u)))
 }
 
+/// [`equilibrium`] in all directions, to rounding; pair by pair, which takes a quarter of the time.
+#[inline]
+pub fn equilibria(drho: f64, u: [f64; 3]) -> [f64; Q] {
+    let [x, y, z] = u;
+    let rho = 1.0 + drho;
+    let rest = drho - 1.5 * rho * dot(u, u);
+    let along = [x, y, z, x + y, x - y, x + z, x - z, y + z, y - z];
+    let mut all = [W[0] * rest; Q];
+    for (n, cu) in along.into_iter().enumerate() {
+        let even = W[n + 10] * (rest + 4.5 * rho * cu * cu);
+        let odd = W[n + 10] * (3.0 * rho * cu);
+        (all[n + 1], all[n + 10]) = (even - odd, even + odd);
+    }
+    all
+}
+
+/// Sum of populations and their momentum `sum_i h_i c_i`.
+#[inline]
+pub fn moments(h: &[f64; Q]) -> (f64, [f64; 3]) {
+    // Pairs of opposite directions, see `C`.
+    let sum: [f64; 9] = std::array::from_fn(|n| h[n + 10] + h[n + 1]);
+    let d: [f64; 9] = std::array::from_fn(|n| h[n + 10] - h[n + 1]);
+    let mass = h[0]
+        + (((sum[0] + sum[1]) + (sum[2] + sum[3]))
+            + ((sum[4] + sum[5]) + (sum[6] + sum[7]))
+            + sum[8]);
+    let momentum = [
+        (d[0] + (d[3] + d[4])) + (d[5] + d[6]),
+        (d[1] + (d[3] - d[4])) + (d[7] + d[8]),
+        (d[2] + (d[5] - d[6])) + (d[7] - d[8]),
+    ];
+    (mass, momentum)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_equilibria_and_moments_at_once_are_those_one_by_one() {
+        let (drho, u) = (0.013, [0.04, -0.07, 0.02]);
+        let all = equilibria(drho, u);
+        for (i, &one) in all.iter().enumerate() {
+            assert!((one - equilibrium(i, drho, u)).abs() < 1e-16, "{i}");
+        }
+        let (mass, momentum) = moments(&all);
+        assert!((mass - drho).abs() < 1e-16);
+        for a in 0..3 {
+            assert!((momentum[a] - (1.0 + drho) * u[a]).abs() < 1e-16);
+        }
+    }
 
     #[test]
     fn the_moments_of_the_weights_are_isotropic_to_fourth_order() {

@@ -3,7 +3,7 @@
 use crate::cells::{Cells, Obstacles};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Reach, Side};
-use crate::lattice::{C, Q, each};
+use crate::lattice::{C, Q};
 use crate::places::{Parity, Places, Survey};
 
 /// Box, stored cells and places of populations.
@@ -69,7 +69,7 @@ impl Layout {
     /// The populations `f_i` that the collision of a parity finds in a cell.
     #[inline(always)]
     pub fn populations<T: Real>(&self, field: &Field<T>, parity: Parity, cell: u32) -> [f64; Q] {
-        each(|i| field.get(self.place(parity, cell, i)))
+        self.places.of_cell(parity, cell).map(|place| field.get(place))
     }
 
     /// The stored cell at `d` cells from `at`, through periodic faces and mirrors, and the axes at

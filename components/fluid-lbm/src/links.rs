@@ -32,16 +32,16 @@ use crate::lanes::Variant;
 use crate::lattice::{C, OPPOSITE, Q, each};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
-use crate::owners::{Owners, SHARED};
+use crate::owners::Owners;
 use crate::part_links::{PartLinks, Site, as_seen};
 use crate::places::Parity;
-use crate::shell::{Around, Stored};
+use crate::shell::{Near, Shell};
 use crate::wall_distances::WallDistances;
 
 /// Rows of a body's shell that are one item of work.
 const ROWS_PER_ITEM: i32 = 256;
 
-/// Cells of a row that are searched for links at once.
+/// Cells of a row whose links are found at once: as a byte has bits.
 pub const CHUNK: i32 = 8;
 
 /// Layers of a body's links, and what they exchanged in the last step. The cut into items depends
@@ -175,7 +175,8 @@ impl<T: Real> After<'_, T> {
     /// All post-collision populations of a cell.
     #[inline(always)]
     pub fn post(&self, cell: u32) -> [f64; Q] {
-        each(|i| self.post_one(cell, i))
+        let places = self.layout.places.of_cell(self.parity, cell);
+        each(|i| self.field.get(places[OPPOSITE[i]]))
     }
 
     /// Reflects the links of an item and records what they exchanged.
@@ -187,10 +188,8 @@ impl<T: Real> After<'_, T> {
         if let Some(part) = &body.part {
             self.reflect_part(bodies, body, part, &item.found, batch);
         } else {
-            for k in item.layers.clone() {
-                for j in 0..body.shell_side() {
-                    self.row(bodies, body, body.shell_row(j, k), batch);
-                }
+            for near in body.shell.near(item.layers.clone()) {
+                self.row(bodies, body, near, batch);
             }
         }
         batch.flush(self, body);
@@ -201,72 +200,75 @@ impl<T: Real> After<'_, T> {
         }
     }
 
-    /// Finds the links that begin in a row `(y, z)`, given as seen from the sphere.
-    fn row(&self, bodies: &Bodies, body: &Body, [y, z]: [i32; 2], batch: &mut Batch) {
-        let grid = &self.layout.grid;
-        if !grid.contains([0, grid.wrap(1, y), grid.wrap(2, z)]) {
-            return;
+    /// Finds the links that begin in a row near a sphere.
+    fn row(&self, bodies: &Bodies, body: &Body, near: &Near, batch: &mut Batch) {
+        let (grid, shell) = (&self.layout.grid, &body.shell);
+        let ([y, z], window) = (shell.coordinates(near.row), shell.window(near.window));
+        let &Near { cells, at_sheets, free, mut number, .. } = near;
+        let fluid = free & self.owners.fluid_among(cells, number);
+        let to_y = [-1, 0, 1].map(|d| grid.fold(1, y + d).1);
+        let to_z = [-1, 0, 1].map(|d| grid.fold(2, z + d).1);
+        let row = Row {
+            bodies,
+            body,
+            y,
+            z,
+            first: window.first,
+            cells,
+            doubtful: if body.shares { u64::MAX } else { at_sheets },
+            mirrors: std::array::from_fn(|n| to_y[n % 3] << 1 | to_z[n / 3] << 2),
+        };
+        // Those cells of the row from which a link of each direction ends inside.
+        let ends = shell.around(near);
+        let into = std::array::from_fn(|i| ends[Shell::to(i)] >> (1 + C[i][0]));
+        for first in (0..window.count).step_by(CHUNK as usize) {
+            let chunk = u64::MAX >> (64 - CHUNK) << first;
+            if fluid & chunk != 0 {
+                batch.make_room(self, body);
+                self.chunk(&row, first, fluid & chunk, number, &into, batch);
+            }
+            number += (cells & chunk).count_ones();
         }
-        let Some(around) = Around::of(grid, &body.spans, [y, z]) else { return };
-        for (w, &window) in body.shell.windows().iter().enumerate() {
-            let ends = around.ends(grid, &body.shell, (w, window));
-            if ends == [0; 9] {
-                continue;
-            }
-            let Stored { cells, at_sheets, number, .. } = body.shell.row(w, y, z);
-            let outside = around.outside(grid, window);
-            let fluid = outside & self.owners.fluid_among(cells, number);
-            let first = window.first;
-            let doubtful = if body.shares { u64::MAX } else { at_sheets };
-            let row = Row { bodies, body, y, z, first, cells, doubtful, mirrors: &around.mirrors };
-            // Those cells of the row from which a link of each direction ends inside.
-            let into: [u64; Q] = std::array::from_fn(|i| ends[Around::to(i)] >> (1 + C[i][0]));
-            let mut number = number;
-            for first in (0..window.count).step_by(CHUNK as usize) {
-                let chunk = u64::MAX >> (64 - CHUNK) << first;
-                number =
-                    self.chunk(&row, first, [fluid & chunk, outside & chunk], number, &into, batch);
-            }
+        if let Some(walls) = self.walls.filter(|_| free & !fluid != 0) {
+            self.gaps_in(&row, walls, free & !fluid, &into, batch);
         }
     }
 
-    /// Finds the links that begin in [`CHUNK`] cells of a row, of which those `outside` the body count and those
-    /// are `fluid`. `number` is that of the first of them that is stored; returns that of the next after them.
+    /// Finds the links that begin in the `fluid` ones of [`CHUNK`] cells of a row. `number` is that of the first of
+    /// them that is stored.
     #[inline(always)]
     fn chunk(
         &self,
         row: &Row,
         first: i32,
-        [fluid, outside]: [u64; 2],
+        fluid: u64,
         mut number: u32,
         into: &[u64; Q],
         batch: &mut Batch,
-    ) -> u32 {
+    ) {
         let mut numbers = [0; CHUNK as usize];
         for (k, own) in (first..).zip(&mut numbers) {
             *own = number;
             number += u32::from(row.cells >> k & 1 == 1);
         }
-        if fluid != 0 {
-            batch.make_room(self, row.body);
-            self.layout.places.prefetch(numbers[0]);
-            self.layout.places.prefetch(number);
-            for i in 1..Q {
-                let mut links = into[i] & fluid;
-                while links != 0 {
-                    let k = links.trailing_zeros() as i32;
-                    links &= links - 1;
-                    let link = self.link(row, k, i, numbers[(k - first) as usize]);
-                    if row.doubtful >> k & 1 == 0 || self.is_mine(row, &link) {
-                        batch.push(link);
-                    }
+        self.layout.places.prefetch(numbers[0]);
+        self.layout.places.prefetch(number);
+        // A byte for each direction, so that one loop finds the links of eight.
+        for from in [1, 9, 17] {
+            let mut links = 0;
+            for byte in 0..8.min(Q - from) {
+                links |= ((into[from + byte] & fluid) >> first) << (8 * byte);
+            }
+            while links != 0 {
+                let bit = links.trailing_zeros() as usize;
+                links &= links - 1;
+                let (i, k) = (from + bit / 8, bit % 8);
+                let link = self.link(row, first + k as i32, i, numbers[k]);
+                if row.doubtful >> (first + k as i32) & 1 == 0 || self.is_mine(row, &link) {
+                    batch.push(link);
                 }
             }
         }
-        if let Some(walls) = self.walls.filter(|_| outside & !fluid != 0) {
-            self.gaps_in(row, walls, outside & !fluid, into, batch);
-        }
-        number
     }
 
     /// Finds the gap links that begin in the cells of a row whose bits are set in `solid`; see `gaps`.
@@ -279,7 +281,7 @@ impl<T: Real> After<'_, T> {
         batch: &mut Batch,
     ) {
         let grid = &self.layout.grid;
-        for i in (1..Q).filter(|&i| row.mirrors[Around::to(i)] == 0) {
+        for i in (1..Q).filter(|&i| row.mirrors[Shell::to(i)] == 0) {
             let mut links = into[i] & solid;
             while links != 0 {
                 let x = row.first + links.trailing_zeros() as i32;
@@ -296,7 +298,7 @@ impl<T: Real> After<'_, T> {
     /// The link `i` of cell `k` of a row.
     #[inline(always)]
     fn link(&self, row: &Row, k: i32, i: usize, cell: u32) -> Link {
-        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[Around::to(i)]);
+        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[Shell::to(i)]);
         let x = row.first + k;
         let end = x + C[i][0];
         if !grid.periodic[0] && (end < 0 || end >= grid.n[0]) {
@@ -316,7 +318,7 @@ impl<T: Real> After<'_, T> {
     fn is_mine(&self, row: &Row, link: &Link) -> bool {
         let i = usize::from(link.dir);
         self.layout.neighbour(link.cell, i).is_some_and(|end| {
-            self.owners.of(end) != SHARED || self.is_first(row.bodies, row.body, link.cell, i, end)
+            !self.owners.is_shared(end) || self.is_first(row.bodies, row.body, link.cell, i, end)
         })
     }
 
@@ -368,7 +370,7 @@ struct Row<'a> {
     /// Those whose links may end at a thin solid, or in cells that others hold too.
     doubtful: u64,
     /// For each row around, the axes among y and z at which links to it are mirrored.
-    mirrors: &'a [u8; 9],
+    mirrors: [u8; 9],
 }
 
 /// As part of a link, how near a wall may be to the cell where the link begins; one that is nearer counts as

@@ -3,9 +3,8 @@
 use crate::balance::{mirrors_of_part, with_image};
 use crate::error::FluidError;
 use crate::field::Field;
-use crate::halfway;
 use crate::kernel::Collides;
-use crate::lattice::{CS2, Q, dot, equilibrium};
+use crate::lattice::{CS2, Q, dot, equilibria};
 use crate::ledger::Ledger;
 use crate::reservoir::{ReservoirFace, ReservoirState};
 use crate::solver::{Solver, before};
@@ -133,7 +132,7 @@ impl<T: Collides> Solver<T> {
             + self.layout.places.bytes()
             + self.tally.bytes()
             + self.fixed.bytes()
-            + self.halfway_items.iter().map(halfway::Item::bytes).sum::<usize>()
+            + self.blocks.iter().map(|block| block.halfway.bytes()).sum::<usize>()
             + self.walls.bytes()
             + self.open.bytes()
             + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()
@@ -235,7 +234,7 @@ impl<T: Collides> Solver<T> {
             // Without half the force, which outputs and the collision add: see
             // `Content::velocity`.
             let u = std::array::from_fn(|k| u[k] / self.units.velocity() - 0.5 * a[k]);
-            self.before().put(cell, &std::array::from_fn(|i| equilibrium(i, drho, u)));
+            self.before().put(cell, &equilibria(drho, u));
         }
         self.fill_reservoirs();
         self.measure();

@@ -42,7 +42,7 @@
 use crate::course::{Law, Now};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Side};
-use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each, equilibrium};
+use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each, equilibria, moments};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::Owners;
@@ -224,8 +224,8 @@ impl<T: Real> Next<'_, T> {
         let pairs = [(open.cell, before.cell), (open.inner, before.inner)];
         for (cell, before) in pairs {
             if cell != crate::cells::NONE && line(cell) != line(before) {
-                for i in 0..Q {
-                    self.field.prefetch(self.layout.place(self.parity, cell, i));
+                for place in self.layout.places.of_cell(self.parity, cell) {
+                    self.field.prefetch(place);
                 }
             }
         }
@@ -259,16 +259,15 @@ impl<T: Real> Next<'_, T> {
         impulse: &mut [f64; 3],
         mass: &mut f64,
     ) {
-        for i in 0..Q {
-            let f = self.field.set(self.layout.place(self.parity, cell, i), new[i]);
-            let gain = f - old[i];
-            add_scaled(impulse, C_F64[i], gain);
-            *mass += gain;
+        let places = self.layout.places.of_cell(self.parity, cell);
+        let mut gain = each(|i| self.field.set(places[i], new[i]) - old[i]);
+        let (gained, _) = moments(&gain);
+        *mass += gained;
+        for i in (0..Q).filter(|i| unknown >> i & 1 == 1) {
             // What was there had left through the face in the opposite direction.
-            if unknown >> i & 1 == 1 {
-                add_scaled(impulse, C_F64[i], 2.0 * old[i]);
-            }
+            gain[i] += 2.0 * old[i];
         }
+        add_scaled(impulse, moments(&gain).1, 1.0);
     }
 
     /// Velocity as the face lets it pass: without its part along the face where fluid enters.
@@ -323,7 +322,8 @@ impl<T: Real> Next<'_, T> {
             }
             Now::Density(drho) => (drho, self.limited(open, u, item)),
         };
-        each(|i| equilibrium(i, drho, velocity) + (from[i] - equilibrium(i, content.drho, u)))
+        let (here, there) = (equilibria(drho, velocity), equilibria(content.drho, u));
+        each(|i| here[i] + (from[i] - there[i]))
     }
 
     fn bounce(

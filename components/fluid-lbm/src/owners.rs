@@ -39,6 +39,8 @@ pub struct Owners {
     of: Vec<Owner>,
     /// One bit a cell: whether it is fluid.
     fluid: Vec<u8>,
+    /// One bit a cell: whether more than one body holds it.
+    held_twice: Vec<u8>,
     /// Claims on shared cells, sorted: (cell, handle).
     shared: Vec<(u32, u32)>,
     /// Cells that joined the fluid in this step.
@@ -73,6 +75,7 @@ impl Owners {
         Self {
             of: vec![FLUID; cells],
             fluid,
+            held_twice: vec![0; cells / 8 + 1],
             shared: Vec::new(),
             vacated: Vec::new(),
             covered: Vec::new(),
@@ -161,6 +164,12 @@ impl Owners {
         word >> shift | u64::from(bytes[8]) << 1 << (63 - shift)
     }
 
+    /// Whether more than one body holds a cell.
+    #[inline(always)]
+    pub fn is_shared(&self, cell: u32) -> bool {
+        self.held_twice[cell as usize / 8] >> (cell % 8) & 1 == 1
+    }
+
     /// Whether every cell is fluid.
     #[inline(always)]
     pub fn all_fluid(&self) -> bool {
@@ -170,7 +179,7 @@ impl Owners {
     /// Memory that the map takes [bytes].
     pub fn bytes(&self) -> usize {
         let changes = self.changes.as_ref().map_or(0, |changes| 5 * changes.is_listed.len());
-        4 * self.of.len() + self.fluid.len() + changes
+        4 * self.of.len() + 2 * self.fluid.len() + changes
     }
 
     /// Handles of the bodies that hold cells with others, some more than once.
@@ -197,6 +206,9 @@ impl Owners {
             self.fluid[cell / 8] |= bit;
         } else {
             self.fluid[cell / 8] &= !bit;
+        }
+        if (owner == SHARED) != (was == SHARED) {
+            self.held_twice[cell / 8] ^= bit;
         }
         self.fluid_cells += usize::from(owner == FLUID);
         self.fluid_cells -= usize::from(was == FLUID);

@@ -268,11 +268,12 @@ impl<T: Real> After<'_, T> {
                 continue;
             }
             batch.make_room(self, body);
+            self.layout.places.prefetch(cell);
             for (k, found) in run.iter().enumerate() {
                 let hit = mine.get(k).copied().unwrap_or(Hit::NONE);
                 let link = found.now(body, part, hit);
                 let is_mine = !body.shares
-                    || self.owners.of(found.end) != SHARED
+                    || !self.owners.is_shared(found.end)
                     || self.is_first(bodies, body, cell, found.dir.into(), found.end);
                 if is_mine {
                     batch.push(link);

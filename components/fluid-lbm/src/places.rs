@@ -261,6 +261,26 @@ impl Places {
         }
     }
 
+    /// [`Places::of`] in all directions.
+    #[inline(always)]
+    pub fn of_cell(&self, parity: Parity, cell: u32) -> [usize; Q] {
+        let cell = cell as usize;
+        if parity == Parity::Even {
+            return std::array::from_fn(|i| i * self.stride + cell);
+        }
+        let (line, lane) = (cell >> self.line_bits, cell & ((1 << self.line_bits) - 1));
+        let entries = &self.lines[line];
+        let mut places = entries.map(|entry| entry as usize + lane);
+        places[0] = cell;
+        let mut mixed = entries[0];
+        while mixed != 0 {
+            let i = mixed.trailing_zeros() as usize;
+            mixed &= mixed - 1;
+            places[i] = self.in_pieces(entries[i] as usize, lane);
+        }
+        places
+    }
+
     /// [`Places::of`] in odd steps.
     #[inline(always)]
     pub fn odd(&self, cell: u32, i: usize) -> usize {

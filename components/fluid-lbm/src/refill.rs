@@ -7,7 +7,7 @@
 
 use crate::body::Body;
 use crate::field::{Field, Real};
-use crate::lattice::{C, C_F64, Q, dot, each, equilibrium, mirrored};
+use crate::lattice::{C, C_F64, Q, dot, equilibria, mirrored, moments};
 use crate::layout::Layout;
 use crate::owners::Owners;
 use crate::places::Parity;
@@ -41,14 +41,8 @@ impl Content {
     /// Of populations.
     #[inline]
     pub fn of(h: &[f64; Q]) -> Self {
-        let mut content = Self::default();
-        for i in 0..Q {
-            content.drho += h[i];
-            for a in 0..3 {
-                content.j[a] += h[i] * C_F64[i][a];
-            }
-        }
-        content
+        let (drho, j) = moments(h);
+        Self { drho, j }
     }
 
     /// Velocity, with half the step's force: `j/rho + a/2`.
@@ -66,8 +60,8 @@ impl<T: Real> Before<'_, T> {
 
     /// Writes them.
     pub fn put(&self, cell: u32, h: &[f64; Q]) {
-        for i in 0..Q {
-            self.field.set(self.layout.place(self.parity, cell, i), h[i]);
+        for (place, &h) in self.layout.places.of_cell(self.parity, cell).into_iter().zip(h) {
+            self.field.set(place, h);
         }
     }
 
@@ -111,12 +105,13 @@ impl<T: Real> Before<'_, T> {
         let farthest = body.radius.ceil() as i32 + 2;
         let drho = (1..=farthest).find_map(|reach| self.mean_around(owners, cell, reach));
         let (drho, u) = (drho.unwrap_or(alone), body.velocity_of(body.hit_near(arm), arm));
-        let mut h = each(|i| equilibrium(i, drho, u));
+        let mut h = equilibria(drho, u);
         if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);
+            let of_equilibrium = equilibria(content.drho, u);
             for i in 0..Q {
-                h[i] += of_donor[i] - equilibrium(i, content.drho, u);
+                h[i] += of_donor[i] - of_equilibrium[i];
             }
         }
         self.put(cell, &h);
@@ -127,27 +122,32 @@ impl<T: Real> Before<'_, T> {
     /// of cells up to `reach` away beyond. `None` if there is no
     /// fluid.
     fn mean_around(&self, owners: &Owners, cell: u32, reach: i32) -> Option<f64> {
+        let is_fluid = |neighbour: u32| neighbour != cell && owners.is_fluid(neighbour);
         let (mut sum, mut count) = (0.0, 0);
-        let mut add = |neighbour: u32| {
-            if neighbour != cell && owners.is_fluid(neighbour) {
-                for i in 0..Q {
-                    sum += self.field.get(self.layout.place(self.parity, neighbour, i));
-                }
-                count += 1;
-            }
-        };
         if reach == 1 {
-            (1..Q).filter_map(|i| self.layout.neighbour(cell, i)).for_each(&mut add);
+            // All places first: memory is slower than anything here.
+            let mut places = [[0; Q]; Q];
+            for neighbour in (1..Q).filter_map(|i| self.layout.neighbour(cell, i)) {
+                if is_fluid(neighbour) {
+                    places[count] = self.layout.places.of_cell(self.parity, neighbour);
+                    places[count].iter().for_each(|&place| self.field.prefetch(place));
+                    count += 1;
+                }
+            }
+            sum = places[..count].iter().flatten().map(|&place| self.field.get(place)).sum();
         } else {
             let (at, side) = (self.layout.at(cell), 2 * reach + 1);
             for k in 0..side * side * side {
                 let d = [k % side - reach, k / side % side - reach, k / (side * side) - reach];
-                if let Some((neighbour, _)) = self.layout.near(at, d) {
-                    add(neighbour);
+                if let Some((neighbour, _)) =
+                    self.layout.near(at, d).filter(|near| is_fluid(near.0))
+                {
+                    sum += self.populations(neighbour).iter().sum::<f64>();
+                    count += 1;
                 }
             }
         }
-        (count > 0).then(|| sum / f64::from(count))
+        (count > 0).then(|| sum / count as f64)
     }
 
     /// Populations of the neighbour in the direction closest to `normal`, if it is fluid; mirrored,

@@ -23,7 +23,7 @@
 use crate::error::FluidError;
 use crate::field::Real;
 use crate::grid::Grid;
-use crate::lattice::{C, CS2, OPPOSITE, Q, each, equilibrium};
+use crate::lattice::{C, CS2, OPPOSITE, Q, equilibria};
 use crate::layout::Layout;
 use crate::open::{CELLS_PER_ITEM, Next, open_faces};
 use crate::piston::Cylinder;
@@ -334,7 +334,7 @@ impl<T: Real> View<'_, T> {
             let u = self.normal_velocity(&old);
             let mut velocity = [0.0; 3];
             velocity[self.axis] = f64::from(self.inward) * (u + relaxation * (mean - u));
-            let new = each(|i| equilibrium(i, self.drho, velocity));
+            let new = equilibria(self.drho, velocity);
             let (impulse, mass) = (&mut item.impulse, &mut item.mass);
             self.next.replace(open.cell, open.unknown, [&old, &new], impulse, mass);
         }

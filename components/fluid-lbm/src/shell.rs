@@ -1,8 +1,8 @@
 //! The cells around a sphere, row by row: which of them are stored, and their numbers.
 //!
 //! Links of a sphere begin and end here. A row is a word with a bit for each cell, so that a shift and a few
-//! bit operations find all links of a direction in it. It is read from the lattice's tables when the sphere has come to other
-//! cells, which it does every fifty steps or so.
+//! bit operations find all links of a direction in it. It is read from the lattice's tables when the sphere's first
+//! cell is another one; which cells are covered is noted when that has changed.
 
 use crate::grid::{Grid, Side};
 use crate::lattice::C;
@@ -35,6 +35,23 @@ pub struct Stored {
     pub number: u32,
 }
 
+/// A row in a window from which links to the sphere can begin, with all that finding them takes.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// See [`Stored`].
+    pub cells: u64,
+    /// See [`Stored`].
+    pub at_sheets: u64,
+    /// Cells of the window that the sphere does not cover, stored or not.
+    pub free: u64,
+    /// See [`Stored`].
+    pub number: u32,
+    /// Number of the window.
+    pub window: u32,
+    /// Row of the shell, along y and along z.
+    pub row: [i32; 2],
+}
+
 /// The cells around a sphere.
 #[derive(Clone, Debug, Default)]
 pub struct Shell {
@@ -45,6 +62,10 @@ pub struct Shell {
     windows: Vec<Window>,
     /// Rows along y, then along z, then windows.
     rows: Vec<Stored>,
+    /// Those cells of each row that are stored and covered, as [`Stored::ends`] has them; with a row more on either
+    /// side, which mirrors may fill.
+    covered: Vec<u64>,
+    near: Vec<Near>,
 }
 
 impl Shell {
@@ -52,11 +73,14 @@ impl Shell {
     pub fn new(side: i32) -> Self {
         // One more at a periodic face.
         let windows = side as usize / WINDOW as usize + 2;
+        let rows = |side: i32| windows * (side * side) as usize;
         Self {
             origin: None,
             side,
             windows: Vec::with_capacity(windows),
-            rows: Vec::with_capacity(windows * (side * side) as usize),
+            rows: Vec::with_capacity(rows(side)),
+            covered: Vec::with_capacity(rows(side + 2)),
+            near: Vec::with_capacity(rows(side)),
         }
     }
 
@@ -77,6 +101,81 @@ impl Shell {
         true
     }
 
+    /// Takes note of the cells that the sphere covers.
+    pub fn cover(&mut self, grid: &Grid, sphere: &Spans) {
+        let (windows, side) = (self.windows.len(), self.side);
+        self.covered.clear();
+        for w in 0..windows {
+            for k in -1..=side {
+                for j in -1..=side {
+                    let [y, z] = self.coordinates([j, k]);
+                    let (y, z) = (grid.fold(1, y).0, grid.fold(2, z).0);
+                    let span = ends_in(grid, self.windows[w], sphere.at(y, z));
+                    self.covered.push(if span == 0 { 0 } else { self.at(w, y, z).ends & span });
+                }
+            }
+        }
+        self.near.clear();
+        for k in 0..side {
+            for j in 0..side {
+                let [y, z] = self.coordinates([j, k]);
+                if !grid.contains([0, grid.wrap(1, y), grid.wrap(2, z)]) {
+                    continue;
+                }
+                for (w, &window) in self.windows.iter().enumerate() {
+                    let Stored { cells, at_sheets, number, .. } = self.at(w, y, z);
+                    let free = !(ends_in(grid, window, sphere.at(y, z)) >> 1);
+                    let free = free & (u64::MAX >> (64 - window.count));
+                    let window = w as u32;
+                    let near = Near { cells, at_sheets, free, number, window, row: [j, k] };
+                    if self.around(&near).iter().fold(0, |all, ends| all | ends) != 0 {
+                        self.near.push(near);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Coordinates `(y, z)` of a row, as seen from the sphere.
+    #[inline(always)]
+    pub fn coordinates(&self, [j, k]: [i32; 2]) -> [i32; 2] {
+        let [_, y, z] = self.origin.unwrap_or_default();
+        [y + j, z + k]
+    }
+
+    /// The rows in some layers along z from which links can begin, in order.
+    pub fn near(&self, layers: std::ops::Range<i32>) -> &[Near] {
+        if layers == (0..self.side) {
+            return &self.near;
+        }
+        let before = |layer: i32| self.near.partition_point(|near| near.row[1] < layer);
+        &self.near[before(layers.start)..before(layers.end)]
+    }
+
+    /// A window.
+    #[inline(always)]
+    pub fn window(&self, window: u32) -> Window {
+        self.windows[window as usize]
+    }
+
+    /// Those cells of the nine rows around a row that are stored and covered, as [`Stored::ends`] has them; the row
+    /// itself is in their middle, y runs fastest.
+    #[inline(always)]
+    pub fn around(&self, near: &Near) -> [u64; 9] {
+        let Near { window, row: [j, k], .. } = *near;
+        let side = self.side + 2;
+        let first = ((window as i32 * side + k) * side + j) as usize;
+        let side = side as usize;
+        let rows = &self.covered[first..first + 2 * side + 3];
+        std::array::from_fn(|n| rows[n / 3 * side + n % 3])
+    }
+
+    /// Place of the row to which links of a direction lead, among those.
+    #[inline(always)]
+    pub fn to(i: usize) -> usize {
+        ((C[i][2] + 1) * 3 + C[i][1] + 1) as usize
+    }
+
     /// Cuts the cells along x into windows.
     fn cut(&mut self, grid: &Grid, first: i32) {
         let (n, mut end) = (grid.n[0], first + self.side);
@@ -93,66 +192,14 @@ impl Shell {
         }
     }
 
-    /// The windows.
-    #[inline(always)]
-    pub fn windows(&self) -> &[Window] {
-        &self.windows
-    }
-
     /// What a row `(y, z)` holds in a window; nothing beyond the shell.
-    #[inline(always)]
-    pub fn row(&self, window: usize, y: i32, z: i32) -> Stored {
+    fn at(&self, window: usize, y: i32, z: i32) -> Stored {
         let [_, first_y, first_z] = self.origin.unwrap_or_default();
         let (j, k, side) = (y - first_y, z - first_z, self.side);
         if j < 0 || k < 0 || j >= side || k >= side {
             return Stored::default();
         }
         self.rows[((window as i32 * side + k) * side + j) as usize]
-    }
-}
-
-/// The nine rows around a row of a sphere's shell, itself in their middle, y running fastest.
-pub struct Around {
-    rows: [[i32; 2]; 9],
-    /// The axes among y and z at which the way to each is mirrored.
-    pub mirrors: [u8; 9],
-    spans: [Span; 9],
-}
-
-impl Around {
-    /// Those around `(y, z)`, unless the sphere covers no cell of them.
-    #[inline(always)]
-    pub fn of(grid: &Grid, sphere: &Spans, [y, z]: [i32; 2]) -> Option<Self> {
-        let to_y = [-1, 0, 1].map(|d| grid.fold(1, y + d));
-        let to_z = [-1, 0, 1].map(|d| grid.fold(2, z + d));
-        let rows: [_; 9] = std::array::from_fn(|n| [to_y[n % 3].0, to_z[n / 3].0]);
-        let spans = rows.map(|[y, z]| sphere.at(y, z));
-        if spans.iter().all(|span| span.is_empty()) {
-            return None;
-        }
-        let mirrors = std::array::from_fn(|n| to_y[n % 3].1 << 1 | to_z[n / 3].1 << 2);
-        Some(Self { rows, mirrors, spans })
-    }
-
-    /// Place of the row to which links of a direction lead.
-    #[inline(always)]
-    pub fn to(i: usize) -> usize {
-        ((C[i][2] + 1) * 3 + C[i][1] + 1) as usize
-    }
-
-    /// Those cells of each row that are stored and covered, as [`Stored::ends`] has them.
-    #[inline(always)]
-    pub fn ends(&self, grid: &Grid, shell: &Shell, (w, window): (usize, Window)) -> [u64; 9] {
-        std::array::from_fn(|n| {
-            let [y, z] = self.rows[n];
-            shell.row(w, y, z).ends & ends_in(grid, window, self.spans[n])
-        })
-    }
-
-    /// Those cells of the window in the middle row that are not covered, stored or not.
-    #[inline(always)]
-    pub fn outside(&self, grid: &Grid, window: Window) -> u64 {
-        !(ends_in(grid, window, self.spans[4]) >> 1) & (u64::MAX >> (64 - window.count))
     }
 }
 
@@ -225,13 +272,13 @@ mod tests {
     fn check(layout: &Layout, origin: [i32; 3], side: i32) {
         let mut shell = Shell::new(side);
         shell.fit(layout, origin);
-        let covered: i32 = shell.windows().iter().map(|window| window.count).sum();
+        let covered: i32 = shell.windows.iter().map(|window| window.count).sum();
         let (from, to) = (origin[0].max(0), (origin[0] + side).min(100));
         assert_eq!(covered, if layout.grid.periodic[0] { side } else { to - from });
-        for (w, window) in shell.windows().iter().enumerate() {
+        for (w, window) in shell.windows.iter().enumerate() {
             for z in origin[2]..origin[2] + side {
                 for y in origin[1]..origin[1] + side {
-                    let row = shell.row(w, y, z);
+                    let row = shell.at(w, y, z);
                     let mut numbers = row.number..;
                     for bit in 0..window.count + 2 {
                         let (x, _) = layout.grid.fold(0, window.first + bit - 1);

@@ -11,7 +11,7 @@ use crate::declared::{DeclaredGaps, Intakes};
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
-use crate::halfway;
+use crate::halfway::HalfwayLinks;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lanes::Variant;
 use crate::lattice::CS2;
@@ -109,7 +109,6 @@ pub struct Solver<T: Collides> {
     now: Vec<Now>,
     pub(crate) fixed: FixedLinks,
     pub(crate) fixed_items: Vec<fixed::Item>,
-    pub(crate) halfway_items: Vec<halfway::Item>,
     pub(crate) open: OpenCells,
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) reservoirs: Vec<ReservoirFace>,
@@ -172,12 +171,24 @@ impl<T: Collides> Solver<T> {
         let step = CELLS_PER_BLOCK / T::LINE;
         let ranges: Vec<_> =
             (0..count).step_by(step).map(|first| first..(first + step).min(count)).collect();
-        let tally = Tally::new(&built.reflections, &ranges);
-        let blocks = ranges.into_iter().enumerate().map(|(number, lines)| Block {
-            lines,
-            survey: Survey::NONE,
-            reflected: vec![0.0; tally.runs(number).len()],
-        });
+        let tally = Tally::new(&built.reflections, &ranges, T::LINE);
+        let halfway_in = |lines: &std::ops::Range<usize>| {
+            let before = |line: usize| {
+                built.halfway.partition_point(|link| (link.cell as usize) < line * T::LINE)
+            };
+            let links = &built.halfway[before(lines.start)..before(lines.end)];
+            HalfwayLinks::new(&built.layout, links, &surroundings.references)
+        };
+        let blocks: Vec<Block> = ranges
+            .iter()
+            .enumerate()
+            .map(|(number, lines)| Block {
+                lines: lines.clone(),
+                survey: Survey::NONE,
+                reflected: vec![0.0; tally.runs(number).len()],
+                halfway: halfway_in(lines),
+            })
+            .collect();
         let waiting = Soft::all(scene);
         let fixtures = surroundings.laws.len();
         let centres = Centres { cell: units.cell, min: units.min };
@@ -229,14 +240,13 @@ impl<T: Collides> Solver<T> {
             variant,
             batches: (0..team.threads()).map(|_| Batch::default()).collect(),
             team,
-            blocks: blocks.collect(),
+            blocks,
             tally,
             surroundings,
             now: vec![Now::Wall([0.0; 3]); fixtures],
             layout: built.layout,
             fixed: built.fixed,
             fixed_items: built.fixed_items,
-            halfway_items: built.halfway_items,
             open: built.open,
             open_items: built.open_items,
             reservoirs: built.reservoirs,
@@ -276,8 +286,9 @@ impl<T: Collides> Solver<T> {
         }
         let press = self.feels_gaps();
         if press && self.walls.is_empty() {
-            let (fixed, halfway) = (&self.fixed, &self.halfway_items);
-            self.walls = self.surroundings.wall_distances(&self.layout, fixed, halfway);
+            let halfway = self.blocks.iter().flat_map(|block| block.halfway.ends());
+            let ends = self.fixed.ends().chain(halfway);
+            self.walls = self.surroundings.wall_distances(&self.layout, ends);
         }
         let counts = [self.declared.len(), self.intakes.len()];
         self.link_items = links::items(&self.bodies, press, counts);
@@ -350,17 +361,18 @@ impl<T: Collides> Solver<T> {
             tally: &self.tally,
             wanted: &self.wanted,
         };
-        let kernel = self.kernel;
+        let (kernel, stride) = (self.kernel, self.layout.places.stride());
         self.team.for_each(&mut self.blocks, |number, block| {
             // SAFETY: the variant was checked when the kernel was chosen; blocks are disjoint, and
             // so are the places of their cells; all tables were made for these cells; nothing else
             // runs.
             unsafe { kernel(&sweep, number, block) };
+            block.halfway.feel(&self.field, stride, &self.owners);
         });
         let (field, fluid, tally) = (&self.field, self.owners.fluid_bits(), &self.tally);
-        if tally.has_mirrors() {
+        if tally.is_late() {
             self.team.for_each(&mut self.blocks, |number, block| {
-                tally.sum_mirrors(field, fluid, number, &mut block.reflected);
+                tally.sum_late(field, fluid, number, &mut block.reflected);
             });
         }
         self.join_surveys();
@@ -408,7 +420,6 @@ impl<T: Collides> Solver<T> {
         self.team.for_each(&mut self.fixed_items, |_, item| {
             after.reflect_fixed(fixed, now, references, item);
         });
-        self.team.for_each(&mut self.halfway_items, |_, item| after.feel_halfway(item));
         if self.slips {
             self.slip.write(&after, bodies, references, &mut self.team);
         }
@@ -445,7 +456,7 @@ impl<T: Collides> Solver<T> {
             *fixture = Exchange { force: impulse.map(|x| -x), ..Exchange::default() };
         }
         let fixed = self.fixed_items.iter().flat_map(|item| &item.exchanges);
-        let halfway = self.halfway_items.iter().flat_map(|item| &item.exchanges);
+        let halfway = self.blocks.iter().flat_map(|block| &block.halfway.exchanges);
         for (Fixture(number), exchange) in fixed.chain(halfway) {
             self.fixtures[usize::from(*number)].join(exchange);
         }

@@ -134,6 +134,12 @@ impl Spans {
         [self.origin[0] - 1 + j, self.origin[1] - 1 + k]
     }
 
+    /// Whether these are the same cells in the same rows.
+    #[inline]
+    pub fn are(&self, other: &Self) -> bool {
+        (self.origin, &self.rows) == (other.origin, &other.rows)
+    }
+
     /// Calls `visit` with the coordinates of each cell that is inside, but not inside `other`.
     pub fn minus(&self, other: &Self, mut visit: impl FnMut([i32; 3])) {
         for (k, span) in (0..).zip(&self.rows) {
@@ -155,8 +161,8 @@ fn span_of(grid: &Grid, centre: [f64; 3], radius: f64, r2: f64, y: i32, z: i32) 
     let inside = |x: i32| inside([f64::from(x) + 0.5 - centre[0], dy, dz], r2);
     let half = (radius * radius - (dy * dy + dz * dz)).max(0.0).sqrt();
     // An estimate to within rounding, then the comparison that decides.
-    let mut first = (centre[0] - half - 0.5).ceil() as i32;
-    let mut last = (centre[0] + half - 0.5).floor() as i32;
+    let mut first = (centre[0] - half - 0.5) as i32;
+    let mut last = (centre[0] + half - 0.5) as i32;
     while inside(first - 1) {
         first -= 1;
     }

@@ -5,7 +5,6 @@ use crate::course::Law;
 use crate::fixed::{self, FixedLinks};
 use crate::grid::Side;
 use crate::ground::Ground;
-use crate::halfway;
 use crate::layout::Layout;
 use crate::links::nearest_wall;
 use crate::open::{self, OpenCells};
@@ -47,8 +46,8 @@ pub struct Built {
     pub fixed: FixedLinks,
     /// Their items of work.
     pub fixed_items: Vec<fixed::Item>,
-    /// Links at walls at rest that are met half-way.
-    pub halfway_items: Vec<halfway::Item>,
+    /// Links at walls at rest that are met half-way, by cell.
+    pub halfway: Vec<Blocked>,
     /// Cells at open faces.
     pub open: OpenCells,
     /// Their items of work.
@@ -151,20 +150,10 @@ impl Surroundings {
             |met: &Blocked| self.laws[usize::from(met.fixture.0)] == Some(Law::Wall([0.0; 3]));
         let (halfway, fixed): (Vec<_>, Vec<_>) =
             met.partition(|(met, q)| *q == 0.5 && is_at_rest(met));
-        let halfway: Vec<_> = halfway.into_iter().map(|(met, _)| met).collect();
-        let halfway_items = halfway::items(&layout, &halfway, &self.references);
+        let halfway = halfway.into_iter().map(|(met, _)| met).collect();
         let (fixed, fixed_items) = FixedLinks::new(&layout.places, fixed.into_iter());
         let reflections = survey.reflections;
-        Built {
-            layout,
-            reflections,
-            fixed,
-            fixed_items,
-            halfway_items,
-            open,
-            open_items,
-            reservoirs,
-        }
+        Built { layout, reflections, fixed, fixed_items, halfway, open, open_items, reservoirs }
     }
 
     /// What a blocked link meets first, and where.
@@ -179,12 +168,10 @@ impl Surroundings {
     pub fn wall_distances(
         &self,
         layout: &Layout,
-        fixed: &FixedLinks,
-        halfway: &[halfway::Item],
+        ends: impl Iterator<Item = (u32, u8)>,
     ) -> WallDistances {
         let solid = Fixture::solid(self.ground.solids.len() as u16);
-        let mut ends: Vec<_> =
-            fixed.ends().chain(halfway.iter().flat_map(halfway::Item::ends)).collect();
+        let mut ends: Vec<_> = ends.collect();
         ends.sort_unstable();
         let links = ends.into_iter().map(|(cell, dir)| Blocked { cell, dir, fixture: solid });
         WallDistances::new(links.map(|link| self.meet(layout, &link)))

@@ -2,9 +2,9 @@
 //!
 //! Reflection half-way and at mirrors costs no work: the places of the populations see to it. The
 //! momentum that it takes is `2 c_i f_i` at a wall and `(c_i - c_m(i)) f_i` at a mirror for each
-//! reflected population `f_i`, in deviations from the fluid at rest. The populations that walls
-//! reflect are added up by block of cells, directly after the block's collision; those at mirrors,
-//! which another block's collision may leave, when all blocks are done.
+//! reflected population `f_i`, in deviations from the fluid at rest. They are added up by block of cells,
+//! directly after the block's collision; those at mirrors that another block's collision may leave, when
+//! all blocks are done.
 
 use crate::cells::Fixture;
 use crate::field::{Field, Real};
@@ -21,6 +21,8 @@ pub struct Run {
     pub fixture: Fixture,
     /// Whether it is a mirror.
     pub is_mirror: bool,
+    /// Whether another block's collision may leave what is reflected.
+    pub is_late: bool,
     /// Momentum to the fluid for each unit of the reflected populations.
     pub impulse: [f64; 3],
     items: Range<usize>,
@@ -46,8 +48,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Of links sorted by line, for blocks of lines.
-    pub fn new(reflections: &[Reflection], blocks: &[Range<usize>]) -> Self {
+    /// Of links sorted by line, for blocks of lines of `line` cells.
+    pub fn new(reflections: &[Reflection], blocks: &[Range<usize>], line: usize) -> Self {
         let mut tally = Self::default();
         let mut rest = reflections;
         let mut own = Vec::new();
@@ -56,19 +58,20 @@ impl Tally {
             own.clear();
             own.extend_from_slice(&rest[..count]);
             rest = &rest[count..];
-            own.sort_by_key(|r| (r.mirrors, r.fixture, r.dir, r.line, r.place));
+            let cells = (block.start * line) as i32..=((block.end - 1) * line) as i32;
+            let is_late = |r: &Reflection| r.mirrors != 0 && !cells.contains(&r.mirror_cell);
+            let kind = |r: &Reflection| (r.mirrors, is_late(r), r.fixture, r.dir);
+            own.sort_by_key(|r| (kind(r), r.line, r.place));
             let first = tally.runs.len();
-            for group in
-                own.chunk_by(|a, b| (a.mirrors, a.fixture, a.dir) == (b.mirrors, b.fixture, b.dir))
-            {
-                tally.add_run(group);
+            for group in own.chunk_by(|a, b| kind(a) == kind(b)) {
+                tally.add_run(group, is_late(&group[0]));
             }
             tally.blocks.push(first..tally.runs.len());
         }
         tally
     }
 
-    fn add_run(&mut self, group: &[Reflection]) {
+    fn add_run(&mut self, group: &[Reflection], is_late: bool) {
         let Reflection { dir, mirrors, fixture, .. } = group[0];
         let i = usize::from(dir);
         let out = if mirrors == 0 { OPPOSITE[i] } else { mirrored(i, mirrors) };
@@ -82,14 +85,15 @@ impl Tally {
         self.runs.push(Run {
             fixture,
             is_mirror: mirrors != 0,
+            is_late,
             impulse: std::array::from_fn(|a| C_F64[i][a] - C_F64[out][a]),
             items: first..self.items.len(),
         });
     }
 
-    /// Whether any link is mirrored.
-    pub fn has_mirrors(&self) -> bool {
-        self.runs.iter().any(|run| run.is_mirror)
+    /// Whether any link has to wait for all blocks.
+    pub fn is_late(&self) -> bool {
+        self.runs.iter().any(|run| run.is_late)
     }
 
     /// The runs of a block.
@@ -97,7 +101,7 @@ impl Tally {
         &self.runs[self.blocks[block].clone()]
     }
 
-    /// Adds up the populations that walls reflect, for each run of a block, as deviations from rest,
+    /// Adds up the reflected populations that a block's collision leaves, for each run of it, as deviations from rest,
     /// of cells that are fluid.
     ///
     /// # Safety
@@ -112,13 +116,16 @@ impl Tally {
         sums: &mut [f64],
     ) {
         for (run, sum) in self.runs(block).iter().zip(sums) {
-            if run.is_mirror {
+            if run.is_late {
                 continue;
             }
             let mut lanes_sum = [0.0; 16];
             for item in &self.items[run.items.clone()] {
                 let line = item.line as usize * V::Scalar::LINE;
-                let lanes = u32::from(item.lanes) & bits_at::<V::Scalar>(fluid, line as i32);
+                let mut lanes = u32::from(item.lanes) & bits_at::<V::Scalar>(fluid, line as i32);
+                if run.is_mirror {
+                    lanes &= bits_at::<V::Scalar>(fluid, item.other);
+                }
                 let mut x = 0;
                 while x < V::Scalar::LINE {
                     // SAFETY: by contract; the lanes of an item are places of the field.
@@ -134,15 +141,15 @@ impl Tally {
         }
     }
 
-    /// The same for mirrors, once all cells have collided.
-    pub fn sum_mirrors<T: Real>(
+    /// The same for the others, once all cells have collided.
+    pub fn sum_late<T: Real>(
         &self,
         field: &Field<T>,
         fluid: &[u8],
         block: usize,
         sums: &mut [f64],
     ) {
-        for (run, sum) in self.runs(block).iter().zip(sums).filter(|(run, _)| run.is_mirror) {
+        for (run, sum) in self.runs(block).iter().zip(sums).filter(|(run, _)| run.is_late) {
             *sum = 0.0;
             for item in &self.items[run.items.clone()] {
                 let line = (item.line as usize * T::LINE) as i32;

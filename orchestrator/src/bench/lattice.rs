@@ -12,9 +12,10 @@ use tremie_messages::{BodyEvent, BodyState, Load};
 const POPULATIONS: f64 = 19.0;
 /// Smagorinsky's constant where there is one.
 const SMAGORINSKY: f64 = 0.1;
-/// Spheres along an edge of the box, and their radius in cells.
-const SPHERES: usize = 4;
-const RADIUS: f64 = 5.0;
+/// Cells along an edge of the box with spheres in it.
+const ROOM: usize = 96;
+/// Spheres: how many along an edge, and their diameters in cells. The smaller ones are as the grains of a valve.
+const SPHERES: [(usize, f64); 2] = [(4, 10.0), (16, 2.5)];
 /// How far they move in a step, in cells.
 const MOTION: f64 = 0.01;
 
@@ -37,7 +38,9 @@ pub fn cases(asked: &Asked) -> Vec<Case> {
                 cases.push(whole(name, parameters, asked.edge, threads, traffic));
             }
             cases.push(bore(name, precision, asked.edge, threads, traffic));
-            cases.push(links(name, precision, threads));
+            for spheres in SPHERES {
+                cases.push(links(name, precision, threads, spheres));
+            }
         }
     }
     cases
@@ -143,22 +146,27 @@ fn bore(precise: &str, precision: Precision, edge: usize, threads: usize, traffi
 }
 
 /// What links of moving spheres cost beside the lattice without them.
-fn links(precise: &str, precision: Precision, threads: usize) -> Case {
-    let pitch = 24.0;
+fn links(
+    precise: &str,
+    precision: Precision,
+    threads: usize,
+    (along, diameter): (usize, f64),
+) -> Case {
+    let pitch = (ROOM / along) as f64;
     let make = move || {
         let parameters = Parameters { precision, ..Parameters::with_cell(1.0) };
-        let scene = scene((pitch as usize) * SPHERES, Face::Periodic);
+        let scene = scene(ROOM, Face::Periodic);
         let mut empty = started(fluid(&scene, &parameters, threads)?)?;
         let mut filled = fluid(&scene, &parameters, threads)?;
         let place = |k: usize| {
-            let at = [k % SPHERES, k / SPHERES % SPHERES, k / SPHERES / SPHERES];
+            let at = [k % along, k / along % along, k / along / along];
             at.map(|k| (k as f64 + 0.5) * pitch + 0.123)
         };
         let state = |k: usize| BodyState {
             velocity: [MOTION, 0.0, 0.0],
             ..BodyState::at_rest(k as u64, place(k))
         };
-        let mut bodies: Vec<BodyState> = (0..SPHERES.pow(3)).map(state).collect();
+        let mut bodies: Vec<BodyState> = (0..along.pow(3)).map(state).collect();
         let event = |body: &BodyState| BodyEvent {
             id: body.id,
             kind: BodyEvent::ADDED,
@@ -166,7 +174,7 @@ fn links(precise: &str, precision: Precision, threads: usize) -> Case {
             motion: BodyEvent::FREE,
             set: 0,
             mass: 1.0,
-            size: [RADIUS, 0.0, 0.0],
+            size: [0.5 * diameter, 0.0, 0.0],
             table: 0,
         };
         let events: Vec<BodyEvent> = bodies.iter().map(event).collect();
@@ -181,8 +189,8 @@ fn links(precise: &str, precision: Precision, threads: usize) -> Case {
         });
         Ok(measure)
     };
-    let spheres = SPHERES.pow(3);
-    let name = format!("lattice {precise}, links of {spheres} moving spheres of 10 cells");
+    let spheres = along.pow(3);
+    let name = format!("lattice {precise}, links of {spheres} moving spheres of {diameter} cells");
     let quantities = vec![Quantity::new("", "core ns a link")];
     Case { name, threads, quantities, make: Box::new(make) }
 }
