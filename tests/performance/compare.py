@@ -125,7 +125,9 @@ def report(options, rows):
         low, high = row["range"]
         lines.append(f"| {row['edge']}³ {row['precision']} | {model} | {row['threads']} | {row['tremie']:.1f} | {row['peer']:.1f} ({row['pattern']}) | "
                      f"{row['ratio']:.2f} ({low:.2f} to {high:.2f}) | {goal:.2f}, {met} | {100 * row['share']:.0f} % |")
-    options.report.write_text("\n".join(lines) + "\n")
+    # What compare_grains.py wrote stays.
+    _, mark, rest = options.report.read_text().partition("\n## ") if options.report.exists() else ("", "", "")
+    options.report.write_text("\n".join(lines) + "\n" + mark + rest)
 
 
 def main():

@@ -20,7 +20,7 @@ use std::thread::{JoinHandle, Thread};
 
 /// Rounds of waiting with a pause instruction, then with `sched_yield`, before a thread sleeps.
 const SPINS: u32 = 200;
-const YIELDS: u32 = 200;
+const YIELDS: u32 = 1000;
 
 /// Bit of the state that says that workers may join the job.
 const OPEN: u64 = 1 << 15;
