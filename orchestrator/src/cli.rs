@@ -1,6 +1,7 @@
 //! The command line of `tremie`.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Injection, InjectionKind};
@@ -103,6 +104,9 @@ pub struct RunArgs {
     /// Run the components as threads of one process
     #[arg(long)]
     pub in_process: bool,
+    /// Write when each component waited and computed in some windows to OUT/trace.json, for ui.perfetto.dev
+    #[arg(long, value_name = "FROM-TO", num_args = 0..=1, require_equals = true, default_missing_value = "0-5000", value_parser = parse_windows)]
+    pub trace: Option<RangeInclusive<u64>>,
     /// Make a component commit a fault, to see it caught: grains:drop@17
     #[arg(long, value_name = "COMPONENT:FAULT@WINDOW", value_parser = parse_injection)]
     pub inject: Vec<(String, Injection)>,
@@ -298,6 +302,14 @@ fn parse_view(text: &str) -> Result<View, String> {
         file if file.ends_with(".rrd") => Ok(View::File(file.into())),
         _ => Err("expected web, native, none, or a file that ends in .rrd".into()),
     }
+}
+
+fn parse_windows(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let wrong = "expected two windows, the first not after the second, as 0-5000";
+    let (from, to) = text.split_once('-').ok_or(wrong)?;
+    let number = |text: &str| text.trim().parse::<u64>().map_err(|_| wrong.to_string());
+    let (from, to) = (number(from)?, number(to)?);
+    if from <= to { Ok(from..=to) } else { Err(wrong.into()) }
 }
 
 fn parse_schedule(text: &str) -> Result<Schedule, String> {

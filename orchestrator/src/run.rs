@@ -9,13 +9,14 @@ use crate::launch::{Launcher, News, Peer, Post, end_all};
 use crate::manifest::Manifest;
 use crate::monitor::{Monitor, Watched};
 use crate::outputs::{
-    self, ComponentSummary, Ending, OutputError, RunLog, SignalTable, Statistics, Summary,
+    self, ComponentSummary, Ending, OutputError, RunLog, SignalTable, Statistics, Summary, Trace,
 };
 use crate::plan::{self, Plan};
 use crate::round::{Round, Unanswered};
 use crate::stop::StopWatch;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
@@ -45,6 +46,8 @@ pub struct Execution {
     pub inject: Vec<(String, Injection)>,
     /// Time that components poll before they sleep, if not the usual one.
     pub poll: Option<Duration>,
+    /// Windows of which a trace is written.
+    pub trace: Option<RangeInclusive<u64>>,
 }
 
 /// Why a run did not begin, or could not be written down.
@@ -248,6 +251,13 @@ impl Prepared {
 
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
+        let names_of_physics = physics.iter().map(|&index| self.peers[index].name.as_str());
+        let trace = match &execution.trace {
+            None => None,
+            Some(windows) => {
+                Some(Trace::create(&at(outputs::TRACE), windows.clone(), names_of_physics)?)
+            }
+        };
         let watched = physics.iter().map(|&index| Watched {
             name: self.peers[index].name.clone(),
             substeps: self.plan.components[index].substeps,
@@ -269,6 +279,7 @@ impl Prepared {
             stop: StopWatch::new(&spec.stop_when, &names),
             table,
             log,
+            trace,
             terminal,
             interrupts,
         };

@@ -76,3 +76,39 @@ fn probes_are_measured_where_rows_are_kept() {
     let least = column.iter().copied().fold(f64::INFINITY, f64::min);
     assert_eq!(few.summary()["signals"]["fluid.middle.velocity_z"]["min"], least);
 }
+
+/// Each component has a track; its spans follow each other and add up to what the summary says.
+#[test]
+fn a_trace_tells_when_components_waited_and_computed() {
+    let ran = run_text(SMALL, &["--trace"]).succeeded();
+    let text = std::fs::read_to_string(ran.out.join("trace.json")).unwrap();
+    let events: Vec<Value> = serde_json::from_str(&text).unwrap();
+    let summary = ran.summary();
+    let components = summary["components"].as_object().unwrap();
+    let tracks: Vec<_> = events.iter().filter(|event| event["ph"] == "M").collect();
+    assert_eq!(tracks.len(), components.len());
+    for track in tracks {
+        let own = &components[track["args"]["name"].as_str().unwrap()];
+        let spans: Vec<_> =
+            events.iter().filter(|e| e["ph"] == "X" && e["tid"] == track["tid"]).collect();
+        for kind in ["compute", "wait", "exchange"] {
+            let of_kind = spans.iter().filter(|span| span["name"] == kind);
+            let sum: f64 = of_kind.map(|span| span["dur"].as_f64().unwrap()).sum();
+            assert!((1e-6 * sum - own[kind].as_f64().unwrap()).abs() < 1e-9, "{kind}");
+        }
+        for pair in spans.windows(2) {
+            let end = pair[0]["ts"].as_f64().unwrap() + pair[0]["dur"].as_f64().unwrap();
+            // Clocks that are set while the run goes on may jump a little.
+            assert!(pair[1]["ts"].as_f64().unwrap() > end - 1e3, "{pair:?}");
+        }
+    }
+    let few = run_text(SMALL, &["--trace=2-3"]).succeeded();
+    let text = std::fs::read_to_string(few.out.join("trace.json")).unwrap();
+    let events: Vec<Value> = serde_json::from_str(&text).unwrap();
+    let windows: Vec<_> =
+        events.iter().filter_map(|event| event["args"]["window"].as_u64()).collect();
+    assert!(windows.iter().all(|window| (2..=3).contains(window)));
+    assert_eq!(windows.len(), 6 * components.len());
+    let wrong = run_text(SMALL, &["--trace=5"]);
+    assert!(wrong.errors().contains("0-5000"), "{}", wrong.errors());
+}

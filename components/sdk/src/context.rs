@@ -283,6 +283,7 @@ impl<S: Between> Context<S> {
         let Spent { compute, wait } = std::mem::take(&mut self.spent);
         let report = Report {
             stamp: self.stamp(self.window),
+            begin: clock().saturating_sub(total),
             compute,
             wait,
             exchange: total.saturating_sub(compute + wait),

@@ -29,6 +29,8 @@ impl Credit {
 pub struct Report {
     /// The window that it accounts for, with the substeps really made.
     pub stamp: Stamp,
+    /// When its work on the window began, by the machine's clock: nanoseconds since the Unix epoch.
+    pub begin: u64,
     /// Wall time spent computing [ns].
     pub compute: u64,
     /// Wall time spent waiting for peers [ns].
@@ -43,7 +45,7 @@ pub struct Report {
 unsafe impl Message for Credit {
     const TYPE_NAME: &'static str = "tremie.Credit.1";
 }
-// SAFETY: a stamp of 40 bytes and four words, no padding.
+// SAFETY: a stamp of 40 bytes and five words, no padding.
 unsafe impl Message for Report {
     const TYPE_NAME: &'static str = "tremie.Report.1";
 }

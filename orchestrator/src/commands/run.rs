@@ -84,6 +84,7 @@ fn run_checked(
     let execution = Execution {
         in_process: arguments.in_process,
         inject: arguments.inject.clone(),
+        trace: arguments.trace.clone(),
         ..Execution::default()
     };
     let out = OutputFolder::new(arguments)?;
@@ -141,7 +142,9 @@ impl OutputFolder {
 
     /// Removes the files of a run that never began; nothing else that may lie there.
     fn clear(&self) {
-        for name in [outputs::MANIFEST, outputs::SIGNALS, outputs::LOG, outputs::RECORDING] {
+        for name in
+            [outputs::MANIFEST, outputs::SIGNALS, outputs::LOG, outputs::RECORDING, outputs::TRACE]
+        {
             let _ = std::fs::remove_file(self.path.join(name));
         }
     }

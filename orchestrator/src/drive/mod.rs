@@ -13,7 +13,7 @@ use crate::control::Control;
 use crate::early::EarlyLog;
 use crate::launch::{Peer, Post};
 use crate::monitor::{Monitor, Totals};
-use crate::outputs::{Ending, OutputError, RunLog, SignalTable};
+use crate::outputs::{Ending, OutputError, RunLog, SignalTable, Trace};
 use crate::stop::StopWatch;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
@@ -56,6 +56,8 @@ pub struct Drive<'a, S: Between> {
     pub table: SignalTable,
     /// Log of the run.
     pub log: RunLog,
+    /// Trace of the run, if it is wanted.
+    pub trace: Option<Trace>,
     /// The user.
     pub terminal: &'a mut Terminal,
     /// How often the user has asked for the end.
@@ -137,10 +139,11 @@ impl<S: Between> Drive<'_, S> {
         // Rows that were complete when the end came belong to the record.
         let _ = self.take_reports();
         let rows = self.take_last_rows();
+        let traced = self.trace.take().map_or(Ok(()), Trace::close);
         let window = self.monitor.common_window().unwrap_or(0);
         let noted = self.note_ending(&ending, window);
         self.finish_observers(&mut course, window);
-        rows.and(noted)?;
+        rows.and(noted).and(traced)?;
         let totals =
             self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
         let Self { table, log, .. } = self;

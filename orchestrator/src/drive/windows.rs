@@ -38,10 +38,12 @@ impl<S: Between> Drive<'_, S> {
 
     pub(super) fn take_reports(&mut self) -> Result<(), Trouble> {
         let now = Instant::now();
-        let monitor = &mut self.monitor;
+        let (monitor, trace) = (&mut self.monitor, &mut self.trace);
         for (watched, peer) in self.physics.iter().enumerate() {
             self.control.reports(*peer, |report, signals| {
-                Ok::<_, Trouble>(monitor.report(watched, report, signals, now)?)
+                monitor.report(watched, report, signals, now)?;
+                let trace = trace.as_mut();
+                Ok::<_, Trouble>(trace.map_or(Ok(()), |trace| trace.take(watched, report))?)
             })?;
         }
         Ok(())

@@ -6,12 +6,14 @@ mod folder;
 mod log;
 mod signals;
 mod summary;
+mod trace;
 
 pub use columns::{Signals, UnreadableSignals};
 pub use folder::{OutputError, choose_folder};
 pub use log::{Level, RunLog};
 pub use signals::{SignalTable, Statistics};
 pub use summary::{ComponentSummary, Ending, Summary};
+pub use trace::Trace;
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";
@@ -19,6 +21,8 @@ pub const MANIFEST: &str = "manifest.toml";
 pub const SIGNALS: &str = "signals.csv";
 /// What happened, a JSON document a line.
 pub const LOG: &str = "log.jsonl";
+/// When components waited and computed, where it was asked for.
+pub const TRACE: &str = "trace.json";
 /// Status, times, headline results.
 pub const SUMMARY: &str = "summary.json";
 /// Frames, by the recorder.

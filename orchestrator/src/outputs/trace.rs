@@ -1,0 +1,161 @@
+//! A trace of a run's windows: when each component waited, computed and exchanged, for Perfetto
+//! (ui.perfetto.dev) and Chrome's tracing page, in their JSON format of trace events.
+//!
+//! A component tells when it began a window and how long it waited, computed and exchanged in it. The three are drawn one
+//! after the other: their lengths are exact; where a component waits more than once in a window, as those do that exchange
+//! inside it, the borders between them are not.
+
+use super::folder::OutputError;
+use serde::Serialize;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use tremie_messages::control::Report;
+
+/// A trace file that is being written.
+#[derive(Debug)]
+pub struct Trace {
+    file: BufWriter<File>,
+    path: PathBuf,
+    windows: RangeInclusive<u64>,
+    /// The machine's clock at the trace's zero [ns].
+    zero: Option<u64>,
+    is_empty: bool,
+}
+
+/// An event of the format: a name for a track, or a span of time on one.
+#[derive(Serialize)]
+struct Event<'a> {
+    name: &'a str,
+    ph: &'a str,
+    pid: u32,
+    tid: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ts: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dur: Option<f64>,
+    args: Details<'a>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Details<'a> {
+    Name { name: &'a str },
+    Window { window: u64 },
+}
+
+impl Trace {
+    /// Begins the trace at `path` of some windows of components, which get a track each.
+    ///
+    /// # Errors
+    /// If the file cannot be made.
+    pub fn create<'a>(
+        path: &Path,
+        windows: RangeInclusive<u64>,
+        components: impl Iterator<Item = &'a str>,
+    ) -> Result<Self, OutputError> {
+        let file = BufWriter::new(File::create(path).map_err(OutputError::at(path))?);
+        let path = path.to_path_buf();
+        let mut trace = Self { file, path, windows, zero: None, is_empty: true };
+        for (tid, name) in components.enumerate() {
+            let args = Details::Name { name };
+            trace.write(&Event {
+                name: "thread_name",
+                ph: "M",
+                pid: 1,
+                tid,
+                ts: None,
+                dur: None,
+                args,
+            })?;
+        }
+        Ok(trace)
+    }
+
+    /// Takes what component `index` reported of a window.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn take(&mut self, index: usize, report: &Report) -> Result<(), OutputError> {
+        let window = report.stamp.window;
+        if !self.windows.contains(&window) {
+            return Ok(());
+        }
+        let zero = *self.zero.get_or_insert(report.begin);
+        let mut at = report.begin;
+        let spans =
+            [("wait", report.wait), ("compute", report.compute), ("exchange", report.exchange)];
+        for (name, length) in spans {
+            // Clocks of other components may have begun a little earlier.
+            let ts = (at as i64 - zero as i64) as f64 * 1e-3;
+            let (ts, dur) = (Some(ts), Some(length as f64 * 1e-3));
+            self.write(&Event {
+                name,
+                ph: "X",
+                pid: 1,
+                tid: index,
+                ts,
+                dur,
+                args: Details::Window { window },
+            })?;
+            at += length;
+        }
+        Ok(())
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn close(mut self) -> Result<(), OutputError> {
+        let end = self.file.write_all(b"\n]\n").and_then(|()| self.file.flush());
+        end.map_err(OutputError::at(&self.path))
+    }
+
+    fn write(&mut self, event: &Event<'_>) -> Result<(), OutputError> {
+        let before: &[u8] = if std::mem::take(&mut self.is_empty) { b"[\n" } else { b",\n" };
+        self.file
+            .write_all(before)
+            .and_then(|()| {
+                serde_json::to_writer(&mut self.file, event).map_err(std::io::Error::from)
+            })
+            .map_err(OutputError::at(&self.path))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+    use tremie_messages::Stamp;
+
+    #[test]
+    fn spans_of_the_wanted_windows_follow_each_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trace.json");
+        let mut trace = Trace::create(&path, 1..=2, ["fluid", "grains"].into_iter()).unwrap();
+        for window in 0..5 {
+            let stamp = Stamp { window, ..Stamp::default() };
+            let begin = 5_000 + window * 10_000;
+            let report =
+                Report { stamp, begin, compute: 3_000, wait: 6_000, exchange: 500, work: 1 };
+            trace.take(1, &report).unwrap();
+        }
+        trace.close().unwrap();
+        let events: Vec<Value> =
+            serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let names: Vec<_> =
+            events[..2].iter().map(|e| e["args"]["name"].as_str().unwrap()).collect();
+        assert_eq!(names, ["fluid", "grains"]);
+        let spans: Vec<_> = events[2..]
+            .iter()
+            .map(|e| {
+                (e["name"].as_str().unwrap(), e["ts"].as_f64().unwrap(), e["dur"].as_f64().unwrap())
+            })
+            .collect();
+        assert_eq!(spans[..3], [("wait", 0.0, 6.0), ("compute", 6.0, 3.0), ("exchange", 9.0, 0.5)]);
+        assert_eq!((spans.len(), spans[3].1), (6, 10.0));
+        assert!(events[2..].iter().all(|e| e["tid"] == 1 && e["ph"] == "X"));
+    }
+}
