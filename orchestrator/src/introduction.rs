@@ -113,7 +113,7 @@ fn hellos(manifest: &Manifest, run: u64, output: &Path) -> impl Iterator<Item = 
         role: spec.role,
         scene: manifest.spec.scene.clone(),
         parameters: spec.settings.clone(),
-        threads: spec.threads_of(cores),
+        threads: spec.threads_of(cores, manifest.spec.run.schedule),
         output: output.to_string_lossy().into_owned(),
     })
 }

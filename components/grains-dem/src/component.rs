@@ -11,6 +11,7 @@ use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
 use tremie_sdk::{Grains, Setup, SolverError};
+use tremie_team::Found;
 
 /// Soft spheres behind the sdk's interface.
 pub struct SoftSpheres {
@@ -102,8 +103,9 @@ impl Grains for SoftSpheres {
         let (scene, step) = (&setup.hello.scene, setup.assigned()?.step);
         let threads = setup.hello.threads.max(1) as usize;
         let surfaces = surfaces(scene)?;
-        let grains = GrainsDem::with_surfaces(scene, &parameters, step, threads, &surfaces)
+        let mut grains = GrainsDem::with_surfaces(scene, &parameters, step, threads, &surfaces)
             .map_err(in_scene)?;
+        grains.choose_threads();
         let spheres = grains.radii().len();
         let few = if is_followed(scene, spheres) { spheres } else { 0 };
         // All states are asked for at once, those of parts too.
@@ -125,7 +127,9 @@ impl Grains for SoftSpheres {
     }
 
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
-        self.grains.advance(substeps, loads).map_err(SolverError::from_error)
+        self.grains.advance(substeps, loads).map_err(SolverError::from_error)?;
+        self.tell_threads();
+        Ok(())
     }
 
     fn carriers(&self, carriers: &mut [BodyState]) -> Result<(), SolverError> {
@@ -163,7 +167,9 @@ impl Grains for SoftSpheres {
     }
 
     fn end_window(&mut self) -> Result<(), SolverError> {
-        self.grains.end_window().map_err(SolverError::from_error)
+        self.grains.end_window().map_err(SolverError::from_error)?;
+        self.tell_threads();
+        Ok(())
     }
 
     fn ports(&mut self, ports: &[PortState]) -> Result<(), SolverError> {
@@ -212,6 +218,19 @@ impl Grains for SoftSpheres {
             values.push(self.grains.radii().len() as f64);
         }
         self.grains.read_probes(values);
+    }
+}
+
+impl SoftSpheres {
+    /// Says in the log how many threads substeps get, when that was found.
+    fn tell_threads(&mut self) {
+        if let Some(Found { threads, together, alone, is_alone }) = self.grains.take_found() {
+            let used = if is_alone { 1 } else { threads };
+            let [together, alone] = [together, alone].map(|time| 1e6 * time.as_secs_f64());
+            eprintln!(
+                "a substep takes {together:.0} us on {threads} threads, {alone:.0} us on one: it gets {used}"
+            );
+        }
     }
 }
 

@@ -31,7 +31,7 @@ use tremie_messages::{
     body::{BodyEvent, BodyState, Load},
     scene::{Domain, Scene},
 };
-use tremie_team::Team;
+use tremie_team::{Choice, Found, Team};
 
 /// Overlap over the smaller radius that ends a run.
 const TOO_DEEP: f64 = 0.5;
@@ -51,6 +51,9 @@ pub struct GrainsDem {
     pub(crate) next_id: u64,
     pub(crate) search: Search,
     pub(crate) team: Team,
+    /// Whether a substep is faster on one thread, where that is to be found, and what was found.
+    pub(crate) choice: Option<Choice>,
+    pub(crate) found: Option<Found>,
     pub(crate) driven: Driven,
     /// Substeps since the start.
     pub(crate) steps: u64,
@@ -174,6 +177,8 @@ impl GrainsDem {
             polyhedra,
             clumps,
             team,
+            choice: None,
+            found: None,
             driven: Driven::of_scene(scene, spheres),
             steps: 0,
             loaded: false,
@@ -226,6 +231,17 @@ impl GrainsDem {
     /// Radii of the spheres, and of those around polyhedra [m], by ascending id.
     pub fn radii(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         self.bodies.slot.iter().map(|&slot| self.bodies.balls[slot as usize].radius)
+    }
+
+    /// Finds out from now on whether substeps are faster on all threads or on one, and goes on with that: either is
+    /// tried for some substeps, anew when there are half as many bodies again, or two thirds. Results do not depend on it.
+    pub fn choose_threads(&mut self) {
+        self.choice = Some(Choice::new(self.team.threads()));
+    }
+
+    /// What was found of threads since this was asked last.
+    pub fn take_found(&mut self) -> Option<Found> {
+        self.found.take()
     }
 
     /// Length of a substep [s].

@@ -14,7 +14,9 @@ use crate::{
     integrate::{self, Forces},
     surface::{FacetLoad, SurfaceState},
 };
+use std::time::Instant;
 use tremie_messages::body::{BodyState, Load};
+use tremie_team::Choice;
 
 /// How far a window has come.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,7 +65,11 @@ impl GrainsDem {
     /// Motions that have diverged; no window, or a substep that was not finished.
     pub fn begin_substep(&mut self) -> Result<(), GrainsError> {
         self.progress.expect("begin_substep", true, false)?;
+        let is_alone = self.choice.as_mut().is_some_and(|choice| choice.begin(self.bodies.len()));
+        self.team.work_alone(is_alone);
+        let begin = self.clock();
         self.drift(self.progress.done > 0)?;
+        self.spend(begin);
         self.progress.inside = true;
         Ok(())
     }
@@ -100,10 +106,25 @@ impl GrainsDem {
     /// Shapes that do not fit the surfaces, contacts that are too deep; no substep that was begun.
     pub fn finish_substep(&mut self, accepted: &[SurfaceState<'_>]) -> Result<(), GrainsError> {
         self.progress.expect("finish_substep", true, true)?;
+        let begin = self.clock();
         self.evaluate_forces(self.dt, accepted)?;
+        self.spend(begin);
+        self.found = self.choice.as_mut().and_then(Choice::end).or(self.found.take());
         self.progress.inside = false;
         self.progress.done += 1;
         self.check_overlap()
+    }
+
+    /// The time, while threads are being chosen.
+    fn clock(&self) -> Option<Instant> {
+        self.choice.as_ref().and_then(Choice::clock)
+    }
+
+    /// Counts the time of a part of a substep that began then.
+    fn spend(&mut self, begin: Option<Instant>) {
+        if let Some(choice) = &mut self.choice {
+            choice.spend(begin);
+        }
     }
 
     /// Ends a window: velocities are those of its end, and spheres come and go at inlets and outlets.

@@ -7,8 +7,10 @@
 //! Other processes share the processor. A worker that is not running when a list begins is not
 //! waited for; whoever waits spins a little, then yields a little, then sleeps.
 
+mod choice;
 mod pieces;
 
+pub use choice::{Choice, Found};
 pub use pieces::{Cut, Pieces};
 
 use std::any::Any;
@@ -56,6 +58,7 @@ unsafe impl Send for Shared {}
 pub struct Team {
     shared: Arc<Shared>,
     workers: Vec<JoinHandle<()>>,
+    is_alone: bool,
 }
 
 /// Waits a little; the longer it has waited already, the more gently.
@@ -116,7 +119,7 @@ impl Team {
             panic: Mutex::new(None),
             stop: AtomicBool::new(false),
         });
-        let mut team = Self { shared, workers: Vec::new() };
+        let mut team = Self { shared, workers: Vec::new(), is_alone: false };
         for k in 1..threads.min(ACTIVE as usize) {
             let shared = team.shared.clone();
             let worker = std::thread::Builder::new().name(format!("{name} {k}"));
@@ -128,6 +131,11 @@ impl Team {
     /// Threads of the team, the caller's included.
     pub fn threads(&self) -> usize {
         1 + self.workers.len()
+    }
+
+    /// Whether the caller does everything from now on, and the others sleep.
+    pub fn work_alone(&mut self, is_alone: bool) {
+        self.is_alone = is_alone;
     }
 
     /// Calls `work` once for each item, on any thread, in any order; returns when all are done.
@@ -192,7 +200,7 @@ impl Team {
                 work(room, k, unsafe { pieces.piece(k) });
             }
         };
-        if self.workers.is_empty() || count < 2 { take() } else { self.run(&take) }
+        if self.workers.is_empty() || self.is_alone || count < 2 { take() } else { self.run(&take) }
     }
 
     /// Calls `job` on this thread and on every worker that comes in time.

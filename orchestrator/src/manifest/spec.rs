@@ -157,10 +157,15 @@ impl ComponentSpec {
         stem(&self.program)
     }
 
-    /// Threads that it gets on a machine of `cores`: as the manifest says, else all for a fluid
-    /// (most of the work) and one for anything else. Results do not depend on it.
-    pub fn threads_of(&self, cores: u32) -> u32 {
-        self.threads.unwrap_or(if self.role == Role::Fluid { cores.max(1) } else { 1 })
+    /// Threads that it may use on a machine of `cores`: as the manifest says, else all for a fluid (most of the
+    /// work), and for grains where they take turns with it; one for anything else. Results do not depend on it.
+    pub fn threads_of(&self, cores: u32, schedule: Schedule) -> u32 {
+        let takes_all = match self.role {
+            Role::Fluid => true,
+            Role::Grains => schedule == Schedule::Serial,
+            _ => false,
+        };
+        self.threads.unwrap_or(if takes_all { cores.max(1) } else { 1 })
     }
 }
 

@@ -1,0 +1,143 @@
+//! Whether a team is faster than its caller alone, found by trying.
+//!
+//! A second thread costs some microseconds a list, more where it has to be woken; small work is done sooner
+//! without. Results do not depend on threads, so that the choice may be left to measurement.
+
+use std::time::{Duration, Instant};
+
+/// How often either way is tried.
+const TRIES: u32 = 8;
+/// A team has to be this much faster.
+const WORTH: f64 = 0.95;
+
+/// Work that comes again and again, and the faster way to do it.
+#[derive(Debug)]
+pub struct Choice {
+    threads: usize,
+    /// Size of the work when it was tried.
+    size: usize,
+    tried: u32,
+    /// Least time on the whole team, and alone.
+    least: [Duration; 2],
+    is_alone: bool,
+    spent: Duration,
+}
+
+/// What trying found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Threads of the team.
+    pub threads: usize,
+    /// Least time on all of them.
+    pub together: Duration,
+    /// Least time on one.
+    pub alone: Duration,
+    /// Whether it goes on with one.
+    pub is_alone: bool,
+}
+
+impl Choice {
+    /// Nothing is known yet of a team of `threads`.
+    pub fn new(threads: usize) -> Self {
+        Self {
+            threads,
+            size: 0,
+            tried: 0,
+            least: [Duration::MAX; 2],
+            is_alone: threads < 2,
+            spent: Duration::ZERO,
+        }
+    }
+
+    /// Work of some size begins; returns whether it is to be done alone. Work that is half as large again as it was
+    /// when it was tried, or two thirds, is tried anew.
+    pub fn begin(&mut self, size: usize) -> bool {
+        if self.threads < 2 {
+            return true;
+        }
+        if 2 * size > 3 * self.size || 3 * size < 2 * self.size {
+            *self = Self { size, ..Self::new(self.threads) };
+        }
+        if self.is_trying() {
+            self.is_alone = self.tried >= TRIES;
+            self.spent = Duration::ZERO;
+        }
+        self.is_alone
+    }
+
+    /// The time, while that matters.
+    pub fn clock(&self) -> Option<Instant> {
+        self.is_trying().then(Instant::now)
+    }
+
+    /// A part of the work is done that began then.
+    pub fn spend(&mut self, begin: Option<Instant>) {
+        if let Some(begin) = begin {
+            self.spent += begin.elapsed();
+        }
+    }
+
+    /// The work is done. Tells what was found, once.
+    pub fn end(&mut self) -> Option<Found> {
+        if !self.is_trying() {
+            return None;
+        }
+        let least = &mut self.least[usize::from(self.is_alone)];
+        *least = (*least).min(self.spent);
+        self.tried += 1;
+        if self.is_trying() {
+            return None;
+        }
+        let [together, alone] = self.least;
+        self.is_alone = together.as_secs_f64() > WORTH * alone.as_secs_f64();
+        Some(Found { threads: self.threads, together, alone, is_alone: self.is_alone })
+    }
+
+    fn is_trying(&self) -> bool {
+        self.threads > 1 && self.tried < 2 * TRIES
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Work of a size that takes these times.
+    fn tried(
+        choice: &mut Choice,
+        size: usize,
+        [together, alone]: [u64; 2],
+    ) -> (Vec<bool>, Option<Found>) {
+        let mut ways = Vec::new();
+        for _ in 0..2 * TRIES {
+            let is_alone = choice.begin(size);
+            ways.push(is_alone);
+            choice.spent = Duration::from_micros(if is_alone { alone } else { together });
+            if let Some(found) = choice.end() {
+                return (ways, Some(found));
+            }
+        }
+        (ways, None)
+    }
+
+    #[test]
+    fn both_ways_are_tried_and_the_faster_stays() {
+        let mut choice = Choice::new(2);
+        let (ways, found) = tried(&mut choice, 100, [60, 100]);
+        assert_eq!(ways.iter().filter(|alone| **alone).count(), TRIES as usize);
+        assert!(!found.unwrap().is_alone && !choice.begin(100) && !choice.begin(149));
+        assert_eq!(choice.end(), None);
+        let (_, found) = tried(&mut choice, 10, [9, 7]);
+        assert!(found.unwrap().is_alone && choice.begin(10));
+        let (_, found) = tried(&mut choice, 16, [98, 100]);
+        assert!(found.unwrap().is_alone, "hardly faster is not worth a core");
+    }
+
+    #[test]
+    fn one_thread_has_no_choice() {
+        let mut choice = Choice::new(1);
+        assert!(choice.begin(1000));
+        assert_eq!(choice.clock(), None);
+        assert_eq!(choice.end(), None);
+    }
+}
