@@ -236,6 +236,12 @@ impl Prepared {
         let table = SignalTable::create(&at(outputs::SIGNALS), self.plan.clock, every, &names)?;
         let log = RunLog::create(&at(outputs::LOG))?;
         write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
+        let trace = execution.trace.as_ref().map(|windows| {
+            let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
+            let names = physics.map(|peer| peer.name.as_str());
+            Trace::create(&at(outputs::TRACE), windows.clone(), names)
+        });
+        let trace = trace.transpose()?;
 
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
         let (root, prefix) = (places.root(), places.prefix().to_string());
@@ -251,13 +257,6 @@ impl Prepared {
 
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
-        let names_of_physics = physics.iter().map(|&index| self.peers[index].name.as_str());
-        let trace = match &execution.trace {
-            None => None,
-            Some(windows) => {
-                Some(Trace::create(&at(outputs::TRACE), windows.clone(), names_of_physics)?)
-            }
-        };
         let watched = physics.iter().map(|&index| Watched {
             name: self.peers[index].name.clone(),
             substeps: self.plan.components[index].substeps,

@@ -50,7 +50,8 @@ impl Bodies {
             let handle = self.new_handle();
             let position = grid.canonical(part.reference());
             part.place(position, [0.0, 0.0, 0.0, 1.0]);
-            let mut body = Body::new(first + k, handle, part.radius(), Some(Box::new(part)));
+            let (radius, part) = (part.radius(), Some(Box::new(part)));
+            let mut body = Body::new(grid, first + k, handle, radius, part);
             body.position = position;
             self.living.push(body);
         }
@@ -126,7 +127,7 @@ impl Bodies {
                 let part = self.catalogue.body(event, units.cell);
                 let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
                 self.newcomers.push(handle);
-                let mut body = Body::new(event.id, handle, radius, part);
+                let mut body = Body::new(&layout.grid, event.id, handle, radius, part);
                 if event.motion == BodyEvent::FREE {
                     body.mass = event.mass / units.mass();
                 }

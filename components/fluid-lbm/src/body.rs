@@ -66,11 +66,17 @@ pub struct Body {
 }
 
 impl Body {
-    /// One that is nowhere yet.
-    pub fn new(id: u64, handle: u32, radius: f64, part: Option<Box<PartBody>>) -> Self {
+    /// One in a box that is nowhere yet.
+    pub fn new(
+        grid: &Grid,
+        id: u64,
+        handle: u32,
+        radius: f64,
+        part: Option<Box<PartBody>>,
+    ) -> Self {
         let spans = Spans::empty(if part.is_some() { 0.0 } else { radius });
         let side = (2.0 * radius).ceil() as usize + 4;
-        let shell = Shell::new(if part.is_some() { 0 } else { spans.shell_side() });
+        let shell = Shell::new(grid, if part.is_some() { 0 } else { spans.shell_side() });
         // A row's cells that are not covered lie in two lines, or at the end of one more.
         let lines = if part.is_some() { 0 } else { (side + 1) * (side + 1) * (2 + side / 8) };
         // A move by less than a cell changes less than this; a jump may allocate.
@@ -100,6 +106,11 @@ impl Body {
             pressed: [[0.0; 3]; 2],
             account: Account::default(),
         }
+    }
+
+    /// Memory that the cells around a sphere take [bytes].
+    pub fn bytes(&self) -> usize {
+        self.shell.bytes() + size_of::<u32>() * self.lines.capacity()
     }
 
     /// Whether it is a part of the scene or a surface that deforms, no sphere or polyhedron.
@@ -276,12 +287,13 @@ impl Body {
         self.spans.fit(&layout.grid, self.position, self.radius);
         let origin = self.position.map(|x| (x - self.radius).floor() as i32 - 1);
         let is_elsewhere = self.shell.fit(layout, origin);
-        if !self.spans.are(&self.previous) {
+        let is_changed = !self.spans.are(&self.previous);
+        if is_changed {
             let (left, entered) = (&mut self.left, &mut self.entered);
             self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
             self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
         }
-        if is_elsewhere || !self.left.is_empty() || !self.entered.is_empty() {
+        if is_elsewhere || is_changed {
             self.shell.cover(&layout.grid, &self.spans);
             self.find_lines(line);
         }

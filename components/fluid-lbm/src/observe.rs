@@ -1,6 +1,7 @@
 //! What can be seen of the fluid.
 
 use crate::balance::{mirrors_of_part, with_image};
+use crate::body::Body;
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::kernel::Collides;
@@ -140,6 +141,7 @@ impl<T: Collides> Solver<T> {
             + self.declared.bytes()
             + self.intakes.bytes()
             + self.wanted.bytes()
+            + self.bodies.living.iter().map(Body::bytes).sum::<usize>()
     }
 
     /// See [`crate::FluidLbm::check`].

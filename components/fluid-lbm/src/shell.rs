@@ -69,10 +69,11 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// Of `side` cells along each axis.
-    pub fn new(side: i32) -> Self {
-        // One more at a periodic face.
-        let windows = side as usize / WINDOW as usize + 2;
+    /// Of `side` cells along each axis of a box.
+    pub fn new(grid: &Grid, side: i32) -> Self {
+        // Faces cut where the axis wraps around: every `n` cells, wherever the first cell is.
+        let cuts = if grid.periodic[0] { side / grid.n[0] + 1 } else { 0 };
+        let windows = (side / WINDOW + 1 + cuts) as usize;
         let rows = |side: i32| windows * (side * side) as usize;
         Self {
             origin: None,
@@ -176,6 +177,13 @@ impl Shell {
         ((C[i][2] + 1) * 3 + C[i][1] + 1) as usize
     }
 
+    /// Memory that it takes [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of::<Stored>() * self.rows.capacity()
+            + size_of::<u64>() * self.covered.capacity()
+            + size_of::<Near>() * self.near.capacity()
+    }
+
     /// Cuts the cells along x into windows.
     fn cut(&mut self, grid: &Grid, first: i32) {
         let (n, mut end) = (grid.n[0], first + self.side);
@@ -270,8 +278,10 @@ mod tests {
 
     /// Every bit and number is what the layout says of the cell.
     fn check(layout: &Layout, origin: [i32; 3], side: i32) {
-        let mut shell = Shell::new(side);
+        let mut shell = Shell::new(&layout.grid, side);
+        let room = shell.windows.capacity();
         shell.fit(layout, origin);
+        assert_eq!(shell.windows.capacity(), room);
         let covered: i32 = shell.windows.iter().map(|window| window.count).sum();
         let (from, to) = (origin[0].max(0), (origin[0] + side).min(100));
         assert_eq!(covered, if layout.grid.periodic[0] { side } else { to - from });

@@ -47,5 +47,5 @@ unsafe impl Message for Credit {
 }
 // SAFETY: a stamp of 40 bytes and five words, no padding.
 unsafe impl Message for Report {
-    const TYPE_NAME: &'static str = "tremie.Report.1";
+    const TYPE_NAME: &'static str = "tremie.Report.2";
 }

@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 
 /// How often either way is tried.
 const TRIES: u32 = 8;
+/// After so many times both ways are tried again.
+const AGAIN: u32 = 20_000;
 /// A team has to be this much faster.
 const WORTH: f64 = 0.95;
 
@@ -17,6 +19,8 @@ pub struct Choice {
     /// Size of the work when it was tried.
     size: usize,
     tried: u32,
+    /// How often the work was done since trying began.
+    since: u32,
     /// Least time on the whole team, and alone.
     least: [Duration; 2],
     is_alone: bool,
@@ -43,19 +47,21 @@ impl Choice {
             threads,
             size: 0,
             tried: 0,
+            since: 0,
             least: [Duration::MAX; 2],
             is_alone: threads < 2,
             spent: Duration::ZERO,
         }
     }
 
-    /// Work of some size begins; returns whether it is to be done alone. Work that is half as large again as it was
-    /// when it was tried, or two thirds, is tried anew.
+    /// Work of some size begins; returns whether it is to be done alone. Both ways are tried anew when it is half as large
+    /// again as it was when they were, or two thirds, and now and then: what it costs may depend on more than its size.
     pub fn begin(&mut self, size: usize) -> bool {
         if self.threads < 2 {
             return true;
         }
-        if 2 * size > 3 * self.size || 3 * size < 2 * self.size {
+        self.since += 1;
+        if 2 * size > 3 * self.size || 3 * size < 2 * self.size || self.since > AGAIN {
             *self = Self { size, ..Self::new(self.threads) };
         }
         if self.is_trying() {
@@ -127,6 +133,15 @@ mod tests {
         assert_eq!(ways.iter().filter(|alone| **alone).count(), TRIES as usize);
         assert!(!found.unwrap().is_alone && !choice.begin(100) && !choice.begin(149));
         assert_eq!(choice.end(), None);
+        // The same size again: nothing is tried until long after.
+        (0..AGAIN - 100).for_each(|_| {
+            assert!(!choice.begin(100) && choice.clock().is_none() && choice.end().is_none());
+        });
+        (0..100).for_each(|_| _ = choice.begin(100));
+        assert!(choice.clock().is_some(), "it is tried again");
+        choice = Choice::new(2);
+        let (_, found) = tried(&mut choice, 100, [80, 50]);
+        assert!(found.unwrap().is_alone);
         let (_, found) = tried(&mut choice, 10, [9, 7]);
         assert!(found.unwrap().is_alone && choice.begin(10));
         let (_, found) = tried(&mut choice, 16, [98, 100]);

@@ -22,6 +22,7 @@ pub struct Trace {
     /// The machine's clock at the trace's zero [ns].
     zero: Option<u64>,
     is_empty: bool,
+    is_closed: bool,
 }
 
 /// An event of the format: a name for a track, or a span of time on one.
@@ -57,7 +58,7 @@ impl Trace {
     ) -> Result<Self, OutputError> {
         let file = BufWriter::new(File::create(path).map_err(OutputError::at(path))?);
         let path = path.to_path_buf();
-        let mut trace = Self { file, path, windows, zero: None, is_empty: true };
+        let mut trace = Self { file, path, windows, zero: None, is_empty: true, is_closed: false };
         for (tid, name) in components.enumerate() {
             let args = Details::Name { name };
             trace.write(&Event {
@@ -109,8 +110,12 @@ impl Trace {
     /// # Errors
     /// If the disk refuses.
     pub fn close(mut self) -> Result<(), OutputError> {
-        let end = self.file.write_all(b"\n]\n").and_then(|()| self.file.flush());
-        end.map_err(OutputError::at(&self.path))
+        self.end().map_err(OutputError::at(&self.path))
+    }
+
+    fn end(&mut self) -> std::io::Result<()> {
+        self.is_closed = true;
+        self.file.write_all(b"\n]\n").and_then(|()| self.file.flush())
     }
 
     fn write(&mut self, event: &Event<'_>) -> Result<(), OutputError> {
@@ -121,6 +126,15 @@ impl Trace {
                 serde_json::to_writer(&mut self.file, event).map_err(std::io::Error::from)
             })
             .map_err(OutputError::at(&self.path))
+    }
+}
+
+impl Drop for Trace {
+    fn drop(&mut self) {
+        // A run that another output's error ends still leaves a whole file.
+        if !self.is_closed {
+            let _ = self.end();
+        }
     }
 }
 

@@ -84,7 +84,8 @@ pub(super) struct ComponentTable {
     pub program: Option<String>,
     /// What it stands for (default: by name, where that is fluid, grains, rubber, viewer, recorder or fields).
     pub role: Option<Role>,
-    /// Threads that it may use to compute (default: all cores for a fluid, else one).
+    /// Threads that it may use to compute (default: all cores for a fluid, and for grains that take turns with it;
+    /// else one). Grains try whether more than one pays.
     pub threads: Option<NonZeroU32>,
     /// Substeps in a coupling window, fixed (default: as few as are stable). A rubber makes those of the
     /// grains.
