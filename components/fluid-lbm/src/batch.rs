@@ -5,49 +5,56 @@
 
 use crate::body::Body;
 use crate::columns::{self, Eight, LANES, Lane, Paid, Sums, Surface};
-use crate::field::Real;
+use crate::field::{Real, prefetch};
 use crate::gaps::Gaps;
-use crate::lattice::{C_F64, OPPOSITE, Q, W};
+use crate::lattice::{C_F64, Q, W};
 use crate::ledger::add_scaled;
-use crate::links::{After, CHUNK, Exchange};
-use crate::places::Parity;
+use crate::links::{After, Exchange};
 use crate::shape::{Felt, NO_FACET};
+use crate::slots::Slots;
+use crate::sphere_links::SphereLinks;
 
 /// Links of a full batch: their cache lines, some three each, must fit in the first-level cache together
 /// with what is known of them.
 const LINKS: usize = 320;
-/// Links of a chunk of cells at most.
-const MOST: usize = CHUNK as usize * (Q - 1);
+/// Links of a cell at most.
+const MOST: usize = Q - 1;
 
 /// The place of a population that there is not.
 const NOWHERE: usize = u32::MAX as usize;
 
-/// A link of a body.
+/// A link of a part.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
-    /// The cell where it begins.
-    pub cell: u32,
-    /// Its direction.
-    pub dir: u8,
+    /// Where its populations are.
+    pub slots: Slots,
     /// Its direction as seen by the body: mirrored if the link goes through a mirror.
     pub seen: u8,
     /// Axes at which it is mirrored.
     pub mirrors: u8,
-    /// From the body's centre to the cell's, mirrored likewise.
+    /// From the body's origin to the cell where it begins, mirrored likewise.
     pub arm: [f64; 3],
-    /// Where it meets the surface; found later for a sphere.
+    /// Where it meets the surface.
     pub q: f64,
+}
+
+/// What is known of links that stand in columns.
+#[derive(Clone, Copy)]
+struct Known<'a> {
+    /// Where their populations are.
+    slots: &'a [Slots],
+    /// Axes at which each is mirrored; none if no link is.
+    mirrors: &'a [u8],
 }
 
 /// Links that wait to be reflected.
 pub struct Batch {
     eights: Box<[Eight]>,
-    dirs: [u8; LINKS],
-    mirrors: [u8; LINKS],
-    cells: [u32; LINKS],
+    /// Of links that wait.
+    slots: Vec<Slots>,
+    mirrors: Vec<u8>,
     /// Places of `g_i`, of the other population, and of the result.
     places: [[u32; 3]; LINKS],
-    links: usize,
     sums: Sums,
     paid: Paid,
     exchange: Exchange,
@@ -61,11 +68,9 @@ impl Default for Batch {
     fn default() -> Self {
         Self {
             eights: vec![Eight::NONE; LINKS / LANES].into(),
-            dirs: [0; LINKS],
-            mirrors: [0; LINKS],
-            cells: [0; LINKS],
+            slots: Vec::with_capacity(LINKS),
+            mirrors: Vec::with_capacity(LINKS),
             places: [[0; 3]; LINKS],
-            links: 0,
             sums: [[0.0; LANES]; 10],
             paid: [[0.0; LANES]; 2],
             exchange: Exchange::default(),
@@ -77,8 +82,7 @@ impl Default for Batch {
 
 impl Batch {
     /// Begins an item of a body.
-    pub fn begin(&mut self, _: &Body) {
-        self.links = 0;
+    pub fn begin(&mut self) {
         self.sums = [[0.0; LANES]; 10];
         self.paid = [[0.0; LANES]; 2];
         self.exchange = Exchange::default();
@@ -106,10 +110,10 @@ impl Batch {
         self.exchange.drawn += volume;
     }
 
-    /// Makes room for a chunk of cells, if there is not enough.
+    /// Makes room for the links of a cell, if there is not enough.
     #[inline]
     pub fn make_room<T: Real>(&mut self, after: &After<T>, body: &Body) {
-        if self.links + MOST > LINKS {
+        if self.slots.len() + MOST > LINKS {
             self.flush(after, body);
         }
     }
@@ -117,7 +121,7 @@ impl Batch {
     /// Takes a link into the batch.
     #[inline(always)]
     pub fn push(&mut self, link: Link) {
-        let (k, c) = (self.links, C_F64[link.seen as usize]);
+        let (k, c) = (self.slots.len(), C_F64[link.seen as usize]);
         let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
         for a in 0..3 {
             eight.arm[a][lane] = link.arm[a];
@@ -126,30 +130,59 @@ impl Batch {
         eight.q[lane] = link.q;
         eight.cc[lane] = SQUARE[link.seen as usize];
         eight.weight[lane] = 6.0 * W[link.seen as usize];
-        self.dirs[k] = link.dir;
-        self.mirrors[k] = link.mirrors;
-        self.cells[k] = link.cell;
-        self.links += 1;
+        self.slots.push(link.slots);
+        self.mirrors.push(link.mirrors);
     }
 
     /// Makes the last link push as much more fluid as others that it stands for would.
     pub fn widen(&mut self, by: f64) {
-        let last = self.links - 1;
+        let last = self.slots.len() - 1;
         self.eights[last / LANES].weight[last % LANES] *= by;
     }
 
     /// Says how the wall moves where the last link meets it, and which facet that is on.
     pub fn wall(&mut self, velocity: [f64; 3], facet: u32) {
-        self.walls[self.links - 1] = (velocity, facet);
+        self.walls[self.slots.len() - 1] = (velocity, facet);
     }
 
-    /// Reflects all links of the batch and empties it.
+    /// Reflects all links that wait.
     pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
-        if self.links == 0 {
+        let (mut slots, mut mirrors) =
+            (std::mem::take(&mut self.slots), std::mem::take(&mut self.mirrors));
+        self.work(after, body, Known { slots: &slots, mirrors: &mirrors });
+        slots.clear();
+        mirrors.clear();
+        (self.slots, self.mirrors) = (slots, mirrors);
+    }
+
+    /// Reflects the links of a sphere.
+    pub fn reflect_sphere<T: Real>(&mut self, after: &After<T>, body: &Body, links: &SphereLinks) {
+        let origin = body.shell.origin();
+        for (number, slots) in links.slots.chunks(LINKS).enumerate() {
+            let first = number * LINKS;
+            let full = slots.len().div_ceil(LANES);
+            prefetch_all(slots);
+            let standing = &links.standing[first / LANES..][..full];
+            columns::stand(
+                after.variant,
+                standing,
+                origin,
+                body.position,
+                &mut self.eights[..full],
+            );
+            let mirrors = links.mirrors.get(first..first + slots.len()).unwrap_or_default();
+            self.work(after, body, Known { slots, mirrors });
+        }
+    }
+
+    /// Reflects the links whose geometry is in the columns.
+    fn work<T: Real>(&mut self, after: &After<T>, body: &Body, known: Known) {
+        let links = known.slots.len();
+        if links == 0 {
             return;
         }
-        let full = self.links.div_ceil(LANES);
-        self.fill_up(full);
+        let full = links.div_ceil(LANES);
+        self.fill_up(links);
         let r2 = body.part.is_none().then(|| body.r2());
         let nearest = if body.is_part() { 0.0 } else { after.nearest_wall };
         let (velocity, spin, change) = (body.velocity, body.spin, body.change);
@@ -157,31 +190,30 @@ impl Batch {
         columns::locate(after.variant, &mut self.eights[..full], surface);
         let is_soft = body.part.as_ref().is_some_and(|part| part.shape.is_some());
         if is_soft {
-            self.move_walls();
+            self.move_walls(links);
         }
         if after.keeps_mass {
-            self.pay(after, body);
+            self.pay(after, body, known);
         }
-        self.ask(after);
-        self.reflect(after);
-        for k in self.links..full * LANES {
+        self.ask(after, known);
+        self.reflect(after, known);
+        for k in links..full * LANES {
             let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
             (eight.sum[lane], eight.gain[lane]) = (0.0, 0.0);
         }
         columns::add_up(after.variant, &self.eights[..full], &mut self.sums);
-        self.add_images();
+        self.add_images(known);
         if is_soft {
-            self.feel();
+            self.feel(links);
         }
-        self.exchange.links += self.links;
-        self.links = 0;
+        self.exchange.links += links;
     }
 
     /// Fills the lanes beyond the last link with links as it that weigh nothing.
-    fn fill_up(&mut self, full: usize) {
-        let last = self.links - 1;
+    fn fill_up(&mut self, links: usize) {
+        let last = links - 1;
         let (model, from) = (self.eights[last / LANES], last % LANES);
-        let eight = &mut self.eights[full - 1];
+        let eight = &mut self.eights[last / LANES];
         for lane in from + 1..LANES {
             for a in 0..3 {
                 eight.arm[a][lane] = model.arm[a][from];
@@ -194,8 +226,8 @@ impl Batch {
     }
 
     /// Takes the walls' velocities, which no rigid motion gives.
-    fn move_walls(&mut self) {
-        for k in 0..self.links {
+    fn move_walls(&mut self, links: usize) {
+        for k in 0..links {
             let (s, l) = (&mut self.eights[k / LANES], k % LANES);
             let u = self.walls[k].0;
             let push = s.weight[l] * (s.c[0][l] * u[0] + s.c[1][l] * u[1] + s.c[2][l] * u[2]);
@@ -207,8 +239,8 @@ impl Batch {
     }
 
     /// Notes the force on each facet; that of links through mirrors as the facet feels it.
-    fn feel(&mut self) {
-        for k in 0..self.links {
+    fn feel(&mut self, links: usize) {
+        for k in 0..links {
             let (s, l) = (&self.eights[k / LANES], k % LANES);
             let force = std::array::from_fn(|a| s.sum[l] * s.c[a][l] + s.gain[l] * s.u[a][l]);
             let at = std::array::from_fn(|a| s.arm[a][l]);
@@ -218,18 +250,17 @@ impl Batch {
 
     /// Adds up by how much the wall recedes, and adds what the body pays to what its motion pushes;
     /// see `mass`.
-    fn pay<T: Real>(&mut self, after: &After<T>, body: &Body) {
-        let full = self.links.div_ceil(LANES);
+    fn pay<T: Real>(&mut self, after: &After<T>, body: &Body, known: Known) {
+        let full = known.slots.len().div_ceil(LANES);
         columns::pay(after.variant, &mut self.eights[..full], body.account.pay, &mut self.paid);
         if body.is_part() && !self.gaps.given.is_empty() {
-            self.give(after);
+            self.give(after, known);
         }
     }
 
     /// Adds what links give to the intakes of gaps; see `declared`.
-    fn give<T: Real>(&mut self, after: &After<T>) {
-        for k in 0..self.links {
-            let cell = self.cells[k];
+    fn give<T: Real>(&mut self, after: &After<T>, known: Known) {
+        for (k, &Slots { cell, .. }) in known.slots.iter().enumerate() {
             if let Some((intake, rate)) = after.intakes.at(cell) {
                 let (s, l) = (&mut self.eights[k / LANES], k % LANES);
                 s.push[l] += rate * s.weight[l];
@@ -240,44 +271,32 @@ impl Batch {
     }
 
     /// Finds the places of each link and asks memory for them.
-    fn ask<T: Real>(&mut self, after: &After<T>) {
-        let (places, is_even) = (&after.layout.places, after.parity == Parity::Even);
-        let stride = places.stride();
-        for k in 0..self.links {
-            let (cell, i) = (self.cells[k], usize::from(self.dirs[k]));
-            // Places within the cell, and those that odd steps use; see `places`.
-            let within = [i, OPPOSITE[i]].map(|i| i * stride + cell as usize);
-            let back = places.odd(cell, OPPOSITE[i]);
-            let [own, result] = if is_even { [within[1], back] } else { [back, within[1]] };
-            let near = self.is_near(k);
-            let other = if near || !is_even { places.odd(cell, i) } else { within[0] };
-            let other = match near {
-                true if !after.is_fluid_at(other, cell, i) => NOWHERE,
-                true if !is_even => within[0],
-                _ => other,
+    fn ask<T: Real>(&mut self, after: &After<T>, known: Known) {
+        let parity = after.parity;
+        for (k, slots) in known.slots.iter().enumerate() {
+            // A link that meets the body in its first half needs the population of the cell behind.
+            let near = self.eights[k / LANES].q[k % LANES] < 0.5;
+            let other = match slots.behind() {
+                Some(behind) if !near || after.owners.is_fluid(behind) => slots.other(parity, near),
+                None if !near => slots.other(parity, near),
+                _ => NOWHERE,
             };
-            for place in [own, other, result] {
+            let places = [slots.own(parity), other, slots.result(parity)];
+            for place in places {
                 after.field.prefetch(place);
             }
-            after.drho.prefetch(cell as usize);
-            self.places[k] = [own, other, result].map(|place| place as u32);
+            after.drho.prefetch(slots.cell as usize);
+            self.places[k] = places.map(|place| place as u32);
         }
     }
 
-    /// Whether a link meets the body in its first half, so that the other population is that of the
-    /// cell behind.
-    #[inline(always)]
-    fn is_near(&self, k: usize) -> bool {
-        self.eights[k / LANES].q[k % LANES] < 0.5
-    }
-
     /// Reads, interpolates and writes populations.
-    fn reflect<T: Real>(&mut self, after: &After<T>) {
-        for k in 0..self.links {
+    fn reflect<T: Real>(&mut self, after: &After<T>, known: Known) {
+        for (k, slots) in known.slots.iter().enumerate() {
             let [own, other, result] = self.places[k].map(|place| place as usize);
             let (s, l) = (&mut self.eights[k / LANES], k % LANES);
             let g = after.field.get(own);
-            let push = s.push[l] * (1.0 + after.drho.get(self.cells[k] as usize));
+            let push = s.push[l] * (1.0 + after.drho.get(slots.cell as usize));
             let f = if other == NOWHERE {
                 self.exchange.fallbacks += 1;
                 g - push
@@ -290,17 +309,25 @@ impl Batch {
     }
 
     /// Adds up what links through mirrors gave across them.
-    fn add_images(&mut self) {
-        for k in (0..self.links).filter(|&k| self.mirrors[k] != 0) {
+    fn add_images(&mut self, known: Known) {
+        for (k, &mirrors) in known.mirrors.iter().enumerate().filter(|(_, mirrors)| **mirrors != 0)
+        {
             let (s, l) = (&self.eights[k / LANES], k % LANES);
             let swept: [f64; 3] = std::array::from_fn(|a| s.gain[l] * s.u[a][l]);
-            let across =
-                |v: f64, a: usize| if self.mirrors[k] >> a & 1 == 1 { 2.0 * v } else { 0.0 };
+            let across = |v: f64, a: usize| if mirrors >> a & 1 == 1 { 2.0 * v } else { 0.0 };
             let force = std::array::from_fn(|a| across(s.sum[l] * s.c[a][l] + swept[a], a));
             let swept = std::array::from_fn(|a| across(swept[a], a));
             add_scaled(&mut self.exchange.image, force, 1.0);
             add_scaled(&mut self.exchange.image_swept, swept, 1.0);
         }
+    }
+}
+
+/// Asks memory for a list that is read soon.
+#[inline(always)]
+fn prefetch_all<T>(list: &[T]) {
+    for byte in (0..size_of_val(list)).step_by(64) {
+        prefetch(list.as_ptr().cast::<u8>().wrapping_add(byte));
     }
 }
 
@@ -315,24 +342,3 @@ const SQUARE: [f64; Q] = {
     }
     square
 };
-
-impl<T: Real> After<'_, T> {
-    /// Whether the cell behind a link's beginning, against direction `i`, is fluid.
-    #[inline(always)]
-    pub fn has_behind(&self, cell: u32, i: usize) -> bool {
-        self.is_fluid_at(self.layout.places.odd(cell, i), cell, i)
-    }
-
-    /// The same, given the place from which odd steps of the cell read `f_i`: it lies in the cell behind.
-    #[inline(always)]
-    fn is_fluid_at(&self, place: usize, cell: u32, i: usize) -> bool {
-        let stride = self.layout.places.stride();
-        if place == i * stride + cell as usize {
-            return self.layout.sees_itself(cell, OPPOSITE[i]);
-        }
-        let plain = OPPOSITE[i] * stride;
-        let behind =
-            if place >= plain && place < plain + stride { place - plain } else { place % stride };
-        self.owners.is_fluid(behind as u32)
-    }
-}

@@ -47,6 +47,8 @@ pub struct Body {
     pub shell: Shell,
     /// Lines in which links to a sphere can begin.
     lines: Vec<u32>,
+    /// Its items of links among those of all bodies.
+    pub items: std::ops::Range<usize>,
     /// Whether it holds cells that another body holds too.
     pub shares: bool,
     /// Whether it has a position yet.
@@ -97,6 +99,7 @@ impl Body {
             spans,
             lines: Vec::with_capacity(lines),
             shell,
+            items: 0..0,
             shares: false,
             placed: false,
             moved: false,

@@ -5,6 +5,7 @@
 //! fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
 
 use crate::lanes::Variant;
+use crate::lattice::W;
 
 /// Links that are done together.
 pub const LANES: usize = 8;
@@ -56,6 +57,23 @@ impl Eight {
         gain: [0.0; LANES],
     };
 }
+
+/// Eight links of a sphere, as they stand on the lattice.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing {
+    /// From the first cell around the sphere to the cell where each begins.
+    pub at: [[i16; LANES]; 3],
+    /// Direction as seen by the body.
+    pub c: [[i8; LANES]; 3],
+}
+
+impl Standing {
+    /// Links that are to come.
+    pub const NONE: Self = Self { at: [[0; LANES]; 3], c: [[0; LANES]; 3] };
+}
+
+/// Weights of directions along one axis and along two, times 6.
+const WEIGHTS: [f64; 2] = [6.0 * W[1], 6.0 * W[7]];
 
 /// What of a body its links need.
 #[derive(Clone, Copy, Debug)]
@@ -120,6 +138,11 @@ macro_rules! variants {
 }
 
 variants! {
+    /// Puts links where they stand around a body at `position`, given the first cell around it.
+    stand = stand_all(standing: &[Standing], origin: [i32; 3], position: [f64; 3], links: &mut [Eight])
+}
+
+variants! {
     /// Finds where links meet the body and what follows from that.
     locate = locate_all(links: &mut [Eight], body: Surface)
 }
@@ -132,6 +155,24 @@ variants! {
 variants! {
     /// Adds what links exchanged to sums.
     add_up = add_all(links: &[Eight], sums: &mut Sums)
+}
+
+#[inline(always)]
+fn stand_all(standing: &[Standing], origin: [i32; 3], position: [f64; 3], links: &mut [Eight]) {
+    for (standing, eight) in standing.iter().zip(links) {
+        for a in 0..3 {
+            for k in 0..LANES {
+                let at = origin[a] + i32::from(standing.at[a][k]);
+                eight.arm[a][k] = f64::from(at) + 0.5 - position[a];
+                eight.c[a][k] = f64::from(standing.c[a][k]);
+            }
+        }
+        for k in 0..LANES {
+            let [x, y, z] = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
+            eight.cc[k] = x * x + y * y + z * z;
+            eight.weight[k] = WEIGHTS[usize::from(eight.cc[k] > 1.0)];
+        }
+    }
 }
 
 #[inline(always)]

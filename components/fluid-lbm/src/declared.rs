@@ -313,11 +313,11 @@ impl DeclaredGaps {
         self.mouths.clear();
         let of_gaps = self.candidates.iter().flatten().map(|candidate| candidate.cell);
         for cell in of_gaps.chain(self.pockets.iter().copied()) {
-            let is_pocket = self.pockets.binary_search(&cell).is_ok();
-            let gap = if is_pocket { NONE } else { self.of[cell as usize] };
             if owners.of(cell) != FROZEN {
                 continue;
             }
+            let is_pocket = self.pockets.binary_search(&cell).is_ok();
+            let gap = if is_pocket { NONE } else { self.of[cell as usize] };
             let at = layout.at(cell);
             for i in 1..Q {
                 let Some((from, mirrors)) = layout.near(at, C[i]) else { continue };

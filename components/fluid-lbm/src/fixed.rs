@@ -313,6 +313,12 @@ impl<T: Real> After<'_, T> {
         }
     }
 
+    /// Whether the cell behind a link's beginning, against direction `i`, is fluid.
+    #[inline(always)]
+    fn has_behind(&self, cell: u32, i: usize) -> bool {
+        self.layout.behind(cell, i).is_some_and(|behind| self.owners.is_fluid(behind))
+    }
+
     /// Where the next step finds a population.
     #[inline(always)]
     pub fn next_place(&self, cell: u32, i: usize) -> usize {

@@ -383,13 +383,6 @@ fn range(grid: &Grid, body: &Body, axis: usize) -> std::ops::RangeInclusive<i32>
     if grid.periodic[axis] { first..=last } else { first.max(0)..=last.min(grid.n[axis] - 1) }
 }
 
-/// The items of a body.
-fn items_of(items: &[Item], place: usize) -> &[Item] {
-    let first = items.partition_point(|item| item.body < place);
-    let count = items[first..].partition_point(|item| item.body == place);
-    &items[first..first + count]
-}
-
 /// Sum of the densities around a body's gaps that `wanted` says, and number of the cells.
 fn around(items: &[Item], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
     let gaps = items.iter().flat_map(|item| &item.gaps.list).filter(|gap| wanted(gap.across));
@@ -398,10 +391,11 @@ fn around(items: &[Item], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
 
 /// Density minus 1 in the gap between a body and something.
 fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64 {
-    let own = items_of(items, place);
+    let items_of = |place: usize| &items[bodies.living[place].items.clone()];
+    let own = items_of(place);
     let mut found = around(own, |to| to == across);
     if let Some(other) = across.as_body() {
-        let other = items_of(items, bodies.place_of(other));
+        let other = items_of(bodies.place_of(other));
         let back = across.seen_back(bodies.living[place].handle);
         let [drho, cells] = around(other, |to| to == back);
         found = [found[0] + drho, found[1] + cells];
@@ -413,6 +407,11 @@ fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64
 }
 
 impl<T: Collides> Solver<T> {
+    /// The items of the body in a place.
+    pub(crate) fn items_of(&self, place: usize) -> &[Item] {
+        &self.link_items[self.bodies.living[place].items.clone()]
+    }
+
     /// Density minus 1 in the gap between the body in a place and something.
     fn drho_across(&self, place: usize, across: Across) -> f64 {
         match across.as_declared() {
@@ -425,7 +424,7 @@ impl<T: Collides> Solver<T> {
     /// Calls `give` with the facet, force and place of everything that the facets of a deformable surface
     /// felt in the step.
     pub(crate) fn each_felt(&self, place: usize, mut give: impl FnMut(usize, [f64; 3], [f64; 3])) {
-        for item in items_of(&self.link_items, place) {
+        for item in self.items_of(place) {
             let mut drho = [0.0; ROOM];
             for (drho, gap) in drho.iter_mut().zip(&item.gaps.list) {
                 *drho = self.drho_across(place, gap.across);
@@ -451,7 +450,7 @@ impl<T: Collides> Solver<T> {
         self.pressed.fill(Exchange::default());
         for place in 0..self.bodies.living.len() {
             let mut load = [[0.0; 3]; 2];
-            for item in items_of(&self.link_items, place) {
+            for item in &self.link_items[self.bodies.living[place].items.clone()] {
                 for gap in &item.gaps.list {
                     let declared = gap.across.as_declared();
                     let drho = self.drho_across(place, gap.across);

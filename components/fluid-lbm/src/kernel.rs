@@ -232,9 +232,9 @@ unsafe fn sweep_lines<V: Lanes>(
                 if entries[0] == 0 {
                     collide_line(&places, bits, &constants, &mut sums, drho);
                 } else {
-                    gather::<V>(sweep, entries, &mut places, &mut scratch);
+                    gather::<V>(sweep, line, &mut places, &mut scratch);
                     collide_line(&places, bits, &constants, &mut sums, drho);
-                    scatter::<V>(sweep, entries, &scratch);
+                    scatter::<V>(sweep, line, &scratch);
                 }
             }
         }
@@ -247,48 +247,67 @@ unsafe fn sweep_lines<V: Lanes>(
 #[repr(align(64))]
 struct Scratch<T>([[T; 16]; Q]);
 
+/// Does some work with the pieces of each direction of a line that is in pieces: first where these are two, then
+/// where they are three, so that loops over them have no branch that is hard to foresee.
+macro_rules! of_pieces {
+    ($sweep:ident, $line:ident, |$i:ident, $pieces:ident| $work:block) => {
+        let entries = &$sweep.places.lines()[$line];
+        let [two, three, others] = $sweep.places.mixed($line);
+        of_pieces!($sweep, entries, two, |$i, from| {
+            let $pieces = &from[..2];
+            $work
+        });
+        of_pieces!($sweep, entries, three, |$i, from| {
+            let $pieces = &from[..3];
+            $work
+        });
+        of_pieces!($sweep, entries, others, |$i, from| {
+            let count = from.iter().take_while(|piece| !piece.last).count() + 1;
+            let $pieces = &from[..count];
+            $work
+        });
+    };
+    ($sweep:ident, $entries:ident, $dirs:ident, |$i:ident, $from:ident| $work:block) => {
+        let mut rest = $dirs;
+        while rest != 0 {
+            let $i = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let $from = &$sweep.places.pieces()[$entries[$i] as usize..];
+            $work
+        }
+    };
+}
+
 /// Asks memory for what a line will collect from pieces. Lines in one piece need no such help: the
 /// line before asks for what follows its own places.
 #[inline(always)]
 fn ask_for_pieces<T: Real>(sweep: &Sweep<T>, line: usize) {
-    let entries = &sweep.places.lines()[line];
     // The table itself is read first here.
-    prefetch(entries.as_ptr().wrapping_add(4 * AHEAD * Q));
-    let mut mixed = entries[0];
-    while mixed != 0 {
-        let i = mixed.trailing_zeros() as usize;
-        mixed &= mixed - 1;
-        let pieces = &sweep.places.pieces()[entries[i] as usize..];
+    prefetch(sweep.places.lines().as_ptr().wrapping_add(line + 4 * AHEAD));
+    of_pieces!(sweep, line, |i, pieces| {
         prefetch(pieces.as_ptr().wrapping_add(64));
         for piece in pieces {
             let lane = piece.lanes.trailing_zeros() as usize;
             prefetch(sweep.field.base().wrapping_add(piece.place as usize + lane));
-            if piece.last {
-                break;
-            }
         }
-    }
+    });
 }
 
 /// Collects the directions of a line that are in pieces, and lets their places point there.
 ///
 /// # Safety
-/// As for [`Kernel`]; `entries` are those of a line of the sweep.
+/// As for [`Kernel`]; the line is one of the sweep.
 #[inline(always)]
 unsafe fn gather<V: Lanes>(
     sweep: &Sweep<V::Scalar>,
-    entries: &[u32; Q],
+    line: usize,
     places: &mut [*mut V::Scalar; Q],
     scratch: &mut Scratch<V::Scalar>,
 ) {
     let base = sweep.field.base();
     let all = u32::MAX >> (32 - V::N);
-    let mut mixed = entries[0];
-    while mixed != 0 {
-        let i = mixed.trailing_zeros() as usize;
-        mixed &= mixed - 1;
+    of_pieces!(sweep, line, |i, pieces| {
         places[i] = scratch.0[i].as_mut_ptr();
-        let pieces = &sweep.places.pieces()[entries[i] as usize..];
         let mut x = 0;
         while x < V::Scalar::LINE {
             // SAFETY: by contract; the lanes of a piece are places of the field.
@@ -298,15 +317,12 @@ unsafe fn gather<V: Lanes>(
                     let lanes = u32::from(piece.lanes) >> x & all;
                     let from = base.wrapping_add(piece.place as usize + x);
                     v = v.load_lanes(from, V::mask(lanes));
-                    if piece.last {
-                        break;
-                    }
                 }
                 v.store(places[i].add(x));
             }
             x += V::N;
         }
-    }
+    });
 }
 
 /// Writes the directions of a line that are in pieces from where [`gather`] had put them.
@@ -314,18 +330,10 @@ unsafe fn gather<V: Lanes>(
 /// # Safety
 /// As for [`gather`].
 #[inline(always)]
-unsafe fn scatter<V: Lanes>(
-    sweep: &Sweep<V::Scalar>,
-    entries: &[u32; Q],
-    scratch: &Scratch<V::Scalar>,
-) {
+unsafe fn scatter<V: Lanes>(sweep: &Sweep<V::Scalar>, line: usize, scratch: &Scratch<V::Scalar>) {
     let base = sweep.field.base();
     let all = u32::MAX >> (32 - V::N);
-    let mut mixed = entries[0];
-    while mixed != 0 {
-        let i = mixed.trailing_zeros() as usize;
-        mixed &= mixed - 1;
-        let pieces = &sweep.places.pieces()[entries[i] as usize..];
+    of_pieces!(sweep, line, |i, pieces| {
         let mut x = 0;
         while x < V::Scalar::LINE {
             // SAFETY: by contract.
@@ -335,14 +343,11 @@ unsafe fn scatter<V: Lanes>(
                     let lanes = u32::from(piece.lanes) >> x & all;
                     let to = base.wrapping_add(piece.place as usize + x);
                     v.store_lanes(to, V::mask(lanes));
-                    if piece.last {
-                        break;
-                    }
                 }
             }
             x += V::N;
         }
-    }
+    });
 }
 
 /// Collides one line, a vector at a time. Vectors without fluid are left alone; lanes without fluid

@@ -3,7 +3,7 @@
 use crate::cells::{Cells, Obstacles};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Reach, Side};
-use crate::lattice::{C, Q};
+use crate::lattice::{C, OPPOSITE, Q};
 use crate::places::{Parity, Places, Survey};
 
 /// Box, stored cells and places of populations.
@@ -87,6 +87,14 @@ impl Layout {
     #[inline]
     pub fn neighbour(&self, cell: u32, i: usize) -> Option<u32> {
         self.places.neighbour(cell, i)
+    }
+
+    /// The cell behind a link's beginning, against its direction `i`, if there is one: the cell itself where it sees
+    /// itself in a mirror.
+    #[inline]
+    pub fn behind(&self, cell: u32, i: usize) -> Option<u32> {
+        let back = OPPOSITE[i];
+        self.neighbour(cell, back).or_else(|| self.sees_itself(cell, back).then_some(cell))
     }
 
     /// Whether the link along `i` leads straight into a mirror, and so back to the cell itself.

@@ -17,12 +17,13 @@
 //! f_i' (c_i' - u_w)`, in deviations from the fluid at rest, so that it counts gauge pressure.
 //!
 //! # Order of work
-//! Links of a sphere are found in words of bits, row by row (see `shell`); those of parts are listed (see
-//! `part_links`). They are collected in a batch; then one loop does the geometry of the whole batch, one finds
-//! places and asks memory for them, one reads and writes populations, one adds up forces. Loops over a batch
-//! have no branches where vectors can do them. Sums run in eight lanes that are added in order.
+//! Links are listed and used until what they depend on changes: those of a sphere are found in words of bits, row by
+//! row (see `sphere_links`, `shell`), those of parts as `part_links` says. They are done in batches: one loop does
+//! the geometry of the whole batch, one asks memory for places, one reads and writes populations, one
+//! adds up forces. Loops over a batch have no branches where vectors can do them. Sums run in eight lanes that are
+//! added in order.
 
-use crate::batch::{Batch, Link};
+use crate::batch::Batch;
 use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::declared::Intakes;
@@ -35,14 +36,11 @@ use crate::ledger::add_scaled;
 use crate::owners::Owners;
 use crate::part_links::{PartLinks, Site, as_seen};
 use crate::places::Parity;
-use crate::shell::{Near, Shell};
+use crate::sphere_links::SphereLinks;
 use crate::wall_distances::WallDistances;
 
 /// Rows of a body's shell that are one item of work.
 const ROWS_PER_ITEM: i32 = 256;
-
-/// Cells of a row whose links are found at once: as a byte has bits.
-pub const CHUNK: i32 = 8;
 
 /// Layers of a body's links, and what they exchanged in the last step. The cut into items depends
 /// on the body's size alone, and items are added up in their order.
@@ -58,6 +56,8 @@ pub struct Item {
     pub gaps: Gaps,
     /// The links, of a part.
     pub found: PartLinks,
+    /// The links, of a sphere.
+    of_sphere: SphereLinks,
 }
 
 /// What links exchanged in a step.
@@ -108,9 +108,10 @@ impl Exchange {
 
 /// The items of all bodies.
 /// Those that press count for so many declared gaps and intakes.
-pub fn items(bodies: &Bodies, gaps_press: bool, [declared, intakes]: [usize; 2]) -> Vec<Item> {
+pub fn items(bodies: &mut Bodies, gaps_press: bool, [declared, intakes]: [usize; 2]) -> Vec<Item> {
     let mut items = Vec::new();
-    for (place, body) in bodies.living.iter().enumerate() {
+    for (place, body) in bodies.living.iter_mut().enumerate() {
+        let begin = items.len();
         let side = body.shell_side();
         let layers = (ROWS_PER_ITEM / side).max(1);
         let mut first = 0;
@@ -119,9 +120,20 @@ pub fn items(bodies: &Bodies, gaps_press: bool, [declared, intakes]: [usize; 2])
             first = layers.end;
             let gaps =
                 if gaps_press { Gaps::with_room(declared, intakes) } else { Gaps::default() };
-            let found = PartLinks::default();
-            items.push(Item { body: place, layers, exchange: Exchange::default(), gaps, found });
+            let of_sphere = match &body.part {
+                None => SphereLinks::with_room(body.radius, layers.end - layers.start, side),
+                Some(_) => SphereLinks::default(),
+            };
+            items.push(Item {
+                body: place,
+                layers,
+                exchange: Exchange::default(),
+                gaps,
+                found: PartLinks::default(),
+                of_sphere,
+            });
         }
+        body.items = begin..items.len();
     }
     items
 }
@@ -154,6 +166,11 @@ pub struct After<'a, T: Real> {
 }
 
 impl Item {
+    /// Memory that its links take [bytes].
+    pub fn bytes(&self) -> usize {
+        self.found.bytes() + self.of_sphere.bytes()
+    }
+
     /// Finds the links of a part, if it has moved.
     pub fn find(&mut self, site: &Site, bodies: &Bodies) {
         self.found.find(site, &bodies.living[self.body], self.layers.clone());
@@ -182,144 +199,23 @@ impl<T: Real> After<'_, T> {
     /// Reflects the links of an item and records what they exchanged.
     pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) {
         let body = &bodies.living[item.body];
-        batch.begin(body);
+        batch.begin();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);
         batch.gaps.clear();
         if let Some(part) = &body.part {
             self.reflect_part(bodies, body, part, &item.found, batch);
+            batch.flush(self, body);
         } else {
-            for near in body.shell.near(item.layers.clone()) {
-                self.row(bodies, body, near, batch);
-            }
+            let layers = || item.layers.clone();
+            self.find_sphere(bodies, body, layers(), &mut item.of_sphere);
+            batch.reflect_sphere(self, body, &item.of_sphere);
+            self.gaps_of_sphere(bodies, body, layers(), &item.of_sphere, &mut batch.gaps);
         }
-        batch.flush(self, body);
         item.exchange = batch.exchange();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);
         if let Some(walls) = self.walls.filter(|_| item.layers.start == 0) {
             self.gaps_at_faces(bodies, body, walls, &mut item.gaps);
         }
-    }
-
-    /// Finds the links that begin in a row near a sphere.
-    fn row(&self, bodies: &Bodies, body: &Body, near: &Near, batch: &mut Batch) {
-        let (grid, shell) = (&self.layout.grid, &body.shell);
-        let ([y, z], window) = (shell.coordinates(near.row), shell.window(near.window));
-        let &Near { cells, at_sheets, free, mut number, .. } = near;
-        let fluid = free & self.owners.fluid_among(cells, number);
-        let to_y = [-1, 0, 1].map(|d| grid.fold(1, y + d).1);
-        let to_z = [-1, 0, 1].map(|d| grid.fold(2, z + d).1);
-        let row = Row {
-            bodies,
-            body,
-            y,
-            z,
-            first: window.first,
-            cells,
-            doubtful: if body.shares { u64::MAX } else { at_sheets },
-            mirrors: std::array::from_fn(|n| to_y[n % 3] << 1 | to_z[n / 3] << 2),
-        };
-        // Those cells of the row from which a link of each direction ends inside.
-        let ends = shell.around(near);
-        let into = std::array::from_fn(|i| ends[Shell::to(i)] >> (1 + C[i][0]));
-        for first in (0..window.count).step_by(CHUNK as usize) {
-            let chunk = u64::MAX >> (64 - CHUNK) << first;
-            if fluid & chunk != 0 {
-                batch.make_room(self, body);
-                self.chunk(&row, first, fluid & chunk, number, &into, batch);
-            }
-            number += (cells & chunk).count_ones();
-        }
-        if let Some(walls) = self.walls.filter(|_| free & !fluid != 0) {
-            self.gaps_in(&row, walls, free & !fluid, &into, batch);
-        }
-    }
-
-    /// Finds the links that begin in the `fluid` ones of [`CHUNK`] cells of a row. `number` is that of the first of
-    /// them that is stored.
-    #[inline(always)]
-    fn chunk(
-        &self,
-        row: &Row,
-        first: i32,
-        fluid: u64,
-        mut number: u32,
-        into: &[u64; Q],
-        batch: &mut Batch,
-    ) {
-        let mut numbers = [0; CHUNK as usize];
-        for (k, own) in (first..).zip(&mut numbers) {
-            *own = number;
-            number += u32::from(row.cells >> k & 1 == 1);
-        }
-        self.layout.places.prefetch(numbers[0]);
-        self.layout.places.prefetch(number);
-        // A byte for each direction, so that one loop finds the links of eight.
-        for from in [1, 9, 17] {
-            let mut links = 0;
-            for byte in 0..8.min(Q - from) {
-                links |= ((into[from + byte] & fluid) >> first) << (8 * byte);
-            }
-            while links != 0 {
-                let bit = links.trailing_zeros() as usize;
-                links &= links - 1;
-                let (i, k) = (from + bit / 8, bit % 8);
-                let link = self.link(row, first + k as i32, i, numbers[k]);
-                if row.doubtful >> (first + k as i32) & 1 == 0 || self.is_mine(row, &link) {
-                    batch.push(link);
-                }
-            }
-        }
-    }
-
-    /// Finds the gap links that begin in the cells of a row whose bits are set in `solid`; see `gaps`.
-    fn gaps_in(
-        &self,
-        row: &Row,
-        walls: &WallDistances,
-        solid: u64,
-        into: &[u64; Q],
-        batch: &mut Batch,
-    ) {
-        let grid = &self.layout.grid;
-        for i in (1..Q).filter(|&i| row.mirrors[Shell::to(i)] == 0) {
-            let mut links = into[i] & solid;
-            while links != 0 {
-                let x = row.first + links.trailing_zeros() as i32;
-                links &= links - 1;
-                let end = x + C[i][0];
-                if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
-                    let at = [x, row.y, row.z];
-                    self.gap(row.bodies, row.body, walls, at, i, &mut batch.gaps);
-                }
-            }
-        }
-    }
-
-    /// The link `i` of cell `k` of a row.
-    #[inline(always)]
-    fn link(&self, row: &Row, k: i32, i: usize, cell: u32) -> Link {
-        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[Shell::to(i)]);
-        let x = row.first + k;
-        let end = x + C[i][0];
-        if !grid.periodic[0] && (end < 0 || end >= grid.n[0]) {
-            mirrors |= 1;
-        }
-        let mut at = [x, row.y, row.z];
-        let mut seen = i;
-        if mirrors != 0 {
-            // As seen by the body: the mirrored link of the mirrored cell.
-            (at, seen) = as_seen(grid, at, i, mirrors);
-        }
-        let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - row.body.position[a]);
-        Link { cell, dir: i as u8, seen: seen as u8, mirrors, arm, q: f64::NAN }
-    }
-
-    /// Whether a link ends at no thin solid, and no other body holds its end and is met before.
-    fn is_mine(&self, row: &Row, link: &Link) -> bool {
-        let i = usize::from(link.dir);
-        self.layout.neighbour(link.cell, i).is_some_and(|end| {
-            !self.owners.is_shared(end) || self.is_first(row.bodies, row.body, link.cell, i, end)
-        })
     }
 
     /// Whether of all bodies that hold the end of the link `i` of a cell, this one is met first (then: has the
@@ -354,23 +250,6 @@ impl<T: Real> After<'_, T> {
         });
         other.met_at(arm, i)
     }
-}
-
-/// A row of cells around a sphere, in a window of its shell.
-struct Row<'a> {
-    bodies: &'a Bodies,
-    body: &'a Body,
-    /// Coordinates as seen from the body.
-    y: i32,
-    z: i32,
-    /// The same of its first cell.
-    first: i32,
-    /// Which of its cells are stored.
-    cells: u64,
-    /// Those whose links may end at a thin solid, or in cells that others hold too.
-    doubtful: u64,
-    /// For each row around, the axes among y and z at which links to it are mirrored.
-    mirrors: [u8; 9],
 }
 
 /// As part of a link, how near a wall may be to the cell where the link begins; one that is nearer counts as

@@ -7,6 +7,7 @@ use crate::field::Field;
 use crate::kernel::Collides;
 use crate::lattice::{CS2, Q, dot, equilibria};
 use crate::ledger::Ledger;
+use crate::links::Item;
 use crate::reservoir::{ReservoirFace, ReservoirState};
 use crate::solver::{Solver, before};
 use tremie_messages::Load;
@@ -142,6 +143,7 @@ impl<T: Collides> Solver<T> {
             + self.intakes.bytes()
             + self.wanted.bytes()
             + self.bodies.living.iter().map(Body::bytes).sum::<usize>()
+            + self.link_items.iter().map(Item::bytes).sum::<usize>()
     }
 
     /// See [`crate::FluidLbm::check`].

@@ -12,6 +12,7 @@ use crate::links::After;
 use crate::part_body::{Facets, PartBody};
 use crate::part_links::{Site, recession, wall_velocity};
 use crate::shape::Hit;
+use crate::slots::Slots;
 use crate::wall_distances::WallDistances;
 
 /// A gap link between a moving part and what stands still, as it was when it was found.
@@ -84,7 +85,7 @@ impl<T: Real> After<'_, T> {
             let width = link.width + by;
             if let Some(gap) = link.across.as_declared() {
                 let (dir, q) = (link.dir, link.q + by);
-                let now = Link { cell: crate::cells::NONE, dir, seen: dir, mirrors: 0, arm, q };
+                let now = Link { slots: Slots::NONE, seen: dir, mirrors: 0, arm, q };
                 let velocity = wall_velocity(body, &now, hit);
                 let wider = dot(link.slope.map(f64::from), velocity);
                 gaps.draw(gap, recession(&now, velocity) * part_apart(width, wider));

@@ -12,7 +12,7 @@ use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::cells::NONE;
 use crate::declared::{DeclaredGaps, NONE as NO_GAP};
-use crate::field::Real;
+use crate::field::{Real, prefetch};
 use crate::gaps::{Beyond, beyond};
 use crate::grid::Grid;
 use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
@@ -22,13 +22,17 @@ use crate::owners::{BODY, FROZEN, SHARED};
 use crate::part_body::{Facets, PartBody};
 use crate::part_gaps::GapLinks;
 use crate::shape::Hit;
+use crate::slots::Slots;
 use crate::wall_distances::WallDistances;
+
+/// How many links ahead memory is asked for them.
+const AHEAD: usize = 24;
 
 /// A link, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
 pub struct PartLink {
-    /// The cell where it begins.
-    cell: u32,
+    /// Where its populations are.
+    slots: Slots,
     /// The cell where it ends.
     end: u32,
     /// Its direction.
@@ -97,8 +101,8 @@ impl PartLinks {
         self.lines.clear();
         let line = |cell: u32| cell / site.line as u32;
         for link in &self.links {
-            if self.lines.last() != Some(&line(link.cell)) {
-                self.lines.push(line(link.cell));
+            if self.lines.last() != Some(&line(link.slots.cell)) {
+                self.lines.push(line(link.slots.cell));
             }
         }
         self.lines.extend(self.gaps.witnesses().map(line));
@@ -116,6 +120,11 @@ impl PartLinks {
         self.lines.reserve(self.lines.len() / 2 + 64);
         self.gaps.make_room();
         self.facets.make_room();
+    }
+
+    /// Memory that they take [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of::<PartLink>() * self.links.capacity() + size_of::<Hit>() * self.hits.capacity()
     }
 
     /// What the links of a surface that can deform may give to facets.
@@ -191,7 +200,7 @@ impl PartLinks {
                 self.hits.push(meeting.hit);
             }
             self.links.push(PartLink {
-                cell,
+                slots: Slots::new(site.layout, cell, i),
                 end,
                 dir: i as u8,
                 seen: seen as u8,
@@ -258,8 +267,10 @@ impl<T: Real> After<'_, T> {
         batch: &mut Batch,
     ) {
         let mut hits = list.hits.as_slice();
-        for run in list.links.chunk_by(|a, b| a.cell == b.cell) {
-            let cell = run[0].cell;
+        for run in list.links.chunk_by(|a, b| a.slots.cell == b.slots.cell) {
+            let cell = run[0].slots.cell;
+            prefetch(run.as_ptr().wrapping_add(AHEAD));
+            prefetch(run.as_ptr().wrapping_add(AHEAD + run.len() / 2));
             let mine = hits.split_off(..run.len().min(hits.len())).unwrap_or_default();
             if !self.owners.is_fluid(cell) {
                 if let Some(walls) = self.walls {
@@ -268,7 +279,6 @@ impl<T: Real> After<'_, T> {
                 continue;
             }
             batch.make_room(self, body);
-            self.layout.places.prefetch(cell);
             for (k, found) in run.iter().enumerate() {
                 let hit = mine.get(k).copied().unwrap_or(Hit::NONE);
                 let link = found.now(body, part, hit);
@@ -312,7 +322,7 @@ impl<T: Real> After<'_, T> {
         (run, hits): (&[PartLink], &[Hit]),
         batch: &mut Batch,
     ) {
-        let cell = run[0].cell;
+        let cell = run[0].slots.cell;
         let hit = |k: usize| hits.get(k).copied().unwrap_or(Hit::NONE);
         if self.owners.of(cell) == FROZEN {
             let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
@@ -361,6 +371,6 @@ impl PartLink {
         let s = self.slope.map(f64::from);
         let q = self.q + (s[0] * drift[0] + s[1] * drift[1] + s[2] * drift[2]);
         let q = q.clamp(f64::MIN_POSITIVE, 1.0);
-        Link { cell: self.cell, dir: self.dir, seen: self.seen, mirrors: self.mirrors, arm, q }
+        Link { slots: self.slots, seen: self.seen, mirrors: self.mirrors, arm, q }
     }
 }

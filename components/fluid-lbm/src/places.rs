@@ -21,7 +21,6 @@
 //! says where they begin; else a list of pieces does.
 
 use crate::cells::{Cells, End, Fixture, Obstacles};
-use crate::field::prefetch;
 use crate::grid::Grid;
 use crate::lattice::{OPPOSITE, Q, mirrored};
 
@@ -98,6 +97,8 @@ pub struct Places {
     /// For each line: bits of the directions that are in pieces, then for each direction the odd
     /// place of its first cell, or the first of its pieces.
     lines: Vec<[u32; Q]>,
+    /// For each line bits of those directions that are in two pieces, and in three, as almost all are.
+    few: Vec<[u32; 2]>,
     pieces: Vec<Piece>,
 }
 
@@ -135,6 +136,7 @@ impl Places {
             stride,
             line_bits: line.trailing_zeros(),
             lines: Vec::with_capacity(count),
+            few: Vec::with_capacity(count),
             pieces: Vec::new(),
         };
         debug_assert!(line.is_power_of_two());
@@ -173,7 +175,7 @@ impl Places {
         special: impl Fn(Fixture) -> bool,
         survey: &mut Survey,
     ) {
-        let mut entry = [0; Q];
+        let (mut entry, mut few) = ([0; Q], [0; 2]);
         for i in 1..Q {
             let begin = self.pieces.len();
             let found = survey.reflections.len();
@@ -227,10 +229,16 @@ impl Places {
                     self.pieces.last_mut().expect("a line has a cell").last = true;
                     entry[i] = begin as u32;
                     entry[0] |= 1 << i;
+                    match self.pieces.len() - begin {
+                        2 => few[0] |= 1 << i,
+                        3 => few[1] |= 1 << i,
+                        _ => {}
+                    }
                 }
             }
         }
         self.lines.push(entry);
+        self.few.push(few);
     }
 
     /// Numbers from one plane to the next.
@@ -243,6 +251,13 @@ impl Places {
     #[inline(always)]
     pub fn lines(&self) -> &[[u32; Q]] {
         &self.lines
+    }
+
+    /// The directions of a line that are in two pieces, in three, and in another number of them.
+    #[inline(always)]
+    pub fn mixed(&self, line: usize) -> [u32; 3] {
+        let (mixed, [two, three]) = (self.lines[line][0], self.few[line]);
+        [two, three, mixed & !(two | three)]
     }
 
     /// The pieces to which the table's lines point.
@@ -307,14 +322,6 @@ impl Places {
         (entries[0] >> i & 1 == 0).then(|| entries[i] as usize)
     }
 
-    /// Asks memory for what [`Places::odd`] reads for a cell.
-    #[inline(always)]
-    pub fn prefetch(&self, cell: u32) {
-        let entries = self.lines.as_ptr().wrapping_add(cell as usize >> self.line_bits);
-        prefetch(entries);
-        prefetch(entries.cast::<u8>().wrapping_add(size_of::<[u32; Q]>() - 1));
-    }
-
     /// The odd place of a lane whose line is in pieces.
     fn in_pieces(&self, first: usize, lane: usize) -> usize {
         let own = self.pieces[first..].iter().find(|p| p.lanes >> lane & 1 == 1);
@@ -338,7 +345,9 @@ impl Places {
 
     /// Memory that the table takes [bytes].
     pub fn bytes(&self) -> usize {
-        size_of_val(self.lines.as_slice()) + size_of_val(self.pieces.as_slice())
+        size_of_val(self.lines.as_slice())
+            + size_of_val(self.few.as_slice())
+            + size_of_val(self.pieces.as_slice())
     }
 }
 

@@ -66,6 +66,8 @@ pub struct Shell {
     /// side, which mirrors may fill.
     covered: Vec<u64>,
     near: Vec<Near>,
+    /// How often what it covers was noted.
+    fits: u64,
 }
 
 impl Shell {
@@ -82,6 +84,7 @@ impl Shell {
             rows: Vec::with_capacity(rows(side)),
             covered: Vec::with_capacity(rows(side + 2)),
             near: Vec::with_capacity(rows(side)),
+            fits: 0,
         }
     }
 
@@ -104,6 +107,7 @@ impl Shell {
 
     /// Takes note of the cells that the sphere covers.
     pub fn cover(&mut self, grid: &Grid, sphere: &Spans) {
+        self.fits += 1;
         let (windows, side) = (self.windows.len(), self.side);
         self.covered.clear();
         for w in 0..windows {
@@ -137,10 +141,22 @@ impl Shell {
         }
     }
 
+    /// How often covered cells were noted: what holds for the rows now holds until that changes.
+    #[inline(always)]
+    pub fn fits(&self) -> u64 {
+        self.fits
+    }
+
+    /// The first cell, as seen from the sphere.
+    #[inline(always)]
+    pub fn origin(&self) -> [i32; 3] {
+        self.origin.unwrap_or_default()
+    }
+
     /// Coordinates `(y, z)` of a row, as seen from the sphere.
     #[inline(always)]
     pub fn coordinates(&self, [j, k]: [i32; 2]) -> [i32; 2] {
-        let [_, y, z] = self.origin.unwrap_or_default();
+        let [_, y, z] = self.origin();
         [y + j, z + k]
     }
 
@@ -202,7 +218,7 @@ impl Shell {
 
     /// What a row `(y, z)` holds in a window; nothing beyond the shell.
     fn at(&self, window: usize, y: i32, z: i32) -> Stored {
-        let [_, first_y, first_z] = self.origin.unwrap_or_default();
+        let [_, first_y, first_z] = self.origin();
         let (j, k, side) = (y - first_y, z - first_z, self.side);
         if j < 0 || k < 0 || j >= side || k >= side {
             return Stored::default();

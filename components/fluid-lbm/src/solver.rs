@@ -291,7 +291,7 @@ impl<T: Collides> Solver<T> {
             self.walls = self.surroundings.wall_distances(&self.layout, ends);
         }
         let counts = [self.declared.len(), self.intakes.len()];
-        self.link_items = links::items(&self.bodies, press, counts);
+        self.link_items = links::items(&mut self.bodies, press, counts);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();

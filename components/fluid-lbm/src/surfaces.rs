@@ -118,7 +118,7 @@ impl<T: Collides> Solver<T> {
     pub(crate) fn load_facets(&mut self) {
         for place in self.bodies.rigid()..self.bodies.living.len() {
             let mut exchange = Exchange::default();
-            for item in self.link_items.iter().filter(|item| item.body == place) {
+            for item in self.items_of(place) {
                 exchange.join(&item.exchange);
             }
             if self.slips {

@@ -72,10 +72,15 @@ proptest! {
             }
         }
         // What the pieces of a line cover besides its own lanes is never written: each lane once.
-        for entries in places.lines() {
+        for (line, entries) in places.lines().iter().enumerate() {
+            let [two, three, others] = places.mixed(line);
+            prop_assert_eq!(two ^ three ^ others, entries[0]);
             for i in (1..Q).filter(|i| entries[0] >> i & 1 == 1) {
                 let mut lanes = 0_u16;
-                for piece in &places.pieces()[entries[i] as usize..] {
+                let pieces = &places.pieces()[entries[i] as usize..];
+                let count = pieces.iter().take_while(|piece| !piece.last).count() + 1;
+                prop_assert_eq!((two >> i & 1 == 1, three >> i & 1 == 1), (count == 2, count == 3));
+                for piece in pieces {
                     prop_assert_eq!(lanes & piece.lanes, 0);
                     lanes |= piece.lanes;
                     if piece.last {

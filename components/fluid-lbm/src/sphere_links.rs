@@ -1,0 +1,287 @@
+//! Links of a sphere: found when cells around it change hands, used until then.
+//!
+//! A sphere in slow motion covers the same cells for many steps, and only where its surface cuts a link changes. So
+//! the links of an item are listed with what stays: the cell and the direction, and where populations are. A
+//! list holds as long as the sphere covers the same cells, the same ones around it are fluid, and it shares none with
+//! another body; the second is asked row by row in words of bits.
+
+use crate::bodies::Bodies;
+use crate::body::Body;
+use crate::columns::{LANES, Standing};
+use crate::field::Real;
+use crate::gaps::Gaps;
+use crate::lattice::{C, Q};
+use crate::links::After;
+use crate::part_links::as_seen;
+use crate::shell::{Near, Shell};
+use crate::slots::Slots;
+use crate::wall_distances::WallDistances;
+
+/// Cells of a row whose links are found at once: as a byte has bits.
+const CHUNK: i32 = 8;
+
+/// The links of some layers of a sphere's shell.
+#[derive(Clone, Debug, Default)]
+pub struct SphereLinks {
+    /// Which fit of the shell they are of; 0 before the first.
+    fit: u64,
+    /// Whether they were found while the sphere shared cells.
+    shares: bool,
+    /// Which cells of each row near the sphere are fluid.
+    fluid: Vec<u64>,
+    /// Cells and directions as seen from the sphere, in eights.
+    pub standing: Vec<Standing>,
+    /// Where populations are.
+    pub slots: Vec<Slots>,
+    /// Axes at which each is mirrored; none if no link is.
+    pub mirrors: Vec<u8>,
+    /// Rows near the sphere from which gap links begin.
+    gaps: Vec<u32>,
+}
+
+impl SphereLinks {
+    /// Room for the links of `layers` layers of a sphere's shell of `side` rows.
+    pub fn with_room(radius: f64, layers: i32, side: i32) -> Self {
+        // A direction's links cross the sphere's section, those of two axes 2^1/2 times as many: 24 r^2 pi in all,
+        // and as many in each layer. Small spheres vary.
+        let section = std::f64::consts::PI * (radius + 1.0).powi(2);
+        let part = (f64::from(layers + 2) / (2.0 * radius)).min(1.0);
+        let links = (24.0 * section * part) as usize + 64;
+        let rows = 2 * (layers * side) as usize;
+        Self {
+            fluid: Vec::with_capacity(rows),
+            standing: Vec::with_capacity(links / LANES + 1),
+            slots: Vec::with_capacity(links),
+            mirrors: Vec::with_capacity(links),
+            gaps: Vec::with_capacity(rows),
+            ..Self::default()
+        }
+    }
+
+    /// Memory that they take [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of::<u64>() * self.fluid.capacity()
+            + size_of::<Standing>() * self.standing.capacity()
+            + size_of::<Slots>() * self.slots.capacity()
+            + self.mirrors.capacity()
+            + size_of::<u32>() * self.gaps.capacity()
+    }
+
+    fn clear(&mut self) {
+        self.fluid.clear();
+        self.standing.clear();
+        self.slots.clear();
+        self.mirrors.clear();
+        self.gaps.clear();
+    }
+
+    /// Takes a link, given as seen from the sphere.
+    #[inline(always)]
+    fn push(&mut self, slots: Slots, seen: usize, mirrors: u8, from_origin: [i32; 3]) {
+        let lane = self.slots.len() % LANES;
+        if lane == 0 {
+            self.standing.push(Standing::NONE);
+        }
+        let last = self.standing.len() - 1;
+        let eight = &mut self.standing[last];
+        for a in 0..3 {
+            eight.at[a][lane] = from_origin[a] as i16;
+            eight.c[a][lane] = C[seen][a] as i8;
+        }
+        self.slots.push(slots);
+        if mirrors != 0 {
+            self.mirrors.resize(self.slots.len() - 1, 0);
+            self.mirrors.push(mirrors);
+        }
+    }
+}
+
+impl<T: Real> After<'_, T> {
+    /// Brings the links of some layers of a sphere's shell up to date.
+    pub fn find_sphere(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        layers: std::ops::Range<i32>,
+        links: &mut SphereLinks,
+    ) {
+        let near = body.shell.near(layers);
+        let fluid = |near: &Near| near.free & self.owners.fluid_among(near.cells, near.number);
+        let holds = links.fit == body.shell.fits()
+            && !links.shares
+            && !body.shares
+            && near.iter().zip(&links.fluid).all(|(near, &known)| fluid(near) == known);
+        if holds {
+            return;
+        }
+        links.clear();
+        (links.fit, links.shares) = (body.shell.fits(), body.shares);
+        for (number, near) in near.iter().enumerate() {
+            links.fluid.push(fluid(near));
+            self.find_row(bodies, body, near, links);
+            let solid = near.free & !links.fluid[number];
+            if self.walls.is_some() && solid != 0 {
+                let row = Row::new(self, bodies, body, near);
+                if (1..Q).any(|i| row.gaps(i) & solid != 0) {
+                    links.gaps.push(number as u32);
+                }
+            }
+        }
+        if !links.mirrors.is_empty() {
+            links.mirrors.resize(links.slots.len(), 0);
+        }
+    }
+
+    /// Finds the links that begin in a row near a sphere.
+    fn find_row(&self, bodies: &Bodies, body: &Body, near: &Near, links: &mut SphereLinks) {
+        let Some(&fluid) = links.fluid.last().filter(|&&fluid| fluid != 0) else { return };
+        let row = Row::new(self, bodies, body, near);
+        let (count, mut number) = (body.shell.window(near.window).count, near.number);
+        for first in (0..count).step_by(CHUNK as usize) {
+            let chunk = u64::MAX >> (64 - CHUNK) << first;
+            if fluid & chunk != 0 {
+                self.find_chunk(&row, first, fluid & chunk, number, links);
+            }
+            number += (near.cells & chunk).count_ones();
+        }
+    }
+
+    /// Finds the links that begin in the `fluid` ones of [`CHUNK`] cells of a row. `number` is that of the first of
+    /// them that is stored.
+    fn find_chunk(
+        &self,
+        row: &Row,
+        first: i32,
+        fluid: u64,
+        mut number: u32,
+        links: &mut SphereLinks,
+    ) {
+        let mut numbers = [0; CHUNK as usize];
+        for (k, own) in (first..).zip(&mut numbers) {
+            *own = number;
+            number += u32::from(row.cells >> k & 1 == 1);
+        }
+        // A byte for each direction, so that one loop finds the links of eight.
+        for from in [1, 9, 17] {
+            let mut found = 0;
+            for byte in 0..8.min(Q - from) {
+                found |= ((row.into[from + byte] & fluid) >> first) << (8 * byte);
+            }
+            while found != 0 {
+                let bit = found.trailing_zeros() as usize;
+                found &= found - 1;
+                let (i, k) = (from + bit / 8, bit % 8);
+                let (lane, cell) = (first + k as i32, numbers[k]);
+                if row.doubtful >> lane & 1 == 0 || self.is_mine(row, cell, i) {
+                    self.take(row, lane, i, cell, links);
+                }
+            }
+        }
+    }
+
+    /// Lists the link `i` of cell `k` of a row.
+    #[inline(always)]
+    fn take(&self, row: &Row, k: i32, i: usize, cell: u32, links: &mut SphereLinks) {
+        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[Shell::to(i)]);
+        let x = row.first + k;
+        let end = x + C[i][0];
+        if !grid.periodic[0] && (end < 0 || end >= grid.n[0]) {
+            mirrors |= 1;
+        }
+        let mut at = [x, row.y, row.z];
+        let mut seen = i;
+        if mirrors != 0 {
+            // As seen by the body: the mirrored link of the mirrored cell.
+            (at, seen) = as_seen(grid, at, i, mirrors);
+        }
+        let origin = row.body.shell.origin();
+        let from_origin = std::array::from_fn(|a| at[a] - origin[a]);
+        links.push(Slots::new(self.layout, cell, i), seen, mirrors, from_origin);
+    }
+
+    /// Whether a link ends at no thin solid, and no other body holds its end and is met before.
+    fn is_mine(&self, row: &Row, cell: u32, i: usize) -> bool {
+        self.layout.neighbour(cell, i).is_some_and(|end| {
+            !self.owners.is_shared(end) || self.is_first(row.bodies, row.body, cell, i, end)
+        })
+    }
+
+    /// Finds the gap links of some layers of a sphere's shell, in rows that have such; see `gaps`.
+    pub fn gaps_of_sphere(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        layers: std::ops::Range<i32>,
+        links: &SphereLinks,
+        gaps: &mut Gaps,
+    ) {
+        let Some(walls) = self.walls else { return };
+        let near = body.shell.near(layers);
+        for &number in &links.gaps {
+            let (near, fluid) = (&near[number as usize], links.fluid[number as usize]);
+            let row = Row::new(self, bodies, body, near);
+            self.gaps_of_row(&row, walls, near.free & !fluid, gaps);
+        }
+    }
+
+    /// Finds the gap links that begin in the cells of a row whose bits are set in `solid`.
+    fn gaps_of_row(&self, row: &Row, walls: &WallDistances, solid: u64, gaps: &mut Gaps) {
+        let grid = &self.layout.grid;
+        for i in 1..Q {
+            let mut links = row.gaps(i) & solid;
+            while links != 0 {
+                let x = row.first + links.trailing_zeros() as i32;
+                links &= links - 1;
+                let end = x + C[i][0];
+                if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
+                    self.gap(row.bodies, row.body, walls, [x, row.y, row.z], i, gaps);
+                }
+            }
+        }
+    }
+}
+
+/// A row of cells around a sphere, in a window of its shell.
+struct Row<'a> {
+    bodies: &'a Bodies,
+    body: &'a Body,
+    /// Coordinates as seen from the body.
+    y: i32,
+    z: i32,
+    /// The same of its first cell.
+    first: i32,
+    /// Which of its cells are stored.
+    cells: u64,
+    /// Those whose links may end at a thin solid, or in cells that others hold too.
+    doubtful: u64,
+    /// For each row around, the axes among y and z at which links to it are mirrored.
+    mirrors: [u8; 9],
+    /// Those of its cells from which a link of each direction ends inside.
+    into: [u64; Q],
+}
+
+impl<'a> Row<'a> {
+    fn new<T: Real>(after: &After<T>, bodies: &'a Bodies, body: &'a Body, near: &Near) -> Self {
+        let (grid, shell) = (&after.layout.grid, &body.shell);
+        let [y, z] = shell.coordinates(near.row);
+        let to_y = [-1, 0, 1].map(|d| grid.fold(1, y + d).1);
+        let to_z = [-1, 0, 1].map(|d| grid.fold(2, z + d).1);
+        let ends = shell.around(near);
+        Self {
+            bodies,
+            body,
+            y,
+            z,
+            first: shell.window(near.window).first,
+            cells: near.cells,
+            doubtful: if body.shares { u64::MAX } else { near.at_sheets },
+            mirrors: std::array::from_fn(|n| to_y[n % 3] << 1 | to_z[n / 3] << 2),
+            into: std::array::from_fn(|i| ends[Shell::to(i)] >> (1 + C[i][0])),
+        }
+    }
+
+    /// The cells from which a link of a direction ends inside without meeting a mirror along y or z.
+    fn gaps(&self, i: usize) -> u64 {
+        if self.mirrors[Shell::to(i)] == 0 { self.into[i] } else { 0 }
+    }
+}
