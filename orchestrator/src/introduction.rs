@@ -103,9 +103,14 @@ pub fn introduce(
     }
 }
 
+/// Cores that this program may use.
+pub fn cores() -> u32 {
+    std::thread::available_parallelism().map_or(1, |n| n.get() as u32)
+}
+
 /// A hello for each component of the manifest, in its order.
 fn hellos(manifest: &Manifest, run: u64, output: &Path) -> impl Iterator<Item = Hello> {
-    let cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u32);
+    let cores = cores();
     manifest.spec.components.iter().map(move |spec| Hello {
         interface: INTERFACE_VERSION,
         run,
@@ -113,7 +118,7 @@ fn hellos(manifest: &Manifest, run: u64, output: &Path) -> impl Iterator<Item = 
         role: spec.role,
         scene: manifest.spec.scene.clone(),
         parameters: spec.settings.clone(),
-        threads: spec.threads_of(cores, manifest.spec.run.schedule),
+        threads: spec.threads_of(cores),
         output: output.to_string_lossy().into_owned(),
     })
 }

@@ -30,5 +30,6 @@ pub mod scenes;
 pub mod schedule;
 pub mod stop;
 pub mod terminal;
+pub mod turns;
 pub mod validation;
 pub mod valve;

@@ -4,7 +4,7 @@ use crate::control::Control;
 use crate::doctor::{self, Judged, Machine};
 use crate::drive::{Drive, Driven};
 use crate::early::EarlyLog;
-use crate::introduction::{NotIntroduced, find_programs, introduce, start_all};
+use crate::introduction::{NotIntroduced, cores, find_programs, introduce, start_all};
 use crate::launch::{Launcher, News, Peer, Post, end_all};
 use crate::manifest::Manifest;
 use crate::monitor::{Monitor, Watched};
@@ -270,6 +270,8 @@ impl Prepared {
             monitor: Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now()),
             peers: &mut self.peers,
             physics,
+            threads: spec.components.iter().map(|c| c.threads_of(cores())).collect(),
+            schedule: self.plan.schedule,
             lossless: self.plan.lossless_observers(),
             clock: self.plan.clock,
             windows: self.plan.windows,
@@ -364,7 +366,7 @@ impl Prepared {
     }
 
     fn summarise(&self, driven: Driven) -> Result<Summary, OutputError> {
-        let Driven { ending, window, totals, observers, wall, table, .. } = driven;
+        let Driven { ending, window, totals, turns, observers, wall, table, .. } = driven;
         let components = totals
             .into_iter()
             .map(|(index, totals)| {
@@ -385,6 +387,7 @@ impl Prepared {
             planned_windows: self.plan.windows,
             simulated_time: self.plan.clock.seconds(window * self.plan.clock.ticks_per_window),
             wall_time: wall.as_secs_f64(),
+            turns,
             components,
             observers,
             signals,

@@ -171,7 +171,8 @@ impl Fluid for LatticeFluid {
         let scene = &setup.hello.scene;
         let step = setup.assigned()?.step;
         let threads = setup.hello.threads.max(1) as usize;
-        let fluid = FluidLbm::new(scene, &parameters, step, threads)?;
+        let mut fluid = FluidLbm::new(scene, &parameters, step, threads)?;
+        fluid.choose_threads();
         let facets = scene.surfaces.iter().map(DeformableSurface::facet_count).sum();
         let cells = fluid.diagnostics().fluid_cells as u64;
         let cell = parameters.cell.0;
@@ -213,6 +214,9 @@ impl Fluid for LatticeFluid {
         self.fluid.surface_loads(&mut self.on_facets);
         if substeps > 1 {
             self.advance_on(substeps, bodies, loads)?;
+        }
+        if let Some(found) = self.fluid.take_found() {
+            eprintln!("a step {found}");
         }
         self.fluid.check().map_err(SolverError::from_error)
     }

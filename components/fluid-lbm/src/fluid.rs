@@ -9,6 +9,7 @@ use crate::reservoir::ReservoirState;
 use crate::solver::Solver;
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
+use tremie_team::Found;
 
 /// A lattice-Boltzmann fluid in a box, with moving spheres in it.
 pub struct FluidLbm {
@@ -72,6 +73,18 @@ impl FluidLbm {
             }
         };
         Ok(Self { solver })
+    }
+
+    /// Finds out from now on whether a step is faster on all threads or on one, and goes on with that: either is
+    /// tried for some steps, anew when there are half as many fluid cells again, or two thirds, and now and then.
+    /// Results do not depend on it.
+    pub fn choose_threads(&mut self) {
+        solver!(&mut self.solver, s => s.choose_threads());
+    }
+
+    /// What was found of threads since this was asked last.
+    pub fn take_found(&mut self) -> Option<Found> {
+        solver!(&mut self.solver, s => s.take_found())
     }
 
     /// Adds and removes bodies; effective with the next states.

@@ -39,7 +39,7 @@ use crate::wall_distances::WallDistances;
 use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_team::Team;
+use tremie_team::{Choice, Found, Team};
 
 /// Cells that are one item of work of the collision. Blocks are added up in their order.
 const CELLS_PER_BLOCK: usize = 4096;
@@ -99,6 +99,9 @@ pub struct Solver<T: Collides> {
     kernel: Kernel<T>,
     variant: Variant,
     pub(crate) team: Team,
+    /// Whether a step is faster on the whole team or alone, once that may be tried, and what was found.
+    choice: Option<Choice>,
+    found: Option<Found>,
     /// Room for the links of a body, for each thread.
     batches: Vec<Batch>,
     pub(crate) blocks: Vec<Block>,
@@ -240,6 +243,8 @@ impl<T: Collides> Solver<T> {
             variant,
             batches: (0..team.threads()).map(|_| Batch::default()).collect(),
             team,
+            choice: None,
+            found: None,
             blocks,
             tally,
             surroundings,
@@ -323,8 +328,30 @@ impl<T: Collides> Solver<T> {
         Ok(())
     }
 
+    /// See [`crate::FluidLbm::choose_threads`].
+    pub fn choose_threads(&mut self) {
+        self.choice = Some(Choice::new(self.team.threads()));
+    }
+
+    /// See [`crate::FluidLbm::take_found`].
+    pub fn take_found(&mut self) -> Option<Found> {
+        self.found.take()
+    }
+
     /// See [`crate::FluidLbm::step`].
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
+        let Some(mut choice) = self.choice.take() else { return self.advance(bodies, loads) };
+        self.team.work_alone(choice.begin(self.owners.fluid_cells));
+        let begin = choice.clock();
+        let advanced = self.advance(bodies, loads);
+        choice.spend(begin);
+        self.found = choice.end().or(self.found.take());
+        self.choice = Some(choice);
+        advanced
+    }
+
+    /// One time step.
+    fn advance(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.check(bodies, loads.len())?;
         self.check_surfaces()?;
         let begin = self.steps as f64 * self.units.time_step;

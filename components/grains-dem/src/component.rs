@@ -11,7 +11,6 @@ use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
 use tremie_sdk::{Grains, Setup, SolverError};
-use tremie_team::Found;
 
 /// Soft spheres behind the sdk's interface.
 pub struct SoftSpheres {
@@ -224,12 +223,8 @@ impl Grains for SoftSpheres {
 impl SoftSpheres {
     /// Says in the log how many threads substeps get, when that was found.
     fn tell_threads(&mut self) {
-        if let Some(Found { threads, together, alone, is_alone }) = self.grains.take_found() {
-            let used = if is_alone { 1 } else { threads };
-            let [together, alone] = [together, alone].map(|time| 1e6 * time.as_secs_f64());
-            eprintln!(
-                "a substep takes {together:.0} us on {threads} threads, {alone:.0} us on one: it gets {used}"
-            );
+        if let Some(found) = self.grains.take_found() {
+            eprintln!("a substep {found}");
         }
     }
 }

@@ -40,6 +40,18 @@ pub struct Found {
     pub is_alone: bool,
 }
 
+impl std::fmt::Display for Found {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let Self { threads, together, alone, is_alone } = *self;
+        let used = if is_alone { 1 } else { threads };
+        let [together, alone] = [together, alone].map(|time| 1e6 * time.as_secs_f64());
+        write!(
+            f,
+            "takes {together:.0} us on {threads} threads, {alone:.0} us on one: it gets {used}"
+        )
+    }
+}
+
 impl Choice {
     /// Nothing is known yet of a team of `threads`.
     pub fn new(threads: usize) -> Self {

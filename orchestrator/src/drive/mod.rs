@@ -16,11 +16,13 @@ use crate::monitor::{Monitor, Totals};
 use crate::outputs::{Ending, OutputError, RunLog, SignalTable, Trace};
 use crate::stop::StopWatch;
 use crate::terminal::Terminal;
+use crate::turns::Turns;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::Between;
+use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Clock, Description};
 use trouble::Trouble;
 
@@ -40,6 +42,10 @@ pub struct Drive<'a, S: Between> {
     pub monitor: Monitor,
     /// Index of each watched component in `peers`.
     pub physics: Vec<usize>,
+    /// Threads that each component may use, and how they take turns.
+    pub threads: Vec<u32>,
+    /// See there.
+    pub schedule: Schedule,
     /// Indices of the observers that must not lose a frame.
     pub lossless: Vec<usize>,
     /// Ticks and windows.
@@ -72,6 +78,8 @@ pub struct Driven {
     pub window: u64,
     /// Sums over the reports of each component of the physics, by index in `peers`.
     pub totals: BTreeMap<usize, Totals>,
+    /// What the time of a window goes to, if there are some who share it.
+    pub turns: Option<Turns>,
     /// What observers wrote or lost, by name.
     pub observers: BTreeMap<String, String>,
     /// Wall time of the windows.
@@ -103,6 +111,8 @@ struct Course {
     /// Window and time of the last measurement of the rate, and the rate.
     mark: (u64, Instant),
     rate: f64,
+    /// Whether the user was told what a window's time goes to.
+    told_turns: bool,
 }
 
 impl Course {
@@ -122,6 +132,7 @@ impl Course {
             notes: BTreeMap::new(),
             mark: (0, now),
             rate: 0.0,
+            told_turns: false,
         }
     }
 }
@@ -144,9 +155,10 @@ impl<S: Between> Drive<'_, S> {
         let noted = self.note_ending(&ending, window);
         self.finish_observers(&mut course, window);
         rows.and(noted).and(traced)?;
+        let turns = self.turns(window);
         let totals =
             self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
         let Self { table, log, .. } = self;
-        Ok(Driven { ending, window, totals, observers: course.notes, wall, table, log })
+        Ok(Driven { ending, window, totals, turns, observers: course.notes, wall, table, log })
     }
 }

@@ -1,12 +1,20 @@
 //! What the user sees of a run in progress.
 
 use super::{Course, Drive};
+use crate::introduction::cores;
 use crate::launch::Peer;
+use crate::manifest::ORCHESTRATOR;
+use crate::outputs::{Level, OutputError};
 use crate::terminal::Progress;
-use std::time::Instant;
+use crate::turns::Turns;
+use std::time::{Duration, Instant};
 use tremie_channels::Between;
 use tremie_messages::Role;
 use tremie_messages::start::Description;
+
+/// So long windows go by before the user is told what their time goes to, and so many.
+const MEASURED: Duration = Duration::from_secs(5);
+const FEW_WINDOWS: u64 = 100;
 
 /// The signal of grains that says how many bodies are there, where they come and go.
 const BODIES: &str = "bodies";
@@ -27,6 +35,33 @@ impl<S: Between> Drive<'_, S> {
             Some(name) => self.table.newest(&name).unwrap_or(0.0) as u64,
             None => self.descriptions.iter().map(|description| description.bodies).sum(),
         }
+    }
+
+    /// What the time of a window goes to, over the first so many.
+    pub(super) fn turns(&self, windows: u64) -> Option<Turns> {
+        let worked = self.physics.iter().zip(self.monitor.totals());
+        let worked =
+            worked.map(|(&peer, &totals)| (self.peers[peer].role, self.threads[peer], totals));
+        Turns::of(self.schedule, cores(), worked, windows)
+    }
+
+    /// Says once, when some windows have gone by, what their time goes to.
+    pub(super) fn tell_turns(
+        &mut self,
+        course: &mut Course,
+        now: Instant,
+    ) -> Result<(), OutputError> {
+        let begun = course.begun.is_some_and(|begun| now.duration_since(begun) > MEASURED);
+        let window = self.monitor.common_window().unwrap_or(0);
+        if course.told_turns || !begun || window < FEW_WINDOWS {
+            return Ok(());
+        }
+        course.told_turns = true;
+        let Some(turns) = self.turns(window) else { return Ok(()) };
+        self.terminal.say(&turns.to_string());
+        // Into the file only: measured times differ from run to run, and recordings of equal runs are equal.
+        let time = self.clock.seconds(window * self.clock.ticks_per_window);
+        self.log.write(Level::Info, ORCHESTRATOR, window, time, &turns.to_string())
     }
 
     /// Shows how far the run is, and how fast.

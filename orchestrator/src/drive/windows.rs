@@ -32,6 +32,7 @@ impl<S: Between> Drive<'_, S> {
             self.lose_blind_observers(course, now)?;
             self.heed_user(course)?;
             self.grant(course, now)?;
+            self.tell_turns(course, now)?;
             self.show_progress(course, now);
         }
     }

@@ -4,6 +4,7 @@ use super::folder::OutputError;
 use super::signals::Statistics;
 use crate::doctor::Judged;
 use crate::monitor::Totals;
+use crate::turns::Turns;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -100,6 +101,10 @@ pub struct Summary {
     pub simulated_time: f64,
     /// Wall time from the first window to the last [s].
     pub wall_time: f64,
+    /// What the time of a window went to, and what it would be in the other schedule; without a fluid and something
+    /// that moves in it there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turns: Option<Turns>,
     /// Components that took part in the physics.
     pub components: BTreeMap<String, ComponentSummary>,
     /// What observers wrote or lost.

@@ -84,8 +84,8 @@ pub(super) struct ComponentTable {
     pub program: Option<String>,
     /// What it stands for (default: by name, where that is fluid, grains, rubber, viewer, recorder or fields).
     pub role: Option<Role>,
-    /// Threads that it may use to compute (default: all cores for a fluid, and for grains that take turns with it;
-    /// else one). Grains try whether more than one pays.
+    /// Threads that it may use to compute (default: all cores for a fluid and for grains, else one). Fluid and
+    /// grains try in their first steps, and now and then, whether more than one pays; results do not depend on it.
     pub threads: Option<NonZeroU32>,
     /// Substeps in a coupling window, fixed (default: as few as are stable). A rubber makes those of the
     /// grains.
