@@ -57,7 +57,7 @@ pub struct Item {
     /// The links, of a part.
     pub found: PartLinks,
     /// The links, of a sphere.
-    of_sphere: SphereLinks,
+    pub of_sphere: SphereLinks,
 }
 
 /// What links exchanged in a step.

@@ -37,6 +37,8 @@ pub struct SphereLinks {
     pub mirrors: Vec<u8>,
     /// Rows near the sphere from which gap links begin.
     gaps: Vec<u32>,
+    /// How often they were found.
+    finds: u64,
 }
 
 impl SphereLinks {
@@ -115,6 +117,7 @@ impl<T: Real> After<'_, T> {
             return;
         }
         links.clear();
+        links.finds += 1;
         (links.fit, links.shares) = (body.shell.fits(), body.shares);
         for (number, near) in near.iter().enumerate() {
             links.fluid.push(fluid(near));
@@ -283,5 +286,102 @@ impl<'a> Row<'a> {
     /// The cells from which a link of a direction ends inside without meeting a mirror along y or z.
     fn gaps(&self, i: usize) -> u64 {
         if self.mirrors[Shell::to(i)] == 0 { self.into[i] } else { 0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::lanes::Variant;
+    use crate::parameters::{Parameters, Refill};
+    use crate::solver::Solver;
+    use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};
+    use tremie_messages::units::Time;
+    use tremie_messages::{BodyEvent, BodyState, Load};
+
+    fn event(id: u64, kind: u32, radius: f64) -> BodyEvent {
+        BodyEvent {
+            id,
+            kind,
+            shape: BodyEvent::SPHERE,
+            motion: BodyEvent::FREE,
+            set: 0,
+            mass: 1.0,
+            size: [radius, 0.0, 0.0],
+            table: 0,
+        }
+    }
+
+    /// Spheres that drift slowly: through a periodic face, through each other, along a wall and a mirror, one so large
+    /// that it has several items and windows; one leaves, and its place is taken. Every bit of the loads.
+    fn loads(forgetful: bool) -> (Vec<u64>, usize) {
+        let sides = |face: Face| [face.clone(), face];
+        let faces = [sides(Face::Periodic), [Face::WALL, Face::Symmetry], sides(Face::Periodic)];
+        let scene = Scene {
+            fluid: Some(FluidMaterial {
+                velocity: [0.01, 0.0, 0.02],
+                ..FluidMaterial::at_rest(1.0, 0.02)
+            }),
+            ..Scene::empty(Domain::new([0.0; 3], [70.0, 24.0, 26.0], faces))
+        };
+        let parameters = Parameters {
+            time_step: Some(Time(1.0)),
+            refill: Refill::Mass,
+            ..Parameters::with_cell(1.0)
+        };
+        let variant = Variant::widest();
+        let mut solver = Solver::<f64>::new(&scene, &parameters, 1.0, 2, variant).unwrap();
+        let places = [
+            ([69.2, 12.1, 13.3], 2.4, [0.02, 0.0, 0.004]),
+            ([20.3, 9.2, 12.4], 8.6, [0.004, 0.0, 0.0]),
+            ([31.6, 9.4, 12.2], 2.3, [-0.015, 0.001, 0.0]),
+            ([45.0, 1.9, 6.0], 1.6, [0.01, -0.004, 0.003]),
+            ([50.0, 23.1, 15.0], 2.1, [0.0, 0.006, 0.005]),
+            // One at rest, and one that covers cells beside it.
+            ([58.3, 17.6, 6.2], 2.2, [0.0; 3]),
+            ([52.2, 17.8, 6.5], 1.6, [0.0125, 0.0, 0.0]),
+            ([58.0, 12.0, 25.7], 1.33, [0.003, 0.002, 0.008]),
+        ];
+        let mut bodies = Vec::new();
+        let mut events = Vec::new();
+        for (id, (position, radius, velocity)) in (0..).zip(places) {
+            bodies.push(BodyState { velocity, ..BodyState::at_rest(id, position) });
+            events.push(event(id, BodyEvent::ADDED, radius));
+        }
+        solver.apply_events(&events).unwrap();
+        let mut loads = vec![Load::default(); bodies.len()];
+        solver.start(&bodies, &mut loads).unwrap();
+        let (mut bits, mut kept) = (Vec::new(), 0);
+        for step in 0..160 {
+            if step == 70 {
+                bodies.pop();
+                bodies.push(BodyState::at_rest(9, [47.1, 2.2, 7.9]));
+                let swap = [event(7, BodyEvent::REMOVED, 0.0), event(9, BodyEvent::ADDED, 1.5)];
+                solver.apply_events(&swap).unwrap();
+            }
+            for body in &mut bodies {
+                for a in 0..3 {
+                    body.position[a] += body.velocity[a];
+                }
+            }
+            let before: Vec<u64> =
+                solver.link_items.iter().map(|item| item.of_sphere.finds).collect();
+            if forgetful {
+                solver.link_items.iter_mut().for_each(|item| item.of_sphere.fit = 0);
+            }
+            solver.step(&bodies, &mut loads).unwrap();
+            let items = solver.link_items.iter().zip(before);
+            kept += items.filter(|(item, before)| item.of_sphere.finds == *before).count();
+            for load in &loads {
+                bits.extend(load.force.iter().chain(&load.torque).map(|x| x.to_bits()));
+            }
+        }
+        (bits, kept)
+    }
+
+    #[test]
+    fn lists_that_are_kept_are_those_that_would_be_found() {
+        let ((kept_bits, kept), (found_bits, found)) = (loads(false), loads(true));
+        assert!(kept > 300 && found == 0, "{kept} {found}");
+        assert!(kept_bits == found_bits);
     }
 }
