@@ -20,6 +20,9 @@ use crate::wall_distances::WallDistances;
 /// Cells of a row whose links are found at once: as a byte has bits.
 const CHUNK: i32 = 8;
 
+/// How many rows ahead memory is asked for the table of places.
+const AHEAD: usize = 4;
+
 /// The links of some layers of a sphere's shell.
 #[derive(Clone, Debug, Default)]
 pub struct SphereLinks {
@@ -107,20 +110,23 @@ impl<T: Real> After<'_, T> {
         layers: std::ops::Range<i32>,
         links: &mut SphereLinks,
     ) {
-        let near = body.shell.near(layers);
+        let rows = body.shell.near(layers);
         let fluid = |near: &Near| near.free & self.owners.fluid_among(near.cells, near.number);
         let holds = links.fit == body.shell.fits()
             && !links.shares
             && !body.shares
-            && near.iter().zip(&links.fluid).all(|(near, &known)| fluid(near) == known);
+            && rows.iter().zip(&links.fluid).all(|(near, &known)| fluid(near) == known);
         if holds {
             return;
         }
         links.clear();
         links.finds += 1;
         (links.fit, links.shares) = (body.shell.fits(), body.shares);
-        for (number, near) in near.iter().enumerate() {
+        for (number, near) in rows.iter().enumerate() {
             links.fluid.push(fluid(near));
+            if let Some(next) = rows.get(number + AHEAD) {
+                self.layout.places.prefetch(next.number, next.cells.count_ones());
+            }
             self.find_row(bodies, body, near, links);
             let solid = near.free & !links.fluid[number];
             if self.walls.is_some() && solid != 0 {
