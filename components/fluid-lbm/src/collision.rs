@@ -23,6 +23,7 @@
 
 use crate::lanes::Lanes;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
+use std::sync::atomic::{Ordering, compiler_fence};
 
 /// Constants of a collision.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +85,7 @@ pub struct Constants<V> {
     w: [V; 2],
     half: V,
     two: V,
+    third: V,
     acceleration: [V; 3],
     /// `tau`, its square, and `18 sqrt(2) C^2`.
     tau: V,
@@ -144,6 +146,7 @@ impl<V: Lanes> Constants<V> {
                 odd_pair,
                 half: V::splat(0.5),
                 two: V::splat(2.0),
+                third: V::splat(1.0 / 3.0),
                 acceleration: [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])],
                 tau: V::splat(tau),
                 tau2: V::splat(tau * tau),
@@ -168,92 +171,85 @@ pub struct Moments<V> {
     pub tau: V,
 }
 
-/// Replaces the populations `h` of a vector of cells by their post-collision values and returns the
-/// moments before.
+/// Replaces the populations of a vector of cells, those at lane `x` of the line at `places`, by their
+/// post-collision values, each in the place of the opposite direction, and returns the moments before.
+/// Lanes that `mask` lacks become zero, in the moments too.
+///
+/// Populations are read twice, first for the moments and then, from the first-level cache, to relax them
+/// pair by pair: so nearly all values stay in registers, and the processor may begin the next vector while
+/// this one waits for roots and quotients.
+///
+/// # Safety
+/// The processor has the variant's instructions; at each place `x + N` numbers may be read and written.
 #[inline(always)]
-pub fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
-    h: &mut [V; Q],
+pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
+    places: &[*mut V::Scalar; Q],
+    x: usize,
+    mask: V::Mask,
     k: &Constants<V>,
 ) -> Moments<V> {
     // Pair n is the directions n + 1 and n + 10: x, y, z, xy, x-y, xz, x-z, yz, y-z (positive one
     // last).
-    macro_rules! pairs {
-        ($op:tt) => {
-            [
-                h[10] $op h[1], h[11] $op h[2], h[12] $op h[3], h[13] $op h[4], h[14] $op h[5],
-                h[15] $op h[6], h[16] $op h[7], h[17] $op h[8], h[18] $op h[9],
-            ]
+    macro_rules! at {
+        ($i:expr) => {
+            // SAFETY: by contract.
+            unsafe { V::load(places[$i].add(x)) }
         };
     }
-    let sum: [V; 9] = pairs!(+);
-    let diff: [V; 9] = pairs!(-);
+    macro_rules! pair {
+        ($n:literal) => {{
+            let (forth, back) = (at!($n + 10), at!($n + 1));
+            (forth + back, forth - back)
+        }};
+    }
+    // Sums and differences of two diagonals of a plane: of their even and of their odd parts.
+    macro_rules! plane {
+        ($n:literal, $m:literal) => {{
+            let ((a, c), (b, d)) = (pair!($n), pair!($m));
+            (a + b, a - b, c + d, c - d)
+        }};
+    }
+    let (xy, shear_xy, j_xy, j_yx) = plane!(3, 4);
+    let (xz, shear_xz, j_xz, j_zx) = plane!(5, 6);
+    let (yz, shear_yz, j_yz, j_zy) = plane!(7, 8);
+    let ((xx, j_x), (yy, j_y), (zz, j_z)) = (pair!(0), pair!(1), pair!(2));
+    let j = [j_x + (j_xy + j_xz), j_y + (j_yx + j_yz), j_z + (j_zx + j_zy)];
+    // sum_i c_ia c_ia h_i
+    let normal = [xx + (xy + xz), yy + (xy + yz), zz + (xz + yz)];
+    let drho = at!(0) + (normal[0] + ((yy + zz) + yz));
 
-    let drho = h[0]
-        + (((sum[0] + sum[1]) + (sum[2] + sum[3]))
-            + ((sum[4] + sum[5]) + (sum[6] + sum[7]))
-            + sum[8]);
-    let j = [
-        (diff[0] + (diff[3] + diff[4])) + (diff[5] + diff[6]),
-        (diff[1] + (diff[3] - diff[4])) + (diff[7] + diff[8]),
-        (diff[2] + (diff[5] - diff[6])) + (diff[7] - diff[8]),
-    ];
     let rho = k.one + drho;
     let per_rho = k.one / rho;
     let mut u = [j[0] * per_rho, j[1] * per_rho, j[2] * per_rho];
+    let mut momentum = j;
     if FORCED {
-        u = [
-            u[0] + k.half_acceleration[0],
-            u[1] + k.half_acceleration[1],
-            u[2] + k.half_acceleration[2],
-        ];
+        let half = &k.half_acceleration;
+        u = [u[0] + half[0], u[1] + half[1], u[2] + half[2]];
+        momentum = [rho * u[0], rho * u[1], rho * u[2]];
     }
-    let speed2 = (u[0] * u[0] + u[1] * u[1]) + u[2] * u[2];
+    let speed2 = u[2].mul_add(u[2], u[1].mul_add(u[1], u[0] * u[0]));
+    let rates = if LES {
+        let shear = [shear_xy, shear_xz, shear_yz];
+        let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &u, k);
+        closure(square, per_rho, k)
+    } else {
+        Rates { tau: k.tau, even: k.even, half_even: k.half_even, half_odd: k.half_odd }
+    };
+    // Populations are read anew from here on, see above.
+    compiler_fence(Ordering::SeqCst);
 
     // heq_i + heq_i' = 2 w [drho - 3/2 rho u.u] + 9 w rho (c.u)^2,   heq_i - heq_i' = 6 w rho (c.u)
-    let rest = drho - k.one_and_half * rho * speed2;
+    let rest = (k.one_and_half * rho).mul_from(speed2, drho);
     let even = [k.two_w[0] * rest, k.two_w[1] * rest];
     let square = [k.nine_w[0] * rho, k.nine_w[1] * rho];
     let linear = [k.six_w[0] * rho, k.six_w[1] * rho];
     // S+ = w rho [9 e (c.u)(c.a) - 3 e u.a],   S- = w rho 3 o (c.a)
     let (weight, ua) = if FORCED {
-        let ua = (k.even_force[0] * u[0] + k.even_force[1] * u[1]) + k.even_force[2] * u[2];
+        let [x, y, z] = k.even_force;
+        let ua = z.mul_add(u[2], y.mul_add(u[1], x * u[0]));
         ([k.w[0] * rho, k.w[1] * rho], ua)
     } else {
         (k.w, k.w0)
-    };
-
-    let cu = [
-        u[0],
-        u[1],
-        u[2],
-        u[0] + u[1],
-        u[0] - u[1],
-        u[0] + u[2],
-        u[0] - u[2],
-        u[1] + u[2],
-        u[1] - u[2],
-    ];
-    // What is out of equilibrium in the even part of each pair.
-    macro_rules! excess {
-        ($n:literal, $kind:literal) => {
-            sum[$n] - (even[$kind] + square[$kind] * cu[$n] * cu[$n])
-        };
-    }
-    let rates = if LES {
-        let d = [
-            excess!(0, 0),
-            excess!(1, 0),
-            excess!(2, 0),
-            excess!(3, 1),
-            excess!(4, 1),
-            excess!(5, 1),
-            excess!(6, 1),
-            excess!(7, 1),
-            excess!(8, 1),
-        ];
-        closure::<V, FORCED>(&d, rho, per_rho, &u, k)
-    } else {
-        Rates { tau: k.tau, even: k.even, half_even: k.half_even, half_odd: k.half_odd }
     };
     // The factors 1 - 1/(2 tau), which are in the constants where these are the same everywhere.
     let (e, o) = if FORCED && LES {
@@ -262,35 +258,57 @@ pub fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
         (k.one, k.one)
     };
 
-    h[0] = h[0] - rates.even * (h[0] - k.w0 * rest);
+    let h = at!(0);
+    let mut g = rates.even.mul_from(k.w0.mul_from(rest, h), h);
     if FORCED {
         let source = k.w0 * rho * ua;
-        h[0] = h[0] - if LES { e * source } else { source };
+        g = g - if LES { e * source } else { source };
     }
+    // SAFETY: by contract.
+    unsafe { g.keep(mask).store(places[0].add(x)) };
     macro_rules! relax {
-        ($n:literal, $kind:literal) => {{
-            let mut p = rates.half_even * excess!($n, $kind);
-            let mut m = rates.half_odd * (diff[$n] - linear[$kind] * cu[$n]);
-            if FORCED {
-                let even = weight[$kind] * (k.even_pair[$n] * cu[$n] - ua);
+        ($n:literal, $kind:literal, $cu:expr) => {{
+            let cu = $cu;
+            let (forth, back) = (at!($n + 10), at!($n + 1));
+            // What is out of equilibrium in the even and in the odd part.
+            let p = (square[$kind] * cu).mul_from(cu, (forth + back) - even[$kind]);
+            let mut m = rates.half_odd * linear[$kind].mul_from(cu, forth - back);
+            let (sum, difference) = if FORCED {
+                let even = weight[$kind] * k.even_pair[$n].mul_sub(cu, ua);
                 let odd = weight[$kind] * k.odd_pair[$n];
-                p = p - if LES { e * even } else { even };
-                m = m - if LES { o * odd } else { odd };
+                let p = if LES {
+                    m = o.mul_from(odd, m);
+                    rates.half_even.mul_sub(p, e * even)
+                } else {
+                    m = m - odd;
+                    rates.half_even.mul_sub(p, even)
+                };
+                (p + m, p - m)
+            } else {
+                (rates.half_even.mul_add(p, m), rates.half_even.mul_sub(p, m))
+            };
+            // SAFETY: by contract.
+            unsafe {
+                (forth - sum).keep(mask).store(places[$n + 1].add(x));
+                (back - difference).keep(mask).store(places[$n + 10].add(x));
             }
-            h[$n + 10] = h[$n + 10] - (p + m);
-            h[$n + 1] = h[$n + 1] - (p - m);
         }};
     }
-    relax!(0, 0);
-    relax!(1, 0);
-    relax!(2, 0);
-    relax!(3, 1);
-    relax!(4, 1);
-    relax!(5, 1);
-    relax!(6, 1);
-    relax!(7, 1);
-    relax!(8, 1);
-    Moments { drho, j, speed2, tau: rates.tau }
+    relax!(0, 0, u[0]);
+    relax!(1, 0, u[1]);
+    relax!(2, 0, u[2]);
+    relax!(3, 1, u[0] + u[1]);
+    relax!(4, 1, u[0] - u[1]);
+    relax!(5, 1, u[0] + u[2]);
+    relax!(6, 1, u[0] - u[2]);
+    relax!(7, 1, u[1] + u[2]);
+    relax!(8, 1, u[1] - u[2]);
+    Moments {
+        drho: drho.keep(mask),
+        j: [j[0].keep(mask), j[1].keep(mask), j[2].keep(mask)],
+        speed2: speed2.keep(mask),
+        tau: rates.tau.keep(mask),
+    }
 }
 
 /// Relaxation of a vector of cells.
@@ -305,41 +323,56 @@ struct Rates<V> {
     half_odd: V,
 }
 
-/// Rates by Smagorinsky's closure from what is out of equilibrium in the even part of each pair.
+/// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a u_b`.
 #[inline(always)]
-fn closure<V: Lanes, const FORCED: bool>(
-    d: &[V; 9],
-    rho: V,
-    per_rho: V,
+fn stress2<V: Lanes, const FORCED: bool>(
+    drho: V,
+    normal: [V; 3],
+    shear: [V; 3],
+    momentum: &[V; 3],
     u: &[V; 3],
     k: &Constants<V>,
-) -> Rates<V> {
+) -> V {
     let mut normal = [
-        d[0] + ((d[3] + d[4]) + (d[5] + d[6])),
-        d[1] + ((d[3] + d[4]) + (d[7] + d[8])),
-        d[2] + ((d[5] + d[6]) + (d[7] + d[8])),
+        momentum[0].mul_from(u[0], k.third.mul_from(drho, normal[0])),
+        momentum[1].mul_from(u[1], k.third.mul_from(drho, normal[1])),
+        momentum[2].mul_from(u[2], k.third.mul_from(drho, normal[2])),
     ];
     // xy, xz, yz
-    let mut shear = [d[3] - d[4], d[5] - d[6], d[7] - d[8]];
+    let mut shear = [
+        momentum[0].mul_from(u[1], shear[0]),
+        momentum[0].mul_from(u[2], shear[1]),
+        momentum[1].mul_from(u[2], shear[2]),
+    ];
     if FORCED {
         let (a, half) = (&k.acceleration, &k.half_acceleration);
-        let f = [rho * u[0], rho * u[1], rho * u[2]];
-        normal = [normal[0] + f[0] * a[0], normal[1] + f[1] * a[1], normal[2] + f[2] * a[2]];
+        normal = [
+            momentum[0].mul_add(a[0], normal[0]),
+            momentum[1].mul_add(a[1], normal[1]),
+            momentum[2].mul_add(a[2], normal[2]),
+        ];
         shear = [
-            shear[0] + (f[0] * half[1] + f[1] * half[0]),
-            shear[1] + (f[0] * half[2] + f[2] * half[0]),
-            shear[2] + (f[1] * half[2] + f[2] * half[1]),
+            momentum[0].mul_add(half[1], momentum[1].mul_add(half[0], shear[0])),
+            momentum[0].mul_add(half[2], momentum[2].mul_add(half[0], shear[1])),
+            momentum[1].mul_add(half[2], momentum[2].mul_add(half[1], shear[2])),
         ];
     }
-    let square = (normal[0] * normal[0] + (normal[1] * normal[1] + normal[2] * normal[2]))
-        + k.two * (shear[0] * shear[0] + (shear[1] * shear[1] + shear[2] * shear[2]));
-    let tau = k.half * (k.tau + (k.tau2 + k.closure * square.sqrt() * per_rho).sqrt());
-    let even = k.one / tau;
-    let half_even = k.half * even;
+    let normal = normal[0].mul_add(normal[0], normal[1].mul_add(normal[1], normal[2] * normal[2]));
+    let shear = shear[0].mul_add(shear[0], shear[1].mul_add(shear[1], shear[2] * shear[2]));
+    k.two.mul_add(shear, normal)
+}
+
+/// Rates by Smagorinsky's closure from `Pi_ab Pi_ab`.
+#[inline(always)]
+fn closure<V: Lanes>(stress2: V, per_rho: V, k: &Constants<V>) -> Rates<V> {
+    let twice = k.tau + (k.closure * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
+    let half_even = k.one / twice;
+    let even = half_even + half_even;
+    let tau = k.half * twice;
     let half_odd = if k.is_magic {
         // 1/tau- = 1/(1/2 + magic/(tau+ - 1/2))
         let over = tau - k.half;
-        k.half * over / (k.half * over + k.magic)
+        k.half * over / k.half.mul_add(over, k.magic)
     } else {
         half_even
     };
@@ -359,18 +392,16 @@ mod tests {
         // SAFETY: plain arrays need no instructions; each pointer is to one number.
         unsafe {
             let k = Constants::<One>::new(r);
-            let mut v = h.map(|x| One::splat(x));
+            let mut g = *h;
+            let first = g.as_mut_ptr();
+            let places = std::array::from_fn(|i| first.add(i));
             match (forced, r.smagorinsky != 0.0) {
-                (false, false) => collide::<One, false, false>(&mut v, &k),
-                (true, false) => collide::<One, true, false>(&mut v, &k),
-                (false, true) => collide::<One, false, true>(&mut v, &k),
-                (true, true) => collide::<One, true, true>(&mut v, &k),
+                (false, false) => collide::<One, false, false>(&places, 0, 1, &k),
+                (true, false) => collide::<One, true, false>(&places, 0, 1, &k),
+                (false, true) => collide::<One, false, true>(&places, 0, 1, &k),
+                (true, true) => collide::<One, true, true>(&places, 0, 1, &k),
             };
-            v.map(|v| {
-                let mut out = 0.0;
-                v.store(&mut out);
-                out
-            })
+            std::array::from_fn(|i| g[OPPOSITE[i]])
         }
     }
 

@@ -11,7 +11,7 @@ use crate::halfway::HalfwayLinks;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
 use crate::lanes::{Lanes, Portable, Variant};
-use crate::lattice::{OPPOSITE, Q};
+use crate::lattice::Q;
 use crate::places::{Parity, Places};
 use crate::survey::{Sums, Survey};
 use crate::tally::Tally;
@@ -105,9 +105,9 @@ macro_rules! kernels {
         impl Collides for $real {
             fn kernel(variant: Variant) -> Kernel<Self> {
                 #[cfg(target_arch = "x86_64")]
-                #[target_feature(enable = "avx2")]
+                #[target_feature(enable = "avx2,fma")]
                 unsafe fn avx2(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
-                    kernels!(line, $avx2, #[target_feature(enable = "avx2")]);
+                    kernels!(line, $avx2, #[target_feature(enable = "avx2,fma")]);
                     let line = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
                     unsafe { work::<$avx2>(sweep, number, block, line) }
@@ -371,32 +371,13 @@ unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool>(
         if lanes != 0 {
             // SAFETY: by contract.
             unsafe {
-                let mut h = [V::splat(0.0); Q];
                 let mut i = 0;
                 while i < Q {
-                    h[i] = V::load(places[i].add(x));
                     prefetch(places[i].wrapping_add(x + AHEAD * V::Scalar::LINE));
                     i += 1;
                 }
-                let mut moments = collide::<V, FORCED, LES>(&mut h, constants);
-                if lanes != all {
-                    let mask = V::mask(lanes);
-                    let mut i = 0;
-                    while i < Q {
-                        h[i] = h[i].keep(mask);
-                        i += 1;
-                    }
-                    moments.drho = moments.drho.keep(mask);
-                    moments.j =
-                        [moments.j[0].keep(mask), moments.j[1].keep(mask), moments.j[2].keep(mask)];
-                    moments.speed2 = moments.speed2.keep(mask);
-                    moments.tau = moments.tau.keep(mask);
-                }
-                let mut i = 0;
-                while i < Q {
-                    h[OPPOSITE[i]].store(places[i].add(x));
-                    i += 1;
-                }
+                let mask = V::mask(lanes);
+                let moments = collide::<V, FORCED, LES>(places, x, mask, constants);
                 sums.add::<LES>(x, &moments);
                 if !drho.is_null() {
                     moments.drho.store(drho.add(x));

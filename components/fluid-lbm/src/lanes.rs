@@ -1,9 +1,10 @@
 //! Vectors of numbers: one interface over AVX-512, AVX2 and plain arrays.
 //!
 //! A kernel is written once over [`Lanes`] and compiled for each variant inside a function with
-//! that variant's `#[target_feature]`. Only additions, subtractions, multiplications, divisions,
-//! square roots, minima and maxima exist here, each rounded once as IEEE 754 says, and no fused multiply-add: so
-//! every variant yields the same bits.
+//! that variant's `#[target_feature]`. Only additions, subtractions, multiplications, divisions, fused
+//! multiply-adds, square roots, minima and maxima exist here, each rounded once as IEEE 754 says, and the
+//! compiler fuses nothing by itself: so every variant yields the same bits. A processor without fused
+//! multiply-adds (x86-64 before 2013) has them done in software: the same bits, slowly.
 //!
 //! # Invariant
 //! A value of a vector type exists only where the processor has the instructions: `splat`, `load`
@@ -18,7 +19,7 @@ use std::ops::{Add, Div, Mul, Sub};
 pub enum Variant {
     /// Arrays of 16 bytes, in whatever instructions the compiler chooses; on every processor.
     Portable,
-    /// 32 bytes.
+    /// 32 bytes, and fused multiply-adds.
     Avx2,
     /// 64 bytes.
     Avx512,
@@ -33,7 +34,7 @@ impl Variant {
         match self {
             Self::Portable => true,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
                 is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl")
@@ -85,6 +86,12 @@ pub trait Lanes:
     /// # Safety
     /// The numbers of the mask's lanes may be written.
     unsafe fn store_lanes(self, to: *mut Self::Scalar, mask: Self::Mask);
+    /// `self * factor + addend`, rounded once.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `self * factor - subtrahend`, rounded once.
+    fn mul_sub(self, factor: Self, subtrahend: Self) -> Self;
+    /// `minuend - self * factor`, rounded once.
+    fn mul_from(self, factor: Self, minuend: Self) -> Self;
     /// Square root of each lane.
     fn sqrt(self) -> Self;
     /// Mask of the lanes whose bit is set; bit 0 is the first lane.
@@ -126,11 +133,14 @@ pub struct Portable<T, const N: usize>([T; N]);
 /// Implements an operation on arrays lane by lane, without a closure (which would not inherit the
 /// features of its surroundings).
 macro_rules! by_lane {
-    ($a:ident, $b:ident, $x:ident, $y:ident => $value:expr) => {{
+    ($a:ident, $b:ident, $x:ident, $y:ident => $value:expr) => {
+        by_lane!($a, $b, $b, $x, $y, _z => $value)
+    };
+    ($a:ident, $b:ident, $c:ident, $x:ident, $y:ident, $z:pat => $value:expr) => {{
         let mut out = $a;
         let mut k = 0;
         while k < N {
-            let ($x, $y) = ($a.0[k], $b.0[k]);
+            let ($x, $y, $z) = ($a.0[k], $b.0[k], $c.0[k]);
             out.0[k] = $value;
             k += 1;
         }
@@ -187,6 +197,18 @@ macro_rules! portable {
                     }
                     k += 1;
                 }
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, addend: Self) -> Self {
+                by_lane!(self, factor, addend, x, y, z => x.mul_add(y, z))
+            }
+            #[inline(always)]
+            fn mul_sub(self, factor: Self, subtrahend: Self) -> Self {
+                by_lane!(self, factor, subtrahend, x, y, z => x.mul_add(y, -z))
+            }
+            #[inline(always)]
+            fn mul_from(self, factor: Self, minuend: Self) -> Self {
+                by_lane!(self, factor, minuend, x, y, z => (-x).mul_add(y, z))
             }
             #[inline(always)]
             fn sqrt(self) -> Self {
@@ -248,7 +270,8 @@ mod x86 {
     /// Implements [`Lanes`] for a wrapped register by one intrinsic for each operation.
     macro_rules! register {
         ($(#[$doc:meta])* $name:ident($register:ty), $real:ty, $n:literal, $mask:ty,
-         $splat:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident,
+         $splat:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident
+         $mul_add:ident $mul_sub:ident $mul_from:ident,
          load_lanes($old:ident, $from:ident, $read:ident) $load_lanes:expr,
          store_lanes($new:ident, $to:ident, $written:ident) $store_lanes:expr,
          mask($bits:ident) $make_mask:expr,
@@ -309,6 +332,21 @@ mod x86 {
                     unsafe { $store_lanes }
                 }
                 #[inline(always)]
+                fn mul_add(self, factor: Self, addend: Self) -> Self {
+                    // SAFETY: the values exist, so the instructions do.
+                    Self(unsafe { $mul_add(self.0, factor.0, addend.0) })
+                }
+                #[inline(always)]
+                fn mul_sub(self, factor: Self, subtrahend: Self) -> Self {
+                    // SAFETY: the values exist, so the instructions do.
+                    Self(unsafe { $mul_sub(self.0, factor.0, subtrahend.0) })
+                }
+                #[inline(always)]
+                fn mul_from(self, factor: Self, minuend: Self) -> Self {
+                    // SAFETY: the values exist, so the instructions do.
+                    Self(unsafe { $mul_from(self.0, factor.0, minuend.0) })
+                }
+                #[inline(always)]
                 fn sqrt(self) -> Self {
                     // SAFETY: the value exists, so the instructions do.
                     Self(unsafe { $sqrt(self.0) })
@@ -347,7 +385,8 @@ mod x86 {
         /// 8 numbers of 64 bits.
         Avx512F64(__m512d), f64, 8, __mmask8,
         _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd
-        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd _mm512_sqrt_pd,
+        _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd _mm512_sqrt_pd
+        _mm512_fmadd_pd _mm512_fmsub_pd _mm512_fnmadd_pd,
         load_lanes(old, from, lanes) _mm512_mask_loadu_pd(old, lanes, from),
         store_lanes(v, to, lanes) _mm512_mask_storeu_pd(to, lanes, v),
         mask(bits) bits as __mmask8,
@@ -359,7 +398,8 @@ mod x86 {
         /// 16 numbers of 32 bits.
         Avx512F32(__m512), f32, 16, __mmask16,
         _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps
-        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps _mm512_sqrt_ps,
+        _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps _mm512_sqrt_ps
+        _mm512_fmadd_ps _mm512_fmsub_ps _mm512_fnmadd_ps,
         load_lanes(old, from, lanes) _mm512_mask_loadu_ps(old, lanes, from),
         store_lanes(v, to, lanes) _mm512_mask_storeu_ps(to, lanes, v),
         mask(bits) bits as __mmask16,
@@ -378,7 +418,8 @@ mod x86 {
         /// 4 numbers of 64 bits.
         Avx2F64(__m256d), f64, 4, __m256d,
         _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd
-        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd _mm256_sqrt_pd,
+        _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd _mm256_sqrt_pd
+        _mm256_fmadd_pd _mm256_fmsub_pd _mm256_fnmadd_pd,
         load_lanes(old, from, lanes) _mm256_blendv_pd(old, _mm256_maskload_pd(from, _mm256_castpd_si256(lanes)), lanes),
         store_lanes(v, to, lanes) _mm256_maskstore_pd(to, _mm256_castpd_si256(lanes), v),
         mask(bits) unsafe {
@@ -395,7 +436,8 @@ mod x86 {
         /// 8 numbers of 32 bits.
         Avx2F32(__m256), f32, 8, __m256,
         _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps
-        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps _mm256_sqrt_ps,
+        _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps _mm256_sqrt_ps
+        _mm256_fmadd_ps _mm256_fmsub_ps _mm256_fnmadd_ps,
         load_lanes(old, from, lanes) _mm256_blendv_ps(old, _mm256_maskload_ps(from, _mm256_castps_si256(lanes)), lanes),
         store_lanes(v, to, lanes) _mm256_maskstore_ps(to, _mm256_castps_si256(lanes), v),
         mask(bits) unsafe {
