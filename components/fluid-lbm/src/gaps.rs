@@ -218,33 +218,63 @@ impl<T: Real> After<'_, T> {
         i: usize,
         gaps: &mut Gaps,
     ) {
-        let (grid, c) = (&self.layout.grid, C_F64[i]);
+        let Some(cell) = self.covered(at, i) else { return };
+        if let Some(gap) = self.press(bodies, body, walls, (at, i, cell), gaps) {
+            for next in self.layout.places.neighbours(cell) {
+                if self.owners.is_fluid(next) {
+                    gap.drho += self.drho.get(next as usize);
+                    gap.cells += 1.0;
+                }
+            }
+        }
+    }
+
+    /// The same of a link into the sphere that is known with all fluid cells next to its end.
+    pub fn gap_seen(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        walls: &WallDistances,
+        link: ([i32; 3], usize, u32),
+        witnesses: &[u32],
+        gaps: &mut Gaps,
+    ) {
+        if let Some(gap) = self.press(bodies, body, walls, link, gaps) {
+            let drho = |cell: &u32| self.drho.get(*cell as usize);
+            gap.drho = witnesses.iter().map(drho).fold(gap.drho, |sum, drho| sum + drho);
+            gap.cells += witnesses.len() as f64;
+        }
+    }
+
+    /// The stored cell to which the link `i` leads from `at`.
+    pub fn covered(&self, at: [i32; 3], i: usize) -> Option<u32> {
+        let grid = &self.layout.grid;
         let own = std::array::from_fn(|a| grid.wrap(a, at[a] + C[i][a]));
-        let Some(cell) = grid.contains(own).then(|| self.layout.cell(own)).flatten() else {
-            return;
-        };
+        grid.contains(own).then(|| self.layout.cell(own)).flatten()
+    }
+
+    /// Records that the gap link `i` from `at` into the body's `cell` presses on it, if it does. Returns the gap.
+    fn press<'g>(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        walls: &WallDistances,
+        (at, i, cell): ([i32; 3], usize, u32),
+        gaps: &'g mut Gaps,
+    ) -> Option<&'g mut Gap> {
+        let c = C_F64[i];
         let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - body.position[a]);
         let (q, facet) = match &body.part {
-            None if inside(arm, body.r2()) => return,
+            None if inside(arm, body.r2()) => return None,
             None => (wall_distance(arm, c, body.r2()), NO_FACET),
             Some(part) => part.meet_facet(at, C[i]),
         };
-        let Some((across, far)) = self.across(bodies, body, walls, at, cell, i) else {
-            return;
-        };
+        let (across, far) = self.across(bodies, body, walls, at, cell, i)?;
         // Both as seen from the covered cell.
         if far - (1.0 - q) <= CONTACT {
-            return;
+            return None;
         }
-        let gap = gaps.add(across, arm, (i, q), facet);
-        for k in 1..Q {
-            if let Some(next) = self.layout.neighbour(cell, k)
-                && self.owners.is_fluid(next)
-            {
-                gap.drho += self.drho.get(next as usize);
-                gap.cells += 1.0;
-            }
-        }
+        Some(gaps.add(across, arm, (i, q), facet))
     }
 
     /// What the cell `at` belongs to, and how far its surface is from the covered cell on the link

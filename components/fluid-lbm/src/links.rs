@@ -121,7 +121,10 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, [declared, intakes]: [usize;
             let gaps =
                 if gaps_press { Gaps::with_room(declared, intakes) } else { Gaps::default() };
             let of_sphere = match &body.part {
-                None => SphereLinks::with_room(body.radius, layers.end - layers.start, side),
+                None => {
+                    let layers = layers.end - layers.start;
+                    SphereLinks::with_room(body.radius, layers, side, gaps_press)
+                }
                 Some(_) => SphereLinks::default(),
             };
             items.push(Item {
@@ -206,10 +209,9 @@ impl<T: Real> After<'_, T> {
             self.reflect_part(bodies, body, part, &item.found, batch);
             batch.flush(self, body);
         } else {
-            let layers = || item.layers.clone();
-            self.find_sphere(bodies, body, layers(), &mut item.of_sphere);
+            self.find_sphere(bodies, body, item.layers.clone(), &mut item.of_sphere);
             batch.reflect_sphere(self, body, &item.of_sphere);
-            self.gaps_of_sphere(bodies, body, layers(), &item.of_sphere, &mut batch.gaps);
+            self.gaps_of_sphere(bodies, body, &item.of_sphere, &mut batch.gaps);
         }
         item.exchange = batch.exchange();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);

@@ -343,10 +343,20 @@ impl Places {
     /// back to the cell where it began counts as ended there.
     #[inline]
     pub fn neighbour(&self, cell: u32, i: usize) -> Option<u32> {
-        // The place of the population that comes back along the link.
-        let back = OPPOSITE[i];
-        let place = self.odd(cell, back);
-        if place == back * self.stride + cell as usize {
+        self.leads_to(cell, i, self.odd(cell, OPPOSITE[i]))
+    }
+
+    /// The cells to which the links of a cell lead, in the order of directions; see [`Places::neighbour`].
+    #[inline]
+    pub fn neighbours(&self, cell: u32) -> impl Iterator<Item = u32> {
+        let places = self.of_cell(Parity::Odd, cell);
+        (1..Q).filter_map(move |i| self.leads_to(cell, i, places[OPPOSITE[i]]))
+    }
+
+    /// Where the link `i` of a cell leads, given the odd place of the population that comes back along it.
+    #[inline(always)]
+    fn leads_to(&self, cell: u32, i: usize, place: usize) -> Option<u32> {
+        if place == OPPOSITE[i] * self.stride + cell as usize {
             return None;
         }
         // Mostly the plane of the link itself; another behind a mirror.

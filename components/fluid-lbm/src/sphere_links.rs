@@ -15,13 +15,27 @@ use crate::links::After;
 use crate::part_links::as_seen;
 use crate::shell::{Near, Shell};
 use crate::slots::Slots;
-use crate::wall_distances::WallDistances;
 
 /// Cells of a row whose links are found at once: as a byte has bits.
 const CHUNK: i32 = 8;
 
+/// Layers on either side of a list's own that cells next to the ends of its links can lie in.
+const BEYOND: i32 = 2;
+
 /// How many rows ahead memory is asked for the table of places.
 const AHEAD: usize = 4;
+
+/// A link from a cell that is not fluid into the sphere.
+#[derive(Clone, Copy, Debug)]
+struct GapLink {
+    /// Where it begins, as seen from the sphere.
+    at: [i32; 3],
+    dir: u8,
+    /// Where it ends, which the sphere covers.
+    cell: u32,
+    /// First of the fluid cells next to that, and the end of them.
+    witnesses: [u32; 2],
+}
 
 /// The links of some layers of a sphere's shell.
 #[derive(Clone, Debug, Default)]
@@ -30,7 +44,7 @@ pub struct SphereLinks {
     fit: u64,
     /// Whether they were found while the sphere shared cells.
     shares: bool,
-    /// Which cells of each row near the sphere are fluid.
+    /// Which cells of each row near the sphere are fluid, those of some more layers too.
     fluid: Vec<u64>,
     /// Cells and directions as seen from the sphere, in eights.
     pub standing: Vec<Standing>,
@@ -38,27 +52,31 @@ pub struct SphereLinks {
     pub slots: Vec<Slots>,
     /// Axes at which each is mirrored; none if no link is.
     pub mirrors: Vec<u8>,
-    /// Rows near the sphere from which gap links begin.
-    gaps: Vec<u32>,
+    /// Links that may be gap links, and the fluid cells next to their ends; see `gaps`.
+    gaps: Vec<GapLink>,
+    witnesses: Vec<u32>,
     /// How often they were found.
     finds: u64,
 }
 
 impl SphereLinks {
-    /// Room for the links of `layers` layers of a sphere's shell of `side` rows.
-    pub fn with_room(radius: f64, layers: i32, side: i32) -> Self {
+    /// Room for the links of `layers` layers of a sphere's shell of `side` rows, and for gap links if gaps press.
+    pub fn with_room(radius: f64, layers: i32, side: i32, gaps_press: bool) -> Self {
         // A direction's links cross the sphere's section, those of two axes 2^1/2 times as many: 24 r^2 pi in all,
         // and as many in each layer. Small spheres vary.
         let section = std::f64::consts::PI * (radius + 1.0).powi(2);
         let part = (f64::from(layers + 2) / (2.0 * radius)).min(1.0);
         let links = (24.0 * section * part) as usize + 64;
-        let rows = 2 * (layers * side) as usize;
+        let rows = |layers: i32| 2 * (layers.min(side) * side) as usize;
+        // Where a sphere touches others, a few of its links.
+        let gaps = if gaps_press { links / 4 } else { 0 };
         Self {
-            fluid: Vec::with_capacity(rows),
+            fluid: Vec::with_capacity(rows(layers + 2 * BEYOND)),
             standing: Vec::with_capacity(links / LANES + 1),
             slots: Vec::with_capacity(links),
             mirrors: Vec::with_capacity(links),
-            gaps: Vec::with_capacity(rows),
+            gaps: Vec::with_capacity(gaps),
+            witnesses: Vec::with_capacity(2 * gaps),
             ..Self::default()
         }
     }
@@ -69,7 +87,8 @@ impl SphereLinks {
             + size_of::<Standing>() * self.standing.capacity()
             + size_of::<Slots>() * self.slots.capacity()
             + self.mirrors.capacity()
-            + size_of::<u32>() * self.gaps.capacity()
+            + size_of::<GapLink>() * self.gaps.capacity()
+            + size_of::<u32>() * self.witnesses.capacity()
     }
 
     fn clear(&mut self) {
@@ -78,6 +97,7 @@ impl SphereLinks {
         self.slots.clear();
         self.mirrors.clear();
         self.gaps.clear();
+        self.witnesses.clear();
     }
 
     /// Takes a link, given as seen from the sphere.
@@ -110,30 +130,31 @@ impl<T: Real> After<'_, T> {
         layers: std::ops::Range<i32>,
         links: &mut SphereLinks,
     ) {
-        let rows = body.shell.near(layers);
+        let (shell, beyond) = (&body.shell, layers.start - BEYOND..layers.end + BEYOND);
+        let all = shell.near(beyond);
         let fluid = |near: &Near| near.free & self.owners.fluid_among(near.cells, near.number);
-        let holds = links.fit == body.shell.fits()
+        let holds = links.fit == shell.fits()
             && !links.shares
             && !body.shares
-            && rows.iter().zip(&links.fluid).all(|(near, &known)| fluid(near) == known);
+            && all.iter().zip(&links.fluid).all(|(near, &known)| fluid(near) == known);
         if holds {
             return;
         }
         links.clear();
         links.finds += 1;
-        (links.fit, links.shares) = (body.shell.fits(), body.shares);
+        (links.fit, links.shares) = (shell.fits(), body.shares);
+        links.fluid.extend(all.iter().map(fluid));
+        let own = all.iter().position(|near| layers.contains(&near.row[1])).unwrap_or(all.len());
+        let rows = shell.near(layers);
         for (number, near) in rows.iter().enumerate() {
-            links.fluid.push(fluid(near));
             if let Some(next) = rows.get(number + AHEAD) {
                 self.layout.places.prefetch(next.number, next.cells.count_ones());
             }
-            self.find_row(bodies, body, near, links);
-            let solid = near.free & !links.fluid[number];
-            if self.walls.is_some() && solid != 0 {
-                let row = Row::new(self, bodies, body, near);
-                if (1..Q).any(|i| row.gaps(i) & solid != 0) {
-                    links.gaps.push(number as u32);
-                }
+            let fluid = links.fluid[own + number];
+            let row = Row::new(self, bodies, body, near);
+            self.find_row(&row, near, fluid, links);
+            if self.walls.is_some() {
+                self.find_gaps(&row, near.free & !fluid, links);
             }
         }
         if !links.mirrors.is_empty() {
@@ -141,15 +162,13 @@ impl<T: Real> After<'_, T> {
         }
     }
 
-    /// Finds the links that begin in a row near a sphere.
-    fn find_row(&self, bodies: &Bodies, body: &Body, near: &Near, links: &mut SphereLinks) {
-        let Some(&fluid) = links.fluid.last().filter(|&&fluid| fluid != 0) else { return };
-        let row = Row::new(self, bodies, body, near);
-        let (count, mut number) = (body.shell.window(near.window).count, near.number);
+    /// Finds the links that begin in the `fluid` cells of a row near a sphere.
+    fn find_row(&self, row: &Row, near: &Near, fluid: u64, links: &mut SphereLinks) {
+        let (count, mut number) = (row.body.shell.window(near.window).count, near.number);
         for first in (0..count).step_by(CHUNK as usize) {
             let chunk = u64::MAX >> (64 - CHUNK) << first;
             if fluid & chunk != 0 {
-                self.find_chunk(&row, first, fluid & chunk, number, links);
+                self.find_chunk(row, first, fluid & chunk, number, links);
             }
             number += (near.cells & chunk).count_ones();
         }
@@ -215,37 +234,49 @@ impl<T: Real> After<'_, T> {
         })
     }
 
-    /// Finds the gap links of some layers of a sphere's shell, in rows that have such; see `gaps`.
+    /// Lists what may be gap links of those that begin in the cells of a row whose bits are set in `solid`.
+    fn find_gaps(&self, row: &Row, solid: u64, links: &mut SphereLinks) {
+        let grid = &self.layout.grid;
+        for i in 1..Q {
+            let mut found = row.gaps(i) & solid;
+            while found != 0 {
+                let x = row.first + found.trailing_zeros() as i32;
+                found &= found - 1;
+                let end = x + C[i][0];
+                if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
+                    let at = [x, row.y, row.z];
+                    if let Some(cell) = self.covered(at, i) {
+                        let witnesses = self.witnesses(cell, links);
+                        links.gaps.push(GapLink { at, dir: i as u8, cell, witnesses });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lists the fluid cells next to one that the sphere covers, unless they are listed.
+    fn witnesses(&self, cell: u32, links: &mut SphereLinks) -> [u32; 2] {
+        if let Some(known) = links.gaps.iter().rev().find(|known| known.cell == cell) {
+            return known.witnesses;
+        }
+        let first = links.witnesses.len() as u32;
+        let fluid = self.layout.places.neighbours(cell).filter(|&next| self.owners.is_fluid(next));
+        links.witnesses.extend(fluid);
+        [first, links.witnesses.len() as u32]
+    }
+
+    /// Finds what gaps do to the sphere; see `gaps`.
     pub fn gaps_of_sphere(
         &self,
         bodies: &Bodies,
         body: &Body,
-        layers: std::ops::Range<i32>,
         links: &SphereLinks,
         gaps: &mut Gaps,
     ) {
         let Some(walls) = self.walls else { return };
-        let near = body.shell.near(layers);
-        for &number in &links.gaps {
-            let (near, fluid) = (&near[number as usize], links.fluid[number as usize]);
-            let row = Row::new(self, bodies, body, near);
-            self.gaps_of_row(&row, walls, near.free & !fluid, gaps);
-        }
-    }
-
-    /// Finds the gap links that begin in the cells of a row whose bits are set in `solid`.
-    fn gaps_of_row(&self, row: &Row, walls: &WallDistances, solid: u64, gaps: &mut Gaps) {
-        let grid = &self.layout.grid;
-        for i in 1..Q {
-            let mut links = row.gaps(i) & solid;
-            while links != 0 {
-                let x = row.first + links.trailing_zeros() as i32;
-                links &= links - 1;
-                let end = x + C[i][0];
-                if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
-                    self.gap(row.bodies, row.body, walls, [x, row.y, row.z], i, gaps);
-                }
-            }
+        for &GapLink { at, dir, cell, witnesses: [first, end] } in &links.gaps {
+            let witnesses = &links.witnesses[first as usize..end as usize];
+            self.gap_seen(bodies, body, walls, (at, dir.into(), cell), witnesses, gaps);
         }
     }
 }
