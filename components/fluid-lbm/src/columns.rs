@@ -6,6 +6,7 @@
 
 use crate::lanes::Variant;
 use crate::lattice::W;
+use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
 
 /// Links that are done together.
 pub const LANES: usize = 8;
@@ -73,7 +74,8 @@ impl Standing {
 }
 
 /// Weights of directions along one axis and along two, times 6.
-const WEIGHTS: [f64; 2] = [6.0 * W[1], 6.0 * W[7]];
+const STRAIGHT: f64 = 6.0 * W[1];
+const ASLANT: f64 = 6.0 * W[7];
 
 /// What of a body its links need.
 #[derive(Clone, Copy, Debug)]
@@ -160,18 +162,24 @@ variants! {
 #[inline(always)]
 fn stand_all(standing: &[Standing], origin: [i32; 3], position: [f64; 3], links: &mut [Eight]) {
     for (standing, eight) in standing.iter().zip(links) {
+        let mut cc = [0.0; LANES];
         for a in 0..3 {
+            let (at, c) = (&standing.at[a], &standing.c[a]);
             for k in 0..LANES {
-                let at = origin[a] + i32::from(standing.at[a][k]);
-                eight.arm[a][k] = f64::from(at) + 0.5 - position[a];
-                eight.c[a][k] = f64::from(standing.c[a][k]);
+                eight.arm[a][k] = f64::from(origin[a] + i32::from(at[k])) + 0.5 - position[a];
+            }
+            for k in 0..LANES {
+                let c = f64::from(c[k]);
+                eight.c[a][k] = c;
+                cc[k] += c * c;
             }
         }
+        eight.cc = cc;
         for k in 0..LANES {
-            let [x, y, z] = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
-            eight.cc[k] = x * x + y * y + z * z;
-            eight.weight[k] = WEIGHTS[usize::from(eight.cc[k] > 1.0)];
+            eight.weight[k] = if cc[k] > 1.0 { ASLANT } else { STRAIGHT };
         }
+        // Else compilers fill vectors with the same lane of eight eights, one number at a time.
+        compiler_fence(SeqCst);
     }
 }
 

@@ -23,6 +23,7 @@ mod balance;
 mod batch;
 mod bodies;
 mod body;
+mod bricks;
 mod catalogue;
 mod cells;
 mod collision;

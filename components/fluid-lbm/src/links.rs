@@ -26,6 +26,7 @@
 use crate::batch::Batch;
 use crate::bodies::Bodies;
 use crate::body::Body;
+use crate::bricks::Bricks;
 use crate::declared::Intakes;
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
@@ -150,6 +151,8 @@ pub struct After<'a, T: Real> {
     pub layout: &'a Layout,
     /// Who owns which cell.
     pub owners: &'a Owners,
+    /// Where cells joined the fluid or left it.
+    pub bricks: &'a Bricks,
     /// Parity of the collision just done.
     pub parity: Parity,
     /// Densities of the lines near bodies.

@@ -2,7 +2,7 @@
 
 use crate::kernel::Collides;
 use crate::ledger::add_scaled;
-use crate::owners::Vacated;
+use crate::owners::{Owners, Vacated};
 use crate::part_links::Site;
 use crate::refill::Content;
 use crate::solver::{Solver, before};
@@ -51,6 +51,7 @@ impl<T: Collides> Solver<T> {
         self.count_losses();
         self.refill();
         self.owners.admit();
+        self.note_changes();
         if !self.declared.is_empty() {
             self.declared.find_mouths(&self.owners, &self.layout);
             self.intakes.look(self.declared.by_cell(), &self.owners, &self.layout);
@@ -65,6 +66,14 @@ impl<T: Collides> Solver<T> {
             self.list_items();
         }
         self.find_links();
+    }
+
+    /// Notes where cells joined the fluid or left it.
+    fn note_changes(&mut self) {
+        let Owners { covered, enclosed, vacated, .. } = &self.owners;
+        let changed = covered.iter().chain(enclosed).copied();
+        let changed = changed.chain(vacated.iter().map(|vacated| vacated.cell));
+        self.bricks.begin(&self.layout, changed);
     }
 
     /// Freezes and thaws cells of gaps, and decides which cells are isolated.

@@ -153,6 +153,11 @@ impl Shell {
         self.origin.unwrap_or_default()
     }
 
+    /// Cells along each axis.
+    pub fn side(&self) -> i32 {
+        self.side
+    }
+
     /// Coordinates `(y, z)` of a row, as seen from the sphere.
     #[inline(always)]
     pub fn coordinates(&self, [j, k]: [i32; 2]) -> [i32; 2] {
@@ -162,7 +167,7 @@ impl Shell {
 
     /// The rows in some layers along z from which links can begin, in order.
     pub fn near(&self, layers: std::ops::Range<i32>) -> &[Near] {
-        if layers == (0..self.side) {
+        if layers.start <= 0 && layers.end >= self.side {
             return &self.near;
         }
         let before = |layer: i32| self.near.partition_point(|near| near.row[1] < layer);

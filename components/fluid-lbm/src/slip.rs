@@ -29,11 +29,15 @@ use crate::ledger::add_scaled;
 use crate::links::{After, Exchange};
 use crate::owners::{BODY, Owner, Owners, SHARED};
 use crate::part_links::as_seen;
+use crate::places::Parity;
 use crate::shape::{Felt, Hit, NO_FACET};
 use tremie_team::Team;
 
 /// Room for links, for each cell: as many as end aslant at one side of a gap and at the other.
 const LINKS_PER_CELL: usize = 10;
+
+/// In the order of [`Link::given`] and [`Link::taken`].
+const PARITIES: [Parity; 2] = [Parity::Even, Parity::Odd];
 
 /// Whose wall a link meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +66,9 @@ struct Link {
     whose: Whose,
     /// Where it meets a deformable surface, as that was when its cells were found.
     hit: Hit,
+    /// Where even and odd steps leave what it gets, and where the steps after them find it.
+    given: [u32; 2],
+    taken: [u32; 2],
     value: f64,
 }
 
@@ -125,8 +132,14 @@ impl Slip {
         if !is_new {
             self.mark(owners, layout);
         }
+        if !is_new && self.stale.is_empty() {
+            return;
+        }
         let is_stale = &self.is_stale;
         team.for_each(&mut self.items, |number, item| {
+            if !is_new && !gaps.cells_of(number).any(|cell| is_stale[cell as usize]) {
+                return;
+            }
             std::mem::swap(&mut item.links, &mut item.before);
             item.links.clear();
             let mut known = item.before.iter().filter(|_| !is_new).peekable();
@@ -184,7 +197,7 @@ impl Slip {
                         6.0 * W[i] * rho * (C_F64[i][axis] * u[axis] - paid)
                     }
                 };
-                link.value = after.post_one(link.source, link.from.into()) - push;
+                link.value = after.field.get(link.given[after.parity as usize] as usize) - push;
             }
         });
     }
@@ -201,7 +214,7 @@ impl Slip {
             item.exchanges.clear();
             item.felt.clear();
             for link in &item.links {
-                let place = after.next_place(link.cell, OPPOSITE[usize::from(link.dir)]);
+                let place = link.taken[after.parity as usize] as usize;
                 let old = after.field.get(place);
                 let gain = after.field.set(place, link.value) - old;
                 let known = item.exchanges.iter().position(|(whose, _)| *whose == link.whose);
@@ -214,7 +227,7 @@ impl Slip {
                     Whose::Fixture(number) => {
                         let force = C_F64[usize::from(link.dir)].map(|c| gain * c);
                         let reference = references[usize::from(number)];
-                        let arm = after.layout.grid.arm(reference, after.layout.at(link.cell));
+                        let arm = after.layout.grid.arm(reference, link.begin(after.layout));
                         add_scaled(&mut exchange.force, force, 1.0);
                         add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
                     }
@@ -271,6 +284,11 @@ impl Link {
     /// Whether this is the link of the step before.
     fn is_same(&self, now: &Self) -> bool {
         (self.number, self.whose) == (now.number, now.whose)
+    }
+
+    /// Coordinates of the cell where it begins.
+    fn begin(&self, layout: &Layout) -> [i32; 3] {
+        if self.mirrors == 0 { self.at } else { layout.at(self.cell) }
     }
 
     /// Where it meets a deformable surface.
@@ -346,6 +364,7 @@ impl Site<'_> {
         }
         let mirrors = self.layout.grid.mirrors_to(std::array::from_fn(|a| at[a] + C[i][a]));
         let (at, seen) = as_seen(&self.layout.grid, at, i, mirrors);
+        let place = |parity, cell, i| self.layout.place(parity, cell, i) as u32;
         Some(Link {
             number: self.first,
             cell,
@@ -358,6 +377,8 @@ impl Site<'_> {
             at,
             whose,
             hit: Hit::NONE,
+            given: PARITIES.map(|parity| place(parity, source, OPPOSITE[from])),
+            taken: PARITIES.map(|parity| place(parity.flipped(), cell, OPPOSITE[i])),
             value: 0.0,
         })
     }

@@ -3,6 +3,7 @@
 use crate::batch::Batch;
 use crate::bodies::Bodies;
 use crate::body::Body;
+use crate::bricks::Bricks;
 use crate::catalogue::Catalogue;
 use crate::cells::Fixture;
 use crate::collision::Relaxation;
@@ -64,6 +65,7 @@ pub struct Solver<T: Collides> {
     pub(crate) layout: Layout,
     pub(crate) field: Field<T>,
     pub(crate) owners: Owners,
+    pub(crate) bricks: Bricks,
     pub(crate) wanted: Wanted<T>,
     pub(crate) bodies: Bodies,
     pub(crate) relaxation: Relaxation,
@@ -207,6 +209,7 @@ impl<T: Collides> Solver<T> {
             units,
             field: Field::new(built.layout.places.stride()),
             owners,
+            bricks: Bricks::new(&built.layout.grid),
             wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
             bodies: Bodies::of(
                 Catalogue::new(
@@ -420,6 +423,7 @@ impl<T: Collides> Solver<T> {
             field: &self.field,
             layout: &self.layout,
             owners: &self.owners,
+            bricks: &self.bricks,
             parity: self.parity,
             drho: &self.wanted.drho,
             variant: self.variant,

@@ -3,10 +3,11 @@
 //! A sphere in slow motion covers the same cells for many steps, and only where its surface cuts a link changes. So
 //! the links of an item are listed with what stays: the cell and the direction, and where populations are. A
 //! list holds as long as the sphere covers the same cells, the same ones around it are fluid, and it shares none with
-//! another body; the second is asked row by row in words of bits.
+//! another body; the second is asked of the bricks around it, and row by row in words of bits where one has changed.
 
 use crate::bodies::Bodies;
 use crate::body::Body;
+use crate::bricks::Bricks;
 use crate::columns::{LANES, Standing};
 use crate::field::Real;
 use crate::gaps::Gaps;
@@ -44,6 +45,9 @@ pub struct SphereLinks {
     fit: u64,
     /// Whether they were found while the sphere shared cells.
     shares: bool,
+    /// The bricks in which cells near the sphere are, and the last step of which it is known that the same are fluid.
+    bricks: Vec<u32>,
+    seen: u64,
     /// Which cells of each row near the sphere are fluid, those of some more layers too.
     fluid: Vec<u64>,
     /// Cells and directions as seen from the sphere, in eights.
@@ -71,6 +75,7 @@ impl SphereLinks {
         // Where a sphere touches others, a few of its links.
         let gaps = if gaps_press { links / 4 } else { 0 };
         Self {
+            bricks: Vec::with_capacity(Bricks::most(side)),
             fluid: Vec::with_capacity(rows(layers + 2 * BEYOND)),
             standing: Vec::with_capacity(links / LANES + 1),
             slots: Vec::with_capacity(links),
@@ -83,7 +88,8 @@ impl SphereLinks {
 
     /// Memory that they take [bytes].
     pub fn bytes(&self) -> usize {
-        size_of::<u64>() * self.fluid.capacity()
+        size_of::<u32>() * self.bricks.capacity()
+            + size_of::<u64>() * self.fluid.capacity()
             + size_of::<Standing>() * self.standing.capacity()
             + size_of::<Slots>() * self.slots.capacity()
             + self.mirrors.capacity()
@@ -131,19 +137,26 @@ impl<T: Real> After<'_, T> {
         links: &mut SphereLinks,
     ) {
         let (shell, beyond) = (&body.shell, layers.start - BEYOND..layers.end + BEYOND);
-        let all = shell.near(beyond);
+        let all = || shell.near(beyond.clone());
         let fluid = |near: &Near| near.free & self.owners.fluid_among(near.cells, near.number);
+        let before = std::mem::replace(&mut links.seen, self.bricks.step());
         let holds = links.fit == shell.fits()
             && !links.shares
             && !body.shares
-            && all.iter().zip(&links.fluid).all(|(near, &known)| fluid(near) == known);
+            && (self.bricks.are_as_in(&links.bricks, before)
+                || all().iter().zip(&links.fluid).all(|(near, &known)| fluid(near) == known));
         if holds {
             return;
         }
+        let all = all();
         links.clear();
         links.finds += 1;
         (links.fit, links.shares) = (shell.fits(), body.shares);
         links.fluid.extend(all.iter().map(fluid));
+        let [mut first, mut last] = [shell.origin(), shell.origin().map(|k| k + shell.side() - 1)];
+        (last[2], first[2]) =
+            (last[2].min(first[2] + beyond.end - 1), first[2] + beyond.start.max(0));
+        self.bricks.list(&self.layout.grid, first, last, &mut links.bricks);
         let own = all.iter().position(|near| layers.contains(&near.row[1])).unwrap_or(all.len());
         let rows = shell.near(layers);
         for (number, near) in rows.iter().enumerate() {
