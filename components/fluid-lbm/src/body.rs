@@ -286,6 +286,9 @@ impl Body {
         if self.part.is_some() {
             return self.note_changes(layout);
         }
+        if self.spans.hold_at(self.position) {
+            return;
+        }
         std::mem::swap(&mut self.spans, &mut self.previous);
         self.spans.fit(&layout.grid, self.position, self.radius);
         let origin = self.position.map(|x| (x - self.radius).floor() as i32 - 1);

@@ -76,13 +76,50 @@ pub struct Spans {
     /// Rows along y and along z.
     side: i32,
     rows: Vec<Span>,
+    /// Where the sphere was when they were found, and how far it can be from there in any direction and cover the
+    /// same cells.
+    centre: [f64; 3],
+    slack: f64,
+}
+
+/// Slack of a sphere at most: a row beyond [`Spans::side`] is half a cell away from it, and more.
+const MOST_SLACK: f64 = 0.4;
+
+/// By how much the squared distance of a cell to the centre of a sphere differs from the squared radius: the least
+/// of those inside, and of those outside.
+#[derive(Clone, Copy)]
+struct Margins {
+    inside: f64,
+    outside: f64,
+}
+
+impl Margins {
+    /// Takes note of a cell at `d` from the centre.
+    #[inline(always)]
+    fn note(&mut self, d: [f64; 3], r2: f64) {
+        let deep = r2 - (d[0] * d[0] + (d[1] * d[1] + d[2] * d[2]));
+        if deep >= 0.0 {
+            self.inside = self.inside.min(deep);
+        } else {
+            self.outside = self.outside.min(-deep);
+        }
+    }
+
+    /// The least distance from a cell to the surface, or [`MOST_SLACK`]; less what rounding may make of it.
+    fn slack(self, radius: f64) -> f64 {
+        // |d| - r is the difference of the squares over |d| + r.
+        let inside = self.inside / (2.0 * radius);
+        let outside = self.outside / (2.0 * radius + MOST_SLACK);
+        inside.min(outside).min(MOST_SLACK) - 1e-9
+    }
 }
 
 impl Spans {
     /// Of no cell, with room for a sphere of the given radius.
     pub fn empty(radius: f64) -> Self {
         let side = (2.0 * radius).ceil() as i32 + 2;
-        Self { origin: [0, 0], side, rows: vec![Span::NONE; (side * side) as usize] }
+        let rows = vec![Span::NONE; (side * side) as usize];
+        Self { origin: [0, 0], side, rows, centre: [0.0; 3], slack: 0.0 }
     }
 
     /// Becomes the cells inside the sphere; none if it is beyond a wall. The radius is at most that
@@ -95,14 +132,25 @@ impl Spans {
         }
         let r2 = radius * radius;
         self.origin = [1, 2].map(|a| (centre[a] - radius).floor() as i32);
+        let mut margins = Margins { inside: f64::INFINITY, outside: f64::INFINITY };
         for k in 0..self.rows.len() as i32 {
             let (y, z) = (self.origin[0] + k % self.side, self.origin[1] + k / self.side);
-            self.rows[k as usize] = span_of(grid, centre, radius, r2, y, z);
+            self.rows[k as usize] = span_of(grid, centre, radius, r2, [y, z], &mut margins);
         }
+        (self.centre, self.slack) = (centre, margins.slack(radius));
+    }
+
+    /// Whether the sphere covers the same cells at another place near by.
+    #[inline]
+    pub fn hold_at(&self, centre: [f64; 3]) -> bool {
+        let by: [f64; 3] = std::array::from_fn(|a| centre[a] - self.centre[a]);
+        let far2 = by[0] * by[0] + (by[1] * by[1] + by[2] * by[2]);
+        self.slack > 0.0 && far2 < self.slack * self.slack
     }
 
     /// Moves all coordinates.
     pub fn shift(&mut self, by: [i32; 3]) {
+        self.slack = 0.0;
         self.origin = [self.origin[0] + by[1], self.origin[1] + by[2]];
         for span in &mut self.rows {
             *span = Span { first: span.first + by[0], last: span.last + by[0] };
@@ -111,6 +159,7 @@ impl Spans {
 
     /// Becomes empty.
     pub fn clear(&mut self) {
+        self.slack = 0.0;
         self.rows.fill(Span::NONE);
     }
 
@@ -151,14 +200,22 @@ impl Spans {
     }
 }
 
-/// Cells of the row `(y, z)` inside the sphere, cut off at walls.
-fn span_of(grid: &Grid, centre: [f64; 3], radius: f64, r2: f64, y: i32, z: i32) -> Span {
+/// Cells of the row `(y, z)` inside the sphere, cut off at walls; notes those on either side of its surface.
+fn span_of(
+    grid: &Grid,
+    centre: [f64; 3],
+    radius: f64,
+    r2: f64,
+    [y, z]: [i32; 2],
+    margins: &mut Margins,
+) -> Span {
     let outside = |axis: usize, k: i32| !grid.periodic[axis] && (k < 0 || k >= grid.n[axis]);
     if outside(1, y) || outside(2, z) {
         return Span::NONE;
     }
     let (dy, dz) = (f64::from(y) + 0.5 - centre[1], f64::from(z) + 0.5 - centre[2]);
-    let inside = |x: i32| inside([f64::from(x) + 0.5 - centre[0], dy, dz], r2);
+    let arm = |x: i32| [f64::from(x) + 0.5 - centre[0], dy, dz];
+    let inside = |x: i32| inside(arm(x), r2);
     let half = (radius * radius - (dy * dy + dz * dz)).max(0.0).sqrt();
     // An estimate to within rounding, then the comparison that decides.
     let mut first = (centre[0] - half - 0.5) as i32;
@@ -174,6 +231,11 @@ fn span_of(grid: &Grid, centre: [f64; 3], radius: f64, r2: f64, y: i32, z: i32) 
     }
     while first <= last && !inside(last) {
         last -= 1;
+    }
+    // In a row without a cell inside, the two next to the centre are among the four around `last`.
+    let ends = if last < first { [last - 1, last + 2] } else { [first, last] };
+    for x in [ends[0] - 1, ends[0], ends[1], ends[1] + 1, first, last] {
+        margins.note(arm(x), r2);
     }
     if !grid.periodic[0] {
         (first, last) = (first.max(0), last.min(grid.n[0] - 1));
@@ -204,6 +266,26 @@ mod tests {
                     }
                 }
             }
+        }
+
+        #[test]
+        fn a_sphere_covers_the_same_cells_as_far_as_its_slack_says(
+            centre in prop::array::uniform3(-2.0..14.0_f64), radius in 0.1..4.0_f64,
+            by in prop::array::uniform3(-0.15..0.15_f64), scale in 0.0..1.0_f64,
+        ) {
+            let grid = Grid::walled([12, 12, 12], [true, true, false]);
+            let mut before = Spans::empty(radius);
+            before.fit(&grid, centre, radius);
+            // Small steps too, or hardly any would be within the slack.
+            let moved = std::array::from_fn(|a| centre[a] + scale * scale * scale * by[a]);
+            let mut after = Spans::empty(radius);
+            after.fit(&grid, moved, radius);
+            if before.hold_at(moved) {
+                for (y, z) in (-8..20).flat_map(|y| (-8..20).map(move |z| (y, z))) {
+                    prop_assert_eq!(before.at(y, z), after.at(y, z));
+                }
+            }
+            prop_assert!(before.slack <= 0.0 || before.hold_at(centre));
         }
 
         #[test]
