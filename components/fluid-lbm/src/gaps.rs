@@ -40,9 +40,13 @@ use crate::shape::{Felt, NO_FACET};
 use crate::solver::Solver;
 use crate::sphere::{inside, wall_distance};
 use crate::wall_distances::WallDistances;
+use tremie_team::Cut;
 
 /// Surfaces nearer than this part of a link are in contact.
 pub const CONTACT: f64 = 1e-3;
+
+/// Items whose gaps one thread looks at together.
+const ITEMS_PER_PIECE: usize = 32;
 
 /// Gaps of an item at most; those beyond count as the last.
 const ROOM: usize = 24;
@@ -436,37 +440,49 @@ fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64
     if found[1] == 0.0 { 0.0 } else { found[0] / found[1] }
 }
 
+/// Density minus 1 in each gap of an item of links.
+pub type InGaps = [f64; ROOM];
+
+/// In gaps of which nothing is known yet.
+pub const UNKNOWN: InGaps = [0.0; ROOM];
+
+/// Calls `give` with the facet, force and place of everything that the facets of a deformable surface felt of the
+/// fluid and of gaps, from its items of links and the densities in their gaps.
+pub fn each_felt(
+    items: &[Item],
+    in_gaps: &[InGaps],
+    mut give: impl FnMut(usize, [f64; 3], [f64; 3]),
+) {
+    for (item, drho) in items.iter().zip(in_gaps) {
+        for felt in &item.gaps.felt {
+            let scale = drho.get(usize::from(felt.gap)).copied().unwrap_or(1.0);
+            give(felt.facet as usize, felt.force.map(|f| f * scale), felt.at);
+        }
+    }
+}
+
 impl<T: Collides> Solver<T> {
     /// The items of the body in a place.
     pub(crate) fn items_of(&self, place: usize) -> &[Item] {
         &self.link_items[self.bodies.living[place].items.clone()]
     }
 
-    /// Density minus 1 in the gap between the body in a place and something.
-    fn drho_across(&self, place: usize, across: Across) -> f64 {
-        match across.as_declared() {
-            Some(number) => self.declared.drho(number),
-            None if self.gaps_press => drho_in(&self.link_items, &self.bodies, place, across),
-            None => 0.0,
-        }
-    }
-
-    /// Calls `give` with the facet, force and place of everything that the facets of a deformable surface
-    /// felt in the step.
-    pub(crate) fn each_felt(&self, place: usize, mut give: impl FnMut(usize, [f64; 3], [f64; 3])) {
-        for item in self.items_of(place) {
-            let mut drho = [0.0; ROOM];
-            for (drho, gap) in drho.iter_mut().zip(&item.gaps.list) {
-                *drho = self.drho_across(place, gap.across);
+    /// Finds the densities in the gaps of all items.
+    fn find_densities(&mut self) {
+        let (items, bodies, declared) = (&self.link_items, &self.bodies, &self.declared);
+        let press = self.gaps_press;
+        let pieces = Cut::every(&mut self.in_gaps, ITEMS_PER_PIECE);
+        self.team.for_pieces(pieces, |number, piece: &mut [InGaps]| {
+            for (item, in_gaps) in items[number * ITEMS_PER_PIECE..].iter().zip(piece) {
+                for (gap, drho) in item.gaps.list.iter().zip(in_gaps) {
+                    *drho = match gap.across.as_declared() {
+                        Some(number) => declared.drho(number),
+                        None if press => drho_in(items, bodies, item.body, gap.across),
+                        None => 0.0,
+                    };
+                }
             }
-            for felt in &item.gaps.felt {
-                let scale = drho.get(usize::from(felt.gap)).copied().unwrap_or(1.0);
-                give(felt.facet as usize, felt.force.map(|f| f * scale), felt.at);
-            }
-        }
-        for felt in self.slip.on_facets(self.bodies.living[place].handle) {
-            give(felt.facet as usize, felt.force, felt.at);
-        }
+        });
     }
 
     /// Finds what the pressure in gaps gives to bodies and fixtures, from what the links' search
@@ -477,13 +493,14 @@ impl<T: Collides> Solver<T> {
         }
         let items = &self.link_items;
         self.declared.settle_nearest(|gap| around(items, |to| to == Across::declared(gap)));
+        self.find_densities();
         self.pressed.fill(Exchange::default());
         for place in 0..self.bodies.living.len() {
             let mut load = [[0.0; 3]; 2];
-            for item in &self.link_items[self.bodies.living[place].items.clone()] {
-                for gap in &item.gaps.list {
+            let items = self.bodies.living[place].items.clone();
+            for (item, in_gaps) in self.link_items[items.clone()].iter().zip(&self.in_gaps[items]) {
+                for (gap, &drho) in item.gaps.list.iter().zip(in_gaps) {
                     let declared = gap.across.as_declared();
-                    let drho = self.drho_across(place, gap.across);
                     let part = gap.load.map(|v| v.map(|x| x * drho));
                     add_scaled(&mut load[0], part[0], 1.0);
                     add_scaled(&mut load[1], part[1], 1.0);

@@ -12,6 +12,7 @@ use crate::declared::{DeclaredGaps, Intakes};
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
+use crate::gaps::{self, InGaps};
 use crate::halfway::HalfwayLinks;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lanes::Variant;
@@ -131,6 +132,8 @@ pub struct Solver<T: Collides> {
     pub(crate) fixtures: Vec<Exchange>,
     /// What gaps without cells gave to each fixture.
     pub(crate) pressed: Vec<Exchange>,
+    /// Density minus 1 in the gaps of each item of links.
+    pub(crate) in_gaps: Vec<InGaps>,
     /// Room for sums over fixtures.
     pub(crate) impulses: Vec<[f64; 3]>,
 }
@@ -268,6 +271,7 @@ impl<T: Collides> Solver<T> {
             exchange: Exchange::default(),
             fixtures: vec![Exchange::default(); fixtures],
             pressed: vec![Exchange::default(); fixtures],
+            in_gaps: Vec::new(),
             impulses: vec![[0.0; 3]; fixtures],
         };
         let (velocity, pressure) = (fluid.velocity, fluid.pressure);
@@ -300,6 +304,7 @@ impl<T: Collides> Solver<T> {
         }
         let counts = [self.declared.len(), self.intakes.len()];
         self.link_items = links::items(&mut self.bodies, press, counts);
+        self.in_gaps.resize(self.link_items.len(), gaps::UNKNOWN);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();

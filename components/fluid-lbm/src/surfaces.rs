@@ -3,6 +3,7 @@
 
 use crate::balance::mirrors_of_part;
 use crate::error::FluidError;
+use crate::gaps::each_felt;
 use crate::kernel::Collides;
 use crate::lattice::{cross, dot};
 use crate::ledger::add_scaled;
@@ -15,6 +16,7 @@ use std::ops::Range;
 use tremie_geometry::{Frame, Mesh, Surface, Turned};
 use tremie_messages::scene::Scene;
 use tremie_messages::{FacetLoad, SurfaceVertex};
+use tremie_team::Cut;
 
 /// A deformable surface of the scene.
 #[derive(Clone, Debug)]
@@ -130,17 +132,37 @@ impl<T: Collides> Solver<T> {
             else {
                 continue;
             };
-            shape.loads.fill([[0.0; 3]; 2]);
-            self.each_felt(place, |facet, force, at| {
-                let load = &mut shape.loads[facet];
-                add_scaled(&mut load[0], force, 1.0);
-                add_scaled(&mut load[1], cross(at, force), 1.0);
-            });
+            self.feel(place, &mut shape);
             self.finish_facets(place, &exchange, &mut shape);
             if let Some(part) = &mut self.bodies.living[place].part {
                 part.shape = Some(shape);
             }
         }
+    }
+
+    /// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping. Each thread looks at all of it
+    /// and takes what is of its own facets: so each facet's sum has the order of what it felt.
+    fn feel(&mut self, place: usize, shape: &mut Shape) {
+        let items = self.bodies.living[place].items.clone();
+        let (in_gaps, felt) = (&self.in_gaps[items.clone()], &self.link_items[items]);
+        let slip = &self.slip;
+        let handle = self.bodies.living[place].handle;
+        let length = shape.loads.len().div_ceil(self.team.threads()).max(1);
+        let pieces = Cut::every(&mut shape.loads, length);
+        self.team.for_pieces(pieces, |piece, loads: &mut [[[f64; 3]; 2]]| {
+            loads.fill([[0.0; 3]; 2]);
+            let first = piece * length;
+            let mut give = |facet: usize, force: [f64; 3], at: [f64; 3]| {
+                if let Some(load) = loads.get_mut(facet.wrapping_sub(first)) {
+                    add_scaled(&mut load[0], force, 1.0);
+                    add_scaled(&mut load[1], cross(at, force), 1.0);
+                }
+            };
+            each_felt(felt, in_gaps, &mut give);
+            for felt in slip.on_facets(handle) {
+                give(felt.facet as usize, felt.force, felt.at);
+            }
+        });
     }
 
     /// Counts loads for the mirrored half too, averages them, and adds buoyancy.
