@@ -9,6 +9,7 @@ use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
 };
 use tremie_messages::{BodyEvent, BodyState, Load};
+use tremie_test_support::processor_seconds;
 
 /// A box of `n` cubed cells of 1 m with a fluid of tau = 0.8.
 fn scene(n: usize, face: Face) -> Scene {
@@ -35,14 +36,6 @@ fn fluid(
     FluidLbm::with_variant(&scene, &parameters, time_step, threads, variant).unwrap()
 }
 
-/// Seconds that this thread was on a processor; wall time where the system does not say. Others may
-/// use the machine at the same time.
-fn processor_seconds(since: Instant) -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let busy = text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok());
-    busy.map_or_else(|| since.elapsed().as_secs_f64(), |ns| ns * 1e-9)
-}
-
 /// Seconds of the fastest of a few pairs of steps, halved: of the processor for one thread, else of
 /// the clock.
 fn seconds_per_step(
@@ -54,21 +47,17 @@ fn seconds_per_step(
     let mut loads = vec![Load::default(); bodies.len()];
     fluid.start(bodies, &mut loads).unwrap();
     let mut best = f64::INFINITY;
-    let zero = Instant::now();
     for _ in 0..20 {
         let start = Instant::now();
-        let busy = processor_seconds(zero);
+        let busy = processor_seconds();
         for _ in 0..2 {
             for body in &mut *bodies {
                 body.position[0] += motion;
             }
             fluid.step(bodies, &mut loads).unwrap();
         }
-        let spent = if threads == 1 {
-            processor_seconds(zero) - busy
-        } else {
-            start.elapsed().as_secs_f64()
-        };
+        let spent =
+            if threads == 1 { processor_seconds() - busy } else { start.elapsed().as_secs_f64() };
         best = best.min(0.5 * spent);
     }
     best

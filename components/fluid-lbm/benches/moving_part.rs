@@ -9,6 +9,7 @@ use tremie_messages::scene::{
 };
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Load};
+use tremie_test_support::processor_seconds;
 
 /// Numbers of the profiles [mm]: `[r, z]`.
 const CHAMBER: [[f64; 2]; 6] =
@@ -33,14 +34,6 @@ fn part(name: &str, profile: Vec<[f64; 2]>, cavity: bool, position: [f64; 3]) ->
         motion: if cavity { Motion::Fixed } else { Motion::Prescribed(Vec::new()) },
         boundary: PartBoundary::Wall,
     }
-}
-
-/// Seconds that this thread was on a processor; wall time where the system does not say. Others may
-/// use the machine at the same time.
-fn processor_seconds(since: Instant) -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let busy = text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok());
-    busy.map_or_else(|| since.elapsed().as_secs_f64(), |ns| ns * 1e-9)
 }
 
 /// Seconds of a step, the mean over some: of the processor for one thread, else of the clock.
@@ -102,16 +95,12 @@ fn measure(scale: f64, speed: Option<f64>, threads: usize) {
         }
     };
     step(4);
-    let zero = Instant::now();
     let (mut total, mut steps) = (0.0, 0_u32);
     while total < 1.0 {
-        let (start, busy) = (Instant::now(), processor_seconds(zero));
+        let (start, busy) = (Instant::now(), processor_seconds());
         step(20);
-        total += if threads == 1 {
-            processor_seconds(zero) - busy
-        } else {
-            start.elapsed().as_secs_f64()
-        };
+        total +=
+            if threads == 1 { processor_seconds() - busy } else { start.elapsed().as_secs_f64() };
         steps += 20;
     }
     let links = fluid.diagnostics().links;

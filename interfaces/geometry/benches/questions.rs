@@ -4,9 +4,8 @@
 //! point by point, in the same run, much less.
 
 use std::hint::black_box;
-use std::sync::OnceLock;
-use std::time::Instant;
 use tremie_geometry::{Bounds, Mesh, Row, RowScratch, Surface, mend};
+use tremie_test_support::processor_seconds;
 
 fn main() {
     let mesh = torus(320, 160);
@@ -81,25 +80,14 @@ fn main() {
 /// The shortest of three runs [s], and the last result.
 fn timed<T>(mut run: impl FnMut() -> T) -> (f64, T) {
     let mut once = || {
-        let start = processor_time();
+        let start = processor_seconds();
         let result = black_box(run());
-        (processor_time() - start, result)
+        (processor_seconds() - start, result)
     };
     let runs = [once(), once(), once()];
     let best = runs.iter().map(|(time, _)| *time).fold(f64::INFINITY, f64::min);
     let [_, _, (_, result)] = runs;
     (best, result)
-}
-
-/// Time that this thread has spent on a processor [s], where the system tells: other programs do not
-/// count. Else time as it passes.
-fn processor_time() -> f64 {
-    static START: OnceLock<Instant> = OnceLock::new();
-    let statistics = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    match statistics.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()) {
-        Some(ns) => 1e-9 * ns,
-        None => START.get_or_init(Instant::now).elapsed().as_secs_f64(),
-    }
 }
 
 fn voxels_one_by_one(surface: &Surface, n: usize) -> usize {

@@ -1,9 +1,15 @@
-//! What tests of several crates need and no run does: a dependency of tests alone, which is why it stands
+//! What tests and benchmarks of several crates need and no run does: a dependency of these alone, which is why it stands
 //! beside the tests and not among the interfaces.
 //!
 //! [`Counting`] is the system's allocator, counting. A test that says that something allocates nothing, or
 //! how much it keeps, makes it the allocator of its program
 //! (`#[global_allocator]`). One such test to a program: others would count with it.
+//!
+//! [`processor_seconds`] times what one thread does, whatever other programs do beside it.
+
+mod clock;
+
+pub use clock::processor_seconds;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

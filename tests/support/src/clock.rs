@@ -1,0 +1,25 @@
+//! Time that a thread spends on a processor.
+
+/// Seconds that this thread has spent on a processor; where the system does not tell, those since it asked first. Other
+/// programs may use the machine at the same time.
+///
+/// (`/proc/thread-self/schedstat` tells it too, but on some systems in steps of a scheduler's tick.)
+pub fn processor_seconds() -> f64 {
+    of_thread().unwrap_or_else(|| {
+        thread_local!(static START: std::time::Instant = std::time::Instant::now());
+        START.with(|start| start.elapsed().as_secs_f64())
+    })
+}
+
+#[cfg(target_os = "linux")]
+fn of_thread() -> Option<f64> {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: the time is written where it points to.
+    let refused = unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut time) };
+    (refused == 0).then_some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn of_thread() -> Option<f64> {
+    None
+}
