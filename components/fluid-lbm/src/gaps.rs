@@ -99,6 +99,26 @@ impl Across {
     }
 }
 
+/// A link that may be a gap link: all that stands still of it.
+#[derive(Clone, Copy, Debug)]
+pub struct GapLink {
+    /// Where it begins, as seen from the body.
+    at: [i32; 3],
+    dir: u8,
+    /// Where it ends, which the body covers.
+    pub cell: u32,
+    begin: Begin,
+}
+
+/// What the cell is where a gap link begins.
+#[derive(Clone, Copy, Debug)]
+enum Begin {
+    /// What stands still, and how far its surface is from the covered cell.
+    Still { across: Across, distance: f64 },
+    /// A stored cell, through a mirror at some axes.
+    Stored { cell: u32, mirrors: u8 },
+}
+
 /// A gap, or the part of it that an item of links found.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
@@ -222,8 +242,9 @@ impl<T: Real> After<'_, T> {
         i: usize,
         gaps: &mut Gaps,
     ) {
-        let Some(cell) = self.covered(at, i) else { return };
-        if let Some(gap) = self.press(bodies, body, walls, (at, i, cell), gaps) {
+        let Some(link) = self.gap_link(walls, at, i) else { return };
+        let cell = link.cell;
+        if let Some(gap) = self.press(bodies, body, &link, gaps) {
             for next in self.layout.places.neighbours(cell) {
                 if self.owners.is_fluid(next) {
                     gap.drho += self.drho.get(next as usize);
@@ -238,34 +259,42 @@ impl<T: Real> After<'_, T> {
         &self,
         bodies: &Bodies,
         body: &Body,
-        walls: &WallDistances,
-        link: ([i32; 3], usize, u32),
+        link: &GapLink,
         witnesses: &[u32],
         gaps: &mut Gaps,
     ) {
-        if let Some(gap) = self.press(bodies, body, walls, link, gaps) {
+        if let Some(gap) = self.press(bodies, body, link, gaps) {
             let drho = |cell: &u32| self.drho.get(*cell as usize);
             gap.drho = witnesses.iter().map(drho).fold(gap.drho, |sum, drho| sum + drho);
             gap.cells += witnesses.len() as f64;
         }
     }
 
-    /// The stored cell to which the link `i` leads from `at`.
-    pub fn covered(&self, at: [i32; 3], i: usize) -> Option<u32> {
+    /// The link `i` from `at` to a stored cell, if it can be a gap link.
+    pub fn gap_link(&self, walls: &WallDistances, at: [i32; 3], i: usize) -> Option<GapLink> {
         let grid = &self.layout.grid;
         let own = std::array::from_fn(|a| grid.wrap(a, at[a] + C[i][a]));
-        grid.contains(own).then(|| self.layout.cell(own)).flatten()
+        let cell = grid.contains(own).then(|| self.layout.cell(own)).flatten()?;
+        let begin = match beyond(self.layout, at) {
+            Beyond::Open => return None,
+            Beyond::Fixture(face) => {
+                let (across, distance) = fixture(walls, face, cell, i)?;
+                Begin::Still { across, distance }
+            }
+            Beyond::Stored { cell, mirrors } => Begin::Stored { cell, mirrors },
+        };
+        Some(GapLink { at, dir: i as u8, cell, begin })
     }
 
-    /// Records that the gap link `i` from `at` into the body's `cell` presses on it, if it does. Returns the gap.
+    /// Records that a gap link presses on the body, if it does. Returns the gap.
     fn press<'g>(
         &self,
         bodies: &Bodies,
         body: &Body,
-        walls: &WallDistances,
-        (at, i, cell): ([i32; 3], usize, u32),
+        link: &GapLink,
         gaps: &'g mut Gaps,
     ) -> Option<&'g mut Gap> {
+        let (at, i) = (link.at, usize::from(link.dir));
         let c = C_F64[i];
         let arm = std::array::from_fn(|a| f64::from(at[a]) + 0.5 - body.position[a]);
         let (q, facet) = match &body.part {
@@ -273,7 +302,7 @@ impl<T: Real> After<'_, T> {
             None => (wall_distance(arm, c, body.r2()), NO_FACET),
             Some(part) => part.meet_facet(at, C[i]),
         };
-        let (across, far) = self.across(bodies, body, walls, at, cell, i)?;
+        let (across, far) = self.across(bodies, body, link)?;
         // Both as seen from the covered cell.
         if far - (1.0 - q) <= CONTACT {
             return None;
@@ -281,22 +310,15 @@ impl<T: Real> After<'_, T> {
         Some(gaps.add(across, arm, (i, q), facet))
     }
 
-    /// What the cell `at` belongs to, and how far its surface is from the covered cell on the link
-    /// between them. `None` if they are not two, or the cell is fluid.
-    fn across(
-        &self,
-        bodies: &Bodies,
-        body: &Body,
-        walls: &WallDistances,
-        at: [i32; 3],
-        cell: u32,
-        i: usize,
-    ) -> Option<(Across, f64)> {
-        let (grid, back) = (&self.layout.grid, OPPOSITE[i]);
-        let (other, mirrors) = match beyond(self.layout, at) {
-            Beyond::Open => return None,
-            Beyond::Fixture(face) => return fixture(walls, face, cell, i),
-            Beyond::Stored { cell, mirrors } => (cell, mirrors),
+    /// What a link's beginning belongs to, and how far its surface is from the covered cell on the link.
+    /// `None` if they are not two, or the beginning is fluid.
+    fn across(&self, bodies: &Bodies, body: &Body, link: &GapLink) -> Option<(Across, f64)> {
+        let GapLink { at, cell, .. } = *link;
+        let (grid, i) = (&self.layout.grid, usize::from(link.dir));
+        let back = OPPOSITE[i];
+        let (other, mirrors) = match link.begin {
+            Begin::Still { across, distance } => return Some((across, distance)),
+            Begin::Stored { cell, mirrors } => (cell, mirrors),
         };
         // An image is met where the other is met from the covered cell's image.
         let is_image = mirrors != 0;

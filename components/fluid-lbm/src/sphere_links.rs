@@ -10,12 +10,13 @@ use crate::body::Body;
 use crate::bricks::Bricks;
 use crate::columns::{LANES, Standing};
 use crate::field::Real;
-use crate::gaps::Gaps;
+use crate::gaps::{GapLink, Gaps};
 use crate::lattice::{C, Q};
 use crate::links::After;
 use crate::part_links::as_seen;
 use crate::shell::{Near, Shell};
 use crate::slots::Slots;
+use crate::wall_distances::WallDistances;
 
 /// Cells of a row whose links are found at once: as a byte has bits.
 const CHUNK: i32 = 8;
@@ -26,17 +27,8 @@ const BEYOND: i32 = 2;
 /// How many rows ahead memory is asked for the table of places.
 const AHEAD: usize = 4;
 
-/// A link from a cell that is not fluid into the sphere.
-#[derive(Clone, Copy, Debug)]
-struct GapLink {
-    /// Where it begins, as seen from the sphere.
-    at: [i32; 3],
-    dir: u8,
-    /// Where it ends, which the sphere covers.
-    cell: u32,
-    /// First of the fluid cells next to that, and the end of them.
-    witnesses: [u32; 2],
-}
+/// The first of the fluid cells next to the end of a link, and the end of them, in a list.
+type Witnesses = [u32; 2];
 
 /// The links of some layers of a sphere's shell.
 #[derive(Clone, Debug, Default)]
@@ -57,7 +49,7 @@ pub struct SphereLinks {
     /// Axes at which each is mirrored; none if no link is.
     pub mirrors: Vec<u8>,
     /// Links that may be gap links, and the fluid cells next to their ends; see `gaps`.
-    gaps: Vec<GapLink>,
+    gaps: Vec<(GapLink, Witnesses)>,
     witnesses: Vec<u32>,
     /// How often they were found.
     finds: u64,
@@ -93,7 +85,7 @@ impl SphereLinks {
             + size_of::<Standing>() * self.standing.capacity()
             + size_of::<Slots>() * self.slots.capacity()
             + self.mirrors.capacity()
-            + size_of::<GapLink>() * self.gaps.capacity()
+            + size_of::<(GapLink, Witnesses)>() * self.gaps.capacity()
             + size_of::<u32>() * self.witnesses.capacity()
     }
 
@@ -166,8 +158,8 @@ impl<T: Real> After<'_, T> {
             let fluid = links.fluid[own + number];
             let row = Row::new(self, bodies, body, near);
             self.find_row(&row, near, fluid, links);
-            if self.walls.is_some() {
-                self.find_gaps(&row, near.free & !fluid, links);
+            if let Some(walls) = self.walls {
+                self.find_gaps(&row, walls, near.free & !fluid, links);
             }
         }
         if !links.mirrors.is_empty() {
@@ -248,7 +240,7 @@ impl<T: Real> After<'_, T> {
     }
 
     /// Lists what may be gap links of those that begin in the cells of a row whose bits are set in `solid`.
-    fn find_gaps(&self, row: &Row, solid: u64, links: &mut SphereLinks) {
+    fn find_gaps(&self, row: &Row, walls: &WallDistances, solid: u64, links: &mut SphereLinks) {
         let grid = &self.layout.grid;
         for i in 1..Q {
             let mut found = row.gaps(i) & solid;
@@ -256,21 +248,20 @@ impl<T: Real> After<'_, T> {
                 let x = row.first + found.trailing_zeros() as i32;
                 found &= found - 1;
                 let end = x + C[i][0];
-                if grid.periodic[0] || (end >= 0 && end < grid.n[0]) {
-                    let at = [x, row.y, row.z];
-                    if let Some(cell) = self.covered(at, i) {
-                        let witnesses = self.witnesses(cell, links);
-                        links.gaps.push(GapLink { at, dir: i as u8, cell, witnesses });
-                    }
+                if (grid.periodic[0] || (end >= 0 && end < grid.n[0]))
+                    && let Some(link) = self.gap_link(walls, [x, row.y, row.z], i)
+                {
+                    let witnesses = self.witnesses(link.cell, links);
+                    links.gaps.push((link, witnesses));
                 }
             }
         }
     }
 
     /// Lists the fluid cells next to one that the sphere covers, unless they are listed.
-    fn witnesses(&self, cell: u32, links: &mut SphereLinks) -> [u32; 2] {
-        if let Some(known) = links.gaps.iter().rev().find(|known| known.cell == cell) {
-            return known.witnesses;
+    fn witnesses(&self, cell: u32, links: &mut SphereLinks) -> Witnesses {
+        if let Some((_, known)) = links.gaps.iter().rev().find(|(link, _)| link.cell == cell) {
+            return *known;
         }
         let first = links.witnesses.len() as u32;
         let fluid = self.layout.places.neighbours(cell).filter(|&next| self.owners.is_fluid(next));
@@ -286,10 +277,9 @@ impl<T: Real> After<'_, T> {
         links: &SphereLinks,
         gaps: &mut Gaps,
     ) {
-        let Some(walls) = self.walls else { return };
-        for &GapLink { at, dir, cell, witnesses: [first, end] } in &links.gaps {
-            let witnesses = &links.witnesses[first as usize..end as usize];
-            self.gap_seen(bodies, body, walls, (at, dir.into(), cell), witnesses, gaps);
+        for (link, [first, end]) in &links.gaps {
+            let witnesses = &links.witnesses[*first as usize..*end as usize];
+            self.gap_seen(bodies, body, link, witnesses, gaps);
         }
     }
 }
