@@ -21,6 +21,7 @@ pub(crate) const ALONE: u32 = u32::MAX;
 
 /// A sphere in space, or that around a polyhedron: what the search for contacts reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub(crate) struct Ball {
     /// Centre [m].
     pub x: Vec3,
@@ -30,6 +31,7 @@ pub(crate) struct Ball {
 
 /// Velocity and angular velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub(crate) struct Twist {
     /// Velocity of the centre [m/s].
     pub v: Vec3,

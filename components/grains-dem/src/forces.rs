@@ -8,7 +8,7 @@ use crate::{
     integrate::Wandered,
     lanes::LANES,
     law::{Law, Reduced},
-    linear::LinearLaw,
+    linear::{LinearLaw, Variant},
     lubrication::Squeeze,
     pairs::{ACTING, BLOCK, Entry, Pairs, Record, Rolling, TOUCHING},
     tally::{Other, Tally},
@@ -131,9 +131,9 @@ pub(crate) fn between_bodies(
 pub(crate) struct Block<'a> {
     pub scenery: &'a Scenery<'a>,
     /// Index of the first body.
-    first: usize,
+    pub first: usize,
     /// The entries whose bodies may have met.
-    entries: &'a [Entry],
+    pub entries: &'a [Entry],
     pub reduced: &'a [Reduced],
     pub state: &'a mut [u8],
     pub xi: &'a mut [Vec3],
@@ -150,6 +150,10 @@ const AHEAD: usize = 16;
 
 impl Block<'_> {
     fn evaluate(&mut self) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(law) = self.scenery.one_law.filter(|law| law.variant == Variant::Avx512) {
+            return self.in_registers(law);
+        }
         let mut hits = [0; TOGETHER + LANES];
         let mut waiting = 0;
         for begin in (0..self.entries.len()).step_by(TOGETHER) {

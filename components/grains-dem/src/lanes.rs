@@ -1,8 +1,9 @@
 //! Numbers of several contacts side by side: what one formula does to all of them at once.
 //!
-//! Plain arrays, and loops over them that compilers turn into vector instructions where the function
-//! around them is compiled with these. Every operation is rounded once, as on single numbers, and
-//! nothing is summed across lanes: so contacts side by side give the bits that they give one by one.
+//! A formula is written once over [`Lane`]: plain arrays, and loops over them that compilers turn into
+//! vector instructions where the function around them is compiled with these, or registers. Every
+//! operation is rounded once, as on single numbers, and nothing is summed across lanes: so contacts side
+//! by side give the bits that they give one by one.
 
 use crate::Vec3;
 use core::ops::{Add, Mul, Neg, Sub};
@@ -11,16 +12,32 @@ use core::ops::{Add, Mul, Neg, Sub};
 pub(crate) const LANES: usize = 8;
 
 /// A number of each contact.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Lane(pub [f64; LANES]);
+pub(crate) trait Lane:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// `value` of each contact, in the manner of `self`.
+    fn all(self, value: f64) -> Self;
+    fn sqrt(self) -> Self;
+    fn over(self, other: Self) -> Self;
+    /// The number where it is positive, else 0.
+    fn positive(self) -> Self;
+    /// `yes` where this is less than `other`, else `no`.
+    fn less(self, other: Self, yes: Self, no: Self) -> Self;
+    /// `yes` where this is no more than `other`, else `no`.
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self;
+}
 
 /// A vector of each contact.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lane3 {
-    pub x: Lane,
-    pub y: Lane,
-    pub z: Lane,
+pub(crate) struct Lane3<L> {
+    pub x: L,
+    pub y: L,
+    pub z: L,
 }
+
+/// Numbers in a plain array.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plain(pub [f64; LANES]);
 
 /// Implements an operation lane by lane, without a closure, which would not inherit the instructions
 /// that the function around it may use.
@@ -32,48 +49,47 @@ macro_rules! by_lane {
             out[$l] = $value;
             $l += 1;
         }
-        Lane(out)
+        Plain(out)
     }};
 }
 
-impl Lane {
+impl Plain {
     pub const ZERO: Self = Self([0.0; LANES]);
+}
 
+impl Lane for Plain {
     #[inline(always)]
-    pub fn all(value: f64) -> Self {
+    fn all(self, value: f64) -> Self {
         Self([value; LANES])
     }
 
     #[inline(always)]
-    pub fn sqrt(self) -> Self {
+    fn sqrt(self) -> Self {
         by_lane!(l => self.0[l].sqrt())
     }
 
     #[inline(always)]
-    pub fn over(self, other: Self) -> Self {
+    fn over(self, other: Self) -> Self {
         by_lane!(l => self.0[l] / other.0[l])
     }
 
-    /// The number where it is positive, else 0.
     #[inline(always)]
-    pub fn positive(self) -> Self {
+    fn positive(self) -> Self {
         by_lane!(l => if self.0[l] > 0.0 { self.0[l] } else { 0.0 })
     }
 
-    /// `yes` where this is less than `other`, else `no`.
     #[inline(always)]
-    pub fn less(self, other: Self, yes: Self, no: Self) -> Self {
+    fn less(self, other: Self, yes: Self, no: Self) -> Self {
         by_lane!(l => if self.0[l] < other.0[l] { yes.0[l] } else { no.0[l] })
     }
 
-    /// `yes` where this is no more than `other`, else `no`.
     #[inline(always)]
-    pub fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
         by_lane!(l => if self.0[l] <= other.0[l] { yes.0[l] } else { no.0[l] })
     }
 }
 
-impl Add for Lane {
+impl Add for Plain {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -81,7 +97,7 @@ impl Add for Lane {
     }
 }
 
-impl Sub for Lane {
+impl Sub for Plain {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -89,7 +105,7 @@ impl Sub for Lane {
     }
 }
 
-impl Mul for Lane {
+impl Mul for Plain {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -97,7 +113,7 @@ impl Mul for Lane {
     }
 }
 
-impl Neg for Lane {
+impl Neg for Plain {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -105,8 +121,8 @@ impl Neg for Lane {
     }
 }
 
-impl Lane3 {
-    pub const ZERO: Self = Self { x: Lane::ZERO, y: Lane::ZERO, z: Lane::ZERO };
+impl Lane3<Plain> {
+    pub const ZERO: Self = Self { x: Plain::ZERO, y: Plain::ZERO, z: Plain::ZERO };
 
     #[inline(always)]
     pub fn set(&mut self, lane: usize, v: &Vec3) {
@@ -117,9 +133,17 @@ impl Lane3 {
     pub fn get(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
     }
+}
+
+impl<L: Lane> Lane3<L> {
+    /// The same vector of each contact, from three numbers.
+    #[inline(always)]
+    pub fn repeat(value: L) -> Self {
+        Self { x: value, y: value, z: value }
+    }
 
     #[inline(always)]
-    pub fn dot(self, other: Self) -> Lane {
+    pub fn dot(self, other: Self) -> L {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
@@ -134,7 +158,7 @@ impl Lane3 {
 
     /// `yes` where `a` is no more than `b`, else `no`.
     #[inline(always)]
-    pub fn at_most(a: Lane, b: Lane, yes: Self, no: Self) -> Self {
+    pub fn at_most(a: L, b: L, yes: Self, no: Self) -> Self {
         Self {
             x: a.at_most(b, yes.x, no.x),
             y: a.at_most(b, yes.y, no.y),
@@ -143,7 +167,7 @@ impl Lane3 {
     }
 }
 
-impl Add for Lane3 {
+impl<L: Lane> Add for Lane3<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -151,7 +175,7 @@ impl Add for Lane3 {
     }
 }
 
-impl Sub for Lane3 {
+impl<L: Lane> Sub for Lane3<L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -159,15 +183,15 @@ impl Sub for Lane3 {
     }
 }
 
-impl Mul<Lane> for Lane3 {
+impl<L: Lane> Mul<L> for Lane3<L> {
     type Output = Self;
     #[inline(always)]
-    fn mul(self, factor: Lane) -> Self {
+    fn mul(self, factor: L) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
 }
 
-impl Neg for Lane3 {
+impl<L: Lane> Neg for Lane3<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {

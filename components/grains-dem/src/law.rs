@@ -44,6 +44,7 @@ struct Dashpot {
 
 /// Reduced quantities of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub(crate) struct Reduced {
     /// `sqrt(m*)` [kg^(1/2)].
     pub root_mass: f64,

@@ -52,6 +52,8 @@
 //! system's mathematics library is used. When neighbours are listed, and where bodies stand in
 //! memory, enters no result; a body far away changes no bit of the others.
 
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod bodies;
 #[cfg(feature = "component")]
 mod carried;

@@ -3,43 +3,42 @@
 
 use crate::{
     contact::Steps,
-    lanes::{Lane, Lane3},
+    lanes::{Lane, Lane3, Plain},
     law::Law,
 };
 use tremie_messages::scene::Spring;
 
 /// What the formula takes of contacts side by side.
 #[derive(Clone, Copy)]
-pub(crate) struct Batch {
+pub(crate) struct Batch<L> {
     /// From centre to centre [m].
-    pub d: Lane3,
+    pub d: Lane3<L>,
     /// Radii [m].
-    pub radius_i: Lane,
-    pub radius_j: Lane,
-    /// Velocities [m/s] and angular velocities [rad/s].
-    pub v_i: Lane3,
-    pub v_j: Lane3,
-    pub w_i: Lane3,
-    pub w_j: Lane3,
+    pub radius_i: L,
+    pub radius_j: L,
+    /// Velocity of i relative to j [m/s], angular velocities [rad/s].
+    pub v: Lane3<L>,
+    pub w_i: Lane3<L>,
+    pub w_j: Lane3<L>,
     /// History: displacement [m], normal, and 1 where they touched before, else 0.
-    pub xi: Lane3,
-    pub old: Lane3,
-    pub touching: Lane,
+    pub xi: Lane3<L>,
+    pub old: Lane3<L>,
+    pub touching: L,
     /// `sqrt(m*)` [kg^(1/2)].
-    pub root_mass: Lane,
+    pub root_mass: L,
 }
 
 /// What it gives.
 #[derive(Clone, Copy)]
-pub(crate) struct Outcome {
-    pub normal: Lane3,
-    pub tangential: Lane3,
-    pub force: Lane,
-    pub overlap: Lane,
+pub(crate) struct Outcome<L> {
+    pub normal: Lane3<L>,
+    pub tangential: Lane3<L>,
+    pub force: L,
+    pub overlap: L,
     /// Overlap over the smaller radius.
-    pub ratio: Lane,
+    pub ratio: L,
     /// Displacement to remember [m].
-    pub xi: Lane3,
+    pub xi: Lane3<L>,
 }
 
 /// The law of all contacts of a run, where it is one and a linear one without rolling friction.
@@ -52,8 +51,8 @@ pub(crate) struct LinearLaw {
     tension: bool,
     gamma_n: [f64; 2],
     gamma_t: [f64; 2],
-    /// How batches are computed.
-    pub kernel: Kernel,
+    /// With which instructions.
+    pub variant: Variant,
 }
 
 impl LinearLaw {
@@ -74,32 +73,33 @@ impl LinearLaw {
             tension: law.tension,
             gamma_n,
             gamma_t,
-            kernel: kernel(),
+            variant: Variant::widest(),
         })
     }
 
     /// Forces and histories of a batch.
     #[inline(always)]
-    pub fn forces(&self, b: &Batch, steps: Steps) -> Outcome {
-        let all = Lane::all;
-        let half = all(0.5);
+    pub fn forces<L: Lane>(&self, b: &Batch<L>, steps: Steps) -> Outcome<L> {
+        // A batch of some kind makes all others of that kind.
+        let like = b.root_mass;
+        let (zero, half, one) = (like.all(0.0), like.all(0.5), like.all(1.0));
         let distance = b.d.dot(b.d).sqrt();
-        let n = b.d * all(1.0).over(distance);
+        let n = b.d * one.over(distance);
         let overlap = b.radius_i + b.radius_j - distance;
         let (arm_i, arm_j) = (b.radius_i - half * overlap, b.radius_j - half * overlap);
-        let velocity = (b.v_i - b.v_j) + (b.w_i * arm_i + b.w_j * arm_j).cross(n);
+        let velocity = b.v + (b.w_i * arm_i + b.w_j * arm_j).cross(n);
         let twist = half * (b.w_i + b.w_j).dot(n);
 
         let v_n = velocity.dot(n);
-        let gamma = |[fixed, per]: [f64; 2]| all(fixed) + all(per) * b.root_mass;
-        let mut f_n = all(self.k_n) * overlap + gamma(self.gamma_n) * v_n;
+        let elastic = like.all(self.k_n) * overlap;
+        let mut f_n = elastic + gamma(self.gamma_n, b.root_mass) * v_n;
         if !self.tension {
             f_n = f_n.positive();
         }
         let smaller = b.radius_i.less(b.radius_j, b.radius_i, b.radius_j);
         let mut out = Outcome {
             normal: n,
-            tangential: Lane3::ZERO,
+            tangential: Lane3::repeat(zero),
             force: f_n,
             overlap,
             ratio: overlap.over(smaller),
@@ -107,96 +107,178 @@ impl LinearLaw {
         };
         if self.mu > 0.0 {
             let v = velocity - n * v_n;
-            let limit = all(self.mu) * f_n.positive();
-            let dt = all(steps.before);
+            let limit = like.all(self.mu) * f_n.positive();
+            let dt = like.all(steps.before);
             let reach = v_n * dt;
             let since = overlap.less(reach, overlap.over(v_n), dt);
-            let kept = turned(b.xi, b.old, n, twist * dt) + v * all(0.5 * steps.before);
-            let xi = Lane3::at_most(b.touching, Lane::ZERO, v * since, kept);
+            let kept = turned(b.xi, b.old, n, twist * dt) + v * like.all(0.5 * steps.before);
+            let xi = Lane3::at_most(b.touching, zero, v * since, kept);
             let xi = xi - n * xi.dot(n);
-            let damping = v * gamma(self.gamma_t);
-            let trial = -(xi * all(self.k_t) + damping);
+            let damping = v * gamma(self.gamma_t, b.root_mass);
+            let trial = -(xi * like.all(self.k_t) + damping);
             let square = trial.dot(trial);
             let slipping = trial * limit.over(square.sqrt());
-            let pulled = (slipping + damping) * all(-self.inverse_k_t);
+            let pulled = (slipping + damping) * like.all(-self.inverse_k_t);
             let capacity = limit * limit;
             out.tangential = Lane3::at_most(square, capacity, trial, slipping);
             let xi = Lane3::at_most(square, capacity, xi, pulled);
-            out.xi = xi + v * all(0.5 * steps.after);
+            out.xi = xi + v * like.all(0.5 * steps.after);
         }
         out
     }
 }
 
-/// See [`crate::contact`]'s function of this name.
+/// Coefficient of a dashpot.
 #[inline(always)]
-fn turned(xi: Lane3, old: Lane3, n: Lane3, angle: Lane) -> Lane3 {
-    let one = Lane::all(1.0);
-    let xi = xi - (old + n) * xi.dot(n).over(one + old.dot(n));
-    let t = Lane::all(0.5) * angle;
-    let cross = n.cross(xi);
-    xi + (cross - xi * t) * (Lane::all(2.0) * t).over(one + t * t)
+fn gamma<L: Lane>([fixed, per]: [f64; 2], root_mass: L) -> L {
+    root_mass.all(fixed) + root_mass.all(per) * root_mass
 }
 
-/// A batch's function, compiled for the instructions that a processor has.
-pub(crate) type Kernel = fn(&LinearLaw, &Batch, Steps) -> Outcome;
+/// See [`crate::contact`]'s function of this name.
+#[inline(always)]
+fn turned<L: Lane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<L> {
+    let one = angle.all(1.0);
+    let xi = xi - (old + n) * xi.dot(n).over(one + old.dot(n));
+    let t = angle.all(0.5) * angle;
+    let cross = n.cross(xi);
+    xi + (cross - xi * t) * (angle.all(2.0) * t).over(one + t * t)
+}
 
-/// The fastest that this processor can run; all give the same bits.
-fn kernel() -> Kernel {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
-            return x86::avx512;
-        }
-        if is_x86_feature_detected!("avx2") {
-            return x86::avx2;
+/// Which instructions batches are computed with; all give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variant {
+    /// Plain arrays, in whatever instructions the compiler chooses; on every processor.
+    Portable,
+    /// Plain arrays, in AVX2.
+    Avx2,
+    /// Registers of 64 bytes; see [`crate::avx512`].
+    Avx512,
+}
+
+impl Variant {
+    /// All variants, the widest last.
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// Whether this processor has the instructions.
+    pub fn available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => crate::avx512::available(),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
         }
     }
-    LinearLaw::portable
+
+    /// The widest variant that this processor has.
+    pub fn widest() -> Self {
+        Self::ALL.into_iter().rev().find(|v| v.available()).unwrap_or(Self::Portable)
+    }
 }
 
 impl LinearLaw {
-    fn portable(&self, batch: &Batch, steps: Steps) -> Outcome {
+    /// As [`forces`](Self::forces), of plain arrays in the instructions of the variant.
+    pub fn plain(&self, batch: &Batch<Plain>, steps: Steps) -> Outcome<Plain> {
+        #[cfg(target_arch = "x86_64")]
+        if self.variant != Variant::Portable {
+            return avx2(self, batch, steps);
+        }
         self.forces(batch, steps)
     }
 }
 
 #[cfg(target_arch = "x86_64")]
-mod x86 {
-    use super::*;
-
-    pub fn avx512(law: &LinearLaw, batch: &Batch, steps: Steps) -> Outcome {
-        #[target_feature(enable = "avx512f,avx512vl")]
-        fn inside(law: &LinearLaw, batch: &Batch, steps: Steps) -> Outcome {
-            law.forces(batch, steps)
-        }
-        // SAFETY: `kernel`, the only way to this function, has looked whether the processor has the
-        // instructions.
-        unsafe { inside(law, batch, steps) }
+fn avx2(law: &LinearLaw, batch: &Batch<Plain>, steps: Steps) -> Outcome<Plain> {
+    #[target_feature(enable = "avx2")]
+    fn inside(law: &LinearLaw, batch: &Batch<Plain>, steps: Steps) -> Outcome<Plain> {
+        law.forces(batch, steps)
     }
-
-    pub fn avx2(law: &LinearLaw, batch: &Batch, steps: Steps) -> Outcome {
-        #[target_feature(enable = "avx2")]
-        fn inside(law: &LinearLaw, batch: &Batch, steps: Steps) -> Outcome {
-            law.forces(batch, steps)
-        }
-        // SAFETY: as above.
-        unsafe { inside(law, batch, steps) }
-    }
+    // SAFETY: a variant is chosen only where it is available, and AVX-512 is not without AVX2.
+    unsafe { inside(law, batch, steps) }
 }
 
-impl Batch {
+impl Batch<Plain> {
     pub const ZERO: Self = Self {
         d: Lane3::ZERO,
-        radius_i: Lane::ZERO,
-        radius_j: Lane::ZERO,
-        v_i: Lane3::ZERO,
-        v_j: Lane3::ZERO,
+        radius_i: Plain::ZERO,
+        radius_j: Plain::ZERO,
+        v: Lane3::ZERO,
         w_i: Lane3::ZERO,
         w_j: Lane3::ZERO,
         xi: Lane3::ZERO,
         old: Lane3::ZERO,
-        touching: Lane::ZERO,
-        root_mass: Lane::ZERO,
+        touching: Plain::ZERO,
+        root_mass: Plain::ZERO,
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{GrainsDem, Parameters};
+    use tremie_messages::{
+        body::BodyState,
+        scene::{
+            BodySet, ContactLaw, Damping, Diameters, Domain, Face, Motion, Packing, PairLaw,
+            Placement, Scene,
+        },
+    };
+
+    /// Grains that fall askew through periodic sides onto a floor.
+    fn crowd(tension: bool) -> Scene {
+        let law = ContactLaw {
+            spring: Spring::Linear { normal_stiffness: 1e3, tangential_stiffness: 800.0 },
+            friction: 0.5,
+            rolling_friction: 0.0,
+            damping: Damping::Restitution(0.6),
+            tension,
+        };
+        let sides = [0.012, 0.01, 0.03];
+        let periodic = || [Face::Periodic, Face::Periodic];
+        let faces = [periodic(), periodic(), [Face::WALL, Face::WALL]];
+        Scene {
+            gravity: [20.0, 7.0, -100.0],
+            bodies: vec![BodySet {
+                name: "grains".into(),
+                density: 2500.0,
+                material: "grains".into(),
+                motion: Motion::Free,
+                clump: None,
+                placement: Placement::Packed(Packing {
+                    min: [0.0; 3],
+                    max: [0.012, 0.01, 6e-3],
+                    fraction: 0.4,
+                    diameters: Diameters::Uniform { min: 0.8e-3, max: 1e-3 },
+                    seed: 3,
+                }),
+            }],
+            contacts: ["grains", "wall"]
+                .map(|other| PairLaw { between: ["grains".into(), other.into()], law: law.clone() })
+                .to_vec(),
+            ..Scene::empty(Domain::new([0.0; 3], sides, faces))
+        }
+    }
+
+    fn run(scene: &Scene, variant: Variant) -> Vec<BodyState> {
+        let mut dem = GrainsDem::new(scene, &Parameters::default(), 4e-6, 1).unwrap();
+        dem.around.one_law.as_mut().unwrap().variant = variant;
+        dem.advance(1500, &[]).unwrap();
+        let seen = dem.diagnostics();
+        assert!(seen.list_rebuilds > 2 && seen.contacts > 500, "{seen:?}");
+        let mut states = vec![BodyState::at_rest(0, [0.0; 3]); dem.body_count()];
+        dem.write_state(&mut states);
+        states
+    }
+
+    #[test]
+    fn every_variant_gives_the_same_bits() {
+        for scene in [crowd(false), crowd(true)] {
+            let portable = run(&scene, Variant::Portable);
+            for variant in Variant::ALL.into_iter().filter(|v| v.available()) {
+                assert_eq!(run(&scene, variant), portable, "{variant:?}");
+            }
+        }
+    }
 }

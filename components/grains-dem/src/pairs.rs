@@ -21,6 +21,7 @@ pub(crate) const BLOCK: usize = 512;
 
 /// A possible contact.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub(crate) struct Entry {
     /// Index of the other body.
     pub other: u32,

@@ -20,7 +20,7 @@ pub(crate) struct PeriodicBox {
 }
 
 /// The image that is the body itself.
-#[cfg(test)]
+#[cfg(any(test, target_arch = "x86_64"))]
 pub(crate) const SELF_IMAGE: u32 = 13;
 
 /// Number of the image displaced by `offset` domain lengths (-1, 0 or 1 an axis).

@@ -3,7 +3,7 @@
 use crate::{
     fetch::fetch,
     forces::Block,
-    lanes::LANES,
+    lanes::{LANES, Plain},
     linear::{Batch, LinearLaw, Outcome},
     pairs::{ACTING, Record, TOUCHING},
     tally::Other,
@@ -12,7 +12,7 @@ use crate::{
 impl Block<'_> {
     /// Evaluates the contacts of the entries `hits`.
     pub fn side_by_side(&mut self, law: LinearLaw, hits: &[u32]) {
-        let (kernel, steps) = (law.kernel, self.scenery.steps);
+        let steps = self.scenery.steps;
         let (mut batch, all) = (Batch::ZERO, hits);
         for (first, hits) in (0..).step_by(LANES).zip(hits.chunks(LANES)) {
             for (lane, &k) in hits.iter().enumerate() {
@@ -23,7 +23,7 @@ impl Block<'_> {
                 self.put(&mut batch, lane, k as usize);
             }
             // Lanes beyond the last hit hold what was there before, and nobody takes them.
-            let outcome = kernel(&law, &batch, steps);
+            let outcome = law.plain(&batch, steps);
             for (lane, &k) in hits.iter().enumerate() {
                 self.take(&outcome, lane, k as usize);
             }
@@ -31,15 +31,14 @@ impl Block<'_> {
     }
 
     #[inline(always)]
-    fn put(&self, batch: &mut Batch, lane: usize, k: usize) {
+    fn put(&self, batch: &mut Batch<Plain>, lane: usize, k: usize) {
         let (i, j, d) = self.pair(k);
         let bodies = self.scenery.bodies;
         let (a, b) = (&bodies.predicted[i], &bodies.predicted[j]);
         batch.d.set(lane, &d);
         batch.radius_i.0[lane] = bodies.balls[i].radius;
         batch.radius_j.0[lane] = bodies.balls[j].radius;
-        batch.v_i.set(lane, &a.v);
-        batch.v_j.set(lane, &b.v);
+        batch.v.set(lane, &(a.v - b.v));
         batch.w_i.set(lane, &a.w);
         batch.w_j.set(lane, &b.w);
         batch.xi.set(lane, &self.xi[k]);
@@ -49,7 +48,7 @@ impl Block<'_> {
     }
 
     #[inline(always)]
-    fn take(&mut self, outcome: &Outcome, lane: usize, k: usize) {
+    fn take(&mut self, outcome: &Outcome<Plain>, lane: usize, k: usize) {
         let (normal, overlap) = (outcome.normal.get(lane), outcome.overlap.0[lane]);
         self.state[k] = ACTING;
         if overlap <= 0.0 {

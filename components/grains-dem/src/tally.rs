@@ -1,7 +1,7 @@
 //! What one evaluation of the forces saw.
 
 /// Overlap over the smaller radius beyond which a contact is counted as too soft.
-const DEEP: f64 = 0.05;
+pub(crate) const DEEP: f64 = 0.05;
 
 /// Numbers of contacts, and the deepest.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,8 +45,20 @@ impl Tally {
     /// Adds a contact of a body, with its overlap over the smaller radius.
     #[inline(always)]
     pub fn add(&mut self, ratio: f64, body: u32, other: Other) {
-        self.contacts += 1;
-        self.deep += u64::from(ratio > DEEP);
+        self.count(1, u32::from(ratio > DEEP));
+        self.deepen(ratio, body, other);
+    }
+
+    /// Adds so many contacts, of which so many are deep.
+    #[inline(always)]
+    pub fn count(&mut self, contacts: u32, deep: u32) {
+        self.contacts += u64::from(contacts);
+        self.deep += u64::from(deep);
+    }
+
+    /// Notes a contact that was counted, if it is the deepest.
+    #[inline(always)]
+    pub fn deepen(&mut self, ratio: f64, body: u32, other: Other) {
         if ratio > self.deepest.ratio {
             self.deepest = Deepest { ratio, body, other };
         }
