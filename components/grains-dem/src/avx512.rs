@@ -164,6 +164,12 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     }
     let before = _mm_cvtsi64_si128(i64::from_le_bytes(before));
     let touched = _mm_test_epi8_mask(before, _mm_set1_epi8(TOUCHING as i8)) as u8;
+    let mut changes = touches ^ _mm_test_epi8_mask(before, _mm_set1_epi8(ACTING as i8)) as u8;
+    while changes != 0 {
+        let l = changes.trailing_zeros() as usize;
+        block.changed.note(of_i[l] as usize, of_j[l] as usize);
+        changes &= changes - 1;
+    }
     let pairs = block.reduced[k..k + some.len()].as_ptr().cast::<f64>();
     let twice = twice(valid);
     const { assert!(size_of::<Reduced>() == 16 && core::mem::offset_of!(Reduced, root_mass) == 0) };

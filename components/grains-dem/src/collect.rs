@@ -3,26 +3,17 @@
 use crate::{
     bodies::Wrench,
     fetch::fetch,
-    pairs::{ACTING, BLOCK, Pairs},
+    pairs::{BLOCK, Pairs},
     search::Contacts,
 };
 
-/// So many places of contacts are looked at together.
-const TOGETHER: usize = 256;
+/// So many bodies ahead records are fetched: few enough to stay close.
+const AHEAD: usize = 8;
 
 /// Where the bodies of one block collect their forces, one body after the other.
 pub(crate) struct Collector<'a> {
     pairs: &'a Pairs,
     surfaces: [Few<'a>; 4],
-    /// Places of contacts that act, of the bodies looked at last.
-    acting: [u32; TOGETHER],
-    /// Where those of the next body begin.
-    next: usize,
-    /// Where those of each of these bodies end.
-    ends: [u16; TOGETHER],
-    /// The first of these bodies, and the first after them.
-    from: usize,
-    until: usize,
     /// Index of the block's last body, and one more.
     end: usize,
 }
@@ -68,16 +59,7 @@ impl<'a> Collector<'a> {
             Few::of_block(&soft.bodies, &soft.wrench, &soft.bounds, b),
             Few::of_block(&solids.bodies, &solids.wrench, &solids.bounds, b),
         ];
-        Self {
-            pairs: contacts.pairs,
-            surfaces,
-            acting: [0; TOGETHER],
-            next: 0,
-            ends: [0; TOGETHER],
-            from: range.start,
-            until: range.start,
-            end: range.end,
-        }
+        Self { pairs: contacts.pairs, surfaces, end: range.end }
     }
 
     /// Contact force and torque on one body, as [`on`](Self::on) sums them up.
@@ -93,21 +75,13 @@ impl<'a> Collector<'a> {
     #[inline(always)]
     pub fn on(&mut self, i: usize, radius: f64) -> Wrench {
         let mut sum = Wrench::zero();
-        if i >= self.until {
-            self.look(i);
+        if i + AHEAD < self.end {
+            for &place in self.pairs.acting_on(i + AHEAD) {
+                fetch(&self.pairs.records, (place / 2) as usize);
+            }
         }
-        if i < self.until {
-            let end = self.ends[i - self.from] as usize;
-            for &place in &self.acting[self.next..end] {
-                add(&mut sum, self.pairs, place, radius);
-            }
-            self.next = end;
-        } else {
-            for place in self.pairs.places_of(i) {
-                if self.pairs.state[(place / 2) as usize] & ACTING != 0 {
-                    add(&mut sum, self.pairs, *place, radius);
-                }
-            }
+        for &place in self.pairs.acting_on(i) {
+            add(&mut sum, self.pairs, place, radius);
         }
         for few in &mut self.surfaces {
             if let Some(wrench) = few.on(i) {
@@ -116,31 +90,6 @@ impl<'a> Collector<'a> {
             }
         }
         sum
-    }
-
-    /// Notes which contacts act on bodies from `i` on, as many as there is room for, and asks for
-    /// their records. There is none for a body with more neighbours than that.
-    fn look(&mut self, i: usize) {
-        (self.from, self.until, self.next) = (i, i, 0);
-        let (pairs, mut count, mut seen) = (self.pairs, 0, 0);
-        while self.until < self.end && self.until - i < TOGETHER {
-            let places = pairs.places_of(self.until);
-            seen += places.len();
-            if seen > TOGETHER {
-                break;
-            }
-            for &place in places {
-                let k = (place / 2) as usize;
-                // Without a branch: which pairs of a list touch cannot be foretold.
-                self.acting[count] = place;
-                count += usize::from(pairs.state[k] & ACTING);
-            }
-            self.ends[self.until - i] = count as u16;
-            self.until += 1;
-        }
-        for &place in &self.acting[..count] {
-            fetch(&pairs.records, (place / 2) as usize);
-        }
     }
 }
 

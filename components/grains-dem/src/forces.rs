@@ -2,6 +2,7 @@
 
 use crate::{
     Vec3,
+    acting::Changed,
     bodies::{Bodies, Twist},
     contact::{self, Contact, Steps},
     fetch::fetch,
@@ -104,6 +105,7 @@ pub(crate) fn between_bodies(
         Cut::every(&mut pairs.near, 1),
         Cut::every(tallies, 1),
     );
+    let changed = pairs.acting.changed();
     let (entries, gaps, reduced) = (&pairs.entries, &pairs.gaps, &pairs.reduced);
     team.for_pieces(pieces, |b, (state, xi, records, rolling, near, tally)| {
         let own = bounds[b] as usize..bounds[b + 1] as usize;
@@ -121,10 +123,12 @@ pub(crate) fn between_bodies(
             xi,
             records,
             rolling,
+            changed,
             tally: &mut tally[0],
         };
         block.evaluate();
     });
+    pairs.acting.follow(team, (&pairs.collected, &pairs.places), &pairs.state);
 }
 
 /// The contacts of a block of bodies.
@@ -139,6 +143,8 @@ pub(crate) struct Block<'a> {
     pub xi: &'a mut [Vec3],
     pub records: &'a mut [Record],
     rolling: &'a mut [Rolling],
+    /// Who is to be told of contacts that begin or end.
+    pub changed: &'a Changed,
     pub tally: &'a mut Tally,
 }
 
@@ -190,7 +196,11 @@ impl Block<'_> {
             // Without a branch: which pairs of a list touch cannot be foretold.
             hits[found] = k as u32;
             found += usize::from(touches);
+            let acted = self.state[k] & ACTING != 0;
             self.state[k] &= u8::from(touches).wrapping_neg();
+            if acted != touches {
+                self.changed.note(i, j);
+            }
         }
         found
     }

@@ -52,6 +52,7 @@
 //! system's mathematics library is used. When neighbours are listed, and where bodies stand in
 //! memory, enters no result; a body far away changes no bit of the others.
 
+mod acting;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod bodies;

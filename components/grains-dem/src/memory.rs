@@ -25,17 +25,20 @@ const STATE: usize = 2 * size_of::<Ball>()
     + 2 * size_of::<u16>();
 
 /// Cells, orders, places, sums, and what the others are told at the start.
-const SEARCH: usize =
-    10 * INDEX + size_of::<(u64, u32)>() + size_of::<f64>() + size_of::<BodyEvent>();
+const SEARCH: usize = 12 * INDEX
+    + size_of::<bool>()
+    + size_of::<(u64, u32)>()
+    + size_of::<f64>()
+    + size_of::<BodyEvent>();
 
-/// A pair in a list, with the two places where its bodies find it.
+/// A pair in a list, with the places where its bodies find it, listed and acting.
 const LISTED: usize = size_of::<Entry>()
     + size_of::<f32>()
     + size_of::<Reduced>()
     + size_of::<u8>()
     + size_of::<Vec3>()
     + size_of::<Record>()
-    + 2 * INDEX;
+    + 4 * INDEX;
 
 /// A pair while the list is made.
 const FOUND: usize = 2 * size_of::<Entry>() + INDEX + 2 * size_of::<u64>();

@@ -11,6 +11,7 @@
 
 use crate::{
     Vec3,
+    acting::Acting,
     bodies::{NEW, Wrench},
     contact::{Contact, Memory},
     law::Reduced,
@@ -119,7 +120,7 @@ pub(crate) const ACTING: u8 = 1;
 pub(crate) const TOUCHING: u8 = 2;
 
 /// The list.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Pairs {
     /// Entries of the blocks of bodies: from `bounds[b]` to `bounds[b + 1]`.
     pub bounds: Vec<u32>,
@@ -146,6 +147,8 @@ pub(crate) struct Pairs {
     /// Contacts of each body by the other's id: twice the entry, and one more where the body is the
     /// other of that entry.
     pub places: Vec<u32>,
+    /// Those of them that act.
+    pub acting: Acting,
 }
 
 impl Pairs {
@@ -153,6 +156,12 @@ impl Pairs {
     #[inline(always)]
     pub fn places_of(&self, i: usize) -> &[u32] {
         &self.places[self.collected[i] as usize..self.collected[i + 1] as usize]
+    }
+
+    /// Those of body i's contacts that act.
+    #[inline(always)]
+    pub fn acting_on(&self, i: usize) -> &[u32] {
+        self.acting.of(i, self.collected[i])
     }
 
     /// Index of the body whose contact entry k is.

@@ -210,6 +210,7 @@ impl PairsMaker {
                 *place = *key as u32;
             }
         });
+        pairs.acting.make(team, (&pairs.collected, &pairs.places), &pairs.state);
     }
 }
 
