@@ -3,7 +3,8 @@
 use crate::{
     bodies::Wrench,
     fetch::fetch,
-    pairs::{BLOCK, Pairs},
+    four::Four,
+    pairs::{BLOCK, Pairs, Record},
     search::Contacts,
 };
 
@@ -74,15 +75,16 @@ impl<'a> Collector<'a> {
     /// polyhedra.
     #[inline(always)]
     pub fn on(&mut self, i: usize, radius: f64) -> Wrench {
-        let mut sum = Wrench::zero();
         if i + AHEAD < self.end {
             for &place in self.pairs.acting_on(i + AHEAD) {
                 fetch(&self.pairs.records, (place / 2) as usize);
             }
         }
-        for &place in self.pairs.acting_on(i) {
-            add(&mut sum, self.pairs, place, radius);
-        }
+        let mut sum = if self.pairs.rolling.is_empty() {
+            self.plain(i, radius)
+        } else {
+            self.rolling(i, radius)
+        };
         for few in &mut self.surfaces {
             if let Some(wrench) = few.on(i) {
                 sum.force += wrench.force;
@@ -91,16 +93,34 @@ impl<'a> Collector<'a> {
         }
         sum
     }
-}
 
-#[inline(always)]
-fn add(sum: &mut Wrench, pairs: &Pairs, place: u32, radius: f64) {
-    let k = (place / 2) as usize;
-    let sign = 1.0 - 2.0 * f64::from(place % 2);
-    let wrench = pairs.records[k].on(sign, radius);
-    sum.force += wrench.force;
-    sum.torque += wrench.torque;
-    if let Some(rolling) = pairs.rolling.get(k) {
-        sum.torque += rolling.torque * sign;
+    /// Of bodies, without rolling friction: [`Record::on`](crate::pairs::Record::on), in registers.
+    #[inline(always)]
+    fn plain(&self, i: usize, radius: f64) -> Wrench {
+        let (mut force, mut torque) = (Four::ZERO, Four::ZERO);
+        for &place in self.pairs.acting_on(i) {
+            let Record { normal: n, tangential: t, force: f, overlap } =
+                self.pairs.records[(place / 2) as usize];
+            // What stands behind each vector is read along with it.
+            let (n, t) = (Four([n.x, n.y, n.z, t.x]), Four([t.x, t.y, t.z, f]));
+            let sign = 1.0 - 2.0 * f64::from(place % 2);
+            force = force + (t - n * f) * sign;
+            torque = torque + n.cross_zxy(t) * (radius - 0.5 * overlap);
+        }
+        Wrench { force: force.vector(), torque: torque.at::<1, 2, 0, 3>().vector() }
+    }
+
+    /// Of bodies, with rolling friction.
+    #[inline(never)]
+    fn rolling(&self, i: usize, radius: f64) -> Wrench {
+        let mut sum = Wrench::zero();
+        for &place in self.pairs.acting_on(i) {
+            let (k, sign) = ((place / 2) as usize, 1.0 - 2.0 * f64::from(place % 2));
+            let wrench = self.pairs.records[k].on(sign, radius);
+            sum.force += wrench.force;
+            sum.torque += wrench.torque;
+            sum.torque += self.pairs.rolling[k].torque * sign;
+        }
+        sum
     }
 }

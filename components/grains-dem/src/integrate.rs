@@ -13,9 +13,11 @@ use crate::{
     Vec3,
     bodies::{Ball, Bodies, Mobility, Twist, Wrench},
     collect::Collector,
+    four::Four,
     pairs::BLOCK,
     periodic::PeriodicBox,
     search::Contacts,
+    widest::{Work, in_widest},
 };
 use tremie_team::{Cut, Team};
 
@@ -133,19 +135,40 @@ pub(crate) fn first_half(
         Cut::every(reaches, 1),
     );
     let (load, mobility) = (&bodies.load, &bodies.mobility);
-    let half = 0.5 * dt;
-    type Arrays<'a> = (
-        &'a mut [Ball],
-        &'a mut [Twist],
-        &'a mut [Twist],
-        &'a mut [[f64; 4]],
-        &'a mut [Vec3],
-        &'a mut [i32],
-        &'a mut [Reach],
-    );
-    let work = |b: usize, arrays: Arrays<'_>| {
+    team.for_pieces(pieces, |b, arrays| {
+        in_widest(FirstHalf { b, arrays, load, mobility, bounds, forces, dt, finish });
+    });
+}
+
+/// The changing arrays of a block.
+type Arrays<'a> = (
+    &'a mut [Ball],
+    &'a mut [Twist],
+    &'a mut [Twist],
+    &'a mut [[f64; 4]],
+    &'a mut [Vec3],
+    &'a mut [i32],
+    &'a mut [Reach],
+);
+
+/// First half of a substep of a block.
+struct FirstHalf<'a> {
+    b: usize,
+    arrays: Arrays<'a>,
+    load: &'a [Wrench],
+    mobility: &'a [Mobility],
+    bounds: &'a PeriodicBox,
+    forces: Forces<'a>,
+    dt: f64,
+    finish: bool,
+}
+
+impl Work for FirstHalf<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { b, arrays, load, mobility, bounds, forces, dt, finish } = self;
         let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
-        let first = b * BLOCK;
+        let (first, half) = (b * BLOCK, 0.5 * dt);
         let mut collector = Collector::new(forces.contacts, b, first..first + balls.len());
         let (mut farthest, mut any_crossed) = (0.0, false);
         // Slices of equal length spare the loop its bounds checks.
@@ -180,8 +203,7 @@ pub(crate) fn first_half(
             orientation[i] = turned(orientation[i], twist.w * half);
         }
         reach[0] = Reach { farthest, crossed: any_crossed };
-    };
-    team.for_pieces(pieces, work);
+    }
 }
 
 /// Second half of a substep: half kick with the new forces.
@@ -202,17 +224,16 @@ pub(crate) fn second_half(team: &mut Team, bodies: &mut Bodies, forces: Forces<'
 /// world frame: `q + (h, 0) q`, renormalised, is exact to second order in the angle.
 #[inline(always)]
 fn turned(q: [f64; 4], h: Vec3) -> [f64; 4] {
-    let [x, y, z, w] = q;
-    let turned = [
-        x + h.x * w + h.y * z - h.z * y,
-        y + h.y * w + h.z * x - h.x * z,
-        z + h.z * w + h.x * y - h.y * x,
-        w - h.x * x - h.y * y - h.z * z,
-    ];
+    // x + h.x w + h.y z - h.z y, and likewise y and z;  w - h.x x - h.y y - h.z z
+    let (q, h, last) = (Four(q), Four::of(&h), Four([1.0, 1.0, 1.0, -1.0]));
+    let turned = q
+        + h.at::<0, 1, 2, 0>() * last * q.at::<3, 3, 3, 0>()
+        + h.at::<1, 2, 0, 1>() * last * q.at::<2, 0, 1, 1>()
+        - h.at::<2, 0, 1, 2>() * q.at::<1, 2, 0, 2>();
     // One step of Newton's for the inverse root, from 1: `q` was a unit quaternion, so that the
     // square differs from 1 by that of `h` alone.
-    let square = turned.iter().fold(0.0, |sum, c| sum + c * c);
-    turned.map(|c| c * (1.5 - 0.5 * square))
+    let [x, y, z, w] = (turned * turned).0;
+    (turned * (1.5 - 0.5 * (x + y + z + w))).0
 }
 
 #[cfg(test)]

@@ -82,6 +82,7 @@ mod exchange;
 mod fetch;
 mod findings;
 mod forces;
+mod four;
 mod integrate;
 mod lanes;
 mod law;
@@ -130,6 +131,7 @@ mod tally;
 mod wall_contacts;
 mod wall_forces;
 mod walls;
+mod widest;
 
 pub use damping::{damping_ratio, restitution};
 pub use diagnostics::Diagnostics;
