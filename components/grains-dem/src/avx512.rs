@@ -8,6 +8,7 @@
 //! one. Operations on values rely on that.
 
 use crate::{
+    bodies::Twist,
     contact::Steps,
     fetch::fetch,
     forces::Block,
@@ -31,7 +32,7 @@ pub(crate) fn available() -> bool {
 const TOGETHER: usize = 128;
 
 /// So many entries ahead bodies are fetched.
-const AHEAD: usize = 16;
+const AHEAD: usize = 32;
 
 /// So many entries ahead what is read one after the other is fetched.
 const STREAM: usize = 96;
@@ -39,7 +40,8 @@ const STREAM: usize = 96;
 /// Room for the entries that act, those that wait for company, and a whole register at the end.
 const ROOM: usize = TOGETHER + 2 * LANES;
 
-/// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them looks.
+/// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them looks, also
+/// of what stands behind the last.
 struct Hits {
     count: usize,
     k: [u32; ROOM],
@@ -62,6 +64,7 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
     let mut hits =
         Hits { count: 0, k: [0; ROOM], i: [0; ROOM], j: [0; ROOM], numbers: [[0.0; ROOM]; 7] };
     let entries = block.entries.len();
+    assert!(entries <= block.records.len() && entries <= block.xi.len());
     for begin in (0..entries).step_by(TOGETHER) {
         let end = entries.min(begin + TOGETHER);
         let waiting = hits.count;
@@ -69,7 +72,10 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
             find(block, k, &mut hits);
         }
         for &j in &hits.j[waiting..hits.count] {
-            fetch(&block.scenery.bodies.predicted, j as usize);
+            let predicted = block.scenery.bodies.predicted.as_ptr().wrapping_add(j as usize);
+            fetch_line(predicted.cast());
+            // The rest of it may lie in the next line.
+            fetch_line(predicted.cast::<i8>().wrapping_add(size_of::<Twist>() - 1));
         }
         // Whole batches at once; the rest waits for company.
         let ready = if end == entries { hits.count } else { hits.count / LANES * LANES };
@@ -84,13 +90,47 @@ impl Hits {
     /// Forgets the first `count`.
     #[inline(always)]
     fn forget(&mut self, count: usize) {
-        let rest = count..self.count;
-        self.k.copy_within(rest.clone(), 0);
-        self.i.copy_within(rest.clone(), 0);
-        self.j.copy_within(rest.clone(), 0);
-        self.numbers.iter_mut().for_each(|n| n.copy_within(rest.clone(), 0));
-        self.count = rest.len();
+        assert!(self.count <= count + LANES && count + LANES <= ROOM);
+        // Fewer than a register wait; a whole one is moved at once.
+        to_front(&mut self.k, count);
+        to_front(&mut self.i, count);
+        to_front(&mut self.j, count);
+        self.numbers.iter_mut().for_each(|n| to_front(n, count));
+        self.count -= count;
     }
+}
+
+/// Copies the numbers from `at` on, as many as a register holds, to the front.
+#[inline(always)]
+fn to_front<T: Copy + Default>(numbers: &mut [T; ROOM], at: usize) {
+    let mut some = [T::default(); LANES];
+    some.copy_from_slice(&numbers[at..at + LANES]);
+    numbers[..LANES].copy_from_slice(&some);
+}
+
+/// Asks for the line of memory that a place lies in, which need not exist.
+#[inline(always)]
+fn fetch_line(place: *const i8) {
+    // SAFETY: a prefetch reads nothing.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
+}
+
+/// Asks for what a step reads one after the other, of eight entries from `k` on.
+#[target_feature(enable = "avx512f")]
+#[inline]
+fn fetch_streams(block: &Block<'_>, k: usize) {
+    /// Asks for each line of eight values from `k` on, which need not be there.
+    #[inline(always)]
+    fn lines<T>(values: &[T], k: usize) {
+        let first = values.as_ptr().wrapping_add(k).cast::<i8>();
+        for byte in (0..LANES * size_of::<T>()).step_by(64) {
+            fetch_line(first.wrapping_add(byte));
+        }
+    }
+    lines(block.entries, k);
+    lines(block.reduced, k);
+    lines(block.xi, k);
+    lines(block.records, k);
 }
 
 /// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other; the
@@ -105,17 +145,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     if let Some(ahead) = block.entries.get(k + AHEAD..k + AHEAD + LANES) {
         ahead.iter().for_each(|entry| fetch(balls, entry.other as usize));
     }
-    let later = k + STREAM;
-    fetch(block.entries, later);
-    for l in [0, 4] {
-        fetch(block.reduced, later + l);
-    }
-    for l in [0, 2, 5] {
-        fetch(block.xi, later + l);
-    }
-    for l in 0..LANES {
-        fetch(block.records, later + l);
-    }
+    fetch_streams(block, k + STREAM);
     // SAFETY: an entry is two numbers of 32 bits; no more are read than `some` holds.
     let entries = unsafe { _mm512_maskz_loadu_epi64(valid, some.as_ptr().cast()) };
     let other = _mm512_cvtepi64_epi32(entries);
@@ -220,8 +250,11 @@ fn shifts(
 ) -> [__m512d; 3] {
     let scenery = block.scenery;
     if scenery.crossed {
-        let of = |bodies: &[u32; LANES]| bodies.map(|b| scenery.bodies.crossed[b as usize]);
-        let (of_i, of_j) = (of(i), of(j));
+        let (mut of_i, mut of_j) = ([0; LANES], [0; LANES]);
+        for l in 0..LANES {
+            of_i[l] = scenery.bodies.crossed[i[l] as usize];
+            of_j[l] = scenery.bodies.crossed[j[l] as usize];
+        }
         // SAFETY: both are registers of 32 bytes.
         let (of_i, of_j) = unsafe {
             (_mm256_loadu_si256(of_i.as_ptr().cast()), _mm256_loadu_si256(of_j.as_ptr().cast()))
@@ -248,18 +281,17 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: 
     let predicted = &block.scenery.bodies.predicted[..];
     let some = at..at + LANES;
     let (of_k, of_i, of_j) = (&hits.k[some.clone()], &hits.i[some.clone()], &hits.j[some]);
-    // Lanes beyond the last hit repeat the first, and nobody takes them.
-    let lane = |l: usize| if l < count { l } else { 0 };
+    // Lanes beyond the last hit hold what was there before, or nought; nobody takes them.
     let mut motion = [_mm512_setzero_pd(); LANES];
     let mut rest = motion;
     let mut normals = [_mm256_setzero_pd(); LANES];
     for l in 0..LANES {
-        let (k, i, j) = (of_k[lane(l)] as usize, of_i[lane(l)] as usize, of_j[lane(l)] as usize);
-        debug_assert!(i < predicted.len() && j < predicted.len());
-        let (record, xi) = (&block.records[k], &block.xi[k]);
-        // SAFETY: the bodies exist, and a twist is six numbers; no more are read of it, nor of others
-        // than they have.
+        let (k, i, j) = (of_k[l] as usize, of_i[l] as usize, of_j[l] as usize);
+        debug_assert!(i < predicted.len() && j < predicted.len() && k < block.records.len());
+        // SAFETY: the bodies exist, and a twist is six numbers; the entry does, and `evaluate` looked
+        // that each has a record and a displacement; no more is read than these have.
         unsafe {
+            let (record, xi) = (block.records.get_unchecked(k), block.xi.get_unchecked(k));
             let i = _mm512_maskz_loadu_pd(0x3f, predicted.as_ptr().add(i).cast());
             let j = predicted.as_ptr().add(j).cast::<f64>();
             let relative = _mm512_mask_sub_pd(i, 7, i, _mm512_maskz_loadu_pd(7, j));
@@ -313,9 +345,10 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: 
     for l in 0..LANES {
         if l < count {
             let k = of_k[l] as usize;
-            let (record, to) = (&mut block.records[k], &mut block.xi[k]);
-            // SAFETY: a record is a register of eight numbers; three are written of the other.
+            // SAFETY: as above; a record is a register of eight numbers, a displacement three.
             unsafe {
+                let record = block.records.get_unchecked_mut(k);
+                let to = block.xi.get_unchecked_mut(k);
                 _mm512_store_pd(std::ptr::from_mut::<Record>(record).cast(), records[l]);
                 let to = to.as_mut_ptr();
                 _mm_storeu_pd(to, _mm256_castpd256_pd128(xi[l]));
