@@ -8,7 +8,7 @@ use crate::{
     law::{Law, Reduced},
     mesh_contact::{self, MOST, SAME},
     pairs::BLOCK,
-    part_finder::{Found, Nearness},
+    part_finder::{Found, Nearness, SOME},
     parts::PlacedPart,
     slider::Along,
     tally::{Other, Tally},
@@ -66,6 +66,12 @@ impl PartContacts {
         self.clear();
         found.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
         if !at.parts.is_empty() {
+            self.bodies.reserve(SOME);
+            self.start.reserve(SOME);
+            self.entries.reserve(SOME);
+            self.near.reserve(SOME);
+            self.triangles.reserve(8 * SOME);
+            self.wrench.reserve(SOME);
             team.for_each(found, |b, found| found.find(b, before, bodies, at));
         }
         for found in found {

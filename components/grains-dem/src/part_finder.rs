@@ -13,6 +13,9 @@ use crate::{
     polyhedra::SPHERE,
 };
 
+/// Room for so many of what a block finds is there from the beginning.
+pub(crate) const SOME: usize = 128;
+
 /// What one block of bodies found.
 #[derive(Debug, Default)]
 pub(crate) struct Found {
@@ -47,6 +50,14 @@ impl Found {
         self.entries.clear();
         self.near.clear();
         self.triangles.clear();
+        if !at.parts.is_empty() {
+            // Short lists vary by large factors: what they may come to is there from the beginning.
+            self.bodies.reserve(SOME);
+            self.ends.reserve(SOME);
+            self.entries.reserve(SOME);
+            self.near.reserve(SOME);
+            self.triangles.reserve(8 * SOME);
+        }
         for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
             if !bodies.mobility[i].is_free() || bodies.poly[i] != SPHERE {
                 continue;
