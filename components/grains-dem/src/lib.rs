@@ -28,7 +28,7 @@
 //! # What a substep costs
 //!
 //! Bytes moved to and from memory for each sphere of a bed too large for the caches, with 1.9 contacts
-//! and 5 listed pairs a sphere, of which a step looks at 2.3 (`pairs.rs` says which):
+//! and 6 listed pairs a sphere, of which a step looks at 2.3 (`pairs.rs` says which):
 //!
 //! | pass | reads | writes |
 //! | --- | --- | --- |
@@ -36,14 +36,15 @@
 //! | forces: positions, radii, predicted velocities | 80 | |
 //! | forces: masses, histories | 76 | 46 |
 //! | forces: records (normal, tangential force, force, overlap) | 122 | 122 |
-//! | motion: where contacts are found, states, records | 176 | |
+//! | motion: contacts that act, records | 146 | |
 //! | motion: positions, velocities, orientations, inertia, references | 152 | 112 |
 //! | motion: predicted velocities (fetched before they are overwritten) | 48 | 48 |
-//! | sum | 675 | 330 |
+//! | sum | 645 | 330 |
 //!
 //! About 500 floating-point operations go with these thousand bytes, so that memory is what counts.
 //! Blocks of spheres follow Morton's curve; every array is walked from its beginning to its end, and
-//! what is reached through an index is asked for some contacts ahead.
+//! what is reached through an index is asked for some contacts ahead; so are the lists, because no
+//! processor follows as many arrays by itself. Contacts of one linear law are computed eight at once.
 //!
 //! # Same bits
 //!
