@@ -132,6 +132,8 @@ mod tally;
 mod wall_contacts;
 mod wall_forces;
 mod walls;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 mod widest;
 
 pub use damping::{damping_ratio, restitution};
