@@ -180,6 +180,7 @@ grains = {{ program = "grains-dem", threads = {threads}, sync_iter = {WINDOW} }}
 
 [settings.grains-dem]
 time_step = "{STEP!r} s"
+skin = 0.2
 """
     for fixed in [True, False]:
         text += f'\n[[scene.bodies]]\nname = "{"base" if fixed else "flow"}"\nmaterial = "bed"\nmotion = "{"fixed" if fixed else "free"}"\nspheres = [\n'

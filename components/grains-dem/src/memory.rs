@@ -10,7 +10,7 @@ use tremie_messages::body::BodyEvent;
 
 /// Pairs that are listed for each sphere of a dense packing of nearly equal ones, with the default
 /// skin: half of its neighbours.
-pub(crate) const PAIRS: usize = 6;
+pub(crate) const PAIRS: usize = 5;
 
 const INDEX: usize = size_of::<u32>();
 
