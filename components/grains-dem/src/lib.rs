@@ -28,7 +28,7 @@
 //! # What a substep costs
 //!
 //! Bytes moved to and from memory for each sphere of a bed too large for the caches, with 1.9 contacts
-//! and 6 listed pairs a sphere, of which a step looks at 2.3 (`pairs.rs` says which):
+//! and 5 listed pairs a sphere, of which a step looks at 2.3 (`pairs.rs` says which):
 //!
 //! | pass | reads | writes |
 //! | --- | --- | --- |
