@@ -30,26 +30,20 @@ use crate::cells::Fixture;
 use crate::declared::Given;
 use crate::field::Real;
 use crate::grid::{Grid, Reach, Side};
-use crate::kernel::Collides;
 use crate::lattice::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
-use crate::links::{After, Exchange, Item};
+use crate::links::After;
 use crate::owners::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
 use crate::shape::{Felt, NO_FACET};
-use crate::solver::Solver;
 use crate::sphere::{inside, wall_distance};
 use crate::wall_distances::WallDistances;
-use tremie_team::Cut;
 
 /// Surfaces nearer than this part of a link are in contact.
 pub const CONTACT: f64 = 1e-3;
 
-/// Items whose gaps one thread looks at together.
-const ITEMS_PER_PIECE: usize = 32;
-
 /// Gaps of an item at most; those beyond count as the last.
-const ROOM: usize = 24;
+pub const ROOM: usize = 24;
 
 /// What is on the other side of a gap: a fixture, a body's handle beyond [`Across::BODIES`], or a
 /// frozen cell.
@@ -69,7 +63,7 @@ impl Across {
     }
 
     /// How a body is seen from across the gap.
-    fn seen_back(self, handle: u32) -> Self {
+    pub fn seen_back(self, handle: u32) -> Self {
         Self::body(handle, self.0 & Self::IMAGE != 0)
     }
 
@@ -94,7 +88,7 @@ impl Across {
     }
 
     /// The handle of the body, if it is one.
-    fn as_body(self) -> Option<u32> {
+    pub fn as_body(self) -> Option<u32> {
         self.0.checked_sub(Self::BODIES).map(|handle| handle & !Self::IMAGE)
     }
 }
@@ -110,6 +104,15 @@ pub struct GapLink {
     begin: Begin,
 }
 
+/// How far a part is along a gap link from where that ends: what a search in its surface gave, which holds as long
+/// as the part's cells are where they were found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Met {
+    /// The part, and its search.
+    of: Option<(u64, u64)>,
+    distance: f64,
+}
+
 /// What the cell is where a gap link begins.
 #[derive(Clone, Copy, Debug)]
 enum Begin {
@@ -119,22 +122,35 @@ enum Begin {
     Stored { cell: u32, mirrors: u8 },
 }
 
+impl Met {
+    /// The distance of a body, found anew unless it is that of a part which is known.
+    fn of(&mut self, other: &Body, find: impl FnOnce() -> f64) -> f64 {
+        let Some(part) = &other.part else { return find() };
+        let of = Some((other.id, part.search()));
+        if self.of != of {
+            *self = Self { of, distance: find() };
+        }
+        self.distance
+    }
+}
+
 /// A gap, or the part of it that an item of links found.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
-    across: Across,
+    /// What is on its other side.
+    pub across: Across,
     /// Sum over the fluid cells next to it of the density minus 1, and their number.
     pub drho: f64,
     /// See there.
     pub cells: f64,
     /// Force and torque on the body for each unit of `drho`.
-    load: [[f64; 3]; 2],
+    pub load: [[f64; 3]; 2],
 }
 
 /// The gaps of an item of links.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
-    list: Vec<Gap>,
+    pub list: Vec<Gap>,
     /// What facets of a deformable surface felt, of gaps and of the fluid.
     pub felt: Vec<Felt>,
     /// Volume by which the body receded from each gap that the scene declares.
@@ -244,7 +260,7 @@ impl<T: Real> After<'_, T> {
     ) {
         let Some(link) = self.gap_link(walls, at, i) else { return };
         let cell = link.cell;
-        if let Some(gap) = self.press(bodies, body, &link, gaps) {
+        if let Some(gap) = self.press(bodies, body, &link, &mut Met::default(), gaps) {
             for next in self.layout.places.neighbours(cell) {
                 if self.owners.is_fluid(next) {
                     gap.drho += self.drho.get(next as usize);
@@ -259,11 +275,11 @@ impl<T: Real> After<'_, T> {
         &self,
         bodies: &Bodies,
         body: &Body,
-        link: &GapLink,
+        (link, met): (&GapLink, &mut Met),
         witnesses: &[u32],
         gaps: &mut Gaps,
     ) {
-        if let Some(gap) = self.press(bodies, body, link, gaps) {
+        if let Some(gap) = self.press(bodies, body, link, met, gaps) {
             let drho = |cell: &u32| self.drho.get(*cell as usize);
             gap.drho = witnesses.iter().map(drho).fold(gap.drho, |sum, drho| sum + drho);
             gap.cells += witnesses.len() as f64;
@@ -292,6 +308,7 @@ impl<T: Real> After<'_, T> {
         bodies: &Bodies,
         body: &Body,
         link: &GapLink,
+        met: &mut Met,
         gaps: &'g mut Gaps,
     ) -> Option<&'g mut Gap> {
         let (at, i) = (link.at, usize::from(link.dir));
@@ -302,7 +319,7 @@ impl<T: Real> After<'_, T> {
             None => (wall_distance(arm, c, body.r2()), NO_FACET),
             Some(part) => part.meet_facet(at, C[i]),
         };
-        let (across, far) = self.across(bodies, body, link)?;
+        let (across, far) = self.across(bodies, body, link, met)?;
         // Both as seen from the covered cell.
         if far - (1.0 - q) <= CONTACT {
             return None;
@@ -312,7 +329,13 @@ impl<T: Real> After<'_, T> {
 
     /// What a link's beginning belongs to, and how far its surface is from the covered cell on the link.
     /// `None` if they are not two, or the beginning is fluid.
-    fn across(&self, bodies: &Bodies, body: &Body, link: &GapLink) -> Option<(Across, f64)> {
+    fn across(
+        &self,
+        bodies: &Bodies,
+        body: &Body,
+        link: &GapLink,
+        met: &mut Met,
+    ) -> Option<(Across, f64)> {
         let GapLink { at, cell, .. } = *link;
         let (grid, i) = (&self.layout.grid, usize::from(link.dir));
         let back = OPPOSITE[i];
@@ -336,7 +359,8 @@ impl<T: Real> After<'_, T> {
                 && self.owners.of(cell) == SHARED
                 && self.owners.claimants(cell).any(|claimant| claimant == handle);
             let (other, back) = (bodies.with_handle(handle), mirrored(back, mirrors));
-            let distance = if both { 0.0 } else { self.distance(body, other, arm, back) };
+            let distance =
+                if both { 0.0 } else { met.of(other, || self.distance(body, other, arm, back)) };
             (Across::body(handle, is_image), distance)
         };
         // A surface is bonded to the part that carries it.
@@ -437,112 +461,4 @@ fn range(grid: &Grid, body: &Body, axis: usize) -> std::ops::RangeInclusive<i32>
     let first = (body.position[axis] - body.radius).floor() as i32 - 1;
     let last = (body.position[axis] + body.radius).floor() as i32 + 1;
     if grid.periodic[axis] { first..=last } else { first.max(0)..=last.min(grid.n[axis] - 1) }
-}
-
-/// Sum of the densities around a body's gaps that `wanted` says, and number of the cells.
-fn around(items: &[Item], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
-    let gaps = items.iter().flat_map(|item| &item.gaps.list).filter(|gap| wanted(gap.across));
-    gaps.fold([0.0; 2], |[drho, cells], gap| [drho + gap.drho, cells + gap.cells])
-}
-
-/// Density minus 1 in the gap between a body and something.
-fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64 {
-    let items_of = |place: usize| &items[bodies.living[place].items.clone()];
-    let own = items_of(place);
-    let mut found = around(own, |to| to == across);
-    if let Some(other) = across.as_body() {
-        let other = items_of(bodies.place_of(other));
-        let back = across.seen_back(bodies.living[place].handle);
-        let [drho, cells] = around(other, |to| to == back);
-        found = [found[0] + drho, found[1] + cells];
-    }
-    if found[1] == 0.0 {
-        found = around(own, |_| true);
-    }
-    if found[1] == 0.0 { 0.0 } else { found[0] / found[1] }
-}
-
-/// Density minus 1 in each gap of an item of links.
-pub type InGaps = [f64; ROOM];
-
-/// In gaps of which nothing is known yet.
-pub const UNKNOWN: InGaps = [0.0; ROOM];
-
-/// Calls `give` with the facet, force and place of everything that the facets of a deformable surface felt of the
-/// fluid and of gaps, from its items of links and the densities in their gaps.
-pub fn each_felt(
-    items: &[Item],
-    in_gaps: &[InGaps],
-    mut give: impl FnMut(usize, [f64; 3], [f64; 3]),
-) {
-    for (item, drho) in items.iter().zip(in_gaps) {
-        for felt in &item.gaps.felt {
-            let scale = drho.get(usize::from(felt.gap)).copied().unwrap_or(1.0);
-            give(felt.facet as usize, felt.force.map(|f| f * scale), felt.at);
-        }
-    }
-}
-
-impl<T: Collides> Solver<T> {
-    /// The items of the body in a place.
-    pub(crate) fn items_of(&self, place: usize) -> &[Item] {
-        &self.link_items[self.bodies.living[place].items.clone()]
-    }
-
-    /// Finds the densities in the gaps of all items.
-    fn find_densities(&mut self) {
-        let (items, bodies, declared) = (&self.link_items, &self.bodies, &self.declared);
-        let press = self.gaps_press;
-        let pieces = Cut::every(&mut self.in_gaps, ITEMS_PER_PIECE);
-        self.team.for_pieces(pieces, |number, piece: &mut [InGaps]| {
-            for (item, in_gaps) in items[number * ITEMS_PER_PIECE..].iter().zip(piece) {
-                for (gap, drho) in item.gaps.list.iter().zip(in_gaps) {
-                    *drho = match gap.across.as_declared() {
-                        Some(number) => declared.drho(number),
-                        None if press => drho_in(items, bodies, item.body, gap.across),
-                        None => 0.0,
-                    };
-                }
-            }
-        });
-    }
-
-    /// Finds what the pressure in gaps gives to bodies and fixtures, from what the links' search
-    /// found.
-    pub(crate) fn press(&mut self) {
-        if !self.feels_gaps() {
-            return;
-        }
-        let items = &self.link_items;
-        self.declared.settle_nearest(|gap| around(items, |to| to == Across::declared(gap)));
-        self.find_densities();
-        self.pressed.fill(Exchange::default());
-        for place in 0..self.bodies.living.len() {
-            let mut load = [[0.0; 3]; 2];
-            let items = self.bodies.living[place].items.clone();
-            for (item, in_gaps) in self.link_items[items.clone()].iter().zip(&self.in_gaps[items]) {
-                for (gap, &drho) in item.gaps.list.iter().zip(in_gaps) {
-                    let declared = gap.across.as_declared();
-                    let part = gap.load.map(|v| v.map(|x| x * drho));
-                    add_scaled(&mut load[0], part[0], 1.0);
-                    add_scaled(&mut load[1], part[1], 1.0);
-                    let still = declared.map_or_else(
-                        || gap.across.as_fixture(),
-                        |number| self.declared.still_side(number),
-                    );
-                    if let Some(number) = still {
-                        let position = self.bodies.living[place].position;
-                        let to = self.surroundings.references[number];
-                        // From the fixture's reference to the body, by the shortest way.
-                        let arm = self.layout.grid.shortest(to, position);
-                        let fixture = &mut self.pressed[number];
-                        add_scaled(&mut fixture.force, part[0], -1.0);
-                        add_scaled(&mut fixture.torque, part[1], -1.0);
-                        add_scaled(&mut fixture.torque, cross(arm, part[0]), -1.0);
-                    }
-                }
-            }
-            self.bodies.living[place].pressed = load;
-        }
-    }
 }

@@ -41,6 +41,7 @@ mod findings;
 mod fixed;
 mod fluid;
 mod gap_findings;
+mod gap_pressure;
 mod gaps;
 mod grain_space;
 mod grid;

@@ -214,7 +214,7 @@ impl<T: Real> After<'_, T> {
         } else {
             self.find_sphere(bodies, body, item.layers.clone(), &mut item.of_sphere);
             batch.reflect_sphere(self, body, &item.of_sphere);
-            self.gaps_of_sphere(bodies, body, &item.of_sphere, &mut batch.gaps);
+            self.gaps_of_sphere(bodies, body, &mut item.of_sphere, &mut batch.gaps);
         }
         item.exchange = batch.exchange();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);

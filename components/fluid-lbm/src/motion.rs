@@ -98,7 +98,7 @@ impl<T: Collides> Solver<T> {
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);
         self.team.for_each(&mut self.link_items, |_, item| {
             item.find(&site, bodies);
-            for &line in &item.found.lines {
+            for &line in item.found.lines() {
                 lines[line as usize].store(1, Relaxed);
             }
         });

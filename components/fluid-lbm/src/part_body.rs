@@ -11,7 +11,8 @@
 //! part's farthest point. They are found anew when the rounded pose changes. As long as it does not,
 //! wall distances follow the motion to first order (see `part_links`); which cells are covered is
 //! that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by turning.
-//! What is found depends on the pose alone, not on how the part came there.
+//! What is found depends on the pose alone, not on how the part came there. So what was found at the pose before the last
+//! is kept: a part that trembles about the border of two rounded poses costs no search.
 
 use crate::cover::{Cover, Layer, room_for};
 use crate::grid::Grid;
@@ -66,7 +67,10 @@ pub struct PartBody {
     /// Where its cells and links were found last; none before the first time.
     found: Option<Placed>,
     /// How often they were found.
-    pub searches: u64,
+    searches: u64,
+    /// Of the cells it covers now and of those that it covered before its last move: where, and the number of the
+    /// search that found them.
+    known: [Option<(Placed, u64)>; 2],
     /// From where they were found to where it is: shift of the origin, and the turn about it as a
     /// small vector.
     drift: [[f64; 3]; 2],
@@ -153,6 +157,7 @@ impl PartBody {
             rounding,
             found: None,
             searches: 0,
+            known: [None; 2],
             drift: [[0.0; 3]; 2],
             frame: Frame::of(&Pose::IDENTITY),
             now: cover.clone(),
@@ -276,16 +281,28 @@ impl PartBody {
         for a in 0..3 {
             self.now.origin[a] += by[a];
         }
+        self.known[0] = None;
+    }
+
+    /// Number of the search that found its cells; 0 before the first.
+    pub fn search(&self) -> u64 {
+        self.known[0].map_or(0, |(_, search)| search)
     }
 
     /// Finds the cells inside where it was placed; along faces that do not wrap around it is cut off.
     pub fn cover(&mut self, grid: &Grid, team: &mut Team) {
-        let Some(Placed { position, orientation }) = self.found else { return };
+        let Some(placed) = self.found else { return };
         std::mem::swap(&mut self.now, &mut self.previous);
-        self.searches += 1;
-        self.reshape();
+        self.known.swap(0, 1);
+        let Placed { position, orientation } = placed;
         let pose = Pose { position: position.map(|x| x * self.cell), orientation };
         self.frame = Frame::of(&pose);
+        if self.shape.is_none() && self.known[0].is_some_and(|(known, _)| known == placed) {
+            return;
+        }
+        self.searches += 1;
+        self.known[0] = Some((placed, self.searches));
+        self.reshape();
         let [least, most] = self.cells_around(grid);
         self.now.origin = least;
         let mut layers = std::mem::take(&mut self.now.layers);
@@ -329,6 +346,7 @@ impl PartBody {
     /// Leaves all cells.
     pub fn leave(&mut self) {
         std::mem::swap(&mut self.now, &mut self.previous);
+        self.known = [None; 2];
         for layer in &mut self.now.layers {
             layer.cells.fill(false);
             layer.rows.fill(false);

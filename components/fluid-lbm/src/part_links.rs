@@ -51,18 +51,46 @@ pub struct PartLink {
     slope: [f32; 3],
 }
 
-/// The links of an item.
+/// The links of an item: those of the part's last search, and of the one before, to which it may come back.
 #[derive(Clone, Debug, Default)]
 pub struct PartLinks {
-    /// Which search of the part they are from.
+    now: Listed,
+    before: Listed,
+    facets: Facets,
+}
+
+/// The links that a search found.
+#[derive(Clone, Debug, Default)]
+pub struct Listed {
+    /// Number of the search; 0 before the first.
     search: u64,
     links: Vec<PartLink>,
     /// For each link where it meets a surface that can deform; none for rigid parts.
     hits: Vec<Hit>,
     gaps: GapLinks,
     /// Lines that hold the cells of which densities are needed.
-    pub lines: Vec<u32>,
-    facets: Facets,
+    lines: Vec<u32>,
+}
+
+impl Listed {
+    fn clear(&mut self) {
+        self.links.clear();
+        self.hits.clear();
+        self.gaps.clear();
+        self.lines.clear();
+    }
+
+    /// Room for half as many more.
+    fn make_room(&mut self) {
+        self.links.reserve(self.links.len() / 2 + 64);
+        self.hits.reserve(self.hits.len() / 2);
+        self.lines.reserve(self.lines.len() / 2 + 64);
+        self.gaps.make_room();
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<PartLink>() * self.links.capacity() + size_of::<Hit>() * self.hits.capacity()
+    }
 }
 
 /// What a search looks at.
@@ -82,32 +110,35 @@ impl PartLinks {
     /// Finds the links that begin in the layers `layers` of a part's shell, unless those of its
     /// last search are known.
     pub fn find(&mut self, site: &Site, body: &Body, layers: std::ops::Range<i32>) {
-        let Some(part) = body.part.as_deref().filter(|part| part.searches != self.search) else {
+        let Some(part) = body.part.as_deref().filter(|part| part.search() != self.now.search)
+        else {
             return;
         };
-        let is_first = self.search == 0;
-        self.search = part.searches;
-        self.links.clear();
-        self.hits.clear();
-        self.gaps.clear();
+        std::mem::swap(&mut self.now, &mut self.before);
+        if self.now.search == part.search() {
+            return;
+        }
+        let is_first = self.before.search == 0 && self.now.search == 0;
+        self.now.clear();
+        self.now.search = part.search();
         for z in layers.clone() {
             for y in 0..body.shell_side() {
                 self.find_row(site, part, body.shell_row(y, z));
             }
         }
         if let Some(walls) = site.walls.filter(|_| layers.start == 0) {
-            site.gaps_at_walls(body, walls, &mut self.facets, &mut self.gaps);
+            site.gaps_at_walls(body, walls, &mut self.facets, &mut self.now.gaps);
         }
-        self.lines.clear();
+        let Listed { links, gaps, lines, .. } = &mut self.now;
         let line = |cell: u32| cell / site.line as u32;
-        for link in &self.links {
-            if self.lines.last() != Some(&line(link.slots.cell)) {
-                self.lines.push(line(link.slots.cell));
+        for link in links {
+            if lines.last() != Some(&line(link.slots.cell)) {
+                lines.push(line(link.slots.cell));
             }
         }
-        self.lines.extend(self.gaps.witnesses().map(line));
-        self.lines.sort_unstable();
-        self.lines.dedup();
+        lines.extend(gaps.witnesses().map(line));
+        lines.sort_unstable();
+        lines.dedup();
         if is_first {
             self.make_room();
         }
@@ -115,21 +146,29 @@ impl PartLinks {
 
     /// Room for what a part that moves on will need: half as much again.
     fn make_room(&mut self) {
-        self.links.reserve(self.links.len() / 2 + 64);
-        self.hits.reserve(self.hits.len() / 2);
-        self.lines.reserve(self.lines.len() / 2 + 64);
-        self.gaps.make_room();
+        self.now.make_room();
+        // As much for the next search, which fills the other list.
+        self.before.clone_from(&self.now);
+        self.before.make_room();
+        self.before.clear();
+        self.before.search = 0;
         self.facets.make_room();
+    }
+
+    /// Lines that hold the cells of which densities are needed.
+    pub fn lines(&self) -> &[u32] {
+        &self.now.lines
     }
 
     /// Memory that they take [bytes].
     pub fn bytes(&self) -> usize {
-        size_of::<PartLink>() * self.links.capacity() + size_of::<Hit>() * self.hits.capacity()
+        self.now.bytes() + self.before.bytes()
     }
 
     /// What the links of a surface that can deform may give to facets.
     pub fn felt(&self) -> usize {
-        if self.hits.is_empty() { 0 } else { self.links.len() + self.gaps.len() }
+        let Listed { links, hits, gaps, .. } = &self.now;
+        if hits.is_empty() { 0 } else { links.len() + gaps.len() }
     }
 
     fn find_row(&mut self, site: &Site, part: &PartBody, [y, z]: [i32; 2]) {
@@ -197,9 +236,9 @@ impl PartLinks {
             }
             let meeting = part.meet_among(&self.facets, at, C[seen]);
             if part.shape.is_some() {
-                self.hits.push(meeting.hit);
+                self.now.hits.push(meeting.hit);
             }
-            self.links.push(PartLink {
+            self.now.links.push(PartLink {
                 slots: Slots::new(site.layout, cell, i),
                 end,
                 dir: i as u8,
@@ -222,7 +261,7 @@ impl PartLinks {
                 part.facets_near(at, &mut self.facets);
                 near = Some(at);
             }
-            site.static_gap(part, &self.facets, walls, at, seen, &mut self.gaps);
+            site.static_gap(part, &self.facets, walls, at, seen, &mut self.now.gaps);
         }
     }
 }
@@ -266,6 +305,7 @@ impl<T: Real> After<'_, T> {
         list: &PartLinks,
         batch: &mut Batch,
     ) {
+        let list = &list.now;
         let mut hits = list.hits.as_slice();
         for run in list.links.chunk_by(|a, b| a.slots.cell == b.slots.cell) {
             let cell = run[0].slots.cell;

@@ -12,7 +12,7 @@ use crate::declared::{DeclaredGaps, Intakes};
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
-use crate::gaps::{self, InGaps};
+use crate::gap_pressure::{InGaps, UNKNOWN};
 use crate::halfway::HalfwayLinks;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lanes::Variant;
@@ -304,7 +304,7 @@ impl<T: Collides> Solver<T> {
         }
         let counts = [self.declared.len(), self.intakes.len()];
         self.link_items = links::items(&mut self.bodies, press, counts);
-        self.in_gaps.resize(self.link_items.len(), gaps::UNKNOWN);
+        self.in_gaps.resize(self.link_items.len(), UNKNOWN);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();

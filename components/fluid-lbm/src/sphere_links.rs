@@ -10,7 +10,7 @@ use crate::body::Body;
 use crate::bricks::Bricks;
 use crate::columns::{LANES, Standing};
 use crate::field::Real;
-use crate::gaps::{GapLink, Gaps};
+use crate::gaps::{GapLink, Gaps, Met};
 use crate::lattice::{C, Q};
 use crate::links::After;
 use crate::part_links::as_seen;
@@ -49,7 +49,7 @@ pub struct SphereLinks {
     /// Axes at which each is mirrored; none if no link is.
     pub mirrors: Vec<u8>,
     /// Links that may be gap links, and the fluid cells next to their ends; see `gaps`.
-    gaps: Vec<(GapLink, Witnesses)>,
+    gaps: Vec<(GapLink, Met, Witnesses)>,
     witnesses: Vec<u32>,
     /// How often they were found.
     finds: u64,
@@ -85,7 +85,7 @@ impl SphereLinks {
             + size_of::<Standing>() * self.standing.capacity()
             + size_of::<Slots>() * self.slots.capacity()
             + self.mirrors.capacity()
-            + size_of::<(GapLink, Witnesses)>() * self.gaps.capacity()
+            + size_of::<(GapLink, Met, Witnesses)>() * self.gaps.capacity()
             + size_of::<u32>() * self.witnesses.capacity()
     }
 
@@ -252,7 +252,7 @@ impl<T: Real> After<'_, T> {
                     && let Some(link) = self.gap_link(walls, [x, row.y, row.z], i)
                 {
                     let witnesses = self.witnesses(link.cell, links);
-                    links.gaps.push((link, witnesses));
+                    links.gaps.push((link, Met::default(), witnesses));
                 }
             }
         }
@@ -260,8 +260,9 @@ impl<T: Real> After<'_, T> {
 
     /// Lists the fluid cells next to one that the sphere covers, unless they are listed.
     fn witnesses(&self, cell: u32, links: &mut SphereLinks) -> Witnesses {
-        if let Some((_, known)) = links.gaps.iter().rev().find(|(link, _)| link.cell == cell) {
-            return *known;
+        let known = links.gaps.iter().rev().find(|(link, ..)| link.cell == cell);
+        if let Some((.., witnesses)) = known {
+            return *witnesses;
         }
         let first = links.witnesses.len() as u32;
         let fluid = self.layout.places.neighbours(cell).filter(|&next| self.owners.is_fluid(next));
@@ -274,12 +275,12 @@ impl<T: Real> After<'_, T> {
         &self,
         bodies: &Bodies,
         body: &Body,
-        links: &SphereLinks,
+        links: &mut SphereLinks,
         gaps: &mut Gaps,
     ) {
-        for (link, [first, end]) in &links.gaps {
+        for (link, met, [first, end]) in &mut links.gaps {
             let witnesses = &links.witnesses[*first as usize..*end as usize];
-            self.gap_seen(bodies, body, link, witnesses, gaps);
+            self.gap_seen(bodies, body, (link, met), witnesses, gaps);
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::balance::mirrors_of_part;
 use crate::error::FluidError;
-use crate::gaps::each_felt;
+use crate::gap_pressure::each_felt;
 use crate::kernel::Collides;
 use crate::lattice::{cross, dot};
 use crate::ledger::add_scaled;
