@@ -12,6 +12,7 @@ use tremie_messages::scene::{
     BodySet, ContactLaw, Damping, Diameters, Domain, Face, Motion, Packing, PairLaw, Placement,
     Scene, Sphere, Spring,
 };
+use tremie_test_support::processor_seconds;
 
 const D: f64 = 1e-3;
 
@@ -116,10 +117,10 @@ fn measure(scene: &Scene, parameters: &Parameters, dt: f64, threads: usize) -> f
     dem.advance(steps / 4, &[]).expect("a settled bed");
     let before = dem.diagnostics().list_rebuilds;
     for _ in 0..3 {
-        let (start, busy) = (Instant::now(), busy());
+        let (start, busy) = (Instant::now(), processor_seconds());
         dem.advance(steps, &[]).expect("a settled bed");
-        let took = match (threads, busy) {
-            (1, Some(before)) => self::busy().unwrap_or(f64::NAN) - before,
+        let took = match threads {
+            1 => processor_seconds() - busy,
             _ => start.elapsed().as_secs_f64(),
         };
         let rate = dem.body_count() as f64 * f64::from(steps) / took;
@@ -135,10 +136,4 @@ fn measure(scene: &Scene, parameters: &Parameters, dt: f64, threads: usize) -> f
         seen.max_speed
     );
     best
-}
-
-/// Processor time of the main thread [s], where the system tells: other programs do not enter it.
-fn busy() -> Option<f64> {
-    let times = std::fs::read_to_string("/proc/self/schedstat").ok()?;
-    Some(times.split_whitespace().next()?.parse::<f64>().ok()? * 1e-9)
 }

@@ -5,13 +5,12 @@
 //!
 //! `cargo bench -p tremie-grains-dem --no-default-features --bench surface_trials`
 
-use std::sync::OnceLock;
-use std::time::Instant;
 use tremie_grains_dem::{DeformableSurface, GrainsDem, Parameters, SurfaceState};
 use tremie_messages::scene::{
     BodySet, ContactLaw, Damping, Domain, Face, Geometry, Motion, PairLaw, Part, PartBoundary,
     Placement, Pose, Scene, Slider, SliderSpring, Sphere, Spring,
 };
+use tremie_test_support::processor_seconds;
 
 const D: f64 = 0.8e-3;
 /// Time step of the grains of a valve [s].
@@ -142,22 +141,22 @@ fn main() {
         let velocities = vec![[0.0; 3]; vertices.len()];
         let mut loads = Vec::new();
         let mut try_often = |dem: &mut GrainsDem, trials: u32| {
-            let start = busy();
+            let start = processor_seconds();
             for _ in 0..trials {
                 dem.contact_on_surface(0, &vertices, &velocities, &mut loads).expect("a shape");
             }
-            (busy() - start, loads.len())
+            (processor_seconds() - start, loads.len())
         };
         let carrier_force = [0.0; 3];
         let accepted = SurfaceState { vertices: &vertices, velocities: &velocities, carrier_force };
         dem.begin_window(STEPS, &[]).expect("a window");
-        let start = busy();
+        let start = processor_seconds();
         for _ in 0..STEPS {
             dem.begin_substep().expect("a substep");
             try_often(&mut dem, 1);
             dem.finish_substep(&[accepted]).expect("contacts");
         }
-        let whole = (busy() - start) / f64::from(STEPS);
+        let whole = (processor_seconds() - start) / f64::from(STEPS);
         dem.begin_substep().expect("a substep");
         let (trying, loads) = try_often(&mut dem, TRIALS);
         println!(
@@ -167,13 +166,4 @@ fn main() {
             1e9 * whole,
         );
     }
-}
-
-/// Processor time of the main thread [s]; the clock's where the system does not tell.
-fn busy() -> f64 {
-    static START: OnceLock<Instant> = OnceLock::new();
-    let times = std::fs::read_to_string("/proc/self/schedstat").ok();
-    let nanoseconds = times.and_then(|times| times.split_whitespace().next()?.parse::<f64>().ok());
-    nanoseconds
-        .map_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
