@@ -169,7 +169,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     }
     let [x_i, y_i, z_i, r_i, x_j, y_j, z_j, r_j] = transposed(rows);
     let images = _mm256_and_si256(_mm256_srli_epi32::<9>(tags), _mm256_set1_epi32(31));
-    let shift = shifts(block, images, &of_i, &of_j);
+    let shift = shifts(block, (valid, images), &of_i, &of_j);
     let d = Lane3 {
         x: Wide(_mm512_add_pd(_mm512_sub_pd(x_j, x_i), shift[0])),
         y: Wide(_mm512_add_pd(_mm512_sub_pd(y_j, y_i), shift[1])),
@@ -236,16 +236,18 @@ fn twice(bits: u8) -> u16 {
     b | b << 1
 }
 
-/// Displacements of the images through which the others are seen.
+/// Displacements of the images through which the others are seen; none in lanes that hold no entry.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn shifts(
     block: &Block<'_>,
-    mut images: __m256i,
+    (valid, images): (__mmask8, __m256i),
     i: &[u32; LANES],
     j: &[u32; LANES],
 ) -> [__m512d; 3] {
     let scenery = block.scenery;
+    let own = _mm256_set1_epi32(SELF_IMAGE as i32);
+    let mut images = _mm256_mask_mov_epi32(own, valid, images);
     if scenery.crossed {
         let (mut of_i, mut of_j) = ([0; LANES], [0; LANES]);
         for l in 0..LANES {
@@ -256,9 +258,10 @@ fn shifts(
         let (of_i, of_j) = unsafe {
             (_mm256_loadu_si256(of_i.as_ptr().cast()), _mm256_loadu_si256(of_j.as_ptr().cast()))
         };
-        images = _mm256_add_epi32(images, _mm256_sub_epi32(of_j, of_i));
+        let moved = _mm256_sub_epi32(of_j, of_i);
+        images = _mm256_mask_add_epi32(images, valid, images, moved);
     }
-    if _mm256_cmpeq_epi32_mask(images, _mm256_set1_epi32(SELF_IMAGE as i32)) == 0xff {
+    if _mm256_cmpeq_epi32_mask(images, own) == 0xff {
         return [_mm512_setzero_pd(); 3];
     }
     let mut numbers = [0_u32; LANES];
