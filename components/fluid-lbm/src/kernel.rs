@@ -389,8 +389,8 @@ unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool>(
 }
 
 /// How many cache lines ahead of its use a place is fetched. The collision of a vector fills the
-/// processor's window of instructions, so that it does not reach the next vector's loads by itself;
-/// two vectors take about as long as memory does.
+/// processor's window of instructions, so that it does not reach the next vector's loads by itself.
+/// With 8 a box of 128 cells cubed was up to a sixth faster than with 4, and as fast as with 12.
 const AHEAD: usize = 8;
 
 /// The same for places in pieces, of which each line has many.

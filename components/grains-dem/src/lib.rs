@@ -51,7 +51,8 @@
 //! Equal scenes and parameters give equal bits, on any number of threads: a body sums its forces in
 //! the order of the others' ids, random numbers are keyed by seed and index, and no function of the
 //! system's mathematics library is used. When neighbours are listed, and where bodies stand in
-//! memory, enters no result; a body far away changes no bit of the others.
+//! memory, enters no result of spheres among themselves; beside parts that they move, another skin was seen to change
+//! last bits. A body far away changes no bit of the others.
 
 mod acting;
 #[cfg(target_arch = "x86_64")]
