@@ -35,7 +35,7 @@ use crate::probes::samples;
 use crate::solids::Centres;
 use crate::surroundings::Surroundings;
 use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
-use tremie_team::Team;
+use tremie_team::{Cut, Team};
 
 /// Fluid cells with a way to fewer others than this are a pocket.
 pub const POCKET: usize = 64;
@@ -115,23 +115,34 @@ struct Mouth {
     gap: u16,
 }
 
+/// The links from fluid cells into frozen ones.
+#[derive(Clone, Debug, Default)]
+struct Mouths {
+    list: Vec<Mouth>,
+    /// By stored cell, whether it was frozen or adjoined a frozen one when they were listed, and which cells those are.
+    matters: Vec<bool>,
+    around: Vec<u32>,
+    /// Whether they were listed at all.
+    are_listed: bool,
+}
+
 /// The gaps of a scene, and their cells.
 #[derive(Clone, Debug, Default)]
 pub struct DeclaredGaps {
     gaps: Vec<Declared>,
-    candidates: Vec<Vec<Candidate>>,
-    /// For each stored cell the thickness of its gap, and which it is.
-    thickness: Vec<f32>,
+    candidates: Vec<Candidate>,
+    /// For each stored cell its gap, and its place among the candidates.
     of: Vec<u16>,
-    /// Axis across the gap of each stored cell.
-    axis: Vec<u8>,
+    place: Vec<u32>,
+    /// Of each item, the cells that freeze or thaw in this step, with their gaps.
+    turning: Vec<Vec<(u32, u16)>>,
     /// Frozen cells of no gap.
     pub pockets: Vec<u32>,
-    mouths: Vec<Mouth>,
-    /// Room for a pocket, and for the cells that may have become one.
-    pub fill: Vec<u32>,
-    /// See there.
+    mouths: Mouths,
+    /// Room for the cells that may have become pockets, and whether they have.
     pub seeds: Vec<u32>,
+    /// See there.
+    pub closed: Vec<bool>,
     /// Impulse of the last step on frozen cells.
     pub impulse: [f64; 3],
     centres: Centres,
@@ -154,18 +165,17 @@ impl DeclaredGaps {
         let mut own = Self {
             gaps: scene.gaps.iter().map(|gap| declared(gap, scene, surroundings, layout)).collect(),
             candidates: Vec::new(),
-            thickness: vec![f32::INFINITY; count],
             of: vec![NONE; count],
-            axis: vec![0; count],
+            place: vec![u32::MAX; count],
+            turning: Vec::new(),
             pockets: Vec::with_capacity(count / 16),
-            mouths: Vec::with_capacity(count / 4),
-            fill: Vec::with_capacity(8 * POCKET),
+            mouths: Mouths::with_room(count),
             seeds: Vec::with_capacity(count / 4),
+            closed: Vec::with_capacity(count / 4),
             impulse: [0.0; 3],
             centres,
             is_measured: false,
         };
-        let mut found = Vec::new();
         for cell in 0..count as u32 {
             let point = centres.of(layout.at(cell));
             let candidate = (0..own.gaps.len()).find_map(|k| {
@@ -179,12 +189,14 @@ impl DeclaredGaps {
                     axis: 0,
                 })
             });
-            found.extend(candidate);
+            own.candidates.extend(candidate);
         }
-        for candidate in &found {
+        for (place, candidate) in (0..).zip(&own.candidates) {
             own.of[candidate.cell as usize] = candidate.gap;
+            own.place[candidate.cell as usize] = place;
         }
-        own.candidates = found.chunks(CELLS_PER_ITEM).map(<[Candidate]>::to_vec).collect();
+        let items = own.candidates.chunks(CELLS_PER_ITEM);
+        own.turning = items.map(|item| Vec::with_capacity(item.len())).collect();
         own
     }
 
@@ -210,8 +222,8 @@ impl DeclaredGaps {
 
     /// Memory that the tables take [bytes].
     pub fn bytes(&self) -> usize {
-        let candidates = self.candidates.iter().map(|item| size_of_val(item.as_slice()));
-        self.of.len() * 7 + candidates.sum::<usize>()
+        let candidate = size_of::<Candidate>() + size_of::<(u32, u16)>();
+        self.of.len() * 7 + self.candidates.len() * candidate
     }
 
     /// The gap of a frozen cell.
@@ -273,63 +285,80 @@ impl DeclaredGaps {
             (gap.is_new, gap.is_there) = (is_there && !gap.is_there, is_there);
         }
         let gaps = &self.gaps;
-        team.for_each(&mut self.candidates, |_, item| {
+        let items = Cut::every(&mut self.candidates, CELLS_PER_ITEM);
+        team.for_pieces(items, |_, item: &mut [Candidate]| {
             for candidate in item {
                 let gap = &gaps[usize::from(candidate.gap)];
                 (candidate.thickness, candidate.axis) = gap.thickness(layout, bodies, candidate);
             }
         });
-        for candidate in self.candidates.iter().flatten() {
-            self.thickness[candidate.cell as usize] = candidate.thickness;
-            self.axis[candidate.cell as usize] = candidate.axis;
-        }
+    }
+
+    /// What a cell is as a candidate.
+    fn candidate(&self, cell: u32) -> Option<&Candidate> {
+        self.candidates.get(*self.place.get(cell as usize)? as usize)
+    }
+
+    /// The candidates of an item of work.
+    fn item(&self, number: usize) -> &[Candidate] {
+        let rest = &self.candidates[number * CELLS_PER_ITEM..];
+        &rest[..rest.len().min(CELLS_PER_ITEM)]
     }
 
     /// Freezes and thaws cells, between the bodies' claims and [`Owners::settle`].
-    pub fn freeze(&mut self, owners: &mut Owners, bodies: &Bodies) {
-        for candidate in self.candidates.iter().flatten() {
-            let gap = &self.gaps[usize::from(candidate.gap)];
-            let t = candidate.thickness;
-            match owners.of(candidate.cell) {
-                FLUID if t < gap.close_at || (gap.is_new && t < gap.open_at) => {
-                    owners.freeze(candidate.cell);
-                }
-                VACATED if t < gap.open_at => owners.freeze(candidate.cell),
-                FROZEN if t >= gap.open_at && !self.is_pocket(candidate.cell) => {
-                    if let Some(body) = gap.mover(bodies) {
-                        owners.thaw(Vacated { cell: candidate.cell, handle: body.handle });
-                    }
-                }
-                _ => {}
+    pub fn freeze(&mut self, owners: &mut Owners, bodies: &Bodies, team: &mut Team) {
+        let mut turning = std::mem::take(&mut self.turning);
+        team.for_each(&mut turning, |number, turning| {
+            let turns = self.item(number).iter().filter(|candidate| self.turns(owners, candidate));
+            turning.clear();
+            turning.extend(turns.map(|candidate| (candidate.cell, candidate.gap)));
+        });
+        for &(cell, gap) in turning.iter().flatten() {
+            if owners.of(cell) != FROZEN {
+                owners.freeze(cell);
+            } else if let Some(body) = self.gaps[usize::from(gap)].mover(bodies) {
+                owners.thaw(Vacated { cell, handle: body.handle });
             }
         }
+        self.turning = turning;
         for gap in &mut self.gaps {
             gap.is_new = false;
         }
     }
 
-    /// Lists the links from fluid cells into frozen ones.
+    /// Whether a cell freezes or thaws.
+    fn turns(&self, owners: &Owners, candidate: &Candidate) -> bool {
+        let &Candidate { cell, thickness, gap, .. } = candidate;
+        let gap = &self.gaps[usize::from(gap)];
+        match owners.of(cell) {
+            FLUID => thickness < gap.close_at || (gap.is_new && thickness < gap.open_at),
+            VACATED => thickness < gap.open_at,
+            FROZEN => thickness >= gap.open_at && !self.is_pocket(cell),
+            _ => false,
+        }
+    }
+
+    /// Lists the links from fluid cells into frozen ones, if cells changed hands on which these depend.
     pub fn find_mouths(&mut self, owners: &Owners, layout: &Layout) {
-        self.mouths.clear();
-        let of_gaps = self.candidates.iter().flatten().map(|candidate| candidate.cell);
+        let mouths = &self.mouths;
+        let changed = owners.changed().iter();
+        let depends = |&cell: &u32| mouths.matters[cell as usize] || owners.of(cell) == FROZEN;
+        if mouths.are_listed && !changed.copied().any(|cell| depends(&cell)) {
+            return;
+        }
+        let mut mouths = std::mem::take(&mut self.mouths);
+        mouths.begin();
+        let of_gaps = self.candidates.iter().map(|candidate| candidate.cell);
         for cell in of_gaps.chain(self.pockets.iter().copied()) {
-            if owners.of(cell) != FROZEN {
-                continue;
-            }
-            let is_pocket = self.pockets.binary_search(&cell).is_ok();
-            let gap = if is_pocket { NONE } else { self.of[cell as usize] };
-            let at = layout.at(cell);
-            for i in 1..Q {
-                let Some((from, mirrors)) = layout.near(at, C[i]) else { continue };
-                let dir = mirrored(OPPOSITE[i], mirrors);
-                if owners.is_fluid(from) && layout.neighbour(from, dir) == Some(cell) {
-                    self.mouths.push(Mouth { cell: from, dir: dir as u8, gap });
-                }
+            if owners.of(cell) == FROZEN {
+                let gap = if self.is_pocket(cell) { NONE } else { self.of[cell as usize] };
+                mouths.add(owners, layout, cell, gap);
             }
         }
         // A pocket's cell that is also a gap's candidate was seen twice.
-        self.mouths.sort_unstable_by_key(|mouth| (mouth.cell, mouth.dir));
-        self.mouths.dedup_by_key(|mouth| (mouth.cell, mouth.dir));
+        mouths.list.sort_unstable_by_key(|mouth| (mouth.cell, mouth.dir));
+        mouths.list.dedup_by_key(|mouth| (mouth.cell, mouth.dir));
+        self.mouths = mouths;
     }
 
     /// Reflects the links into frozen cells half-way, and finds the pressure by probes.
@@ -346,9 +375,10 @@ impl DeclaredGaps {
             gap.drho = if weights > 0.0 { sum / weights } else { 0.0 };
         }
         self.impulse = [0.0; 3];
-        for mouth in &self.mouths {
+        for mouth in &self.mouths.list {
             let i = usize::from(mouth.dir);
-            if let Some(gap) = self.gaps.get_mut(usize::from(mouth.gap)) {
+            let gap = self.gaps.get_mut(usize::from(mouth.gap));
+            if let Some(gap) = gap.filter(|gap| gap.rule == GapRule::Nearest) {
                 gap.around[0] += density(&after.post(mouth.cell)) - 1.0;
                 gap.around[1] += 1.0;
             }
@@ -372,6 +402,48 @@ impl DeclaredGaps {
                 let (drho, cells) = (drho + gap.around[0], cells + gap.around[1]);
                 gap.drho = if cells > 0.0 { drho / cells } else { 0.0 };
             }
+        }
+    }
+}
+
+impl Mouths {
+    /// None yet, of so many cells.
+    fn with_room(cells: usize) -> Self {
+        Self {
+            list: Vec::with_capacity(cells / 4),
+            matters: vec![false; cells],
+            around: Vec::with_capacity(cells),
+            are_listed: false,
+        }
+    }
+
+    /// Begins to list them anew.
+    fn begin(&mut self) {
+        self.are_listed = true;
+        self.list.clear();
+        for cell in self.around.drain(..) {
+            self.matters[cell as usize] = false;
+        }
+    }
+
+    /// Adds those into a frozen cell.
+    fn add(&mut self, owners: &Owners, layout: &Layout, cell: u32, gap: u16) {
+        self.note(cell);
+        let at = layout.at(cell);
+        for i in 1..Q {
+            let Some((from, mirrors)) = layout.near(at, C[i]) else { continue };
+            self.note(from);
+            let dir = mirrored(OPPOSITE[i], mirrors);
+            if owners.is_fluid(from) && layout.neighbour(from, dir) == Some(cell) {
+                self.list.push(Mouth { cell: from, dir: dir as u8, gap });
+            }
+        }
+    }
+
+    /// Notes that the list depends on whose a cell is.
+    fn note(&mut self, cell: u32) {
+        if !std::mem::replace(&mut self.matters[cell as usize], true) {
+            self.around.push(cell);
         }
     }
 }

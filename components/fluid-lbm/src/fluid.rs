@@ -135,8 +135,8 @@ impl FluidLbm {
     /// twice what they feel: sums over facets that lie alike on both sides are then those of the whole,
     /// along the plane; the work of motions that are symmetric too. Across the plane, the whole feels
     /// nothing, whatever the sum.
-    pub fn surface_loads(&self, loads: &mut [FacetLoad]) {
-        solver!(&self.solver, s => s.surface_loads(loads));
+    pub fn surface_loads(&mut self, loads: &mut [FacetLoad]) {
+        solver!(&mut self.solver, s => s.surface_loads(loads));
     }
 
     /// Balance of momentum and mass of the last step.

@@ -107,9 +107,8 @@ impl Exchange {
     }
 }
 
-/// The items of all bodies.
-/// Those that press count for so many declared gaps and intakes.
-pub fn items(bodies: &mut Bodies, gaps_press: bool, [declared, intakes]: [usize; 2]) -> Vec<Item> {
+/// The items of all bodies; those of parts that press count for so many declared gaps and intakes.
+pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<Item> {
     let mut items = Vec::new();
     for (place, body) in bodies.living.iter_mut().enumerate() {
         let begin = items.len();
@@ -119,6 +118,8 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, [declared, intakes]: [usize;
         while first < side {
             let layers = first..(first + layers).min(side);
             first = layers.end;
+            // Spheres draw nothing in.
+            let [declared, intakes] = if body.is_part() { counts } else { [0; 2] };
             let gaps =
                 if gaps_press { Gaps::with_room(declared, intakes) } else { Gaps::default() };
             let of_sphere = match &body.part {

@@ -59,8 +59,8 @@ impl<T: Collides> Solver<T> {
         if self.slips {
             let (gaps, bodies, owners) = (&self.declared, &self.bodies, &self.owners);
             self.slip.find(gaps, bodies, owners, &self.layout, &mut self.team);
-            self.owners.forget_changes();
         }
+        self.owners.forget_changes();
         self.bodies.forget_leaving();
         if outgrown {
             self.list_items();
@@ -85,9 +85,9 @@ impl<T: Collides> Solver<T> {
         if bodies.parts_moved() || self.declared.is_fresh() {
             self.declared.measure(layout, bodies, &mut self.team);
         }
-        self.declared.freeze(owners, bodies);
+        self.declared.freeze(owners, bodies, &mut self.team);
         owners.settle(layout);
-        self.declared.close_pockets(owners, layout);
+        self.declared.close_pockets(owners, layout, &mut self.team);
     }
 
     /// Finds the links of parts that have moved, and wants the densities that they need.

@@ -5,10 +5,24 @@ use crate::grid::Side;
 use crate::lattice::{C, Q};
 use crate::layout::Layout;
 use crate::owners::{FLUID, FROZEN, Owners, VACATED, Vacated};
+use tremie_team::{Cut, Team};
+
+/// Cells that are asked together whether they are in a pocket.
+const SEEDS_PER_PIECE: usize = 8;
+
+/// Room for a pocket: the last cell that it may have brings its neighbours.
+const ROOM: usize = POCKET + 6;
+
+/// Cells that a fill reached, in their order.
+#[derive(Clone, Copy)]
+struct Fill {
+    cells: [u32; ROOM],
+    count: usize,
+}
 
 impl DeclaredGaps {
     /// Freezes pockets and thaws those that got a way out, after [`Owners::settle`].
-    pub fn close_pockets(&mut self, owners: &mut Owners, layout: &Layout) {
+    pub fn close_pockets(&mut self, owners: &mut Owners, layout: &Layout, team: &mut Team) {
         // Which cells may have lost their way: neighbours of those that are fluid no more, and new ones.
         self.seeds.clear();
         let mut next = 0;
@@ -28,10 +42,13 @@ impl DeclaredGaps {
         self.seeds.extend(gone.flat_map(|&cell| faces(layout, cell)));
         self.seeds.sort_unstable();
         self.seeds.dedup();
-        for k in 0..self.seeds.len() {
-            let seed = self.seeds[k];
-            if is_wet(owners, seed) && self.is_closed(owners, layout, seed) {
-                for &cell in &self.fill {
+        self.find_closed(owners, layout, team);
+        for (&seed, _) in self.seeds.iter().zip(&self.closed).filter(|(_, is_closed)| **is_closed) {
+            // Those of a pocket all say so, and the first freezes it.
+            if is_wet(owners, seed)
+                && let Ok(pocket) = pocket_around(owners, layout, seed, &Fill::EMPTY)
+            {
+                for &cell in pocket.reached() {
                     owners.freeze(cell);
                     self.pockets.push(cell);
                 }
@@ -46,24 +63,63 @@ impl DeclaredGaps {
         self.pockets.binary_search(&cell).is_ok()
     }
 
-    /// Whether fewer cells than a pocket's can be reached from a fluid cell; those are in `fill` then.
-    fn is_closed(&mut self, owners: &Owners, layout: &Layout, seed: u32) -> bool {
-        self.fill.clear();
-        self.fill.push(seed);
-        let mut next = 0;
-        while next < self.fill.len() {
-            if self.fill.len() >= POCKET || is_at_open_face(layout, self.fill[next]) {
-                return false;
-            }
-            for neighbour in faces(layout, self.fill[next]) {
-                if is_wet(owners, neighbour) && !self.fill.contains(&neighbour) {
-                    self.fill.push(neighbour);
+    /// Finds which of the seeds are in pockets. What one freezes has no way to the others, so that they may be
+    /// asked at the same time.
+    fn find_closed(&mut self, owners: &Owners, layout: &Layout, team: &mut Team) {
+        self.closed.clear();
+        self.closed.resize(self.seeds.len(), false);
+        let seeds = &self.seeds;
+        let pieces = Cut::every(&mut self.closed, SEEDS_PER_PIECE);
+        team.for_pieces(pieces, |number, piece: &mut [bool]| {
+            // Neighbours follow each other: mostly the next is where the last fill has been.
+            let mut open = Fill::EMPTY;
+            for (&seed, is_closed) in seeds[number * SEEDS_PER_PIECE..].iter().zip(piece) {
+                if is_wet(owners, seed) && !open.reached().contains(&seed) {
+                    match pocket_around(owners, layout, seed, &open) {
+                        Ok(_) => *is_closed = true,
+                        Err(fill) => open = fill,
+                    }
                 }
             }
-            next += 1;
-        }
-        true
+        });
     }
+}
+
+impl Fill {
+    const EMPTY: Self = Self { cells: [0; ROOM], count: 0 };
+
+    fn reached(&self) -> &[u32] {
+        &self.cells[..self.count]
+    }
+
+    fn add(&mut self, cell: u32) {
+        if !self.reached().contains(&cell) {
+            self.cells[self.count] = cell;
+            self.count += 1;
+        }
+    }
+}
+
+/// The pocket around a fluid cell. `Err` with cells that are in none: one of them is at an open face or next to
+/// a cell of `open`, all of which are in none, or they are too many.
+fn pocket_around(owners: &Owners, layout: &Layout, seed: u32, open: &Fill) -> Result<Fill, Fill> {
+    let mut fill = Fill::EMPTY;
+    fill.add(seed);
+    let mut next = 0;
+    while next < fill.count {
+        let cell = fill.cells[next];
+        if fill.count >= POCKET || is_at_open_face(layout, cell) {
+            return Err(fill);
+        }
+        for neighbour in faces(layout, cell).filter(|&cell| is_wet(owners, cell)) {
+            if open.reached().contains(&neighbour) {
+                return Err(fill);
+            }
+            fill.add(neighbour);
+        }
+        next += 1;
+    }
+    Ok(fill)
 }
 
 /// Whether a cell is fluid or becomes so.

@@ -6,6 +6,7 @@
 //! where links meet it follow their facets to first order. The wall's velocity at such a place is that of
 //! the facet's vertices, linearly in between.
 
+use crate::facet_loads::{FACETS_PER_PIECE, OnFacet, Sums};
 use crate::ledger::add_scaled;
 use crate::units::Units;
 use tremie_geometry::{Mesh, Surface};
@@ -63,6 +64,13 @@ impl Felt {
     pub const FLUID: u16 = u16::MAX;
 }
 
+/// Where the facets of a deformable surface are.
+#[derive(Clone, Copy, Debug)]
+pub struct Facets<'a> {
+    triangles: &'a [[u32; 3]],
+    now: &'a [[f64; 3]],
+}
+
 /// The vertices of a deformable surface, and the loads on its facets.
 #[derive(Clone, Debug)]
 pub struct Shape {
@@ -76,10 +84,12 @@ pub struct Shape {
     given: Vec<[f64; 3]>,
     /// From where they were when links were found to where they are.
     drift: Vec<[f64; 3]>,
-    /// Force and torque about the reference, on each facet.
-    pub loads: Vec<[[f64; 3]; 2]>,
+    /// Load on each facet.
+    pub loads: Vec<OnFacet>,
     /// What averaging holds back of them.
-    pub carried: Vec<[[f64; 3]; 2]>,
+    carried: Vec<OnFacet>,
+    /// Room for sums over facets, by piece.
+    sums: Vec<Sums>,
     has_velocity: bool,
 }
 
@@ -96,6 +106,7 @@ impl Shape {
             given: rest.clone(),
             drift: rest,
             carried: loads.clone(),
+            sums: vec![Sums::default(); loads.len().div_ceil(FACETS_PER_PIECE)],
             loads,
             has_velocity: false,
         }
@@ -150,6 +161,19 @@ impl Shape {
         self.at(&self.drift, hit)
     }
 
+    /// Where the facets are.
+    pub fn facets(&self) -> Facets<'_> {
+        Facets { triangles: &self.triangles, now: &self.now }
+    }
+
+    /// Where the facets are; their loads, what averaging holds back of these, and room for sums over pieces.
+    pub fn parts(&mut self) -> (Facets<'_>, &mut [OnFacet], &mut [OnFacet], &mut [Sums]) {
+        let facets = Facets { triangles: &self.triangles, now: &self.now };
+        (facets, &mut self.loads, &mut self.carried, &mut self.sums)
+    }
+}
+
+impl Facets<'_> {
     /// The corners of a facet, from the reference [m].
     pub fn corners(&self, facet: usize) -> [[f64; 3]; 3] {
         self.triangles[facet].map(|vertex| self.now[vertex as usize])

@@ -205,7 +205,7 @@ impl<T: Collides> Solver<T> {
         let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
         let mut owners = Owners::new(built.layout.cells.len());
-        if slips {
+        if !declared.is_empty() {
             owners.list_changes();
         }
         let mut solver = Self {

@@ -59,7 +59,7 @@ impl Seal {
         places.map(|position| SurfaceVertex { position, velocity: velocity(position) }).collect()
     }
 
-    fn loads(&mut self, fluid: &FluidLbm) -> [[f64; 3]; 2] {
+    fn loads(&mut self, fluid: &mut FluidLbm) -> [[f64; 3]; 2] {
         fluid.surface_loads(&mut self.loads);
         let mut sum = [[0.0; 3]; 2];
         for load in &self.loads {
@@ -139,7 +139,7 @@ fn a_surface_moved_as_a_whole_is_a_moving_part() {
         for cell in cells(&soft) {
             assert_eq!(soft.node(cell).solid, hard.node(cell).solid, "step {step}: {cell:?}");
         }
-        let [force, mut torque] = seal.loads(&soft);
+        let [force, mut torque] = seal.loads(&mut soft);
         let size = norm(load[0].force);
         for a in 0..3 {
             let (b, c) = ((a + 1) % 3, (a + 2) % 3);
@@ -181,7 +181,7 @@ fn uniform_pressure_gives_pressure_times_area() {
     for _ in 0..5 {
         fluid.step(&[], &mut []).unwrap();
     }
-    let [force, torque] = seal.loads(&fluid);
+    let [force, torque] = seal.loads(&mut fluid);
     assert!(norm(force) < 1e-13 && norm(torque) < 2e-3 * pressure * side.powi(3), "{torque:?}");
     let corners =
         |k: usize| seal.turned.triangles[k].map(|v| seal.turned.place(&section, v as usize));
@@ -340,7 +340,7 @@ fn the_same_bits_on_any_number_of_threads() {
             }
             advance(&mut bodies);
             closes(&fluid, 1e-10);
-            let [force, _] = seal.loads(&fluid);
+            let [force, _] = seal.loads(&mut fluid);
             all.extend(loads.iter().flat_map(|load| load.force));
             all.extend(force);
             all.extend(seal.loads.iter().flat_map(|load| load.force.into_iter().chain(load.point)));
@@ -416,7 +416,7 @@ fn a_surface_that_a_mirror_cuts_counts_whole() {
                 _ => fluid.step(&[], &mut []).unwrap(),
             }
             closes(&fluid, 1e-10);
-            let [force, _] = seal.loads(&fluid);
+            let [force, _] = seal.loads(&mut fluid);
             all.push([force[0], force[2]]);
         }
         all
@@ -460,7 +460,7 @@ fn pressure_in_gaps_acts_on_facets_but_not_where_they_are_bonded() {
         fluid.start(&bodies, &mut loads).unwrap();
         fluid.step(&bodies, &mut loads).unwrap();
         closes(&fluid, 1e-12);
-        let [force, _] = seal.loads(&fluid);
+        let [force, _] = seal.loads(&mut fluid);
         let area = PI * 36.0 * pressure;
         (force[2] / area, loads[0].force[2] / area)
     };

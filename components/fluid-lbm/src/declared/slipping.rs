@@ -1,29 +1,29 @@
 //! Gaps whose walls slip: where they do, and whose walls they are.
 
-use super::{DeclaredGaps, Wall};
+use super::{CELLS_PER_ITEM, Candidate, DeclaredGaps, Wall};
 use crate::bodies::Bodies;
 
 impl DeclaredGaps {
     /// Whether the walls of a fluid cell slip, and across which axis.
     pub fn slips_at(&self, cell: u32) -> Option<usize> {
         let gap = &self.gaps[usize::from(self.of(cell)?)];
-        let slips = self.thickness[cell as usize] < gap.slip_below;
-        slips.then(|| usize::from(self.axis[cell as usize]))
+        let candidate = self.candidate(cell)?;
+        (candidate.thickness < gap.slip_below).then(|| usize::from(candidate.axis))
     }
 
     /// Whether the gap of a cell holds one layer of cells.
     pub fn is_one_cell(&self, cell: u32) -> bool {
-        self.thickness[cell as usize] < 1.5
+        self.candidate(cell).is_some_and(|candidate| candidate.thickness < 1.5)
     }
 
     /// Numbers of cells that may be in gaps, by item of work.
     pub fn items(&self) -> impl Iterator<Item = usize> {
-        self.candidates.iter().map(Vec::len)
+        self.candidates.chunks(CELLS_PER_ITEM).map(<[Candidate]>::len)
     }
 
     /// The cells of an item.
     pub fn cells_of(&self, item: usize) -> impl Iterator<Item = u32> {
-        self.candidates[item].iter().map(|candidate| candidate.cell)
+        self.item(item).iter().map(|candidate| candidate.cell)
     }
 
     /// The side that stands still of the gap of a cell.
