@@ -41,9 +41,9 @@ pub fn effective_force(
 ) -> EffectiveForce {
     let mut sums = Sums::default();
     for ((triangle, kind), load) in surface.triangles.iter().zip(&surface.kinds).zip(loads) {
-        let corners = triangle.map(|vertex| places[vertex as usize]);
-        sums.add_area(*kind, corners, 1.0);
-        sums.add_load(*kind, corners, *load);
+        let facet = Facet::new(triangle.map(|vertex| places[vertex as usize]));
+        sums.add_area(*kind, &facet, 1.0);
+        sums.add_load(*kind, facet.inward(*load), load[2]);
     }
     sums.force(form)
 }
@@ -56,21 +56,19 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Adds the area of `times` triangles that are all turned about the axis from the one with these
-    /// `corners` [m].
-    pub fn add_area(&mut self, kind: FacetKind, corners: [[f64; 3]; 3], times: f64) {
+    /// Adds the area of `times` triangles that are all turned about the axis from this one.
+    pub(super) fn add_area(&mut self, kind: FacetKind, facet: &Facet, times: f64) {
         if let Some(sum) = self.of(kind) {
-            let cross = twice_area(corners);
-            sum.area += 0.5 * times * length(cross);
-            sum.projected -= 0.5 * times * cross[2];
+            sum.area += times * facet.area;
+            sum.projected -= times * facet.area * facet.outward[2];
         }
     }
 
-    /// Adds a load [N] on the triangle with these `corners` [m].
-    pub fn add_load(&mut self, kind: FacetKind, corners: [[f64; 3]; 3], load: [f64; 3]) {
+    /// Adds a load [N] on a triangle: what presses on it, and what acts along the axis.
+    pub(super) fn add_load(&mut self, kind: FacetKind, inward: f64, axial: f64) {
         if let Some(sum) = self.of(kind) {
-            sum.inward += inward(corners, load);
-            sum.axial += load[2];
+            sum.inward += inward;
+            sum.axial += axial;
         }
     }
 
@@ -118,23 +116,31 @@ impl Sum {
     }
 }
 
-/// The part of a load [N] that presses on the triangle with these corners; 0 where it has no area.
-pub fn inward(corners: [[f64; 3]; 3], load: [f64; 3]) -> f64 {
-    let cross = twice_area(corners);
-    let twice = length(cross);
-    let outward = cross[0] * load[0] + cross[1] * load[1] + cross[2] * load[2];
-    if twice > 0.0 { -outward / twice } else { 0.0 }
+/// A triangle of a ring.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facet {
+    /// Its area [m²].
+    pub area: f64,
+    /// The unit vector outwards; zero where it has no area.
+    outward: [f64; 3],
 }
 
-/// Area of the triangle with these corners [m²].
-pub fn area(corners: [[f64; 3]; 3]) -> f64 {
-    0.5 * length(twice_area(corners))
-}
+impl Facet {
+    /// With these corners [m].
+    pub fn new([a, b, c]: [[f64; 3]; 3]) -> Self {
+        let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
+        let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
+        let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let twice = length(cross);
+        let outward = cross.map(|x| if twice > 0.0 { x / twice } else { 0.0 });
+        Self { area: 0.5 * twice, outward }
+    }
 
-fn twice_area([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
-    let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    /// The part of a load [N] that presses on it.
+    pub fn inward(&self, load: [f64; 3]) -> f64 {
+        let [x, y, z] = self.outward;
+        -(x * load[0] + y * load[1] + z * load[2])
+    }
 }
 
 fn length(v: [f64; 3]) -> f64 {

@@ -3,6 +3,7 @@
 //! The loads on the ring's surface become one force ([`effective_force`]), and the compression follows
 //! from it implicitly ([`Step`]). A [`Seal`] does both for a surface of a scene, trial by trial.
 
+mod facets;
 mod force;
 mod placed;
 mod seal;

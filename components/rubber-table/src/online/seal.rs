@@ -1,6 +1,7 @@
 //! A seal of a scene, through windows, substeps and trials.
 
-use super::force::{EffectiveForce, Form, Sums, area, inward};
+use super::facets::SectorFacets;
+use super::force::{EffectiveForce, Form};
 use super::placed::Placed;
 use super::step::{Impedance, Law, Outcome, Settled, Start, Step, StepError};
 use crate::mesh::Point;
@@ -78,9 +79,7 @@ pub struct Seal {
     outline: Vec<usize>,
     /// Equivalent shear strain of each point of the section in each frame of the table.
     strains: Vec<Vec<f64>>,
-    sectors: f64,
-    /// Triangles of the first sector: all others are turned from these.
-    first_sector: Vec<usize>,
+    facets: SectorFacets,
     law: Law,
     form: Form,
     /// With its foot in the fluid, and on its seat.
@@ -150,11 +149,12 @@ impl Seal {
             Err(error) => return Err(SealError::Step { name, error: error.into() }),
         };
         let surface = Surface::of(scene);
+        let facets =
+            SectorFacets::new(&scene.section, scene.sectors, &surface, &outline.section.points);
         let points = outline.section.points;
         let mut seal = Self {
             name,
-            first_sector: first_sector(scene),
-            sectors: f64::from(scene.sectors.max(3)),
+            facets,
             placed: Placed::new(scene.pose, &surface),
             pressing: vec![0.0; surface.triangles.len()],
             before: points.clone(),
@@ -178,6 +178,7 @@ impl Seal {
         };
         seal.impedance = water.map_or(seal.impedance, |water| seal.impedance_of(water));
         seal.table.vertices_of_into(at, &seal.outline, &mut seal.points);
+        seal.facets.shape(&seal.surface, &seal.points);
         seal.readings.compression = scene.start.compression;
         seal.readings.table_force = seal.table.force(at);
         Ok(seal)
@@ -210,12 +211,12 @@ impl Seal {
 
     /// Begins a window, with the fluid's loads.
     pub fn begin_window(&mut self, loads: impl Iterator<Item = FacetLoad>) {
-        let mut sums = self.areas();
+        let mut sums = self.facets.areas();
         let mut fluid = FromFluid::default();
         for FacetLoad { facet, force, point, .. } in loads {
             let facet = facet as usize;
             let local = self.placed.turn_to_section(force);
-            sums.add_load(self.surface.kinds[facet], self.corners(facet), local);
+            sums.add_load(self.facets.kind(facet), self.facets.inward(facet, local), local[2]);
             let moment = cross(point, force);
             for i in 0..3 {
                 fluid.force[i] += force[i];
@@ -336,19 +337,19 @@ impl Seal {
         let mut covered = 0.0;
         for FacetLoad { facet, .. } in contacts.clone() {
             let facet = facet as usize;
-            if self.surface.kinds[facet] == FacetKind::Seat && self.pressing[facet] == 0.0 {
+            if self.facets.kind(facet) == FacetKind::Seat && self.pressing[facet] == 0.0 {
                 self.pressing[facet] = 1.0;
-                covered += area(self.corners(facet));
+                covered += self.facets.area(facet);
             }
         }
         contacts.for_each(|load| self.pressing[load.facet as usize] = 0.0);
-        let foot = self.areas().force(self.form).seat_area;
+        let foot = self.facets.areas().force(self.form).seat_area;
         if foot > 0.0 { (covered / foot).min(1.0) } else { 1.0 }
     }
 
     fn impedance_of(&self, water: Water) -> [Impedance; 2] {
         let Water { density, sound_speed, added_mass, exchange } = water;
-        let foot = self.areas().force(self.form).seat_area;
+        let foot = self.facets.areas().force(self.form).seat_area;
         let mass = added_mass.unwrap_or(density * foot * foot.sqrt());
         [mass, 0.0].map(|mass| Impedance::of_fluid(density, sound_speed, foot, mass, exchange))
     }
@@ -359,31 +360,18 @@ impl Seal {
         for ((rate, now), before) in self.rates.iter_mut().zip(&self.points).zip(&self.before) {
             *rate = [(now[0] - before[0]) / self.dt, (now[1] - before[1]) / self.dt];
         }
-    }
-
-    /// Areas of the present shape.
-    fn areas(&self) -> Sums {
-        let mut sums = Sums::default();
-        for &triangle in &self.first_sector {
-            sums.add_area(self.surface.kinds[triangle], self.corners(triangle), self.sectors);
-        }
-        sums
-    }
-
-    /// Corners of a facet, in the section's frame.
-    fn corners(&self, facet: usize) -> [[f64; 3]; 3] {
-        self.surface.triangles[facet].map(|v| self.surface.place(&self.points, v as usize))
+        self.facets.shape(&self.surface, &self.points);
     }
 
     /// The contacts' part of the effective force, and their stiffness where the seal touches its seat.
     fn collect(&self, contacts: impl Iterator<Item = FacetLoad>) -> (EffectiveForce, f64) {
-        let mut sums = self.areas();
+        let mut sums = self.facets.areas();
         let mut seat_stiffness = 0.0;
         for FacetLoad { facet, force, stiffness, .. } in contacts {
             let facet = facet as usize;
-            let kind = self.surface.kinds[facet];
+            let kind = self.facets.kind(facet);
             let local = self.placed.turn_to_section(force);
-            sums.add_load(kind, self.corners(facet), local);
+            sums.add_load(kind, self.facets.inward(facet, local), local[2]);
             if kind == FacetKind::Seat {
                 seat_stiffness += stiffness;
             }
@@ -396,12 +384,11 @@ impl Seal {
         let mut peak = 0.0f64;
         for FacetLoad { facet, force, .. } in contacts.clone() {
             let facet = facet as usize;
-            if self.surface.kinds[facet] != FacetKind::Seat {
+            if self.facets.kind(facet) != FacetKind::Seat {
                 continue;
             }
-            let corners = self.corners(facet);
-            self.pressing[facet] += inward(corners, self.placed.turn_to_section(force));
-            let area = area(corners);
+            self.pressing[facet] += self.facets.inward(facet, self.placed.turn_to_section(force));
+            let area = self.facets.area(facet);
             if area > 0.0 {
                 peak = peak.max(self.pressing[facet] / area);
             }
@@ -417,18 +404,6 @@ impl Passes {
         self.all += passes;
         self.most = self.most.max(passes);
     }
-}
-
-/// Triangles of the first sector: each edge has as many in each sector as it has ends off the axis.
-fn first_sector(scene: &DeformableSurface) -> Vec<usize> {
-    let mut next = 0;
-    let mut first = Vec::new();
-    for edge in &scene.section.edges {
-        let ends = edge.points.iter().filter(|point| !scene.section.is_on_axis(**point)).count();
-        first.extend(next..next + ends);
-        next += ends * scene.sectors.max(3) as usize;
-    }
-    first
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
