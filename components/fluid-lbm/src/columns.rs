@@ -139,6 +139,8 @@ macro_rules! variants {
     };
 }
 
+pub(crate) use variants;
+
 variants! {
     /// Puts links where they stand around a body at `position`, given the first cell around it.
     stand = stand_all(standing: &[Standing], origin: [i32; 3], position: [f64; 3], links: &mut [Eight])

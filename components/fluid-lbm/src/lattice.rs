@@ -143,7 +143,7 @@ pub fn equilibrium(i: usize, drho: f64, u: [f64; 3]) -> f64 {
 }
 
 /// [`equilibrium`] in all directions, to rounding; pair by pair, which takes a quarter of the time.
-#[inline]
+#[inline(always)]
 pub fn equilibria(drho: f64, u: [f64; 3]) -> [f64; Q] {
     let [x, y, z] = u;
     let rho = 1.0 + drho;
@@ -159,7 +159,7 @@ pub fn equilibria(drho: f64, u: [f64; 3]) -> [f64; Q] {
 }
 
 /// Sum of populations and their momentum `sum_i h_i c_i`.
-#[inline]
+#[inline(always)]
 pub fn moments(h: &[f64; Q]) -> (f64, [f64; 3]) {
     // Pairs of opposite directions, see `C`.
     let sum: [f64; 9] = std::array::from_fn(|n| h[n + 10] + h[n + 1]);

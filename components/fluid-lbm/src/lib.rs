@@ -36,6 +36,7 @@ mod cover;
 mod declared;
 mod error;
 mod events;
+mod extrapolation;
 mod facet_loads;
 mod field;
 mod findings;

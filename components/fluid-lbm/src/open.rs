@@ -39,10 +39,13 @@
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
 //! faces, NEBB would lack equations and NEE takes its place.
 
+use crate::columns::LANES;
 use crate::course::{Law, Now};
+use crate::extrapolation::{Cells, add_up, extrapolate, look_inside};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Side};
-use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each, equilibria, moments};
+use crate::lanes::Variant;
+use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each, moments};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::Owners;
@@ -118,6 +121,15 @@ pub struct Next<'a, T: Real> {
     pub now: &'a [Now],
     /// Which scheme.
     pub scheme: OpenFaces,
+    /// Which vector instructions.
+    pub variant: Variant,
+}
+
+/// Cells that wait to be extrapolated together, with their numbers in the item.
+struct Waiting {
+    cells: Cells,
+    numbers: [usize; LANES],
+    count: usize,
 }
 
 impl OpenCells {
@@ -208,14 +220,24 @@ impl<T: Real> Next<'_, T> {
     pub fn open(&self, cells: &OpenCells, item: &mut Item) {
         (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
         let own = &cells.cells[item.cells.clone()];
+        let mut waiting = Waiting { cells: Cells::NONE, numbers: [0; LANES], count: 0 };
         for (k, open) in own.iter().enumerate() {
             if let Some(next) = own.get(k + AHEAD) {
                 self.ask_for(next, &own[k + AHEAD - 1]);
             }
-            if self.owners.is_fluid(open.cell) {
-                self.open_cell(open, k, item);
+            if !self.owners.is_fluid(open.cell) {
+                continue;
+            }
+            if self.scheme == OpenFaces::Nebb && open.plain && open.relax == 0.0 {
+                self.bounce_cell(open, item);
+                continue;
+            }
+            self.take(open, k, &mut waiting);
+            if waiting.count == LANES {
+                self.extrapolate(own, &mut waiting, item);
             }
         }
+        self.extrapolate(own, &mut waiting, item);
     }
 
     /// Asks memory for what a cell needs, unless it lies in one line with the cell before.
@@ -237,16 +259,57 @@ impl<T: Real> Next<'_, T> {
         self.layout.populations(self.field, self.parity, cell)
     }
 
-    fn open_cell(&self, open: &OpenCell, k: usize, item: &mut Item) {
+    /// The populations of the next cell inside, if there is fluid.
+    fn inner(&self, open: &OpenCell) -> Option<[f64; Q]> {
+        let is_there = open.inner != crate::cells::NONE && self.owners.is_fluid(open.inner);
+        is_there.then(|| self.populations(open.inner))
+    }
+
+    fn bounce_cell(&self, open: &OpenCell, item: &mut Item) {
         let old = self.populations(open.cell);
-        let inner = (open.inner != crate::cells::NONE && self.owners.is_fluid(open.inner))
-            .then(|| self.populations(open.inner));
-        let new = if self.scheme == OpenFaces::Nebb && open.plain && open.relax == 0.0 {
-            self.bounce(open, &old, inner.as_ref(), item)
-        } else {
-            self.extrapolate(open, k, &old, inner.as_ref(), item)
-        };
+        let new = self.bounce(open, &old, self.inner(open).as_ref(), item);
         self.replace(open.cell, open.unknown, [&old, &new], &mut item.impulse, &mut item.mass);
+    }
+
+    /// Takes a cell of an item among those that wait.
+    fn take(&self, open: &OpenCell, number: usize, waiting: &mut Waiting) {
+        let (cells, lane) = (&mut waiting.cells, waiting.count);
+        let old = self.populations(open.cell);
+        let from = self.inner(open).unwrap_or(old);
+        for i in 0..Q {
+            (cells.old[i][lane], cells.from[i][lane]) = (old[i], from[i]);
+        }
+        cells.unknown[lane] = open.unknown;
+        waiting.numbers[lane] = number;
+        waiting.count += 1;
+    }
+
+    /// Gives the cells that wait their populations by extrapolation.
+    fn extrapolate(&self, own: &[OpenCell], waiting: &mut Waiting, item: &mut Item) {
+        let Waiting { cells, numbers, count } = waiting;
+        let numbers = &numbers[..std::mem::take(count)];
+        look_inside(self.variant, cells, self.acceleration);
+        for (lane, &number) in numbers.iter().enumerate() {
+            let u = cells.velocity.map(|u| u[lane]);
+            let (drho, u) = self.prescribed(&own[number], number, (cells.drho[lane], u), item);
+            cells.given.0[lane] = drho;
+            for (given, u) in cells.given.1.iter_mut().zip(u) {
+                given[lane] = u;
+            }
+        }
+        extrapolate(self.variant, cells);
+        for (lane, &number) in numbers.iter().enumerate() {
+            let places = self.layout.places.of_cell(self.parity, own[number].cell);
+            for i in 0..Q {
+                let new = self.field.set(places[i], cells.new[i][lane]);
+                cells.new[i][lane] = new - cells.old[i][lane];
+            }
+        }
+        add_up(self.variant, cells);
+        for lane in 0..numbers.len() {
+            item.mass += cells.mass[lane];
+            add_scaled(&mut item.impulse, cells.impulse.map(|p| p[lane]), 1.0);
+        }
     }
 
     /// Replaces the old populations of a cell by new ones and adds up what the fluid gained. The
@@ -303,27 +366,22 @@ impl<T: Real> Next<'_, T> {
         (here, velocity)
     }
 
-    fn extrapolate(
+    /// Density, less 1, and velocity at a cell, the given number of its item, from those of the next inside.
+    fn prescribed(
         &self,
         open: &OpenCell,
-        k: usize,
-        old: &[f64; Q],
-        inner: Option<&[f64; Q]>,
+        number: usize,
+        (drho, u): (f64, [f64; 3]),
         item: &mut Item,
-    ) -> [f64; Q] {
-        let from = inner.unwrap_or(old);
-        let content = Content::of(from);
-        let u = content.velocity(self.acceleration);
-        let (drho, velocity) = match self.now[open.face as usize] {
-            Now::Wall(given) => (content.drho, given.map(|v| v * open.profile)),
-            Now::Density(drho) if open.relax > 0.0 => {
-                let (drho, u) = self.absorb(open, &mut item.means[k], drho, content.drho, u);
+    ) -> (f64, [f64; 3]) {
+        match self.now[open.face as usize] {
+            Now::Wall(given) => (drho, given.map(|v| v * open.profile)),
+            Now::Density(given) if open.relax > 0.0 => {
+                let (drho, u) = self.absorb(open, &mut item.means[number], given, drho, u);
                 (drho, self.limited(open, u, item))
             }
-            Now::Density(drho) => (drho, self.limited(open, u, item)),
-        };
-        let (here, there) = (equilibria(drho, velocity), equilibria(content.drho, u));
-        each(|i| here[i] + (from[i] - there[i]))
+            Now::Density(given) => (given, self.limited(open, u, item)),
+        }
     }
 
     fn bounce(

@@ -309,8 +309,9 @@ impl<T: Real> After<'_, T> {
         let mut hits = list.hits.as_slice();
         for run in list.links.chunk_by(|a, b| a.slots.cell == b.slots.cell) {
             let cell = run[0].slots.cell;
-            prefetch(run.as_ptr().wrapping_add(AHEAD));
-            prefetch(run.as_ptr().wrapping_add(AHEAD + run.len() / 2));
+            for k in 0..run.len() {
+                prefetch(run.as_ptr().wrapping_add(AHEAD + k));
+            }
             let mine = hits.split_off(..run.len().min(hits.len())).unwrap_or_default();
             if !self.owners.is_fluid(cell) {
                 if let Some(walls) = self.walls {

@@ -472,6 +472,7 @@ impl<T: Collides> Solver<T> {
             acceleration: self.relaxation.acceleration,
             now: &self.now,
             scheme: self.scheme,
+            variant: self.variant,
         };
         for reservoir in &mut self.reservoirs {
             reservoir.apply(&next, &mut self.team, &self.units)?;

@@ -1,0 +1,103 @@
+//! Non-equilibrium extrapolation at open faces, of eight cells at a time; see `open` for the formulae.
+//!
+//! Written once for plain arrays and compiled for each set of vector instructions, as `columns` is, with the operations of
+//! [`equilibria`] and [`moments`] in their order: every variant yields the same bits.
+
+use crate::columns::{LANES, Lane, variants};
+use crate::lanes::Variant;
+use crate::lattice::{Q, each, equilibria, moments};
+
+/// Eight cells at open faces.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct Cells {
+    /// Populations as they are.
+    pub old: [Lane; Q],
+    /// Those that are extrapolated, their density minus 1, and the velocity.
+    pub from: [Lane; Q],
+    /// See there.
+    pub drho: Lane,
+    /// See there.
+    pub velocity: [Lane; 3],
+    /// What is prescribed: density minus 1, and velocity.
+    pub given: (Lane, [Lane; 3]),
+    /// Populations as they are to be; then what they gained.
+    pub new: [Lane; Q],
+    /// Bits of the directions that come from beyond an open face.
+    pub unknown: [u32; LANES],
+    /// Mass that the fluid gained.
+    pub mass: Lane,
+    /// Momentum that the fluid gained.
+    pub impulse: [Lane; 3],
+}
+
+impl Cells {
+    /// Cells at rest.
+    pub const NONE: Self = Self {
+        old: [[0.0; LANES]; Q],
+        from: [[0.0; LANES]; Q],
+        drho: [0.0; LANES],
+        velocity: [[0.0; LANES]; 3],
+        given: ([0.0; LANES], [[0.0; LANES]; 3]),
+        new: [[0.0; LANES]; Q],
+        unknown: [0; LANES],
+        mass: [0.0; LANES],
+        impulse: [[0.0; LANES]; 3],
+    };
+}
+
+variants! {
+    /// Finds density and velocity of what is extrapolated.
+    look_inside = look_inside_all(cells: &mut Cells, acceleration: [f64; 3])
+}
+
+variants! {
+    /// Finds what the cells are to hold.
+    extrapolate = extrapolate_all(cells: &mut Cells)
+}
+
+variants! {
+    /// Adds up what the fluid gained.
+    add_up = add_all(cells: &mut Cells)
+}
+
+#[inline(always)]
+fn look_inside_all(cells: &mut Cells, acceleration: [f64; 3]) {
+    for k in 0..LANES {
+        let (drho, j) = moments(&each(|i| cells.from[i][k]));
+        cells.drho[k] = drho;
+        for a in 0..3 {
+            cells.velocity[a][k] = j[a] / (1.0 + drho) + 0.5 * acceleration[a];
+        }
+    }
+}
+
+#[inline(always)]
+fn extrapolate_all(cells: &mut Cells) {
+    for k in 0..LANES {
+        let (given, velocity) = (&cells.given.1, &cells.velocity);
+        let here = equilibria(cells.given.0[k], [given[0][k], given[1][k], given[2][k]]);
+        let there = equilibria(cells.drho[k], [velocity[0][k], velocity[1][k], velocity[2][k]]);
+        for i in 0..Q {
+            cells.new[i][k] = here[i] + (cells.from[i][k] - there[i]);
+        }
+    }
+}
+
+#[inline(always)]
+fn add_all(cells: &mut Cells) {
+    for k in 0..LANES {
+        let mut gain = each(|i| cells.new[i][k]);
+        let (mass, _) = moments(&gain);
+        for i in 0..Q {
+            // What was there had left through the face in the opposite direction.
+            let left = gain[i] + 2.0 * cells.old[i][k];
+            gain[i] = if cells.unknown[k] >> i & 1 == 1 { left } else { gain[i] };
+        }
+        let (_, impulse) = moments(&gain);
+        cells.mass[k] = mass;
+        for a in 0..3 {
+            cells.impulse[a][k] = impulse[a];
+        }
+    }
+}
