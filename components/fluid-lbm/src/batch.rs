@@ -274,13 +274,12 @@ impl Batch {
     fn ask<T: Real>(&mut self, after: &After<T>, known: Known) {
         let parity = after.parity;
         for (k, slots) in known.slots.iter().enumerate() {
-            // A link that meets the body in its first half needs the population of the cell behind.
+            // A link that meets the body in its first half needs the population of the cell behind. Without a branch:
+            // in which half a link meets it cannot be foretold.
             let near = self.eights[k / LANES].q[k % LANES] < 0.5;
-            let other = match slots.behind() {
-                Some(behind) if !near || after.owners.is_fluid(behind) => slots.other(parity, near),
-                None if !near => slots.other(parity, near),
-                _ => NOWHERE,
-            };
+            let is_there = !near | slots.is_behind_fluid(after.owners);
+            let other = slots.other(parity, near);
+            let other = if is_there { other } else { NOWHERE };
             let places = [slots.own(parity), other, slots.result(parity)];
             for place in places {
                 after.field.prefetch(place);

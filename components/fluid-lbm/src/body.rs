@@ -276,18 +276,19 @@ impl Body {
     /// Finds the cells inside at the new position, and which were left and entered; of a part, once it
     /// is covered.
     ///
-    /// Lines are of `line` cells.
-    pub fn cover(&mut self, layout: &Layout, line: usize) {
+    /// Lines are of `line` cells; true if links to a sphere can begin in others than before.
+    pub fn cover(&mut self, layout: &Layout, line: usize) -> bool {
         self.left.clear();
         self.entered.clear();
         if !self.moved {
-            return;
+            return false;
         }
         if self.part.is_some() {
-            return self.note_changes(layout);
+            self.note_changes(layout);
+            return false;
         }
         if self.spans.hold_at(self.position) {
-            return;
+            return false;
         }
         std::mem::swap(&mut self.spans, &mut self.previous);
         self.spans.fit(&layout.grid, self.position, self.radius);
@@ -299,10 +300,12 @@ impl Body {
             self.previous.minus(&self.spans, |at| left.extend(stored(layout, at)));
             self.spans.minus(&self.previous, |at| entered.extend(stored(layout, at)));
         }
-        if is_elsewhere || is_changed {
+        let finds_lines = is_elsewhere || is_changed;
+        if finds_lines {
             self.shell.cover(&layout.grid, &self.spans);
             self.find_lines(line);
         }
+        finds_lines
     }
 
     /// Lists the cells that a part's last move changed.

@@ -4,9 +4,9 @@
 //! Written once for plain arrays and compiled for each set of vector instructions; no operation here is
 //! fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
 
-use crate::lanes::Variant;
 use crate::lattice::W;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
+use tremie_team::Variant;
 
 /// Links that are done together.
 pub const LANES: usize = 8;

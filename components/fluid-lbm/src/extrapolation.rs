@@ -4,8 +4,8 @@
 //! [`equilibria`] and [`moments`] in their order: every variant yields the same bits.
 
 use crate::columns::{LANES, Lane, variants};
-use crate::lanes::Variant;
 use crate::lattice::{Q, each, equilibria, moments};
+use tremie_team::Variant;
 
 /// Eight cells at open faces.
 #[derive(Clone, Copy)]

@@ -1,7 +1,6 @@
 //! The fluid as its users see it: SI units outside, one precision or the other inside.
 
 use crate::error::FluidError;
-use crate::lanes::Variant;
 use crate::ledger::Ledger;
 use crate::observe::{Diagnostics, SliceNode};
 use crate::parameters::{Parameters, Precision};
@@ -9,7 +8,7 @@ use crate::reservoir::ReservoirState;
 use crate::solver::Solver;
 use tremie_messages::scene::Scene;
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
-use tremie_team::Found;
+use tremie_team::{Found, Variant};
 
 /// A lattice-Boltzmann fluid in a box, with moving spheres in it.
 pub struct FluidLbm {

@@ -104,6 +104,13 @@ pub struct GapLink {
     begin: Begin,
 }
 
+impl GapLink {
+    /// From a stored cell at `at` in the direction `dir`, through no mirror, to a covered one.
+    pub fn between(at: [i32; 3], dir: u8, begin: u32, end: u32) -> Self {
+        Self { at, dir, cell: end, begin: Begin::Stored { cell: begin, mirrors: 0 } }
+    }
+}
+
 /// How far a part is along a gap link from where that ends: what a search in its surface gave, which holds as long
 /// as the part's cells are where they were found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -258,9 +265,23 @@ impl<T: Real> After<'_, T> {
         i: usize,
         gaps: &mut Gaps,
     ) {
-        let Some(link) = self.gap_link(walls, at, i) else { return };
+        if let Some(link) = self.gap_link(walls, at, i) {
+            self.gap_met((bodies, body), &link, None, gaps);
+        }
+    }
+
+    /// The same of a link of which it is known where it meets the body, if that is a part: after what part, and on which
+    /// facet.
+    pub fn gap_met(
+        &self,
+        (bodies, body): (&Bodies, &Body),
+        link: &GapLink,
+        meeting: Option<(f64, u32)>,
+        gaps: &mut Gaps,
+    ) {
         let cell = link.cell;
-        if let Some(gap) = self.press(bodies, body, &link, &mut Met::default(), gaps) {
+        let met = &mut Met::default();
+        if let Some(gap) = self.press((bodies, body), link, (meeting, met), gaps) {
             for next in self.layout.places.neighbours(cell) {
                 if self.owners.is_fluid(next) {
                     gap.drho += self.drho.get(next as usize);
@@ -279,7 +300,7 @@ impl<T: Real> After<'_, T> {
         witnesses: &[u32],
         gaps: &mut Gaps,
     ) {
-        if let Some(gap) = self.press(bodies, body, link, met, gaps) {
+        if let Some(gap) = self.press((bodies, body), link, (None, met), gaps) {
             let drho = |cell: &u32| self.drho.get(*cell as usize);
             gap.drho = witnesses.iter().map(drho).fold(gap.drho, |sum, drho| sum + drho);
             gap.cells += witnesses.len() as f64;
@@ -305,10 +326,9 @@ impl<T: Real> After<'_, T> {
     /// Records that a gap link presses on the body, if it does. Returns the gap.
     fn press<'g>(
         &self,
-        bodies: &Bodies,
-        body: &Body,
+        (bodies, body): (&Bodies, &Body),
         link: &GapLink,
-        met: &mut Met,
+        (meeting, met): (Option<(f64, u32)>, &mut Met),
         gaps: &'g mut Gaps,
     ) -> Option<&'g mut Gap> {
         let (at, i) = (link.at, usize::from(link.dir));
@@ -317,7 +337,7 @@ impl<T: Real> After<'_, T> {
         let (q, facet) = match &body.part {
             None if inside(arm, body.r2()) => return None,
             None => (wall_distance(arm, c, body.r2()), NO_FACET),
-            Some(part) => part.meet_facet(at, C[i]),
+            Some(part) => meeting.unwrap_or_else(|| part.meet_facet(at, C[i])),
         };
         let (across, far) = self.across(bodies, body, link, met)?;
         // Both as seen from the covered cell.

@@ -10,12 +10,13 @@ use crate::field::{Field, Real, prefetch};
 use crate::halfway::HalfwayLinks;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
-use crate::lanes::{Lanes, Portable, Variant};
+use crate::lanes::{Lanes, Portable};
 use crate::lattice::Q;
 use crate::places::{Parity, Places};
 use crate::survey::{Sums, Survey};
 use crate::tally::Tally;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use tremie_team::Variant;
 
 /// Consecutive lines that are one item of work, and what their collision found.
 #[derive(Clone, Debug)]
@@ -53,11 +54,28 @@ pub struct Sweep<'a, T: Real> {
 pub struct Wanted<T: Real> {
     /// For each line whether it is wanted; empty if none is.
     pub lines: Vec<AtomicU8>,
+    /// Steps until it is asked anew which are.
+    pub left: u32,
     /// For each cell of a wanted line the density minus 1 before the last collision, which keeps it.
     pub drho: Field<T>,
 }
 
+/// So many steps a line stays wanted at least.
+const WANTED_FOR: u32 = 64;
+
 impl<T: Real> Wanted<T> {
+    /// Begins a step. True if everybody is to say which lines are wanted; else whoever wants others than in the step
+    /// before, and what was wanted may still be: a density that nobody asks for costs next to nothing.
+    pub fn begin(&mut self) -> bool {
+        let is_fresh = self.left == 0;
+        if is_fresh {
+            self.left = WANTED_FOR;
+            self.lines.iter_mut().for_each(|line| *line.get_mut() = 0);
+        }
+        self.left -= 1;
+        is_fresh
+    }
+
     /// Memory that it takes [bytes].
     pub fn bytes(&self) -> usize {
         self.lines.len() * (1 + 64)

@@ -14,42 +14,6 @@
 use crate::field::Real;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Which vector instructions a kernel uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Variant {
-    /// Arrays of 16 bytes, in whatever instructions the compiler chooses; on every processor.
-    Portable,
-    /// 32 bytes, and fused multiply-adds.
-    Avx2,
-    /// 64 bytes.
-    Avx512,
-}
-
-impl Variant {
-    /// All variants, the widest last.
-    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
-
-    /// Whether this processor has the instructions.
-    pub fn available(self) -> bool {
-        match self {
-            Self::Portable => true,
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => {
-                is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl")
-            }
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => false,
-        }
-    }
-
-    /// The widest variant that this processor has.
-    pub fn widest() -> Self {
-        Self::ALL.into_iter().rev().find(|v| v.available()).unwrap_or(Self::Portable)
-    }
-}
-
 /// A vector of `N` numbers.
 pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>

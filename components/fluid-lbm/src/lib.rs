@@ -98,7 +98,7 @@ mod wall_distances;
 pub use error::FluidError;
 pub use findings::findings;
 pub use fluid::FluidLbm;
-pub use lanes::Variant;
+pub use tremie_team::Variant;
 pub use ledger::Ledger;
 pub use narrow::Narrow;
 pub use observe::{Diagnostics, SliceNode};

@@ -30,7 +30,6 @@ use crate::bricks::Bricks;
 use crate::declared::Intakes;
 use crate::field::{Field, Real};
 use crate::gaps::Gaps;
-use crate::lanes::Variant;
 use crate::lattice::{C, OPPOSITE, Q, each};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
@@ -39,6 +38,7 @@ use crate::part_links::{PartLinks, Site, as_seen};
 use crate::places::Parity;
 use crate::sphere_links::SphereLinks;
 use crate::wall_distances::WallDistances;
+use tremie_team::Variant;
 
 /// Rows of a body's shell that are one item of work.
 const ROWS_PER_ITEM: i32 = 256;
@@ -178,14 +178,17 @@ impl Item {
         self.found.bytes() + self.of_sphere.bytes()
     }
 
-    /// Finds the links of a part, if it has moved.
-    pub fn find(&mut self, site: &Site, bodies: &Bodies) {
-        self.found.find(site, &bodies.living[self.body], self.layers.clone());
+    /// Finds the links of a part, if it has moved; true if they are others than in the step before.
+    pub fn find(&mut self, site: &Site, bodies: &Bodies) -> bool {
+        if !self.found.find(site, &bodies.living[self.body], self.layers.clone()) {
+            return false;
+        }
         let felt = self.found.felt();
         if felt > self.gaps.felt.capacity() {
             self.gaps.felt.clear();
             self.gaps.felt.reserve(felt + felt / 2);
         }
+        true
     }
 }
 

@@ -24,17 +24,17 @@ impl<T: Collides> Solver<T> {
         if !moved && !self.declared.is_fresh() {
             return;
         }
+        let all_want = self.wanted.begin();
         let (layout, lines) = (&self.layout, &self.wanted.lines);
-        for line in lines {
-            line.store(0, Relaxed);
-        }
         let mut outgrown = false;
         for body in &mut self.bodies.living {
             outgrown |= body.cover_part(layout, &mut self.team);
         }
         self.team.for_each(&mut self.bodies.living, |_, body| {
-            body.cover(layout, T::LINE);
-            body.want(lines);
+            let wants_others = body.cover(layout, T::LINE);
+            if all_want || wants_others {
+                body.want(lines);
+            }
         });
         for body in self.bodies.leaving.iter().chain(&self.bodies.living) {
             for &cell in &body.left {
@@ -65,7 +65,7 @@ impl<T: Collides> Solver<T> {
         if outgrown {
             self.list_items();
         }
-        self.find_links();
+        self.find_links(all_want);
     }
 
     /// Notes where cells joined the fluid or left it.
@@ -90,16 +90,17 @@ impl<T: Collides> Solver<T> {
         self.declared.close_pockets(owners, layout, &mut self.team);
     }
 
-    /// Finds the links of parts that have moved, and wants the densities that they need.
-    fn find_links(&mut self) {
+    /// Finds the links of parts that have moved, and wants the densities that they need, if `all_want` those of all.
+    fn find_links(&mut self, all_want: bool) {
         let walls = self.feels_gaps().then_some(&self.walls);
         let layout = &self.layout;
         let site = Site { layout, walls, declared: &self.declared, line: T::LINE };
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);
         self.team.for_each(&mut self.link_items, |_, item| {
-            item.find(&site, bodies);
-            for &line in item.found.lines() {
-                lines[line as usize].store(1, Relaxed);
+            if item.find(&site, bodies) || all_want {
+                for &line in item.found.lines() {
+                    lines[line as usize].store(1, Relaxed);
+                }
             }
         });
     }

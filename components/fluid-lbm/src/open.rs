@@ -44,7 +44,6 @@ use crate::course::{Law, Now};
 use crate::extrapolation::{Cells, add_up, extrapolate, look_inside};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Side};
-use crate::lanes::Variant;
 use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each, moments};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
@@ -54,6 +53,7 @@ use crate::places::{Blocked, Parity};
 use crate::refill::Content;
 use std::ops::Range;
 use tremie_messages::scene::Profile;
+use tremie_team::Variant;
 
 /// Cells that are one item of work.
 pub const CELLS_PER_ITEM: usize = 512;

@@ -13,7 +13,7 @@ use crate::body::Body;
 use crate::cells::NONE;
 use crate::declared::{DeclaredGaps, NONE as NO_GAP};
 use crate::field::{Real, prefetch};
-use crate::gaps::{Beyond, beyond};
+use crate::gaps::{Beyond, GapLink, beyond};
 use crate::grid::Grid;
 use crate::lattice::{C, C_F64, Q, W, dot, mirrored};
 use crate::layout::Layout;
@@ -108,15 +108,15 @@ pub struct Site<'a> {
 
 impl PartLinks {
     /// Finds the links that begin in the layers `layers` of a part's shell, unless those of its
-    /// last search are known.
-    pub fn find(&mut self, site: &Site, body: &Body, layers: std::ops::Range<i32>) {
+    /// last search are known. True if these are others than before.
+    pub fn find(&mut self, site: &Site, body: &Body, layers: std::ops::Range<i32>) -> bool {
         let Some(part) = body.part.as_deref().filter(|part| part.search() != self.now.search)
         else {
-            return;
+            return false;
         };
         std::mem::swap(&mut self.now, &mut self.before);
         if self.now.search == part.search() {
-            return;
+            return true;
         }
         let is_first = self.before.search == 0 && self.now.search == 0;
         self.now.clear();
@@ -142,6 +142,7 @@ impl PartLinks {
         if is_first {
             self.make_room();
         }
+        true
     }
 
     /// Room for what a part that moves on will need: half as much again.
@@ -314,8 +315,8 @@ impl<T: Real> After<'_, T> {
             }
             let mine = hits.split_off(..run.len().min(hits.len())).unwrap_or_default();
             if !self.owners.is_fluid(cell) {
-                if let Some(walls) = self.walls {
-                    self.gaps_of_run((bodies, body, part), walls, (run, mine), batch);
+                if self.walls.is_some() {
+                    self.gaps_of_run((bodies, body, part), (run, mine), batch);
                 }
                 continue;
             }
@@ -359,7 +360,6 @@ impl<T: Real> After<'_, T> {
     fn gaps_of_run(
         &self,
         (bodies, body, part): (&Bodies, &Body, &PartBody),
-        walls: &WallDistances,
         (run, hits): (&[PartLink], &[Hit]),
         batch: &mut Batch,
     ) {
@@ -385,8 +385,10 @@ impl<T: Real> After<'_, T> {
         if self.is_bonded(bodies, body, cell) {
             return;
         }
-        for link in run.iter().filter(|link| link.mirrors == 0) {
-            self.gap(bodies, body, walls, link.at, link.dir.into(), &mut batch.gaps);
+        for (k, link) in run.iter().enumerate().filter(|(_, link)| link.mirrors == 0) {
+            let meeting = (link.q, hit(k).facet);
+            let link = GapLink::between(link.at, link.dir, cell, link.end);
+            self.gap_met((bodies, body), &link, Some(meeting), &mut batch.gaps);
         }
     }
 }

@@ -72,12 +72,22 @@ struct Link {
     value: f64,
 }
 
+/// How a body's wall moves where a link meets it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Motion {
+    /// From the body's origin to there.
+    arm: [f64; 3],
+    velocity: [f64; 3],
+}
+
 /// Links, and by how much slipping changes what their walls exchanged.
 #[derive(Clone, Debug, Default)]
 struct Item {
     links: Vec<Link>,
     /// Those of the step before.
     before: Vec<Link>,
+    /// For each link how its wall moves in this step, if that is a body's.
+    motions: Vec<Motion>,
     exchanges: Vec<(Whose, Exchange)>,
     /// What facets of deformable surfaces felt of it, with the handle of the body.
     felt: Vec<(u32, Felt)>,
@@ -107,6 +117,7 @@ impl Slip {
         let item = |cells: usize| Item {
             links: Vec::with_capacity(cells * LINKS_PER_CELL),
             before: Vec::with_capacity(cells * LINKS_PER_CELL),
+            motions: Vec::with_capacity(cells * LINKS_PER_CELL),
             exchanges: Vec::with_capacity(8),
             felt: Vec::with_capacity(cells * LINKS_PER_CELL),
         };
@@ -183,13 +194,17 @@ impl Slip {
     /// Reads what slips, before anything is reflected.
     pub fn read<T: Real>(&mut self, after: &After<T>, bodies: &Bodies, team: &mut Team) {
         team.for_each(&mut self.items, |_, item| {
+            item.motions.clear();
             for link in &mut item.links {
+                let mut motion = Motion::default();
                 let push = match link.whose {
                     Whose::Fixture(_) => 0.0,
                     Whose::Body(handle) => {
                         let (axis, i) = (usize::from(link.axis), usize::from(link.seen));
                         let body = bodies.with_handle(handle);
-                        let u = body.velocity_of(link.hit, link.arm(body, after.layout));
+                        let arm = link.arm(body, after.layout);
+                        motion = Motion { arm, velocity: body.velocity_of(link.hit, arm) };
+                        let u = motion.velocity;
                         // With what it pays back, see `mass`.
                         let given = || after.intakes.at(link.cell).map_or(0.0, |(_, rate)| rate);
                         let paid = if after.keeps_mass { body.account.pay - given() } else { 0.0 };
@@ -198,6 +213,7 @@ impl Slip {
                     }
                 };
                 link.value = after.field.get(link.given[after.parity as usize] as usize) - push;
+                item.motions.push(motion);
             }
         });
     }
@@ -206,14 +222,13 @@ impl Slip {
     pub fn write<T: Real>(
         &mut self,
         after: &After<T>,
-        bodies: &Bodies,
         references: &[[f64; 3]],
         team: &mut Team,
     ) {
         team.for_each(&mut self.items, |_, item| {
             item.exchanges.clear();
             item.felt.clear();
-            for link in &item.links {
+            for (link, motion) in item.links.iter().zip(&item.motions) {
                 let place = link.taken[after.parity as usize] as usize;
                 let old = after.field.get(place);
                 let gain = after.field.set(place, link.value) - old;
@@ -232,10 +247,8 @@ impl Slip {
                         add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
                     }
                     Whose::Body(handle) => {
-                        let body = bodies.with_handle(handle);
-                        let arm = link.arm(body, after.layout);
-                        let u = body.velocity_of(link.hit, arm);
-                        let force = give(exchange, link, gain, arm, u);
+                        let Motion { arm, velocity } = *motion;
+                        let force = give(exchange, link, gain, arm, velocity);
                         if link.hit.facet != NO_FACET {
                             let facet = link.hit.facet;
                             let felt = Felt { facet, gap: Felt::FLUID, force, at: arm };

@@ -2,6 +2,7 @@
 
 use crate::lattice::OPPOSITE;
 use crate::layout::Layout;
+use crate::owners::Owners;
 use crate::places::Parity;
 
 /// A cell that there is not.
@@ -51,9 +52,11 @@ impl Slots {
         self.along[usize::from(from_behind == (parity == Parity::Even))] as usize
     }
 
-    /// The cell behind, if there is one.
+    /// Whether there is a cell behind, and fluid.
     #[inline(always)]
-    pub fn behind(&self) -> Option<u32> {
-        (self.behind != NONE).then_some(self.behind)
+    pub fn is_behind_fluid(&self, owners: &Owners) -> bool {
+        let is_there = self.behind != NONE;
+        // Any cell in its place spares a branch.
+        owners.is_fluid(if is_there { self.behind } else { self.cell }) & is_there
     }
 }

@@ -15,7 +15,6 @@ use crate::fixed::{self, FixedLinks};
 use crate::gap_pressure::{InGaps, UNKNOWN};
 use crate::halfway::HalfwayLinks;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
-use crate::lanes::Variant;
 use crate::lattice::CS2;
 use crate::layout::Layout;
 use crate::ledger::Ledger;
@@ -41,7 +40,7 @@ use crate::wall_distances::WallDistances;
 use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_team::{Choice, Found, Team};
+use tremie_team::{Choice, Found, Team, Variant};
 
 /// Cells that are one item of work of the collision. Blocks are added up in their order.
 const CELLS_PER_BLOCK: usize = 4096;
@@ -213,7 +212,7 @@ impl<T: Collides> Solver<T> {
             field: Field::new(built.layout.places.stride()),
             owners,
             bricks: Bricks::new(&built.layout.grid),
-            wanted: Wanted { lines: Vec::new(), drho: Field::zeros(0) },
+            wanted: Wanted { lines: Vec::new(), left: 0, drho: Field::zeros(0) },
             bodies: Bodies::of(
                 Catalogue::new(
                     scene,
@@ -457,7 +456,7 @@ impl<T: Collides> Solver<T> {
             after.reflect_fixed(fixed, now, references, item);
         });
         if self.slips {
-            self.slip.write(&after, bodies, references, &mut self.team);
+            self.slip.write(&after, references, &mut self.team);
         }
     }
 

@@ -332,7 +332,7 @@ impl<'a> Row<'a> {
 
 #[cfg(test)]
 mod tests {
-    use crate::lanes::Variant;
+    use tremie_team::Variant;
     use crate::parameters::{Parameters, Refill};
     use crate::solver::Solver;
     use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};

@@ -18,13 +18,6 @@ use crate::{
 };
 use core::arch::x86_64::*;
 
-/// Whether this processor has the instructions.
-pub(crate) fn available() -> bool {
-    is_x86_feature_detected!("avx512f")
-        && is_x86_feature_detected!("avx512vl")
-        && is_x86_feature_detected!("avx512bw")
-}
-
 /// So many entries are looked at before those that act are evaluated: few enough to stay close.
 const TOGETHER: usize = 128;
 

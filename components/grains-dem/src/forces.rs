@@ -9,13 +9,13 @@ use crate::{
     integrate::Wandered,
     lanes::LANES,
     law::{Law, Reduced},
-    linear::{LinearLaw, Variant},
+    linear::LinearLaw,
     lubrication::Squeeze,
     pairs::{ACTING, BLOCK, Entry, Pairs, Record, Rolling, TOUCHING},
     tally::{Other, Tally},
 };
 use core::ops::Range;
-use tremie_team::{Cut, Team};
+use tremie_team::{Cut, Team, Variant};
 
 /// The contact of two spheres with centres `d` apart. Its point lies half way between the two
 /// surfaces; the overlap is negative where they do not touch.

@@ -17,9 +17,8 @@ use crate::{
     pairs::BLOCK,
     periodic::PeriodicBox,
     search::Contacts,
-    widest::{Work, in_widest},
 };
-use tremie_team::{Cut, Team};
+use tremie_team::{Cut, Team, Variant, instructions::Work};
 
 /// What moves bodies.
 #[derive(Clone, Copy)]
@@ -136,7 +135,7 @@ pub(crate) fn first_half(
     );
     let (load, mobility) = (&bodies.load, &bodies.mobility);
     team.for_pieces(pieces, |b, arrays| {
-        in_widest(FirstHalf { b, arrays, load, mobility, bounds, forces, dt, finish });
+        Variant::widest().run(FirstHalf { b, arrays, load, mobility, bounds, forces, dt, finish });
     });
 }
 

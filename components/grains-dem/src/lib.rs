@@ -135,7 +135,6 @@ mod wall_forces;
 mod walls;
 #[cfg(target_arch = "x86_64")]
 mod wide;
-mod widest;
 
 pub use damping::{damping_ratio, restitution};
 pub use diagnostics::Diagnostics;

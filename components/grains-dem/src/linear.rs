@@ -7,6 +7,7 @@ use crate::{
     law::Law,
 };
 use tremie_messages::scene::Spring;
+use tremie_team::Variant;
 
 /// What the formula takes of contacts side by side.
 #[derive(Clone, Copy)]
@@ -142,40 +143,6 @@ fn turned<L: Lane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<
     let t = angle.all(0.5) * angle;
     let cross = n.cross(xi);
     xi + (cross - xi * t) * (angle.all(2.0) * t).over(one + t * t)
-}
-
-/// Which instructions batches are computed with; all give the same bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Variant {
-    /// Plain arrays, in whatever instructions the compiler chooses; on every processor.
-    Portable,
-    /// Plain arrays, in AVX2.
-    Avx2,
-    /// Registers of 64 bytes; see [`crate::avx512`].
-    Avx512,
-}
-
-impl Variant {
-    /// All variants, the widest last.
-    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
-
-    /// Whether this processor has the instructions.
-    pub fn available(self) -> bool {
-        match self {
-            Self::Portable => true,
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => is_x86_feature_detected!("avx2"),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => crate::avx512::available(),
-            #[cfg(not(target_arch = "x86_64"))]
-            _ => false,
-        }
-    }
-
-    /// The widest variant that this processor has.
-    pub fn widest() -> Self {
-        Self::ALL.into_iter().rev().find(|v| v.available()).unwrap_or(Self::Portable)
-    }
 }
 
 impl LinearLaw {

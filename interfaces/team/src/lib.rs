@@ -1,4 +1,5 @@
-//! A team of threads that works through one list after another.
+//! What of a processor a solver uses: a team of threads that works through one list after another, and vector
+//! [instructions].
 //!
 //! The team belongs to one solver and lives as long. Items of a list are handed out one by one, so
 //! which thread does which is left to chance: results must not depend on it, and do not, because
@@ -8,9 +9,11 @@
 //! waited for; whoever waits spins a little, then yields a little, then sleeps.
 
 mod choice;
+pub mod instructions;
 mod pieces;
 
 pub use choice::{Choice, Found};
+pub use instructions::Variant;
 pub use pieces::{Cut, Pieces};
 
 use std::any::Any;
