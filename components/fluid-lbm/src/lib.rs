@@ -98,7 +98,6 @@ mod wall_distances;
 pub use error::FluidError;
 pub use findings::findings;
 pub use fluid::FluidLbm;
-pub use tremie_team::Variant;
 pub use ledger::Ledger;
 pub use narrow::Narrow;
 pub use observe::{Diagnostics, SliceNode};
@@ -106,3 +105,4 @@ pub use parameters::{Collision, GapPressure, OpenFaces, Parameters, Precision, R
 pub use probes::probe_signals;
 pub use reservoir::{ReservoirState, reservoir_signals};
 pub use resolution::{Mended, Resolution};
+pub use tremie_team::Variant;

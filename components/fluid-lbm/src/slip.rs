@@ -219,12 +219,7 @@ impl Slip {
     }
 
     /// Puts it where it belongs, after everything is reflected.
-    pub fn write<T: Real>(
-        &mut self,
-        after: &After<T>,
-        references: &[[f64; 3]],
-        team: &mut Team,
-    ) {
+    pub fn write<T: Real>(&mut self, after: &After<T>, references: &[[f64; 3]], team: &mut Team) {
         team.for_each(&mut self.items, |_, item| {
             item.exchanges.clear();
             item.felt.clear();

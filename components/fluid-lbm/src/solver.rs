@@ -401,7 +401,7 @@ impl<T: Collides> Solver<T> {
             // so are the places of their cells; all tables were made for these cells; nothing else
             // runs.
             unsafe { kernel(&sweep, number, block) };
-            block.halfway.feel(&self.field, stride, &self.owners);
+            block.halfway.feel(self.variant, &self.field, stride, &self.owners);
         });
         let (field, fluid, tally) = (&self.field, self.owners.fluid_bits(), &self.tally);
         if tally.is_late() {

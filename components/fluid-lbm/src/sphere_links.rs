@@ -332,12 +332,12 @@ impl<'a> Row<'a> {
 
 #[cfg(test)]
 mod tests {
-    use tremie_team::Variant;
     use crate::parameters::{Parameters, Refill};
     use crate::solver::Solver;
     use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};
     use tremie_messages::units::Time;
     use tremie_messages::{BodyEvent, BodyState, Load};
+    use tremie_team::Variant;
 
     fn event(id: u64, kind: u32, radius: f64) -> BodyEvent {
         BodyEvent {

@@ -8,8 +8,8 @@ use crate::solver::Solver;
 use crate::units::Units;
 use std::ops::Range;
 use tremie_geometry::{Frame, Mesh, Surface, Turned};
-use tremie_messages::scene::Scene;
 use tremie_messages::SurfaceVertex;
+use tremie_messages::scene::Scene;
 
 /// A deformable surface of the scene.
 #[derive(Clone, Debug)]

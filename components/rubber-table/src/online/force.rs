@@ -130,7 +130,8 @@ impl Facet {
     pub fn new([a, b, c]: [[f64; 3]; 3]) -> Self {
         let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
         let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
-        let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let cross =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let twice = length(cross);
         let outward = cross.map(|x| if twice > 0.0 { x / twice } else { 0.0 });
         Self { area: 0.5 * twice, outward }
