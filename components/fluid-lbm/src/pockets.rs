@@ -18,6 +18,8 @@ const ROOM: usize = POCKET + 6;
 struct Fill {
     cells: [u32; ROOM],
     count: usize,
+    /// Whether they are a pocket.
+    is_closed: bool,
 }
 
 impl DeclaredGaps {
@@ -45,10 +47,8 @@ impl DeclaredGaps {
         self.find_closed(owners, layout, team);
         for (&seed, _) in self.seeds.iter().zip(&self.closed).filter(|(_, is_closed)| **is_closed) {
             // Those of a pocket all say so, and the first freezes it.
-            if is_wet(owners, seed)
-                && let Ok(pocket) = pocket_around(owners, layout, seed, &Fill::EMPTY)
-            {
-                for &cell in pocket.reached() {
+            if is_wet(owners, seed) {
+                for &cell in Fill::from(owners, layout, seed, &Fill::EMPTY).reached() {
                     owners.freeze(cell);
                     self.pockets.push(cell);
                 }
@@ -75,9 +75,10 @@ impl DeclaredGaps {
             let mut open = Fill::EMPTY;
             for (&seed, is_closed) in seeds[number * SEEDS_PER_PIECE..].iter().zip(piece) {
                 if is_wet(owners, seed) && !open.reached().contains(&seed) {
-                    match pocket_around(owners, layout, seed, &open) {
-                        Ok(_) => *is_closed = true,
-                        Err(fill) => open = fill,
+                    let fill = Fill::from(owners, layout, seed, &open);
+                    *is_closed = fill.is_closed;
+                    if !fill.is_closed {
+                        open = fill;
                     }
                 }
             }
@@ -86,7 +87,30 @@ impl DeclaredGaps {
 }
 
 impl Fill {
-    const EMPTY: Self = Self { cells: [0; ROOM], count: 0 };
+    const EMPTY: Self = Self { cells: [0; ROOM], count: 0, is_closed: false };
+
+    /// Goes from a fluid cell until it has been everywhere, or knows that it is in no pocket: at an open face, next to a
+    /// cell of `open`, all of which are in none, or when there are too many.
+    fn from(owners: &Owners, layout: &Layout, seed: u32, open: &Self) -> Self {
+        let mut fill = Self::EMPTY;
+        fill.add(seed);
+        let mut next = 0;
+        while next < fill.count {
+            let cell = fill.cells[next];
+            if fill.count >= POCKET || is_at_open_face(layout, cell) {
+                return fill;
+            }
+            for neighbour in faces(layout, cell).filter(|&cell| is_wet(owners, cell)) {
+                if open.reached().contains(&neighbour) {
+                    return fill;
+                }
+                fill.add(neighbour);
+            }
+            next += 1;
+        }
+        fill.is_closed = true;
+        fill
+    }
 
     fn reached(&self) -> &[u32] {
         &self.cells[..self.count]
@@ -98,28 +122,6 @@ impl Fill {
             self.count += 1;
         }
     }
-}
-
-/// The pocket around a fluid cell. `Err` with cells that are in none: one of them is at an open face or next to
-/// a cell of `open`, all of which are in none, or they are too many.
-fn pocket_around(owners: &Owners, layout: &Layout, seed: u32, open: &Fill) -> Result<Fill, Fill> {
-    let mut fill = Fill::EMPTY;
-    fill.add(seed);
-    let mut next = 0;
-    while next < fill.count {
-        let cell = fill.cells[next];
-        if fill.count >= POCKET || is_at_open_face(layout, cell) {
-            return Err(fill);
-        }
-        for neighbour in faces(layout, cell).filter(|&cell| is_wet(owners, cell)) {
-            if open.reached().contains(&neighbour) {
-                return Err(fill);
-            }
-            fill.add(neighbour);
-        }
-        next += 1;
-    }
-    Ok(fill)
 }
 
 /// Whether a cell is fluid or becomes so.
