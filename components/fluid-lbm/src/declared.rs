@@ -18,17 +18,17 @@
 //! (see `intake`).
 
 mod intake;
+mod mouths;
 mod slipping;
 mod thickness;
 
 pub use self::intake::{Given, Intakes};
+use self::mouths::Mouths;
 use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::cells::Fixture;
 use crate::field::Real;
-use crate::lattice::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::layout::Layout;
-use crate::ledger::add_scaled;
 use crate::links::{After, density};
 use crate::owners::{FLUID, FROZEN, Owners, VACATED, Vacated};
 use crate::probes::samples;
@@ -105,25 +105,6 @@ struct Candidate {
     thickness: f32,
     /// The axis nearest to the direction across the gap.
     axis: u8,
-}
-
-/// A link from a fluid cell to a frozen one.
-#[derive(Clone, Copy, Debug)]
-struct Mouth {
-    cell: u32,
-    dir: u8,
-    gap: u16,
-}
-
-/// The links from fluid cells into frozen ones.
-#[derive(Clone, Debug, Default)]
-struct Mouths {
-    list: Vec<Mouth>,
-    /// By stored cell, whether it was frozen or adjoined a frozen one when they were listed, and which cells those are.
-    matters: Vec<bool>,
-    around: Vec<u32>,
-    /// Whether they were listed at all.
-    are_listed: bool,
 }
 
 /// The gaps of a scene, and their cells.
@@ -338,29 +319,6 @@ impl DeclaredGaps {
         }
     }
 
-    /// Lists the links from fluid cells into frozen ones, if cells changed hands on which these depend.
-    pub fn find_mouths(&mut self, owners: &Owners, layout: &Layout) {
-        let mouths = &self.mouths;
-        let changed = owners.changed().iter();
-        let depends = |&cell: &u32| mouths.matters[cell as usize] || owners.of(cell) == FROZEN;
-        if mouths.are_listed && !changed.copied().any(|cell| depends(&cell)) {
-            return;
-        }
-        let mut mouths = std::mem::take(&mut self.mouths);
-        mouths.begin();
-        let of_gaps = self.candidates.iter().map(|candidate| candidate.cell);
-        for cell in of_gaps.chain(self.pockets.iter().copied()) {
-            if owners.of(cell) == FROZEN {
-                let gap = if self.is_pocket(cell) { NONE } else { self.of[cell as usize] };
-                mouths.add(owners, layout, cell, gap);
-            }
-        }
-        // A pocket's cell that is also a gap's candidate was seen twice.
-        mouths.list.sort_unstable_by_key(|mouth| (mouth.cell, mouth.dir));
-        mouths.list.dedup_by_key(|mouth| (mouth.cell, mouth.dir));
-        self.mouths = mouths;
-    }
-
     /// Reflects the links into frozen cells half-way, and finds the pressure by probes.
     pub fn reflect<T: Real>(&mut self, after: &After<T>) {
         for gap in &mut self.gaps {
@@ -374,18 +332,7 @@ impl DeclaredGaps {
             }
             gap.drho = if weights > 0.0 { sum / weights } else { 0.0 };
         }
-        self.impulse = [0.0; 3];
-        for mouth in &self.mouths.list {
-            let i = usize::from(mouth.dir);
-            let gap = self.gaps.get_mut(usize::from(mouth.gap));
-            if let Some(gap) = gap.filter(|gap| gap.rule == GapRule::Nearest) {
-                gap.around[0] += density(&after.post(mouth.cell)) - 1.0;
-                gap.around[1] += 1.0;
-            }
-            let g = after.post_one(mouth.cell, i);
-            let f = after.field.set(after.next_place(mouth.cell, OPPOSITE[i]), g);
-            add_scaled(&mut self.impulse, C_F64[i], g + f);
-        }
+        self.reflect_mouths(after);
     }
 
     /// The intakes of gaps.
@@ -402,48 +349,6 @@ impl DeclaredGaps {
                 let (drho, cells) = (drho + gap.around[0], cells + gap.around[1]);
                 gap.drho = if cells > 0.0 { drho / cells } else { 0.0 };
             }
-        }
-    }
-}
-
-impl Mouths {
-    /// None yet, of so many cells.
-    fn with_room(cells: usize) -> Self {
-        Self {
-            list: Vec::with_capacity(cells / 4),
-            matters: vec![false; cells],
-            around: Vec::with_capacity(cells),
-            are_listed: false,
-        }
-    }
-
-    /// Begins to list them anew.
-    fn begin(&mut self) {
-        self.are_listed = true;
-        self.list.clear();
-        for cell in self.around.drain(..) {
-            self.matters[cell as usize] = false;
-        }
-    }
-
-    /// Adds those into a frozen cell.
-    fn add(&mut self, owners: &Owners, layout: &Layout, cell: u32, gap: u16) {
-        self.note(cell);
-        let at = layout.at(cell);
-        for i in 1..Q {
-            let Some((from, mirrors)) = layout.near(at, C[i]) else { continue };
-            self.note(from);
-            let dir = mirrored(OPPOSITE[i], mirrors);
-            if owners.is_fluid(from) && layout.neighbour(from, dir) == Some(cell) {
-                self.list.push(Mouth { cell: from, dir: dir as u8, gap });
-            }
-        }
-    }
-
-    /// Notes that the list depends on whose a cell is.
-    fn note(&mut self, cell: u32) {
-        if !std::mem::replace(&mut self.matters[cell as usize], true) {
-            self.around.push(cell);
         }
     }
 }

@@ -6,6 +6,10 @@
 //! one direction are one, the deepest. So a sphere rolls over a flat floor of triangles as over a
 //! plane, and over facets of a curved one without losing or doubling its support. A contact with an edge or a vertex
 //! belongs to the first of the triangles that share it, whatever round-off says of their distances.
+//!
+//! Of the triangles listed near a sphere few are touched. So how far each is gets noted when all are looked at, and until
+//! sphere and surface have come some way, only those are looked at again that they may have reached since: what is found is the
+//! same.
 
 use crate::Vec3;
 
@@ -16,6 +20,15 @@ pub(crate) struct Triangle {
     pub corners: [Vec3; 3],
     /// Unit normal, to the side where bodies are.
     pub normal: Vec3,
+}
+
+impl Triangle {
+    /// With these corners, which it has anticlockwise where bodies are.
+    pub fn of(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(&(c - a));
+        Self { corners, normal: normal * (1.0 / normal.norm_squared().sqrt()) }
+    }
 }
 
 /// A point of the surface within reach of a sphere.
@@ -58,53 +71,120 @@ impl Found {
     }
 }
 
-/// The contacts of a sphere at `centre` with those `triangles` that are closer than `reach`.
-pub(crate) fn find(
+/// A sphere that looks for what it touches.
+#[derive(Clone, Copy)]
+pub(crate) struct Seeker {
+    pub centre: Vec3,
+    pub radius: f64,
+    /// Surfaces that are closer to the centre count.
+    pub reach: f64,
+}
+
+/// Where a sphere was when it looked at all triangles near it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Looked {
     centre: Vec3,
-    radius: f64,
-    reach: f64,
-    triangles: impl Iterator<Item = Triangle>,
+    /// How far the surface had come until then.
+    travel: f64,
+}
+
+impl Looked {
+    /// It has not.
+    pub const NEVER: Self = Self { centre: Vec3::new(0.0, 0.0, 0.0), travel: f64::NEG_INFINITY };
+}
+
+/// After so much of its radius a sphere looks at all triangles again.
+const AGAIN: f64 = 0.02;
+
+/// Distances are noted this much shorter, for they are rounded.
+const SHORTER: f64 = 1.0 - 1e-6;
+
+/// The contacts of a sphere with those triangles that are in reach, of as many as there are `distances`. No point of
+/// theirs has moved by more than `travel` grew since it `looked`.
+pub(crate) fn find(
+    sphere: Seeker,
+    travel: f64,
+    looked: &mut Looked,
+    distances: &mut [f32],
+    triangle: impl Fn(usize) -> Triangle,
 ) -> Found {
-    const NONE: Nearest = Nearest {
+    let Seeker { centre, radius, reach } = sphere;
+    let moved = (centre - looked.centre).norm_squared().sqrt() + (travel - looked.travel);
+    let mut best = Best::NONE;
+    // What is no number looks again, too.
+    if moved <= AGAIN * radius {
+        for (number, &distance) in distances.iter().enumerate() {
+            if f64::from(distance) - moved < reach
+                && let (_, Some(near)) = nearest(centre, &triangle(number))
+            {
+                best.take(near, number, reach);
+            }
+        }
+    } else {
+        *looked = Looked { centre, travel };
+        for (number, noted) in distances.iter_mut().enumerate() {
+            let (distance, near) = nearest(centre, &triangle(number));
+            *noted = (distance * SHORTER) as f32;
+            if let Some(near) = near {
+                best.take(near, number, reach);
+            }
+        }
+    }
+    best.contacts(radius)
+}
+
+/// A bounded choice of the best candidates, kept sorted; more than these are never contacts.
+struct Best {
+    list: [Nearest; 4 * MOST],
+    count: usize,
+}
+
+impl Best {
+    const NONE: Self = Self { list: [Nearest::NONE; 4 * MOST], count: 0 };
+
+    /// Takes the point of a triangle, if it is in reach.
+    fn take(&mut self, near: Nearest, number: usize, reach: f64) {
+        if near.distance >= reach {
+            return;
+        }
+        let near = Nearest { triangle: number as u32, ..near };
+        let place = self.list[..self.count].partition_point(|other| !before(&near, other));
+        if place == self.list.len() {
+            return;
+        }
+        self.count = (self.count + 1).min(self.list.len());
+        self.list.copy_within(place..self.count - 1, place + 1);
+        self.list[place] = near;
+    }
+
+    /// Those that are contacts of a sphere.
+    fn contacts(&self, radius: f64) -> Found {
+        let mut found = Found { list: [Nearest::NONE; MOST], count: 0 };
+        for near in &self.list[..self.count] {
+            let hidden = |other: &Nearest| {
+                (near.point - other.point).dot(&other.normal) <= OUT * radius
+                    || near.normal.dot(&other.normal) > SAME
+            };
+            if let Some(by) = found.contacts().iter().position(hidden) {
+                found.list[by].share(near, radius);
+            } else if found.count < MOST {
+                found.list[found.count] = *near;
+                found.count += 1;
+            }
+        }
+        found
+    }
+}
+
+impl Nearest {
+    const NONE: Self = Self {
         normal: Vec3::new(0.0, 0.0, 0.0),
         distance: 0.0,
         feature: 0,
         point: Vec3::new(0.0, 0.0, 0.0),
         triangle: 0,
     };
-    // A bounded choice of the best candidates, kept sorted; more than these are never contacts.
-    let mut best = [NONE; 4 * MOST];
-    let mut count = 0;
-    for (number, triangle) in (0..).zip(triangles) {
-        let near = nearest(centre, &triangle).filter(|near| near.distance < reach);
-        let Some(near) = near.map(|near| Nearest { triangle: number, ..near }) else {
-            continue;
-        };
-        let place = best[..count].partition_point(|other| !before(&near, other));
-        if place == best.len() {
-            continue;
-        }
-        count = (count + 1).min(best.len());
-        best.copy_within(place..count - 1, place + 1);
-        best[place] = near;
-    }
-    let mut found = Found { list: [NONE; MOST], count: 0 };
-    for near in &best[..count] {
-        let hidden = |other: &Nearest| {
-            (near.point - other.point).dot(&other.normal) <= OUT * radius
-                || near.normal.dot(&other.normal) > SAME
-        };
-        if let Some(by) = found.contacts().iter().position(hidden) {
-            found.list[by].share(near, radius);
-        } else if found.count < MOST {
-            found.list[found.count] = *near;
-            found.count += 1;
-        }
-    }
-    found
-}
 
-impl Nearest {
     /// Hands a point of an edge or a vertex to the first of the triangles at it.
     fn share(&mut self, other: &Nearest, radius: f64) {
         let apart = (self.point - other.point).norm_squared();
@@ -119,20 +199,19 @@ fn before(a: &Nearest, b: &Nearest) -> bool {
     (a.feature, a.distance) < (b.feature, b.distance)
 }
 
-/// The point of a triangle that is closest to `centre`, unless the centre is behind the triangle.
-fn nearest(centre: Vec3, triangle: &Triangle) -> Option<Nearest> {
+/// Distance of a triangle, and its point that is closest to `centre`, unless the centre is behind the triangle.
+fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<Nearest>) {
     let Some((feature, point)) = border(centre, triangle) else {
         let height = (centre - triangle.corners[0]).dot(&triangle.normal);
-        if height <= 0.0 {
-            return None;
-        }
         let (normal, point) = (triangle.normal, centre - triangle.normal * height);
-        return Some(Nearest { normal, distance: height, feature: 0, point, triangle: 0 });
+        let near = Nearest { normal, distance: height, feature: 0, point, triangle: 0 };
+        return (height.abs(), (height > 0.0).then_some(near));
     };
     let away = centre - point;
     let distance = away.norm_squared().sqrt();
     let normal = away / distance;
-    (distance > 0.0).then_some(Nearest { normal, distance, feature, point, triangle: 0 })
+    let near = Nearest { normal, distance, feature, point, triangle: 0 };
+    (distance, (distance > 0.0).then_some(near))
 }
 
 /// The point of a triangle that is closest to `x`, on whichever side.
@@ -193,8 +272,56 @@ mod tests {
     }
 
     fn at(centre: [f64; 3], faces: &[[Triangle; 2]]) -> Vec<Nearest> {
-        let all = faces.iter().flatten().copied();
-        find(centre.into(), 1.0, 1.0, all).contacts().to_vec()
+        let all: Vec<Triangle> = faces.iter().flatten().copied().collect();
+        let sphere = Seeker { centre: centre.into(), radius: 1.0, reach: 1.0 };
+        let mut distances = vec![0.0; all.len()];
+        let found = find(sphere, 0.0, &mut Looked::NEVER.clone(), &mut distances, |k| all[k]);
+        found.contacts().to_vec()
+    }
+
+    /// A sphere wanders over bumps that heave; what it remembers of distances must hide nothing.
+    #[test]
+    fn what_was_noted_of_distances_hides_no_contact() {
+        let height = |x: i32, y: i32, t: f64| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            0.3 * (1.7 * x + 0.9 * y).sin() + 0.02 * (t + x).sin()
+        };
+        let bumps = |t: f64| -> Vec<Triangle> {
+            let at = |x, y| Vec3::new(f64::from(x), f64::from(y), height(x, y, t));
+            let of = |x: i32, y: i32| {
+                let (a, b) = (at(x, y), at(x + 1, y));
+                let (c, d) = (at(x + 1, y + 1), at(x, y + 1));
+                [Triangle::of([a, b, c]), Triangle::of([a, c, d])]
+            };
+            (-3..3).flat_map(|x| (-3..3).flat_map(move |y| of(x, y))).collect()
+        };
+        let (mut looked, mut travel) = (Looked::NEVER, 0.0);
+        let mut distances = vec![0.0; 72];
+        let (mut before, mut touched, mut spared) = (bumps(0.0), 0, 0);
+        for step in 0..4000 {
+            let t = 1e-2 * f64::from(step);
+            let now = bumps(0.1 * t);
+            let corners = |all: &[Triangle]| all.iter().flat_map(|t| t.corners).collect::<Vec<_>>();
+            let moved =
+                corners(&now).into_iter().zip(corners(&before)).map(|(a, b)| (a - b).norm());
+            travel += moved.fold(0.0, f64::max);
+            before = now;
+            let centre =
+                Vec3::new(2.0 * (0.3 * t).sin(), 2.0 * (0.21 * t).cos(), 0.9 + 0.3 * t.sin());
+            let sphere = Seeker { centre, radius: 1.0, reach: 1.0 };
+            let asked = std::cell::Cell::new(0);
+            let triangle = |k: usize| {
+                asked.set(asked.get() + 1);
+                before[k]
+            };
+            let found = find(sphere, travel, &mut looked, &mut distances, triangle);
+            let mut anew = vec![0.0; 72];
+            let all = find(sphere, 0.0, &mut Looked::NEVER.clone(), &mut anew, |k| before[k]);
+            assert_eq!(found.contacts(), all.contacts(), "step {step}");
+            touched += all.contacts().len();
+            spared += 72 - asked.get();
+        }
+        assert!(touched > 3000 && spared > 50 * 4000 / 2, "{touched} {spared}");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::{
     contact::{self, Contact, Memory},
     forces::Scenery,
     law::{Law, Reduced},
-    mesh_contact::{self, MOST, SAME},
+    mesh_contact::{self, Looked, MOST, SAME, Seeker},
     pairs::BLOCK,
     part_finder::{Found, Nearness, SOME},
     parts::PlacedPart,
@@ -25,6 +25,8 @@ pub(crate) struct Entry {
     /// Reduced mass, that of a head-on collision along the axis of a slider; the body's radius.
     pub reduced: Reduced,
     pub memories: [Memory; MOST],
+    /// Where the body was, as the part sees it, when it looked at all triangles near it.
+    pub looked: Looked,
 }
 
 /// Rows of entries, one for each body near a part, in the order of memory.
@@ -43,6 +45,9 @@ pub(crate) struct PartContacts {
     /// `near[e]..near[e + 1]` are the triangles of entry e, with the images that see them.
     near: Vec<u32>,
     triangles: Vec<(u32, u32)>,
+    /// How far each was when the body looked at all.
+    distances: Vec<f32>,
+    triangle_bounds: Vec<u32>,
     /// Forces on the parts and torques about their reference points, at the last evaluation.
     pub on_parts: Vec<Wrench>,
     /// The same block by block.
@@ -83,6 +88,8 @@ impl PartContacts {
             self.triangles.extend(&found.triangles);
             self.end_block();
         }
+        self.distances.clear();
+        self.distances.resize(self.triangles.len(), 0.0);
         let previous = |&body: &u32| before.force_on(at.previous[body as usize]);
         self.wrench.clear();
         self.wrench.extend(self.bodies.iter().map(previous));
@@ -107,12 +114,14 @@ impl PartContacts {
         self.near.clear();
         self.near.push(0);
         self.triangles.clear();
+        self.triangle_bounds.clear();
         self.end_block();
     }
 
     fn end_block(&mut self) {
         self.bounds.push(self.bodies.len() as u32);
         self.entry_bounds.push(self.entries.len() as u32);
+        self.triangle_bounds.push(self.triangles.len() as u32);
     }
 
     /// The parts' force on a body, by its place in this list.
@@ -140,6 +149,7 @@ impl PartContacts {
         }
         let pieces = (
             Cut::at(&mut self.entries, &self.entry_bounds),
+            Cut::at(&mut self.distances, &self.triangle_bounds),
             Cut::at(&mut self.wrench, &self.bounds),
             Cut::every(&mut self.loads, parts.len()),
             Cut::every(&mut self.block_pushes, parts.len()),
@@ -147,7 +157,8 @@ impl PartContacts {
         );
         let (bodies, start, bounds) = (&self.bodies, &self.start, &self.bounds);
         let (near, triangles, first) = (&self.near, &self.triangles, &self.entry_bounds);
-        team.for_pieces(pieces, |b, (entries, wrench, loads, pushes, tally)| {
+        let of_block = &self.triangle_bounds;
+        team.for_pieces(pieces, |b, (entries, distances, wrench, loads, pushes, tally)| {
             loads.fill(Wrench::zero());
             pushes.fill(Along::default());
             for (p, wrench) in (bounds[b] as usize..).zip(wrench) {
@@ -156,10 +167,13 @@ impl PartContacts {
                     let entry = &mut entries[e - first[b] as usize];
                     let number = entry.part as usize;
                     let part = &parts[number];
-                    let near = &triangles[near[e] as usize..near[e + 1] as usize];
+                    let own = near[e] as usize..near[e + 1] as usize;
+                    let begin = of_block[b] as usize;
+                    let distances = &mut distances[own.start - begin..own.end - begin];
+                    let near = &triangles[own];
                     let place = Place { body: bodies[p] as usize, part, near, scenery: &scenery };
                     let mut load = Wrench::zero();
-                    place.evaluate(entry, wrench, &mut load, &mut tally[0]);
+                    place.evaluate((entry, distances), wrench, &mut load, &mut tally[0]);
                     loads[number].force += load.force;
                     loads[number].torque += load.torque;
                     if let Some(slider) = part.slider() {
@@ -214,7 +228,7 @@ struct Place<'a> {
 impl Place<'_> {
     fn evaluate(
         &self,
-        entry: &mut Entry,
+        (entry, distances): (&mut Entry, &mut [f32]),
         on_body: &mut Wrench,
         on_part: &mut Wrench,
         tally: &mut Tally,
@@ -231,7 +245,8 @@ impl Place<'_> {
         let Some(&(_, seen)) = self.near.first() else { return };
         let home = ball.x + scenery.shifts[image(seen)];
         let centre = part.to_part(home);
-        let triangles = self.near.iter().map(|&(triangle, other)| {
+        let triangle = |k: usize| {
+            let (triangle, other) = self.near[k];
             let mut triangle = part.triangle(triangle);
             if other != seen {
                 // The surface as this image sees it, moved to where the first one does.
@@ -240,9 +255,11 @@ impl Place<'_> {
                 triangle.corners = triangle.corners.map(|corner| corner + apart);
             }
             triangle
-        });
-        let found =
-            mesh_contact::find(centre, ball.radius, ball.radius + scenery.reach(), triangles);
+        };
+        let radius = ball.radius;
+        let sphere = Seeker { centre, radius, reach: radius + scenery.reach() };
+        // As the part sees it, only the body moves.
+        let found = mesh_contact::find(sphere, 0.0, &mut entry.looked, distances, triangle);
         for near in found.contacts() {
             let n = -part.to_world(near.normal);
             let overlap = ball.radius - near.distance;

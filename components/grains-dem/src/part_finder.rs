@@ -5,7 +5,7 @@ use crate::{
     bodies::Bodies,
     law::Reduced,
     laws::Laws,
-    mesh_contact::distance,
+    mesh_contact::{Looked, distance},
     pairs::BLOCK,
     part_contacts::{Entry, PartContacts},
     parts::PlacedPart,
@@ -82,6 +82,7 @@ impl Found {
                         radius: ball.radius,
                     },
                     memories,
+                    looked: Looked::NEVER,
                 });
             }
             if self.entries.len() > known {

@@ -8,12 +8,13 @@ use crate::{
     forces::Scenery,
     law::{Law, Reduced},
     laws::Laws,
-    mesh_contact::{self, MOST, Nearest, Triangle},
+    mesh_contact::{self, Found, Looked, MOST, Nearest, Seeker, Triangle},
     part_contacts::closest,
     seat::{Seat, Seats},
     surface::{DeformableSurface, FacetLoad, mean_edge},
     tally::{Other, Tally},
 };
+use tremie_team::{Variant, instructions::Work};
 
 /// A sphere near a surface.
 #[derive(Clone, Copy, Debug)]
@@ -44,13 +45,16 @@ pub(crate) struct Held {
     /// Vertices when they were, and whether that was in vain.
     listed: Vec<[f64; 3]>,
     stale: bool,
-    /// Facets near any sphere, and what these are now.
-    near: Vec<u32>,
-    now: Vec<Triangle>,
-    /// By the id of the body; `start[e]..start[e + 1]` are the places in `near` of entry e's facets.
+    /// Vertices of the last shape that was looked at, and how far any of them can have come since facets were listed [m].
+    shape: Vec<[f64; 3]>,
+    travel: f64,
+    /// By the id of the body; `start[e]..start[e + 1]` are the places of entry e's facets.
     pub entries: Vec<Entry>,
     start: Vec<u32>,
     facets: Vec<u32>,
+    /// For each entry where it looked at all its facets last, and for each of these how far it was then.
+    looked: Vec<Looked>,
+    distances: Vec<f32>,
     spare: Vec<Entry>,
     groups: Vec<Box3>,
     pub seat: Seat,
@@ -68,6 +72,29 @@ pub(crate) struct Around<'a> {
     pub seats: Seats<'a>,
     /// How much two bodies may have closed in while their lists are used [m].
     pub skin: f64,
+}
+
+/// Takes over coordinates, none of which is no number, and finds the largest change of any.
+struct Take<'a> {
+    now: &'a [f64],
+    before: &'a mut [f64],
+    farthest: &'a mut f64,
+}
+
+impl Work for Take<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut farthest = [0.0; 16];
+        for (now, before) in self.now.chunks(16).zip(self.before.chunks_mut(16)) {
+            for (farthest, (now, before)) in farthest.iter_mut().zip(now.iter().zip(before)) {
+                let change = (now - *before).abs();
+                // Without a branch, which vectors have not.
+                *farthest = if change > *farthest { change } else { *farthest };
+                *before = *now;
+            }
+        }
+        *self.farthest = farthest.into_iter().fold(0.0, f64::max);
+    }
 }
 
 /// So many facets, which lie together in most meshes, are looked at by one box.
@@ -116,11 +143,13 @@ impl Held {
             skin: SKIN * mean_edge(surface),
             listed: surface.vertices.clone(),
             stale: true,
-            near: Vec::new(),
-            now: Vec::new(),
+            shape: surface.vertices.clone(),
+            travel: 0.0,
             entries: Vec::new(),
             start: vec![0],
             facets: Vec::new(),
+            looked: Vec::new(),
+            distances: Vec::new(),
             spare: Vec::new(),
             groups: Vec::new(),
             seat: Seat::new(surface),
@@ -171,13 +200,14 @@ impl Held {
     /// Lists what is near; contacts keep their history.
     pub fn list(&mut self, vertices: &[[f64; 3]], around: &Around<'_>) {
         self.listed.copy_from_slice(vertices);
+        self.shape.copy_from_slice(vertices);
+        self.travel = 0.0;
         self.stale = false;
         self.seat.list(vertices, self.skin, around.seats);
         std::mem::swap(&mut self.entries, &mut self.spare);
         self.entries.clear();
         self.facets.clear();
         self.start.truncate(1);
-        self.near.clear();
         let corner = |triangle: &[u32; 3]| triangle.map(|v| Vec3::from(vertices[v as usize]));
         self.groups.clear();
         let groups = self.triangles.chunks(GROUP);
@@ -196,7 +226,10 @@ impl Held {
                 }
             }
         }
-        self.number_facets();
+        self.looked.clear();
+        self.looked.resize(self.entries.len(), Looked::NEVER);
+        self.distances.clear();
+        self.distances.resize(self.facets.len(), 0.0);
     }
 
     /// Adds the facets near a place.
@@ -232,17 +265,6 @@ impl Held {
         });
     }
 
-    /// Facets of entries get their places among those that are near any.
-    fn number_facets(&mut self) {
-        self.near.extend(&self.facets);
-        self.near.sort_unstable();
-        self.near.dedup();
-        for facet in &mut self.facets {
-            // Every facet of an entry is among them.
-            *facet = self.near.partition_point(|near| near < facet) as u32;
-        }
-    }
-
     /// Contacts of a shape as if it were accepted; adds what they do to facets.
     pub fn try_shape(
         &mut self,
@@ -250,10 +272,10 @@ impl Held {
         scenery: &Scenery<'_>,
         out: &mut Vec<FacetLoad>,
     ) {
-        self.place_facets(state.0);
+        self.take_shape(state.0);
         for e in 0..self.entries.len() {
-            let mut copy = self.entries[e];
-            self.meet(e, &mut copy, state, scenery, &mut Tally::default(), out);
+            let found = self.find(e, scenery);
+            self.meet(&found, (e, None), state.1, scenery, &mut Tally::default(), out);
         }
         self.seat.push(state.0, out);
     }
@@ -266,12 +288,18 @@ impl Held {
         wrench: &mut [Wrench],
         tally: &mut Tally,
     ) {
-        self.place_facets(state.0);
+        self.take_shape(state.0);
         let mut out = std::mem::take(&mut self.loads);
         out.clear();
         for e in 0..self.entries.len() {
-            let mut entry = self.entries[e];
-            let on_body = self.meet(e, &mut entry, state, scenery, tally, &mut out);
+            let found = self.find(e, scenery);
+            if found.contacts().is_empty() {
+                self.entries[e].touching = 0;
+                continue;
+            }
+            let mut entry = Entry { touching: 0, ..self.entries[e] };
+            let kept = Some(&mut entry);
+            let on_body = self.meet(&found, (e, kept), state.1, scenery, tally, &mut out);
             let sum = &mut wrench[entry.place as usize];
             sum.force += on_body.force;
             sum.torque += on_body.torque;
@@ -283,42 +311,65 @@ impl Held {
         self.loads = out;
     }
 
-    fn place_facets(&mut self, vertices: &[[f64; 3]]) {
-        self.now.clear();
-        let triangles = &self.triangles;
-        self.now.extend(self.near.iter().map(|&facet| {
-            let corners = triangles[facet as usize].map(|v| Vec3::from(vertices[v as usize]));
-            let [a, b, c] = corners;
-            let normal = (b - a).cross(&(c - a));
-            Triangle { corners, normal: normal * (1.0 / normal.norm_squared().sqrt()) }
-        }));
+    /// Takes the facets to a shape.
+    fn take_shape(&mut self, vertices: &[[f64; 3]]) {
+        if self.entries.is_empty() {
+            return;
+        }
+        let mut farthest = 0.0;
+        let (now, before) = (vertices.as_flattened(), self.shape.as_flattened_mut());
+        Variant::widest().run(Take { now, before, farthest: &mut farthest });
+        self.travel += 3f64.sqrt() * farthest * (1.0 + 1e-9);
     }
 
-    /// The contacts of one sphere: the force on it, and what its entry remembers then.
+    /// A facet as it is in the shape that was taken.
+    fn triangle(&self, facet: u32) -> Triangle {
+        Triangle::of(self.triangles[facet as usize].map(|v| self.shape[v as usize].into()))
+    }
+
+    /// The places where one sphere touches.
+    fn find(&mut self, e: usize, scenery: &Scenery<'_>) -> Found {
+        let Ball { x: centre, radius } = scenery.bodies.balls[self.entries[e].body as usize];
+        let own = self.start[e] as usize..self.start[e + 1] as usize;
+        let sphere = Seeker { centre, radius, reach: radius };
+        let mut looked = self.looked[e];
+        // Apart from the rest, which the triangles are made from.
+        let mut distances = std::mem::take(&mut self.distances);
+        let triangle = |k: usize| self.triangle(self.facets[own.start + k]);
+        let found = mesh_contact::find(
+            sphere,
+            self.travel,
+            &mut looked,
+            &mut distances[own.clone()],
+            triangle,
+        );
+        (self.distances, self.looked[e]) = (distances, looked);
+        found
+    }
+
+    /// The contacts of one sphere where it was found to touch: the force on it, and in `kept`, which remembers none, what its
+    /// entry remembers then.
     fn meet(
         &self,
-        e: usize,
-        entry: &mut Entry,
-        (_, velocities): (&[[f64; 3]], &[[f64; 3]]),
+        found: &Found,
+        (e, mut kept): (usize, Option<&mut Entry>),
+        velocities: &[[f64; 3]],
         scenery: &Scenery<'_>,
         tally: &mut Tally,
         out: &mut Vec<FacetLoad>,
     ) -> Wrench {
+        let entry = &self.entries[e];
         let body = entry.body as usize;
         let (ball, twist) = (&scenery.bodies.balls[body], &scenery.bodies.predicted[body]);
         let facets = &self.facets[self.start[e] as usize..self.start[e + 1] as usize];
-        let triangles = facets.iter().map(|&place| self.now[place as usize]);
-        let found = mesh_contact::find(ball.x, ball.radius, ball.radius, triangles);
-        let (known, old) = (entry.touching as usize, &self.entries[e].memories);
-        entry.touching = 0;
+        let (known, old) = (entry.touching as usize, &entry.memories);
         let (mut used, mut on_body) = ([false; MOST], Wrench::zero());
         for near in found.contacts() {
-            let place = facets[near.triangle as usize] as usize;
-            let facet = self.near[place];
+            let facet = facets[near.triangle as usize];
             let n = -near.normal;
             let overlap = ball.radius - near.distance;
             let arm = ball.radius - 0.5 * overlap;
-            let surface = self.velocity(place, near, velocities);
+            let surface = self.velocity(facet, near, velocities);
             let contact = Contact {
                 normal: n,
                 overlap,
@@ -332,8 +383,10 @@ impl Held {
             let (law, steps) = (&scenery.laws[entry.law as usize], scenery.steps);
             let f =
                 contact::force(law, entry.reduced, &contact, &mut memory, heir.is_some(), steps);
-            entry.memories[entry.touching as usize] = memory;
-            entry.touching += 1;
+            if let Some(kept) = &mut kept {
+                kept.memories[kept.touching as usize] = memory;
+                kept.touching += 1;
+            }
             let force = f.tangential - n * f.normal;
             on_body.force += force;
             on_body.torque += n.cross(&f.tangential) * arm + f.rolling;
@@ -346,10 +399,10 @@ impl Held {
     }
 
     /// Velocity of the surface at a point of a facet: that of its corners in the point's shares.
-    fn velocity(&self, place: usize, near: &Nearest, velocities: &[[f64; 3]]) -> Vec3 {
-        let [u, v, w] = self.triangles[self.near[place] as usize]
-            .map(|vertex| Vec3::from(velocities[vertex as usize]));
-        let [a, b, c] = self.now[place].corners;
+    fn velocity(&self, facet: u32, near: &Nearest, velocities: &[[f64; 3]]) -> Vec3 {
+        let vertices = self.triangles[facet as usize];
+        let [u, v, w] = vertices.map(|vertex| Vec3::from(velocities[vertex as usize]));
+        let [a, b, c] = vertices.map(|vertex| Vec3::from(self.shape[vertex as usize]));
         let (ab, ac, ap) = (b - a, c - a, near.point - a);
         let (bb, bc, cc) = (ab.dot(&ab), ab.dot(&ac), ac.dot(&ac));
         let (pb, pc) = (ap.dot(&ab), ap.dot(&ac));
