@@ -10,11 +10,11 @@
 //! (`kernel`), where the places of populations already see to walls, mirrors and periodic faces
 //! (`places`); populations that ran into bodies (`links`), curved or moving walls (`fixed`) are
 //! reflected; cells at open faces get what these prescribe (`open`,
-//! `reservoir`, `piston`). The momentum exchanged is the
+//! `extrapolation`, `reservoir`, `piston`). The momentum exchanged is the
 //! load on the bodies, with the pressure in gaps that hold no cell (`gaps`). Gaps that the scene
 //! declares are frozen while they are thin (`declared`), and may slip (`slip`). What bodies took from the
 //! mass beyond their volume can be paid back (`mass`). Deformable surfaces are bodies whose vertices move
-//! by themselves; their facets get the loads (`shape`, `surfaces`).
+//! by themselves; their facets get the loads (`shape`, `surfaces`, `facet_loads`).
 //!
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.
