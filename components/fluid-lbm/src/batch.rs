@@ -4,7 +4,7 @@
 //! first-level cache, three places of the field, and the density, which the collision left.
 
 use crate::body::Body;
-use crate::columns::{self, Eight, LANES, Lane, Paid, Sums, Surface};
+use crate::columns::{AddUp, Eight, LANES, Lane, Locate, Paid, Pay, Stand, Sums, Surface};
 use crate::field::{Real, prefetch};
 use crate::gaps::Gaps;
 use crate::lattice::{C_F64, Q, W};
@@ -163,13 +163,8 @@ impl Batch {
             let full = slots.len().div_ceil(LANES);
             prefetch_all(slots);
             let standing = &links.standing[first / LANES..][..full];
-            columns::stand(
-                after.variant,
-                standing,
-                origin,
-                body.position,
-                &mut self.eights[..full],
-            );
+            let (position, eights) = (body.position, &mut self.eights[..full]);
+            after.variant.run(Stand { standing, origin, position, links: eights });
             let mirrors = links.mirrors.get(first..first + slots.len()).unwrap_or_default();
             self.work(after, body, Known { slots, mirrors });
         }
@@ -187,7 +182,7 @@ impl Batch {
         let nearest = if body.is_part() { 0.0 } else { after.nearest_wall };
         let (velocity, spin, change) = (body.velocity, body.spin, body.change);
         let surface = Surface { r2, velocity, spin, change, nearest };
-        columns::locate(after.variant, &mut self.eights[..full], surface);
+        after.variant.run(Locate { links: &mut self.eights[..full], body: surface });
         let is_soft = body.part.as_ref().is_some_and(|part| part.shape.is_some());
         if is_soft {
             self.move_walls(links);
@@ -201,7 +196,7 @@ impl Batch {
             let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
             (eight.sum[lane], eight.gain[lane]) = (0.0, 0.0);
         }
-        columns::add_up(after.variant, &self.eights[..full], &mut self.sums);
+        after.variant.run(AddUp { links: &self.eights[..full], sums: &mut self.sums });
         self.add_images(known);
         if is_soft {
             self.feel(links);
@@ -252,7 +247,8 @@ impl Batch {
     /// see `mass`.
     fn pay<T: Real>(&mut self, after: &After<T>, body: &Body, known: Known) {
         let full = known.slots.len().div_ceil(LANES);
-        columns::pay(after.variant, &mut self.eights[..full], body.account.pay, &mut self.paid);
+        let (links, rate) = (&mut self.eights[..full], body.account.pay);
+        after.variant.run(Pay { links, rate, sums: &mut self.paid });
         if body.is_part() && !self.gaps.given.is_empty() {
             self.give(after, known);
         }

@@ -6,7 +6,7 @@
 
 use crate::lattice::W;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
-use tremie_team::Variant;
+use tremie_team::instructions::Work;
 
 /// Links that are done together.
 pub const LANES: usize = 8;
@@ -110,109 +110,84 @@ pub type Sums = [Lane; 10];
 /// Sums over links: volume by which the wall receded, and weights.
 pub type Paid = [Lane; 2];
 
-/// Compiles a function for each variant, and calls the one that is asked for.
-macro_rules! variants {
-    ($(#[$doc:meta])* $name:ident = $inner:ident($($arg:ident: $type:ty),*)) => {
-        $(#[$doc])*
-        pub fn $name(variant: Variant, $($arg: $type),*) {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[target_feature(enable = "avx2")]
-                unsafe fn avx2($($arg: $type),*) {
-                    $inner($($arg),*);
+/// Puts links where they stand around a body.
+pub struct Stand<'a> {
+    /// How they stand.
+    pub standing: &'a [Standing],
+    /// The first cell around the body.
+    pub origin: [i32; 3],
+    /// Where the body is.
+    pub position: [f64; 3],
+    /// Get their arms, directions and weights.
+    pub links: &'a mut [Eight],
+}
+
+impl Work for Stand<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { standing, origin, position, links } = self;
+        for (standing, eight) in standing.iter().zip(links) {
+            let mut cc = [0.0; LANES];
+            for a in 0..3 {
+                let (at, c) = (&standing.at[a], &standing.c[a]);
+                for k in 0..LANES {
+                    eight.arm[a][k] = f64::from(origin[a] + i32::from(at[k])) + 0.5 - position[a];
                 }
-                #[target_feature(enable = "avx512f,avx512vl")]
-                unsafe fn avx512($($arg: $type),*) {
-                    $inner($($arg),*);
-                }
-                match variant {
-                    // SAFETY: the processor has the instructions.
-                    Variant::Avx2 if variant.available() => return unsafe { avx2($($arg),*) },
-                    // SAFETY: as above.
-                    Variant::Avx512 if variant.available() => return unsafe { avx512($($arg),*) },
-                    _ => {}
+                for k in 0..LANES {
+                    let c = f64::from(c[k]);
+                    eight.c[a][k] = c;
+                    cc[k] += c * c;
                 }
             }
-            let _ = variant;
-            $inner($($arg),*);
-        }
-    };
-}
-
-pub(crate) use variants;
-
-variants! {
-    /// Puts links where they stand around a body at `position`, given the first cell around it.
-    stand = stand_all(standing: &[Standing], origin: [i32; 3], position: [f64; 3], links: &mut [Eight])
-}
-
-variants! {
-    /// Finds where links meet the body and what follows from that.
-    locate = locate_all(links: &mut [Eight], body: Surface)
-}
-
-variants! {
-    /// Adds what bodies pay to what their motion pushes, and up by how much their walls recede; see `mass`.
-    pay = pay_all(links: &mut [Eight], rate: f64, sums: &mut Paid)
-}
-
-variants! {
-    /// Adds what links exchanged to sums.
-    add_up = add_all(links: &[Eight], sums: &mut Sums)
-}
-
-#[inline(always)]
-fn stand_all(standing: &[Standing], origin: [i32; 3], position: [f64; 3], links: &mut [Eight]) {
-    for (standing, eight) in standing.iter().zip(links) {
-        let mut cc = [0.0; LANES];
-        for a in 0..3 {
-            let (at, c) = (&standing.at[a], &standing.c[a]);
+            eight.cc = cc;
             for k in 0..LANES {
-                eight.arm[a][k] = f64::from(origin[a] + i32::from(at[k])) + 0.5 - position[a];
+                eight.weight[k] = if cc[k] > 1.0 { ASLANT } else { STRAIGHT };
             }
-            for k in 0..LANES {
-                let c = f64::from(c[k]);
-                eight.c[a][k] = c;
-                cc[k] += c * c;
-            }
+            // Else compilers fill vectors with the same lane of eight eights, one number at a time.
+            compiler_fence(SeqCst);
         }
-        eight.cc = cc;
-        for k in 0..LANES {
-            eight.weight[k] = if cc[k] > 1.0 { ASLANT } else { STRAIGHT };
-        }
-        // Else compilers fill vectors with the same lane of eight eights, one number at a time.
-        compiler_fence(SeqCst);
     }
 }
 
-#[inline(always)]
-fn locate_all(links: &mut [Eight], body: Surface) {
-    for eight in links {
-        if let Some(r2) = body.r2 {
-            meet_sphere(eight, r2);
-        }
-        let (v, w, change) = (body.velocity, body.spin, body.change);
-        for k in 0..LANES {
-            let d = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
-            let c = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
-            let q = eight.q[k];
-            let wall = [d[0] + q * c[0], d[1] + q * c[1], d[2] + q * c[2]];
-            let u = [
-                v[0] + (w[1] * wall[2] - w[2] * wall[1]),
-                v[1] + (w[2] * wall[0] - w[0] * wall[2]),
-                v[2] + (w[0] * wall[1] - w[1] * wall[0]),
-            ];
-            let q = q.max(body.nearest);
-            let later = late(q) * (c[0] * change[0] + c[1] * change[1] + c[2] * change[2]);
-            let push = eight.weight[k] * (c[0] * u[0] + c[1] * u[1] + c[2] * u[2] + later);
-            let part = 0.5 / q;
-            let far = q >= 0.5;
-            eight.own[k] = if far { part } else { 2.0 * q };
-            eight.other[k] = if far { 1.0 - part } else { 1.0 - 2.0 * q };
-            eight.push[k] = if far { part * push } else { push };
-            for a in 0..3 {
-                eight.arm[a][k] = wall[a];
-                eight.u[a][k] = u[a];
+/// Finds where links meet the body and what follows from that.
+pub struct Locate<'a> {
+    /// Links that stand around it.
+    pub links: &'a mut [Eight],
+    /// The body.
+    pub body: Surface,
+}
+
+impl Work for Locate<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { links, body } = self;
+        for eight in links {
+            if let Some(r2) = body.r2 {
+                meet_sphere(eight, r2);
+            }
+            let (v, w, change) = (body.velocity, body.spin, body.change);
+            for k in 0..LANES {
+                let d = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
+                let c = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
+                let q = eight.q[k];
+                let wall = [d[0] + q * c[0], d[1] + q * c[1], d[2] + q * c[2]];
+                let u = [
+                    v[0] + (w[1] * wall[2] - w[2] * wall[1]),
+                    v[1] + (w[2] * wall[0] - w[0] * wall[2]),
+                    v[2] + (w[0] * wall[1] - w[1] * wall[0]),
+                ];
+                let q = q.max(body.nearest);
+                let later = late(q) * (c[0] * change[0] + c[1] * change[1] + c[2] * change[2]);
+                let push = eight.weight[k] * (c[0] * u[0] + c[1] * u[1] + c[2] * u[2] + later);
+                let part = 0.5 / q;
+                let far = q >= 0.5;
+                eight.own[k] = if far { part } else { 2.0 * q };
+                eight.other[k] = if far { 1.0 - part } else { 1.0 - 2.0 * q };
+                eight.push[k] = if far { part * push } else { push };
+                for a in 0..3 {
+                    eight.arm[a][k] = wall[a];
+                    eight.u[a][k] = u[a];
+                }
             }
         }
     }
@@ -231,43 +206,65 @@ fn meet_sphere(eight: &mut Eight, r2: f64) {
     }
 }
 
-#[inline(always)]
-fn pay_all(links: &mut [Eight], rate: f64, sums: &mut Paid) {
-    let mut own = *sums;
-    for eight in links {
-        for k in 0..LANES {
-            let [cx, cy, cz] = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
-            let along = cx * eight.u[0][k] + cy * eight.u[1][k] + cz * eight.u[2][k];
-            own[0][k] += eight.weight[k] * along;
-            own[1][k] += eight.weight[k];
-            eight.push[k] -= rate * eight.weight[k];
-        }
-    }
-    *sums = own;
+/// Adds what bodies pay to what their motion pushes, and up by how much their walls recede; see `mass`.
+pub struct Pay<'a> {
+    /// Links that are located.
+    pub links: &'a mut [Eight],
+    /// What the body pays.
+    pub rate: f64,
+    /// Grows by what walls recede.
+    pub sums: &'a mut Paid,
 }
 
-#[inline(always)]
-fn add_all(links: &[Eight], sums: &mut Sums) {
-    let mut own = *sums;
-    for eight in links {
-        for k in 0..LANES {
-            let (sum, gain) = (eight.sum[k], eight.gain[k]);
-            let [wx, wy, wz] = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
-            let swept = [gain * eight.u[0][k], gain * eight.u[1][k], gain * eight.u[2][k]];
-            let fx = sum * eight.c[0][k] + swept[0];
-            let fy = sum * eight.c[1][k] + swept[1];
-            let fz = sum * eight.c[2][k] + swept[2];
-            own[0][k] += fx;
-            own[1][k] += fy;
-            own[2][k] += fz;
-            own[3][k] += wy * fz - wz * fy;
-            own[4][k] += wz * fx - wx * fz;
-            own[5][k] += wx * fy - wy * fx;
-            own[6][k] += swept[0];
-            own[7][k] += swept[1];
-            own[8][k] += swept[2];
-            own[9][k] += gain;
+impl Work for Pay<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut own = *self.sums;
+        for eight in self.links {
+            for k in 0..LANES {
+                let [cx, cy, cz] = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
+                let along = cx * eight.u[0][k] + cy * eight.u[1][k] + cz * eight.u[2][k];
+                own[0][k] += eight.weight[k] * along;
+                own[1][k] += eight.weight[k];
+                eight.push[k] -= self.rate * eight.weight[k];
+            }
         }
+        *self.sums = own;
     }
-    *sums = own;
+}
+
+/// Adds what links exchanged to sums.
+pub struct AddUp<'a> {
+    /// Links that are reflected.
+    pub links: &'a [Eight],
+    /// Grow by what they exchanged.
+    pub sums: &'a mut Sums,
+}
+
+impl Work for AddUp<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut own = *self.sums;
+        for eight in self.links {
+            for k in 0..LANES {
+                let (sum, gain) = (eight.sum[k], eight.gain[k]);
+                let [wx, wy, wz] = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
+                let swept = [gain * eight.u[0][k], gain * eight.u[1][k], gain * eight.u[2][k]];
+                let fx = sum * eight.c[0][k] + swept[0];
+                let fy = sum * eight.c[1][k] + swept[1];
+                let fz = sum * eight.c[2][k] + swept[2];
+                own[0][k] += fx;
+                own[1][k] += fy;
+                own[2][k] += fz;
+                own[3][k] += wy * fz - wz * fy;
+                own[4][k] += wz * fx - wx * fz;
+                own[5][k] += wx * fy - wy * fx;
+                own[6][k] += swept[0];
+                own[7][k] += swept[1];
+                own[8][k] += swept[2];
+                own[9][k] += gain;
+            }
+        }
+        *self.sums = own;
+    }
 }

@@ -3,9 +3,9 @@
 //! Written once for plain arrays and compiled for each set of vector instructions, as `columns` is, with the operations of
 //! [`equilibria`] and [`moments`] in their order: every variant yields the same bits.
 
-use crate::columns::{LANES, Lane, variants};
+use crate::columns::{LANES, Lane};
 use crate::lattice::{Q, each, equilibria, moments};
-use tremie_team::Variant;
+use tremie_team::instructions::Work;
 
 /// Eight cells at open faces.
 #[derive(Clone, Copy)]
@@ -46,58 +46,69 @@ impl Cells {
     };
 }
 
-variants! {
-    /// Finds density and velocity of what is extrapolated.
-    look_inside = look_inside_all(cells: &mut Cells, acceleration: [f64; 3])
-}
+/// Finds density and velocity of what is extrapolated, given the fluid's acceleration.
+pub struct LookInside<'a>(pub &'a mut Cells, pub [f64; 3]);
 
-variants! {
-    /// Finds what the cells are to hold.
-    extrapolate = extrapolate_all(cells: &mut Cells)
-}
-
-variants! {
-    /// Adds up what the fluid gained.
-    add_up = add_all(cells: &mut Cells)
-}
-
-#[inline(always)]
-fn look_inside_all(cells: &mut Cells, acceleration: [f64; 3]) {
-    for k in 0..LANES {
-        let (drho, j) = moments(&each(|i| cells.from[i][k]));
-        cells.drho[k] = drho;
-        for a in 0..3 {
-            cells.velocity[a][k] = j[a] / (1.0 + drho) + 0.5 * acceleration[a];
+impl Work for LookInside<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self(cells, acceleration) = self;
+        for k in 0..LANES {
+            let (drho, j) = moments(&each(|i| cells.from[i][k]));
+            cells.drho[k] = drho;
+            for a in 0..3 {
+                cells.velocity[a][k] = j[a] / (1.0 + drho) + 0.5 * acceleration[a];
+            }
         }
     }
 }
 
-#[inline(always)]
-fn extrapolate_all(cells: &mut Cells) {
-    for k in 0..LANES {
-        let (given, velocity) = (&cells.given.1, &cells.velocity);
-        let here = equilibria(cells.given.0[k], [given[0][k], given[1][k], given[2][k]]);
-        let there = equilibria(cells.drho[k], [velocity[0][k], velocity[1][k], velocity[2][k]]);
-        for i in 0..Q {
-            cells.new[i][k] = here[i] + (cells.from[i][k] - there[i]);
+/// Finds what the cells are to hold.
+pub struct Extrapolate<'a>(pub &'a mut Cells);
+
+impl Work for Extrapolate<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let cells = self.0;
+        for k in 0..LANES {
+            let (given, velocity) = (&cells.given.1, &cells.velocity);
+            let here = equilibria(cells.given.0[k], [given[0][k], given[1][k], given[2][k]]);
+            let there = equilibria(cells.drho[k], [velocity[0][k], velocity[1][k], velocity[2][k]]);
+            for i in 0..Q {
+                cells.new[i][k] = here[i] + (cells.from[i][k] - there[i]);
+            }
         }
     }
 }
 
-#[inline(always)]
-fn add_all(cells: &mut Cells) {
-    for k in 0..LANES {
-        let mut gain = each(|i| cells.new[i][k]);
-        let (mass, _) = moments(&gain);
-        for i in 0..Q {
-            // What was there had left through the face in the opposite direction.
-            let left = gain[i] + 2.0 * cells.old[i][k];
-            gain[i] = if cells.unknown[k] >> i & 1 == 1 { left } else { gain[i] };
-        }
-        let (_, impulse) = moments(&gain);
-        cells.mass[k] = mass;
-        for a in 0..3 {
-            cells.impulse[a][k] = impulse[a];
+/// Adds up what the fluid gained.
+pub struct AddUp<'a>(pub &'a mut Cells);
+
+impl Work for AddUp<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let cells = self.0;
+        for k in 0..LANES {
+            let gain = each(|i| cells.new[i][k]);
+            let old = each(|i| cells.old[i][k]);
+            let (mass, impulse) = gained(gain, &old, cells.unknown[k]);
+            cells.mass[k] = mass;
+            for a in 0..3 {
+                cells.impulse[a][k] = impulse[a];
+            }
         }
     }
+}
+
+/// Mass and momentum that fluid gains in a cell whose populations grow by `gain` from `old`, the `unknown` ones coming
+/// through an open face.
+#[inline(always)]
+pub fn gained(mut gain: [f64; Q], old: &[f64; Q], unknown: u32) -> (f64, [f64; 3]) {
+    let (mass, _) = moments(&gain);
+    for i in 0..Q {
+        // What was there had left through the face in the opposite direction.
+        let left = gain[i] + 2.0 * old[i];
+        gain[i] = if unknown >> i & 1 == 1 { left } else { gain[i] };
+    }
+    (mass, moments(&gain).1)
 }

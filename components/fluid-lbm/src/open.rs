@@ -41,10 +41,10 @@
 
 use crate::columns::LANES;
 use crate::course::{Law, Now};
-use crate::extrapolation::{Cells, add_up, extrapolate, look_inside};
+use crate::extrapolation::{AddUp, Cells, Extrapolate, LookInside, gained};
 use crate::field::{Field, Real};
 use crate::grid::{Grid, Side};
-use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each, moments};
+use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::owners::Owners;
@@ -288,7 +288,10 @@ impl<T: Real> Next<'_, T> {
     fn extrapolate(&self, own: &[OpenCell], waiting: &mut Waiting, item: &mut Item) {
         let Waiting { cells, numbers, count } = waiting;
         let numbers = &numbers[..std::mem::take(count)];
-        look_inside(self.variant, cells, self.acceleration);
+        if numbers.is_empty() {
+            return;
+        }
+        self.variant.run(LookInside(cells, self.acceleration));
         for (lane, &number) in numbers.iter().enumerate() {
             let u = cells.velocity.map(|u| u[lane]);
             let (drho, u) = self.prescribed(&own[number], number, (cells.drho[lane], u), item);
@@ -297,7 +300,7 @@ impl<T: Real> Next<'_, T> {
                 given[lane] = u;
             }
         }
-        extrapolate(self.variant, cells);
+        self.variant.run(Extrapolate(cells));
         for (lane, &number) in numbers.iter().enumerate() {
             let places = self.layout.places.of_cell(self.parity, own[number].cell);
             for i in 0..Q {
@@ -305,7 +308,7 @@ impl<T: Real> Next<'_, T> {
                 cells.new[i][lane] = new - cells.old[i][lane];
             }
         }
-        add_up(self.variant, cells);
+        self.variant.run(AddUp(cells));
         for lane in 0..numbers.len() {
             item.mass += cells.mass[lane];
             add_scaled(&mut item.impulse, cells.impulse.map(|p| p[lane]), 1.0);
@@ -323,14 +326,10 @@ impl<T: Real> Next<'_, T> {
         mass: &mut f64,
     ) {
         let places = self.layout.places.of_cell(self.parity, cell);
-        let mut gain = each(|i| self.field.set(places[i], new[i]) - old[i]);
-        let (gained, _) = moments(&gain);
-        *mass += gained;
-        for i in (0..Q).filter(|i| unknown >> i & 1 == 1) {
-            // What was there had left through the face in the opposite direction.
-            gain[i] += 2.0 * old[i];
-        }
-        add_scaled(impulse, moments(&gain).1, 1.0);
+        let gain = each(|i| self.field.set(places[i], new[i]) - old[i]);
+        let (more, momentum) = gained(gain, old, unknown);
+        *mass += more;
+        add_scaled(impulse, momentum, 1.0);
     }
 
     /// Velocity as the face lets it pass: without its part along the face where fluid enters.
