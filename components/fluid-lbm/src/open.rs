@@ -39,7 +39,7 @@
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
 //! faces, NEBB would lack equations and NEE takes its place.
 
-use crate::columns::LANES;
+use crate::columns::{LANES, Lane};
 use crate::course::{Law, Now};
 use crate::extrapolation::{AddUp, Cells, Extrapolate, LookInside, gained};
 use crate::field::{Field, Real};
@@ -125,11 +125,26 @@ pub struct Next<'a, T: Real> {
     pub variant: Variant,
 }
 
-/// Cells that wait to be extrapolated together, with their numbers in the item.
+/// Cells that wait to be extrapolated together.
 struct Waiting {
     cells: Cells,
+    /// Their numbers in the item.
     numbers: [usize; LANES],
+    /// The cells, and those that are extrapolated.
+    own: [u32; LANES],
+    from: [u32; LANES],
     count: usize,
+}
+
+impl Waiting {
+    /// None.
+    const NONE: Self = Self {
+        cells: Cells::NONE,
+        numbers: [0; LANES],
+        own: [0; LANES],
+        from: [0; LANES],
+        count: 0,
+    };
 }
 
 impl OpenCells {
@@ -220,7 +235,7 @@ impl<T: Real> Next<'_, T> {
     pub fn open(&self, cells: &OpenCells, item: &mut Item) {
         (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
         let own = &cells.cells[item.cells.clone()];
-        let mut waiting = Waiting { cells: Cells::NONE, numbers: [0; LANES], count: 0 };
+        let mut waiting = Waiting::NONE;
         for (k, open) in own.iter().enumerate() {
             if let Some(next) = own.get(k + AHEAD) {
                 self.ask_for(next, &own[k + AHEAD - 1]);
@@ -259,38 +274,66 @@ impl<T: Real> Next<'_, T> {
         self.layout.populations(self.field, self.parity, cell)
     }
 
-    /// The populations of the next cell inside, if there is fluid.
-    fn inner(&self, open: &OpenCell) -> Option<[f64; Q]> {
+    /// The next cell inside, if there is fluid.
+    fn inner(&self, open: &OpenCell) -> Option<u32> {
         let is_there = open.inner != crate::cells::NONE && self.owners.is_fluid(open.inner);
-        is_there.then(|| self.populations(open.inner))
+        is_there.then_some(open.inner)
     }
 
     fn bounce_cell(&self, open: &OpenCell, item: &mut Item) {
         let old = self.populations(open.cell);
-        let new = self.bounce(open, &old, self.inner(open).as_ref(), item);
+        let inner = self.inner(open).map(|cell| self.populations(cell));
+        let new = self.bounce(open, &old, inner.as_ref(), item);
         self.replace(open.cell, open.unknown, [&old, &new], &mut item.impulse, &mut item.mass);
     }
 
     /// Takes a cell of an item among those that wait.
     fn take(&self, open: &OpenCell, number: usize, waiting: &mut Waiting) {
-        let (cells, lane) = (&mut waiting.cells, waiting.count);
-        let old = self.populations(open.cell);
-        let from = self.inner(open).unwrap_or(old);
-        for i in 0..Q {
-            (cells.old[i][lane], cells.from[i][lane]) = (old[i], from[i]);
-        }
-        cells.unknown[lane] = open.unknown;
+        let lane = waiting.count;
+        waiting.own[lane] = open.cell;
+        waiting.from[lane] = self.inner(open).unwrap_or(open.cell);
+        waiting.cells.unknown[lane] = open.unknown;
         waiting.numbers[lane] = number;
         waiting.count += 1;
     }
 
+    /// Reads the populations of cells.
+    fn read(&self, cells: &[u32], populations: &mut [Lane; Q]) {
+        let mut lane = 0;
+        for run in self.layout.places.runs(cells) {
+            for (i, lanes) in populations.iter_mut().enumerate() {
+                let read = |k, place| lanes[lane + k] = self.field.get(place);
+                self.layout.places.each_of(self.parity, run, i, read);
+            }
+            lane += run.1;
+        }
+    }
+
+    /// Writes the populations of cells, and leaves of them what they gained.
+    fn write(&self, cells: &[u32], populations: &mut [Lane; Q], old: &[Lane; Q]) {
+        let mut lane = 0;
+        for run in self.layout.places.runs(cells) {
+            for (i, lanes) in populations.iter_mut().enumerate() {
+                let write = |k, place| {
+                    let new = self.field.set(place, lanes[lane + k]);
+                    lanes[lane + k] = new - old[i][lane + k];
+                };
+                self.layout.places.each_of(self.parity, run, i, write);
+            }
+            lane += run.1;
+        }
+    }
+
     /// Gives the cells that wait their populations by extrapolation.
     fn extrapolate(&self, own: &[OpenCell], waiting: &mut Waiting, item: &mut Item) {
-        let Waiting { cells, numbers, count } = waiting;
-        let numbers = &numbers[..std::mem::take(count)];
-        if numbers.is_empty() {
+        let Waiting { cells, numbers, own: places, from, count } = waiting;
+        let count = std::mem::take(count);
+        if count == 0 {
             return;
         }
+        let (numbers, places) = (&numbers[..count], &places[..count]);
+        self.read(places, &mut cells.old);
+        self.read(&from[..count], &mut cells.from);
         self.variant.run(LookInside(cells, self.acceleration));
         for (lane, &number) in numbers.iter().enumerate() {
             let u = cells.velocity.map(|u| u[lane]);
@@ -301,13 +344,7 @@ impl<T: Real> Next<'_, T> {
             }
         }
         self.variant.run(Extrapolate(cells));
-        for (lane, &number) in numbers.iter().enumerate() {
-            let places = self.layout.places.of_cell(self.parity, own[number].cell);
-            for i in 0..Q {
-                let new = self.field.set(places[i], cells.new[i][lane]);
-                cells.new[i][lane] = new - cells.old[i][lane];
-            }
-        }
+        self.write(places, &mut cells.new, &cells.old);
         self.variant.run(AddUp(cells));
         for lane in 0..numbers.len() {
             item.mass += cells.mass[lane];

@@ -323,6 +323,41 @@ impl Places {
         (entries[0] >> i & 1 == 0).then(|| entries[i] as usize)
     }
 
+    /// Gives [`Places::of`] of `count` cells of one line that follow each other, with the number of each among them.
+    #[inline(always)]
+    pub fn each_of(
+        &self,
+        parity: Parity,
+        (first, count): (u32, usize),
+        i: usize,
+        mut give: impl FnMut(usize, usize),
+    ) {
+        let first = first as usize;
+        let (line, lane) = (first >> self.line_bits, first & ((1 << self.line_bits) - 1));
+        if let Some(place) = self.of_line(parity, line, i) {
+            (0..count).for_each(|k| give(k, place + lane + k));
+            return;
+        }
+        for piece in &self.pieces[self.lines[line][i] as usize..] {
+            let mut lanes = u32::from(piece.lanes) >> lane & ((1 << count) - 1);
+            while lanes != 0 {
+                let k = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                give(k, piece.place as usize + lane + k);
+            }
+            if piece.last {
+                break;
+            }
+        }
+    }
+
+    /// Cells that follow each other in one line, as [`Places::each_of`] takes them: the first, and how many.
+    pub fn runs(&self, cells: &[u32]) -> impl Iterator<Item = (u32, usize)> {
+        let line = |cell: u32| cell >> self.line_bits;
+        let follow = move |a: &u32, b: &u32| *b == *a + 1 && line(*a) == line(*b);
+        cells.chunk_by(follow).map(|run| (run[0], run.len()))
+    }
+
     /// Asks memory for what [`Places::odd`] reads for some cells in a row.
     #[inline(always)]
     pub fn prefetch(&self, first: u32, count: u32) {
