@@ -29,11 +29,10 @@ impl<T: Collides> Solver<T> {
         self.load_facets();
         let (force_unit, torque_unit) = (self.units.force(), self.units.force() * self.units.cell);
         let (balance, grid) = (&mut self.balance, &self.layout.grid);
-        let mut items = self.link_items.iter().peekable();
-        for (place, (body, load)) in self.bodies.living.iter_mut().zip(loads).enumerate() {
+        for (body, load) in self.bodies.living.iter_mut().zip(loads) {
             let mut exchange = Exchange::default();
-            while let Some(item) = items.next_if(|item| item.body == place) {
-                exchange.join(&item.exchange);
+            for of_item in &self.exchanges[body.items.clone()] {
+                exchange.join(of_item);
             }
             if self.slips && body.is_part() {
                 exchange.join(&self.slip.on_body(body.handle));

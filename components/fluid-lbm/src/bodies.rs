@@ -86,6 +86,14 @@ impl Bodies {
         self.places[handle as usize] as usize
     }
 
+    /// The items of links of all bodies but spheres, from the first to the last, and those of spheres in between.
+    pub fn items_with_surface(&self) -> std::ops::Range<usize> {
+        let mut others = self.living.iter().filter(|body| body.part.is_some());
+        let Some(first) = others.next() else { return 0..0 };
+        let last = others.next_back().unwrap_or(first);
+        first.items.start..last.items.end
+    }
+
     /// The living body with a handle.
     #[inline]
     pub fn with_handle(&self, handle: u32) -> &Body {

@@ -109,8 +109,8 @@ impl<T: Collides> Solver<T> {
     pub(crate) fn load_facets(&mut self) {
         for place in self.bodies.rigid()..self.bodies.living.len() {
             let mut exchange = Exchange::default();
-            for item in self.items_of(place) {
-                exchange.join(&item.exchange);
+            for of_item in &self.exchanges[self.bodies.living[place].items.clone()] {
+                exchange.join(of_item);
             }
             if self.slips {
                 exchange.join(&self.slip.on_body(self.bodies.living[place].handle));

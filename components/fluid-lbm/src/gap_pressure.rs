@@ -1,7 +1,7 @@
 //! The pressure in gaps that hold no cell, and what it gives to bodies and what stands still; see `gaps`.
 
 use crate::bodies::Bodies;
-use crate::gaps::{Across, ROOM};
+use crate::gaps::{Across, ROOM, Seen};
 use crate::kernel::Collides;
 use crate::lattice::cross;
 use crate::ledger::add_scaled;
@@ -19,18 +19,18 @@ pub type InGaps = [f64; ROOM];
 pub const UNKNOWN: InGaps = [0.0; ROOM];
 
 /// Sum of the densities around a body's gaps that `wanted` says, and number of the cells.
-fn around(items: &[Item], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
-    let gaps = items.iter().flat_map(|item| &item.gaps.list).filter(|gap| wanted(gap.across));
+fn around(seen: &[Seen], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
+    let gaps = seen.iter().flat_map(|seen| seen.to(&wanted));
     gaps.fold([0.0; 2], |[drho, cells], gap| [drho + gap.drho, cells + gap.cells])
 }
 
 /// Density minus 1 in the gap between a body and something.
-fn drho_in(items: &[Item], bodies: &Bodies, place: usize, across: Across) -> f64 {
-    let items_of = |place: usize| &items[bodies.living[place].items.clone()];
-    let own = items_of(place);
+fn drho_in(seen: &[Seen], bodies: &Bodies, place: usize, across: Across) -> f64 {
+    let seen_by = |place: usize| &seen[bodies.living[place].items.clone()];
+    let own = seen_by(place);
     let mut found = around(own, |to| to == across);
     if let Some(other) = across.as_body() {
-        let other = items_of(bodies.place_of(other));
+        let other = seen_by(bodies.place_of(other));
         let back = across.seen_back(bodies.living[place].handle);
         let [drho, cells] = around(other, |to| to == back);
         found = [found[0] + drho, found[1] + cells];
@@ -57,22 +57,17 @@ pub fn each_felt(
 }
 
 impl<T: Collides> Solver<T> {
-    /// The items of the body in a place.
-    pub(crate) fn items_of(&self, place: usize) -> &[Item] {
-        &self.link_items[self.bodies.living[place].items.clone()]
-    }
-
     /// Finds the densities in the gaps of all items.
     fn find_densities(&mut self) {
-        let (items, bodies, declared) = (&self.link_items, &self.bodies, &self.declared);
+        let (seen, bodies, declared) = (&self.seen, &self.bodies, &self.declared);
         let press = self.gaps_press;
         let pieces = Cut::every(&mut self.in_gaps, ITEMS_PER_PIECE);
         self.team.for_pieces(pieces, |number, piece: &mut [InGaps]| {
-            for (item, in_gaps) in items[number * ITEMS_PER_PIECE..].iter().zip(piece) {
-                for (gap, drho) in item.gaps.list.iter().zip(in_gaps) {
+            for (own, in_gaps) in seen[number * ITEMS_PER_PIECE..].iter().zip(piece) {
+                for (gap, drho) in own.gaps().iter().zip(in_gaps) {
                     *drho = match gap.across.as_declared() {
                         Some(number) => declared.drho(number),
-                        None if press => drho_in(items, bodies, item.body, gap.across),
+                        None if press => drho_in(seen, bodies, own.body(), gap.across),
                         None => 0.0,
                     };
                 }
@@ -86,15 +81,15 @@ impl<T: Collides> Solver<T> {
         if !self.feels_gaps() {
             return;
         }
-        let items = &self.link_items;
-        self.declared.settle_nearest(|gap| around(items, |to| to == Across::declared(gap)));
+        let seen = &self.seen;
+        self.declared.settle_nearest(|gap| around(seen, |to| to == Across::declared(gap)));
         self.find_densities();
         self.pressed.fill(Exchange::default());
         for place in 0..self.bodies.living.len() {
             let mut load = [[0.0; 3]; 2];
             let items = self.bodies.living[place].items.clone();
-            for (item, in_gaps) in self.link_items[items.clone()].iter().zip(&self.in_gaps[items]) {
-                for (gap, &drho) in item.gaps.list.iter().zip(in_gaps) {
+            for (seen, in_gaps) in self.seen[items.clone()].iter().zip(&self.in_gaps[items]) {
+                for (gap, &drho) in seen.gaps().iter().zip(in_gaps) {
                     let declared = gap.across.as_declared();
                     let part = gap.load.map(|v| v.map(|x| x * drho));
                     add_scaled(&mut load[0], part[0], 1.0);

@@ -154,6 +154,48 @@ pub struct Gap {
     pub load: [[f64; 3]; 2],
 }
 
+/// The gaps that an item found, apart from it and in one piece of memory: those across look at them, and those who
+/// add up walk through all.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Place of the body among the living.
+    body: u32,
+    count: u32,
+    /// What is across each.
+    across: [Across; ROOM],
+    gaps: [Gap; ROOM],
+}
+
+impl Seen {
+    /// No gaps.
+    pub const NONE: Self =
+        Self { body: 0, count: 0, across: [Across::FROZEN; ROOM], gaps: [Gap::NONE; ROOM] };
+
+    /// Takes those of an item of the body in a place.
+    pub fn take(&mut self, body: usize, gaps: &Gaps) {
+        (self.body, self.count) = (body as u32, gaps.list.len() as u32);
+        for (k, gap) in gaps.list.iter().enumerate() {
+            (self.across[k], self.gaps[k]) = (gap.across, *gap);
+        }
+    }
+
+    /// The gaps.
+    pub fn gaps(&self) -> &[Gap] {
+        &self.gaps[..self.count as usize]
+    }
+
+    /// Place of the body among the living.
+    pub fn body(&self) -> usize {
+        self.body as usize
+    }
+
+    /// Those of which it is wanted what is across.
+    pub fn to(&self, wanted: impl Fn(Across) -> bool) -> impl Iterator<Item = &Gap> {
+        let all = self.across[..self.count as usize].iter().zip(&self.gaps);
+        all.filter(move |(across, _)| wanted(**across)).map(|(_, gap)| gap)
+    }
+}
+
 /// The gaps of an item of links.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
@@ -164,6 +206,15 @@ pub struct Gaps {
     pub drawn: Vec<f64>,
     /// What links gave to each intake of those.
     pub given: Vec<Given>,
+}
+
+impl Gap {
+    /// One that nothing was found of.
+    const NONE: Self = Self::new(Across::FROZEN);
+
+    const fn new(across: Across) -> Self {
+        Self { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] }
+    }
 }
 
 impl Gaps {
@@ -216,7 +267,7 @@ impl Gaps {
         let place = self.list.iter().position(|gap| gap.across == across);
         place.unwrap_or_else(|| {
             if self.list.len() < ROOM {
-                self.list.push(Gap { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] });
+                self.list.push(Gap::new(across));
             }
             self.list.len() - 1
         })

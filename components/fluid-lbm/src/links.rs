@@ -43,16 +43,14 @@ use tremie_team::Variant;
 /// Rows of a body's shell that are one item of work.
 const ROWS_PER_ITEM: i32 = 256;
 
-/// Layers of a body's links, and what they exchanged in the last step. The cut into items depends
-/// on the body's size alone, and items are added up in their order.
+/// Layers of a body's links. The cut into items depends on the body's size alone, and what items exchanged is added up
+/// in their order.
 #[derive(Clone, Debug)]
 pub struct Item {
     /// Place of the body among the living.
     pub body: usize,
     /// Layers of the shell, along z.
     layers: std::ops::Range<i32>,
-    /// The exchange.
-    pub exchange: Exchange,
     /// Gaps that they found.
     pub gaps: Gaps,
     /// The links, of a part.
@@ -118,7 +116,7 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<I
         while first < side {
             let layers = first..(first + layers).min(side);
             first = layers.end;
-            // Spheres draw nothing in.
+            // Grains draw nothing in.
             let [declared, intakes] = if body.is_part() { counts } else { [0; 2] };
             let gaps =
                 if gaps_press { Gaps::with_room(declared, intakes) } else { Gaps::default() };
@@ -129,14 +127,7 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<I
                 }
                 Some(_) => SphereLinks::default(),
             };
-            items.push(Item {
-                body: place,
-                layers,
-                exchange: Exchange::default(),
-                gaps,
-                found: PartLinks::default(),
-                of_sphere,
-            });
+            items.push(Item { body: place, layers, gaps, found: PartLinks::default(), of_sphere });
         }
         body.items = begin..items.len();
     }
@@ -206,8 +197,8 @@ impl<T: Real> After<'_, T> {
         each(|i| self.field.get(places[OPPOSITE[i]]))
     }
 
-    /// Reflects the links of an item and records what they exchanged.
-    pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) {
+    /// Reflects the links of an item; returns what they exchanged.
+    pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) -> Exchange {
         let body = &bodies.living[item.body];
         batch.begin();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);
@@ -220,11 +211,11 @@ impl<T: Real> After<'_, T> {
             batch.reflect_sphere(self, body, &item.of_sphere);
             self.gaps_of_sphere(bodies, body, &mut item.of_sphere, &mut batch.gaps);
         }
-        item.exchange = batch.exchange();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);
         if let Some(walls) = self.walls.filter(|_| item.layers.start == 0) {
             self.gaps_at_faces(bodies, body, walls, &mut item.gaps);
         }
+        batch.exchange()
     }
 
     /// Whether of all bodies that hold the end of the link `i` of a cell, this one is met first (then: has the

@@ -126,12 +126,15 @@ impl<T: Collides> Solver<T> {
         }
         let mean = self.balance.mass / self.owners.fluid_cells.max(1) as f64;
         let mut owed = 0.0;
-        let mut left = self.intakes.receive(&self.link_items);
-        let mut items = self.link_items.iter().peekable();
-        for (place, body) in self.bodies.living.iter_mut().enumerate() {
+        let parts = self.bodies.living.iter().filter(|body| body.is_part());
+        let of_parts = parts.flat_map(|body| &self.link_items[body.items.clone()]);
+        let mut left = self.intakes.receive(of_parts);
+        for body in &mut self.bodies.living {
             let (mut all, mut taken) = (Exchange::default(), 0.0);
-            while let Some(item) = items.next_if(|item| item.body == place) {
-                all.join(&item.exchange);
+            for number in body.items.clone() {
+                all.join(&self.exchanges[number]);
+                // Grains draw nothing in, and give nothing.
+                let Some(item) = body.is_part().then(|| &self.link_items[number]) else { continue };
                 // What links gave to intakes the body does not owe.
                 all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
                 for (gap, drawn) in (0..).zip(&item.gaps.drawn) {

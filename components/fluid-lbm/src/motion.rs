@@ -90,13 +90,15 @@ impl<T: Collides> Solver<T> {
         self.declared.close_pockets(owners, layout, &mut self.team);
     }
 
-    /// Finds the links of parts that have moved, and wants the densities that they need, if `all_want` those of all.
+    /// Finds the links of parts and polyhedra that have moved, and wants the densities that they need, if `all_want`
+    /// those of all.
     fn find_links(&mut self, all_want: bool) {
         let walls = self.feels_gaps().then_some(&self.walls);
         let layout = &self.layout;
         let site = Site { layout, walls, declared: &self.declared, line: T::LINE };
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);
-        self.team.for_each(&mut self.link_items, |_, item| {
+        let items = &mut self.link_items[bodies.items_with_surface()];
+        self.team.for_each(items, |_, item| {
             if item.find(&site, bodies) || all_want {
                 for &line in item.found.lines() {
                     lines[line as usize].store(1, Relaxed);

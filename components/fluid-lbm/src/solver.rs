@@ -13,6 +13,7 @@ use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
 use crate::gap_pressure::{InGaps, UNKNOWN};
+use crate::gaps::Seen;
 use crate::halfway::HalfwayLinks;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lattice::CS2;
@@ -40,7 +41,7 @@ use crate::wall_distances::WallDistances;
 use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_team::{Choice, Found, Team, Variant};
+use tremie_team::{Choice, Cut, Found, Team, Variant};
 
 /// Cells that are one item of work of the collision. Blocks are added up in their order.
 const CELLS_PER_BLOCK: usize = 4096;
@@ -118,6 +119,9 @@ pub struct Solver<T: Collides> {
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) reservoirs: Vec<ReservoirFace>,
     pub(crate) link_items: Vec<links::Item>,
+    /// What each item exchanged in the last step, and the gaps that it found.
+    pub(crate) exchanges: Vec<Exchange>,
+    pub(crate) seen: Vec<Seen>,
     pub(crate) probes: Probes,
     pub(crate) ports: PortFaces,
     pub(crate) refills: Vec<Filled>,
@@ -261,6 +265,8 @@ impl<T: Collides> Solver<T> {
             open_items: built.open_items,
             reservoirs: built.reservoirs,
             link_items: Vec::new(),
+            exchanges: Vec::new(),
+            seen: Vec::new(),
             probes,
             ports,
             refills: Vec::new(),
@@ -303,7 +309,12 @@ impl<T: Collides> Solver<T> {
         }
         let counts = [self.declared.len(), self.intakes.len()];
         self.link_items = links::items(&mut self.bodies, press, counts);
-        self.in_gaps.resize(self.link_items.len(), UNKNOWN);
+        let count = self.link_items.len();
+        self.exchanges.clear();
+        self.exchanges.resize(count, Exchange::default());
+        self.seen.clear();
+        self.seen.resize(count, Seen::NONE);
+        self.in_gaps.resize(count, UNKNOWN);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
@@ -325,10 +336,9 @@ impl<T: Collides> Solver<T> {
         self.bodies.newcomers.clear();
         self.measure();
         self.exchange = Exchange::default();
-        for item in &mut self.link_items {
-            item.exchange = Exchange::default();
-            item.gaps.clear();
-        }
+        self.exchanges.fill(Exchange::default());
+        self.seen.fill(Seen::NONE);
+        self.link_items.iter_mut().for_each(|item| item.gaps.clear());
         self.give_loads(loads);
         self.end_balance(false);
         self.settle_accounts();
@@ -442,8 +452,15 @@ impl<T: Collides> Solver<T> {
             self.slip.read(&after, bodies, &mut self.team);
         }
         self.declared.reflect(&after);
-        self.team.for_each_with(&mut self.link_items, &mut self.batches, |batch, _, item| {
-            after.reflect(bodies, item, batch);
+        let items = (
+            Cut::every(&mut self.link_items, 1),
+            Cut::every(&mut self.exchanges, 1),
+            Cut::every(&mut self.seen, 1),
+        );
+        self.team.for_pieces_with(items, &mut self.batches, |batch, _, (item, exchange, seen)| {
+            let item = &mut item[0];
+            exchange[0] = after.reflect(bodies, item, batch);
+            seen[0].take(item.body, &item.gaps);
         });
         let time = self.steps as f64 * self.units.time_step;
         for (law, now) in self.surroundings.laws.iter().zip(&mut self.now) {

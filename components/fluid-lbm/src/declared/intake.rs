@@ -129,9 +129,9 @@ impl Intakes {
         part
     }
 
-    /// Begins to settle a step: what the links of parts gave is due no more. Returns what nobody can give, because
-    /// the links of an intake have gone.
-    pub fn receive(&mut self, items: &[Item]) -> f64 {
+    /// Begins to settle a step: what the links of parts gave, these items, is due no more. Returns what nobody can
+    /// give, because the links of an intake have gone.
+    pub fn receive<'i>(&mut self, items: impl Iterator<Item = &'i Item>) -> f64 {
         for intake in &mut self.list {
             intake.weight = 0.0;
         }
