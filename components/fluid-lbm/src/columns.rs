@@ -127,9 +127,11 @@ impl Work for Stand<'_> {
     fn run(self) {
         let Self { standing, origin, position, links } = self;
         for (standing, eight) in standing.iter().zip(links) {
+            // Copied first: else compilers fear that a number written changes the next one read.
+            let Standing { at, c } = *standing;
             let mut cc = [0.0; LANES];
             for a in 0..3 {
-                let (at, c) = (&standing.at[a], &standing.c[a]);
+                let (at, c) = (at[a], c[a]);
                 for k in 0..LANES {
                     eight.arm[a][k] = f64::from(origin[a] + i32::from(at[k])) + 0.5 - position[a];
                 }
