@@ -30,10 +30,7 @@ impl<T: Collides> Solver<T> {
         let (force_unit, torque_unit) = (self.units.force(), self.units.force() * self.units.cell);
         let (balance, grid) = (&mut self.balance, &self.layout.grid);
         for (body, load) in self.bodies.living.iter_mut().zip(loads) {
-            let mut exchange = Exchange::default();
-            for of_item in &self.exchanges[body.items.clone()] {
-                exchange.join(of_item);
-            }
+            let mut exchange: Exchange = self.exchanges[body.items.clone()].iter().sum();
             if self.slips && body.is_part() {
                 exchange.join(&self.slip.on_body(body.handle));
             }

@@ -108,10 +108,8 @@ impl<T: Collides> Solver<T> {
     /// Gives the facets of deformable surfaces their loads, from what they felt, and balances them.
     pub(crate) fn load_facets(&mut self) {
         for place in self.bodies.rigid()..self.bodies.living.len() {
-            let mut exchange = Exchange::default();
-            for of_item in &self.exchanges[self.bodies.living[place].items.clone()] {
-                exchange.join(of_item);
-            }
+            let items = self.bodies.living[place].items.clone();
+            let mut exchange: Exchange = self.exchanges[items].iter().sum();
             if self.slips {
                 exchange.join(&self.slip.on_body(self.bodies.living[place].handle));
             }

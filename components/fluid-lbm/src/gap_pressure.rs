@@ -1,7 +1,7 @@
 //! The pressure in gaps that hold no cell, and what it gives to bodies and what stands still; see `gaps`.
 
 use crate::bodies::Bodies;
-use crate::gaps::{Across, ROOM, Seen};
+use crate::gaps::{Across, Gap, Gaps, ROOM};
 use crate::kernel::Collides;
 use crate::lattice::cross;
 use crate::ledger::add_scaled;
@@ -17,6 +17,48 @@ pub type InGaps = [f64; ROOM];
 
 /// In gaps of which nothing is known yet.
 pub const UNKNOWN: InGaps = [0.0; ROOM];
+
+/// The gaps that an item found, apart from it and in one piece of memory: those across look at them, and those who
+/// add up walk through all.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Place of the body among the living.
+    body: u32,
+    count: u32,
+    /// What is across each, by itself: others search it.
+    across: [Across; ROOM],
+    gaps: [Gap; ROOM],
+}
+
+impl Seen {
+    /// No gaps.
+    pub const NONE: Self =
+        Self { body: 0, count: 0, across: [Across::FROZEN; ROOM], gaps: [Gap::NONE; ROOM] };
+
+    /// Takes those of an item of the body in a place.
+    pub fn take(&mut self, body: usize, gaps: &Gaps) {
+        (self.body, self.count) = (body as u32, gaps.list.len() as u32);
+        for (k, gap) in gaps.list.iter().enumerate() {
+            (self.across[k], self.gaps[k]) = (gap.across, *gap);
+        }
+    }
+
+    /// The gaps.
+    pub fn gaps(&self) -> &[Gap] {
+        &self.gaps[..self.count as usize]
+    }
+
+    /// Place of the body among the living.
+    pub fn body(&self) -> usize {
+        self.body as usize
+    }
+
+    /// Those of which it is wanted what is across.
+    pub fn to(&self, wanted: impl Fn(Across) -> bool) -> impl Iterator<Item = &Gap> {
+        let all = self.across[..self.count as usize].iter().zip(&self.gaps);
+        all.filter(move |(across, _)| wanted(**across)).map(|(_, gap)| gap)
+    }
+}
 
 /// Sum of the densities around a body's gaps that `wanted` says, and number of the cells.
 fn around(seen: &[Seen], wanted: impl Fn(Across) -> bool) -> [f64; 2] {

@@ -52,7 +52,8 @@ pub struct Across(u32);
 
 impl Across {
     const BODIES: u32 = 1 << 31;
-    const FROZEN: Self = Self(1 << 30);
+    /// A frozen cell.
+    pub const FROZEN: Self = Self(1 << 30);
     /// Of a gap that the scene declares, by its number beyond this.
     const DECLARED: u32 = 1 << 28;
     /// Of a body's image in a mirror.
@@ -154,48 +155,6 @@ pub struct Gap {
     pub load: [[f64; 3]; 2],
 }
 
-/// The gaps that an item found, apart from it and in one piece of memory: those across look at them, and those who
-/// add up walk through all.
-#[derive(Clone, Copy, Debug)]
-pub struct Seen {
-    /// Place of the body among the living.
-    body: u32,
-    count: u32,
-    /// What is across each.
-    across: [Across; ROOM],
-    gaps: [Gap; ROOM],
-}
-
-impl Seen {
-    /// No gaps.
-    pub const NONE: Self =
-        Self { body: 0, count: 0, across: [Across::FROZEN; ROOM], gaps: [Gap::NONE; ROOM] };
-
-    /// Takes those of an item of the body in a place.
-    pub fn take(&mut self, body: usize, gaps: &Gaps) {
-        (self.body, self.count) = (body as u32, gaps.list.len() as u32);
-        for (k, gap) in gaps.list.iter().enumerate() {
-            (self.across[k], self.gaps[k]) = (gap.across, *gap);
-        }
-    }
-
-    /// The gaps.
-    pub fn gaps(&self) -> &[Gap] {
-        &self.gaps[..self.count as usize]
-    }
-
-    /// Place of the body among the living.
-    pub fn body(&self) -> usize {
-        self.body as usize
-    }
-
-    /// Those of which it is wanted what is across.
-    pub fn to(&self, wanted: impl Fn(Across) -> bool) -> impl Iterator<Item = &Gap> {
-        let all = self.across[..self.count as usize].iter().zip(&self.gaps);
-        all.filter(move |(across, _)| wanted(**across)).map(|(_, gap)| gap)
-    }
-}
-
 /// The gaps of an item of links.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
@@ -210,7 +169,7 @@ pub struct Gaps {
 
 impl Gap {
     /// One that nothing was found of.
-    const NONE: Self = Self::new(Across::FROZEN);
+    pub const NONE: Self = Self::new(Across::FROZEN);
 
     const fn new(across: Across) -> Self {
         Self { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] }

@@ -38,6 +38,7 @@ use crate::part_links::{PartLinks, Site, as_seen};
 use crate::places::Parity;
 use crate::sphere_links::SphereLinks;
 use crate::wall_distances::WallDistances;
+use std::iter::Sum;
 use tremie_team::Variant;
 
 /// Rows of a body's shell that are one item of work.
@@ -102,6 +103,15 @@ impl Exchange {
         self.drawn += other.drawn;
         self.links += other.links;
         self.fallbacks += other.fallbacks;
+    }
+}
+
+impl<'a> Sum<&'a Self> for Exchange {
+    fn sum<I: Iterator<Item = &'a Self>>(all: I) -> Self {
+        all.fold(Self::default(), |mut sum, one| {
+            sum.join(one);
+            sum
+        })
     }
 }
 

@@ -145,6 +145,8 @@ impl<T: Collides> Solver<T> {
             + self.wanted.bytes()
             + self.bodies.living.iter().map(Body::bytes).sum::<usize>()
             + self.link_items.iter().map(Item::bytes).sum::<usize>()
+            + size_of_val(self.exchanges.as_slice())
+            + size_of_val(self.seen.as_slice())
     }
 
     /// See [`crate::FluidLbm::check`].

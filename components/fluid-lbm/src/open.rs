@@ -297,31 +297,30 @@ impl<T: Real> Next<'_, T> {
         waiting.count += 1;
     }
 
+    /// Calls `visit` with direction, number among the cells, and place of each population of cells.
+    #[inline(always)]
+    fn each_place(&self, cells: &[u32], mut visit: impl FnMut(usize, usize, usize)) {
+        let mut first = 0;
+        for run in self.layout.places.runs(cells) {
+            for i in 0..Q {
+                let each = |k, place| visit(i, first + k, place);
+                self.layout.places.each_of(self.parity, run, i, each);
+            }
+            first += run.1;
+        }
+    }
+
     /// Reads the populations of cells.
     fn read(&self, cells: &[u32], populations: &mut [Lane; Q]) {
-        let mut lane = 0;
-        for run in self.layout.places.runs(cells) {
-            for (i, lanes) in populations.iter_mut().enumerate() {
-                let read = |k, place| lanes[lane + k] = self.field.get(place);
-                self.layout.places.each_of(self.parity, run, i, read);
-            }
-            lane += run.1;
-        }
+        self.each_place(cells, |i, lane, place| populations[i][lane] = self.field.get(place));
     }
 
     /// Writes the populations of cells, and leaves of them what they gained.
     fn write(&self, cells: &[u32], populations: &mut [Lane; Q], old: &[Lane; Q]) {
-        let mut lane = 0;
-        for run in self.layout.places.runs(cells) {
-            for (i, lanes) in populations.iter_mut().enumerate() {
-                let write = |k, place| {
-                    let new = self.field.set(place, lanes[lane + k]);
-                    lanes[lane + k] = new - old[i][lane + k];
-                };
-                self.layout.places.each_of(self.parity, run, i, write);
-            }
-            lane += run.1;
-        }
+        self.each_place(cells, |i, lane, place| {
+            let new = self.field.set(place, populations[i][lane]);
+            populations[i][lane] = new - old[i][lane];
+        });
     }
 
     /// Gives the cells that wait their populations by extrapolation.

@@ -277,6 +277,12 @@ impl Places {
         }
     }
 
+    /// The line of a cell, and its lane there.
+    #[inline(always)]
+    fn line_and_lane(&self, cell: usize) -> (usize, usize) {
+        (cell >> self.line_bits, cell & ((1 << self.line_bits) - 1))
+    }
+
     /// [`Places::of`] in all directions.
     #[inline(always)]
     pub fn of_cell(&self, parity: Parity, cell: u32) -> [usize; Q] {
@@ -284,7 +290,7 @@ impl Places {
         if parity == Parity::Even {
             return std::array::from_fn(|i| i * self.stride + cell);
         }
-        let (line, lane) = (cell >> self.line_bits, cell & ((1 << self.line_bits) - 1));
+        let (line, lane) = self.line_and_lane(cell);
         let entries = &self.lines[line];
         let mut places = entries.map(|entry| entry as usize + lane);
         places[0] = cell;
@@ -301,7 +307,7 @@ impl Places {
     #[inline(always)]
     pub fn odd(&self, cell: u32, i: usize) -> usize {
         let cell = cell as usize;
-        let (line, lane) = (cell >> self.line_bits, cell & ((1 << self.line_bits) - 1));
+        let (line, lane) = self.line_and_lane(cell);
         let entries = &self.lines[line];
         if i == 0 {
             return cell;
@@ -323,7 +329,8 @@ impl Places {
         (entries[0] >> i & 1 == 0).then(|| entries[i] as usize)
     }
 
-    /// Gives [`Places::of`] of `count` cells of one line that follow each other, with the number of each among them.
+    /// Gives [`Places::of`] of `count` cells of one line that follow each other, after the number of each among
+    /// them.
     #[inline(always)]
     pub fn each_of(
         &self,
@@ -332,8 +339,7 @@ impl Places {
         i: usize,
         mut give: impl FnMut(usize, usize),
     ) {
-        let first = first as usize;
-        let (line, lane) = (first >> self.line_bits, first & ((1 << self.line_bits) - 1));
+        let (line, lane) = self.line_and_lane(first as usize);
         if let Some(place) = self.of_line(parity, line, i) {
             (0..count).for_each(|k| give(k, place + lane + k));
             return;

@@ -274,10 +274,7 @@ impl Slip {
 
     fn on(&self, wanted: Whose) -> Exchange {
         let all = self.items.iter().flat_map(|item| &item.exchanges);
-        all.filter(|(whose, _)| *whose == wanted).fold(Exchange::default(), |mut sum, (_, own)| {
-            sum.join(own);
-            sum
-        })
+        all.filter(|(whose, _)| *whose == wanted).map(|(_, own)| own).sum()
     }
 }
 

@@ -12,8 +12,7 @@ use crate::declared::{DeclaredGaps, Intakes};
 use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
-use crate::gap_pressure::{InGaps, UNKNOWN};
-use crate::gaps::Seen;
+use crate::gap_pressure::{InGaps, Seen, UNKNOWN};
 use crate::halfway::HalfwayLinks;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lattice::CS2;
@@ -119,7 +118,7 @@ pub struct Solver<T: Collides> {
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) reservoirs: Vec<ReservoirFace>,
     pub(crate) link_items: Vec<links::Item>,
-    /// What each item exchanged in the last step, and the gaps that it found.
+    /// What each item exchanged in the last step, and the gaps that it found, if gaps press.
     pub(crate) exchanges: Vec<Exchange>,
     pub(crate) seen: Vec<Seen>,
     pub(crate) probes: Probes,
@@ -310,10 +309,8 @@ impl<T: Collides> Solver<T> {
         let counts = [self.declared.len(), self.intakes.len()];
         self.link_items = links::items(&mut self.bodies, press, counts);
         let count = self.link_items.len();
-        self.exchanges.clear();
-        self.exchanges.resize(count, Exchange::default());
-        self.seen.clear();
-        self.seen.resize(count, Seen::NONE);
+        self.exchanges = vec![Exchange::default(); count];
+        self.seen = vec![Seen::NONE; if press { count } else { 0 }];
         self.in_gaps.resize(count, UNKNOWN);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
         let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
@@ -452,16 +449,25 @@ impl<T: Collides> Solver<T> {
             self.slip.read(&after, bodies, &mut self.team);
         }
         self.declared.reflect(&after);
-        let items = (
-            Cut::every(&mut self.link_items, 1),
-            Cut::every(&mut self.exchanges, 1),
-            Cut::every(&mut self.seen, 1),
-        );
-        self.team.for_pieces_with(items, &mut self.batches, |batch, _, (item, exchange, seen)| {
-            let item = &mut item[0];
-            exchange[0] = after.reflect(bodies, item, batch);
-            seen[0].take(item.body, &item.gaps);
-        });
+        let items = (Cut::every(&mut self.link_items, 1), Cut::every(&mut self.exchanges, 1));
+        let reflect =
+            |batch: &mut Batch, (item, exchange): (&mut [links::Item], &mut [Exchange])| {
+                exchange[0] = after.reflect(bodies, &mut item[0], batch);
+            };
+        if after.walls.is_some() {
+            let items = (items.0, items.1, Cut::every(&mut self.seen, 1));
+            self.team.for_pieces_with(
+                items,
+                &mut self.batches,
+                |batch, _, (item, exchange, seen)| {
+                    reflect(batch, (item, exchange));
+                    seen[0].take(item[0].body, &item[0].gaps);
+                },
+            );
+        } else {
+            self.team
+                .for_pieces_with(items, &mut self.batches, |batch, _, one| reflect(batch, one));
+        }
         let time = self.steps as f64 * self.units.time_step;
         for (law, now) in self.surroundings.laws.iter().zip(&mut self.now) {
             if let Some(prescribed) = law.as_ref().and_then(|law| law.at(time)) {
