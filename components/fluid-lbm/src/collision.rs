@@ -21,6 +21,7 @@
 //! tau* S_ab` (Hou et al. 1996; the force's share after Guo, Zheng & Shi 2002, eq. 18). The odd time
 //! is the same for BGK, or follows from `tau*` by the magic number.
 
+use crate::field::{Real, prefetch};
 use crate::lanes::Lanes;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
 use std::sync::atomic::{Ordering, compiler_fence};
@@ -92,7 +93,8 @@ pub struct Constants<V> {
     tau2: V,
     closure: V,
     magic: V,
-    is_magic: bool,
+    /// Whether both times are the same.
+    is_single: bool,
 }
 
 impl<V: Lanes> Constants<V> {
@@ -152,7 +154,7 @@ impl<V: Lanes> Constants<V> {
                 tau2: V::splat(tau * tau),
                 closure: V::splat(18.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky),
                 magic: V::splat(r.magic.unwrap_or(0.0)),
-                is_magic: r.magic.is_some(),
+                is_single: r.magic.is_none(),
             }
         }
     }
@@ -171,16 +173,21 @@ pub struct Moments<V> {
     pub tau: V,
 }
 
-/// Replaces the populations of a vector of cells, those at lane `x` of the line at `places`, by their
-/// post-collision values, each in the place of the opposite direction, and returns the moments before.
-/// Lanes that `mask` lacks become zero, in the moments too.
+/// How many cache lines ahead of its use a place is fetched. The collision of a vector fills the
+/// processor's window of instructions, so that it does not reach the next vector's loads by itself.
+/// With 8 a box of 128 cells cubed was up to a sixth faster than with 4, and as fast as with 12.
+pub const AHEAD: usize = 8;
+
+/// Replaces the populations of a vector of cells, those `x` numbers after `places`, by their post-collision values,
+/// each in the place of the opposite direction, and returns the moments before. Lanes that `mask` lacks become zero,
+/// in the moments too.
 ///
 /// Populations are read twice, first for the moments and then, from the first-level cache, to relax them
 /// pair by pair: so nearly all values stay in registers, and the processor may begin the next vector while
-/// this one waits for roots and quotients.
+/// this one waits for roots and quotients. The first reading asks memory for what the vectors after this will read.
 ///
 /// # Safety
-/// The processor has the variant's instructions; at each place `x + N` numbers may be read and written.
+/// The processor has the variant's instructions; `N` numbers may be read and written `x` after each place.
 #[inline(always)]
 pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
     places: &[*mut V::Scalar; Q],
@@ -196,9 +203,15 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
             unsafe { V::load(places[$i].add(x)) }
         };
     }
+    macro_rules! first_at {
+        ($i:expr) => {{
+            prefetch(places[$i].wrapping_add(x + AHEAD * V::Scalar::LINE));
+            at!($i)
+        }};
+    }
     macro_rules! pair {
         ($n:literal) => {{
-            let (forth, back) = (at!($n + 10), at!($n + 1));
+            let (forth, back) = (first_at!($n + 10), first_at!($n + 1));
             (forth + back, forth - back)
         }};
     }
@@ -216,7 +229,7 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
     let j = [j_x + (j_xy + j_xz), j_y + (j_yx + j_yz), j_z + (j_zx + j_zy)];
     // sum_i c_ia c_ia h_i
     let normal = [xx + (xy + xz), yy + (xy + yz), zz + (xz + yz)];
-    let drho = at!(0) + (normal[0] + ((yy + zz) + yz));
+    let drho = first_at!(0) + (normal[0] + ((yy + zz) + yz));
 
     let rho = k.one + drho;
     let per_rho = k.one / rho;
@@ -266,7 +279,18 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
     }
     // SAFETY: by contract.
     unsafe { g.keep(mask).store(places[0].add(x)) };
-    macro_rules! relax {
+    // Each population into the place of the opposite direction.
+    macro_rules! stream {
+        ($n:literal, $forth:expr, $back:expr) => {
+            // SAFETY: by contract.
+            unsafe {
+                $forth.keep(mask).store(places[$n + 1].add(x));
+                $back.keep(mask).store(places[$n + 10].add(x));
+            }
+        };
+    }
+    // Even and odd part apart.
+    macro_rules! relax_parts {
         ($n:literal, $kind:literal, $cu:expr) => {{
             let cu = $cu;
             let (forth, back) = (at!($n + 10), at!($n + 1));
@@ -287,22 +311,41 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool>(
             } else {
                 (rates.half_even.mul_add(p, m), rates.half_even.mul_sub(p, m))
             };
-            // SAFETY: by contract.
-            unsafe {
-                (forth - sum).keep(mask).store(places[$n + 1].add(x));
-                (back - difference).keep(mask).store(places[$n + 10].add(x));
-            }
+            stream!($n, forth - sum, back - difference);
         }};
     }
-    relax!(0, 0, u[0]);
-    relax!(1, 0, u[1]);
-    relax!(2, 0, u[2]);
-    relax!(3, 1, u[0] + u[1]);
-    relax!(4, 1, u[0] - u[1]);
-    relax!(5, 1, u[0] + u[2]);
-    relax!(6, 1, u[0] - u[2]);
-    relax!(7, 1, u[1] + u[2]);
-    relax!(8, 1, u[1] - u[2]);
+    macro_rules! each_pair {
+        ($relax:ident) => {{
+            $relax!(0, 0, u[0]);
+            $relax!(1, 0, u[1]);
+            $relax!(2, 0, u[2]);
+            $relax!(3, 1, u[0] + u[1]);
+            $relax!(4, 1, u[0] - u[1]);
+            $relax!(5, 1, u[0] + u[2]);
+            $relax!(6, 1, u[0] - u[2]);
+            $relax!(7, 1, u[1] + u[2]);
+            $relax!(8, 1, u[1] - u[2]);
+        }};
+    }
+    if k.is_single && !FORCED {
+        let half = |[a, b]: [V; 2]| [k.half * a, k.half * b];
+        let (even, square, linear) = (half(even), half(square), half(linear));
+        // Both directions with one time, which takes fewer operations, and all but the last need no time.
+        macro_rules! relax {
+            ($n:literal, $kind:literal, $cu:expr) => {{
+                let cu = $cu;
+                let (forth, back) = (at!($n + 10), at!($n + 1));
+                let balanced = (square[$kind] * cu).mul_add(cu, even[$kind]);
+                let forth_off = forth - linear[$kind].mul_add(cu, balanced);
+                let back_off = back - linear[$kind].mul_from(cu, balanced);
+                let even = rates.even;
+                stream!($n, even.mul_from(forth_off, forth), even.mul_from(back_off, back));
+            }};
+        }
+        each_pair!(relax);
+    } else {
+        each_pair!(relax_parts);
+    }
     Moments {
         drho: drho.keep(mask),
         j: [j[0].keep(mask), j[1].keep(mask), j[2].keep(mask)],
@@ -369,12 +412,12 @@ fn closure<V: Lanes>(stress2: V, per_rho: V, k: &Constants<V>) -> Rates<V> {
     let half_even = k.one / twice;
     let even = half_even + half_even;
     let tau = k.half * twice;
-    let half_odd = if k.is_magic {
+    let half_odd = if k.is_single {
+        half_even
+    } else {
         // 1/tau- = 1/(1/2 + magic/(tau+ - 1/2))
         let over = tau - k.half;
         k.half * over / k.half.mul_add(over, k.magic)
-    } else {
-        half_even
     };
     Rates { tau, even, half_even, half_odd }
 }

@@ -5,7 +5,7 @@
 //! other. A step reads and writes each number once: 19 of them a cell, and in odd steps 76 bytes of
 //! the table of places for each line of 64 bytes.
 
-use crate::collision::{Constants, Relaxation, collide};
+use crate::collision::{AHEAD, Constants, Relaxation, collide};
 use crate::field::{Field, Real, prefetch};
 use crate::halfway::HalfwayLinks;
 #[cfg(target_arch = "x86_64")]
@@ -15,6 +15,7 @@ use crate::lattice::Q;
 use crate::places::{Parity, Places};
 use crate::survey::{Sums, Survey};
 use crate::tally::Tally;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_team::Variant;
 
@@ -22,7 +23,7 @@ use tremie_team::Variant;
 #[derive(Clone, Debug)]
 pub struct Block {
     /// The lines.
-    pub lines: std::ops::Range<usize>,
+    pub lines: Range<usize>,
     /// Sums over their cells.
     pub survey: Survey,
     /// For each of the block's runs of reflecting links, the sum of the reflected populations.
@@ -108,14 +109,14 @@ pub trait Collides: Real {
     fn kernel(variant: Variant) -> Kernel<Self>;
 }
 
-/// Collides the line at `places`, see [`collide_line`]; one function for each variant, with and
-/// without an acceleration and a closure.
-type LineKernel<V> = unsafe fn(
+/// Collides a run of lines, see [`collide_run`]; one function for each variant, with and without an acceleration
+/// and a closure.
+type RunKernel<V> = unsafe fn(
+    &Sweep<<V as Lanes>::Scalar>,
+    Range<usize>,
     &[*mut <V as Lanes>::Scalar; Q],
-    u32,
     &Constants<V>,
     &mut Sums<V>,
-    *mut <V as Lanes>::Scalar,
 );
 
 macro_rules! kernels {
@@ -125,24 +126,24 @@ macro_rules! kernels {
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx2,fma")]
                 unsafe fn avx2(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
-                    kernels!(line, $avx2, #[target_feature(enable = "avx2,fma")]);
-                    let line = kernels!(choose, sweep.relaxation);
+                    kernels!(run, $avx2, #[target_feature(enable = "avx2,fma")]);
+                    let run = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
-                    unsafe { work::<$avx2>(sweep, number, block, line) }
+                    unsafe { work::<$avx2>(sweep, number, block, run) }
                 }
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx512f,avx512vl")]
                 unsafe fn avx512(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
-                    kernels!(line, $avx512, #[target_feature(enable = "avx512f,avx512vl")]);
-                    let line = kernels!(choose, sweep.relaxation);
+                    kernels!(run, $avx512, #[target_feature(enable = "avx512f,avx512vl")]);
+                    let run = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
-                    unsafe { work::<$avx512>(sweep, number, block, line) }
+                    unsafe { work::<$avx512>(sweep, number, block, run) }
                 }
                 unsafe fn portable(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
-                    kernels!(line, $portable, #[inline(never)]);
-                    let line = kernels!(choose, sweep.relaxation);
+                    kernels!(run, $portable, #[inline(never)]);
+                    let run = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
-                    unsafe { work::<$portable>(sweep, number, block, line) }
+                    unsafe { work::<$portable>(sweep, number, block, run) }
                 }
                 assert!(variant.available(), "this processor has no {variant:?}");
                 match variant {
@@ -155,25 +156,25 @@ macro_rules! kernels {
             }
         }
     };
-    (line, $lanes:ty, #[$($feature:tt)*]) => {
+    (run, $lanes:ty, #[$($feature:tt)*]) => {
         #[$($feature)*]
-        unsafe fn line<const FORCED: bool, const LES: bool>(
+        unsafe fn run<const FORCED: bool, const LES: bool>(
+            sweep: &Sweep<<$lanes as Lanes>::Scalar>,
+            lines: Range<usize>,
             places: &[*mut <$lanes as Lanes>::Scalar; Q],
-            bits: u32,
             constants: &Constants<$lanes>,
             sums: &mut Sums<$lanes>,
-            drho: *mut <$lanes as Lanes>::Scalar,
         ) {
             // SAFETY: by contract.
-            unsafe { collide_line::<$lanes, FORCED, LES>(places, bits, constants, sums, drho) }
+            unsafe { collide_run::<$lanes, FORCED, LES>(sweep, lines, places, constants, sums) }
         }
     };
     (choose, $relaxation:expr) => {
         match ($relaxation.acceleration != [0.0; 3], $relaxation.smagorinsky != 0.0) {
-            (false, false) => line::<false, false>,
-            (true, false) => line::<true, false>,
-            (false, true) => line::<false, true>,
-            (true, true) => line::<true, true>,
+            (false, false) => run::<false, false>,
+            (true, false) => run::<true, false>,
+            (false, true) => run::<false, true>,
+            (true, true) => run::<true, true>,
         }
     };
 }
@@ -186,75 +187,60 @@ unsafe fn work<V: Lanes>(
     sweep: &Sweep<V::Scalar>,
     number: usize,
     block: &mut Block,
-    line: LineKernel<V>,
+    run: RunKernel<V>,
 ) {
     // SAFETY: by contract.
-    block.survey = unsafe { sweep_lines::<V>(sweep, block.lines.clone(), line) };
+    block.survey = unsafe { sweep_lines::<V>(sweep, block.lines.clone(), run) };
     // SAFETY: by contract; the block's cells have collided, and their reflecting links are in
     // places of their own.
     unsafe { sweep.tally.sum::<V>(sweep.field, sweep.fluid, number, &mut block.reflected) };
 }
 
-/// Collides and streams lines.
+/// Collides and streams lines, in runs within which the places of a line follow those of the line before.
 #[inline(always)]
 unsafe fn sweep_lines<V: Lanes>(
     sweep: &Sweep<V::Scalar>,
-    lines: std::ops::Range<usize>,
-    collide_line: LineKernel<V>,
+    lines: Range<usize>,
+    run: RunKernel<V>,
 ) -> Survey {
     // SAFETY: by contract.
     let constants = unsafe { Constants::<V>::new(sweep.relaxation) };
     // SAFETY: by contract.
     let mut sums = unsafe { Sums::<V>::new() };
     let base = sweep.field.base();
-    let stride = sweep.places.stride();
     if sweep.parity == Parity::Even {
-        let planes: [*mut V::Scalar; Q] = std::array::from_fn(|i| base.wrapping_add(i * stride));
-        for line in lines {
-            let bits = line_bits::<V>(sweep.fluid, line);
-            if bits != 0 {
-                let first = line * V::Scalar::LINE;
-                let mut places = planes;
-                let mut i = 0;
-                while i < Q {
-                    places[i] = planes[i].wrapping_add(first);
-                    i += 1;
-                }
-                let drho = sweep.wanted.room(line);
-                // SAFETY: these are the line's own places in even steps.
-                unsafe { collide_line(&places, bits, &constants, &mut sums, drho) };
-            }
-        }
+        let first = lines.start * V::Scalar::LINE;
+        let stride = sweep.places.stride();
+        let places = std::array::from_fn(|i| base.wrapping_add(i * stride + first));
+        // SAFETY: these are the first line's own places in even steps.
+        unsafe { run(sweep, lines, &places, &constants, &mut sums) };
     } else {
         let mut scratch = Scratch([[V::Scalar::from_f64(0.0); 16]; Q]);
-        let end = lines.end;
-        for line in lines {
-            if line + PIECES_AHEAD < end {
-                ask_for_pieces(sweep, line + PIECES_AHEAD);
-            }
-            let bits = line_bits::<V>(sweep.fluid, line);
-            if bits == 0 {
-                continue;
-            }
-            let drho = sweep.wanted.room(line);
-            let entries = &sweep.places.lines()[line];
-            let mut places = [base.wrapping_add(line * V::Scalar::LINE); Q];
+        let (mut start, mut asked) = (lines.start, lines.start);
+        while start < lines.end {
+            let end = sweep.places.run_end(start, lines.end);
+            let soon = (end + PIECES_AHEAD).min(lines.end);
+            (asked.max(end)..soon).for_each(|line| ask_for_pieces(sweep, line));
+            asked = soon;
+            let entries = &sweep.places.lines()[start];
+            let mut places = [base.wrapping_add(start * V::Scalar::LINE); Q];
             let mut i = 1;
             while i < Q {
                 places[i] = base.wrapping_add(entries[i] as usize);
                 i += 1;
             }
-            // SAFETY: these are the line's own places in odd steps; those in pieces are collected
-            // in the scratch and written back, lane by lane where they are.
+            // SAFETY: these are the first line's own places in odd steps; those in pieces, as only the first line of a
+            // run can have, are collected in the scratch and written back, lane by lane where they are.
             unsafe {
-                if entries[0] == 0 {
-                    collide_line(&places, bits, &constants, &mut sums, drho);
-                } else {
-                    gather::<V>(sweep, line, &mut places, &mut scratch);
-                    collide_line(&places, bits, &constants, &mut sums, drho);
-                    scatter::<V>(sweep, line, &scratch);
+                if !sweep.places.kind(start).is_in_pieces() {
+                    run(sweep, start..end, &places, &constants, &mut sums);
+                } else if line_bits::<V>(sweep.fluid, start) != 0 {
+                    gather::<V>(sweep, start, &mut places, &mut scratch);
+                    run(sweep, start..end, &places, &constants, &mut sums);
+                    scatter::<V>(sweep, start, &scratch);
                 }
             }
+            start = end;
         }
     }
     // SAFETY: by contract.
@@ -265,44 +251,41 @@ unsafe fn sweep_lines<V: Lanes>(
 #[repr(align(64))]
 struct Scratch<T>([[T; 16]; Q]);
 
-/// Does some work with the pieces of each direction of a line that is in pieces: first where these are two, then
-/// where they are three, so that loops over them have no branch that is hard to foresee.
+/// Does some work with the pieces of each direction of a line that is in pieces.
 macro_rules! of_pieces {
-    ($sweep:ident, $line:ident, |$i:ident, $pieces:ident| $work:block) => {
-        let entries = &$sweep.places.lines()[$line];
-        let [two, three, others] = $sweep.places.mixed($line);
-        of_pieces!($sweep, entries, two, |$i, from| {
-            let $pieces = &from[..2];
+    ($sweep:ident, $line:ident, |$pieces:ident| $work:block) => {
+        let kind = $sweep.places.kind($line);
+        // SAFETY: the table's lines point to pieces of its own; so many are there as is said here.
+        let mut rest = unsafe { $sweep.places.pieces().get_unchecked(kind.first as usize..) };
+        of_pieces!(rest, kind.two, 2, |$pieces| $work);
+        of_pieces!(rest, kind.three, 3, |$pieces| $work);
+        for _ in 0..kind.others {
+            let $pieces;
+            ($pieces, rest) =
+                rest.split_at(rest.iter().take_while(|piece| !piece.last).count() + 1);
             $work
-        });
-        of_pieces!($sweep, entries, three, |$i, from| {
-            let $pieces = &from[..3];
-            $work
-        });
-        of_pieces!($sweep, entries, others, |$i, from| {
-            let count = from.iter().take_while(|piece| !piece.last).count() + 1;
-            let $pieces = &from[..count];
-            $work
-        });
+        }
     };
-    ($sweep:ident, $entries:ident, $dirs:ident, |$i:ident, $from:ident| $work:block) => {
-        let mut rest = $dirs;
-        while rest != 0 {
-            let $i = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            let $from = &$sweep.places.pieces()[$entries[$i] as usize..];
+    ($rest:ident, $times:expr, $count:literal, |$pieces:ident| $work:block) => {
+        for _ in 0..$times {
+            let $pieces;
+            // SAFETY: as above.
+            ($pieces, $rest) = unsafe { $rest.split_at_unchecked($count) };
             $work
         }
     };
 }
 
-/// Asks memory for what a line will collect from pieces. Lines in one piece need no such help: the
-/// line before asks for what follows its own places.
+/// Lines after a run whose pieces are asked for before it. Lines in one piece need no such help: the lines before ask
+/// for what follows their own places.
+const PIECES_AHEAD: usize = 4;
+
+/// Asks memory for what a line will collect from pieces.
 #[inline(always)]
 fn ask_for_pieces<T: Real>(sweep: &Sweep<T>, line: usize) {
     // The table itself is read first here.
     prefetch(sweep.places.lines().as_ptr().wrapping_add(line + 4 * PIECES_AHEAD));
-    of_pieces!(sweep, line, |i, pieces| {
+    of_pieces!(sweep, line, |pieces| {
         prefetch(pieces.as_ptr().wrapping_add(64));
         for piece in pieces {
             let lane = piece.lanes.trailing_zeros() as usize;
@@ -324,8 +307,13 @@ unsafe fn gather<V: Lanes>(
 ) {
     let base = sweep.field.base();
     let all = u32::MAX >> (32 - V::N);
-    of_pieces!(sweep, line, |i, pieces| {
+    of_pieces!(sweep, line, |pieces| {
+        let i = usize::from(pieces[0].dir);
         places[i] = scratch.0[i].as_mut_ptr();
+        // Lines after this go on from one of them.
+        for piece in pieces {
+            prefetch(base.wrapping_add(piece.place as usize + AHEAD * V::Scalar::LINE));
+        }
         let mut x = 0;
         while x < V::Scalar::LINE {
             // SAFETY: by contract; the lanes of a piece are places of the field.
@@ -351,7 +339,8 @@ unsafe fn gather<V: Lanes>(
 unsafe fn scatter<V: Lanes>(sweep: &Sweep<V::Scalar>, line: usize, scratch: &Scratch<V::Scalar>) {
     let base = sweep.field.base();
     let all = u32::MAX >> (32 - V::N);
-    of_pieces!(sweep, line, |i, pieces| {
+    of_pieces!(sweep, line, |pieces| {
+        let i = usize::from(pieces[0].dir);
         let mut x = 0;
         while x < V::Scalar::LINE {
             // SAFETY: by contract.
@@ -368,51 +357,49 @@ unsafe fn scatter<V: Lanes>(sweep: &Sweep<V::Scalar>, line: usize, scratch: &Scr
     });
 }
 
-/// Collides one line, a vector at a time. Vectors without fluid are left alone; lanes without fluid
-/// become zero, which is a fluid at rest, so that nothing odd can grow inside solids.
+/// Collides lines that follow each other, the first of them at `places`, a vector at a time. Vectors without fluid
+/// are left alone; lanes without fluid become zero, which is a fluid at rest, so that nothing odd can grow inside
+/// solids.
 ///
 /// # Safety
-/// As for [`Kernel`]; `LINE` numbers may be read and written at each place, and in lanes of cells
-/// these belong to the line; `drho` is null or has room for a line.
+/// As for [`Kernel`]; so many lines of numbers may be read and written from each place on, and in lanes of cells
+/// these belong to the line.
 #[inline(always)]
-unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool>(
+unsafe fn collide_run<V: Lanes, const FORCED: bool, const LES: bool>(
+    sweep: &Sweep<V::Scalar>,
+    lines: Range<usize>,
     places: &[*mut V::Scalar; Q],
-    bits: u32,
     constants: &Constants<V>,
     sums: &mut Sums<V>,
-    drho: *mut V::Scalar,
 ) {
     let all = u32::MAX >> (32 - V::N);
-    let mut x = 0;
-    while x < V::Scalar::LINE {
-        let lanes = bits >> x & all;
-        if lanes != 0 {
-            // SAFETY: by contract.
-            unsafe {
-                let mut i = 0;
-                while i < Q {
-                    prefetch(places[i].wrapping_add(x + AHEAD * V::Scalar::LINE));
-                    i += 1;
-                }
-                let mask = V::mask(lanes);
-                let moments = collide::<V, FORCED, LES>(places, x, mask, constants);
-                sums.add::<LES>(x, &moments);
-                if !drho.is_null() {
-                    moments.drho.store(drho.add(x));
+    let first = lines.start;
+    for line in lines {
+        let bits = line_bits::<V>(sweep.fluid, line);
+        if bits == 0 {
+            continue;
+        }
+        let drho = sweep.wanted.room(line);
+        let mut x = 0;
+        while x < V::Scalar::LINE {
+            let lanes = bits >> x & all;
+            if lanes != 0 {
+                // SAFETY: by contract.
+                unsafe {
+                    let mask = V::mask(lanes);
+                    let beyond = (line - first) * V::Scalar::LINE + x;
+                    let moments = collide::<V, FORCED, LES>(places, beyond, mask, constants);
+                    sums.add::<LES>(x, &moments);
+                    if !drho.is_null() {
+                        moments.drho.store(drho.add(x));
+                    }
                 }
             }
+            x += V::N;
         }
-        x += V::N;
+        sums.end_line();
     }
 }
-
-/// How many cache lines ahead of its use a place is fetched. The collision of a vector fills the
-/// processor's window of instructions, so that it does not reach the next vector's loads by itself.
-/// With 8 a box of 128 cells cubed was up to a sixth faster than with 4, and as fast as with 12.
-const AHEAD: usize = 8;
-
-/// The same for places in pieces, of which each line has many.
-const PIECES_AHEAD: usize = 4;
 
 /// Which cells of a line are fluid.
 #[inline(always)]

@@ -52,8 +52,34 @@ pub struct Piece {
     pub place: u32,
     /// Bits of the lanes.
     pub lanes: u16,
+    /// Direction.
+    pub dir: u8,
     /// Whether this is the last piece of its line and direction.
     pub last: bool,
+}
+
+/// What a sweep asks of a line before anything else. Its pieces are first those of directions in two pieces, then of those in three, as almost all are, then
+/// others; so loops over them have no branch that is hard to foresee.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kind {
+    /// The first of its pieces.
+    pub first: u32,
+    /// Directions in two pieces.
+    pub two: u8,
+    /// Directions in three pieces.
+    pub three: u8,
+    /// Directions in other numbers of pieces.
+    pub others: u8,
+    /// Whether none of its directions is in pieces, and its odd places are those after the places of the line before.
+    pub follows: bool,
+}
+
+impl Kind {
+    /// Whether a direction of the line is in pieces.
+    #[inline(always)]
+    pub fn is_in_pieces(self) -> bool {
+        self.two + self.three + self.others != 0
+    }
 }
 
 /// Reflecting links of one line and direction: those whose population `f_i`, once streamed, is in
@@ -98,8 +124,7 @@ pub struct Places {
     /// For each line: bits of the directions that are in pieces, then for each direction the odd
     /// place of its first cell, or the first of its pieces.
     lines: Vec<[u32; Q]>,
-    /// For each line bits of those directions that are in two pieces, and in three, as almost all are.
-    few: Vec<[u32; 2]>,
+    kinds: Vec<Kind>,
     pieces: Vec<Piece>,
 }
 
@@ -137,7 +162,7 @@ impl Places {
             stride,
             line_bits: line.trailing_zeros(),
             lines: Vec::with_capacity(count),
-            few: Vec::with_capacity(count),
+            kinds: Vec::with_capacity(count),
             pieces: Vec::new(),
         };
         debug_assert!(line.is_power_of_two());
@@ -176,7 +201,8 @@ impl Places {
         special: impl Fn(Fixture) -> bool,
         survey: &mut Survey,
     ) {
-        let (mut entry, mut few) = ([0; Q], [0; 2]);
+        let mut entry = [0u32; Q];
+        let first_piece = self.pieces.len();
         for i in 1..Q {
             let begin = self.pieces.len();
             let found = survey.reflections.len();
@@ -191,7 +217,8 @@ impl Places {
                 match piece {
                     Some(piece) => piece.lanes |= 1 << lane,
                     None => {
-                        self.pieces.push(Piece { place, lanes: 1 << lane, last: false });
+                        let dir = i as u8;
+                        self.pieces.push(Piece { place, lanes: 1 << lane, dir, last: false });
                     }
                 }
                 let (mirrors, fixture) = match from {
@@ -228,18 +255,42 @@ impl Places {
                 }
                 _ => {
                     self.pieces.last_mut().expect("a line has a cell").last = true;
-                    entry[i] = begin as u32;
                     entry[0] |= 1 << i;
-                    match self.pieces.len() - begin {
-                        2 => few[0] |= 1 << i,
-                        3 => few[1] |= 1 << i,
-                        _ => {}
-                    }
                 }
             }
         }
+        let follows = |before: &[u32; Q]| {
+            let line = 1 << self.line_bits;
+            before[0] == 0 && (1..Q).all(|i| entry[i] == before[i] + line)
+        };
+        let follows = entry[0] == 0 && self.lines.last().is_some_and(follows);
+        let kind = Kind { follows, ..self.sort_pieces(first_piece, &mut entry) };
         self.lines.push(entry);
-        self.few.push(few);
+        self.kinds.push(kind);
+    }
+
+    /// Brings the pieces of the last line, those from `first` on, into the order of [`Kind`], and writes to its
+    /// entry where those of each direction begin.
+    fn sort_pieces(&mut self, first: usize, entry: &mut [u32; Q]) -> Kind {
+        let unsorted = self.pieces.split_off(first);
+        let mut kind = Kind { first: first as u32, ..Kind::default() };
+        let is_of = |count: usize, wanted| {
+            if wanted == 4 { count < 2 || count > 3 } else { count == wanted }
+        };
+        for wanted in 2..=4 {
+            for own in
+                unsorted.chunk_by(|a, b| a.dir == b.dir).filter(|own| is_of(own.len(), wanted))
+            {
+                entry[usize::from(own[0].dir)] = self.pieces.len() as u32;
+                self.pieces.extend_from_slice(own);
+                match wanted {
+                    2 => kind.two += 1,
+                    3 => kind.three += 1,
+                    _ => kind.others += 1,
+                }
+            }
+        }
+        kind
     }
 
     /// Numbers from one plane to the next.
@@ -254,11 +305,18 @@ impl Places {
         &self.lines
     }
 
-    /// The directions of a line that are in two pieces, in three, and in another number of them.
+    /// See [`Kind`].
     #[inline(always)]
-    pub fn mixed(&self, line: usize) -> [u32; 3] {
-        let (mixed, [two, three]) = (self.lines[line][0], self.few[line]);
-        [two, three, mixed & !(two | three)]
+    pub fn kind(&self, line: usize) -> Kind {
+        self.kinds[line]
+    }
+
+    /// The end, up to `end`, of the run of lines from `first` on within which each line's odd places follow those of
+    /// the line before.
+    #[inline(always)]
+    pub fn run_end(&self, first: usize, end: usize) -> usize {
+        prefetch(self.kinds.as_ptr().wrapping_add(first + 64));
+        first + 1 + self.kinds[first + 1..end].iter().take_while(|kind| kind.follows).count()
     }
 
     /// The pieces to which the table's lines point.
@@ -408,7 +466,7 @@ impl Places {
     /// Memory that the table takes [bytes].
     pub fn bytes(&self) -> usize {
         size_of_val(self.lines.as_slice())
-            + size_of_val(self.few.as_slice())
+            + size_of_val(self.kinds.as_slice())
             + size_of_val(self.pieces.as_slice())
     }
 }

@@ -45,11 +45,19 @@ impl Survey {
     }
 }
 
+/// So many lines are added up in the numbers that they are kept in before they are added to sums in f64: to widen
+/// numbers takes time, and a few of them are added up as well as each was computed.
+const HELD: u32 = 4;
+
 /// Running sums, one for each place of a 64-byte line, so that the order of additions is the same
 /// for vectors of any length.
-pub struct Sums<V> {
-    excess: [f64; 16],
-    j: [[f64; 16]; 3],
+pub struct Sums<V: Lanes> {
+    /// Density minus 1 and momentum of the last lines.
+    held: [[V::Scalar; 16]; 4],
+    /// How many lines these are.
+    count: u32,
+    /// The same of all lines before.
+    sums: [[f64; 16]; 4],
     speed2: V,
     min_drho: V,
     max_drho: V,
@@ -66,8 +74,9 @@ impl<V: Lanes> Sums<V> {
         // SAFETY: by contract.
         let zero = unsafe { V::splat(0.0) };
         Self {
-            excess: [0.0; 16],
-            j: [[0.0; 16]; 3],
+            held: [[V::Scalar::from_f64(0.0); 16]; 4],
+            count: 0,
+            sums: [[0.0; 16]; 4],
             speed2: zero,
             min_drho: zero,
             max_drho: zero,
@@ -79,13 +88,16 @@ impl<V: Lanes> Sums<V> {
     #[inline(always)]
     pub fn add<const LES: bool>(&mut self, lane: usize, m: &Moments<V>) {
         debug_assert!(lane + V::N <= 16);
-        // SAFETY: `lane` is a multiple of N, which divides LINE, so `lane + N <= LINE <= 16`.
-        unsafe {
-            m.drho.add_to(self.excess.as_mut_ptr().add(lane));
-            m.j[0].add_to(self.j[0].as_mut_ptr().add(lane));
-            m.j[1].add_to(self.j[1].as_mut_ptr().add(lane));
-            m.j[2].add_to(self.j[2].as_mut_ptr().add(lane));
-        }
+        let [drho, x, y, z] = &mut self.held;
+        let hold = |held: &mut [V::Scalar; 16], value: V| {
+            let held = held.as_mut_ptr().wrapping_add(lane);
+            // SAFETY: `lane` is a multiple of N, which divides LINE, so `lane + N <= LINE <= 16`.
+            unsafe { (V::load(held) + value).store(held) };
+        };
+        hold(drho, m.drho);
+        hold(x, m.j[0]);
+        hold(y, m.j[1]);
+        hold(z, m.j[2]);
         self.speed2 = m.speed2.max(self.speed2);
         self.min_drho = m.drho.min(self.min_drho);
         self.max_drho = m.drho.max(self.max_drho);
@@ -94,19 +106,49 @@ impl<V: Lanes> Sums<V> {
         }
     }
 
+    /// Ends a line.
+    #[inline(always)]
+    pub fn end_line(&mut self) {
+        self.count += 1;
+        if self.count == HELD {
+            self.widen();
+        }
+    }
+
+    /// Adds the sums of the last lines to those of all before.
+    #[inline(always)]
+    fn widen(&mut self) {
+        let mut k = 0;
+        while k < 4 {
+            let mut x = 0;
+            while x < V::Scalar::LINE {
+                let held = self.held[k].as_mut_ptr().wrapping_add(x);
+                // SAFETY: both have room for a line, and the vectors that were added exist.
+                unsafe {
+                    V::load(held).add_to(self.sums[k].as_mut_ptr().add(x));
+                    V::splat(0.0).store(held);
+                }
+                x += V::N;
+            }
+            k += 1;
+        }
+        self.count = 0;
+    }
+
     /// Adds up the lanes, in their order.
     ///
     /// # Safety
     /// The processor has the variant's instructions.
     #[inline(always)]
-    pub unsafe fn survey(&self) -> Survey {
+    pub unsafe fn survey(&mut self) -> Survey {
+        self.widen();
         let mut survey = Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE };
         let mut k = 0;
         while k < V::Scalar::LINE {
-            survey.excess += self.excess[k];
-            survey.j[0] += self.j[0][k];
-            survey.j[1] += self.j[1][k];
-            survey.j[2] += self.j[2][k];
+            survey.excess += self.sums[0][k];
+            survey.j[0] += self.sums[1][k];
+            survey.j[1] += self.sums[2][k];
+            survey.j[2] += self.sums[3][k];
             k += 1;
         }
         let mut lanes = [V::Scalar::from_f64(0.0); 16];

@@ -72,22 +72,41 @@ proptest! {
             }
         }
         // What the pieces of a line cover besides its own lanes is never written: each lane once.
-        for (line, entries) in places.lines().iter().enumerate() {
-            let [two, three, others] = places.mixed(line);
-            prop_assert_eq!(two ^ three ^ others, entries[0]);
-            for i in (1..Q).filter(|i| entries[0] >> i & 1 == 1) {
-                let mut lanes = 0_u16;
-                let pieces = &places.pieces()[entries[i] as usize..];
+        let mut first = 0;
+        for (number, entries) in places.lines().iter().enumerate() {
+            let kind = places.kind(number);
+            prop_assert_eq!(kind.first as usize, first);
+            let counts = [(kind.two, 2), (kind.three, 3), (kind.others, 0)];
+            let mut mixed = 0_u32;
+            for wanted in counts.iter().flat_map(|&(times, count)| (0..times).map(move |_| count)) {
+                let pieces = &places.pieces()[first..];
                 let count = pieces.iter().take_while(|piece| !piece.last).count() + 1;
-                prop_assert_eq!((two >> i & 1 == 1, three >> i & 1 == 1), (count == 2, count == 3));
-                for piece in pieces {
-                    prop_assert_eq!(lanes & piece.lanes, 0);
-                    lanes |= piece.lanes;
-                    if piece.last {
-                        break;
-                    }
+                prop_assert!(count == wanted || wanted == 0 && count != 2 && count != 3);
+                let (own, dir) = (&pieces[..count], usize::from(pieces[0].dir));
+                prop_assert!(own.iter().all(|piece| usize::from(piece.dir) == dir));
+                prop_assert_eq!(entries[dir] as usize, first);
+                prop_assert!(own.iter().map(|piece| piece.lanes.count_ones()).sum::<u32>() as usize
+                    == line.min(cells.len() - number * line));
+                prop_assert!(own.iter().fold(0, |lanes, piece| lanes | piece.lanes)
+                    == (u32::MAX >> (32 - line.min(cells.len() - number * line))) as u16);
+                mixed |= 1 << dir;
+                first += count;
+            }
+            prop_assert_eq!(mixed, entries[0]);
+        }
+        prop_assert_eq!(first, places.pieces().len());
+        // In a run each line's places follow those of the line before.
+        let mut start = 0;
+        while start < places.lines().len() {
+            let end = places.run_end(start, places.lines().len());
+            prop_assert!(end == start + 1 || !places.kind(start).is_in_pieces());
+            for cell in (start * line + line)..(end * line).min(cells.len()) {
+                for i in 0..Q {
+                    let [own, before] = [cell, cell - line].map(|c| places.odd(c as u32, i));
+                    prop_assert_eq!(own, before + line);
                 }
             }
+            start = end;
         }
         // Neighbours see each other, and every link that ends is listed once.
         let mut ended = 0;
