@@ -67,6 +67,19 @@ pub fn prefetch<T>(place: *const T) {
     let _ = place;
 }
 
+/// Fetches a cache line that will be used later, no nearer than the second-level cache: the first has no room for all
+/// that is under way. Any address will do.
+#[inline(always)]
+pub fn prefetch_early<T>(place: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch of any address is allowed, and every x86-64 processor has it.
+    unsafe {
+        core::arch::x86_64::_mm_prefetch::<{ core::arch::x86_64::_MM_HINT_T1 }>(place.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
+}
+
 /// Large pages of the system; a step walks through 19 distant planes, which small pages would make
 /// the processor look up over and over.
 const LARGE_PAGE: usize = 2 << 20;

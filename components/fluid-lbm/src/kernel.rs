@@ -2,8 +2,8 @@
 //!
 //! A collision reads `f_i` of a cell from 19 places and writes `g_i` into the place of the opposite
 //! direction (see `places`). Every place belongs to one cell, so cells are independent of each
-//! other. A step reads and writes each number once: 19 of them a cell, and in odd steps 76 bytes of
-//! the table of places for each line of 64 bytes.
+//! other. A step reads and writes each number once: 19 of them a cell, and in odd steps 8 bytes for
+//! each line of 64 bytes and 76 bytes of the table of places for each run of lines.
 
 use crate::collision::{AHEAD, Constants, Relaxation, collide};
 use crate::field::{Field, Real, prefetch};
@@ -109,8 +109,8 @@ pub trait Collides: Real {
     fn kernel(variant: Variant) -> Kernel<Self>;
 }
 
-/// Collides a run of lines, see [`collide_run`]; one function for each variant, with and without an acceleration
-/// and a closure.
+/// Collides a run of lines, see [`collide_run`]; one function for each variant, with and without an acceleration,
+/// with and without a closure, and for one and two times.
 type RunKernel<V> = unsafe fn(
     &Sweep<<V as Lanes>::Scalar>,
     Range<usize>,
@@ -158,7 +158,7 @@ macro_rules! kernels {
     };
     (run, $lanes:ty, #[$($feature:tt)*]) => {
         #[$($feature)*]
-        unsafe fn run<const FORCED: bool, const LES: bool>(
+        unsafe fn run<const FORCED: bool, const LES: bool, const SINGLE: bool>(
             sweep: &Sweep<<$lanes as Lanes>::Scalar>,
             lines: Range<usize>,
             places: &[*mut <$lanes as Lanes>::Scalar; Q],
@@ -166,17 +166,23 @@ macro_rules! kernels {
             sums: &mut Sums<$lanes>,
         ) {
             // SAFETY: by contract.
-            unsafe { collide_run::<$lanes, FORCED, LES>(sweep, lines, places, constants, sums) }
+            unsafe {
+                collide_run::<$lanes, FORCED, LES, SINGLE>(sweep, lines, places, constants, sums)
+            }
         }
     };
-    (choose, $relaxation:expr) => {
-        match ($relaxation.acceleration != [0.0; 3], $relaxation.smagorinsky != 0.0) {
-            (false, false) => run::<false, false>,
-            (true, false) => run::<true, false>,
-            (false, true) => run::<false, true>,
-            (true, true) => run::<true, true>,
+    (choose, $relaxation:expr) => {{
+        let r = $relaxation;
+        match (r.acceleration != [0.0; 3], r.smagorinsky != 0.0, r.magic.is_none()) {
+            (false, false, false) => run::<false, false, false>,
+            (false, false, true) => run::<false, false, true>,
+            (false, true, false) => run::<false, true, false>,
+            (false, true, true) => run::<false, true, true>,
+            (true, false, _) => run::<true, false, false>,
+            (true, true, false) => run::<true, true, false>,
+            (true, true, true) => run::<true, true, true>,
         }
-    };
+    }};
 }
 kernels!(f64, Portable<f64, 2>, Avx2F64, Avx512F64);
 kernels!(f32, Portable<f32, 4>, Avx2F32, Avx512F32);
@@ -229,8 +235,8 @@ unsafe fn sweep_lines<V: Lanes>(
                 places[i] = base.wrapping_add(entries[i] as usize);
                 i += 1;
             }
-            // SAFETY: these are the first line's own places in odd steps; those in pieces, as only the first line of a
-            // run can have, are collected in the scratch and written back, lane by lane where they are.
+            // SAFETY: these are the first line's own places in odd steps, and those of the others follow. A line that has
+            // some in pieces is a run of its own: these are collected in the scratch and written back, lane by lane.
             unsafe {
                 if !sweep.places.kind(start).is_in_pieces() {
                     run(sweep, start..end, &places, &constants, &mut sums);
@@ -365,7 +371,7 @@ unsafe fn scatter<V: Lanes>(sweep: &Sweep<V::Scalar>, line: usize, scratch: &Scr
 /// As for [`Kernel`]; so many lines of numbers may be read and written from each place on, and in lanes of cells
 /// these belong to the line.
 #[inline(always)]
-unsafe fn collide_run<V: Lanes, const FORCED: bool, const LES: bool>(
+unsafe fn collide_run<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
     lines: Range<usize>,
     places: &[*mut V::Scalar; Q],
@@ -388,7 +394,8 @@ unsafe fn collide_run<V: Lanes, const FORCED: bool, const LES: bool>(
                 unsafe {
                     let mask = V::mask(lanes);
                     let beyond = (line - first) * V::Scalar::LINE + x;
-                    let moments = collide::<V, FORCED, LES>(places, beyond, mask, constants);
+                    let moments =
+                        collide::<V, FORCED, LES, SINGLE>(places, beyond, mask, constants);
                     sums.add::<LES>(x, &moments);
                     if !drho.is_null() {
                         moments.drho.store(drho.add(x));

@@ -275,7 +275,7 @@ impl Places {
         let unsorted = self.pieces.split_off(first);
         let mut kind = Kind { first: first as u32, ..Kind::default() };
         let is_of = |count: usize, wanted| {
-            if wanted == 4 { count < 2 || count > 3 } else { count == wanted }
+            if wanted == 4 { !(2..=3).contains(&count) } else { count == wanted }
         };
         for wanted in 2..=4 {
             for own in
