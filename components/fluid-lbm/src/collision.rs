@@ -24,7 +24,6 @@
 use crate::field::{Real, prefetch_early};
 use crate::lanes::Lanes;
 use crate::lattice::{C_F64, OPPOSITE, Q, W};
-use std::sync::atomic::{Ordering, compiler_fence};
 
 /// Constants of a collision.
 #[derive(Clone, Copy, Debug)]
@@ -155,44 +154,81 @@ impl<V: Lanes> Constants<V> {
             }
         }
     }
+
+    /// The relaxation of all cells, without a closure.
+    #[inline(always)]
+    pub fn rates(&self) -> Rates<V> {
+        let &Self { tau, even, half_even, half_odd, .. } = self;
+        Rates { tau, even, half_even, half_odd }
+    }
 }
 
-/// Moments of a vector of cells before their collision.
+/// A vector of cells before their collision: what is measured of them, and what they relax to.
 #[derive(Clone, Copy)]
-pub struct Moments<V> {
+pub struct Flow<V> {
     /// Density minus 1.
     pub drho: V,
     /// `sum_i h_i c_i`.
     pub j: [V; 3],
     /// `u.u`.
     pub speed2: V,
-    /// `tau*`; of no meaning without the closure.
-    pub tau: V,
+    /// What relaxes them.
+    pub target: Target<V>,
+    /// Their relaxation; of no meaning without the closure, where it is the same everywhere.
+    pub rates: Rates<V>,
 }
 
-/// How many cache lines ahead of its use a place is fetched. The collision of a vector fills the
-/// processor's window of instructions, so that it does not reach the next vector's loads by itself.
+impl<V: Lanes> Flow<V> {
+    /// The same with zeros in the lanes that `mask` lacks, in all that is summed up.
+    #[inline(always)]
+    pub fn keep(self, mask: V::Mask) -> Self {
+        Self {
+            drho: self.drho.keep(mask),
+            j: [self.j[0].keep(mask), self.j[1].keep(mask), self.j[2].keep(mask)],
+            speed2: self.speed2.keep(mask),
+            rates: Rates { tau: self.rates.tau.keep(mask), ..self.rates },
+            ..self
+        }
+    }
+}
+
+/// The equilibrium that a vector of cells relaxes to.
+#[derive(Clone, Copy)]
+pub struct Target<V> {
+    /// Velocity.
+    u: [V; 3],
+    /// Density.
+    rho: V,
+    /// `drho - 3/2 rho u.u`.
+    rest: V,
+}
+
+/// How many cache lines ahead of its use a place is fetched: a processor's window of instructions does not reach that
+/// far by itself.
 pub const AHEAD: usize = 16;
 
-/// Replaces the populations of a vector of cells, those `x` numbers after `places`, by their post-collision values,
-/// each in the place of the opposite direction, and returns the moments before. Lanes that `mask` lacks become zero,
-/// in the moments too.
-///
-/// Populations are read twice, first for the moments and then, from the first-level cache, to relax them
-/// pair by pair: so nearly all values stay in registers, and the processor may begin the next vector while
-/// this one waits for roots and quotients. The first reading asks memory for what the vectors after this will read.
+/// Asks memory for the places that lie a while after those of a vector.
+#[inline(always)]
+pub fn ask_ahead<T: Real>(places: &[*mut T; Q], x: usize) {
+    let mut i = 0;
+    while i < Q {
+        prefetch_early(places[i].wrapping_add(x + AHEAD * T::LINE));
+        i += 1;
+    }
+}
+
+/// Measures a vector of cells, whose populations are those `x` numbers after `places`.
 ///
 /// `FORCED`: there is an acceleration; `LES`: there is a closure; `SINGLE`: both times are the same.
 ///
 /// # Safety
-/// The processor has the variant's instructions; `N` numbers may be read and written `x` after each place.
+/// The processor has the variant's instructions; `N` numbers may be read `x` after each place.
 #[inline(always)]
-pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+pub unsafe fn measure<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     places: &[*mut V::Scalar; Q],
     x: usize,
-    mask: V::Mask,
     k: &Constants<V>,
-) -> Moments<V> {
+) -> Flow<V> {
     // Pair n is the directions n + 1 and n + 10: x, y, z, xy, x-y, xz, x-z, yz, y-z (positive one
     // last).
     macro_rules! at {
@@ -201,15 +237,9 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
             unsafe { V::load(places[$i].add(x)) }
         };
     }
-    macro_rules! first_at {
-        ($i:expr) => {{
-            prefetch_early(places[$i].wrapping_add(x + AHEAD * V::Scalar::LINE));
-            at!($i)
-        }};
-    }
     macro_rules! pair {
         ($n:literal) => {{
-            let (forth, back) = (first_at!($n + 10), first_at!($n + 1));
+            let (forth, back) = (at!($n + 10), at!($n + 1));
             (forth + back, forth - back)
         }};
     }
@@ -227,7 +257,7 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
     let j = [j_x + (j_xy + j_xz), j_y + (j_yx + j_yz), j_z + (j_zx + j_zy)];
     // sum_i c_ia c_ia h_i
     let normal = [xx + (xy + xz), yy + (xy + yz), zz + (xz + yz)];
-    let drho = first_at!(0) + (normal[0] + ((yy + zz) + yz));
+    let drho = at!(0) + (normal[0] + ((yy + zz) + yz));
 
     let rho = k.one + drho;
     let per_rho = k.one / rho;
@@ -244,13 +274,51 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
         let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &u, k);
         closure::<V, SINGLE>(square, per_rho, k)
     } else {
-        Rates { tau: k.tau, even: k.even, half_even: k.half_even, half_odd: k.half_odd }
+        k.rates()
     };
-    // Populations are read anew from here on, see above.
-    compiler_fence(Ordering::SeqCst);
-
     // heq_i + heq_i' = 2 w [drho - 3/2 rho u.u] + 9 w rho (c.u)^2,   heq_i - heq_i' = 6 w rho (c.u)
     let rest = (k.one_and_half * rho).mul_from(speed2, drho);
+    Flow { drho, j, speed2, target: Target { u, rho, rest }, rates }
+}
+
+/// Replaces the populations of a vector of cells, those `x` numbers after `places`, by their post-collision values,
+/// each in the place of the opposite direction. Lanes that `mask` lacks become zero.
+///
+/// Populations are read for the second time here, from the first-level cache, to be relaxed pair by pair: so nearly
+/// all values stay in registers.
+///
+/// See [`measure`] for the flags; `WHOLE`: the mask lacks no lane.
+///
+/// # Safety
+/// As for [`measure`], and as many numbers may be written.
+#[inline(always)]
+pub unsafe fn relax<
+    V: Lanes,
+    const FORCED: bool,
+    const LES: bool,
+    const SINGLE: bool,
+    const WHOLE: bool,
+>(
+    places: &[*mut V::Scalar; Q],
+    x: usize,
+    mask: V::Mask,
+    (target, rates): (&Target<V>, &Rates<V>),
+    k: &Constants<V>,
+) {
+    macro_rules! at {
+        ($i:expr) => {
+            // SAFETY: by contract.
+            unsafe { V::load(places[$i].add(x)) }
+        };
+    }
+    macro_rules! put {
+        ($i:expr, $value:expr) => {{
+            let value = if WHOLE { $value } else { $value.keep(mask) };
+            // SAFETY: by contract.
+            unsafe { value.store(places[$i].add(x)) }
+        }};
+    }
+    let Target { u, rho, rest } = *target;
     let even = [k.two_w[0] * rest, k.two_w[1] * rest];
     let square = [k.nine_w[0] * rho, k.nine_w[1] * rho];
     let linear = [k.six_w[0] * rho, k.six_w[1] * rho];
@@ -275,16 +343,12 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
         let source = k.w0 * rho * ua;
         g = g - if LES { e * source } else { source };
     }
-    // SAFETY: by contract.
-    unsafe { g.keep(mask).store(places[0].add(x)) };
+    put!(0, g);
     // Each population into the place of the opposite direction.
     macro_rules! stream {
         ($n:literal, $forth:expr, $back:expr) => {
-            // SAFETY: by contract.
-            unsafe {
-                $forth.keep(mask).store(places[$n + 1].add(x));
-                $back.keep(mask).store(places[$n + 10].add(x));
-            }
+            put!($n + 1, $forth);
+            put!($n + 10, $back);
         };
     }
     // Even and odd part apart.
@@ -344,18 +408,13 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
     } else {
         each_pair!(relax_parts);
     }
-    Moments {
-        drho: drho.keep(mask),
-        j: [j[0].keep(mask), j[1].keep(mask), j[2].keep(mask)],
-        speed2: speed2.keep(mask),
-        tau: rates.tau.keep(mask),
-    }
 }
 
 /// Relaxation of a vector of cells.
-struct Rates<V> {
+#[derive(Clone, Copy)]
+pub struct Rates<V> {
     /// `tau+`.
-    tau: V,
+    pub tau: V,
     /// `1/tau+`.
     even: V,
     /// `1/(2 tau+)`.
@@ -430,24 +489,32 @@ mod tests {
 
     /// Collides one cell.
     fn collided(h: &[f64; Q], r: &Relaxation, forced: bool) -> [f64; Q] {
-        // SAFETY: plain arrays need no instructions; each pointer is to one number.
-        unsafe {
-            let k = Constants::<One>::new(r);
-            let mut g = *h;
-            let first = g.as_mut_ptr();
-            let places = std::array::from_fn(|i| first.add(i));
-            match (forced, r.smagorinsky != 0.0, r.magic.is_none()) {
-                (false, false, false) => collide::<One, false, false, false>(&places, 0, 1, &k),
-                (false, false, true) => collide::<One, false, false, true>(&places, 0, 1, &k),
-                (false, true, false) => collide::<One, false, true, false>(&places, 0, 1, &k),
-                (false, true, true) => collide::<One, false, true, true>(&places, 0, 1, &k),
-                (true, false, false) => collide::<One, true, false, false>(&places, 0, 1, &k),
-                (true, false, true) => collide::<One, true, false, true>(&places, 0, 1, &k),
-                (true, true, false) => collide::<One, true, true, false>(&places, 0, 1, &k),
-                (true, true, true) => collide::<One, true, true, true>(&places, 0, 1, &k),
-            };
-            std::array::from_fn(|i| g[OPPOSITE[i]])
+        fn collide<const FORCED: bool, const LES: bool, const SINGLE: bool>(
+            places: &[*mut f64; Q],
+            r: &Relaxation,
+        ) {
+            // SAFETY: plain arrays need no instructions; each pointer is to one number.
+            unsafe {
+                let k = Constants::<One>::new(r);
+                let flow = measure::<One, FORCED, LES, SINGLE>(places, 0, &k);
+                let to = (&flow.target, &flow.rates);
+                relax::<One, FORCED, LES, SINGLE, false>(places, 0, 1, to, &k);
+            }
         }
+        let mut g = *h;
+        let first = g.as_mut_ptr();
+        let places = std::array::from_fn(|i| first.wrapping_add(i));
+        match (forced, r.smagorinsky != 0.0, r.magic.is_none()) {
+            (false, false, false) => collide::<false, false, false>(&places, r),
+            (false, false, true) => collide::<false, false, true>(&places, r),
+            (false, true, false) => collide::<false, true, false>(&places, r),
+            (false, true, true) => collide::<false, true, true>(&places, r),
+            (true, false, false) => collide::<true, false, false>(&places, r),
+            (true, false, true) => collide::<true, false, true>(&places, r),
+            (true, true, false) => collide::<true, true, false>(&places, r),
+            (true, true, true) => collide::<true, true, true>(&places, r),
+        }
+        std::array::from_fn(|i| g[OPPOSITE[i]])
     }
 
     fn some_state() -> [f64; Q] {

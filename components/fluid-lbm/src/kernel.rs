@@ -5,7 +5,7 @@
 //! other. A step reads and writes each number once: 19 of them a cell, and in odd steps 8 bytes for
 //! each line of 64 bytes and 76 bytes of the table of places for each run of lines.
 
-use crate::collision::{AHEAD, Constants, Relaxation, collide};
+use crate::collision::{AHEAD, Constants, Rates, Relaxation, Target, ask_ahead, measure, relax};
 use crate::field::{Field, Real, prefetch};
 use crate::halfway::HalfwayLinks;
 #[cfg(target_arch = "x86_64")]
@@ -15,6 +15,7 @@ use crate::lattice::Q;
 use crate::places::{Parity, Places};
 use crate::survey::{Sums, Survey};
 use crate::tally::Tally;
+use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_team::Variant;
@@ -312,7 +313,6 @@ unsafe fn gather<V: Lanes>(
     scratch: &mut Scratch<V::Scalar>,
 ) {
     let base = sweep.field.base();
-    let all = u32::MAX >> (32 - V::N);
     of_pieces!(sweep, line, |pieces| {
         let i = usize::from(pieces[0].dir);
         places[i] = scratch.0[i].as_mut_ptr();
@@ -326,7 +326,7 @@ unsafe fn gather<V: Lanes>(
             unsafe {
                 let mut v = V::splat(0.0);
                 for piece in pieces {
-                    let lanes = u32::from(piece.lanes) >> x & all;
+                    let lanes = u32::from(piece.lanes) >> x & all_lanes::<V>();
                     let from = base.wrapping_add(piece.place as usize + x);
                     v = v.load_lanes(from, V::mask(lanes));
                 }
@@ -344,7 +344,6 @@ unsafe fn gather<V: Lanes>(
 #[inline(always)]
 unsafe fn scatter<V: Lanes>(sweep: &Sweep<V::Scalar>, line: usize, scratch: &Scratch<V::Scalar>) {
     let base = sweep.field.base();
-    let all = u32::MAX >> (32 - V::N);
     of_pieces!(sweep, line, |pieces| {
         let i = usize::from(pieces[0].dir);
         let mut x = 0;
@@ -353,14 +352,30 @@ unsafe fn scatter<V: Lanes>(sweep: &Sweep<V::Scalar>, line: usize, scratch: &Scr
             unsafe {
                 let v = V::load(scratch.0[i].as_ptr().add(x));
                 for piece in pieces {
-                    let lanes = u32::from(piece.lanes) >> x & all;
+                    let lanes = u32::from(piece.lanes) >> x & all_lanes::<V>();
                     let to = base.wrapping_add(piece.place as usize + x);
-                    v.store_lanes(to, V::mask(lanes));
+                    v.store_lanes(to, lanes);
                 }
             }
             x += V::N;
         }
     });
+}
+
+/// Lines that are measured before the first of them relaxes. Relaxation waits for a chain of sums, a quotient and
+/// roots; a processor whose window of instructions one vector fills would wait with it, and measures other vectors in the
+/// meantime instead. Registers that hold a whole line make half as many instructions, which leave room in the window.
+const fn lines_together<V: Lanes>() -> usize {
+    if V::N == V::Scalar::LINE { 1 } else { 4 }
+}
+
+/// Vectors of so many lines at most.
+const VECTORS: usize = 32;
+
+/// What vectors relax to, and how fast those do that have rates of their own.
+struct Measured<V> {
+    targets: [MaybeUninit<Target<V>>; VECTORS],
+    rates: [MaybeUninit<Rates<V>>; VECTORS],
 }
 
 /// Collides lines that follow each other, the first of them at `places`, a vector at a time. Vectors without fluid
@@ -375,37 +390,129 @@ unsafe fn collide_run<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
     sweep: &Sweep<V::Scalar>,
     lines: Range<usize>,
     places: &[*mut V::Scalar; Q],
-    constants: &Constants<V>,
+    k: &Constants<V>,
     sums: &mut Sums<V>,
 ) {
-    let all = u32::MAX >> (32 - V::N);
+    const { assert!(lines_together::<V>() * V::Scalar::LINE <= VECTORS * V::N) };
+    let mut measured = Measured {
+        targets: [MaybeUninit::uninit(); VECTORS],
+        rates: [MaybeUninit::uninit(); VECTORS],
+    };
     let first = lines.start;
-    for line in lines {
-        let bits = line_bits::<V>(sweep.fluid, line);
-        if bits == 0 {
-            continue;
+    let mut start = first;
+    while start < lines.end {
+        let end = lines.end.min(start + lines_together::<V>());
+        let some = Lines { sweep, places, first, lines: [start, end] };
+        // SAFETY: by contract; what is relaxed was measured.
+        unsafe {
+            measure_lines::<V, FORCED, LES, SINGLE>(some, k, sums, &mut measured);
+            relax_lines::<V, FORCED, LES, SINGLE>(some, k, &measured);
         }
-        let drho = sweep.wanted.room(line);
-        let mut x = 0;
-        while x < V::Scalar::LINE {
-            let lanes = bits >> x & all;
-            if lanes != 0 {
-                // SAFETY: by contract.
-                unsafe {
-                    let mask = V::mask(lanes);
-                    let beyond = (line - first) * V::Scalar::LINE + x;
-                    let moments =
-                        collide::<V, FORCED, LES, SINGLE>(places, beyond, mask, constants);
-                    sums.add::<LES>(x, &moments);
-                    if !drho.is_null() {
-                        moments.drho.store(drho.add(x));
-                    }
+        start = end;
+    }
+}
+
+/// Some lines of a run.
+#[derive(Clone, Copy)]
+struct Lines<'a, T: Real> {
+    sweep: &'a Sweep<'a, T>,
+    /// Where the run's first line is, and which that is.
+    places: &'a [*mut T; Q],
+    first: usize,
+    /// The first of the lines, and the one after the last.
+    lines: [usize; 2],
+}
+
+impl<T: Real> Lines<'_, T> {
+    /// How far the first of the lines is from the run's, and the one after the last.
+    #[inline(always)]
+    fn reach(&self) -> [usize; 2] {
+        [(self.lines[0] - self.first) * T::LINE, (self.lines[1] - self.first) * T::LINE]
+    }
+}
+
+/// Measures lines of a run, see [`collide_run`].
+#[inline(always)]
+unsafe fn measure_lines<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+    some: Lines<V::Scalar>,
+    k: &Constants<V>,
+    sums: &mut Sums<V>,
+    measured: &mut Measured<V>,
+) {
+    let Lines { sweep, places, first, .. } = some;
+    let [mut at, end] = some.reach();
+    let mut vector = 0;
+    while at < end {
+        let (line, x) = (first + at / V::Scalar::LINE, at % V::Scalar::LINE);
+        let bits = line_bits::<V>(sweep.fluid, line);
+        if x == 0 && bits != 0 {
+            ask_ahead(places, at);
+        }
+        let lanes = bits >> x & all_lanes::<V>();
+        if lanes != 0 {
+            // SAFETY: by contract; there is room for all vectors of the lines.
+            unsafe {
+                let mut flow = measure::<V, FORCED, LES, SINGLE>(places, at, k);
+                measured.targets.get_unchecked_mut(vector).write(flow.target);
+                if LES {
+                    measured.rates.get_unchecked_mut(vector).write(flow.rates);
+                }
+                if lanes != all_lanes::<V>() {
+                    flow = flow.keep(V::mask(lanes));
+                }
+                sums.add::<LES>(x, &flow);
+                let drho = sweep.wanted.room(line);
+                if !drho.is_null() {
+                    flow.drho.store(drho.add(x));
                 }
             }
-            x += V::N;
         }
-        sums.end_line();
+        if x + V::N == V::Scalar::LINE && bits != 0 {
+            sums.end_line();
+        }
+        at += V::N;
+        vector += 1;
     }
+}
+
+/// Relaxes lines of a run that were measured, see [`collide_run`].
+#[inline(always)]
+unsafe fn relax_lines<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+    some: Lines<V::Scalar>,
+    k: &Constants<V>,
+    measured: &Measured<V>,
+) {
+    let Lines { sweep, places, first, .. } = some;
+    let [mut at, end] = some.reach();
+    let mut vector = 0;
+    while at < end {
+        let (line, x) = (first + at / V::Scalar::LINE, at % V::Scalar::LINE);
+        let lanes = line_bits::<V>(sweep.fluid, line) >> x & all_lanes::<V>();
+        if lanes != 0 {
+            // SAFETY: by contract; the vector was measured.
+            unsafe {
+                let target = measured.targets.get_unchecked(vector).assume_init_ref();
+                let rates = if LES {
+                    measured.rates.get_unchecked(vector).assume_init()
+                } else {
+                    k.rates()
+                };
+                let (to, mask) = ((target, &rates), V::mask(lanes));
+                if lanes == all_lanes::<V>() {
+                    relax::<V, FORCED, LES, SINGLE, true>(places, at, mask, to, k);
+                } else {
+                    relax::<V, FORCED, LES, SINGLE, false>(places, at, mask, to, k);
+                }
+            }
+        }
+        at += V::N;
+        vector += 1;
+    }
+}
+
+/// The bits of all lanes of a vector.
+const fn all_lanes<V: Lanes>() -> u32 {
+    u32::MAX >> (32 - V::N)
 }
 
 /// Which cells of a line are fluid.

@@ -45,11 +45,11 @@ pub trait Lanes:
     /// # Safety
     /// The numbers of the mask's lanes may be read.
     unsafe fn load_lanes(self, from: *const Self::Scalar, mask: Self::Mask) -> Self;
-    /// Writes the lanes of the mask to the numbers from `to` on, and leaves the others alone.
+    /// Writes the lanes whose bits are set to the numbers from `to` on, and leaves the others alone.
     ///
     /// # Safety
-    /// The numbers of the mask's lanes may be written.
-    unsafe fn store_lanes(self, to: *mut Self::Scalar, mask: Self::Mask);
+    /// The numbers of these lanes may be written.
+    unsafe fn store_lanes(self, to: *mut Self::Scalar, lanes: u32);
     /// `self * factor + addend`, rounded once.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
     /// `self * factor - subtrahend`, rounded once.
@@ -74,6 +74,33 @@ pub trait Lanes:
     /// # Safety
     /// `N` numbers may be read and written.
     unsafe fn add_to(self, sums: *mut f64);
+}
+
+/// Writes the numbers whose bits are set to where they would stand from `to` on: halves of `H` numbers at once where
+/// all of these are set, else one by one.
+///
+/// # Safety
+/// These may be written.
+#[inline(always)]
+unsafe fn write_lanes<T: Copy, const H: usize>(halves: &[[T; H]; 2], to: *mut T, lanes: u32) {
+    let whole = u32::MAX >> (32 - H);
+    let mut k = 0;
+    while k < 2 {
+        let (half, to) = (&halves[k], to.wrapping_add(k * H));
+        let mut left = lanes >> (k * H) & whole;
+        if left == whole {
+            // SAFETY: by contract.
+            unsafe { to.cast::<[T; H]>().write_unaligned(*half) };
+            left = 0;
+        }
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % H;
+            // SAFETY: by contract.
+            unsafe { *to.wrapping_add(lane) = half[lane] };
+            left &= left - 1;
+        }
+        k += 1;
+    }
 }
 
 /// Implements one arithmetic operator.
@@ -152,10 +179,10 @@ macro_rules! portable {
                 out
             }
             #[inline(always)]
-            unsafe fn store_lanes(self, to: *mut $real, mask: u32) {
+            unsafe fn store_lanes(self, to: *mut $real, lanes: u32) {
                 let mut k = 0;
                 while k < N {
-                    if mask >> k & 1 == 1 {
+                    if lanes >> k & 1 == 1 {
                         // SAFETY: by contract.
                         unsafe { *to.wrapping_add(k) = self.0[k] };
                     }
@@ -290,7 +317,7 @@ mod x86 {
                     Self(unsafe { $load_lanes })
                 }
                 #[inline(always)]
-                unsafe fn store_lanes(self, $to: *mut $real, $written: $mask) {
+                unsafe fn store_lanes(self, $to: *mut $real, $written: u32) {
                     let $new = self.0;
                     // SAFETY: by contract, and the value exists, so the instructions do.
                     unsafe { $store_lanes }
@@ -352,7 +379,7 @@ mod x86 {
         _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd _mm512_sqrt_pd
         _mm512_fmadd_pd _mm512_fmsub_pd _mm512_fnmadd_pd,
         load_lanes(old, from, lanes) _mm512_mask_loadu_pd(old, lanes, from),
-        store_lanes(v, to, lanes) _mm512_mask_storeu_pd(to, lanes, v),
+        store_lanes(v, to, lanes) _mm512_mask_storeu_pd(to, lanes as __mmask8, v),
         mask(bits) bits as __mmask8,
         keep(v, lanes) _mm512_maskz_mov_pd(lanes, v),
         add_to(v, sums) _mm512_storeu_pd(sums, _mm512_add_pd(_mm512_loadu_pd(sums), v))
@@ -365,7 +392,7 @@ mod x86 {
         _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps _mm512_sqrt_ps
         _mm512_fmadd_ps _mm512_fmsub_ps _mm512_fnmadd_ps,
         load_lanes(old, from, lanes) _mm512_mask_loadu_ps(old, lanes, from),
-        store_lanes(v, to, lanes) _mm512_mask_storeu_ps(to, lanes, v),
+        store_lanes(v, to, lanes) _mm512_mask_storeu_ps(to, lanes as __mmask16, v),
         mask(bits) bits as __mmask16,
         keep(v, lanes) _mm512_maskz_mov_ps(lanes, v),
         add_to(v, sums) {
@@ -385,7 +412,14 @@ mod x86 {
         _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd _mm256_sqrt_pd
         _mm256_fmadd_pd _mm256_fmsub_pd _mm256_fnmadd_pd,
         load_lanes(old, from, lanes) _mm256_blendv_pd(old, _mm256_maskload_pd(from, _mm256_castpd_si256(lanes)), lanes),
-        store_lanes(v, to, lanes) _mm256_maskstore_pd(to, _mm256_castpd_si256(lanes), v),
+        store_lanes(v, to, lanes) if lanes == 0xf {
+            _mm256_storeu_pd(to, v)
+        } else {
+            // Some processors take longer for a store with a mask than for all lanes one by one.
+            let mut halves = [[0.0; 2]; 2];
+            _mm256_storeu_pd(halves.as_mut_ptr().cast(), v);
+            write_lanes(&halves, to, lanes)
+        },
         mask(bits) unsafe {
             // SAFETY: by contract.
             let lane = _mm256_setr_epi64x(1, 2, 4, 8);
@@ -403,7 +437,14 @@ mod x86 {
         _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps _mm256_sqrt_ps
         _mm256_fmadd_ps _mm256_fmsub_ps _mm256_fnmadd_ps,
         load_lanes(old, from, lanes) _mm256_blendv_ps(old, _mm256_maskload_ps(from, _mm256_castps_si256(lanes)), lanes),
-        store_lanes(v, to, lanes) _mm256_maskstore_ps(to, _mm256_castps_si256(lanes), v),
+        store_lanes(v, to, lanes) if lanes == 0xff {
+            _mm256_storeu_ps(to, v)
+        } else {
+            // Some processors take longer for a store with a mask than for all lanes one by one.
+            let mut halves = [[0.0; 4]; 2];
+            _mm256_storeu_ps(halves.as_mut_ptr().cast(), v);
+            write_lanes(&halves, to, lanes)
+        },
         mask(bits) unsafe {
             // SAFETY: by contract.
             let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);

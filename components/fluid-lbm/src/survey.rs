@@ -1,6 +1,6 @@
 //! Sums and extremes over cells, taken while they collide.
 
-use crate::collision::Moments;
+use crate::collision::Flow;
 use crate::field::Real;
 use crate::lanes::Lanes;
 
@@ -84,9 +84,9 @@ impl<V: Lanes> Sums<V> {
         }
     }
 
-    /// Adds the moments of the vector at lane `lane` of a line.
+    /// Adds the vector at lane `lane` of a line.
     #[inline(always)]
-    pub fn add<const LES: bool>(&mut self, lane: usize, m: &Moments<V>) {
+    pub fn add<const LES: bool>(&mut self, lane: usize, flow: &Flow<V>) {
         debug_assert!(lane + V::N <= 16);
         let [drho, x, y, z] = &mut self.held;
         let hold = |held: &mut [V::Scalar; 16], value: V| {
@@ -94,15 +94,15 @@ impl<V: Lanes> Sums<V> {
             // SAFETY: `lane` is a multiple of N, which divides LINE, so `lane + N <= LINE <= 16`.
             unsafe { (V::load(held) + value).store(held) };
         };
-        hold(drho, m.drho);
-        hold(x, m.j[0]);
-        hold(y, m.j[1]);
-        hold(z, m.j[2]);
-        self.speed2 = m.speed2.max(self.speed2);
-        self.min_drho = m.drho.min(self.min_drho);
-        self.max_drho = m.drho.max(self.max_drho);
+        hold(drho, flow.drho);
+        hold(x, flow.j[0]);
+        hold(y, flow.j[1]);
+        hold(z, flow.j[2]);
+        self.speed2 = flow.speed2.max(self.speed2);
+        self.min_drho = flow.drho.min(self.min_drho);
+        self.max_drho = flow.drho.max(self.max_drho);
         if LES {
-            self.max_tau = m.tau.max(self.max_tau);
+            self.max_tau = flow.rates.tau.max(self.max_tau);
         }
     }
 
