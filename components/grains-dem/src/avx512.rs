@@ -6,7 +6,7 @@
 use crate::{
     bodies::Twist,
     contact::Steps,
-    fetch::fetch,
+    fetch::{fetch, fetch_line, fetch_lines},
     forces::Block,
     lanes::{LANES, Lane3},
     law::Reduced,
@@ -98,31 +98,6 @@ fn to_front<T: Copy + Default>(numbers: &mut [T; ROOM], at: usize) {
     numbers[..LANES].copy_from_slice(&some);
 }
 
-/// Asks for the line of memory that a place lies in, which need not exist.
-#[inline(always)]
-fn fetch_line(place: *const i8) {
-    // SAFETY: a prefetch reads nothing.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
-}
-
-/// Asks for what a step reads one after the other, of eight entries from `k` on.
-#[target_feature(enable = "avx512f")]
-#[inline]
-fn fetch_streams(block: &Block<'_>, k: usize) {
-    /// Asks for each line of eight values from `k` on, which need not be there.
-    #[inline(always)]
-    fn lines<T>(values: &[T], k: usize) {
-        let first = values.as_ptr().wrapping_add(k).cast::<i8>();
-        for byte in (0..LANES * size_of::<T>()).step_by(64) {
-            fetch_line(first.wrapping_add(byte));
-        }
-    }
-    lines(block.entries, k);
-    lines(block.reduced, k);
-    lines(block.xi, k);
-    lines(block.records, k);
-}
-
 /// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other; the
 /// others forget that they touched.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
@@ -135,7 +110,10 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     if let Some(ahead) = block.entries.get(k + AHEAD..k + AHEAD + LANES) {
         ahead.iter().for_each(|entry| fetch(balls, entry.other as usize));
     }
-    fetch_streams(block, k + STREAM);
+    fetch_lines::<_, LANES>(block.entries, k + STREAM);
+    fetch_lines::<_, LANES>(block.reduced, k + STREAM);
+    fetch_lines::<_, LANES>(block.xi, k + STREAM);
+    fetch_lines::<_, LANES>(block.records, k + STREAM);
     // SAFETY: an entry is two numbers of 32 bits; no more are read than `some` holds.
     let entries = unsafe { _mm512_maskz_loadu_epi64(valid, some.as_ptr().cast()) };
     let other = _mm512_cvtepi64_epi32(entries);

@@ -5,10 +5,27 @@
 pub(crate) fn fetch<T>(values: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]
     if let Some(value) = values.get(index) {
-        use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: the address is that of a value that is there; and a prefetch reads nothing.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()) };
+        fetch_line(std::ptr::from_ref(value).cast());
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = (values, index);
+}
+
+/// Brings the line of memory that a place lies in, which need not exist, towards the processor.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(crate) fn fetch_line(place: *const i8) {
+    use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    // SAFETY: a prefetch reads nothing.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
+}
+
+/// Brings each line of `COUNT` values from `index` on, which need not be there, towards the processor.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(crate) fn fetch_lines<T, const COUNT: usize>(values: &[T], index: usize) {
+    let first = values.as_ptr().wrapping_add(index).cast::<i8>();
+    for byte in (0..COUNT * size_of::<T>()).step_by(64) {
+        fetch_line(first.wrapping_add(byte));
+    }
 }

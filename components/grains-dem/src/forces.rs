@@ -157,8 +157,12 @@ const AHEAD: usize = 16;
 impl Block<'_> {
     fn evaluate(&mut self) {
         #[cfg(target_arch = "x86_64")]
-        if let Some(law) = self.scenery.one_law.filter(|law| law.variant == Variant::Avx512) {
-            return self.in_registers(law);
+        if let Some(law) = self.scenery.one_law {
+            match law.variant {
+                Variant::Avx512 => return self.in_registers(law),
+                Variant::Avx2 => return self.in_quads(law),
+                Variant::Portable => {}
+            }
         }
         let mut hits = [0; TOGETHER + LANES];
         let mut waiting = 0;

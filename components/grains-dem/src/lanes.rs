@@ -121,6 +121,77 @@ impl Neg for Plain {
     }
 }
 
+/// Implements [`Lane`] for a wrapped register by one intrinsic for each operation. Values of it exist only where
+/// the processor has the instructions.
+#[cfg(target_arch = "x86_64")]
+macro_rules! lane_of_register {
+    ($name:ident, $all:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $max:ident,
+     negated($a:ident) $negated:expr,
+     less($b:ident, $c:ident, $yes:ident, $no:ident) $less:expr,
+     at_most($d:ident, $e:ident, $yeah:ident, $nay:ident) $at_most:expr
+    ) => {
+        impl $crate::lanes::Lane for $name {
+            #[inline(always)]
+            fn all(self, value: f64) -> Self {
+                // SAFETY: `self` exists, so the instructions do.
+                Self(unsafe { $all(value) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn over(self, other: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $div(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn positive(self) -> Self {
+                // The second operand where the first is not larger.
+                // SAFETY: as above.
+                Self(unsafe { $max(self.0, $all(0.0)) })
+            }
+            #[inline(always)]
+            fn less(self, other: Self, yes: Self, no: Self) -> Self {
+                let ($b, $c, $yes, $no) = (self.0, other.0, yes.0, no.0);
+                // SAFETY: as above.
+                Self(unsafe { $less })
+            }
+            #[inline(always)]
+            fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+                let ($d, $e, $yeah, $nay) = (self.0, other.0, yes.0, no.0);
+                // SAFETY: as above.
+                Self(unsafe { $at_most })
+            }
+        }
+        impl core::ops::Neg for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                let $a = self.0;
+                // SAFETY: as above.
+                Self(unsafe { $negated })
+            }
+        }
+        $crate::lanes::lane_of_register!(Add::add, $name, $add);
+        $crate::lanes::lane_of_register!(Sub::sub, $name, $sub);
+        $crate::lanes::lane_of_register!(Mul::mul, $name, $mul);
+    };
+    ($trait:ident :: $method:ident, $name:ident, $intrinsic:ident) => {
+        impl core::ops::$trait for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: the values exist, so the instructions do.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+pub(crate) use lane_of_register;
+
 impl Lane3<Plain> {
     pub const ZERO: Self = Self { x: Plain::ZERO, y: Plain::ZERO, z: Plain::ZERO };
 

@@ -44,7 +44,7 @@
 //! About 500 floating-point operations go with these thousand bytes, so that memory is what counts.
 //! Blocks of spheres follow Morton's curve; every array is walked from its beginning to its end, and
 //! what is reached through an index is asked for some contacts ahead; so are the lists, because no
-//! processor follows as many arrays by itself. Contacts of one linear law are computed eight at once.
+//! processor follows as many arrays by itself. Contacts of one linear law are computed four or eight at once.
 //!
 //! # Same bits
 //!
@@ -55,6 +55,8 @@
 //! last bits. A body far away changes no bit of the others.
 
 mod acting;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod bodies;
@@ -111,6 +113,8 @@ mod placement;
 mod polyhedra;
 mod ports;
 mod probes;
+#[cfg(target_arch = "x86_64")]
+mod quad;
 mod random;
 mod resolve;
 mod roll;

@@ -145,27 +145,6 @@ fn turned<L: Lane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<
     xi + (cross - xi * t) * (angle.all(2.0) * t).over(one + t * t)
 }
 
-impl LinearLaw {
-    /// As [`forces`](Self::forces), of plain arrays in the instructions of the variant.
-    pub fn plain(&self, batch: &Batch<Plain>, steps: Steps) -> Outcome<Plain> {
-        #[cfg(target_arch = "x86_64")]
-        if self.variant != Variant::Portable {
-            return avx2(self, batch, steps);
-        }
-        self.forces(batch, steps)
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-fn avx2(law: &LinearLaw, batch: &Batch<Plain>, steps: Steps) -> Outcome<Plain> {
-    #[target_feature(enable = "avx2")]
-    fn inside(law: &LinearLaw, batch: &Batch<Plain>, steps: Steps) -> Outcome<Plain> {
-        law.forces(batch, steps)
-    }
-    // SAFETY: a variant is chosen only where it is available, and AVX-512 is not without AVX2.
-    unsafe { inside(law, batch, steps) }
-}
-
 impl Batch<Plain> {
     pub const ZERO: Self = Self {
         d: Lane3::ZERO,

@@ -1,4 +1,4 @@
-//! Contacts of one linear law, several at once.
+//! Contacts of one linear law, several at once, on any processor.
 
 use crate::{
     fetch::fetch,
@@ -23,7 +23,7 @@ impl Block<'_> {
                 self.put(&mut batch, lane, k as usize);
             }
             // Lanes beyond the last hit hold what was there before, and nobody takes them.
-            let outcome = law.plain(&batch, steps);
+            let outcome = law.forces(&batch, steps);
             for (lane, &k) in hits.iter().enumerate() {
                 self.take(&outcome, lane, k as usize);
             }

@@ -4,7 +4,7 @@
 //! A [`Wide`] exists only where the processor has AVX-512: only functions that demand it make one.
 //! Operations on values rely on that.
 
-use crate::lanes::{LANES, Lane};
+use crate::lanes::{LANES, lane_of_register};
 use core::arch::x86_64::*;
 
 /// Rows to columns.
@@ -83,81 +83,10 @@ pub(crate) fn rows([x, y, z]: [__m512d; 3]) -> [__m256d; LANES] {
 #[derive(Clone, Copy)]
 pub(crate) struct Wide(pub __m512d);
 
-/// Implements an operation by an expression of intrinsics.
-macro_rules! by_register {
-    ($value:expr) => {
-        // SAFETY: the values exist, so the instructions do.
-        Wide(unsafe { $value })
-    };
-}
-
-impl Lane for Wide {
-    #[inline(always)]
-    fn all(self, value: f64) -> Self {
-        by_register!(_mm512_set1_pd(value))
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        by_register!(_mm512_sqrt_pd(self.0))
-    }
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        by_register!(_mm512_div_pd(self.0, other.0))
-    }
-    #[inline(always)]
-    fn positive(self) -> Self {
-        // The second operand where the first is not larger.
-        by_register!(_mm512_max_pd(self.0, _mm512_setzero_pd()))
-    }
-    #[inline(always)]
-    fn less(self, other: Self, yes: Self, no: Self) -> Self {
-        by_register!(_mm512_mask_mov_pd(
-            no.0,
-            _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0),
-            yes.0
-        ))
-    }
-    #[inline(always)]
-    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
-        by_register!(_mm512_mask_mov_pd(
-            no.0,
-            _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0),
-            yes.0
-        ))
-    }
-}
-
-impl core::ops::Add for Wide {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        by_register!(_mm512_add_pd(self.0, other.0))
-    }
-}
-
-impl core::ops::Sub for Wide {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        by_register!(_mm512_sub_pd(self.0, other.0))
-    }
-}
-
-impl core::ops::Mul for Wide {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        by_register!(_mm512_mul_pd(self.0, other.0))
-    }
-}
-
-impl core::ops::Neg for Wide {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        by_register!(_mm512_castsi512_pd(_mm512_xor_si512(
-            _mm512_castpd_si512(self.0),
-            _mm512_set1_epi64(i64::MIN)
-        )))
-    }
-}
+lane_of_register!(
+    Wide,
+    _mm512_set1_pd _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_max_pd,
+    negated(a) _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(a), _mm512_set1_epi64(i64::MIN))),
+    less(a, b, yes, no) _mm512_mask_mov_pd(no, _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b), yes),
+    at_most(a, b, yes, no) _mm512_mask_mov_pd(no, _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b), yes)
+);
