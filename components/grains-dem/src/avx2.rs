@@ -1,4 +1,4 @@
-//! Contacts of one linear law, four at once in registers of AVX2.
+//! Contacts of one linear law, twice four at once in registers of AVX2.
 //!
 //! The formula is that of [`LinearLaw::forces`], whose bits it gives; what is here reads the bodies and
 //! histories of four contacts, each in few pieces, and turns rows into lanes and back. The twin of it for
@@ -7,11 +7,10 @@
 use crate::{
     Vec3,
     bodies::{Ball, Twist},
-    contact::Steps,
-    fetch::{fetch, fetch_line, fetch_lines},
+    fetch::{fetch_line, fetch_lines},
     forces::Block,
-    lanes::Lane3,
-    linear::{Batch, LinearLaw},
+    lanes::{LANES, Lane3},
+    linear::{Batch, LinearLaw, Outcome},
     pairs::{ACTING, BLOCK, Entry, Record, TOUCHING},
     periodic::SELF_IMAGE,
     quad::{QUAD, Quad, transposed},
@@ -29,7 +28,7 @@ const AHEAD: usize = 32;
 const STREAM: usize = 96;
 
 /// Room for the entries that act, those that wait for company, and a whole register at the end.
-const ROOM: usize = TOGETHER + 2 * QUAD;
+const ROOM: usize = TOGETHER + 2 * LANES;
 
 /// A bit in the lowest place of each byte of a word.
 const BIT_OF_EACH: u32 = 0x0101_0101;
@@ -61,7 +60,7 @@ struct Hits {
 }
 
 impl Block<'_> {
-    /// Evaluates the contacts of the block, four at once.
+    /// Evaluates the contacts of the block.
     pub fn in_quads(&mut self, law: LinearLaw) {
         // SAFETY: a variant is chosen only where it is available.
         unsafe { evaluate(self, law) }
@@ -73,11 +72,12 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
     let mut hits = Hits { count: 0, k: [0; ROOM], touched: [0; ROOM], rows: [[0.0; QUAD]; ROOM] };
     let entries = block.entries.len();
     assert!(entries <= block.records.len() && entries <= block.xi.len());
+    let reach = block.scenery.reach();
     for begin in (0..entries).step_by(TOGETHER) {
         let end = entries.min(begin + TOGETHER);
         let waiting = hits.count;
         for k in (begin..end).step_by(QUAD) {
-            find(block, k, &mut hits);
+            find(block, k, reach, &mut hits);
         }
         for &k in &hits.k[waiting..hits.count] {
             let other = block.entries[k as usize].other as usize;
@@ -87,9 +87,9 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
             fetch_line(predicted.cast::<i8>().wrapping_add(size_of::<Twist>() - 1));
         }
         // Whole batches at once; the rest waits for company.
-        let ready = if end == entries { hits.count } else { hits.count / QUAD * QUAD };
-        for at in (0..ready).step_by(QUAD) {
-            batch(block, &law, &hits, at, QUAD.min(ready - at));
+        let ready = if end == entries { hits.count } else { hits.count / LANES * LANES };
+        for at in (0..ready).step_by(LANES) {
+            batch(block, &law, &hits, at, LANES.min(ready - at));
         }
         hits.forget(ready);
     }
@@ -106,17 +106,19 @@ impl Hits {
     }
 }
 
-/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other; the
-/// others forget that they touched.
+/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other up to a gap of
+/// `reach`; the others forget that they touched.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
+fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut Hits) {
     let scenery = block.scenery;
     let balls = &scenery.bodies.balls[..];
     let some = &block.entries[k..block.entries.len().min(k + QUAD)];
     let count = some.len();
     if let Some(ahead) = block.entries.get(k + AHEAD..k + AHEAD + QUAD) {
-        ahead.iter().for_each(|entry| fetch(balls, entry.other as usize));
+        for entry in ahead {
+            fetch_line(balls.as_ptr().wrapping_add(entry.other as usize).cast());
+        }
     }
     fetch_lines::<_, QUAD>(block.entries, k + STREAM);
     fetch_lines::<_, QUAD>(block.reduced, k + STREAM);
@@ -128,15 +130,16 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
         short[..count].copy_from_slice(some);
         &short
     });
-    let (of_i, of_j) = bodies_of(entries, block.first, balls.len());
-    let shift = shifts(block, entries, &of_i, &of_j);
+    assert!(exist(entries, block.first, balls.len()), "entries of bodies that are there");
+    let shift = displacements(scenery.shifts, entries);
     let (mut tested, mut kept) = ([_mm256_setzero_pd(); QUAD], [_mm256_setzero_pd(); QUAD]);
     for l in 0..QUAD {
         const { assert!(size_of::<Ball>() == 32) };
+        let (i, j) = (entries[l].body(block.first), entries[l].other as usize);
         // SAFETY: the bodies exist, and a ball is four numbers.
         let (i, j) = unsafe {
-            let at = |body: u32| _mm256_loadu_pd(balls.as_ptr().add(body as usize).cast());
-            (at(of_i[l]), at(of_j[l]))
+            let at = |body| _mm256_loadu_pd(balls.as_ptr().add(body).cast());
+            (at(i), at(j))
         };
         let d = _mm256_add_pd(_mm256_sub_pd(j, i), shift[l]);
         tested[l] = _mm256_blend_pd::<0b1000>(d, _mm256_add_pd(i, j));
@@ -144,7 +147,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     }
     let [x, y, z, radii] = transposed(tested).map(Quad);
     let d = Lane3 { x, y, z };
-    let reach = _mm256_add_pd(radii.0, _mm256_set1_pd(scenery.reach()));
+    let reach = _mm256_add_pd(radii.0, _mm256_set1_pd(reach));
     let square = _mm256_mul_pd(reach, reach);
     let touches = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(d.dot(d).0, square));
     let touches = touches as usize & (0xf >> (QUAD - count));
@@ -163,7 +166,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     let mut changes = (before ^ after) & BIT_OF_EACH;
     while changes != 0 {
         let l = changes.trailing_zeros() as usize / 8;
-        block.changed.note(of_i[l] as usize, of_j[l] as usize);
+        block.changed.note(entries[l].body(block.first), entries[l].other as usize);
         changes &= changes - 1;
     }
     let touched = (before >> 1 & BIT_OF_EACH).to_le_bytes();
@@ -182,78 +185,68 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     hits.count = at;
 }
 
-/// Bodies of entries of a block that begins at body `first`: those whose contacts they are, and the others.
-///
-/// # Panics
-/// If one is not among the `count` bodies.
+/// Whether the bodies of entries of a block that begins at body `first` are among the `count` bodies.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn bodies_of(entries: &[Entry; QUAD], first: usize, count: usize) -> ([u32; QUAD], [u32; QUAD]) {
+fn exist(entries: &[Entry; QUAD], first: usize, count: usize) -> bool {
     const { assert!(size_of::<Entry>() == 8) };
     // SAFETY: an entry is two numbers of 32 bits, the other and the tags.
     let entries = unsafe { _mm256_loadu_si256(entries.as_ptr().cast()) };
-    let order = _mm256_setr_epi32(0, 2, 4, 6, 1, 3, 5, 7);
-    let sorted = _mm256_permutevar8x32_epi32(entries, order);
-    let (other, tags) = (_mm256_castsi256_si128(sorted), _mm256_extracti128_si256::<1>(sorted));
-    let place = _mm_and_si128(tags, _mm_set1_epi32(BLOCK as i32 - 1));
-    let body = _mm_add_epi32(_mm_set1_epi32(first as i32), place);
-    let most = _mm_max_epu32(other, body);
-    let exist = _mm_cmpeq_epi32(most, _mm_min_epu32(most, _mm_set1_epi32(count as i32 - 1)));
-    assert!(_mm_movemask_epi8(exist) == 0xffff, "entries of bodies that are there");
-    let (mut of_i, mut of_j) = ([0; QUAD], [0; QUAD]);
-    // SAFETY: both have room for a register of 16 bytes.
-    unsafe {
-        _mm_storeu_si128(of_i.as_mut_ptr().cast(), body);
-        _mm_storeu_si128(of_j.as_mut_ptr().cast(), other);
-    }
-    (of_i, of_j)
+    let others_alone = _mm256_set1_epi64x(u32::MAX.into());
+    let other = _mm256_and_si256(entries, others_alone);
+    let place =
+        _mm256_and_si256(_mm256_srli_epi64::<32>(entries), _mm256_set1_epi64x(BLOCK as i64 - 1));
+    let body = _mm256_add_epi64(_mm256_set1_epi64x(first as i64), place);
+    let beyond = _mm256_set1_epi64x(count as i64);
+    let both =
+        _mm256_and_si256(_mm256_cmpgt_epi64(beyond, other), _mm256_cmpgt_epi64(beyond, body));
+    _mm256_movemask_epi8(both) == -1
 }
 
 /// Displacements of the images through which the others are seen, with 0 as the fourth number.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn shifts(
-    block: &Block<'_>,
-    entries: &[Entry; QUAD],
-    i: &[u32; QUAD],
-    j: &[u32; QUAD],
-) -> [__m256d; QUAD] {
-    let scenery = block.scenery;
-    let mut shifts = [_mm256_setzero_pd(); QUAD];
-    let is_seen_itself = entries.iter().fold(true, |all, e| all & (e.image() == SELF_IMAGE));
-    if is_seen_itself && !scenery.crossed {
-        return shifts;
-    }
-    for l in 0..QUAD {
-        let mut image = entries[l].image() as i32;
-        if scenery.crossed {
-            let crossed = &scenery.bodies.crossed;
-            image += crossed[j[l] as usize] - crossed[i[l] as usize];
+fn displacements(shifts: &[Vec3; 27], entries: &[Entry; QUAD]) -> [__m256d; QUAD] {
+    // No array of images: one that is written number by number and read as a whole stalls.
+    let differ = entries.iter().fold(0, |differ, entry| differ | (entry.image() ^ SELF_IMAGE));
+    let mut displacements = [_mm256_setzero_pd(); QUAD];
+    if differ != 0 {
+        for l in 0..QUAD {
+            let shift = shifts[entries[l].image() as usize];
+            displacements[l] = _mm256_setr_pd(shift.x, shift.y, shift.z, 0.0);
         }
-        let shift = scenery.shifts[image as usize];
-        shifts[l] = _mm256_setr_pd(shift.x, shift.y, shift.z, 0.0);
     }
-    shifts
+    displacements
 }
 
 /// Evaluates `count` contacts from `at` on.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: usize) {
-    let steps: Steps = block.scenery.steps;
+    const { assert!(LANES == 2 * QUAD) };
+    // Lanes beyond the last hit hold what was there before, or nought; nobody takes them.
+    let [first, second] = [at, at + QUAD].map(|at| std::array::from_fn(|l| hits.k[at + l]));
+    let input = read(block, hits, at, &first).beside(read(block, hits, at + QUAD, &second));
+    let [out, later] = law.forces(&input, block.scenery.steps).halves();
+    write(block, &out, &first, QUAD.min(count));
+    if count > QUAD {
+        write(block, &later, &second, count - QUAD);
+    }
+}
+
+/// What the formula takes of the entries `of_k`, which are the hits from `at` on.
+#[target_feature(enable = "avx2,fma")]
+#[inline]
+fn read(block: &Block<'_>, hits: &Hits, at: usize, of_k: &[u32; QUAD]) -> Batch<Quad> {
     let bodies = block.scenery.bodies;
     let (balls, predicted) = (&bodies.balls[..], &bodies.predicted[..]);
-    let of_k: [u32; QUAD] = std::array::from_fn(|l| hits.k[at + l]);
-    let (mut of_i, mut of_j, mut root_mass) = ([0; QUAD], [0; QUAD], [0.0; QUAD]);
-    // Lanes beyond the last hit hold what was there before, or nought; nobody takes them.
+    let mut root_mass = [0.0; QUAD];
     let none = [_mm256_setzero_pd(); QUAD];
     let (mut d, mut v, mut w_i, mut w_j, mut xi, mut old) = (none, none, none, none, none, none);
     let three = _mm256_setr_epi64x(-1, -1, -1, 0);
     for l in 0..QUAD {
         let k = of_k[l] as usize;
-        let entry = block.entries[k];
-        (of_i[l], of_j[l]) = (entry.body(block.first), entry.other as usize);
-        let (i, j) = (of_i[l], of_j[l]);
+        let (i, j) = block.bodies(k);
         debug_assert!(i < predicted.len() && j < predicted.len() && k < block.records.len());
         root_mass[l] = block.reduced[k].root_mass;
         // SAFETY: `find` looked that the bodies of an entry exist; a ball is four numbers and a twist six. `evaluate`
@@ -280,21 +273,24 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: 
     let [n_x, n_y, n_z, _] = transposed(old).map(Quad);
     let touched: [u8; QUAD] = std::array::from_fn(|l| hits.touched[at + l]);
     let touched = _mm_cvtepu8_epi32(_mm_cvtsi32_si128(i32::from_le_bytes(touched)));
-    let xi = Lane3 { x: xi_x, y: xi_y, z: xi_z };
-    let input = Batch {
+    Batch {
         d: Lane3 { x: d_x, y: d_y, z: d_z },
         radius_i,
         radius_j,
         v: Lane3 { x: v_x, y: v_y, z: v_z },
         w_i: Lane3 { x: wi_x, y: wi_y, z: wi_z },
         w_j: Lane3 { x: wj_x, y: wj_y, z: wj_z },
-        xi,
+        xi: Lane3 { x: xi_x, y: xi_y, z: xi_z },
         old: Lane3 { x: n_x, y: n_y, z: n_z },
         touching: Quad(_mm256_cvtepi32_pd(touched)),
         root_mass: Quad(_mm256_setr_pd(root_mass[0], root_mass[1], root_mass[2], root_mass[3])),
-    };
-    let out = law.forces(&input, steps);
+    }
+}
 
+/// Keeps what the formula gave for the first `count` of the entries `of_k`.
+#[target_feature(enable = "avx2,fma")]
+#[inline]
+fn write(block: &mut Block<'_>, out: &Outcome<Quad>, of_k: &[u32; QUAD], count: usize) {
     // Rounding: where the distance was a hair less than the reach they do not touch after all.
     let valid = 0xf >> (QUAD - count);
     let overlap = out.overlap.0;
@@ -304,25 +300,23 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: 
     let (n, t) = (out.normal, out.tangential);
     let first = transposed([n.x.0, n.y.0, n.z.0, keep(t.x)]);
     let second = transposed([keep(t.y), keep(t.z), keep(out.force), overlap]);
-    let changed = |new: Quad, old: Quad| _mm256_blendv_pd(old.0, new.0, touching);
-    let [x, y, z] = [changed(out.xi.x, xi.x), changed(out.xi.y, xi.y), changed(out.xi.z, xi.z)];
-    let rows = transposed([x, y, z, z]);
+    let rows = transposed([out.xi.x.0, out.xi.y.0, out.xi.z.0, overlap]);
     for l in 0..count {
         let k = of_k[l] as usize;
         const { assert!(size_of::<Record>() == 64 && size_of::<Vec3>() == 24) };
-        // SAFETY: as above; a record is two registers of four numbers, a displacement three.
+        // SAFETY: `evaluate` looked that each entry has a record and a displacement; a record is two registers of
+        // four numbers, a displacement three.
         unsafe {
             let record = block.records.as_mut_ptr().add(k).cast::<f64>();
             _mm256_store_pd(record, first[l]);
             _mm256_store_pd(record.add(QUAD), second[l]);
-            let to = block.xi.as_mut_ptr().add(k).cast::<f64>();
-            _mm_storeu_pd(to, _mm256_castpd256_pd128(rows[l]));
-            _mm_store_sd(to.add(2), _mm256_extractf128_pd::<1>(rows[l]));
-        }
-    }
-    if touches != valid {
-        for l in (0..count).filter(|l| touches >> l & 1 == 0) {
-            block.state[of_k[l] as usize] = ACTING;
+            if touches >> l & 1 == 1 {
+                let to = block.xi.as_mut_ptr().add(k).cast::<f64>();
+                _mm_storeu_pd(to, _mm256_castpd256_pd128(rows[l]));
+                _mm_store_sd(to.add(2), _mm256_extractf128_pd::<1>(rows[l]));
+            } else {
+                block.state[k] = ACTING;
+            }
         }
     }
     let above = |bound: f64| {
@@ -336,7 +330,8 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: 
         // SAFETY: there is room for a register.
         unsafe { _mm256_storeu_pd(ratio.as_mut_ptr(), out.ratio.0) };
         for l in (0..count).filter(|l| deepest >> l & 1 == 1) {
-            block.tally.deepen(ratio[l], of_i[l] as u32, Other::Body(of_j[l] as u32));
+            let (i, j) = block.bodies(of_k[l] as usize);
+            block.tally.deepen(ratio[l], i as u32, Other::Body(j as u32));
         }
     }
 }

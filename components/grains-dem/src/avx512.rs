@@ -4,6 +4,7 @@
 //! histories of eight contacts, each in few pieces, and turns rows into lanes and back.
 
 use crate::{
+    Vec3,
     bodies::Twist,
     contact::Steps,
     fetch::{fetch, fetch_line, fetch_lines},
@@ -140,7 +141,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
     }
     let [x_i, y_i, z_i, r_i, x_j, y_j, z_j, r_j] = transposed(rows);
     let images = _mm256_and_si256(_mm256_srli_epi32::<9>(tags), _mm256_set1_epi32(31));
-    let shift = shifts(block, (valid, images), &of_i, &of_j);
+    let shift = displacements(block.scenery.shifts, valid, images);
     let d = Lane3 {
         x: Wide(_mm512_add_pd(_mm512_sub_pd(x_j, x_i), shift[0])),
         y: Wide(_mm512_add_pd(_mm512_sub_pd(y_j, y_i), shift[1])),
@@ -210,35 +211,16 @@ fn twice(bits: u8) -> u16 {
 /// Displacements of the images through which the others are seen; none in lanes that hold no entry.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
-fn shifts(
-    block: &Block<'_>,
-    (valid, images): (__mmask8, __m256i),
-    i: &[u32; LANES],
-    j: &[u32; LANES],
-) -> [__m512d; 3] {
-    let scenery = block.scenery;
+fn displacements(shifts: &[Vec3; 27], valid: __mmask8, images: __m256i) -> [__m512d; 3] {
     let own = _mm256_set1_epi32(SELF_IMAGE as i32);
-    let mut images = _mm256_mask_mov_epi32(own, valid, images);
-    if scenery.crossed {
-        let (mut of_i, mut of_j) = ([0; LANES], [0; LANES]);
-        for l in 0..LANES {
-            of_i[l] = scenery.bodies.crossed[i[l] as usize];
-            of_j[l] = scenery.bodies.crossed[j[l] as usize];
-        }
-        // SAFETY: both are registers of 32 bytes.
-        let (of_i, of_j) = unsafe {
-            (_mm256_loadu_si256(of_i.as_ptr().cast()), _mm256_loadu_si256(of_j.as_ptr().cast()))
-        };
-        let moved = _mm256_sub_epi32(of_j, of_i);
-        images = _mm256_mask_add_epi32(images, valid, images, moved);
-    }
+    let images = _mm256_mask_mov_epi32(own, valid, images);
     if _mm256_cmpeq_epi32_mask(images, own) == 0xff {
         return [_mm512_setzero_pd(); 3];
     }
     let mut numbers = [0_u32; LANES];
     // SAFETY: there is room for a register of 32 bytes.
     unsafe { _mm256_storeu_si256(numbers.as_mut_ptr().cast(), images) };
-    let shifts = numbers.map(|image| scenery.shifts[image as usize]);
+    let shifts = numbers.map(|image| shifts[image as usize]);
     let lane = |a: usize| shifts.map(|shift| shift[a]);
     // SAFETY: an array of eight numbers is read.
     [0, 1, 2].map(|a| unsafe { _mm512_loadu_pd(lane(a).as_ptr()) })

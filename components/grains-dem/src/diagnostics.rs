@@ -239,10 +239,10 @@ fn spring_of_pair(pairs: &Pairs, at: &Scenery, i: usize, place: u32) -> Option<f
     // Seen from the other side all vectors are the opposite, and the energy is the same.
     let (i, j, d, memory) = if place.is_multiple_of(2) {
         let j = entry.other as usize;
-        (i, j, at.between(i, j, entry.image()), pairs.memory(k))
+        (i, j, at.through(i, j, entry.image() as usize), pairs.memory(k))
     } else {
         let j = pairs.body_of(k);
-        (i, j, -at.between(j, i, entry.image()), pairs.memory(k).of_other_side())
+        (i, j, -at.through(j, i, entry.image() as usize), pairs.memory(k).of_other_side())
     };
     if bodies.rank[j] < bodies.rank[i] {
         return None;

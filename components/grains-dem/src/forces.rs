@@ -73,16 +73,19 @@ impl Scenery<'_> {
         squeeze.resistance(-contact.overlap, pair.radius) * contact.velocity.dot(&contact.normal)
     }
 
-    /// From centre to centre of a pair.
+    /// From centre to centre of a pair, seen through an image.
+    #[inline(always)]
+    pub fn through(&self, i: usize, j: usize, image: usize) -> Vec3 {
+        // The difference first: the other way round it is then exactly the opposite.
+        (self.bodies.balls[j].x - self.bodies.balls[i].x) + self.shifts[image]
+    }
+
+    /// The same where the image is that of the time when neighbours were listed.
     #[inline(always)]
     pub fn between(&self, i: usize, j: usize, image: u32) -> Vec3 {
-        let bodies = self.bodies;
-        let mut image = image as i32;
-        if self.crossed {
-            image += bodies.crossed[j] - bodies.crossed[i];
-        }
-        // The difference first: the other way round it is then exactly the opposite.
-        (bodies.balls[j].x - bodies.balls[i].x) + self.shifts[image as usize]
+        let crossed = &self.bodies.crossed;
+        let moved = if self.crossed { crossed[j] - crossed[i] } else { 0 };
+        self.through(i, j, (image as i32 + moved) as usize)
     }
 }
 
@@ -219,7 +222,7 @@ impl Block<'_> {
     #[inline(always)]
     pub fn pair(&self, k: usize) -> (usize, usize, Vec3) {
         let (i, j) = self.bodies(k);
-        (i, j, self.scenery.between(i, j, self.entries[k].image()))
+        (i, j, self.scenery.through(i, j, self.entries[k].image() as usize))
     }
 
     fn one_by_one(&mut self, k: usize) {

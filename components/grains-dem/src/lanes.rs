@@ -121,6 +121,75 @@ impl Neg for Plain {
     }
 }
 
+/// Numbers of twice as many contacts: where one half waits for a root or a quotient, the other goes on.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+pub(crate) struct Both<L>(pub L, pub L);
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Lane for Both<L> {
+    #[inline(always)]
+    fn all(self, value: f64) -> Self {
+        Self(self.0.all(value), self.1.all(value))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self(self.0.over(other.0), self.1.over(other.1))
+    }
+    #[inline(always)]
+    fn positive(self) -> Self {
+        Self(self.0.positive(), self.1.positive())
+    }
+    #[inline(always)]
+    fn less(self, other: Self, yes: Self, no: Self) -> Self {
+        Self(self.0.less(other.0, yes.0, no.0), self.1.less(other.1, yes.1, no.1))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+        Self(self.0.at_most(other.0, yes.0, no.0), self.1.at_most(other.1, yes.1, no.1))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Add for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0, self.1 + other.1)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Sub for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0, self.1 - other.1)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Mul for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0 * other.0, self.1 * other.1)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Neg for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
+    }
+}
+
 /// Implements [`Lane`] for a wrapped register by one intrinsic for each operation. Values of it exist only where
 /// the processor has the instructions.
 #[cfg(target_arch = "x86_64")]
@@ -203,6 +272,26 @@ impl Lane3<Plain> {
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L> Lane3<L> {
+    /// Vectors of these contacts, and of others.
+    #[inline(always)]
+    pub fn beside(self, other: Self) -> Lane3<Both<L>> {
+        let (a, b) = (self, other);
+        Lane3 { x: Both(a.x, b.x), y: Both(a.y, b.y), z: Both(a.z, b.z) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L> Lane3<Both<L>> {
+    /// Those of either half.
+    #[inline(always)]
+    pub fn halves(self) -> [Lane3<L>; 2] {
+        let Self { x, y, z } = self;
+        [Lane3 { x: x.0, y: y.0, z: z.0 }, Lane3 { x: x.1, y: y.1, z: z.1 }]
     }
 }
 

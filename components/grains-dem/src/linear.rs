@@ -9,6 +9,9 @@ use crate::{
 use tremie_messages::scene::Spring;
 use tremie_team::Variant;
 
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::Both;
+
 /// What the formula takes of contacts side by side.
 #[derive(Clone, Copy)]
 pub(crate) struct Batch<L> {
@@ -143,6 +146,51 @@ fn turned<L: Lane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<
     let t = angle.all(0.5) * angle;
     let cross = n.cross(xi);
     xi + (cross - xi * t) * (angle.all(2.0) * t).over(one + t * t)
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L> Batch<L> {
+    /// These contacts, and others.
+    #[inline(always)]
+    pub fn beside(self, other: Self) -> Batch<Both<L>> {
+        let (a, b) = (self, other);
+        Batch {
+            d: a.d.beside(b.d),
+            radius_i: Both(a.radius_i, b.radius_i),
+            radius_j: Both(a.radius_j, b.radius_j),
+            v: a.v.beside(b.v),
+            w_i: a.w_i.beside(b.w_i),
+            w_j: a.w_j.beside(b.w_j),
+            xi: a.xi.beside(b.xi),
+            old: a.old.beside(b.old),
+            touching: Both(a.touching, b.touching),
+            root_mass: Both(a.root_mass, b.root_mass),
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L> Outcome<Both<L>> {
+    /// Those of either half.
+    #[inline(always)]
+    pub fn halves(self) -> [Outcome<L>; 2] {
+        let [normal, later_normal] = self.normal.halves();
+        let [tangential, later_tangential] = self.tangential.halves();
+        let [xi, later_xi] = self.xi.halves();
+        let (Both(force, later_force), Both(overlap, later_overlap)) = (self.force, self.overlap);
+        let Both(ratio, later_ratio) = self.ratio;
+        [
+            Outcome { normal, tangential, force, overlap, ratio, xi },
+            Outcome {
+                normal: later_normal,
+                tangential: later_tangential,
+                force: later_force,
+                overlap: later_overlap,
+                ratio: later_ratio,
+                xi: later_xi,
+            },
+        ]
+    }
 }
 
 impl Batch<Plain> {

@@ -49,6 +49,12 @@ impl Entry {
         self.tags >> 9 & 31
     }
 
+    /// Sees the other through another image, whose number differs by that of a crossing.
+    fn look_across(&mut self, by: i32) {
+        let image = (self.image() as i32 + by) as u32 % 32;
+        self.tags = self.tags & !(31 << 9) | image << 9;
+    }
+
     /// Number of the law.
     #[inline(always)]
     pub fn law(self) -> usize {
@@ -149,6 +155,9 @@ pub(crate) struct Pairs {
     pub places: Vec<u32>,
     /// Those of them that act.
     pub acting: Acting,
+    /// Across which periodic faces each body went since the list was made, as far as entries know; see
+    /// [`Bodies::crossed`](crate::bodies::Bodies::crossed).
+    pub crossed: Vec<i32>,
 }
 
 impl Pairs {
@@ -162,6 +171,25 @@ impl Pairs {
     #[inline(always)]
     pub fn acting_on(&self, i: usize) -> &[u32] {
         self.acting.of(i, self.collected[i])
+    }
+
+    /// Looks for bodies that went across periodic faces, among those of the blocks that say that some did: their
+    /// entries see others through other images from here on. Few do in a step, so that contacts need not ask.
+    pub fn follow(&mut self, crossed: &[i32], blocks: impl Iterator<Item = usize>) {
+        for b in blocks {
+            for i in b * BLOCK..crossed.len().min((b + 1) * BLOCK) {
+                let by = crossed[i] - self.crossed[i];
+                if by == 0 {
+                    continue;
+                }
+                self.crossed[i] = crossed[i];
+                for place in self.collected[i]..self.collected[i + 1] {
+                    let place = self.places[place as usize];
+                    let sign = if place.is_multiple_of(2) { -1 } else { 1 };
+                    self.entries[(place / 2) as usize].look_across(sign * by);
+                }
+            }
+        }
     }
 
     /// Index of the body whose contact entry k is.

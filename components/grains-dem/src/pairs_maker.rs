@@ -59,6 +59,8 @@ impl PairsMaker {
     pub fn make(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, near: &Nearness) {
         std::mem::swap(pairs, &mut self.before);
         self.find(pairs, team, bodies, near);
+        pairs.crossed.clear();
+        pairs.crossed.resize(bodies.len(), 0);
         self.fill(pairs, team, bodies, near);
         self.collect(pairs, team, bodies);
     }

@@ -362,7 +362,11 @@ impl GrainsDem {
         self.clumps.begin(bodies, forces, step);
         integrate::first_half(team, bodies, bounds, forces, step, &mut self.reaches);
         let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
-        self.crossed |= reach.crossed;
+        if reach.crossed {
+            self.crossed = true;
+            let blocks = (0..).zip(&self.reaches).filter(|(_, reach)| reach.crossed);
+            self.search.pairs.follow(&self.bodies.crossed, blocks.map(|(b, _)| b));
+        }
         self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
         self.clumps.end(&mut self.bodies);
