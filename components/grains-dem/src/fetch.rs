@@ -11,6 +11,15 @@ pub(crate) fn fetch<T>(values: &[T], index: usize) {
     let _ = (values, index);
 }
 
+/// As [`fetch`], where nobody need look whether the value is there.
+#[inline(always)]
+pub(crate) fn fetch_ahead<T>(values: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    fetch_line(values.as_ptr().wrapping_add(index).cast());
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (values, index);
+}
+
 /// Brings the line of memory that a place lies in, which need not exist, towards the processor.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]

@@ -135,7 +135,9 @@ pub(crate) fn first_half(
     );
     let (load, mobility) = (&bodies.load, &bodies.mobility);
     team.for_pieces(pieces, |b, arrays| {
-        Variant::widest().run(FirstHalf { b, arrays, load, mobility, bounds, forces, dt, finish });
+        let variant = Variant::widest();
+        let step = (dt, finish);
+        variant.run(FirstHalf { b, arrays, load, mobility, bounds, forces, step, variant });
     });
 }
 
@@ -158,17 +160,18 @@ struct FirstHalf<'a> {
     mobility: &'a [Mobility],
     bounds: &'a PeriodicBox,
     forces: Forces<'a>,
-    dt: f64,
-    finish: bool,
+    step: (f64, bool),
+    variant: Variant,
 }
 
 impl Work for FirstHalf<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { b, arrays, load, mobility, bounds, forces, dt, finish } = self;
+        let Self { b, arrays, load, mobility, bounds, forces, step: (dt, finish), variant } = self;
         let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
         let (first, half) = (b * BLOCK, 0.5 * dt);
-        let mut collector = Collector::new(forces.contacts, b, first..first + balls.len());
+        let own = first..first + balls.len();
+        let mut collector = Collector::new(forces.contacts, b, own).with(variant);
         let (mut farthest, mut any_crossed) = (0.0, false);
         // Slices of equal length spare the loop its bounds checks.
         let n = balls.len();
