@@ -101,9 +101,14 @@ def compare(options, python):
 
 
 def processor():
+    """Its name, which kind it is, as names often do not say that, and the widest registers that kernels may use."""
     with open("/proc/cpuinfo") as info:
-        names = [line.split(":", 1)[1].strip() for line in info if line.startswith("model name")]
-    return names[0] if names else platform.processor()
+        said = dict(line.split(":", 1) for line in info.read().split("\n\n")[0].splitlines() if ":" in line)
+    said = {key.strip(): value.strip() for key, value in said.items()}
+    flags = said.get("flags", "").split()
+    widest = next((name for flag, name in [("avx512f", "AVX-512"), ("avx2", "AVX2")] if flag in flags), "no AVX2")
+    name = said.get("model name", platform.processor())
+    return f"{name} (family {said.get('cpu family', '?')}, model {said.get('model', '?')}; {widest})"
 
 
 def report(options, rows):

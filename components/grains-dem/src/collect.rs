@@ -70,10 +70,10 @@ impl<'a> Collector<'a> {
         Self { pairs: contacts.pairs, surfaces, any, wide: false, end: range.end }
     }
 
-    /// The same in the instructions of a variant, which the processor has and the caller is compiled for.
+    /// The same in the instructions of a variant, if the processor has them; fast where the caller is compiled for them.
     #[inline(always)]
     pub fn with(self, variant: Variant) -> Self {
-        let wide = cfg!(target_arch = "x86_64") && variant != Variant::Portable;
+        let wide = variant != Variant::Portable && variant.available();
         Self { wide, ..self }
     }
 
