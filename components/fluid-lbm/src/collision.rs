@@ -21,9 +21,12 @@
 //! tau* S_ab` (Hou et al. 1996; the force's share after Guo, Zheng & Shi 2002, eq. 18). The odd time
 //! is the same for BGK, or follows from `tau*` by the magic number.
 
+mod relaxation;
+
 use crate::field::{Real, prefetch_early};
 use crate::lanes::Lanes;
-use crate::lattice::{C_F64, OPPOSITE, Q, W};
+use crate::lattice::{C_F64, OPPOSITE, Q, W, dot};
+pub use relaxation::relax;
 
 /// Constants of a collision.
 #[derive(Clone, Copy, Debug)]
@@ -63,31 +66,39 @@ impl Relaxation {
     }
 }
 
-/// What a collision needs in every lane.
+/// What a collision needs in every lane. `w` is the weight of a diagonal direction; those along an axis have twice, the
+/// one at rest twelve times as much.
 #[derive(Clone, Copy)]
 pub struct Constants<V> {
-    one: V,
-    w0: V,
-    two_w: [V; 2],
-    six_w: [V; 2],
-    nine_w: [V; 2],
-    one_and_half: V,
-    even: V,
-    half_even: V,
-    half_odd: V,
-    half_acceleration: [V; 3],
-    /// `3 (1 - 1/(2 tau+)) a`.
-    even_force: [V; 3],
-    /// `9 (1 - 1/(2 tau+)) (c_i.a)` for each pair.
-    even_pair: [V; 9],
-    /// `3 (1 - 1/(2 tau-)) (c_i.a)` for each pair.
-    odd_pair: [V; 9],
-    w: [V; 2],
     half: V,
+    one: V,
+    one_and_half: V,
     two: V,
+    twelve: V,
     third: V,
-    acceleration: [V; 3],
-    /// `tau`, its square, and `18 sqrt(2) C^2`.
+    two_thirds: V,
+    four_ninths: V,
+    w: V,
+    two_w: V,
+    w0: V,
+    /// The relaxation of all cells, without a closure.
+    pub rates: Rates<V>,
+    /// What populations keep, and what they take from their opposites.
+    keep: V,
+    swap: V,
+    /// `w_0/tau+` and `w/tau+`.
+    even: [V; 2],
+    /// `2 w/tau+` and `2 w/tau-`.
+    twice: [V; 2],
+    /// `3/4 a` and `3/2 a`.
+    lead: [V; 3],
+    pull: [V; 3],
+    /// `2 e a`, `6 w_i e (c_i.a)` and `3 w_i o (c_i.a)` of each pair, with `e = 1 - 1/(2 tau+)` and `o = 1 - 1/(2 tau-)` where
+    /// these are the same everywhere, else 1.
+    even_force: [V; 3],
+    even_pair: [V; 9],
+    odd_pair: [V; 9],
+    /// `2 tau`, its quarter's square, and `12 sqrt(2) C^2`.
     tau: V,
     tau2: V,
     closure: V,
@@ -106,60 +117,61 @@ impl<V: Lanes> Constants<V> {
         // With the closure these factors differ from cell to cell and come in later.
         let (e, o) =
             if r.smagorinsky == 0.0 { (1.0 - 0.5 * r.even, 1.0 - 0.5 * r.odd) } else { (1.0, 1.0) };
+        let rounded = |x: f64| V::Scalar::from_f64(x).to_f64();
+        let w = W[4];
+        let (keep, swap) = (rounded(1.0 - 0.5 * (r.even + r.odd)), rounded(0.5 * (r.even - r.odd)));
+        let even = rounded(w * r.even);
+        // All weights together, so that rounding them loses no mass.
+        let even0 = 1.0 - (keep - swap) - 24.0 * even;
         let tau = 1.0 / r.even;
-        let (axis, diagonal) = (W[1], W[4]);
         // SAFETY: by contract.
         unsafe {
+            let each = |a: [f64; 3], factor: f64| {
+                [V::splat(factor * a[0]), V::splat(factor * a[1]), V::splat(factor * a[2])]
+            };
             let mut even_pair = [V::splat(0.0); 9];
             let mut odd_pair = [V::splat(0.0); 9];
-            let mut k = 0;
-            while k < 9 {
-                let c = C_F64[OPPOSITE[k + 1]];
-                let ca = c[0] * a[0] + c[1] * a[1] + c[2] * a[2];
-                even_pair[k] = V::splat(9.0 * e * ca);
-                odd_pair[k] = V::splat(3.0 * o * ca);
-                k += 1;
+            let mut n = 0;
+            while n < 9 {
+                let i = OPPOSITE[n + 1];
+                let wca = W[i] * dot(C_F64[i], a);
+                even_pair[n] = V::splat(6.0 * e * wca);
+                odd_pair[n] = V::splat(3.0 * o * wca);
+                n += 1;
             }
-            Self {
-                one: V::splat(1.0),
-                w0: V::splat(W[0]),
-                w: [V::splat(axis), V::splat(diagonal)],
-                two_w: [V::splat(2.0 * axis), V::splat(2.0 * diagonal)],
-                six_w: [V::splat(6.0 * axis), V::splat(6.0 * diagonal)],
-                nine_w: [V::splat(9.0 * axis), V::splat(9.0 * diagonal)],
-                one_and_half: V::splat(1.5),
+            let rates = Rates {
+                twice_tau: V::splat(2.0 * tau),
                 even: V::splat(r.even),
-                half_even: V::splat(0.5 * r.even),
-                half_odd: V::splat(0.5 * r.odd),
-                half_acceleration: [
-                    V::splat(0.5 * a[0]),
-                    V::splat(0.5 * a[1]),
-                    V::splat(0.5 * a[2]),
-                ],
-                even_force: [
-                    V::splat(3.0 * e * a[0]),
-                    V::splat(3.0 * e * a[1]),
-                    V::splat(3.0 * e * a[2]),
-                ],
+                odd: V::splat(r.odd),
+            };
+            Self {
+                half: V::splat(0.5),
+                one: V::splat(1.0),
+                one_and_half: V::splat(1.5),
+                two: V::splat(2.0),
+                twelve: V::splat(12.0),
+                third: V::splat(1.0 / 3.0),
+                two_thirds: V::splat(2.0 / 3.0),
+                four_ninths: V::splat(4.0 / 9.0),
+                w: V::splat(w),
+                two_w: V::splat(2.0 * w),
+                w0: V::splat(W[0]),
+                rates,
+                keep: V::splat(keep),
+                swap: V::splat(swap),
+                even: [V::splat(even0), V::splat(even)],
+                twice: [V::splat(2.0 * even), V::splat(2.0 * w * r.odd)],
+                lead: each(a, 0.75),
+                pull: each(a, 1.5),
+                even_force: each(a, 2.0 * e),
                 even_pair,
                 odd_pair,
-                half: V::splat(0.5),
-                two: V::splat(2.0),
-                third: V::splat(1.0 / 3.0),
-                acceleration: [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])],
                 tau: V::splat(tau),
                 tau2: V::splat(tau * tau),
-                closure: V::splat(18.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky),
+                closure: V::splat(12.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky),
                 magic: V::splat(r.magic.unwrap_or(0.0)),
             }
         }
-    }
-
-    /// The relaxation of all cells, without a closure.
-    #[inline(always)]
-    pub fn rates(&self) -> Rates<V> {
-        let &Self { tau, even, half_even, half_odd, .. } = self;
-        Rates { tau, even, half_even, half_odd }
     }
 }
 
@@ -170,8 +182,8 @@ pub struct Flow<V> {
     pub drho: V,
     /// `sum_i h_i c_i`.
     pub j: [V; 3],
-    /// `u.u`.
-    pub speed2: V,
+    /// `9/4 u.u`.
+    pub v2: V,
     /// What relaxes them.
     pub target: Target<V>,
     /// Their relaxation; of no meaning without the closure, where it is the same everywhere.
@@ -185,22 +197,52 @@ impl<V: Lanes> Flow<V> {
         Self {
             drho: self.drho.keep(mask),
             j: [self.j[0].keep(mask), self.j[1].keep(mask), self.j[2].keep(mask)],
-            speed2: self.speed2.keep(mask),
-            rates: Rates { tau: self.rates.tau.keep(mask), ..self.rates },
+            v2: self.v2.keep(mask),
+            rates: Rates { twice_tau: self.rates.twice_tau.keep(mask), ..self.rates },
             ..self
         }
     }
 }
 
-/// The equilibrium that a vector of cells relaxes to.
+/// The equilibrium that a vector of cells relaxes to: `heq_i = w_i [rest + 2 rho (c_i.v) (1 + c_i.v)]`.
 #[derive(Clone, Copy)]
 pub struct Target<V> {
-    /// Velocity.
-    u: [V; 3],
+    /// `v = 3/2 u`.
+    v: [V; 3],
     /// Density.
     rho: V,
     /// `drho - 3/2 rho u.u`.
     rest: V,
+}
+
+/// Where the populations of a vector of cells are.
+pub trait Populations<V: Lanes> {
+    /// Those of a direction.
+    ///
+    /// # Safety
+    /// The processor has the variant's instructions, and the populations are there.
+    unsafe fn load(&self, i: usize) -> V;
+    /// Replaces them.
+    ///
+    /// # Safety
+    /// As for `load`, and nobody else uses them.
+    unsafe fn store(&self, i: usize, value: V);
+}
+
+/// So many numbers after these places.
+pub struct After<'a, T>(pub &'a [*mut T; Q], pub usize);
+
+impl<V: Lanes> Populations<V> for After<'_, V::Scalar> {
+    #[inline(always)]
+    unsafe fn load(&self, i: usize) -> V {
+        // SAFETY: by contract.
+        unsafe { V::load(self.0[i].add(self.1)) }
+    }
+    #[inline(always)]
+    unsafe fn store(&self, i: usize, value: V) {
+        // SAFETY: by contract.
+        unsafe { value.store(self.0[i].add(self.1)) }
+    }
 }
 
 /// How many cache lines ahead of its use a place is fetched: a processor's window of instructions does not reach that
@@ -217,16 +259,15 @@ pub fn ask_ahead<T: Real>(places: &[*mut T; Q], x: usize) {
     }
 }
 
-/// Measures a vector of cells, whose populations are those `x` numbers after `places`.
+/// Measures a vector of cells with some populations.
 ///
 /// `FORCED`: there is an acceleration; `LES`: there is a closure; `SINGLE`: both times are the same.
 ///
 /// # Safety
-/// The processor has the variant's instructions; `N` numbers may be read `x` after each place.
+/// As for [`Populations::load`].
 #[inline(always)]
 pub unsafe fn measure<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
-    places: &[*mut V::Scalar; Q],
-    x: usize,
+    populations: &impl Populations<V>,
     k: &Constants<V>,
 ) -> Flow<V> {
     // Pair n is the directions n + 1 and n + 10: x, y, z, xy, x-y, xz, x-z, yz, y-z (positive one
@@ -234,7 +275,7 @@ pub unsafe fn measure<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
     macro_rules! at {
         ($i:expr) => {
             // SAFETY: by contract.
-            unsafe { V::load(places[$i].add(x)) }
+            unsafe { populations.load($i) }
         };
     }
     macro_rules! pair {
@@ -260,371 +301,111 @@ pub unsafe fn measure<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
     let drho = at!(0) + (normal[0] + ((yy + zz) + yz));
 
     let rho = k.one + drho;
-    let per_rho = k.one / rho;
-    let mut u = [j[0] * per_rho, j[1] * per_rho, j[2] * per_rho];
-    let mut momentum = j;
+    // v = 3/2 u
+    let per_rho = k.one_and_half / rho;
+    let (v, v2, rest);
     if FORCED {
-        let half = &k.half_acceleration;
-        u = [u[0] + half[0], u[1] + half[1], u[2] + half[2]];
-        momentum = [rho * u[0], rho * u[1], rho * u[2]];
+        let lead = &k.lead;
+        v = [
+            j[0].mul_add(per_rho, lead[0]),
+            j[1].mul_add(per_rho, lead[1]),
+            j[2].mul_add(per_rho, lead[2]),
+        ];
+        v2 = square(&v);
+        rest = (k.two_thirds * rho).mul_from(v2, drho);
+    } else {
+        v = [j[0] * per_rho, j[1] * per_rho, j[2] * per_rho];
+        // 3/2 rho u.u, without waiting for v
+        let kinetic = square(&j) * per_rho;
+        v2 = kinetic * per_rho;
+        rest = drho - kinetic;
     }
-    let speed2 = u[2].mul_add(u[2], u[1].mul_add(u[1], u[0] * u[0]));
     let rates = if LES {
+        // 2/3 rho u
+        let momentum = if FORCED {
+            let factor = k.four_ninths * rho;
+            [factor * v[0], factor * v[1], factor * v[2]]
+        } else {
+            [k.two_thirds * j[0], k.two_thirds * j[1], k.two_thirds * j[2]]
+        };
         let shear = [shear_xy, shear_xz, shear_yz];
-        let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &u, k);
+        let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &v, k);
         closure::<V, SINGLE>(square, per_rho, k)
     } else {
-        k.rates()
+        k.rates
     };
-    // heq_i + heq_i' = 2 w [drho - 3/2 rho u.u] + 9 w rho (c.u)^2,   heq_i - heq_i' = 6 w rho (c.u)
-    let rest = (k.one_and_half * rho).mul_from(speed2, drho);
-    Flow { drho, j, speed2, target: Target { u, rho, rest }, rates }
+    Flow { drho, j, v2, target: Target { v, rho, rest }, rates }
 }
 
-/// Replaces the populations of a vector of cells, those `x` numbers after `places`, by their post-collision values,
-/// each in the place of the opposite direction. Lanes that `mask` lacks become zero.
-///
-/// Populations are read for the second time here, from the first-level cache, to be relaxed pair by pair: so nearly
-/// all values stay in registers.
-///
-/// See [`measure`] for the flags; `WHOLE`: the mask lacks no lane.
-///
-/// # Safety
-/// As for [`measure`], and as many numbers may be written.
+/// `a.a`.
 #[inline(always)]
-pub unsafe fn relax<
-    V: Lanes,
-    const FORCED: bool,
-    const LES: bool,
-    const SINGLE: bool,
-    const WHOLE: bool,
->(
-    places: &[*mut V::Scalar; Q],
-    x: usize,
-    mask: V::Mask,
-    (target, rates): (&Target<V>, &Rates<V>),
-    k: &Constants<V>,
-) {
-    macro_rules! at {
-        ($i:expr) => {
-            // SAFETY: by contract.
-            unsafe { V::load(places[$i].add(x)) }
-        };
-    }
-    macro_rules! put {
-        ($i:expr, $value:expr) => {{
-            let value = if WHOLE { $value } else { $value.keep(mask) };
-            // SAFETY: by contract.
-            unsafe { value.store(places[$i].add(x)) }
-        }};
-    }
-    let Target { u, rho, rest } = *target;
-    let even = [k.two_w[0] * rest, k.two_w[1] * rest];
-    let square = [k.nine_w[0] * rho, k.nine_w[1] * rho];
-    let linear = [k.six_w[0] * rho, k.six_w[1] * rho];
-    // S+ = w rho [9 e (c.u)(c.a) - 3 e u.a],   S- = w rho 3 o (c.a)
-    let (weight, ua) = if FORCED {
-        let [x, y, z] = k.even_force;
-        let ua = z.mul_add(u[2], y.mul_add(u[1], x * u[0]));
-        ([k.w[0] * rho, k.w[1] * rho], ua)
-    } else {
-        (k.w, k.w0)
-    };
-    // The factors 1 - 1/(2 tau), which are in the constants where these are the same everywhere.
-    let (e, o) = if FORCED && LES {
-        (k.one - rates.half_even, k.one - rates.half_odd)
-    } else {
-        (k.one, k.one)
-    };
-
-    let h = at!(0);
-    let mut g = rates.even.mul_from(k.w0.mul_from(rest, h), h);
-    if FORCED {
-        let source = k.w0 * rho * ua;
-        g = g - if LES { e * source } else { source };
-    }
-    put!(0, g);
-    // Each population into the place of the opposite direction.
-    macro_rules! stream {
-        ($n:literal, $forth:expr, $back:expr) => {
-            put!($n + 1, $forth);
-            put!($n + 10, $back);
-        };
-    }
-    // Even and odd part apart.
-    macro_rules! relax_parts {
-        ($n:literal, $kind:literal, $cu:expr) => {{
-            let cu = $cu;
-            let (forth, back) = (at!($n + 10), at!($n + 1));
-            // What is out of equilibrium in the even and in the odd part.
-            let p = (square[$kind] * cu).mul_from(cu, (forth + back) - even[$kind]);
-            let mut m = rates.half_odd * linear[$kind].mul_from(cu, forth - back);
-            let (sum, difference) = if FORCED {
-                let even = weight[$kind] * k.even_pair[$n].mul_sub(cu, ua);
-                let odd = weight[$kind] * k.odd_pair[$n];
-                let p = if LES {
-                    m = o.mul_from(odd, m);
-                    rates.half_even.mul_sub(p, e * even)
-                } else {
-                    m = m - odd;
-                    rates.half_even.mul_sub(p, even)
-                };
-                (p + m, p - m)
-            } else {
-                (rates.half_even.mul_add(p, m), rates.half_even.mul_sub(p, m))
-            };
-            stream!($n, forth - sum, back - difference);
-        }};
-    }
-    macro_rules! each_pair {
-        ($relax:ident) => {{
-            $relax!(0, 0, u[0]);
-            $relax!(1, 0, u[1]);
-            $relax!(2, 0, u[2]);
-            $relax!(3, 1, u[0] + u[1]);
-            $relax!(4, 1, u[0] - u[1]);
-            $relax!(5, 1, u[0] + u[2]);
-            $relax!(6, 1, u[0] - u[2]);
-            $relax!(7, 1, u[1] + u[2]);
-            $relax!(8, 1, u[1] - u[2]);
-        }};
-    }
-    if SINGLE && !FORCED {
-        let half = |[a, b]: [V; 2]| [k.half * a, k.half * b];
-        let (even, square, linear) = (half(even), half(square), half(linear));
-        // Both directions with one time, which takes fewer operations, and all but the last need no time.
-        macro_rules! relax {
-            ($n:literal, $kind:literal, $cu:expr) => {{
-                let cu = $cu;
-                let (forth, back) = (at!($n + 10), at!($n + 1));
-                let balanced = (square[$kind] * cu).mul_add(cu, even[$kind]);
-                let forth_off = forth - linear[$kind].mul_add(cu, balanced);
-                let back_off = back - linear[$kind].mul_from(cu, balanced);
-                let even = rates.even;
-                stream!($n, even.mul_from(forth_off, forth), even.mul_from(back_off, back));
-            }};
-        }
-        each_pair!(relax);
-    } else {
-        each_pair!(relax_parts);
-    }
+fn square<V: Lanes>(a: &[V; 3]) -> V {
+    a[2].mul_add(a[2], a[1].mul_add(a[1], a[0] * a[0]))
 }
 
 /// Relaxation of a vector of cells.
 #[derive(Clone, Copy)]
 pub struct Rates<V> {
-    /// `tau+`.
-    pub tau: V,
+    /// `2 tau+`.
+    pub twice_tau: V,
     /// `1/tau+`.
     even: V,
-    /// `1/(2 tau+)`.
-    half_even: V,
-    /// `1/(2 tau-)`.
-    half_odd: V,
+    /// `1/tau-`.
+    odd: V,
 }
 
-/// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a u_b`.
+/// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a u_b`; `momentum` is
+/// `2/3 rho u`.
 #[inline(always)]
 fn stress2<V: Lanes, const FORCED: bool>(
     drho: V,
     normal: [V; 3],
     shear: [V; 3],
     momentum: &[V; 3],
-    u: &[V; 3],
+    v: &[V; 3],
     k: &Constants<V>,
 ) -> V {
     let mut normal = [
-        momentum[0].mul_from(u[0], k.third.mul_from(drho, normal[0])),
-        momentum[1].mul_from(u[1], k.third.mul_from(drho, normal[1])),
-        momentum[2].mul_from(u[2], k.third.mul_from(drho, normal[2])),
+        momentum[0].mul_from(v[0], k.third.mul_from(drho, normal[0])),
+        momentum[1].mul_from(v[1], k.third.mul_from(drho, normal[1])),
+        momentum[2].mul_from(v[2], k.third.mul_from(drho, normal[2])),
     ];
     // xy, xz, yz
     let mut shear = [
-        momentum[0].mul_from(u[1], shear[0]),
-        momentum[0].mul_from(u[2], shear[1]),
-        momentum[1].mul_from(u[2], shear[2]),
+        momentum[0].mul_from(v[1], shear[0]),
+        momentum[0].mul_from(v[2], shear[1]),
+        momentum[1].mul_from(v[2], shear[2]),
     ];
     if FORCED {
-        let (a, half) = (&k.acceleration, &k.half_acceleration);
+        let (pull, lead) = (&k.pull, &k.lead);
         normal = [
-            momentum[0].mul_add(a[0], normal[0]),
-            momentum[1].mul_add(a[1], normal[1]),
-            momentum[2].mul_add(a[2], normal[2]),
+            momentum[0].mul_add(pull[0], normal[0]),
+            momentum[1].mul_add(pull[1], normal[1]),
+            momentum[2].mul_add(pull[2], normal[2]),
         ];
         shear = [
-            momentum[0].mul_add(half[1], momentum[1].mul_add(half[0], shear[0])),
-            momentum[0].mul_add(half[2], momentum[2].mul_add(half[0], shear[1])),
-            momentum[1].mul_add(half[2], momentum[2].mul_add(half[1], shear[2])),
+            momentum[0].mul_add(lead[1], momentum[1].mul_add(lead[0], shear[0])),
+            momentum[0].mul_add(lead[2], momentum[2].mul_add(lead[0], shear[1])),
+            momentum[1].mul_add(lead[2], momentum[2].mul_add(lead[1], shear[2])),
         ];
     }
-    let normal = normal[0].mul_add(normal[0], normal[1].mul_add(normal[1], normal[2] * normal[2]));
-    let shear = shear[0].mul_add(shear[0], shear[1].mul_add(shear[1], shear[2] * shear[2]));
-    k.two.mul_add(shear, normal)
+    k.two.mul_add(square(&shear), square(&normal))
 }
 
-/// Rates by Smagorinsky's closure from `Pi_ab Pi_ab`.
+/// Rates by Smagorinsky's closure from `Pi_ab Pi_ab` and `3/(2 rho)`.
 #[inline(always)]
 fn closure<V: Lanes, const SINGLE: bool>(stress2: V, per_rho: V, k: &Constants<V>) -> Rates<V> {
-    let twice = k.tau + (k.closure * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
-    let half_even = k.one / twice;
-    let even = half_even + half_even;
-    let tau = k.half * twice;
-    let half_odd = if SINGLE {
-        half_even
+    let twice_tau = k.tau + (k.closure * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
+    let even = k.two / twice_tau;
+    let odd = if SINGLE {
+        even
     } else {
         // 1/tau- = 1/(1/2 + magic/(tau+ - 1/2))
-        let over = tau - k.half;
-        k.half * over / k.half.mul_add(over, k.magic)
+        let over = k.half * twice_tau - k.half;
+        over / k.half.mul_add(over, k.magic)
     };
-    Rates { tau, even, half_even, half_odd }
+    Rates { twice_tau, even, odd }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::lanes::Portable;
-    use crate::lattice::{dot, equilibrium};
-
-    type One = Portable<f64, 1>;
-
-    /// Collides one cell.
-    fn collided(h: &[f64; Q], r: &Relaxation, forced: bool) -> [f64; Q] {
-        fn collide<const FORCED: bool, const LES: bool, const SINGLE: bool>(
-            places: &[*mut f64; Q],
-            r: &Relaxation,
-        ) {
-            // SAFETY: plain arrays need no instructions; each pointer is to one number.
-            unsafe {
-                let k = Constants::<One>::new(r);
-                let flow = measure::<One, FORCED, LES, SINGLE>(places, 0, &k);
-                let to = (&flow.target, &flow.rates);
-                relax::<One, FORCED, LES, SINGLE, false>(places, 0, 1, to, &k);
-            }
-        }
-        let mut g = *h;
-        let first = g.as_mut_ptr();
-        let places = std::array::from_fn(|i| first.wrapping_add(i));
-        match (forced, r.smagorinsky != 0.0, r.magic.is_none()) {
-            (false, false, false) => collide::<false, false, false>(&places, r),
-            (false, false, true) => collide::<false, false, true>(&places, r),
-            (false, true, false) => collide::<false, true, false>(&places, r),
-            (false, true, true) => collide::<false, true, true>(&places, r),
-            (true, false, false) => collide::<true, false, false>(&places, r),
-            (true, false, true) => collide::<true, false, true>(&places, r),
-            (true, true, false) => collide::<true, true, false>(&places, r),
-            (true, true, true) => collide::<true, true, true>(&places, r),
-        }
-        std::array::from_fn(|i| g[OPPOSITE[i]])
-    }
-
-    fn some_state() -> [f64; Q] {
-        std::array::from_fn(|i| {
-            equilibrium(i, 0.01, [0.03, -0.05, 0.02]) + 1e-3 * ((i * 7 + 3) % 11) as f64 - 5e-3
-        })
-    }
-
-    fn moments(h: &[f64; Q]) -> (f64, [f64; 3]) {
-        let j = std::array::from_fn(|a| (0..Q).map(|i| h[i] * C_F64[i][a]).sum());
-        (h.iter().sum(), j)
-    }
-
-    #[test]
-    fn mass_and_momentum_are_kept_without_a_force() {
-        let h = some_state();
-        for r in [Relaxation::single(0.7, [0.0; 3]), Relaxation::with_magic(0.7, 0.1875, [0.0; 3])]
-        {
-            let g = collided(&h, &r, false);
-            let ((m0, j0), (m1, j1)) = (moments(&h), moments(&g));
-            assert!((m0 - m1).abs() < 1e-16);
-            for a in 0..3 {
-                assert!((j0[a] - j1[a]).abs() < 1e-16);
-            }
-        }
-    }
-
-    #[test]
-    fn a_force_adds_rho_a_to_the_momentum_and_nothing_to_the_mass() {
-        let h = some_state();
-        let a = [1e-4, -3e-4, 2e-4];
-        for r in [Relaxation::single(0.7, a), Relaxation::with_magic(0.7, 0.1875, a)] {
-            let g = collided(&h, &r, true);
-            let ((m0, j0), (m1, j1)) = (moments(&h), moments(&g));
-            assert!((m0 - m1).abs() < 1e-16);
-            for k in 0..3 {
-                assert!((j1[k] - j0[k] - (1.0 + m0) * a[k]).abs() < 1e-16);
-            }
-        }
-    }
-
-    #[test]
-    fn it_is_the_formula_of_the_single_relaxation_time() {
-        let h = some_state();
-        let (tau, a) = (0.8, [1e-3, -2e-3, 5e-4]);
-        let (drho, j) = moments(&h);
-        let u: [f64; 3] = std::array::from_fn(|k| j[k] / (1.0 + drho) + 0.5 * a[k]);
-        let g = collided(&h, &Relaxation::single(tau, a), true);
-        for i in 0..Q {
-            let c = C_F64[i];
-            let force = (0..3)
-                .map(|k| (3.0 * (c[k] - u[k]) + 9.0 * dot(c, u) * c[k]) * (1.0 + drho) * a[k])
-                .sum::<f64>();
-            let expected =
-                h[i] - (h[i] - equilibrium(i, drho, u)) / tau + (1.0 - 0.5 / tau) * W[i] * force;
-            assert!((g[i] - expected).abs() < 1e-16, "{i}: {} {expected}", g[i]);
-        }
-    }
-
-    #[test]
-    fn the_equilibrium_is_a_fixed_point() {
-        let h: [f64; Q] = std::array::from_fn(|i| equilibrium(i, -0.02, [0.05, 0.02, -0.07]));
-        let g = collided(&h, &Relaxation::with_magic(0.6, 0.1875, [0.0; 3]), false);
-        for i in 0..Q {
-            assert!((g[i] - h[i]).abs() < 1e-16);
-        }
-    }
-
-    /// `tau*` by iteration of `tau* = tau + (C)^2 |S|/cs^2` with `S` from the stress out of
-    /// equilibrium, itself dependent on `tau*`.
-    fn iterated(h: &[f64; Q], tau: f64, constant: f64, a: [f64; 3]) -> f64 {
-        let (drho, j) = moments(h);
-        let rho = 1.0 + drho;
-        let u: [f64; 3] = std::array::from_fn(|k| j[k] / rho + 0.5 * a[k]);
-        let mut square = 0.0;
-        for x in 0..3 {
-            for y in 0..3 {
-                let stress: f64 = (0..Q)
-                    .map(|i| C_F64[i][x] * C_F64[i][y] * (h[i] - equilibrium(i, drho, u)))
-                    .sum();
-                square += (stress + 0.5 * rho * (u[x] * a[y] + u[y] * a[x])).powi(2);
-            }
-        }
-        let mut found = tau;
-        for _ in 0..200 {
-            let strain = (2.0 * square).sqrt() / (2.0 * rho * found / 3.0);
-            found = tau + 3.0 * constant * constant * strain;
-        }
-        found
-    }
-
-    #[test]
-    fn the_closure_is_the_fixed_point_of_smagorinskys_viscosity() {
-        let h = some_state();
-        for (tau, constant) in [(0.500004, 0.4), (0.51264, 0.4), (0.6, 0.17), (0.8, 0.1)] {
-            for a in [[0.0; 3], [1e-3, -2e-3, 5e-4]] {
-                let expected = iterated(&h, tau, constant, a);
-                assert!(expected > tau * 1.0001);
-                let forced = a != [0.0; 3];
-                let les = Relaxation::single(tau, a).with_smagorinsky(constant);
-                let plain = Relaxation::single(expected, a);
-                let (found, same) = (collided(&h, &les, forced), collided(&h, &plain, forced));
-                let trt = Relaxation::with_magic(tau, 0.1875, a).with_smagorinsky(constant);
-                let magic = Relaxation::with_magic(expected, 0.1875, a);
-                let (trt, magic) = (collided(&h, &trt, forced), collided(&h, &magic, forced));
-                for i in 0..Q {
-                    assert!((found[i] - same[i]).abs() < 1e-15, "{i}: {} {}", found[i], same[i]);
-                    assert!((trt[i] - magic[i]).abs() < 1e-15, "{i}: {} {}", trt[i], magic[i]);
-                }
-            }
-        }
-    }
-}
+mod tests;

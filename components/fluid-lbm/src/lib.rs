@@ -59,6 +59,7 @@ mod links;
 mod mass;
 #[cfg(feature = "component")]
 mod meanings;
+
 mod motion;
 mod narrow;
 mod observe;
@@ -68,6 +69,7 @@ mod parameters;
 mod part_body;
 mod part_gaps;
 mod part_links;
+mod pieces;
 mod piston;
 mod places;
 mod pockets;
@@ -78,6 +80,8 @@ mod reservoir;
 mod reservoir_findings;
 mod resolution;
 mod returned;
+mod row_ends;
+mod runs;
 mod scene_check;
 mod shape;
 mod shell;

@@ -23,7 +23,7 @@
 use crate::cells::{Cells, End, Fixture, Obstacles};
 use crate::field::prefetch;
 use crate::grid::Grid;
-use crate::lattice::{OPPOSITE, Q, mirrored};
+use crate::lattice::{C, OPPOSITE, Q, mirrored};
 
 /// Which of the two in-place steps is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,8 +70,81 @@ pub struct Kind {
     pub three: u8,
     /// Directions in other numbers of pieces.
     pub others: u8,
-    /// Whether none of its directions is in pieces, and its odd places are those after the places of the line before.
+}
+
+/// How a sweep comes from one line to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Way {
+    /// Whether its odd places are those after the places of the line before, at least of most of its cells.
     pub follows: bool,
+    /// Which end of a row it holds, if that is all that there is to be seen to.
+    pub row_end: Option<RowEnd>,
+}
+
+/// An end of a row that ends with a line. In the directions from there the line is in two pieces: the row's last cell, which
+/// sees another place than those beside it, and the others, whose place is the line's entry in the table. The pieces are listed in
+/// the order of directions, and of lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowEnd {
+    /// The first cell of the line is the first of its row.
+    Lower,
+    /// The last cell of the line is the last of its row.
+    Upper,
+}
+
+impl Way {
+    /// Lines that a sweep may look ahead.
+    pub const AHEAD: usize = 4;
+}
+
+impl RowEnd {
+    /// Directions in pieces.
+    pub const COUNT: usize = 5;
+
+    /// Those that come from beyond this end.
+    pub const fn directions(self) -> [usize; Self::COUNT] {
+        let mut directions = [0; Self::COUNT];
+        let (mut i, mut k) = (1, 0);
+        while i < Q {
+            if C[i][0] == if matches!(self, Self::Lower) { 1 } else { -1 } {
+                directions[k] = i;
+                k += 1;
+            }
+            i += 1;
+        }
+        directions
+    }
+
+    /// Which of these a direction is.
+    pub const fn number_of(self, i: usize) -> usize {
+        let mut k = 0;
+        while self.directions()[k] != i {
+            k += 1;
+        }
+        k
+    }
+
+    /// Which of the two pieces of a direction are the cells beside the last one of the row.
+    #[inline(always)]
+    pub const fn others(self) -> usize {
+        match self {
+            Self::Lower => 1,
+            Self::Upper => 0,
+        }
+    }
+
+    /// Which end a line holds that has so many pieces, two for each of some directions.
+    fn of(pieces: &[Piece], all: u16) -> Option<Self> {
+        let last = all ^ all >> 1;
+        [(Self::Lower, [1, all ^ 1]), (Self::Upper, [all ^ last, last])].into_iter().find_map(
+            |(end, lanes)| {
+                let expected =
+                    end.directions().into_iter().flat_map(|i| lanes.map(|lanes| (i, lanes)));
+                let found = pieces.iter().map(|piece| (usize::from(piece.dir), piece.lanes));
+                expected.eq(found).then_some(end)
+            },
+        )
+    }
 }
 
 impl Kind {
@@ -122,9 +195,11 @@ pub struct Places {
     /// Cells in a line: 2 to this power. Division would cost more than the look-up.
     line_bits: u32,
     /// For each line: bits of the directions that are in pieces, then for each direction the odd
-    /// place of its first cell, or the first of its pieces.
+    /// place of its first cell, or that of most of the line at an end of a row, or the first of its pieces.
     lines: Vec<[u32; Q]>,
     kinds: Vec<Kind>,
+    /// For each line, and as many after the last as a sweep looks ahead.
+    ways: Vec<Way>,
     pieces: Vec<Piece>,
 }
 
@@ -163,6 +238,7 @@ impl Places {
             line_bits: line.trailing_zeros(),
             lines: Vec::with_capacity(count),
             kinds: Vec::with_capacity(count),
+            ways: Vec::with_capacity(count + Way::AHEAD),
             pieces: Vec::new(),
         };
         debug_assert!(line.is_power_of_two());
@@ -189,6 +265,7 @@ impl Places {
             }
             places.add_line(first, &ends[..lanes], &special, &mut survey);
         }
+        places.ways.resize(count + Way::AHEAD, Way::default());
         places.pieces.shrink_to_fit();
         survey.blocked.sort_unstable_by_key(|b| (b.cell, b.dir));
         (places, survey)
@@ -201,6 +278,7 @@ impl Places {
         special: impl Fn(Fixture) -> bool,
         survey: &mut Survey,
     ) {
+        let all = (u32::MAX >> (32 - (1 << self.line_bits))) as u16;
         let mut entry = [0u32; Q];
         let first_piece = self.pieces.len();
         for i in 1..Q {
@@ -247,7 +325,6 @@ impl Places {
                     }),
                 }
             }
-            let all = (u32::MAX >> (32 - (1 << self.line_bits))) as u16;
             match self.pieces[begin..] {
                 [Piece { place, lanes, .. }] if lanes == all => {
                     entry[i] = place;
@@ -259,14 +336,23 @@ impl Places {
                 }
             }
         }
-        let follows = |before: &[u32; Q]| {
-            let line = 1 << self.line_bits;
-            before[0] == 0 && (1..Q).all(|i| entry[i] == before[i] + line)
-        };
-        let follows = entry[0] == 0 && self.lines.last().is_some_and(follows);
-        let kind = Kind { follows, ..self.sort_pieces(first_piece, &mut entry) };
+        let kind = self.sort_pieces(first_piece, &mut entry);
+        let row_end = RowEnd::of(&self.pieces[first_piece..], all);
+        if let Some(end) = row_end {
+            for (k, i) in end.directions().into_iter().enumerate() {
+                entry[i] = self.pieces[first_piece + 2 * k + end.others()].place;
+            }
+        }
+        let is_straight =
+            |entry: &[u32; Q], row_end: Option<RowEnd>| entry[0] == 0 || row_end.is_some();
+        let follows = is_straight(&entry, row_end)
+            && self.lines.last().zip(self.ways.last()).is_some_and(|(before, way)| {
+                let line = 1 << self.line_bits;
+                is_straight(before, way.row_end) && (1..Q).all(|i| entry[i] == before[i] + line)
+            });
         self.lines.push(entry);
         self.kinds.push(kind);
+        self.ways.push(Way { follows, row_end });
     }
 
     /// Brings the pieces of the last line, those from `first` on, into the order of [`Kind`], and writes to its
@@ -311,12 +397,25 @@ impl Places {
         self.kinds[line]
     }
 
-    /// The end, up to `end`, of the run of lines from `first` on within which each line's odd places follow those of
-    /// the line before.
+    /// How a sweep comes to a line; of a few lines after the last, too.
     #[inline(always)]
-    pub fn run_end(&self, first: usize, end: usize) -> usize {
-        prefetch(self.kinds.as_ptr().wrapping_add(first + 64));
-        first + 1 + self.kinds[first + 1..end].iter().take_while(|kind| kind.follows).count()
+    pub fn way(&self, line: usize) -> Way {
+        debug_assert!(line < self.ways.len());
+        // SAFETY: a sweep asks for lines that there are, and looks no further ahead than so.
+        unsafe { *self.ways.get_unchecked(line) }
+    }
+
+    /// The end, up to `end`, of the run of lines from `first` on within which each line's odd places follow those of
+    /// the line before. `WITH_ENDS`: ends of rows may be among them.
+    #[inline(always)]
+    pub fn run_end<const WITH_ENDS: bool>(&self, first: usize, end: usize) -> usize {
+        prefetch(self.ways.as_ptr().wrapping_add(first + 256));
+        let goes_on = |way: &&Way| way.follows && (WITH_ENDS || way.row_end.is_none());
+        let ways = &self.ways[first..end];
+        if !WITH_ENDS && ways[0].row_end.is_some() {
+            return first + 1;
+        }
+        first + 1 + ways[1..].iter().take_while(goes_on).count()
     }
 
     /// The pieces to which the table's lines point.
@@ -356,7 +455,7 @@ impl Places {
         while mixed != 0 {
             let i = mixed.trailing_zeros() as usize;
             mixed &= mixed - 1;
-            places[i] = self.in_pieces(entries[i] as usize, lane);
+            places[i] = self.in_pieces(line, i, lane);
         }
         places
     }
@@ -373,7 +472,7 @@ impl Places {
         if entries[0] >> i & 1 == 0 {
             return entries[i] as usize + lane;
         }
-        self.in_pieces(entries[i] as usize, lane)
+        self.in_pieces(line, i, lane)
     }
 
     /// [`Places::of`] of the first cell of a line, if those of the others follow it.
@@ -402,7 +501,7 @@ impl Places {
             (0..count).for_each(|k| give(k, place + lane + k));
             return;
         }
-        for piece in &self.pieces[self.lines[line][i] as usize..] {
+        for piece in self.pieces_of(line, i) {
             let mut lanes = u32::from(piece.lanes) >> lane & ((1 << count) - 1);
             while lanes != 0 {
                 let k = lanes.trailing_zeros() as usize;
@@ -432,9 +531,19 @@ impl Places {
         }
     }
 
+    /// The list that begins with the pieces of a direction of a line that is in pieces there.
+    #[inline(always)]
+    pub fn pieces_of(&self, line: usize, i: usize) -> &[Piece] {
+        let first = match self.ways[line].row_end {
+            Some(end) => self.kinds[line].first as usize + 2 * end.number_of(i),
+            None => self.lines[line][i] as usize,
+        };
+        &self.pieces[first..]
+    }
+
     /// The odd place of a lane whose line is in pieces.
-    fn in_pieces(&self, first: usize, lane: usize) -> usize {
-        let own = self.pieces[first..].iter().find(|p| p.lanes >> lane & 1 == 1);
+    fn in_pieces(&self, line: usize, i: usize, lane: usize) -> usize {
+        let own = self.pieces_of(line, i).iter().find(|p| p.lanes >> lane & 1 == 1);
         own.expect("every lane is in a piece").place as usize + lane
     }
 
@@ -467,6 +576,7 @@ impl Places {
     pub fn bytes(&self) -> usize {
         size_of_val(self.lines.as_slice())
             + size_of_val(self.kinds.as_slice())
+            + size_of_val(self.ways.as_slice())
             + size_of_val(self.pieces.as_slice())
     }
 }

@@ -51,17 +51,65 @@ const HELD: u32 = 4;
 
 /// Running sums, one for each place of a 64-byte line, so that the order of additions is the same
 /// for vectors of any length.
-pub struct Sums<V: Lanes> {
-    /// Density minus 1 and momentum of the last lines.
-    held: [[V::Scalar; 16]; 4],
+pub struct Sums<V> {
+    /// Of the last lines, and extremes of all.
+    held: Held<V>,
+    /// Density minus 1 and momentum of all lines before.
+    sums: [[f64; 16]; 4],
+}
+
+/// Vectors in a line at most.
+const VECTORS: usize = 4;
+
+/// What is added up of a few lines, and extremes. Small, so that a loop over lines keeps it in registers if these hold
+/// whole lines.
+#[derive(Clone, Copy)]
+pub struct Held<V> {
+    /// Density minus 1 and momentum, for each vector of a line.
+    sums: [[V; VECTORS]; 4],
     /// How many lines these are.
     count: u32,
-    /// The same of all lines before.
-    sums: [[f64; 16]; 4],
-    speed2: V,
+    v2: V,
     min_drho: V,
     max_drho: V,
-    max_tau: V,
+    max_twice_tau: V,
+}
+
+impl<V: Lanes> Held<V> {
+    /// The same without what no line has.
+    #[inline(always)]
+    fn lines(&self) -> Self {
+        let mut own = Self { sums: [[self.v2; VECTORS]; 4], ..*self };
+        let mut k = 0;
+        while k < 4 {
+            let mut vector = 0;
+            while vector < V::Scalar::LINE / V::N {
+                own.sums[k][vector] = self.sums[k][vector];
+                vector += 1;
+            }
+            k += 1;
+        }
+        own
+    }
+
+    /// Adds the vector at lane `lane` of a line.
+    #[inline(always)]
+    pub fn add<const LES: bool>(&mut self, lane: usize, flow: &Flow<V>) {
+        const { assert!(V::N * VECTORS >= V::Scalar::LINE) };
+        // Of no effect; the compiler sees that the vector is there.
+        let vector = (lane / V::N) % VECTORS;
+        let [drho, x, y, z] = &mut self.sums;
+        drho[vector] = drho[vector] + flow.drho;
+        x[vector] = x[vector] + flow.j[0];
+        y[vector] = y[vector] + flow.j[1];
+        z[vector] = z[vector] + flow.j[2];
+        self.v2 = flow.v2.max(self.v2);
+        self.min_drho = flow.drho.min(self.min_drho);
+        self.max_drho = flow.drho.max(self.max_drho);
+        if LES {
+            self.max_twice_tau = flow.rates.twice_tau.max(self.max_twice_tau);
+        }
+    }
 }
 
 impl<V: Lanes> Sums<V> {
@@ -74,65 +122,70 @@ impl<V: Lanes> Sums<V> {
         // SAFETY: by contract.
         let zero = unsafe { V::splat(0.0) };
         Self {
-            held: [[V::Scalar::from_f64(0.0); 16]; 4],
-            count: 0,
+            held: Held {
+                sums: [[zero; VECTORS]; 4],
+                count: 0,
+                v2: zero,
+                min_drho: zero,
+                max_drho: zero,
+                max_twice_tau: zero,
+            },
             sums: [[0.0; 16]; 4],
-            speed2: zero,
-            min_drho: zero,
-            max_drho: zero,
-            max_tau: zero,
         }
     }
 
-    /// Adds the vector at lane `lane` of a line.
+    /// A copy of what is held, of which the compiler sees that nothing else changes it.
     #[inline(always)]
-    pub fn add<const LES: bool>(&mut self, lane: usize, flow: &Flow<V>) {
-        debug_assert!(lane + V::N <= 16);
-        let [drho, x, y, z] = &mut self.held;
-        let hold = |held: &mut [V::Scalar; 16], value: V| {
-            let held = held.as_mut_ptr().wrapping_add(lane);
-            // SAFETY: `lane` is a multiple of N, which divides LINE, so `lane + N <= LINE <= 16`.
-            unsafe { (V::load(held) + value).store(held) };
-        };
-        hold(drho, flow.drho);
-        hold(x, flow.j[0]);
-        hold(y, flow.j[1]);
-        hold(z, flow.j[2]);
-        self.speed2 = flow.speed2.max(self.speed2);
-        self.min_drho = flow.drho.min(self.min_drho);
-        self.max_drho = flow.drho.max(self.max_drho);
-        if LES {
-            self.max_tau = flow.rates.tau.max(self.max_tau);
+    pub fn held(&self) -> Held<V> {
+        self.held.lines()
+    }
+
+    /// Puts it back.
+    #[inline(always)]
+    pub fn hold(&mut self, held: &Held<V>) {
+        self.held.count = held.count;
+        self.held.v2 = held.v2;
+        self.held.min_drho = held.min_drho;
+        self.held.max_drho = held.max_drho;
+        self.held.max_twice_tau = held.max_twice_tau;
+        let mut k = 0;
+        while k < 4 {
+            let mut vector = 0;
+            while vector < V::Scalar::LINE / V::N {
+                self.held.sums[k][vector] = held.sums[k][vector];
+                vector += 1;
+            }
+            k += 1;
         }
     }
 
     /// Ends a line.
     #[inline(always)]
-    pub fn end_line(&mut self) {
-        self.count += 1;
-        if self.count == HELD {
-            self.widen();
+    pub fn end_line(&mut self, held: &mut Held<V>) {
+        held.count += 1;
+        if held.count == HELD {
+            self.widen(held);
         }
     }
 
     /// Adds the sums of the last lines to those of all before.
     #[inline(always)]
-    fn widen(&mut self) {
+    fn widen(&mut self, held: &mut Held<V>) {
         let mut k = 0;
         while k < 4 {
-            let mut x = 0;
-            while x < V::Scalar::LINE {
-                let held = self.held[k].as_mut_ptr().wrapping_add(x);
-                // SAFETY: both have room for a line, and the vectors that were added exist.
+            let mut vector = 0;
+            while vector < V::Scalar::LINE / V::N {
+                // SAFETY: there is room for a line, and the vectors that were added exist.
                 unsafe {
-                    V::load(held).add_to(self.sums[k].as_mut_ptr().add(x));
-                    V::splat(0.0).store(held);
+                    let to = self.sums[k].as_mut_ptr().add(vector * V::N);
+                    held.sums[k][vector].add_to(to);
+                    held.sums[k][vector] = V::splat(0.0);
                 }
-                x += V::N;
+                vector += 1;
             }
             k += 1;
         }
-        self.count = 0;
+        held.count = 0;
     }
 
     /// Adds up the lanes, in their order.
@@ -140,8 +193,9 @@ impl<V: Lanes> Sums<V> {
     /// # Safety
     /// The processor has the variant's instructions.
     #[inline(always)]
-    pub unsafe fn survey(&mut self) -> Survey {
-        self.widen();
+    pub unsafe fn survey(mut self) -> Survey {
+        let mut held = self.held;
+        self.widen(&mut held);
         let mut survey = Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE };
         let mut k = 0;
         while k < V::Scalar::LINE {
@@ -154,14 +208,14 @@ impl<V: Lanes> Sums<V> {
         let mut lanes = [V::Scalar::from_f64(0.0); 16];
         // SAFETY: a vector has at most 16 lanes.
         unsafe {
-            self.speed2.store(lanes.as_mut_ptr());
-            survey.speed2 = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
-            self.min_drho.store(lanes.as_mut_ptr());
+            held.v2.store(lanes.as_mut_ptr());
+            survey.speed2 = 4.0 / 9.0 * lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
+            held.min_drho.store(lanes.as_mut_ptr());
             survey.min_drho = lanes.iter().fold(0.0, |m, &x| x.to_f64().min(m));
-            self.max_drho.store(lanes.as_mut_ptr());
+            held.max_drho.store(lanes.as_mut_ptr());
             survey.max_drho = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
-            self.max_tau.store(lanes.as_mut_ptr());
-            survey.max_tau = lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
+            held.max_twice_tau.store(lanes.as_mut_ptr());
+            survey.max_tau = 0.5 * lanes.iter().fold(0.0, |m, &x| x.to_f64().max(m));
         }
         survey
     }

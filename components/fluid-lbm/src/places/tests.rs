@@ -51,6 +51,11 @@ fn sheets(grid: &Grid, solid: &[u16], roll: &mut impl FnMut() -> u32) -> Vec<She
 }
 use crate::grid::Reach;
 
+/// Whether a line may be in a run with others.
+fn is_straight(places: &Places, line: usize) -> bool {
+    !places.kind(line).is_in_pieces() || places.way(line).row_end.is_some()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -84,7 +89,8 @@ proptest! {
                 prop_assert!(count == wanted || wanted == 0 && count != 2 && count != 3);
                 let (own, dir) = (&pieces[..count], usize::from(pieces[0].dir));
                 prop_assert!(own.iter().all(|piece| usize::from(piece.dir) == dir));
-                prop_assert_eq!(entries[dir] as usize, first);
+                prop_assert_eq!(places.pieces_of(number, dir)[0], own[0]);
+                prop_assert_eq!(places.pieces_of(number, dir).len(), places.pieces().len() - first);
                 prop_assert!(own.iter().map(|piece| piece.lanes.count_ones()).sum::<u32>() as usize
                     == line.min(cells.len() - number * line));
                 prop_assert!(own.iter().fold(0, |lanes, piece| lanes | piece.lanes)
@@ -98,12 +104,32 @@ proptest! {
         // In a run each line's places follow those of the line before.
         let mut start = 0;
         while start < places.lines().len() {
-            let end = places.run_end(start, places.lines().len());
+            let end = places.run_end::<false>(start, places.lines().len());
             prop_assert!(end == start + 1 || !places.kind(start).is_in_pieces());
             for cell in (start * line + line)..(end * line).min(cells.len()) {
                 for i in 0..Q {
                     let [own, before] = [cell, cell - line].map(|c| places.odd(c as u32, i));
                     prop_assert_eq!(own, before + line);
+                }
+            }
+            start = end;
+        }
+        // In one with ends of rows all but these do.
+        let mut start = 0;
+        while start < places.lines().len() {
+            let end = places.run_end::<true>(start, places.lines().len());
+            prop_assert!(end == start + 1 || is_straight(&places, start));
+            for number in (start + 1)..end {
+                prop_assert!(is_straight(&places, number));
+                for (lane, i) in (0..line).flat_map(|lane| (1..Q).map(move |i| (lane, i))) {
+                    let is_beyond = places.way(number).row_end.is_some_and(|end| {
+                        let last = if end == RowEnd::Lower { 0 } else { line - 1 };
+                        lane == last && end.directions().contains(&i)
+                    });
+                    let first = places.lines()[start][i] as usize;
+                    let straight = first + (number - start) * line + lane;
+                    let place = places.odd((number * line + lane) as u32, i);
+                    prop_assert_eq!(place == straight, !is_beyond);
                 }
             }
             start = end;
