@@ -250,10 +250,13 @@ pub const fn all_lanes<V: Lanes>() -> u32 {
 }
 
 /// Which cells of a line are fluid.
+///
+/// # Safety
+/// The line has bits.
 #[inline(always)]
-pub fn line_bits<V: Lanes>(fluid: &[u8], line: usize) -> u32 {
+pub unsafe fn line_bits<V: Lanes>(fluid: &[u8], line: usize) -> u32 {
     debug_assert!((line + 1) * V::Scalar::LINE <= 8 * fluid.len());
-    // SAFETY: the lines of a sweep have bits.
+    // SAFETY: by contract.
     unsafe {
         if V::Scalar::LINE == 8 {
             u32::from(*fluid.get_unchecked(line))

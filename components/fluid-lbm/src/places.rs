@@ -397,12 +397,10 @@ impl Places {
         self.kinds[line]
     }
 
-    /// How a sweep comes to a line; of a few lines after the last, too.
+    /// How a sweep comes to a line; [`Way::AHEAD`] lines after the last may be asked for, too.
     #[inline(always)]
     pub fn way(&self, line: usize) -> Way {
-        debug_assert!(line < self.ways.len());
-        // SAFETY: a sweep asks for lines that there are, and looks no further ahead than so.
-        unsafe { *self.ways.get_unchecked(line) }
+        self.ways[line]
     }
 
     /// The end, up to `end`, of the run of lines from `first` on within which each line's odd places follow those of

@@ -22,9 +22,9 @@ pub struct AtEnd<'a, V: Lanes, const UPPER: bool> {
 #[inline(always)]
 fn pieces<'a, T: Real>(sweep: &'a Sweep<T>, line: usize) -> &'a [Piece; 2 * RowEnd::COUNT] {
     let first = sweep.places.kind(line).first as usize;
-    debug_assert!(first + 2 * RowEnd::COUNT <= sweep.places.pieces().len());
-    // SAFETY: such a line has so many.
-    unsafe { &*sweep.places.pieces().as_ptr().add(first).cast() }
+    sweep.places.pieces()[first..]
+        .first_chunk()
+        .expect("an end of a row has two in five directions")
 }
 
 /// Asks memory for what is beyond.

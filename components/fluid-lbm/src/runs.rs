@@ -234,7 +234,8 @@ unsafe fn measure_lines<V: Lanes, const FORCED: bool, const LES: bool, const SIN
 ) {
     let mut vector = 0;
     for line in lines {
-        let bits = line_bits::<V>(sweep.fluid, line);
+        // SAFETY: by contract.
+        let bits = unsafe { line_bits::<V>(sweep.fluid, line) };
         if bits != 0 {
             ask_ahead(&run.places, run.reach(line));
         }
@@ -278,7 +279,8 @@ unsafe fn relax_lines<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
 ) {
     let mut vector = 0;
     for line in lines {
-        let bits = line_bits::<V>(sweep.fluid, line);
+        // SAFETY: by contract.
+        let bits = unsafe { line_bits::<V>(sweep.fluid, line) };
         let mut x = 0;
         while x < V::Scalar::LINE {
             let lanes = bits >> x & all_lanes::<V>();

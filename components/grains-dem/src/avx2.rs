@@ -6,8 +6,8 @@
 
 use crate::{
     Vec3,
-    bodies::{Ball, Twist},
-    fetch::{fetch_line, fetch_lines},
+    bodies::Ball,
+    fetch::{fetch_ahead, fetch_lines, fetch_value},
     forces::Block,
     lanes::{LANES, Lane3},
     linear::{Batch, LinearLaw, Outcome},
@@ -81,10 +81,7 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
         }
         for &k in &hits.k[waiting..hits.count] {
             let other = block.entries[k as usize].other as usize;
-            let predicted = block.scenery.bodies.predicted.as_ptr().wrapping_add(other);
-            fetch_line(predicted.cast());
-            // The rest of it may lie in the next line.
-            fetch_line(predicted.cast::<i8>().wrapping_add(size_of::<Twist>() - 1));
+            fetch_value(&block.scenery.bodies.predicted, other);
         }
         // Whole batches at once; the rest waits for company.
         let ready = if end == entries { hits.count } else { hits.count / LANES * LANES };
@@ -117,7 +114,7 @@ fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut Hits) {
     let count = some.len();
     if let Some(ahead) = block.entries.get(k + AHEAD..k + AHEAD + QUAD) {
         for entry in ahead {
-            fetch_line(balls.as_ptr().wrapping_add(entry.other as usize).cast());
+            fetch_ahead(balls, entry.other as usize);
         }
     }
     fetch_lines::<_, QUAD>(block.entries, k + STREAM);

@@ -5,9 +5,8 @@
 
 use crate::{
     Vec3,
-    bodies::Twist,
     contact::Steps,
-    fetch::{fetch, fetch_line, fetch_lines},
+    fetch::{fetch, fetch_lines, fetch_value},
     forces::Block,
     lanes::{LANES, Lane3},
     law::Reduced,
@@ -63,10 +62,7 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
             find(block, k, &mut hits);
         }
         for &j in &hits.j[waiting..hits.count] {
-            let predicted = block.scenery.bodies.predicted.as_ptr().wrapping_add(j as usize);
-            fetch_line(predicted.cast());
-            // The rest of it may lie in the next line.
-            fetch_line(predicted.cast::<i8>().wrapping_add(size_of::<Twist>() - 1));
+            fetch_value(&block.scenery.bodies.predicted, j as usize);
         }
         // Whole batches at once; the rest waits for company.
         let ready = if end == entries { hits.count } else { hits.count / LANES * LANES };

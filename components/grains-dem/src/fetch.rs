@@ -29,6 +29,15 @@ pub(crate) fn fetch_line(place: *const i8) {
     unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
 }
 
+/// Brings a value of less than a line, which need not be there and may lie in two, towards the processor.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(crate) fn fetch_value<T>(values: &[T], index: usize) {
+    let place = values.as_ptr().wrapping_add(index).cast::<i8>();
+    fetch_line(place);
+    fetch_line(place.wrapping_add(size_of::<T>() - 1));
+}
+
 /// Brings each line of `COUNT` values from `index` on, which need not be there, towards the processor.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]

@@ -44,7 +44,7 @@
 //! About 500 floating-point operations go with these thousand bytes, so that memory is what counts.
 //! Blocks of spheres follow Morton's curve; every array is walked from its beginning to its end, and
 //! what is reached through an index is asked for some contacts ahead; so are the lists, because no
-//! processor follows as many arrays by itself. Contacts of one linear law are computed four or eight at once.
+//! processor follows as many arrays by itself. Contacts of one linear law are computed eight at once.
 //!
 //! # Same bits
 //!
