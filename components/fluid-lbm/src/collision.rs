@@ -98,7 +98,7 @@ pub struct Constants<V> {
     even_force: [V; 3],
     even_pair: [V; 9],
     odd_pair: [V; 9],
-    /// `2 tau`, its quarter's square, and `12 sqrt(2) C^2`.
+    /// `tau+`, its square, and `12 sqrt(2) C^2`.
     tau: V,
     tau2: V,
     closure: V,
