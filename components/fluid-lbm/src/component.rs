@@ -251,7 +251,7 @@ impl Fluid for LatticeFluid {
             ledger.mass_change - ledger.mass_terms(),
         ]);
         values.extend(ledger.momentum);
-        values.push(largest_gap(ledger));
+        values.push(largest_gap(&ledger));
         values.extend(ledger.walls);
         values.extend(ledger.bodies);
         values.extend([diagnostics.max_tau, diagnostics.entering as f64, ledger.mass_owed]);

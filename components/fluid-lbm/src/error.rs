@@ -1,5 +1,6 @@
 //! What can go wrong while the fluid runs.
 
+use crate::reservoir::name;
 use tremie_messages::finding::short;
 
 /// A fault of a running fluid.
@@ -142,12 +143,15 @@ pub enum FluidError {
     },
     /// The piston of a reservoir has come to the face.
     #[error(
-        "the reservoir at {face} is spent at {time} s: {left:.1} % of its {volume} m³ is left, and the piston may leave no \
-         less than 5 %; a larger volume lasts longer, a stop before that time ends the stroke"
+        "the reservoir at {} is spent at {time} s: {left:.1} % of its {volume} m³ is left, and the piston may leave no \
+         less than 5 %; a larger volume lasts longer, a stop before that time ends the stroke",
+        name(*axis, *side)
     )]
     ReservoirSpent {
-        /// Name of the face.
-        face: String,
+        /// Axis of the face, 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// 0 for the lower, 1 for the upper face.
+        side: usize,
         /// Volume that is left [%].
         left: f64,
         /// Volume at time zero [m³].
@@ -157,13 +161,16 @@ pub enum FluidError {
     },
     /// The fluid passes the face of a reservoir too fast for the lattice.
     #[error(
-        "the fluid passes the reservoir's face {face} at {speed:.4} m/s (limit {limit:.4} m/s, a tenth of a cell a step) \
+        "the fluid passes the reservoir's face {} at {speed:.4} m/s (limit {limit:.4} m/s, a tenth of a cell a step) \
          while the gauge pressure there is {pressure:.4e} Pa; a smaller time step raises the limit, a slower ramp of the \
-         piston lowers the speed"
+         piston lowers the speed",
+        name(*axis, *side)
     )]
     ReservoirFlow {
-        /// Name of the face.
-        face: String,
+        /// Axis of the face, 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// 0 for the lower, 1 for the upper face.
+        side: usize,
         /// Largest speed through the face [m/s].
         speed: f64,
         /// Limit [m/s].

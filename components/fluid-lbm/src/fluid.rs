@@ -1,18 +1,32 @@
 //! The fluid as its users see it: SI units outside, one precision or the other inside.
 
+use crate::axes::Axes;
 use crate::error::FluidError;
+use crate::ground::Ground;
 use crate::ledger::Ledger;
 use crate::observe::{Diagnostics, SliceNode};
 use crate::parameters::{Parameters, Precision};
 use crate::reservoir::ReservoirState;
 use crate::solver::Solver;
-use tremie_messages::scene::Scene;
+use std::borrow::Cow;
+use tremie_messages::scene::{ProbeShape, Scene};
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
 use tremie_team::{Found, Variant};
 
-/// A lattice-Boltzmann fluid in a box, with moving spheres in it.
+/// A lattice-Boltzmann fluid in a box, with moving bodies in it.
+///
+/// Everything here is by the world's axes. The lattice inside may lie along others, so that the rows of its cells are
+/// long: how fast it is does not depend on how the scene lies.
 pub struct FluidLbm {
     solver: Either,
+    /// Those of the lattice.
+    axes: Axes,
+    /// Room for what is turned into the lattice's axes, or back.
+    states: Vec<BodyState>,
+    vertices: Vec<SurfaceVertex>,
+    ports: Vec<PortState>,
+    /// The scene's probes.
+    probes: Vec<ProbeShape>,
 }
 
 /// The solver in the precision that was chosen.
@@ -63,15 +77,32 @@ impl FluidLbm {
         threads: usize,
         variant: Variant,
     ) -> Result<Self, Vec<Problem>> {
-        let solver = match parameters.precision {
-            Precision::F64 => {
-                Either::F64(Box::new(Solver::new(scene, parameters, time_step, threads, variant)?))
-            }
-            Precision::F32 => {
-                Either::F32(Box::new(Solver::new(scene, parameters, time_step, threads, variant)?))
-            }
+        let (resolution, ground) = parameters.survey(scene)?;
+        let axes = Axes::with_long_rows(&ground);
+        let (own, ground) = if axes == Axes::WORLD {
+            (Cow::Borrowed(scene), ground)
+        } else {
+            let turned = axes.scene(scene);
+            let cells = axes.to_lattice(&resolution.cells);
+            let ground = Ground::new(&turned, axes, cells, resolution.cell)?;
+            (Cow::Owned(turned), ground)
         };
-        Ok(Self { solver })
+        let solver = match parameters.precision {
+            Precision::F64 => Either::F64(Box::new(Solver::on(
+                ground, &own, parameters, time_step, threads, variant,
+            )?)),
+            Precision::F32 => Either::F32(Box::new(Solver::on(
+                ground, &own, parameters, time_step, threads, variant,
+            )?)),
+        };
+        Ok(Self {
+            solver,
+            axes,
+            states: Vec::new(),
+            vertices: Vec::new(),
+            ports: Vec::new(),
+            probes: scene.probes.iter().map(|probe| probe.shape.clone()).collect(),
+        })
     }
 
     /// Finds out from now on whether a step is faster on all threads or on one, and goes on with that: either is
@@ -101,7 +132,11 @@ impl FluidLbm {
     /// # Errors
     /// States that are not those of the living bodies, or not finite.
     pub fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
-        solver!(&mut self.solver, s => s.start(bodies, loads))
+        self.turn_states(bodies);
+        solver!(&mut self.solver, s => s.start(&self.states, loads))
+            .map_err(|error| self.axes.error(error))?;
+        self.axes.turn_back_loads(loads);
+        Ok(())
     }
 
     /// One time step. `bodies` are at its end; `loads`, in the same order, are the forces [N] and
@@ -111,7 +146,11 @@ impl FluidLbm {
     /// States that are not those of the living bodies, or not finite; a reservoir that is spent, or
     /// whose flow is too fast for the lattice.
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
-        solver!(&mut self.solver, s => s.step(bodies, loads))
+        self.turn_states(bodies);
+        solver!(&mut self.solver, s => s.step(&self.states, loads))
+            .map_err(|error| self.axes.error(error))?;
+        self.axes.turn_back_loads(loads);
+        Ok(())
     }
 
     /// The deformable surfaces as they are at the end of the next step: all vertices of all surfaces of
@@ -122,7 +161,9 @@ impl FluidLbm {
     /// As many vertices as there are not, numbers that are not finite, and first vertices between which
     /// the surface is not closed or inside out.
     pub fn set_surfaces(&mut self, vertices: &[SurfaceVertex]) -> Result<(), FluidError> {
-        solver!(&mut self.solver, s => s.set_surfaces(vertices))
+        self.vertices.clear();
+        self.vertices.extend(vertices.iter().map(|vertex| self.axes.vertex(vertex)));
+        solver!(&mut self.solver, s => s.set_surfaces(&self.vertices))
     }
 
     /// Forces [N] of the fluid in the last step on the facets of deformable surfaces, all of them in
@@ -136,11 +177,12 @@ impl FluidLbm {
     /// nothing, whatever the sum.
     pub fn surface_loads(&mut self, loads: &mut [FacetLoad]) {
         solver!(&mut self.solver, s => s.surface_loads(loads));
+        self.axes.turn_back_facets(loads);
     }
 
     /// Balance of momentum and mass of the last step.
-    pub fn ledger(&self) -> &Ledger {
-        solver!(&self.solver, s => s.ledger())
+    pub fn ledger(&self) -> Ledger {
+        self.axes.ledger(solver!(&self.solver, s => s.ledger()))
     }
 
     /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, without
@@ -149,18 +191,23 @@ impl FluidLbm {
     /// in the scene. `loads` is cleared before.
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         solver!(&self.solver, s => s.loads_on_parts(loads));
+        self.axes.turn_back_loads(loads);
     }
 
     /// Appends what the scene's probes measure to `values`, in the order of
     /// [`crate::probe_signals`], SI units. A probe whose cells are all covered by bodies reads 0.
     pub fn probes(&mut self, values: &mut Vec<f64>) {
+        let first = values.len();
         solver!(&mut self.solver, s => s.probes(values));
+        self.axes.turn_back_probes(&self.probes, &mut values[first..]);
     }
 
     /// Mean velocities through the open faces whose velocity inlets of grains take, in the order of
     /// [`PortState::all`].
     pub fn ports(&mut self) -> &[PortState] {
-        solver!(&mut self.solver, s => s.ports())
+        let ports = solver!(&mut self.solver, s => s.ports());
+        self.axes.turn_back_ports(ports, &mut self.ports);
+        &self.ports
     }
 
     /// What the reservoirs beyond the domain's faces are like, in the order of the faces: lower before
@@ -168,6 +215,7 @@ impl FluidLbm {
     pub fn reservoirs(&self, states: &mut Vec<ReservoirState>) {
         states.clear();
         solver!(&self.solver, s => states.extend(s.reservoirs()));
+        self.axes.turn_back_reservoirs(states);
     }
 
     /// Memory that populations and tables take [bytes].
@@ -185,29 +233,35 @@ impl FluidLbm {
     /// # Errors
     /// The cell where it is not.
     pub fn check(&self) -> Result<(), FluidError> {
-        solver!(&self.solver, s => s.check())
+        solver!(&self.solver, s => s.check()).map_err(|error| self.axes.error(error))
     }
 
     /// The layer of cells nearest to `position` [m] along `axis` (0, 1, 2 for x, y, z), written to
     /// `out`, which is cleared before. The other two axes follow in their order, the first of them
     /// running fastest. Returns how many cells lie along those two.
     pub fn slice(&self, axis: usize, position: f64, out: &mut Vec<SliceNode>) -> [usize; 2] {
-        solver!(&self.solver, s => s.slice(axis, position, out))
+        let others = [[1, 2], [0, 2], [0, 1]][axis].map(|axis| self.axes.axis_to_lattice(axis));
+        let axis = self.axes.axis_to_lattice(axis);
+        let count = solver!(&self.solver, s => s.slice(axis, position, others, out));
+        out.iter_mut().for_each(|node| *node = self.axes.node(*node));
+        count
     }
 
     /// Cells along each axis.
     pub fn cells(&self) -> [usize; 3] {
-        solver!(&self.solver, s => s.cells())
+        self.axes.to_world(&solver!(&self.solver, s => s.cells()))
     }
 
     /// Centre of a cell [m].
     pub fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
-        solver!(&self.solver, s => s.centre(cell))
+        let cell = self.axes.to_lattice(&cell);
+        self.axes.to_world(&solver!(&self.solver, s => s.centre(cell)))
     }
 
     /// What a cell holds.
     pub fn node(&self, cell: [usize; 3]) -> SliceNode {
-        solver!(&self.solver, s => s.node(cell))
+        let cell = self.axes.to_lattice(&cell);
+        self.axes.node(solver!(&self.solver, s => s.node(cell)))
     }
 
     /// Velocity in a cell [m/s]; zero inside a solid.
@@ -223,13 +277,19 @@ impl FluidLbm {
     /// The 19 populations that the next collision finds in a cell, as deviations from rest, in the
     /// order of [`crate::lattice::C`]; zeros in a static solid.
     pub fn populations_at(&self, cell: [usize; 3]) -> [f64; crate::lattice::Q] {
-        solver!(&self.solver, s => s.populations_at(cell))
+        let cell = self.axes.to_lattice(&cell);
+        self.axes.populations(solver!(&self.solver, s => s.populations_at(cell)))
     }
 
     /// Puts the fluid into local equilibrium with the velocity [m/s] and gauge pressure [Pa] that
     /// `state` says at a position [m].
     pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
-        solver!(&mut self.solver, s => s.set_state(state));
+        let axes = self.axes;
+        let turned = |position: [f64; 3]| {
+            let (velocity, pressure) = state(axes.to_world(&position));
+            (axes.to_lattice(&velocity), pressure)
+        };
+        solver!(&mut self.solver, s => s.set_state(turned));
     }
 
     /// Time step [s].
@@ -240,5 +300,11 @@ impl FluidLbm {
     /// Relaxation time [time steps].
     pub fn tau(&self) -> f64 {
         solver!(&self.solver, s => s.tau())
+    }
+
+    /// Notes the states of bodies by the lattice's axes.
+    fn turn_states(&mut self, bodies: &[BodyState]) {
+        self.states.clear();
+        self.states.extend(bodies.iter().map(|body| self.axes.body(body)));
     }
 }

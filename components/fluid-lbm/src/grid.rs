@@ -41,13 +41,20 @@ pub struct Grid {
     pub sides: [[Side; 2]; 3],
     /// Which axes wrap around.
     pub periodic: [bool; 3],
+    /// The axes in the order of the world's: of several faces at an edge, the first by it counts.
+    pub order: [usize; 3],
 }
 
 impl Grid {
     /// A box of `n` cells.
     pub fn new(n: [usize; 3], sides: [[Side; 2]; 3]) -> Self {
         let periodic = sides.map(|s| s[0] == Side::Periodic);
-        Self { n: n.map(|n| n as i32), sides, periodic }
+        Self { n: n.map(|n| n as i32), sides, periodic, order: [0, 1, 2] }
+    }
+
+    /// With its axes in another order than the world's.
+    pub fn ordered(self, order: [usize; 3]) -> Self {
+        Self { order, ..self }
     }
 
     /// A box with periodic axes and walls across the others.
@@ -105,13 +112,13 @@ impl Grid {
     }
 
     /// Where coordinates lead that are at most one cell beyond a face (any number along periodic
-    /// axes). Of several faces that end the fluid, walls come before open ones, lower axes before
-    /// higher ones; a face that ends the fluid comes before mirrors.
+    /// axes). Of several faces that end the fluid, walls come before open ones, then the first
+    /// of the world's axes; a face that ends the fluid comes before mirrors.
     pub fn reach(&self, at: [i32; 3]) -> Reach {
         let mut to = at;
         let mut mirrors = 0;
         let mut face: Option<(usize, usize)> = None;
-        for a in 0..3 {
+        for a in self.order {
             let side = match at[a] {
                 k if k < 0 => 0,
                 k if k >= self.n[a] => 1,

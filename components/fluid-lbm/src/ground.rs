@@ -1,5 +1,6 @@
 //! The static geometry of a scene in cells, checked.
 
+use crate::axes::Axes;
 use crate::cells::{Fixture, Sheet};
 use crate::grid::{Grid, Reach};
 use crate::lattice::{C, mirrored};
@@ -29,12 +30,18 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Of a scene in a box of `cells` cells with edges of `cell` [m].
+    /// Of a scene in a box of `cells` cells with edges of `cell` [m], both by the given axes.
     ///
     /// # Errors
     /// Surfaces that cannot be had, points inside that are not in the fluid, leaks.
-    pub fn new(scene: &Scene, cells: [usize; 3], cell: f64) -> Result<Self, Vec<Problem>> {
-        let grid = Grid::new(cells, sides(scene));
+    pub fn new(
+        scene: &Scene,
+        axes: Axes,
+        cells: [usize; 3],
+        cell: f64,
+    ) -> Result<Self, Vec<Problem>> {
+        let order = [0, 1, 2].map(|axis| axes.axis_to_lattice(axis));
+        let grid = Grid::new(cells, sides(scene)).ordered(order);
         let centres = Centres { cell, min: scene.domain.min };
         let (solids, moving) = match (solids(scene), moving_surfaces(scene)) {
             (Ok(solids), Ok(moving)) => (solids, moving),

@@ -111,7 +111,11 @@ impl Ledger {
 
     /// Every quantity times its unit: impulses times `impulse`, masses times `mass`.
     pub(crate) fn scaled(&self, impulse: f64, mass: f64) -> Self {
-        let v = |v: [f64; 3]| v.map(|x| x * impulse);
+        self.with(|v| v.map(|x| x * impulse), mass)
+    }
+
+    /// With what is made of each impulse, and masses times `mass`.
+    pub(crate) fn with(&self, v: impl Fn([f64; 3]) -> [f64; 3], mass: f64) -> Self {
         Self {
             momentum: v(self.momentum),
             momentum_change: v(self.momentum_change),

@@ -19,6 +19,7 @@
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.
 
+mod axes;
 mod balance;
 mod batch;
 mod bodies;

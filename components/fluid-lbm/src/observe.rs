@@ -171,7 +171,7 @@ impl<T: Collides> Solver<T> {
                 return Some(FluidError::NonFinite {
                     cell: at.map(|k| k as usize),
                     position: self.units.centre(at),
-                    value: format!("population {i} is {}", h[i]),
+                    value: format!("a population is {}", h[i]),
                 });
             }
             let u = self.before().content(cell).velocity(self.relaxation.acceleration);
@@ -216,11 +216,16 @@ impl<T: Collides> Solver<T> {
         cell.map_or([0.0; Q], |cell| self.before().populations(cell))
     }
 
-    /// See [`crate::FluidLbm::slice`].
-    pub fn slice(&self, axis: usize, position: f64, out: &mut Vec<SliceNode>) -> [usize; 2] {
+    /// See [`crate::FluidLbm::slice`]; the other two axes are given, that which runs fastest first.
+    pub fn slice(
+        &self,
+        axis: usize,
+        position: f64,
+        [fast, slow]: [usize; 2],
+        out: &mut Vec<SliceNode>,
+    ) -> [usize; 2] {
         let layer = ((position - self.units.min[axis]) / self.units.cell).floor() as i32;
         let layer = layer.clamp(0, self.layout.grid.n[axis] - 1);
-        let [fast, slow] = [[1, 2], [0, 2], [0, 1]][axis];
         out.clear();
         for k in 0..self.layout.grid.n[slow] {
             for j in 0..self.layout.grid.n[fast] {

@@ -35,7 +35,7 @@
 //! longest by 8 %, and where the flow is steady the pressure is the given one. `v_mean` is each cell's
 //! own and starts with the flow. Such faces are NEE in either scheme.
 //!
-//! Cells at two open faces belong to the one of the lower axis and look along both normals. Where a
+//! Cells at two open faces belong to the one of the first axis (of the world) and look along both normals. Where a
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
 //! faces, NEBB would lack equations and NEE takes its place.
 
@@ -206,10 +206,10 @@ impl OpenCells {
     }
 }
 
-/// The open faces at which a cell lies, lower axes first.
+/// The open faces at which a cell lies, in the order of the world's axes.
 pub fn open_faces(grid: &Grid, at: [i32; 3]) -> Vec<(usize, usize)> {
     let mut faces = Vec::new();
-    for axis in 0..3 {
+    for axis in grid.order {
         for side in 0..2 {
             if grid.sides[axis][side] == Side::Open && at[axis] == [0, grid.n[axis] - 1][side] {
                 faces.push((axis, side));

@@ -38,6 +38,16 @@ fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
     }
 }
 
+/// How many values a probe of a shape has.
+pub fn count(shape: &ProbeShape) -> usize {
+    values(shape).len()
+}
+
+/// Which of the values of a probe of a shape is the first of the three of a velocity, if it has one.
+pub fn first_velocity(shape: &ProbeShape) -> Option<usize> {
+    values(shape).iter().position(|(name, _)| *name == "velocity_x")
+}
+
 /// Cells that a probe reads, with their weights.
 pub fn samples(grid: &Grid, centres: &Centres, shape: &ProbeShape) -> Vec<([i32; 3], f64)> {
     match shape {

@@ -231,7 +231,8 @@ impl ReservoirFace {
             return Ok(());
         }
         Err(FluidError::ReservoirSpent {
-            face: name(self.axis, self.side),
+            axis: self.axis,
+            side: self.side,
             left: 100.0 * self.cylinder.part_left(),
             volume: self.volume,
             time,
@@ -269,7 +270,8 @@ impl ReservoirFace {
             return Ok(());
         }
         Err(FluidError::ReservoirFlow {
-            face: name(axis, side),
+            axis,
+            side,
             speed: fastest * units.velocity(),
             limit: FASTEST * units.velocity(),
             pressure: CS2 * drho * units.pressure(),

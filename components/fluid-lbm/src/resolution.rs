@@ -1,5 +1,6 @@
 //! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
 
+use crate::axes::Axes;
 use crate::field::Field;
 use crate::grain_space::{DryRegion, Throat, dry_regions, throat};
 use crate::ground::Ground;
@@ -94,7 +95,7 @@ impl Parameters {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let ground = Ground::new(scene, cells, self.cell.0)?;
+        let ground = Ground::new(scene, Axes::WORLD, cells, self.cell.0)?;
         let fluid_cells = ground.voxels.fluid;
         let memory_bytes = match self.memory(cells, fluid_cells as u64) {
             Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes,

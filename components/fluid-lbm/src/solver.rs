@@ -13,6 +13,7 @@ use crate::error::FluidError;
 use crate::field::Field;
 use crate::fixed::{self, FixedLinks};
 use crate::gap_pressure::{InGaps, Seen, UNKNOWN};
+use crate::ground::Ground;
 use crate::halfway::HalfwayLinks;
 use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lattice::CS2;
@@ -141,7 +142,8 @@ pub struct Solver<T: Collides> {
 }
 
 impl<T: Collides> Solver<T> {
-    /// See [`crate::FluidLbm::new`].
+    /// See [`crate::FluidLbm::with_variant`]; by the world's axes.
+    #[cfg(test)]
     pub fn new(
         scene: &Scene,
         parameters: &Parameters,
@@ -149,7 +151,19 @@ impl<T: Collides> Solver<T> {
         threads: usize,
         variant: Variant,
     ) -> Result<Self, Vec<Problem>> {
-        let (resolution, ground) = parameters.survey(scene)?;
+        let (_, ground) = parameters.survey(scene)?;
+        Self::on(ground, scene, parameters, time_step, threads, variant)
+    }
+
+    /// On the static geometry of a scene; see [`crate::FluidLbm::with_variant`].
+    pub fn on(
+        ground: Ground,
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        threads: usize,
+        variant: Variant,
+    ) -> Result<Self, Vec<Problem>> {
         let mut problems = Vec::new();
         let fluid = scene.fluid.as_ref().expect("a scene that was resolved has a fluid");
         parameters.check_step(fluid, time_step, &mut problems);
@@ -157,7 +171,7 @@ impl<T: Collides> Solver<T> {
             return Err(problems);
         }
         let units = Units {
-            cell: resolution.cell,
+            cell: parameters.cell.0,
             time_step,
             density: fluid.density,
             min: scene.domain.min,

@@ -96,7 +96,7 @@ fn closes(precision: Precision, tolerance: f64) {
         advance(&mut bodies);
         let before = fluid.ledger().momentum;
         fluid.step(&bodies, &mut loads).unwrap();
-        let ledger = *fluid.ledger();
+        let ledger = fluid.ledger();
         for a in 0..3 {
             assert!(
                 (ledger.momentum[a] - before[a] - ledger.momentum_change[a]).abs() < 1e-13 * scale
