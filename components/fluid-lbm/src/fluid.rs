@@ -2,11 +2,13 @@
 
 use crate::axes::Axes;
 use crate::error::FluidError;
+use crate::field::Real;
 use crate::ground::Ground;
 use crate::ledger::Ledger;
 use crate::observe::{Diagnostics, SliceNode};
 use crate::parameters::{Parameters, Precision};
 use crate::reservoir::ReservoirState;
+use crate::resolution::Resolution;
 use crate::solver::Solver;
 use std::borrow::Cow;
 use tremie_messages::scene::{ProbeShape, Scene};
@@ -78,15 +80,11 @@ impl FluidLbm {
         variant: Variant,
     ) -> Result<Self, Vec<Problem>> {
         let (resolution, ground) = parameters.survey(scene)?;
-        let axes = Axes::with_long_rows(&ground);
-        let (own, ground) = if axes == Axes::WORLD {
-            (Cow::Borrowed(scene), ground)
-        } else {
-            let turned = axes.scene(scene);
-            let cells = axes.to_lattice(&resolution.cells);
-            let ground = Ground::new(&turned, axes, cells, resolution.cell)?;
-            (Cow::Owned(turned), ground)
+        let line = match parameters.precision {
+            Precision::F64 => f64::LINE,
+            Precision::F32 => f32::LINE,
         };
+        let (axes, own, ground) = turned(scene, &resolution, ground, line);
         let solver = match parameters.precision {
             Precision::F64 => Either::F64(Box::new(Solver::on(
                 ground, &own, parameters, time_step, threads, variant,
@@ -132,8 +130,8 @@ impl FluidLbm {
     /// # Errors
     /// States that are not those of the living bodies, or not finite.
     pub fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
-        self.turn_states(bodies);
-        solver!(&mut self.solver, s => s.start(&self.states, loads))
+        let bodies = self.axes.bodies(bodies, &mut self.states);
+        solver!(&mut self.solver, s => s.start(bodies, loads))
             .map_err(|error| self.axes.error(error))?;
         self.axes.turn_back_loads(loads);
         Ok(())
@@ -146,8 +144,8 @@ impl FluidLbm {
     /// States that are not those of the living bodies, or not finite; a reservoir that is spent, or
     /// whose flow is too fast for the lattice.
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
-        self.turn_states(bodies);
-        solver!(&mut self.solver, s => s.step(&self.states, loads))
+        let bodies = self.axes.bodies(bodies, &mut self.states);
+        solver!(&mut self.solver, s => s.step(bodies, loads))
             .map_err(|error| self.axes.error(error))?;
         self.axes.turn_back_loads(loads);
         Ok(())
@@ -161,9 +159,8 @@ impl FluidLbm {
     /// As many vertices as there are not, numbers that are not finite, and first vertices between which
     /// the surface is not closed or inside out.
     pub fn set_surfaces(&mut self, vertices: &[SurfaceVertex]) -> Result<(), FluidError> {
-        self.vertices.clear();
-        self.vertices.extend(vertices.iter().map(|vertex| self.axes.vertex(vertex)));
-        solver!(&mut self.solver, s => s.set_surfaces(&self.vertices))
+        let vertices = self.axes.vertices(vertices, &mut self.vertices);
+        solver!(&mut self.solver, s => s.set_surfaces(vertices))
     }
 
     /// Forces [N] of the fluid in the last step on the facets of deformable surfaces, all of them in
@@ -301,10 +298,23 @@ impl FluidLbm {
     pub fn tau(&self) -> f64 {
         solver!(&self.solver, s => s.tau())
     }
+}
 
-    /// Notes the states of bodies by the lattice's axes.
-    fn turn_states(&mut self, bodies: &[BodyState]) {
-        self.states.clear();
-        self.states.extend(bodies.iter().map(|body| self.axes.body(body)));
+/// Axes with which the lattice is fast, the scene by them, and its geometry in lines of `line` cells, given that by the world's axes.
+fn turned<'a>(
+    scene: &'a Scene,
+    resolution: &Resolution,
+    ground: Ground,
+    line: usize,
+) -> (Axes, Cow<'a, Scene>, Ground) {
+    let axes = Axes::with_long_rows(&ground, line);
+    if axes != Axes::WORLD {
+        let turned = axes.scene(scene);
+        let cells = axes.to_lattice(&resolution.cells);
+        // Where a surface passes through the centres of cells, rounding may have them be others, and then what was found fit may not be.
+        if let Ok(ground) = Ground::new(&turned, axes, cells, resolution.cell) {
+            return (axes, Cow::Owned(turned), ground);
+        }
     }
+    (Axes::WORLD, Cow::Borrowed(scene), ground)
 }

@@ -12,12 +12,25 @@ use tremie_messages::{BodyEvent, BodyState, Load};
 const POPULATIONS: f64 = 19.0;
 /// Smagorinsky's constant where there is one.
 const SMAGORINSKY: f64 = 0.1;
-/// Cells along an edge of the box with spheres in it.
-const ROOM: usize = 96;
-/// Spheres: how many along an edge, and their diameters in cells. The smaller ones are as the grains of a valve.
-const SPHERES: [(usize, f64); 2] = [(4, 10.0), (16, 2.5)];
-/// How far they move in a step, in cells.
-const MOTION: f64 = 0.01;
+/// Spheres that move in a box.
+#[derive(Clone, Copy)]
+struct Spheres {
+    /// Cells along an edge of the box.
+    room: usize,
+    /// How many stand along it.
+    along: usize,
+    /// Their diameters in cells.
+    diameter: f64,
+    /// How far they move in a step, in cells.
+    motion: f64,
+}
+
+/// Large ones, small ones, and small ones as slow as the grains in a valve, in a box that stays in the third-level cache as a valve's.
+const SPHERES: [Spheres; 3] = [
+    Spheres { room: 96, along: 4, diameter: 10.0, motion: 0.01 },
+    Spheres { room: 96, along: 16, diameter: 2.5, motion: 0.01 },
+    Spheres { room: 48, along: 12, diameter: 2.7, motion: 5e-4 },
+];
 
 /// The lattices.
 pub fn cases(asked: &Asked) -> Vec<Case> {
@@ -67,13 +80,14 @@ fn seconds_per_step(
     fluid: &mut FluidLbm,
     bodies: &mut [BodyState],
     loads: &mut [Load],
+    motion: f64,
     seconds: f64,
 ) -> Result<f64, String> {
     let (start, mut steps) = (Instant::now(), 0);
     while steps == 0 || start.elapsed().as_secs_f64() < seconds {
         for _ in 0..2 {
             for body in &mut *bodies {
-                body.position[0] += MOTION;
+                body.position[0] += motion;
             }
             fluid.step(bodies, loads).map_err(|error| error.to_string())?;
         }
@@ -93,7 +107,7 @@ fn whole(name: String, parameters: Parameters, edge: usize, threads: usize, traf
         let mut fluid = started(fluid(&scene(edge, Face::Periodic), &parameters, threads)?)?;
         let cells = fluid.diagnostics().fluid_cells as f64;
         let measure: Measure = Box::new(move |seconds| {
-            let step = seconds_per_step(&mut fluid, &mut [], &mut [], seconds)?;
+            let step = seconds_per_step(&mut fluid, &mut [], &mut [], 0.0, seconds)?;
             Ok(vec![1e-6 * cells / step])
         });
         Ok(measure)
@@ -127,8 +141,8 @@ fn bore(precise: &str, precision: Precision, edge: usize, threads: usize, traffi
             .to_vec();
         let mut bored = started(fluid(&bored, &parameters, threads)?)?;
         let measure: Measure = Box::new(move |seconds| {
-            let whole = seconds_per_step(&mut dense, &mut [], &mut [], 0.5 * seconds)?;
-            let part = seconds_per_step(&mut bored, &mut [], &mut [], 0.5 * seconds)?;
+            let whole = seconds_per_step(&mut dense, &mut [], &mut [], 0.0, 0.5 * seconds)?;
+            let part = seconds_per_step(&mut bored, &mut [], &mut [], 0.0, 0.5 * seconds)?;
             let cells = bored.diagnostics().fluid_cells as f64;
             let bytes = [&bored, &dense].map(|fluid| fluid.memory_bytes() as f64);
             Ok(vec![1e-6 * cells / part, part / whole, bytes[0] / bytes[1], bytes[0] / cells])
@@ -150,12 +164,12 @@ fn links(
     precise: &str,
     precision: Precision,
     threads: usize,
-    (along, diameter): (usize, f64),
+    Spheres { room, along, diameter, motion }: Spheres,
 ) -> Case {
-    let pitch = (ROOM / along) as f64;
+    let pitch = (room / along) as f64;
     let make = move || {
         let parameters = Parameters { precision, ..Parameters::with_cell(1.0) };
-        let scene = scene(ROOM, Face::Periodic);
+        let scene = scene(room, Face::Periodic);
         let mut empty = started(fluid(&scene, &parameters, threads)?)?;
         let mut filled = fluid(&scene, &parameters, threads)?;
         let place = |k: usize| {
@@ -163,7 +177,7 @@ fn links(
             at.map(|k| (k as f64 + 0.5) * pitch + 0.123)
         };
         let state = |k: usize| BodyState {
-            velocity: [MOTION, 0.0, 0.0],
+            velocity: [motion, 0.0, 0.0],
             ..BodyState::at_rest(k as u64, place(k))
         };
         let mut bodies: Vec<BodyState> = (0..along.pow(3)).map(state).collect();
@@ -182,15 +196,18 @@ fn links(
         filled.apply_events(&events).map_err(|error| error.to_string())?;
         filled.start(&bodies, &mut loads).map_err(|error| error.to_string())?;
         let measure: Measure = Box::new(move |seconds| {
-            let without = seconds_per_step(&mut empty, &mut [], &mut [], 0.5 * seconds)?;
-            let with = seconds_per_step(&mut filled, &mut bodies, &mut loads, 0.5 * seconds)?;
+            let without = seconds_per_step(&mut empty, &mut [], &mut [], 0.0, 0.5 * seconds)?;
+            let with =
+                seconds_per_step(&mut filled, &mut bodies, &mut loads, motion, 0.5 * seconds)?;
             let links = filled.diagnostics().links as f64;
             Ok(vec![1e9 * threads as f64 * (with - without) / links])
         });
         Ok(measure)
     };
     let spheres = along.pow(3);
-    let name = format!("lattice {precise}, links of {spheres} moving spheres of {diameter} cells");
+    let name = format!(
+        "lattice {precise}, links of {spheres} spheres of {diameter} cells in {room}³, moving {motion} a step"
+    );
     let quantities = vec![Quantity::new("", "core ns a link")];
     Case { name, threads, quantities, make: Box::new(make) }
 }

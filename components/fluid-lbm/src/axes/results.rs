@@ -11,8 +11,40 @@ use tremie_messages::scene::ProbeShape;
 use tremie_messages::{BodyState, FacetLoad, Load, PortState, SurfaceVertex};
 
 impl Axes {
+    /// States of bodies; `room` takes them where they differ from the world's.
+    pub fn bodies<'a>(
+        self,
+        of_world: &'a [BodyState],
+        room: &'a mut Vec<BodyState>,
+    ) -> &'a [BodyState] {
+        self.each(of_world, room, |body| self.body(body))
+    }
+
+    /// Vertices of deformable surfaces, likewise.
+    pub fn vertices<'a>(
+        self,
+        of_world: &'a [SurfaceVertex],
+        room: &'a mut Vec<SurfaceVertex>,
+    ) -> &'a [SurfaceVertex] {
+        self.each(of_world, room, |vertex| self.vertex(vertex))
+    }
+
+    fn each<'a, T>(
+        self,
+        of_world: &'a [T],
+        room: &'a mut Vec<T>,
+        turn: impl Fn(&T) -> T,
+    ) -> &'a [T] {
+        if self == Self::WORLD {
+            return of_world;
+        }
+        room.clear();
+        room.extend(of_world.iter().map(turn));
+        room
+    }
+
     /// The state of a body.
-    pub fn body(self, state: &BodyState) -> BodyState {
+    fn body(self, state: &BodyState) -> BodyState {
         BodyState {
             id: state.id,
             position: self.to_lattice(&state.position),
@@ -23,7 +55,7 @@ impl Axes {
     }
 
     /// A vertex of a deformable surface.
-    pub fn vertex(self, vertex: &SurfaceVertex) -> SurfaceVertex {
+    fn vertex(self, vertex: &SurfaceVertex) -> SurfaceVertex {
         SurfaceVertex {
             position: self.to_lattice(&vertex.position),
             velocity: self.to_lattice(&vertex.velocity),
@@ -32,6 +64,9 @@ impl Axes {
 
     /// Turns loads back.
     pub fn turn_back_loads(self, loads: &mut [Load]) {
+        if self == Self::WORLD {
+            return;
+        }
         for load in loads {
             load.force = self.to_world(&load.force);
             load.torque = self.to_world(&load.torque);
@@ -40,6 +75,9 @@ impl Axes {
 
     /// Turns loads on facets back.
     pub fn turn_back_facets(self, loads: &mut [FacetLoad]) {
+        if self == Self::WORLD {
+            return;
+        }
         for load in loads {
             load.force = self.to_world(&load.force);
             load.point = self.to_world(&load.point);

@@ -46,7 +46,7 @@ fn poses_turn_as_vectors_do() {
     }
 }
 
-/// Rows lie along the longest way through the fluid, but where that gains little.
+/// Rows lie along the longest way through the fluid, but where that gains little, or the ends of shorter rows are those of lines.
 #[test]
 fn rows_are_long() {
     let of = |size: [f64; 3]| {
@@ -54,12 +54,29 @@ fn rows_are_long() {
         let fluid = Some(FluidMaterial::at_rest(1.0, 0.1));
         let scene = Scene { fluid, ..Scene::empty(domain) };
         let (_, ground) = Parameters::with_cell(1.0).survey(&scene).unwrap();
-        Axes::with_long_rows(&ground).first
+        Axes::with_long_rows(&ground, 16).first
     };
     assert_eq!(of([9.0, 9.0, 9.0]), 0);
     assert_eq!(of([10.0, 30.0, 11.0]), 1);
     assert_eq!(of([10.0, 11.0, 30.0]), 2);
     assert_eq!(of([30.0, 31.0, 8.0]), 0);
+    assert_eq!(of([32.0, 40.0, 32.0]), 0);
+    assert_eq!(of([32.0, 48.0, 32.0]), 0);
+    assert_eq!(of([31.0, 48.0, 31.0]), 1);
+}
+
+/// Lines in pieces are those in which a row ends or begins, but not with the line.
+#[test]
+fn lines_in_pieces_are_counted() {
+    let grid = Grid::walled([5, 4, 1], [false; 3]);
+    // Fluid is 0: rows of 5, 2 and 2, 4 and 5 cells along x.
+    let solid = [0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0];
+    let of = |first: usize, line| Axes { first }.lines(&grid, &solid, line);
+    // They end at 5, 7, 9, 13 and 18.
+    assert_eq!(of(0, 4), [5, 4]);
+    assert_eq!(of(0, 18), [1, 1]);
+    // Along y 4, 4, 1 and 2, 4, 2 and 1 cells: at 4, 8, 9, 11, 15, 17 and 18.
+    assert_eq!(of(1, 4), [5, 3]);
 }
 
 /// Of two walls at an edge, or two open faces, the same one counts as by the world's axes: each cell holds what it holds there, to
