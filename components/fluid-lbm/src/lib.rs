@@ -99,6 +99,7 @@ mod tally;
 mod units;
 mod voxels;
 mod wall_distances;
+mod ways;
 
 pub use error::FluidError;
 pub use findings::findings;

@@ -6,7 +6,8 @@ use crate::field::{Real, prefetch};
 use crate::kernel::{Sweep, all_lanes};
 use crate::lanes::Lanes;
 use crate::lattice::C;
-use crate::places::{Piece, RowEnd};
+use crate::places::Piece;
+use crate::ways::RowEnd;
 
 /// The populations of a line at an end of a row, the upper or the lower one.
 pub struct AtEnd<'a, V: Lanes, const UPPER: bool> {

@@ -14,6 +14,22 @@ macro_rules! both {
     }};
 }
 
+/// The populations of a direction, in a function whose contract is that of [`Vector::at`].
+macro_rules! at {
+    ($vector:ident, $i:expr) => {
+        // SAFETY: by contract.
+        unsafe { $vector.at($i) }
+    };
+}
+
+/// Replaces the populations of a direction, in a function whose contract is that of [`Vector::put`].
+macro_rules! put {
+    ($vector:ident, $i:expr, $value:expr) => {
+        // SAFETY: by contract.
+        unsafe { $vector.put($i, $value) }
+    };
+}
+
 /// Does something with each pair: its number, which of [`both`] it is, and `c.v`.
 macro_rules! each_pair {
     ($relax:ident, $v:ident) => {{
@@ -116,18 +132,6 @@ unsafe fn relax_alike<
     target: &Target<V>,
     k: &Constants<V>,
 ) {
-    macro_rules! at {
-        ($i:expr) => {
-            // SAFETY: by contract.
-            unsafe { vector.at($i) }
-        };
-    }
-    macro_rules! put {
-        ($i:expr, $value:expr) => {
-            // SAFETY: by contract.
-            unsafe { vector.put($i, $value) }
-        };
-    }
     let &Target { v, rho, rest } = target;
     let rho_va = pull::<V, FORCED>(target, k);
     // What remains of a population and of its opposite.
@@ -143,8 +147,8 @@ unsafe fn relax_alike<
     }
     let (balance, flow) = (both!(balance), both!(k.twice[0] * rho));
     let flow_odd = if SINGLE { flow } else { both!(k.twice[1] * rho) };
-    let h = at!(0);
-    put!(0, mixed!(h, h, g));
+    let h = at!(vector, 0);
+    put!(vector, 0, mixed!(h, h, g));
     macro_rules! relax {
         ($n:literal, $kind:literal, $cv:expr) => {{
             let cv = $cv;
@@ -155,10 +159,10 @@ unsafe fn relax_alike<
                 odd = k.odd_pair[$n].mul_add(rho, odd);
             }
             let even = grown.mul_add(cv, balance[$kind]);
-            let (forth, back) = (at!($n + 10), at!($n + 1));
+            let (forth, back) = (at!(vector, $n + 10), at!(vector, $n + 1));
             let (to, fro) = (mixed!(forth, back, even + odd), mixed!(back, forth, even - odd));
-            put!($n + 1, to);
-            put!($n + 10, fro);
+            put!(vector, $n + 1, to);
+            put!(vector, $n + 10, fro);
         }};
     }
     each_pair!(relax, v);
@@ -184,26 +188,15 @@ unsafe fn relax_each<
     rates: &Rates<V>,
     k: &Constants<V>,
 ) {
-    macro_rules! at {
-        ($i:expr) => {
-            // SAFETY: by contract.
-            unsafe { vector.at($i) }
-        };
-    }
-    macro_rules! put {
-        ($i:expr, $value:expr) => {
-            // SAFETY: by contract.
-            unsafe { vector.put($i, $value) }
-        };
-    }
     let &Target { v, rho, rest } = target;
     let rho_va = pull::<V, FORCED>(target, k);
     let (balance, flow) = (both!(k.w * rest), both!(k.two_w * rho));
     let pull = both!(k.w * rho_va);
     let (half_even, half_odd) = (k.half * rates.even, k.half * rates.odd);
-    let h = at!(0);
+    let h = at!(vector, 0);
     let off = k.twelve.mul_sub(balance[1], h);
     put!(
+        vector,
         0,
         if FORCED {
             let source = k.twelve * pull[1];
@@ -217,7 +210,7 @@ unsafe fn relax_each<
             let cv = $cv;
             let odd = flow[$kind] * cv;
             let even = odd.mul_add(cv, balance[$kind]);
-            let (mut forth, mut back) = (at!($n + 10), at!($n + 1));
+            let (mut forth, mut back) = (at!(vector, $n + 10), at!(vector, $n + 1));
             let (even_source, odd_source) = if FORCED {
                 let grown = k.even_pair[$n] * rho;
                 (grown.mul_sub(cv, pull[$kind]), k.odd_pair[$n] * rho)
@@ -243,8 +236,8 @@ unsafe fn relax_each<
                 (forth, back) = (half_odd.mul_add(less, forth), half_odd.mul_from(less, back));
                 (forth, back) = (half_even.mul_add(more, forth), half_even.mul_add(more, back));
             }
-            put!($n + 1, forth);
-            put!($n + 10, back);
+            put!(vector, $n + 1, forth);
+            put!(vector, $n + 10, back);
         }};
     }
     each_pair!(relax, v);
