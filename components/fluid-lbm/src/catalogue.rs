@@ -16,22 +16,23 @@ pub struct Catalogue {
     roundings: Vec<Rounding>,
     /// The shapes of polyhedra, of unit size; none where the corners enclose no volume.
     shapes: Vec<Option<Convex>>,
-    /// Edge of the grid of positions at which polyhedra are found [cells].
-    step: f64,
+    /// How exactly polyhedra are followed.
+    of_polyhedra: Rounding,
 }
 
 impl Catalogue {
     /// Of a scene, whose moving parts have the given surfaces and roundings; polyhedra are found at
-    /// positions `step` apart [cells].
+    /// positions `step` apart [cells], and turned by small steps from `upright`.
     pub fn new(
         scene: &Scene,
         parts: Vec<Option<Arc<Surface>>>,
         roundings: Vec<Rounding>,
-        step: f64,
+        (upright, step): ([f64; 4], f64),
     ) -> Self {
         let unit = |vertices: &[[f64; 3]]| Some(Convex::hull(vertices).ok()?.unit());
         let shapes = scene.shapes.iter().map(|shape| unit(&shape.vertices)).collect();
-        Self { parts, roundings, shapes, step }
+        let of_polyhedra = Rounding { position: [0.0; 3], orientation: upright, step };
+        Self { parts, roundings, shapes, of_polyhedra }
     }
 
     /// The surface of a body that an event adds, in its frame [m]; none of a sphere.
@@ -71,10 +72,7 @@ impl Catalogue {
         let surface = self.surface(event).ok()??;
         let (index, rounding) = match event.shape {
             BodyEvent::PART => (event.table as usize, self.roundings[event.table as usize]),
-            _ => {
-                let (position, orientation) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
-                (PartBody::NO_PART, Rounding { position, orientation, step: self.step })
-            }
+            _ => (PartBody::NO_PART, self.of_polyhedra),
         };
         Some(Box::new(PartBody::new(index, surface, rounding, cell)))
     }

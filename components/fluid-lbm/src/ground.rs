@@ -26,6 +26,8 @@ pub struct Ground {
     pub voxels: Voxels,
     /// Surfaces of the parts that move, by index of the part.
     pub moving: Vec<Option<Arc<Surface>>>,
+    /// Orientation of a frame that is not turned in the world, a unit quaternion `(x, y, z, w)`.
+    pub upright: [f64; 4],
     centres: Centres,
 }
 
@@ -71,7 +73,8 @@ impl Ground {
             return Err(problems);
         }
         let voxels = Voxels::new(&grid, &centres, &solids, &inside);
-        let own = Self { grid, solids, voxels, moving, centres };
+        let upright = axes.turn([0.0, 0.0, 0.0, 1.0]);
+        let own = Self { grid, solids, voxels, moving, upright, centres };
         for (k, at) in inside.iter().enumerate() {
             if !own.voxels.is_fluid(&own.grid, *at) {
                 problems.push(own.not_fluid(k, fluid.inside[k], *at));

@@ -109,6 +109,13 @@ impl Facets {
     }
 }
 
+impl Default for Rounding {
+    /// Poses as they are.
+    fn default() -> Self {
+        Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0], step: 0.0 }
+    }
+}
+
 impl Rounding {
     /// The pose for a position and orientation, `radius` being the distance of the farthest point.
     fn of(&self, position: [f64; 3], orientation: [f64; 4], radius: f64) -> Placed {

@@ -189,6 +189,7 @@ impl<T: Collides> Solver<T> {
                 format!("the system does not give {threads} threads: {error}"),
             )]
         })?;
+        let upright = ground.upright;
         let mut surroundings = Surroundings::new(scene, ground, parameters, &units);
         let built = surroundings.build(T::LINE);
         let count = built.layout.places.lines().len();
@@ -235,7 +236,7 @@ impl<T: Collides> Solver<T> {
                     scene,
                     std::mem::take(&mut surroundings.moving),
                     roundings(scene, parameters, &units),
-                    parameters.spacing_of_poses(),
+                    (upright, parameters.spacing_of_poses()),
                 ),
                 parameters.velocity_lead,
             ),
