@@ -1,7 +1,7 @@
 //! What of a processor a solver uses: a team of threads that works through one list after another, and vector
 //! [instructions].
 //!
-//! The team belongs to one solver and lives as long. Items of a list are handed out one by one, so
+//! The team belongs to one solver and lives as long. Items of a list are handed out run by run, so
 //! which thread does which is left to chance: results must not depend on it, and do not, because
 //! every item has its own place for results.
 //!
@@ -18,6 +18,7 @@ pub use pieces::{Cut, Pieces};
 
 use std::any::Any;
 use std::cell::UnsafeCell;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::*};
 use std::sync::{Arc, Mutex};
@@ -62,6 +63,20 @@ pub struct Team {
     shared: Arc<Shared>,
     workers: Vec<JoinHandle<()>>,
     is_alone: bool,
+}
+
+/// So many runs of pieces a thread gets at least, where there are enough.
+const SHARES: usize = 8;
+/// Pieces of a run at most.
+const RUN: usize = 64;
+
+/// The next run of pieces that nobody has taken: those that follow each other in memory are best done one after the other,
+/// by one thread. Runs become shorter towards the end, so that all threads end together.
+fn next_run(next: &AtomicUsize, count: usize, shares: usize) -> Option<Range<usize>> {
+    let length = |begin: usize| ((count - begin) / shares).clamp(1, RUN);
+    let taken =
+        next.fetch_update(Relaxed, Relaxed, |begin| (begin < count).then(|| begin + length(begin)));
+    taken.ok().map(|begin| begin..begin + length(begin))
 }
 
 /// Waits a little; the longer it has waited already, the more gently.
@@ -187,20 +202,19 @@ impl Team {
         assert!(rooms.len() >= self.threads());
         let next = AtomicUsize::new(0);
         let count = pieces.count();
+        let shares = SHARES * self.threads();
         let thread = AtomicUsize::new(0);
         let rooms = Cut::every(rooms, 1);
         let take = || {
             // SAFETY: each thread of the team calls this once a job, so that the number is one of the
             // rooms and no other thread has it; the rooms are borrowed for the whole call.
             let room = &mut unsafe { rooms.piece(thread.fetch_add(1, Relaxed)) }[0];
-            loop {
-                let k = next.fetch_add(1, Relaxed);
-                if k >= count {
-                    break;
+            while let Some(run) = next_run(&next, count, shares) {
+                for k in run {
+                    // SAFETY: `k` is one of the pieces and handed out once; what the pieces are of is
+                    // borrowed for the whole call, which outlives the job.
+                    work(room, k, unsafe { pieces.piece(k) });
                 }
-                // SAFETY: `k` is one of the pieces and handed out once; what the pieces are of is
-                // borrowed for the whole call, which outlives the job.
-                work(room, k, unsafe { pieces.piece(k) });
             }
         };
         if self.workers.is_empty() || self.is_alone || count < 2 { take() } else { self.run(&take) }
@@ -262,6 +276,17 @@ mod tests {
                 team.for_each(&mut items, |_, item| *item += 1);
             }
             assert!(items.iter().all(|&n| n == 200));
+        }
+    }
+
+    #[test]
+    fn runs_cover_all_pieces_and_become_shorter() {
+        for (count, shares) in [(0, 8), (1, 16), (57, 16), (1728, 16), (10_000, 8)] {
+            let next = AtomicUsize::new(0);
+            let runs: Vec<_> = std::iter::from_fn(|| next_run(&next, count, shares)).collect();
+            assert!(runs.iter().cloned().flatten().eq(0..count));
+            assert!(runs.is_sorted_by_key(|run| std::cmp::Reverse(run.len())), "{runs:?}");
+            assert!(runs.iter().all(|run| run.len() <= RUN.min(1 + count / shares)), "{runs:?}");
         }
     }
 
