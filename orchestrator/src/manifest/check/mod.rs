@@ -11,6 +11,7 @@ mod domain;
 mod gaps;
 mod inlets;
 mod materials;
+mod near;
 mod parts;
 mod placement;
 mod polyhedra;

@@ -7,7 +7,7 @@
 
 use super::super::path;
 use super::super::read::Findings;
-use super::{extent, probes};
+use super::{extent, near::Boxes, probes};
 use tremie_messages::scene::{
     BodySet, Domain, Motion, Placement, Plane, Polyhedra, PolyhedronPlacement, Sphere,
 };
@@ -108,28 +108,15 @@ fn before(body: &Placed<'_>, planes: &[Plane], findings: &mut Findings) {
     }
 }
 
-/// Notes overlaps: of each sphere the first, so that a pile of errors stays readable.
+/// Notes overlaps: of each sphere with the first one listed before it, so that a pile of errors stays readable.
 fn apart(bodies: &[Placed<'_>], domain: &Domain, findings: &mut Findings) {
-    // Along an axis that does not wrap, spheres sorted by their lower ends meet only those that
-    // begin before they end. Where every axis wraps, all pairs are looked at.
-    let sweep = (0..3).find(|a| !domain.is_periodic(*a));
-    let mut order: Vec<usize> = (0..bodies.len()).collect();
-    let low = |i: usize, a: usize| bodies[i].sphere.position[a] - 0.5 * bodies[i].sphere.diameter;
-    if let Some(a) = sweep {
-        order.sort_by(|i, j| low(*i, a).total_cmp(&low(*j, a)));
-    }
-    let mut told = vec![false; bodies.len()];
-    for (k, &i) in order.iter().enumerate() {
-        for &j in &order[k + 1..] {
-            if sweep.is_some_and(|a| low(j, a) > low(i, a) + bodies[i].sphere.diameter) {
-                break;
-            }
-            let later = i.max(j);
-            if !told[later] && overlap(&bodies[i], &bodies[j], domain) {
-                told[later] = true;
-                let message = format!("this sphere overlaps {}", bodies[i.min(j)].at);
-                findings.problem(&bodies[later].at, message);
-            }
+    let points: Vec<[f64; 3]> = bodies.iter().map(|body| body.sphere.position).collect();
+    let largest = bodies.iter().map(|body| body.sphere.diameter).fold(0.0, f64::max);
+    let boxes = Boxes::new(domain, &points, largest);
+    for (k, body) in bodies.iter().enumerate() {
+        if let Some(other) = boxes.first_before(k, |j| overlap(&bodies[j], body, domain)) {
+            let message = format!("this sphere overlaps {}", bodies[other].at);
+            findings.problem(&body.at, message);
         }
     }
 }
