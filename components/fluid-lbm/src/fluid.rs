@@ -307,7 +307,7 @@ fn turned<'a>(
     ground: Ground,
     line: usize,
 ) -> (Axes, Cow<'a, Scene>, Ground) {
-    let axes = Axes::with_long_rows(&ground, line);
+    let axes = Axes::with_whole_lines(&ground, line);
     if axes != Axes::WORLD {
         let turned = axes.scene(scene);
         let cells = axes.to_lattice(&resolution.cells);

@@ -12,6 +12,7 @@ use tremie_messages::{BodyEvent, BodyState, Load};
 const POPULATIONS: f64 = 19.0;
 /// Smagorinsky's constant where there is one.
 const SMAGORINSKY: f64 = 0.1;
+
 /// Spheres that move in a box.
 #[derive(Clone, Copy)]
 struct Spheres {

@@ -54,7 +54,7 @@ fn rows_are_long() {
         let fluid = Some(FluidMaterial::at_rest(1.0, 0.1));
         let scene = Scene { fluid, ..Scene::empty(domain) };
         let (_, ground) = Parameters::with_cell(1.0).survey(&scene).unwrap();
-        Axes::with_long_rows(&ground, 16).first
+        Axes::with_whole_lines(&ground, 16).first
     };
     assert_eq!(of([9.0, 9.0, 9.0]), 0);
     assert_eq!(of([10.0, 30.0, 11.0]), 1);
