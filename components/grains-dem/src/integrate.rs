@@ -17,6 +17,7 @@ use crate::{
     pairs::BLOCK,
     periodic::PeriodicBox,
     search::Contacts,
+    skins::Leash,
 };
 use tremie_team::{Cut, Team, Variant, instructions::Work};
 
@@ -37,6 +38,8 @@ pub(crate) struct Reach {
     pub farthest: f64,
     /// Whether any body crossed a periodic face.
     pub crossed: bool,
+    /// Whether any body went as far as it may until neighbours are listed anew.
+    pub due: bool,
 }
 
 impl Reach {
@@ -46,6 +49,7 @@ impl Reach {
         Self {
             farthest: if farther { other.farthest } else { self.farthest },
             crossed: self.crossed || other.crossed,
+            due: self.due || other.due,
         }
     }
 }
@@ -119,7 +123,7 @@ impl Twist {
 pub(crate) fn first_half(
     team: &mut Team,
     bodies: &mut Bodies,
-    bounds: &PeriodicBox,
+    (bounds, leash): (&PeriodicBox, Leash<'_>),
     forces: Forces<'_>,
     (dt, finish): (f64, bool),
     reaches: &mut [Reach],
@@ -137,7 +141,7 @@ pub(crate) fn first_half(
     team.for_pieces(pieces, |b, arrays| {
         let variant = Variant::widest();
         let step = (dt, finish);
-        variant.run(FirstHalf { b, arrays, load, mobility, bounds, forces, step, variant });
+        variant.run(FirstHalf { b, arrays, load, mobility, bounds, leash, forces, step, variant });
     });
 }
 
@@ -159,6 +163,7 @@ struct FirstHalf<'a> {
     load: &'a [Wrench],
     mobility: &'a [Mobility],
     bounds: &'a PeriodicBox,
+    leash: Leash<'a>,
     forces: Forces<'a>,
     step: (f64, bool),
     variant: Variant,
@@ -167,7 +172,8 @@ struct FirstHalf<'a> {
 impl Work for FirstHalf<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { b, arrays, load, mobility, bounds, forces, step: (dt, finish), variant } = self;
+        let Self { b, arrays, load, mobility, bounds, leash, forces, step, variant } = self;
+        let (dt, finish) = step;
         let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
         let (first, half) = (b * BLOCK, 0.5 * dt);
         let own = first..first + balls.len();
@@ -204,7 +210,9 @@ impl Work for FirstHalf<'_> {
             }
             orientation[i] = turned(orientation[i], twist.w * half);
         }
-        reach[0] = Reach { farthest, crossed: any_crossed };
+        let squares = balls.iter().zip(&*reference).map(|(ball, x)| (ball.x - x).norm_squared());
+        let due = leash.is_due(farthest, first, squares);
+        reach[0] = Reach { farthest, crossed: any_crossed, due };
     }
 }
 

@@ -122,6 +122,7 @@ mod rows;
 mod search;
 mod seat;
 mod side_by_side;
+mod skins;
 mod slider;
 mod slider_times;
 mod solver;

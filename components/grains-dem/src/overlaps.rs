@@ -9,6 +9,7 @@ use crate::{
     periodic::PeriodicBox,
     polyhedra::{self, Polyhedra, Room, SPHERE},
     rows::Rows,
+    skins::Skins,
 };
 use tremie_messages::{
     Problem,
@@ -102,15 +103,15 @@ fn deepest_overlap(
     let bounds = PeriodicBox::new(domain);
     let balls: Vec<Ball> = spheres.iter().map(|s| s.ball).collect();
     let mobility: Vec<Mobility> = spheres.iter().map(PlacedSphere::mobility).collect();
-    let largest = balls.iter().fold(0.0, |d: f64, b| d.max(2.0 * b.radius));
     if balls.is_empty() {
         return None;
     }
-    let mut cells = Cells::new(bounds.clone(), largest, balls.len());
+    let spans = balls.iter().map(|ball| [2.0 * ball.radius; 2]);
+    let mut cells = Cells::new(bounds.clone(), Skins::new(spans, 0.0, 0.0));
     cells.sort(&balls);
     let (numbers, mut room) = (numbers(spheres), Room::default());
     let mut list = Rows::default();
-    list.fill(&cells, &bounds.shifts, &balls, &mobility, 0.0);
+    list.fill(&cells, &bounds.shifts, &balls, &mobility);
     let (mut worst, mut count) = (None::<(usize, usize, f64)>, 0);
     for i in 0..balls.len() {
         for k in list.row(i) {

@@ -189,7 +189,7 @@ fn place_stream(seed: u64, index: usize) -> Random {
 /// The spheres in the order of cells a diameter wide.
 fn by_place(region: &Region<'_>, balls: &[Ball]) -> Vec<Ball> {
     let largest = balls.iter().fold(0.0, |r: f64, ball| r.max(ball.radius));
-    let mut cells = Cells::new(region.bounds.clone(), 2.0 * largest, balls.len());
+    let mut cells = Cells::over(region.bounds.clone(), 2.0 * largest);
     cells.sort(balls);
-    cells.order().iter().map(|&i| balls[i as usize]).collect()
+    cells.order().map(|i| balls[i as usize]).collect()
 }

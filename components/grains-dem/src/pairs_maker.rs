@@ -44,10 +44,6 @@ pub(crate) struct Nearness<'a> {
     pub cells: &'a Cells,
     /// Displacements of images.
     pub shifts: &'a [Vec3; 27],
-    /// Gap up to which bodies feel each other [m].
-    pub reach: f64,
-    /// How far beyond that pairs are listed [m].
-    pub skin: f64,
     /// Laws of materials.
     pub laws: &'a Laws,
     /// Where in memory each body stood when the list before was made, or [`NEW`](crate::bodies::NEW).
@@ -229,16 +225,16 @@ impl Found {
         self.apart.clear();
         self.solids.clear();
         let (poly, any) = (&bodies.poly, !bodies.equal_radii.is_empty());
-        let gap = at.reach + at.skin;
+        let felt = at.cells.skins().reach;
         for i in b * BLOCK..balls.len().min((b + 1) * BLOCK) {
-            near(at.cells, at.shifts, balls, mobility, gap, i, |seen, j, square| {
+            near(at.cells, at.shifts, balls, mobility, i, |seen, j, square| {
                 if any && (poly[i] != SPHERE || poly[j] != SPHERE) {
                     self.solids.push((i as u32, seen.other, seen.image));
                     return;
                 }
                 let law = at.laws.between(material[i], material[j]);
                 let entry = Entry::new(i, seen.other, seen.image, law);
-                let reach = balls[i].radius + balls[j].radius + at.reach;
+                let reach = balls[i].radius + balls[j].radius + felt;
                 if square < reach * reach {
                     self.entries.push(entry);
                 } else {

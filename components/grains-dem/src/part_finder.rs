@@ -11,6 +11,7 @@ use crate::{
     parts::PlacedPart,
     periodic::PeriodicBox,
     polyhedra::SPHERE,
+    skins::Skins,
 };
 
 /// Room for so many of what a block finds is there from the beginning.
@@ -36,8 +37,8 @@ pub(crate) struct Nearness<'a> {
     /// Numbers of the parts' materials.
     pub materials: &'a [u16],
     pub bounds: &'a PeriodicBox,
-    /// How far beyond touching contacts are listed [m].
-    pub gap: f64,
+    /// How far beyond touching contacts are listed.
+    pub skins: &'a Skins,
     /// Where in memory each body stood when the list before was made.
     pub previous: &'a [u32],
 }
@@ -66,7 +67,7 @@ impl Found {
             for (part, placed) in at.parts.iter().enumerate() {
                 let found = self.triangles.len();
                 let ball = &bodies.balls[i];
-                self.look(placed, ball.x, ball.radius + at.gap, at.bounds);
+                self.look(placed, ball.x, ball.radius + at.skins.gap(ball.radius), at.bounds);
                 if self.triangles.len() == found {
                     continue;
                 }

@@ -1,7 +1,7 @@
 //! The search for contacts: linked cells and the lists made from them.
 
 use crate::{
-    Parameters, Vec3,
+    Vec3,
     bodies::{Ball, Bodies},
     cells::Cells,
     pairs::{BLOCK, Pairs},
@@ -11,6 +11,7 @@ use crate::{
     parts::PlacedPart,
     periodic::PeriodicBox,
     polyhedra::{self, PolyContacts, Polyhedra},
+    skins::{Leash, Skins},
     surfaces::Surfaces,
     surroundings::Surroundings,
     wall_contacts::{self, WallContacts},
@@ -23,11 +24,8 @@ const LISTS_PER_ORDER: u64 = 16;
 
 /// Neighbour lists and what it takes to make them.
 pub(crate) struct Search {
-    /// How far beyond feeling each other neighbours are listed [m].
-    pub skin: f64,
-    /// Gap up to which bodies feel each other [m].
-    reach: f64,
-    cells: Cells,
+    /// Bodies by size and place.
+    pub cells: Cells,
     /// Contacts between bodies.
     pub pairs: Pairs,
     /// Contacts of bodies with walls.
@@ -62,26 +60,10 @@ pub(crate) struct Contacts<'a> {
 }
 
 impl Search {
-    /// For bodies that are at most `largest` wide [m], and surfaces that deform.
-    pub fn new(
-        bounds: PeriodicBox,
-        largest: f64,
-        parameters: &Parameters,
-        bodies: usize,
-        surfaces: Surfaces,
-    ) -> Self {
-        let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
-        // A domain without bodies has nothing to list, but still needs a size of cells.
-        let (skin, range) = if bodies > 0 {
-            let skin = parameters.skin_fraction() * largest;
-            (skin, largest + reach + skin)
-        } else {
-            (f64::INFINITY, bounds.size.max())
-        };
+    /// For up to so many bodies of classes of sizes, and surfaces that deform.
+    pub fn new(bounds: PeriodicBox, skins: Skins, bodies: usize, surfaces: Surfaces) -> Self {
         Self {
-            skin,
-            reach,
-            cells: Cells::new(bounds, range, bodies),
+            cells: Cells::new(bounds, skins),
             pairs: Pairs::default(),
             walls: WallContacts::default(),
             parts: PartContacts::default(),
@@ -97,6 +79,16 @@ impl Search {
             keys: Vec::with_capacity(bodies),
             moved: None,
         }
+    }
+
+    /// Classes of sizes, and their skins.
+    pub fn skins(&self) -> &Skins {
+        self.cells.skins()
+    }
+
+    /// How far bodies may go until lists are due.
+    pub fn leash(&self) -> Leash<'_> {
+        Leash::new(self.cells.skins(), self.cells.classes())
     }
 
     /// The lists.
@@ -115,7 +107,7 @@ impl Search {
     ) {
         self.cells.sort(&bodies.balls);
         if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
-            self.cells.curve(&mut self.keys, &mut self.order);
+            self.cells.curve(&bodies.balls, &mut self.keys, &mut self.order);
             bodies.reorder(&self.order);
             self.cells.sort(&bodies.balls);
         } else {
@@ -130,16 +122,14 @@ impl Search {
         let near = Nearness {
             cells: &self.cells,
             shifts: &around.bounds.shifts,
-            reach: self.reach,
-            skin: self.skin,
             laws: &around.laws,
             previous: &self.order,
         };
         self.maker.make(&mut self.pairs, team, bodies, &near);
-        let gap = self.reach + self.skin;
+        let skins = self.cells.skins();
         std::mem::swap(&mut self.walls, &mut self.spare_walls);
         let (walls, laws) = (&around.walls[..], &around.wall_laws);
-        let near = wall_contacts::Nearness { walls, laws, gap, previous: &self.order };
+        let near = wall_contacts::Nearness { walls, laws, skins, previous: &self.order };
         self.walls.make(&self.spare_walls, &mut self.found_walls, team, bodies, &near);
         std::mem::swap(&mut self.parts, &mut self.spare_parts);
         let near = part_finder::Nearness {
@@ -147,7 +137,7 @@ impl Search {
             laws: &around.laws,
             materials: &around.part_materials,
             bounds: &around.bounds,
-            gap,
+            skins,
             previous: &self.order,
         };
         self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
@@ -158,7 +148,7 @@ impl Search {
             part_materials: &around.part_materials,
             laws: &around.laws,
             bounds: &around.bounds,
-            gap,
+            skins,
         };
         self.solids.make(self.maker.solids(), polyhedra, bodies, &near);
         if moved.is_some() {

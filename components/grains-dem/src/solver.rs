@@ -18,6 +18,7 @@ use crate::{
     probes::Probes,
     roll::Roll,
     search::Search,
+    skins::Skins,
     slider::SliderState,
     substeps::Progress,
     surface::{self, DeformableSurface, SurfaceState},
@@ -149,8 +150,7 @@ impl GrainsDem {
         for ball in &mut bodies.balls {
             ball.x = around.bounds.wrap(ball.x);
         }
-        let largest = 2.0 * spheres.iter().fold(0.0, |r: f64, s| r.max(s.ball.radius));
-        let largest = scene.inlets.iter().fold(largest, |d, i| d.max(i.diameters.extremes()[1]));
+        let skins = skins_of(scene, parameters, spheres);
         let clumps = Clumps::of_placed(scene, spheres);
         clumps.end(&mut bodies);
         let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
@@ -171,7 +171,7 @@ impl GrainsDem {
             events,
             roll,
             next_id: roll.first_free(),
-            search: Search::new(bounds, largest, parameters, ports.capacity, surfaces),
+            search: Search::new(bounds, skins, ports.capacity, surfaces),
             around,
             bodies,
             polyhedra,
@@ -195,7 +195,7 @@ impl GrainsDem {
             probes,
             sets,
             ports,
-            largest,
+            largest: largest(scene, spheres),
             progress: Progress::default(),
         }
     }
@@ -360,7 +360,8 @@ impl GrainsDem {
         let bounds = &self.around.bounds;
         let step = (self.dt, finish);
         self.clumps.begin(bodies, forces, step);
-        integrate::first_half(team, bodies, bounds, forces, step, &mut self.reaches);
+        let leash = self.search.leash();
+        integrate::first_half(team, bodies, (bounds, leash), forces, step, &mut self.reaches);
         let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
         if reach.crossed {
             self.crossed = true;
@@ -379,9 +380,9 @@ impl GrainsDem {
         }
         self.steps += 1;
         self.check_sliders()?;
-        let limit = 0.5 * self.search.skin;
+        let limit = self.search.skins().least_slack();
         let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
-        if far || reach.farthest >= limit * limit || reach.farthest.is_nan() {
+        if far || reach.due {
             self.check_inside()?;
             self.rebuild_lists();
         }
@@ -412,7 +413,7 @@ impl GrainsDem {
             (walls, parts),
             (&mut search.parts.on_parts, &mut search.parts.pushes),
         );
-        let near = self.around.near_surfaces(&self.bodies, search.skin);
+        let near = self.around.near_surfaces(&self.bodies, search.cells.skins());
         let mut on_surfaces = Tally::default();
         search.surfaces.accept(surfaces, &scenery, &near, &mut on_surfaces)?;
         self.push_sliders(surfaces);
@@ -482,4 +483,24 @@ impl GrainsDem {
             }
         }
     }
+}
+
+/// Diameter of the largest body that may come up, in a run that starts with these [m].
+fn largest(scene: &Scene, spheres: &[PlacedSphere]) -> f64 {
+    spans(scene, spheres).fold(0.0, |largest, [_, most]| largest.max(most))
+}
+
+/// The classes of sizes of a run that starts with these bodies.
+fn skins_of(scene: &Scene, parameters: &Parameters, spheres: &[PlacedSphere]) -> Skins {
+    let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    Skins::new(spans(scene, spheres), parameters.skin_fraction(), reach)
+}
+
+/// Diameters of the bodies at the start and of those that inlets feed, as smallest and largest [m].
+fn spans<'a>(
+    scene: &'a Scene,
+    spheres: &'a [PlacedSphere],
+) -> impl Iterator<Item = [f64; 2]> + Clone + 'a {
+    let of_body = |sphere: &PlacedSphere| [2.0 * sphere.ball.radius; 2];
+    spheres.iter().map(of_body).chain(scene.inlets.iter().map(|inlet| inlet.diameters.extremes()))
 }

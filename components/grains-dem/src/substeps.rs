@@ -94,7 +94,7 @@ impl GrainsDem {
         }
         let steps = Steps { before: self.dt, after: self.dt };
         let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
-        let around = self.around.near_surfaces(&self.bodies, self.search.skin);
+        let around = self.around.near_surfaces(&self.bodies, self.search.cells.skins());
         let shape = (vertices, velocities);
         self.search.surfaces.try_shape(surface, shape, &scenery, &around, loads)
     }

@@ -11,6 +11,7 @@ use crate::{
     mesh_contact::{self, Found, Looked, MOST, Nearest, Seeker, Triangle},
     part_contacts::closest,
     seat::{Seat, Seats},
+    skins::Skins,
     surface::{DeformableSurface, FacetLoad, mean_edge},
     tally::{Other, Tally},
 };
@@ -70,8 +71,8 @@ pub(crate) struct Around<'a> {
     pub bodies: &'a Bodies,
     pub laws: &'a Laws,
     pub seats: Seats<'a>,
-    /// How much two bodies may have closed in while their lists are used [m].
-    pub skin: f64,
+    /// How much bodies may have closed in while their lists are used.
+    pub skins: &'a Skins,
 }
 
 /// Takes over coordinates, none of which is no number, and finds the largest change of any.
@@ -213,11 +214,11 @@ impl Held {
         let groups = self.triangles.chunks(GROUP);
         self.groups.extend(groups.map(|group| Box3::of(group.iter().flat_map(corner))));
         let all = Box3::of(vertices.iter().map(|&x| x.into()));
-        // Both bodies' lists may be half spent when this one begins.
-        let gap = around.skin + self.skin;
         for (&id, &slot) in around.bodies.ids.iter().zip(&around.bodies.slot) {
             let (slot, bodies) = (slot as usize, around.bodies);
             let Ball { x, radius } = bodies.balls[slot];
+            // The list of bodies may be half spent when this one begins.
+            let gap = around.skins.of(radius) + self.skin;
             if bodies.mobility[slot].is_free() && all.is_near(x, radius + gap) {
                 self.list_facets(x, radius + gap, corner);
                 if self.facets.len() > self.start[self.start.len() - 1] as usize {

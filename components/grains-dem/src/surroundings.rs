@@ -11,6 +11,7 @@ use crate::{
     parts::PlacedPart,
     periodic::PeriodicBox,
     seat::Seats,
+    skins::Skins,
     surface::DeformableSurface,
     surface_contacts::Around,
     tally::Other,
@@ -91,10 +92,10 @@ impl Surroundings {
         }
     }
 
-    /// What surfaces that deform find near them; `skin` is that of the bodies' lists.
-    pub fn near_surfaces<'a>(&'a self, bodies: &'a Bodies, skin: f64) -> Around<'a> {
+    /// What surfaces that deform find near them; `skins` are those of the bodies' lists.
+    pub fn near_surfaces<'a>(&'a self, bodies: &'a Bodies, skins: &'a Skins) -> Around<'a> {
         let seats = Seats { parts: &self.parts, walls: &self.seat_walls };
-        Around { bodies, laws: &self.laws, seats, skin }
+        Around { bodies, laws: &self.laws, seats, skins }
     }
 
     /// What forces between bodies are made from; `crossed` tells whether any body crossed a periodic

@@ -6,6 +6,7 @@ use crate::{
     law::Reduced,
     pairs::BLOCK,
     polyhedra::SPHERE,
+    skins::Skins,
     walls::{Wall, WallLaws},
 };
 use tremie_team::Team;
@@ -55,8 +56,8 @@ pub(crate) struct Found {
 pub(crate) struct Nearness<'a> {
     pub walls: &'a [Wall],
     pub laws: &'a WallLaws,
-    /// How far beyond touching contacts are listed [m].
-    pub gap: f64,
+    /// How far beyond touching contacts are listed.
+    pub skins: &'a Skins,
     /// Where in memory each body stood when the list before was made.
     pub previous: &'a [u32],
 }
@@ -132,9 +133,9 @@ impl Found {
             if !mobility.is_free() || bodies.poly[i] != SPHERE {
                 continue;
             }
-            let known = self.entries.len();
+            let (known, gap) = (self.entries.len(), at.skins.gap(ball.radius));
             for (wall, plane) in at.walls.iter().enumerate() {
-                if plane.overlap(ball) <= -at.gap {
+                if plane.overlap(ball) <= -gap {
                     continue;
                 }
                 let remembered = before.remembered(at.previous[i], wall as u32);

@@ -35,8 +35,7 @@ impl<'a> Feeding<'a> {
     /// The region of a packing, for spheres up to a radius [m].
     pub fn new(packing: &Packing, around: &Surroundings<'a>, largest: f64) -> Self {
         let region = Region::new(packing, around, largest);
-        let reach = region.obstacles.iter().fold(largest, |r, ball| r.max(ball.radius));
-        let mut grid = Grid::new(&region, 2.0 * reach, region.obstacles.len());
+        let mut grid = Grid::new(&region, std::iter::once(largest));
         region.obstacles.iter().for_each(|&ball| grid.add(ball));
         Self { region, grid }
     }

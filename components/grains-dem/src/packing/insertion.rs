@@ -1,7 +1,7 @@
 //! Random sequential insertion: each sphere at the first random place where it fits.
 
 use super::{Region, place_stream};
-use crate::{Vec3, bodies::Ball, periodic::PeriodicBox};
+use crate::{Vec3, bodies::Ball, periodic::PeriodicBox, skins::Skins};
 
 /// Places tried for one sphere before insertion is given up.
 const TRIES: usize = 2000;
@@ -18,8 +18,7 @@ pub(super) fn order(radii: &[f64]) -> Vec<usize> {
 /// Inserts spheres of the given radii, and gives them in that [`order`]; `None` when one does not
 /// fit.
 pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Vec<Ball>> {
-    let reach = region.obstacles.iter().map(|ball| ball.radius).chain(radii.iter().copied());
-    let mut grid = Grid::new(region, 2.0 * reach.fold(0.0, f64::max), radii.len());
+    let mut grid = Grid::new(region, radii.iter().copied());
     for &obstacle in &region.obstacles {
         grid.add(obstacle);
     }
@@ -39,59 +38,70 @@ pub(super) fn fits(region: &Region<'_>, grid: &Grid, ball: &Ball) -> bool {
         && region.depth_in_parts(ball).0 <= 0.0
 }
 
-/// Cells with linked lists of the spheres inserted so far.
+/// Cells with linked lists of the spheres inserted so far, in levels by size as [`Cells`](crate::cells::Cells) has them.
 pub(super) struct Grid {
     bounds: PeriodicBox,
-    edge: Vec3,
-    count: [i64; 3],
-    first: Vec<u32>,
+    skins: Skins,
+    levels: Vec<Level>,
     next: Vec<u32>,
     balls: Vec<Ball>,
 }
 
+/// The cells of one class.
+struct Level {
+    min: Vec3,
+    edge: Vec3,
+    count: [i64; 3],
+    first: Vec<u32>,
+    /// Radius of the largest sphere that was added [m].
+    largest: f64,
+}
+
 impl Grid {
-    pub fn new(region: &Region<'_>, smallest_edge: f64, spheres: usize) -> Self {
-        let size = region.bounds.size;
-        let mut least = smallest_edge;
-        let count = loop {
-            // Cells fill the box exactly, so that they fit together where it wraps around.
-            let count = [0, 1, 2].map(|a| ((size[a] / least) as i64).max(1));
-            if count.iter().product::<i64>() <= 4 * spheres as i64 + 64 {
-                break count;
-            }
-            least *= 1.1;
-        };
+    /// For the obstacles of a region and spheres of the given radii; others may come too.
+    pub fn new(region: &Region<'_>, radii: impl Iterator<Item = f64> + Clone) -> Self {
+        let radii = region.obstacles.iter().map(|ball| ball.radius).chain(radii);
+        let skins = Skins::new(radii.clone().map(|radius| [2.0 * radius; 2]), 0.0, 0.0);
+        let mut members = vec![0; skins.count()];
+        radii.for_each(|radius| members[skins.class(radius)] += 1);
+        let level =
+            |(class, &members): (usize, &i64)| Level::new(region, skins.largest(class), members);
+        let levels = members.iter().enumerate().map(level).collect();
+        let spheres = members.iter().sum::<i64>() as usize;
         Self {
             bounds: region.bounds.clone(),
-            edge: Vec3::from_fn(|a, _| size[a] / count[a] as f64),
-            count,
-            first: vec![NONE; count.iter().product::<i64>() as usize],
+            levels,
+            skins,
             next: Vec::with_capacity(spheres),
             balls: Vec::with_capacity(spheres),
         }
     }
 
     pub fn add(&mut self, ball: Ball) {
-        let slot = self.slot(self.cell(ball.x));
-        self.next.push(self.first[slot]);
-        self.first[slot] = self.balls.len() as u32;
+        let level = &mut self.levels[self.skins.class(ball.radius)];
+        let slot = level.slot([0, 1, 2].map(|a| level.cell(ball.x[a], a)));
+        level.largest = level.largest.max(ball.radius);
+        self.next.push(level.first[slot]);
+        level.first[slot] = self.balls.len() as u32;
         self.balls.push(ball);
     }
 
     fn overlaps(&self, ball: &Ball) -> bool {
-        let home = self.cell(ball.x);
-        let around = |a: usize| {
-            let (count, wraps) = (self.count[a], self.bounds.periodic[a]);
-            let cells = home[a] - 1..=home[a] + 1;
-            cells
-                .filter(move |cell| wraps || (0..count).contains(cell))
-                .map(move |cell| cell.rem_euclid(count))
-        };
-        around(2).any(|z| around(1).any(|y| around(0).any(|x| self.overlaps_in([x, y, z], ball))))
+        self.levels.iter().any(|level| self.overlaps_at(level, ball))
     }
 
-    fn overlaps_in(&self, cell: [i64; 3], ball: &Ball) -> bool {
-        let mut k = self.first[self.slot(cell)];
+    fn overlaps_at(&self, level: &Level, ball: &Ball) -> bool {
+        if level.largest == 0.0 {
+            return false;
+        }
+        let reach = ball.radius + level.largest;
+        let around = |a: usize| level.cells(ball.x[a], reach, a, self.bounds.periodic[a]);
+        around(2)
+            .any(|z| around(1).any(|y| around(0).any(|x| self.overlaps_in(level, [x, y, z], ball))))
+    }
+
+    fn overlaps_in(&self, level: &Level, cell: [i64; 3], ball: &Ball) -> bool {
+        let mut k = level.first[level.slot(cell)];
         while k != NONE {
             let other = &self.balls[k as usize];
             let reach = ball.radius + other.radius;
@@ -102,13 +112,48 @@ impl Grid {
         }
         false
     }
+}
 
-    /// The cell of a place; what lies outside belongs to the nearest one.
-    fn cell(&self, x: Vec3) -> [i64; 3] {
-        [0, 1, 2].map(|a| {
-            let cell = libm::floor((x[a] - self.bounds.min[a]) / self.edge[a]) as i64;
-            cell.clamp(0, self.count[a] - 1)
-        })
+impl Level {
+    /// Cells no smaller than `edge` [m], and few for so many spheres.
+    fn new(region: &Region<'_>, edge: f64, spheres: i64) -> Self {
+        let (min, size) = (region.bounds.min, region.bounds.size);
+        let mut least = edge;
+        let count = loop {
+            // Cells fill the box exactly, so that they fit together where it wraps around.
+            let count = [0, 1, 2].map(|a| ((size[a] / least) as i64).clamp(1, 1 << 20));
+            if count.iter().product::<i64>() <= 4 * spheres + 64 {
+                break count;
+            }
+            least *= 1.1;
+        };
+        Self {
+            min,
+            edge: Vec3::from_fn(|a, _| size[a] / count[a] as f64),
+            first: vec![NONE; count.iter().product::<i64>() as usize],
+            count,
+            largest: 0.0,
+        }
+    }
+
+    /// The cells along an axis that may hold what lies within `reach` [m] of a place, each once.
+    fn cells(&self, x: f64, reach: f64, a: usize, wraps: bool) -> impl Iterator<Item = i64> {
+        let count = self.count[a];
+        // A hair more than it is: places of bodies were rounded too.
+        let place = |x: f64| libm::floor((x - self.min[a]) / self.edge[a]) as i64;
+        let reach = reach + 1e-6 * self.edge[a];
+        let (low, high) = (place(x - reach), place(x + reach));
+        let (low, high) = match wraps {
+            true => (low, high.min(low + count - 1)),
+            false => (low.clamp(0, count - 1), high.clamp(0, count - 1)),
+        };
+        (low..=high).map(move |cell| cell.rem_euclid(count))
+    }
+
+    /// The cell of a place along an axis; what lies outside belongs to the nearest one.
+    fn cell(&self, x: f64, a: usize) -> i64 {
+        let cell = libm::floor((x - self.min[a]) / self.edge[a]) as i64;
+        cell.clamp(0, self.count[a] - 1)
     }
 
     fn slot(&self, cell: [i64; 3]) -> usize {

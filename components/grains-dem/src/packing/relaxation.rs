@@ -16,6 +16,7 @@ use crate::{
     bodies::{Ball, Mobility},
     cells::Cells,
     rows::{Neighbour, Rows},
+    skins::{Leash, Skins},
 };
 use core::f64::consts::PI;
 
@@ -30,7 +31,7 @@ const SMALLEST_FACTOR: f64 = 0.1;
 /// How much too large spheres are taken.
 const SLACK: f64 = 1e-3;
 
-/// How far beyond touching neighbours are listed, in largest diameters.
+/// How far beyond touching neighbours are listed, in largest diameters of their class.
 const SKIN: f64 = 0.15;
 
 /// Overlap over the reach of its pair that passes as none: rounding.
@@ -103,7 +104,6 @@ struct Crowd<'a> {
     free: usize,
     balls: Vec<Ball>,
     mobility: Vec<Mobility>,
-    skin: f64,
     cells: Cells,
     list: Rows,
     reference: Vec<Vec3>,
@@ -118,13 +118,12 @@ impl<'a> Crowd<'a> {
         let mobile = Mobility { inverse_mass: 1.0, ..Mobility::NONE };
         let mut mobility = vec![mobile; radii.len()];
         mobility.resize(balls.len(), Mobility::NONE);
-        let largest = balls.iter().fold(0.0, |d: f64, ball| d.max(2.0 * ball.radius));
-        let skin = SKIN * largest;
+        let spans = balls.iter().map(|ball| [2.0 * ball.radius; 2]);
+        let skins = Skins::new(spans, SKIN, 0.0);
         let mut crowd = Self {
             region,
             free: radii.len(),
-            skin,
-            cells: Cells::new(region.bounds.clone(), largest + skin, balls.len()),
+            cells: Cells::new(region.bounds.clone(), skins),
             list: Rows::default(),
             reference: Vec::new(),
             clear: vec![(Vec3::zeros(), 0.0); radii.len()],
@@ -142,7 +141,7 @@ impl<'a> Crowd<'a> {
         }
         let (cells, balls, mobility) = (&mut self.cells, &self.balls, &self.mobility);
         cells.sort(balls);
-        self.list.fill(cells, &bounds.shifts, balls, mobility, self.skin);
+        self.list.fill(cells, &bounds.shifts, balls, mobility);
         self.reference.clear();
         self.reference.extend(balls.iter().map(|ball| ball.x));
     }
@@ -160,9 +159,10 @@ impl<'a> Crowd<'a> {
             }
         }
         self.leave_parts();
-        let limit = 0.25 * self.skin * self.skin;
-        let mut moved = self.balls.iter().zip(&self.reference);
-        if moved.any(|(ball, x)| (ball.x - x).norm_squared() >= limit) {
+        let leash = Leash::new(self.cells.skins(), self.cells.classes());
+        let moved = self.balls.iter().zip(&self.reference);
+        let squares = moved.map(|(ball, x)| (ball.x - x).norm_squared());
+        if leash.is_due(f64::INFINITY, 0, squares) {
             self.list_neighbours();
         }
     }

@@ -17,6 +17,7 @@ use crate::{
     pairs::BLOCK,
     parts::PlacedPart,
     periodic::PeriodicBox,
+    skins::Skins,
     slider::Along,
     tally::Tally,
     walls::{Wall, WallLaws},
@@ -63,8 +64,8 @@ pub(crate) struct Nearness<'a> {
     pub part_materials: &'a [u16],
     pub laws: &'a Laws,
     pub bounds: &'a PeriodicBox,
-    /// How far beyond touching contacts are listed [m].
-    pub gap: f64,
+    /// How far beyond touching contacts are listed.
+    pub skins: &'a Skins,
 }
 
 impl PolyContacts {
@@ -110,6 +111,7 @@ impl PolyContacts {
         if !mobility.is_free() {
             return;
         }
+        let gap = at.skins.gap(ball.radius);
         let shape = polyhedra.shape_of(grain);
         let size = polyhedra.grains()[grain].size;
         let entry = Entry {
@@ -124,7 +126,7 @@ impl PolyContacts {
             loads: [Wrench::zero(); 2],
         };
         for (number, wall) in (0..).zip(at.walls) {
-            if wall.overlap(&ball) > -at.gap {
+            if wall.overlap(&ball) > -gap {
                 let law = at.wall_laws[number as usize][bodies.material[i] as usize];
                 let key = (id, Kind::Wall, u64::from(number));
                 self.entries.push(Entry { key, places: [slot, number], law, ..entry });
@@ -132,7 +134,7 @@ impl PolyContacts {
         }
         for (number, part) in (0..).zip(at.parts) {
             let first = self.triangles.len() as u32;
-            let reach = ball.radius + at.gap;
+            let reach = ball.radius + gap;
             for (image, shift) in at.bounds.numbered_images() {
                 let x = part.to_part(ball.x + shift);
                 part.triangles_near(x, reach, &mut self.near);
