@@ -111,8 +111,8 @@ fn before(body: &Placed<'_>, planes: &[Plane], findings: &mut Findings) {
 /// Notes overlaps: of each sphere with the first one listed before it, so that a pile of errors stays readable.
 fn apart(bodies: &[Placed<'_>], domain: &Domain, findings: &mut Findings) {
     let points: Vec<[f64; 3]> = bodies.iter().map(|body| body.sphere.position).collect();
-    let largest = bodies.iter().map(|body| body.sphere.diameter).fold(0.0, f64::max);
-    let boxes = Boxes::new(domain, &points, largest);
+    let widths: Vec<f64> = bodies.iter().map(|body| body.sphere.diameter).collect();
+    let boxes = Boxes::new(domain, &points, &widths);
     for (k, body) in bodies.iter().enumerate() {
         if let Some(other) = boxes.first_before(k, |j| overlap(&bodies[j], body, domain)) {
             let message = format!("this sphere overlaps {}", bodies[other].at);
