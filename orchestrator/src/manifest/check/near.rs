@@ -19,6 +19,9 @@ pub(super) struct Boxes<'a> {
 struct Level {
     /// Width of the widest of them [m].
     widest: f64,
+    /// The box that is filled: the domain's along axes that wrap around, and else that of the bodies.
+    min: [f64; 3],
+    size: [f64; 3],
     count: [usize; 3],
     /// Where the bodies of each box begin in `sorted`, and where the last ones end.
     start: Vec<usize>,
@@ -27,7 +30,7 @@ struct Level {
 
 impl<'a> Boxes<'a> {
     /// Of bodies with their centres [m] and how wide they are [m]: two are near each other where their centres are less apart
-    /// than the mean of their widths. Centres beyond a face count as in the box there.
+    /// than the mean of their widths.
     pub fn new(domain: &Domain, points: &'a [[f64; 3]], widths: &'a [f64]) -> Self {
         let mut own = Self {
             min: domain.min,
@@ -54,20 +57,27 @@ impl<'a> Boxes<'a> {
 
     /// The boxes of some bodies; in each they stand by number.
     fn level(&self, widest: f64, bodies: &[usize]) -> Level {
+        let (mut min, mut size) = (self.min, self.size);
+        for axis in (0..3).filter(|&axis| !self.periodic[axis]) {
+            let places = bodies.iter().map(|&body| self.points[body][axis]);
+            min[axis] = places.clone().fold(f64::INFINITY, f64::min);
+            size[axis] = places.fold(min[axis], f64::max) - min[axis];
+        }
         // No more boxes than a few a body: larger ones are as right.
         let most = 4 * bodies.len() + 64;
         let mut edge = widest.max(f64::MIN_POSITIVE);
         let count = loop {
-            let count = self.size.map(|length| ((length / edge) as usize).clamp(1, 1 << 20));
+            let count = size.map(|length| ((length / edge) as usize).clamp(1, 1 << 20));
             if count.iter().product::<usize>() <= most {
                 break count;
             }
             edge *= 1.1;
         };
+        let mut level = Level { widest, min, size, count, start: Vec::new(), sorted: Vec::new() };
         let mut bodies = bodies.to_vec();
         bodies.sort_unstable();
         let home = |body: usize| {
-            let at = |axis| (self.along(body, axis) * count[axis] as f64) as usize;
+            let at = |axis| (self.along(&level, body, axis) * count[axis] as f64) as usize;
             slot(count, [0, 1, 2].map(|axis| at(axis).min(count[axis] - 1)))
         };
         let mut start = vec![0; count.iter().product::<usize>() + 1];
@@ -81,12 +91,14 @@ impl<'a> Boxes<'a> {
             sorted[*next] = body;
             *next += 1;
         }
-        Level { widest, count, start, sorted }
+        (level.start, level.sorted) = (start, sorted);
+        level
     }
 
-    /// Where a body lies along an axis, in lengths of the domain.
-    fn along(&self, body: usize, axis: usize) -> f64 {
-        let along = (self.points[body][axis] - self.min[axis]) / self.size[axis];
+    /// Where a body lies along an axis, in lengths of a level's box.
+    fn along(&self, level: &Level, body: usize, axis: usize) -> f64 {
+        let size = level.size[axis].max(f64::MIN_POSITIVE);
+        let along = (self.points[body][axis] - level.min[axis]) / size;
         if self.periodic[axis] { along.rem_euclid(1.0) } else { along }
     }
 
@@ -124,8 +136,8 @@ impl<'a> Boxes<'a> {
     ) -> std::ops::RangeInclusive<i64> {
         let count = level.count[axis] as i64;
         // A hair more than it is: places of bodies were rounded too.
-        let reach = reach / self.size[axis] + 1e-9;
-        let along = self.along(body, axis);
+        let reach = reach / level.size[axis].max(f64::MIN_POSITIVE) + 1e-9;
+        let along = self.along(level, body, axis);
         if !self.periodic[axis] {
             let at = |along: f64| ((along * count as f64) as i64).clamp(0, count - 1);
             return at(along - reach)..=at(along + reach);
