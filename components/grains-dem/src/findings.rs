@@ -1,7 +1,6 @@
 //! Numbers of the contacts, judged before the run.
 
 use crate::check::MIN_STEPS_PER_CONTACT;
-use crate::memory::PAIRS;
 use crate::resolve::Resolution;
 use crate::{Lubrication, Parameters, SliderTimes};
 use tremie_messages::Finding;
@@ -106,10 +105,12 @@ fn of_slider(slider: &SliderTimes, step: f64) -> Vec<Finding> {
 
 fn memory_of_sphere(resolution: &Resolution) -> Option<Finding> {
     let (spheres, memory) = (resolution.spheres as f64, resolution.memory as f64);
-    let why = format!(
-        "{} MB in all, with {PAIRS} pairs listed a sphere as in a dense packing",
-        short(memory * 1e-6)
-    );
+    let [from, to] = resolution.memory_from_to.map(|bytes| short(bytes as f64 * 1e-6));
+    let why = if from == to {
+        format!("{from} MB in all")
+    } else {
+        format!("{from} MB in all at the start, {to} MB once they lie as close as in a bed")
+    };
     (spheres > 0.0).then(|| Finding::new("memory of a sphere", memory / spheres, "B").because(why))
 }
 

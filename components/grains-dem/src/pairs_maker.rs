@@ -54,6 +54,10 @@ impl PairsMaker {
     /// Makes the list anew. Contacts that it knew keep their history.
     pub fn make(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, near: &Nearness) {
         std::mem::swap(pairs, &mut self.before);
+        // No contact remembers these: one copy will do.
+        std::mem::swap(&mut pairs.gaps, &mut self.before.gaps);
+        std::mem::swap(&mut pairs.reduced, &mut self.before.reduced);
+        std::mem::swap(&mut pairs.acting, &mut self.before.acting);
         self.find(pairs, team, bodies, near);
         pairs.crossed.clear();
         pairs.crossed.resize(bodies.len(), 0);

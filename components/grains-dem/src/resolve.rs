@@ -8,7 +8,8 @@ use crate::{
     encounters::{Encounter, Population, contact_time, damping_ratio, largest_overlap},
     law::{Law, Reduced},
     lubrication::Squeeze,
-    memory, overlaps, parts, placement, ports,
+    memory::Need,
+    overlaps, parts, placement, ports,
     slider_times::{self, Grains, SliderTimes},
     stability::Stability,
 };
@@ -39,8 +40,10 @@ pub struct Resolution {
     pub bodies: usize,
     /// Number of spheres at the start.
     pub spheres: usize,
-    /// Memory that the spheres take, if they are packed densely [bytes].
+    /// Memory that the bodies take [bytes]: the geometric mean of the next two.
     pub memory: u64,
+    /// As they lie at the start, and once they lie as close as in a bed [bytes].
+    pub memory_from_to: [u64; 2],
     /// Number of spheres that move under forces.
     pub free_bodies: usize,
     /// Smallest diameter [m]; 0 without bodies.
@@ -120,8 +123,8 @@ impl Parameters {
         let finite = |dt: f64| dt.is_finite().then_some(dt);
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
         let given = self.time_step.map(|step| step.0);
-        let rolling = scene.contacts.iter().any(|pair| pair.law.rolling_friction > 0.0);
         let capacity = ports::capacity(scene, self, population.bodies());
+        let need = Need::of(scene, self, capacity);
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
             stable_time_step: finite(limits.dense),
@@ -130,7 +133,8 @@ impl Parameters {
             hertz: encounters.iter().any(|e| matches!(e.law.spring, Spring::Hertz { .. })),
             bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
-            memory: (capacity * memory::of_sphere(rolling)) as u64,
+            memory: need.middle() as u64,
+            memory_from_to: [need.start as u64, need.dense as u64],
             free_bodies: population.free(),
             smallest_diameter,
             largest_diameter,

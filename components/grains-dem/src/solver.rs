@@ -122,6 +122,8 @@ impl GrainsDem {
         overlaps::check(scene, &spheres, &parts, &mut team)?;
         let placed = (&spheres[..], parts, surfaces);
         let mut solver = Self::of_bodies(scene, parameters, time_step, placed, team);
+        // Their room is needed for the lists.
+        drop(spheres);
         solver.rebuild_lists();
         let still = surfaces.iter().map(|s| vec![[0.0; 3]; s.vertices.len()]).collect::<Vec<_>>();
         let states = surfaces.iter().zip(&still).map(|(surface, velocities)| SurfaceState {

@@ -31,6 +31,10 @@ const TOGETHER: usize = 8;
 /// through which the first sees the second.
 pub(crate) type Found = (u32, u32, u32);
 
+/// Memory of a pair of which one is a polyhedron, in the list before and in that which is used [bytes].
+pub(crate) const OF_PAIR: usize =
+    2 * (size_of::<Entry>() + size_of::<Memory>()) + 2 * size_of::<Found>() + 4 * size_of::<u32>();
+
 /// The list.
 #[derive(Debug, Default)]
 pub(crate) struct PolyContacts {

@@ -14,7 +14,7 @@ mod shape;
 mod touch;
 mod turn;
 
-pub(crate) use list::{Found, Nearness, PolyContacts};
+pub(crate) use list::{Found, Nearness, OF_PAIR, PolyContacts};
 pub(crate) use overlap::{of_bodies, with_part};
 pub(crate) use press::Room;
 pub(crate) use shape::{Shape, to_world, turned_axes};
@@ -30,6 +30,10 @@ use tremie_team::{Cut, Team};
 
 /// Marks a body that is a sphere.
 pub(crate) const SPHERE: u32 = u32::MAX;
+
+/// Memory of a polyhedron besides that of a body, with the corners and faces of a dodecahedron [bytes].
+pub(crate) const OF_BODY: usize =
+    size_of::<Grain>() + size_of::<PlacedSolid>() + 32 * size_of::<Vec3>();
 
 /// Polyhedra that are one item of work.
 const TOGETHER: usize = 16;
