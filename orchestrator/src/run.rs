@@ -375,6 +375,10 @@ impl Prepared {
             })
             .collect();
         let signals: BTreeMap<String, Statistics> = table.close()?.into_iter().collect();
+        let components_said =
+            self.peers.iter().map(|peer| peer.name.as_str()).zip(&self.descriptions);
+        let mut findings = self.findings.clone();
+        findings.extend(doctor::look_back(components_said, &signals));
         Ok(Summary {
             ending,
             run: format!("{:016x}", self.run),
@@ -392,7 +396,7 @@ impl Prepared {
             observers,
             signals,
             warnings: self.plan.warnings.clone(),
-            findings: self.findings.clone(),
+            findings,
         })
     }
 }

@@ -156,7 +156,12 @@ impl Fluid for LatticeFluid {
                 step: [resolution.cell; 3],
                 count: resolution.cells.map(|n| n as u64),
             }],
+            step_limit: scene
+                .fluid
+                .as_ref()
+                .map_or(String::new(), |fluid| parameters.step_limit(fluid)),
             work: "cell updates".into(),
+            work_per_step: resolution.fluid_cells as f64,
             notes,
             findings: findings(&parameters, scene, &resolution),
             memory: resolution.memory_bytes,

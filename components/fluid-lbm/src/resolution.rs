@@ -13,6 +13,7 @@ use crate::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::Surface;
 use tremie_messages::Problem;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{Domain, FluidMaterial, Scene};
 
 /// What follows from parameters and scene.
@@ -169,6 +170,34 @@ impl Parameters {
                 )
                 .help(format!("a time step of {most:.4e} s would do")),
             );
+        }
+    }
+
+    /// What makes the time step as short as it is, in words.
+    pub(crate) fn step_limit(&self, fluid: &FluidMaterial) -> String {
+        let cell = short(self.cell.0);
+        let viscosity = short(fluid.viscosity / fluid.density);
+        let step = self.choose_time_step(fluid);
+        match (self.time_step, self.relaxation_time, fluid.expected_speed) {
+            (Some(_), ..) => "time_step in its settings".into(),
+            (None, Some(tau), _) => format!(
+                "relaxation_time {} in its settings, with a cell of {cell} m and {viscosity} m2/s",
+                short(tau)
+            ),
+            (None, None, Some(speed))
+                if self.tau_of(step, fluid.viscosity / fluid.density)
+                    < Self::DEFAULT_TAU * (1.0 - 1e-9) =>
+            {
+                format!(
+                    "Mach {} at expected_speed {} m/s, with a cell of {cell} m",
+                    short(self.mach_of(speed, step)),
+                    short(speed)
+                )
+            }
+            _ => format!(
+                "a relaxation time of {}, with a cell of {cell} m and a viscosity of {viscosity} m2/s",
+                Self::DEFAULT_TAU
+            ),
         }
     }
 

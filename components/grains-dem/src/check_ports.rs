@@ -30,8 +30,8 @@ pub(crate) fn ports(scene: &Scene, parameters: &Parameters, problems: &mut Vec<P
         return;
     }
     let start: usize = scene.bodies.iter().map(|set| packing::diameters_of(set).len()).sum();
-    let capacity = ports::capacity(scene, parameters, start);
-    if capacity < start {
+    let given = parameters.capacity.filter(|_| !scene.inlets.is_empty());
+    if let Some(capacity) = given.filter(|capacity| *capacity < start as u64) {
         let message = format!("is {capacity}, less than the {start} spheres at the start");
         problems.push(Problem::of_parameter("capacity", message));
     }

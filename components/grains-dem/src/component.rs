@@ -1,7 +1,7 @@
 //! The discrete elements as a component of a run.
 
 use crate::carried::{Carried, check_start, in_scene, surfaces};
-use crate::findings::findings;
+use crate::findings::{findings, limits};
 use crate::meanings::MEANINGS;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
@@ -85,9 +85,12 @@ impl Grains for SoftSpheres {
         check_start(&setup.hello.scene, &surfaces)?;
         Ok(Description {
             step: resolution.time_step,
+            step_limit: resolution.step_limit.clone(),
             bodies: resolution.bodies as u64,
             signals: signals(&setup.hello.scene, resolution.spheres),
             work: "grain steps".into(),
+            work_per_step: resolution.spheres as f64,
+            limits: limits(),
             memory: resolution.memory,
             notes: notes(&setup.hello.scene, &resolution),
             findings: findings(&setup.hello.scene, &parameters, &resolution),
@@ -218,6 +221,10 @@ impl Grains for SoftSpheres {
         }
         self.grains.read_probes(values);
     }
+
+    fn row_kept(&mut self) {
+        self.grains.restart_means();
+    }
 }
 
 impl SoftSpheres {
@@ -264,7 +271,11 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     if !scene.inlets.is_empty() || !scene.outlets.is_empty() {
         all.push(signal("bodies".into(), "1"));
     }
-    all.extend(probe_signals(scene).into_iter().map(|(name, unit)| signal(name, unit)));
+    all.extend(probe_signals(scene).into_iter().map(|(name, unit)| {
+        let is_mean = name.ends_with(".mass_flow_rate");
+        let own = signal(name, unit);
+        if is_mean { own.sampled() } else { own }
+    }));
     all
 }
 

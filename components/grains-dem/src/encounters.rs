@@ -53,6 +53,8 @@ struct Kind<'a> {
     /// The two lightest and the two heaviest free bodies.
     lightest: [Grain; 2],
     heaviest: [Grain; 2],
+    /// The two that are heaviest for their size: of most mass over the square of the radius.
+    densest: [Grain; 2],
     /// Smallest and largest radius of all.
     radii: [f64; 2],
     /// Whether all belong to one clump; `None` without any.
@@ -83,18 +85,31 @@ pub(crate) struct Population<'a> {
 pub(crate) struct Encounter<'a> {
     /// Which, as "glass with glass".
     pub name: String,
+    /// The materials, that of a surface last.
+    pub materials: [&'a str; 2],
     /// Their law.
     pub law: &'a ContactLaw,
     /// The lightest pair.
     pub light: Reduced,
     /// The heaviest pair.
     pub heavy: Reduced,
+    /// The pair that sinks deepest into each other for its size, with the smaller radius [m].
+    pub soft: (Reduced, f64),
     /// Sum of the inverse masses that a contact of the lightest pair has to move [1/kg].
     pub inverse_mass: f64,
     /// Whether it is with a wall or a part.
     pub with_surface: bool,
     /// Most contacts under this law that a body can have at once.
     pub contacts: f64,
+}
+
+/// Bodies of two materials that may meet: the lightest, the heaviest, those that are heaviest for their size, and how
+/// many contacts one of them may have at once.
+struct Pairs {
+    light: [Grain; 2],
+    heavy: [Grain; 2],
+    dense: [Grain; 2],
+    contacts: usize,
 }
 
 /// Neighbours of a sphere in the densest packing of equal ones, and walls in a corner.
@@ -184,12 +199,13 @@ impl<'a> Population<'a> {
     /// What may meet under which law.
     pub fn encounters(&self) -> Vec<Encounter<'a>> {
         let mut found: Vec<Encounter<'a>> = Vec::new();
-        self.each(|a, b, _, (light, heavy, contacts)| {
+        self.each(|a, b, _, Pairs { light, heavy, dense, contacts }| {
             let Some(law) = self.scene.law(a, b) else { return };
             let with_surface = light[1].radius.is_infinite();
             let side = if with_surface { "surface of " } else { "" };
             let name = format!("{a} with {side}{b}");
             let ((light, inverse_mass), (heavy, _)) = (reduced(light), reduced(heavy));
+            let soft = (reduced(dense).0, dense[0].radius.min(dense[1].radius));
             if let Some(known) = found.iter_mut().find(|known| known.name == name) {
                 known.contacts = (known.contacts + contacts as f64).min(MOST_WALLS as f64);
                 // A slider is lighter than what stands still.
@@ -197,51 +213,66 @@ impl<'a> Population<'a> {
                     (known.light, known.inverse_mass) = (light, inverse_mass);
                 }
                 if heavy.root_mass > known.heavy.root_mass {
-                    known.heavy = heavy;
+                    (known.heavy, known.soft) = (heavy, soft);
                 }
                 return;
             }
-            let contacts = contacts as f64;
-            found.push(Encounter { name, law, light, heavy, inverse_mass, with_surface, contacts });
+            let (contacts, materials) = (contacts as f64, [a, b]);
+            found.push(Encounter {
+                name,
+                materials,
+                law,
+                light,
+                heavy,
+                soft,
+                inverse_mass,
+                with_surface,
+                contacts,
+            });
         });
         found
     }
 
-    /// Visits the pairs of materials that may meet: their names, the fact, and the lightest pair, the
-    /// heaviest pair, and the most contacts at once.
-    fn each(
-        &self,
-        mut visit: impl FnMut(&'a str, &'a str, String, ([Grain; 2], [Grain; 2], usize)),
-    ) {
+    /// Visits the pairs of materials that may meet: their names, the fact, and who meets.
+    fn each(&self, mut visit: impl FnMut(&'a str, &'a str, String, Pairs)) {
         for (index, a) in self.kinds.iter().enumerate() {
             for b in &self.kinds[index..] {
                 let same = a.material == b.material;
                 if a.free + b.free == 0 || a.never_meets(b, same) {
                     continue;
                 }
-                let (light, heavy) = if same {
+                let [light, heavy, dense] = if same {
                     let other = |of: [Grain; 2]| {
-                        if a.free >= 2 { of } else { [of[0], Grain::still(a.radii[0])] }
+                        let free = if a.free >= 2 { of[1] } else { Grain::still(a.radii[0]) };
+                        [of[0], free]
                     };
-                    (other(a.lightest), other(a.heaviest))
+                    // The second is none where all that are free are in one clump.
+                    let deep = |[one, other]: [Grain; 2]| {
+                        [one, if other.mass > 0.0 { other } else { Grain::still(one.radius) }]
+                    };
+                    [other(a.lightest), other(a.heaviest), deep(other(a.densest))]
                 } else {
                     let of = |kind: &Kind, grain: Grain| {
                         if kind.free > 0 { grain } else { Grain::still(kind.radii[0]) }
                     };
-                    (
+                    [
                         [of(a, a.lightest[0]), of(b, b.lightest[0])],
                         [of(a, a.heaviest[0]), of(b, b.heaviest[0])],
-                    )
+                        [of(a, a.densest[0]), of(b, b.densest[0])],
+                    ]
                 };
                 let others = if same { a.bodies - 1 } else { a.bodies.max(b.bodies) };
                 let what = "bodies of these materials may touch".into();
-                visit(a.material, b.material, what, (light, heavy, others.min(MOST_NEIGHBOURS)));
+                let contacts = others.min(MOST_NEIGHBOURS);
+                visit(a.material, b.material, what, Pairs { light, heavy, dense, contacts });
             }
         }
         for kind in self.kinds.iter().filter(|kind| kind.free > 0) {
             for surface in &self.surfaces {
                 let flat = Grain::alone(surface.mass, f64::INFINITY);
-                let pairs = ([kind.lightest[0], flat], [kind.heaviest[0], flat], 1);
+                let [light, heavy, dense] =
+                    [kind.lightest, kind.heaviest, kind.densest].map(|of| [of[0], flat]);
+                let pairs = Pairs { light, heavy, dense, contacts: 1 };
                 let what = format!("bodies of \"{}\" may touch {}", kind.material, surface.name);
                 visit(kind.material, surface.material, what, pairs);
             }
@@ -257,6 +288,7 @@ impl<'a> Kind<'a> {
             free: 0,
             lightest: [Grain::alone(f64::INFINITY, f64::INFINITY); 2],
             heaviest: [Grain::alone(0.0, 0.0); 2],
+            densest: [Grain::alone(0.0, 1.0); 2],
             radii: [f64::INFINITY, 0.0],
             sole: None,
         }
@@ -285,6 +317,9 @@ impl<'a> Kind<'a> {
         self.free += 1;
         self.lightest = first_two(self.lightest, grain, |a, b| a.felt < b.felt);
         self.heaviest = first_two(self.heaviest, grain, |a, b| a.mass > b.mass);
+        let denser: fn(&Grain, &Grain) -> bool =
+            |a, b| a.mass / (a.radius * a.radius) > b.mass / (b.radius * b.radius);
+        self.densest = first_two(self.densest, grain, denser);
     }
 }
 

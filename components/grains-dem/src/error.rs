@@ -102,7 +102,7 @@ pub enum GrainsError {
     /// More spheres live than there is room for.
     #[error(
         "inlet \"{inlet}\" feeds more spheres than the {capacity} that there is room for: raise `capacity` in \
-         the settings of the grains, or let spheres leave"
+         settings.grains-dem, let spheres leave through an outlet, or give the inlet an end (`until`)"
     )]
     Capacity {
         /// Name of the inlet.

@@ -2,10 +2,11 @@
 
 use crate::check::MIN_STEPS_PER_CONTACT;
 use crate::resolve::Resolution;
-use crate::{Lubrication, Parameters, SliderTimes};
-use tremie_messages::Finding;
+use crate::softness::SMALL;
+use crate::{Lubrication, Parameters, Room, SliderTimes};
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Damping, Scene};
+use tremie_messages::{Finding, Limit};
 
 /// Steps in a collision from which flows are accurate to a few per cent.
 const ACCURATE_STEPS: f64 = 15.0;
@@ -17,11 +18,13 @@ const STRONG: f64 = 0.6;
 pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution) -> Vec<Finding> {
     let mut findings = Vec::new();
     findings.extend(memory_of_sphere(resolution));
+    findings.extend(resolution.room.map(|room| room_for_spheres(scene, parameters, room)));
     findings.extend(parameters.lubrication.and_then(|law| cutoff(law, resolution)));
     if let (Some(contact), Some(step)) = (resolution.contact_time, resolution.time_step) {
         findings.push(steps_per_contact(contact, step));
     }
     findings.extend(corners(resolution));
+    findings.extend(resolution.softness.findings());
     if let Some(step) = resolution.time_step {
         findings.extend(resolution.sliders.iter().flat_map(|slider| of_slider(slider, step)));
     }
@@ -52,6 +55,41 @@ pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution)
         );
     }
     findings
+}
+
+/// Whether inlets can feed more than there is room for. Where spheres leave, a user may know that they are fewer.
+fn room_for_spheres(scene: &Scene, parameters: &Parameters, room: Room) -> Finding {
+    let Room { capacity, fits, fraction } = room;
+    let (fits, fraction) = (fits.ceil(), short((fraction * 100.0).round() / 100.0));
+    let knows = parameters.capacity.is_some() && !scene.outlets.is_empty();
+    let why = format!("{fits} fit into the domain, packed to {fraction}");
+    Finding::new("room for spheres", capacity as f64, "1").because(&why).doubtful_if(
+        (capacity as f64) < fits && !knows,
+        format!(
+            "{why}: inlets may feed so many, and a run ends in an error where they feed more than {capacity}"
+        ),
+        format!(
+            "capacity = {fits} in settings.grains-dem, if the memory is there; or outlets, inlets that end (`until`), larger \
+             grains"
+        ),
+    )
+}
+
+/// What signals must keep below.
+pub fn limits() -> Vec<Limit> {
+    vec![Limit {
+        signal: "max_overlap_ratio".into(),
+        quantity: "greatest overlap over the smaller radius".into(),
+        unit: "1".into(),
+        doubtful: SMALL,
+        wrong: None,
+        why: format!(
+            "beyond {SMALL} an overlap is not small: grains take less room than they have, and the contact law means little"
+        ),
+        remedy: "a larger normal_stiffness (an impact sinks in by its inverse root, a load by its inverse), with a shorter \
+                 time step; or lower speeds and lighter loads"
+            .into(),
+    }]
 }
 
 /// Depth of a corner over the radius of the sphere inside beyond which a hit is no small overlap.

@@ -6,13 +6,17 @@ mod inlet;
 use crate::{
     AddedSphere, GrainsDem, GrainsError, Parameters, Vec3,
     bodies::Ball,
-    packing::{self, Sizes},
+    packing::{self, Feeding, Sizes},
+    parts::PlacedPart,
+    periodic::PeriodicBox,
     placement,
     surroundings::Surroundings,
+    walls::Wall,
 };
 use inlet::Feeder;
 pub(crate) use inlet::region;
-use tremie_messages::scene::{InletVelocity, Outlet, Scene};
+use serde::Serialize;
+use tremie_messages::scene::{Diameters, Domain, InletVelocity, Outlet, Packing, Scene};
 
 /// What an inlet has done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,23 +48,85 @@ pub(crate) struct Ports {
     gone: Vec<u64>,
 }
 
-/// Densest random packing of spheres.
+/// Densest random packing of spheres that are alike.
 const DENSEST: f64 = 0.64;
 
-/// Most spheres that may live at once, of `start` at the start.
-pub(crate) fn capacity(scene: &Scene, parameters: &Parameters, start: usize) -> usize {
+/// Part by which there is more room than fits.
+const SPARE: f64 = 0.05;
+
+/// Most spheres that there is room for where nobody says: some GB.
+const MOST: f64 = 1e6;
+
+/// How many spheres the domain can hold, and how many there is room for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Room {
+    /// Most spheres that may live at once.
+    pub capacity: usize,
+    /// Spheres that fit, those at the start among them, if inlets fill what parts leave of the domain.
+    pub fits: f64,
+    /// Volume of grains over that of the space that they fill.
+    pub fraction: f64,
+}
+
+/// Room in a scene with inlets and `start` spheres at the start; without inlets exactly for these.
+pub(crate) fn room(
+    scene: &Scene,
+    parameters: &Parameters,
+    start: usize,
+    parts: &[PlacedPart],
+) -> Room {
+    let none = Room { capacity: start, fits: start as f64, fraction: 0.0 };
     if scene.inlets.is_empty() {
-        return start;
+        return none;
     }
-    if let Some(capacity) = parameters.capacity {
-        return capacity as usize;
+    let fraction = densest(scene);
+    let there: f64 = scene.bodies.iter().map(|set| set.placement.sizes().volume()).sum();
+    let left = (fraction * free_volume(scene, parts) - there).max(0.0);
+    let smallest = scene.inlets.iter().map(|inlet| Sizes::new(&inlet.diameters).mean_volume());
+    let fits = start as f64 + left / smallest.fold(f64::INFINITY, f64::min);
+    let spare = (fits * (1.0 + SPARE)).ceil().min(MOST).max(start as f64);
+    let capacity = parameters.capacity.map_or(spare as usize, |capacity| capacity as usize);
+    Room { capacity, fits, fraction }
+}
+
+/// The densest random packing of what inlets bring: small grains fit into the gaps between large ones, the better the
+/// smaller they are, up to a tenth (Furnas, 1931).
+fn densest(scene: &Scene) -> f64 {
+    let [small, large] = scene.inlets.iter().fold([f64::INFINITY, 0.0f64], |[low, high], inlet| {
+        let [small, large] = inlet.diameters.extremes();
+        [low.min(small), high.max(large)]
+    });
+    let ratio = libm::log10((large / small).clamp(1.0, 10.0));
+    1.0 - libm::pow(1.0 - DENSEST, 1.0 + ratio)
+}
+
+/// What parts and planes leave of the domain [m³], from points between them.
+fn free_volume(scene: &Scene, parts: &[PlacedPart]) -> f64 {
+    let (Domain { min, max, .. }, size) = (&scene.domain, scene.domain.size());
+    let whole: f64 = size.into_iter().product();
+    if parts.is_empty() && scene.planes.is_empty() {
+        return whole;
     }
-    let size = scene.domain.size();
-    let volume = size[0] * size[1] * size[2];
-    let of = |inlet: &tremie_messages::scene::Inlet| {
-        (2.0 * inlet.fraction).min(DENSEST) * volume / Sizes::new(&inlet.diameters).mean_volume()
+    let around = packing::Surroundings {
+        parts,
+        bounds: PeriodicBox::new(&scene.domain),
+        planes: scene
+            .planes
+            .iter()
+            .map(|plane| Wall::through(plane.point.into(), plane.normal.into()))
+            .collect(),
+        balls: Vec::new(),
     };
-    start + scene.inlets.iter().map(of).fold(0.0, f64::max).ceil() as usize
+    let region = Packing {
+        min: *min,
+        max: *max,
+        fraction: 0.0,
+        diameters: Diameters::Listed(Vec::new()),
+        seed: 0,
+    };
+    // No sphere is put there: their size is of no account.
+    let coarse = size.into_iter().fold(f64::INFINITY, f64::min);
+    Feeding::new(&region, &around, 0.1 * coarse).free_volume()
 }
 
 impl Ports {
@@ -72,13 +138,14 @@ impl Ports {
         dt: f64,
         start: usize,
     ) -> Self {
+        let room = room(scene, parameters, start, &around.parts);
         let feeders = (0..).zip(&scene.inlets);
         let feeders = feeders.filter_map(|(k, inlet)| Feeder::new(scene, inlet, k, around, dt));
         let outlets = scene.outlets.iter().map(|outlet| (outlet.clone(), OutletState::default()));
         Self {
             feeders: feeders.collect(),
             outlets: outlets.collect(),
-            capacity: capacity(scene, parameters, start),
+            capacity: room.capacity,
             gone: Vec::new(),
         }
     }

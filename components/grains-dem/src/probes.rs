@@ -131,6 +131,11 @@ impl Probes {
         }
     }
 
+    /// Begins means over time anew.
+    pub fn restart_means(&mut self) {
+        self.sections.iter_mut().for_each(Section::restart_mean);
+    }
+
     /// Appends the values of all probes to `out`, SI units.
     pub fn read(
         &mut self,

@@ -9,9 +9,12 @@ use crate::{
     law::{Law, Reduced},
     lubrication::Squeeze,
     memory::Need,
-    overlaps, parts, placement, ports,
+    overlaps, parts, placement,
+    ports::{self, Room},
     slider_times::{self, Grains, SliderTimes},
+    softness::Softness,
     stability::Stability,
+    step_limit::{self, Tightest},
 };
 use serde::Serialize;
 use tremie_messages::{
@@ -40,6 +43,8 @@ pub struct Resolution {
     pub bodies: usize,
     /// Number of spheres at the start.
     pub spheres: usize,
+    /// How many spheres there is room for, where inlets feed any.
+    pub room: Option<Room>,
     /// Memory that the bodies take [bytes]: the geometric mean of the next two.
     pub memory: u64,
     /// As they lie at the start, and once they lie as close as in a bed [bytes].
@@ -55,6 +60,10 @@ pub struct Resolution {
     /// How deep a corner of the heaviest polyhedron sinks into a wall at the expected speed, over the radius of
     /// the sphere inside; 0 without polyhedra.
     pub corner_depth: f64,
+    /// How far spheres are to be expected to overlap.
+    pub softness: Softness,
+    /// What keeps the time step from being longer, in words.
+    pub step_limit: String,
     /// Parts that move along an axis under forces.
     pub sliders: Vec<SliderTimes>,
     /// What a user should know; sentences.
@@ -118,12 +127,14 @@ impl Parameters {
             diameter: smallest_diameter,
             stiffness: stiffest_at_surfaces(&encounters, speed),
         };
-        let limits = limits(&encounters, speed, Squeeze::of(scene, self), placement::lever(scene))
-            .and(&sliders, slider_times::stability(&parts, grains));
+        let (own, tightest) =
+            limits(&encounters, speed, Squeeze::of(scene, self), placement::lever(scene));
+        let limits = own.and(&sliders, slider_times::stability(&parts, grains));
         let finite = |dt: f64| dt.is_finite().then_some(dt);
         let derived = (limits.contact / self.steps_per_contact).min(limits.dense);
         let given = self.time_step.map(|step| step.0);
-        let capacity = ports::capacity(scene, self, population.bodies());
+        let room = ports::room(scene, self, population.bodies(), &parts);
+        let capacity = room.capacity;
         let need = Need::of(scene, self, capacity);
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
@@ -133,12 +144,21 @@ impl Parameters {
             hertz: encounters.iter().any(|e| matches!(e.law.spring, Spring::Hertz { .. })),
             bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
+            room: (!scene.inlets.is_empty()).then_some(room),
             memory: need.middle() as u64,
             memory_from_to: [need.start as u64, need.dense as u64],
             free_bodies: population.free(),
             smallest_diameter,
             largest_diameter,
             corner_depth: placement::corner_depth(scene, speed),
+            softness: Softness::of(scene, &encounters, self.expected_speed.map(|speed| speed.0)),
+            step_limit: step_limit::reason(
+                scene,
+                self,
+                &encounters,
+                &sliders,
+                (tightest, limits.contact, limits.dense),
+            ),
             warnings: warnings(given, &limits),
             pairs,
             sliders,
@@ -215,22 +235,23 @@ fn pair_damping(pair: String, law: &ContactLaw, reduced: Reduced, speed: f64) ->
 
 /// Bounds on the time step. The dense bound takes the worst law between bodies and that with
 /// surfaces together; tangent stiffnesses of Hertz's law are those of the deepest overlap in a
-/// collision at `speed`.
+/// collision at `speed`. With them, which encounters are the tightest.
 /// `lever` is how much more than spheres bodies move under a push beside their centroid.
 fn limits(
     encounters: &[Encounter<'_>],
     speed: f64,
     squeeze: Option<Squeeze>,
     lever: f64,
-) -> Limits {
+) -> (Limits, Tightest) {
     let (mut single, mut between, mut at_walls) =
         (Stability::default(), Stability::default(), Stability::default());
-    let mut contact = f64::INFINITY;
-    for encounter in encounters {
+    let (mut contact, mut tightest) = (f64::INFINITY, Tightest::default());
+    for (index, encounter) in encounters.iter().enumerate() {
         let (law, pair, inverse_mass) =
             (Law::new(encounter.law), encounter.light, encounter.inverse_mass);
         let felt = Reduced { root_mass: (1.0 / inverse_mass).sqrt(), ..pair };
-        contact = contact.min(contact_time(encounter.law, felt, speed));
+        let time = contact_time(encounter.law, felt, speed);
+        contact = contact.min(time);
         let overlap = deepest(encounter, pair, speed);
         let lubrication = squeeze.map_or(0.0, |squeeze| squeeze.largest(pair.radius));
         let of = |contacts| {
@@ -239,6 +260,7 @@ fn limits(
         };
         single = single.or(of(1.0));
         let dense = of(encounter.contacts);
+        tightest.add(index, time, dense.largest_step());
         if encounter.with_surface {
             at_walls = at_walls.or(dense);
         } else {
@@ -246,7 +268,8 @@ fn limits(
         }
     }
     let dense = between.and(at_walls);
-    Limits { contact, pair: single.largest_step(), dense: dense.largest_step() }
+    let limits = Limits { contact, pair: single.largest_step(), dense: dense.largest_step() };
+    (limits, tightest)
 }
 
 /// Overlap at which the stiffness of an encounter counts [m].

@@ -115,6 +115,41 @@ pub fn short(value: f64) -> String {
     }
 }
 
+/// What a signal must keep below through a run. A component says it before; the orchestrator judges the greatest value
+/// when the run is over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limit {
+    /// Name of the signal, one of the component's own.
+    pub signal: String,
+    /// What its greatest value is, a few words in lower case.
+    pub quantity: String,
+    /// SI unit, `1` if it has none.
+    pub unit: String,
+    /// Above it results are doubtful.
+    pub doubtful: f64,
+    /// Above it they are wrong, if they ever are.
+    #[serde(default)]
+    pub wrong: Option<f64>,
+    /// Why, and what to do about it: sentences, as those of a [`Finding`].
+    pub why: String,
+    /// See [`Finding::remedy`].
+    pub remedy: String,
+}
+
+impl Limit {
+    /// What the greatest value of the signal, first reached at a time [s], means.
+    pub fn judge(&self, greatest: f64, at: f64) -> Finding {
+        let Self { quantity, unit, doubtful, wrong, why, remedy, .. } = self;
+        let when = format!("over the whole run, first reached at {} s", short(at));
+        let why = format!("{when}; {why}");
+        Finding::new(quantity, greatest, unit)
+            .because(when)
+            .wrong_if(wrong.is_some_and(|wrong| greatest > wrong), &why, remedy)
+            .doubtful_if(greatest > *doubtful, why, remedy)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,6 +164,23 @@ mod tests {
         let finding = finding.wrong_if(true, "too few", "a much smaller cell");
         assert_eq!((finding.verdict, finding.why.as_str()), (Verdict::Wrong, "too few"));
         assert!(Verdict::Wrong > Verdict::Doubtful && Verdict::Doubtful > Verdict::Ok);
+    }
+
+    #[test]
+    fn the_greatest_value_of_a_signal_is_judged() {
+        let limit = Limit {
+            signal: "max_overlap_ratio".into(),
+            quantity: "greatest overlap over the radius".into(),
+            unit: "1".into(),
+            doubtful: 0.1,
+            wrong: Some(0.4),
+            why: "it is no small overlap".into(),
+            remedy: "stiffer contacts".into(),
+        };
+        let verdicts = [0.1, 0.2, 0.5].map(|value| limit.judge(value, 2e-3).verdict);
+        assert_eq!(verdicts, [Verdict::Ok, Verdict::Doubtful, Verdict::Wrong]);
+        let found = limit.judge(0.2, 2e-3);
+        assert!(found.why.contains("0.002 s") && found.why.contains("small"), "{}", found.why);
     }
 
     #[test]

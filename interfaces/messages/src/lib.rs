@@ -20,7 +20,7 @@ pub mod surface;
 pub mod units;
 
 pub use body::{BodyEvent, BodyState, Load};
-pub use finding::{Finding, Verdict};
+pub use finding::{Finding, Limit, Verdict};
 pub use port::PortState;
 pub use problem::{Problem, nearest};
 pub use role::Role;

@@ -90,6 +90,7 @@ fn run_checked(
     let out = OutputFolder::new(arguments)?;
     let prepared = prepare(manifest, &folder, out.path(), &execution, &interrupts)?;
     show_plan(manifest, &prepared, terminal);
+    let known = prepared.findings.len();
     terminal.say(&format!("outputs in {}", out.path().display()));
     let executed = prepared.execute(manifest, out.path(), &execution, terminal, &interrupts);
     if executed.as_ref().is_err_and(|error| !error.had_begun()) {
@@ -98,6 +99,10 @@ fn run_checked(
     let mut ended = executed?;
     for (name, note) in ended.summary.observers.iter().filter(|(_, note)| !note.is_empty()) {
         terminal.say(&format!("{name}: {note}"));
+    }
+    let after = ended.summary.findings.get(known..).unwrap_or_default();
+    for verdict in [Verdict::Doubtful, Verdict::Wrong] {
+        doctor::sentences(after, verdict).iter().for_each(|text| terminal.point_out(text));
     }
     terminal.end(&last_line(&ended.summary, out.path()), details(&ended.summary));
     if arguments.view == View::Web {

@@ -2,11 +2,12 @@
 //!
 //! A slip in a unit or a step gives a run that goes through and means nothing. Components say what
 //! they know of their own ([`Description::findings`]); here is what only the whole can tell: how
-//! the steps fit, whether machine and disk hold the run, what flows in and never out. `tremie check`
+//! the steps fit and how many they are, whether machine and disk hold the run, what flows in and never out. `tremie check`
 //! and `tremie run` show all of it, and the summary keeps it. A wrong number makes `tremie check`
-//! fail; a run goes on, because its user may know better.
+//! fail; a run goes on, because its user may know better. When it is over, [`look_back`] judges what its signals were.
 
 mod flow;
+mod length;
 mod machine;
 pub mod measure;
 mod resources;
@@ -17,10 +18,12 @@ pub use machine::Machine;
 pub use table::{sentences, table, total};
 
 use crate::manifest::Spec;
+use crate::outputs::Statistics;
 use crate::plan::Plan;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use tremie_messages::start::Description;
-use tremie_messages::{Finding, Verdict};
+use tremie_messages::{Finding, Limit, Verdict};
 
 /// A finding and who made it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -51,10 +54,27 @@ pub fn examine(
     });
     let whole = steps::findings(spec, plan)
         .into_iter()
+        .chain(length::finding(spec, plan, descriptions))
         .chain(flow::findings(&spec.scene))
         .chain(resources::findings(plan, descriptions, machine))
         .map(of_whole);
     own.chain(whole).collect()
+}
+
+/// What signals say of a run that is over: the greatest value of each for which a component, by name, gave a limit.
+pub fn look_back<'a>(
+    components: impl Iterator<Item = (&'a str, &'a Description)>,
+    signals: &BTreeMap<String, Statistics>,
+) -> Vec<Judged> {
+    let of = |(name, description): (&str, &'a Description)| {
+        let judge = |limit: &Limit| {
+            let told = signals.get(&format!("{name}.{}", limit.signal))?;
+            let finding = told.max.is_finite().then(|| limit.judge(told.max, told.max_at))?;
+            Some(Judged { component: name.into(), finding })
+        };
+        description.limits.iter().filter_map(judge).collect::<Vec<_>>()
+    };
+    components.flat_map(of).collect()
 }
 
 /// A finding about the run as a whole.

@@ -113,7 +113,7 @@ pub struct Summary {
     pub signals: BTreeMap<String, Statistics>,
     /// Doubtful things about the plan.
     pub warnings: Vec<String>,
-    /// Numbers known before the run, with verdicts and remedies.
+    /// Numbers known before the run, and those that its signals gave, with verdicts and remedies.
     pub findings: Vec<Judged>,
 }
 

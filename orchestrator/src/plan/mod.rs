@@ -182,6 +182,7 @@ fn wishes(described: &[Described<'_>]) -> Vec<Wish> {
             (Role::Grains, None, bound) => bound,
             (_, step, _) => step,
         },
+        limit: description.step_limit.clone(),
         sync_iter: spec.sync_iter,
     };
     described.iter().filter(|(spec, _)| has_steps(spec.role)).map(wish).collect()

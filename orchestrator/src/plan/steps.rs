@@ -19,6 +19,8 @@ pub(super) struct Wish {
     pub key: String,
     /// Largest step that it may take [s]; `None`: any.
     pub step: Option<f64>,
+    /// What keeps it from being longer; empty where that is not known.
+    pub limit: String,
     /// Substeps that the manifest fixes.
     pub sync_iter: Option<u32>,
 }
@@ -76,7 +78,8 @@ pub(super) fn assign(wishes: &[Wish], until: f64) -> Result<Steps, Vec<Problem>>
             "{until} s are {windows:e} windows of {} s, more than can be counted",
             short(window)
         );
-        return Err(vec![Problem::new("run.until", message)]);
+        let help = format!("end earlier, or make steps longer{}", reason(pace));
+        return Err(vec![Problem::new("run.until", message).help(help)]);
     }
     let end = windows * window;
     if (end - until).abs() > 1e-6 * window {
@@ -177,11 +180,20 @@ fn too_many(wish: &Wish, pace: &Wish, ratio: f64, window: f64) -> Problem {
         short(window)
     );
     let help = format!(
-        "give {slow} a step of at most {} s (a finer grid), or let {name} take at least {} s (softer contacts, larger bodies)",
+        "give {slow} a step of at most {} s (a finer grid), or let {name} take at least {} s (softer contacts, larger bodies){}",
         short(wish.step.unwrap_or(window) * f64::from(MOST_SUBSTEPS)),
-        short(window / f64::from(MOST_SUBSTEPS))
+        short(window / f64::from(MOST_SUBSTEPS)),
+        reason(wish)
     );
     Problem::new(&wish.key, message).help(help)
+}
+
+/// What keeps a component's step short, after other words.
+fn reason(wish: &Wish) -> String {
+    match wish.limit.as_str() {
+        "" => String::new(),
+        limit => format!("; the step of {} follows from {limit}", wish.name),
+    }
 }
 
 fn least_common_multiple(a: u64, b: u64) -> u64 {

@@ -346,6 +346,7 @@ proptest! {
             name: name.into(),
             key: name.into(),
             step: Some(step),
+            limit: String::new(),
             sync_iter,
         };
         let wishes = [wish("slow", a, sync_iter), wish("middle", a / middle, None), wish("fast", a / ratio, None)];

@@ -1,6 +1,6 @@
 //! What a component says of itself.
 
-use crate::Finding;
+use crate::{Finding, Limit};
 use serde::{Deserialize, Serialize};
 
 /// What a component is and needs.
@@ -13,6 +13,10 @@ pub struct Description {
     /// The step that it would take: the largest that is stable and accurate, or the user's [s].
     /// `None` for observers, and for solvers that can take any step.
     pub step: Option<f64>,
+    /// What keeps the step from being longer, a few words: the smallest grain and its stiffness, the cell and the speed,
+    /// the key that sets it. Empty where it is not said.
+    #[serde(default)]
+    pub step_limit: String,
     /// Number of bodies that it brings (grains).
     pub bodies: u64,
     /// Scalars that it reports.
@@ -31,6 +35,9 @@ pub struct Description {
     pub watches: Watches,
     /// What one unit of [`crate::control::Report::work`] is: `cell updates`, `grain steps`.
     pub work: String,
+    /// Work of one step in that unit, as far as it is known before the run; 0 where it is not.
+    #[serde(default)]
+    pub work_per_step: f64,
     /// Lines for the plan: resolution, dimensionless numbers, memory.
     pub notes: Vec<String>,
     /// Doubtful things, with the remedy, that are no matter of a number.
@@ -38,6 +45,9 @@ pub struct Description {
     /// Numbers that say how far the results can be trusted, each with a verdict.
     #[serde(default)]
     pub findings: Vec<Finding>,
+    /// What its signals must keep below, judged when the run is over.
+    #[serde(default)]
+    pub limits: Vec<Limit>,
     /// Memory that the component expects to take [bytes]; 0 where it does not know.
     #[serde(default)]
     pub memory: u64,
@@ -55,8 +65,9 @@ pub struct Signal {
     /// What it is, a few words without a full stop; empty where a component says nothing.
     #[serde(default)]
     pub meaning: String,
-    /// Whether it takes time to measure and is measured only in windows whose row is kept, and in a run's
-    /// last; otherwise it is measured in every window. Fluids may have such signals; they come after all others.
+    /// Whether it has a value only in windows whose row is kept, and in a run's last, because it takes time to measure
+    /// or is a mean from row to row; otherwise it has one in every window. Fluids and grains may have such signals; those
+    /// of a fluid come after all others.
     #[serde(default)]
     pub sampled: bool,
 }
