@@ -299,7 +299,11 @@ fn parse_view(text: &str) -> Result<View, String> {
         "none" => Ok(View::None),
         "web" => Ok(View::Web),
         "native" => Ok(View::Native),
-        file if file.ends_with(".rrd") => Ok(View::File(file.into())),
+        file if file.ends_with(".rrd") => match std::path::absolute(file) {
+            Ok(path) if path.to_str().is_some() => Ok(View::File(path)),
+            Ok(path) => Err(format!("{path:?} is no UTF-8 text, which the viewer must be told")),
+            Err(error) => Err(error.to_string()),
+        },
         _ => Err("expected web, native, none, or a file that ends in .rrd".into()),
     }
 }

@@ -3,12 +3,15 @@
 
 use crate::launch::Peer;
 use crate::manifest::ORCHESTRATOR;
-use tremie_channels::{Attachment, Between, ChannelError, ChannelSpec, Receiver, Ringer, Sender};
+use tremie_channels::{Attachment, Between, ChannelError, Receiver, Ringer, Sender};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::frame::LogHeader;
 use tremie_messages::start::{Assignment, FrameContent, FrameStream};
-use tremie_sdk::{credit_spec, frame_spec};
+use tremie_sdk::{credit_spec, frame_spec, report_spec};
+
+/// Most reports under way: bounds how far components run ahead of the orchestrator's looks.
+pub const REPORT_DEPTH: u64 = 4096;
 
 struct End<S: Between> {
     credit: Sender<S, Stamp, Credit>,
@@ -50,12 +53,7 @@ impl<S: Between> Control<S> {
         let mut ends = Vec::new();
         let mut logs = Vec::new();
         for ((peer, assignment), signals) in peers.iter().zip(assignments).zip(signals) {
-            let report = ChannelSpec {
-                service: &assignment.transport.report_service,
-                capacity: *signals,
-                depth: assignment.transport.report_depth as usize,
-                lossless: true,
-            };
+            let report = report_spec(&assignment.transport, *signals);
             ends.push(End {
                 credit: attachment.sender(credit_spec(&assignment.transport.credit_service))?,
                 report: attachment.receiver(report)?,

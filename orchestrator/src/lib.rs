@@ -7,6 +7,8 @@
 //! [`mod@report`] draws what a finished run kept, with [`charts`], and [`mod@valve`] reads a valve out of it; [`validation`] makes runs whose results are known;
 //! [`scenes`] builds scenes from numbers; [`bench`] says how fast all that is.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod bench;
 pub mod charts;
 pub mod cli;
@@ -18,6 +20,7 @@ pub mod drive;
 pub mod early;
 pub mod introduction;
 pub mod launch;
+pub mod limits;
 pub mod manifest;
 pub mod monitor;
 pub mod outputs;
@@ -28,6 +31,7 @@ pub mod round;
 pub mod run;
 pub mod scenes;
 pub mod schedule;
+pub mod standard;
 pub mod stop;
 pub mod terminal;
 pub mod turns;

@@ -1,12 +1,23 @@
 //! The `tremie` program.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 use clap::Parser;
 use std::process::ExitCode;
 use tremie::cli::{Cli, Command};
-use tremie::commands;
+use tremie::{commands, limits, standard};
 
 fn main() -> ExitCode {
-    match Cli::parse().command {
+    limits::widen();
+    let code = match Cli::try_parse() {
+        Ok(cli) => obey(cli.command),
+        Err(word) => commands::usage(&word),
+    };
+    standard::ending(code)
+}
+
+fn obey(command: Command) -> ExitCode {
+    match command {
         Command::Run(arguments) => commands::run(&arguments),
         Command::Check(arguments) => commands::check(&arguments),
         Command::Signals(arguments) => commands::signals(&arguments),

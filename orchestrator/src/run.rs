@@ -1,15 +1,17 @@
 //! A whole run, from a checked manifest to closed outputs.
 
-use crate::control::Control;
+use crate::control::{Control, REPORT_DEPTH};
 use crate::doctor::{self, Judged, Machine};
 use crate::drive::{Drive, Driven};
 use crate::early::EarlyLog;
 use crate::introduction::{NotIntroduced, cores, find_programs, introduce, start_all};
 use crate::launch::{Launcher, News, Peer, Post, end_all};
+use crate::limits;
 use crate::manifest::Manifest;
 use crate::monitor::{Monitor, Watched};
 use crate::outputs::{
-    self, ComponentSummary, Ending, OutputError, RunLog, SignalTable, Statistics, Summary, Trace,
+    self, ComponentSummary, Ending, OutputError, RunFolder, RunLog, SignalTable, Statistics,
+    Summary, Trace,
 };
 use crate::plan::{self, Plan};
 use crate::round::{Round, Unanswered};
@@ -21,7 +23,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
-use tremie_channels::sweep::RunPlaces;
+use tremie_channels::memory::{self, NoMemory};
+use tremie_channels::sweep::{self, RunPlaces};
 use tremie_channels::{Between, ChannelError, Processes, Threads};
 use tremie_messages::start::{
     Assignment, Description, Injection, InjectionKind, Reply, Request, Signal, Transport,
@@ -50,7 +53,7 @@ pub struct Execution {
     pub trace: Option<RangeInclusive<u64>>,
 }
 
-/// Why a run did not begin, or could not be written down.
+/// Why a run did not begin.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The input is wrong.
@@ -62,6 +65,12 @@ pub enum RunError {
     /// Shared memory could not be set up.
     #[error("cannot set up shared memory: {0}")]
     Channel(#[from] ChannelError),
+    /// Shared memory does not do.
+    #[error(transparent)]
+    Memory(#[from] NoMemory),
+    /// The system lets the program have too little of something.
+    #[error("{0}")]
+    Limit(String),
     /// The operating system refuses a place for the run's bookkeeping.
     #[error("cannot make the run's private folder below /tmp: {0}")]
     Places(std::io::Error),
@@ -74,13 +83,6 @@ pub enum RunError {
     /// The user asked for the end before the first window.
     #[error("interrupted before the first window; no outputs are kept")]
     Interrupted,
-}
-
-impl RunError {
-    /// Whether windows may have gone by before: then what there is of outputs is kept.
-    pub fn had_begun(&self) -> bool {
-        matches!(self, Self::Output(_))
-    }
 }
 
 impl From<NotIntroduced> for RunError {
@@ -202,13 +204,12 @@ impl Prepared {
     /// Carries the run out and writes its outputs into `out`.
     ///
     /// # Errors
-    /// Anything that keeps the run from beginning, or its outputs from being written. A fault of a
-    /// component is no error of this function: the run then has ended with that fault. All components
-    /// have ended then.
+    /// Anything that keeps the run from beginning; all components have ended then. A fault of a component or a disk
+    /// that takes no more is no error of this function: the run then has ended with that fault.
     pub fn execute(
         self,
         manifest: &Manifest,
-        out: &Path,
+        out: &mut RunFolder,
         execution: &Execution,
         terminal: &mut Terminal,
         interrupts: &AtomicUsize,
@@ -223,15 +224,23 @@ impl Prepared {
     fn execute_between<S: Between>(
         mut self,
         manifest: &Manifest,
-        out: &Path,
+        out: &mut RunFolder,
         execution: &Execution,
         terminal: &mut Terminal,
         interrupts: &AtomicUsize,
     ) -> Result<Ended, RunError> {
+        // What the machine lacks is told before anything begins.
+        let prefix = sweep::prefix_of(self.run);
+        if !execution.in_process {
+            memory::provide(&prefix, self.plan.shared_memory())?;
+            limits::explain_bus_errors();
+        }
+        limits::check_open_files(&self.plan, execution.in_process).map_err(RunError::Limit)?;
         // Files first: a disk that refuses should not cost a started run.
-        let at = |name: &str| out.join(name);
+        let at = |name: &str| out.file(name);
         let spec = &manifest.spec;
         let names = self.signal_names();
+        out.reserve(names.len())?;
         let every = self.plan.signal_rows_every;
         let table = SignalTable::create(&at(outputs::SIGNALS), self.plan.clock, every, &names)?;
         let log = RunLog::create(&at(outputs::LOG))?;
@@ -244,7 +253,7 @@ impl Prepared {
         let trace = trace.transpose()?;
 
         let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
-        let (root, prefix) = (places.root(), places.prefix().to_string());
+        let root = places.root();
         let poll = execution.poll.unwrap_or(POLL);
         let assignments =
             self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll);
@@ -253,6 +262,10 @@ impl Prepared {
         if let Err(error) = self.assign(&assignments, manifest, interrupts) {
             end_all(&mut self.peers, QUIT_GRACE);
             return Err(error);
+        }
+        if !execution.in_process {
+            // All channels are there, and nothing was sent yet.
+            memory::commit(&prefix)?;
         }
 
         let physics: Vec<usize> =
@@ -284,10 +297,12 @@ impl Prepared {
             terminal,
             interrupts,
         };
-        let driven = drive.run()?;
+        let driven = drive.run();
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
-        let summary = self.summarise(driven)?;
-        summary.write(&at(outputs::SUMMARY))?;
+        let mut summary = self.summarise(driven);
+        if let Err(error) = out.finish(&summary) {
+            summary.ending.spoil(error.into_fault(summary.windows));
+        }
         Ok(Ended { summary, peers: self.peers, news: self.news, _places: self.places })
     }
 
@@ -365,7 +380,7 @@ impl Prepared {
         RunError::NotReady(failed.iter().map(say).collect::<Vec<_>>().join("\n"))
     }
 
-    fn summarise(&self, driven: Driven) -> Result<Summary, OutputError> {
+    fn summarise(&self, driven: Driven) -> Summary {
         let Driven { ending, window, totals, turns, observers, wall, table, .. } = driven;
         let components = totals
             .into_iter()
@@ -374,12 +389,12 @@ impl Prepared {
                 (self.peers[index].name.clone(), summary)
             })
             .collect();
-        let signals: BTreeMap<String, Statistics> = table.close()?.into_iter().collect();
+        let signals: BTreeMap<String, Statistics> = table.into_statistics().into_iter().collect();
         let components_said =
             self.peers.iter().map(|peer| peer.name.as_str()).zip(&self.descriptions);
         let mut findings = self.findings.clone();
         findings.extend(doctor::look_back(components_said, &signals));
-        Ok(Summary {
+        Summary {
             ending,
             run: format!("{:016x}", self.run),
             processes: self
@@ -397,12 +412,9 @@ impl Prepared {
             signals,
             warnings: self.plan.warnings.clone(),
             findings,
-        })
+        }
     }
 }
-
-/// Most reports under way: bounds how far components run ahead of the orchestrator's looks.
-const REPORT_DEPTH: u64 = 4096;
 
 fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
     std::fs::write(path, text).map_err(|error| OutputError::Io { path: PathBuf::from(path), error })

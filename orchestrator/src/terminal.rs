@@ -1,8 +1,9 @@
 //! What a run tells its user: on a terminal, in a pipe, or as JSON for another program.
 
+use crate::standard::{answer, complain};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 /// How often a progress line is printed where there is no terminal to draw on.
@@ -177,8 +178,7 @@ impl Terminal {
 
     fn speak(&self, text: &str) {
         if self.answers {
-            // Whoever reads may stop reading.
-            let _ = writeln!(std::io::stdout(), "{text}");
+            answer(text);
         } else {
             self.print(text);
         }
@@ -187,15 +187,13 @@ impl Terminal {
     fn print(&self, text: &str) {
         match &self.bar {
             Some(bar) => bar.println(text),
-            None => {
-                let _ = writeln!(std::io::stderr(), "{text}");
-            }
+            None => complain(text),
         }
     }
 
     fn json(&self, value: Value) {
         // Whoever reads may stop reading; the run goes on.
-        let _ = writeln!(std::io::stdout(), "{value}");
+        answer(value);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Whole runs of the `tremie` program, by scenario.
 
 mod alone;
+mod answers;
 mod bad_input;
 mod conform;
 mod coupling;
@@ -10,7 +11,9 @@ mod examples;
 mod faults;
 mod fields;
 mod inlets;
+mod memory;
 mod observers;
+mod outputs;
 mod polyhedra;
 mod report;
 mod rubber;

@@ -132,18 +132,20 @@ impl Document {
             self.end();
         }
         let begun = path.with_extension("part");
-        let mut file = std::fs::File::create(&begun)?;
         let parts: [&[u8]; 4] = [
             self.text.as_bytes(),
             b"  <AppendedData encoding=\"raw\">\n   _",
             &self.data,
             b"\n  </AppendedData>\n</VTKFile>\n",
         ];
-        for part in parts {
-            file.write_all(part)?;
+        let written = std::fs::File::create(&begun)
+            .and_then(|mut file| parts.iter().try_for_each(|part| file.write_all(part)))
+            .and_then(|()| std::fs::rename(&begun, path));
+        if let Err(error) = written {
+            // Half a file is of no use, and its room may be.
+            let _ = std::fs::remove_file(&begun);
+            return Err(error);
         }
-        drop(file);
-        std::fs::rename(&begun, path)?;
         Ok(parts.iter().map(|part| part.len() as u64).sum())
     }
 }

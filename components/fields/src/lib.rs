@@ -57,6 +57,8 @@
 //! 17 bytes a node and 144 a body, less what compression saves (LZ4, which VTK reads since version
 //! 8); `tremie check` says how much a run will write before compression.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod about;
 mod document;
 mod encode;

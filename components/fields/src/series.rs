@@ -45,11 +45,20 @@ impl Series {
     /// If it cannot be written.
     pub fn push(&mut self, entry: Entry) -> io::Result<()> {
         let line = line(&entry);
-        self.file.seek(SeekFrom::Start(self.len))?;
-        self.file.write_all(format!("{line}{TAIL}").as_bytes())?;
+        if let Err(error) = self.put(&format!("{line}{TAIL}")) {
+            // The tail had room before.
+            let _ = self.put(TAIL).and_then(|()| self.file.set_len(self.len + TAIL.len() as u64));
+            return Err(error);
+        }
         self.len += line.len() as u64;
         self.entries.push(entry);
         Ok(())
+    }
+
+    /// Writes over the tail.
+    fn put(&mut self, text: &str) -> io::Result<()> {
+        self.file.seek(SeekFrom::Start(self.len))?;
+        self.file.write_all(text.as_bytes())
     }
 
     /// Moments so far.

@@ -41,8 +41,8 @@ pub struct Fields {
 /// Series that are no lattices.
 const SURFACES: [&str; 4] = [BODIES, PARTS, POLYHEDRA, RUBBER];
 
-fn failed(path: &Path, error: impl std::fmt::Display) -> ObserverError {
-    ObserverError(format!("{} cannot be written: {error}", path.display()))
+fn failed(path: &Path, error: std::io::Error) -> ObserverError {
+    ObserverError::output(path, &error)
 }
 
 /// The base of the names of a volume's files: its name, as far as that can stand in a file name.
@@ -145,7 +145,7 @@ impl Observer for Fields {
                 let name = &grid.name;
                 let text =
                     format!("files of the volumes \"{other}\" and \"{name}\" would be named alike");
-                return Err(ObserverError(text));
+                return Err(ObserverError::Other(text));
             }
         }
         let folder = parameters.path(&setup.hello.output);

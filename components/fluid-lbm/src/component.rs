@@ -221,7 +221,7 @@ impl Fluid for LatticeFluid {
             self.advance_on(substeps, bodies, loads)?;
         }
         if let Some(found) = self.fluid.take_found() {
-            eprintln!("a step {found}");
+            tremie_sdk::log_line(format_args!("a step {found}"));
         }
         self.fluid.check().map_err(SolverError::from_error)
     }

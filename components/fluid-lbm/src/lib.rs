@@ -19,6 +19,8 @@
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod axes;
 mod balance;
 mod batch;

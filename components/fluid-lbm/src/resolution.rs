@@ -303,7 +303,7 @@ fn mended(scene: &Scene, ground: &Ground) -> Vec<Mended> {
     let of = |(part, surface): (usize, &Surface)| {
         let done = surface.repairs();
         let changes = done.welded_near + done.dropped + done.turned + done.flipped;
-        (changes > 0).then(|| Mended {
+        (changes > 0 || done.offset > 0.0).then(|| Mended {
             part: scene.parts[part].name.clone(),
             changes,
             triangles: surface.mesh().triangles.len(),

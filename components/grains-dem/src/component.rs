@@ -231,7 +231,7 @@ impl SoftSpheres {
     /// Says in the log how many threads substeps get, when that was found.
     fn tell_threads(&mut self) {
         if let Some(found) = self.grains.take_found() {
-            eprintln!("a substep {found}");
+            tremie_sdk::log_line(format_args!("a substep {found}"));
         }
     }
 }

@@ -54,6 +54,8 @@
 //! memory, enters no result of spheres among themselves; beside parts that they move, another skin was seen to change
 //! last bits. A body far away changes no bit of the others.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod acting;
 #[cfg(target_arch = "x86_64")]
 mod avx2;

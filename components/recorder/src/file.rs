@@ -9,7 +9,6 @@ use mcap::{Compression, McapResult, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
 use tremie_messages::start::Signal;
 
 /// A chunk is closed when it holds this many bytes ..
@@ -58,8 +57,8 @@ pub struct McapFile {
 }
 
 impl McapFile {
-    /// Creates the file, with its first metadata record.
-    pub fn create(path: &Path, level: u32, run: BTreeMap<String, String>) -> McapResult<Self> {
+    /// Begins the file, with its first metadata record.
+    pub fn create(file: File, level: u32, run: BTreeMap<String, String>) -> McapResult<Self> {
         let options = WriteOptions::new()
             .library(LIBRARY)
             .compression(Some(Compression::Zstd))
@@ -67,7 +66,7 @@ impl McapFile {
             .chunk_size(None)
             // A chunk then reaches the file in one piece, and a killed recorder leaves no half of one.
             .disable_seeking(true);
-        let mut writer = options.create(BufWriter::new(File::create(path)?))?;
+        let mut writer = options.create(BufWriter::new(file))?;
         writer.write_metadata(&Metadata { name: crate::document::RUN.into(), metadata: run })?;
         let mut file =
             Self { writer, channels: BTreeMap::new(), sequence: 0, bytes: 0, windows: 0 };

@@ -88,4 +88,15 @@ impl Item {
             Item::Log { .. } => 0,
         }
     }
+
+    /// Simulated time of its frame [s]; 0 of a line of the log, which has no frame.
+    pub fn time(&self) -> f64 {
+        match self {
+            Item::Bodies { at, .. }
+            | Item::Surfaces { at, .. }
+            | Item::Slice { at, .. }
+            | Item::Signals { at, .. } => at.time,
+            Item::Log { .. } => 0.0,
+        }
+    }
 }

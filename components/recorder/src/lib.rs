@@ -44,6 +44,8 @@
 //! `tremie.run` holds, as JSON texts, `scene`, `clock`, `windows`, `streams`, and the versions of this
 //! crate and of its format; `tremie.end` the last common window.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod codec;
 mod document;
 mod file;

@@ -8,10 +8,11 @@ use crate::proto::{Frame, Level, Log, timestamp};
 use crate::signals::{bytes, encode};
 use crate::windows::{Progress, Stream};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
 use tremie_messages::start::{Description, Signal, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem};
-use tremie_sdk::{Moment, Observer, ObserverError, Setup};
+use tremie_sdk::{Moment, Observer, ObserverError, Setup, own_file};
 
 /// Most windows that wait to become whole. Coupled components are a few windows apart and a stream
 /// holds a few frames: in good order this is never reached, and a file of equal runs stays equal.
@@ -21,6 +22,7 @@ const MOST_WAITING: usize = 64;
 pub struct Recorder {
     /// `None` once it is closed.
     file: Option<McapFile>,
+    path: PathBuf,
     name: String,
     progress: Progress,
     names: BTreeMap<Stream, Vec<Signal>>,
@@ -32,8 +34,8 @@ pub struct Recorder {
     partial: u64,
 }
 
-fn failed(error: impl std::fmt::Display) -> ObserverError {
-    ObserverError(format!("the recording cannot be written: {error}"))
+fn closed() -> ObserverError {
+    ObserverError::Other("the recording is closed".into())
 }
 
 /// Simulated time [ns]; files know no other.
@@ -90,9 +92,8 @@ impl Recorder {
         window: u64,
         entries: BTreeMap<Stream, Entry>,
     ) -> Result<(), ObserverError> {
-        let Some(file) = &mut self.file else {
-            return Err(failed("it is closed"));
-        };
+        let file = self.file.as_mut().ok_or_else(closed)?;
+        let failed = |error| ObserverError::output(&self.path, &error);
         for (stream, entry) in &entries {
             let names = self.names.get(stream).map_or(&[][..], Vec::as_slice);
             file.announce(stream, names).map_err(failed)?;
@@ -122,11 +123,13 @@ impl Observer for Recorder {
         parameters.check()?;
         let assignment = setup.assigned()?;
         let path = parameters.path(&setup.hello.output);
-        let run = RunNote::new(setup, assignment).to_map().map_err(failed)?;
-        let file = McapFile::create(&path, parameters.compression, run)
-            .map_err(|error| failed(format!("{}: {error}", path.display())))?;
+        let run = RunNote::new(setup, assignment).to_map();
+        let run = run.map_err(|error| ObserverError::Other(error.to_string()))?;
+        let file = McapFile::create(own_file(&path)?, parameters.compression, run)
+            .map_err(|error| ObserverError::output(&path, &error))?;
         Ok(Self {
             file: Some(file),
+            path,
             name: parameters.file.display().to_string(),
             progress: Progress::new(&assignment.frames),
             names: BTreeMap::new(),
@@ -216,7 +219,8 @@ impl Observer for Recorder {
         for (window, entries) in std::mem::take(&mut self.waiting) {
             self.write(window, entries)?;
         }
-        let mut file = self.file.take().ok_or_else(|| failed("it is closed"))?;
+        let mut file = self.file.take().ok_or_else(closed)?;
+        let failed = |error| ObserverError::output(&self.path, &error);
         for line in std::mem::take(&mut self.lines) {
             file.write(&line).map_err(failed)?;
         }

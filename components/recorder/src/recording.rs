@@ -45,11 +45,13 @@ pub enum ReadError {
 }
 
 /// How a recording ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End {
     /// Last window that all components completed; of an incomplete file, the last one found in it.
     pub last_common_window: u64,
-    /// Whether the recorder came to its end; `false` if it was killed.
+    /// Simulated time of the newest frame that was read [s].
+    pub time: f64,
+    /// Whether the recorder came to its end; `false` if it was killed, or the file is damaged.
     pub complete: bool,
 }
 
@@ -66,6 +68,11 @@ impl Recording {
     /// If it cannot be read, or is not one of Tremie's.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let mut records = Records::open(path)?;
+        if records.is_empty {
+            return Err(ReadError::Foreign(
+                "it is empty; its run ended before the first frame".into(),
+            ));
+        }
         let foreign = |why: &str| ReadError::Foreign(why.into());
         while let Some(record) = records.next()? {
             if let Record::Metadata(metadata) = &record
@@ -77,7 +84,9 @@ impl Recording {
                 return Ok(Self { run, items: Items::new(records) });
             }
         }
-        Err(foreign("no description of a run is in it"))
+        Err(foreign(
+            "no description of a run is in it; if the file was cut off, that is lost with its beginning",
+        ))
     }
 
     /// What an observer named `component` would have been told of the run. The run's id is 0.
@@ -127,17 +136,22 @@ pub struct Items {
     channels: BTreeMap<u16, (String, Vec<Signal>)>,
     frame: Option<Frame>,
     last: u64,
+    time: f64,
     end: Option<u64>,
 }
 
 impl Items {
     fn new(records: Records) -> Self {
-        Self { records, channels: BTreeMap::new(), frame: None, last: 0, end: None }
+        Self { records, channels: BTreeMap::new(), frame: None, last: 0, time: 0.0, end: None }
     }
 
     /// How the recording ended; known once all items were taken.
     pub fn end(&self) -> End {
-        End { last_common_window: self.end.unwrap_or(self.last), complete: self.end.is_some() }
+        End {
+            last_common_window: self.end.unwrap_or(self.last),
+            time: self.time,
+            complete: self.end.is_some(),
+        }
     }
 
     fn advance(&mut self) -> Result<Option<Item>, ReadError> {
@@ -159,6 +173,7 @@ impl Items {
                 Record::Message { header, data } => {
                     if let Some(item) = self.message(header.channel_id, &data)? {
                         self.last = self.last.max(item.window());
+                        self.time = self.time.max(item.time());
                         return Ok(Some(item));
                     }
                 }
@@ -244,14 +259,20 @@ fn item(frame: Frame, signals: &[Signal], data: &[u8]) -> Option<Item> {
 struct Records {
     file: BufReader<File>,
     reader: LinearReader,
+    is_empty: bool,
+    /// Whether some record was read: what is unreadable after that was damaged, and what comes before it counts.
+    has_begun: bool,
 }
 
 impl Records {
     fn open(path: &Path) -> Result<Self, ReadError> {
         let options = LinearReaderOptions::default().with_skip_end_magic(true);
+        let file = File::open(path)?;
         Ok(Self {
-            file: BufReader::new(File::open(path)?),
+            is_empty: file.metadata()?.len() == 0,
+            file: BufReader::new(file),
             reader: LinearReader::new_with_options(options),
+            has_begun: false,
         })
     }
 
@@ -259,6 +280,7 @@ impl Records {
         loop {
             let (opcode, data) = match self.reader.next_event() {
                 None | Some(Err(McapError::UnexpectedEof)) => return Ok(None),
+                Some(Err(_)) if self.has_begun => return Ok(None),
                 Some(Err(error)) => return Err(error.into()),
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => (opcode, data),
                 Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
@@ -267,7 +289,12 @@ impl Records {
                     continue;
                 }
             };
-            return Ok(Some(mcap::parse_record(opcode, data)?.into_owned()));
+            let record = match mcap::parse_record(opcode, data) {
+                Err(_) if self.has_begun => return Ok(None),
+                record => record?.into_owned(),
+            };
+            self.has_begun = true;
+            return Ok(Some(record));
         }
     }
 }

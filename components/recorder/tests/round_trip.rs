@@ -172,7 +172,7 @@ fn what_was_written_is_read_back_equal() {
     assert!(note.contains("153 frames up to window 50"), "{note}");
     let (back, end) = read(folder.path());
     assert_eq!(back, items);
-    assert_eq!(end, End { last_common_window: 50, complete: true });
+    assert_eq!(end, End { last_common_window: 50, time: end.time, complete: true });
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn what_a_killed_recorder_wrote_can_be_read() {
     let (back, end) = read(folder.path());
     assert_eq!(back.len(), 3 * 128);
     assert_eq!(back[..], items[..back.len()]);
-    assert_eq!(end, End { last_common_window: 127, complete: false });
+    assert_eq!(end, End { last_common_window: 127, time: end.time, complete: false });
     // And of a file cut off anywhere, the whole chunks before.
     let path = folder.path().join("run.mcap");
     let bytes = std::fs::read(&path).unwrap();

@@ -8,6 +8,8 @@
 //! Directions: r is the distance from the seal's axis and z points along it, away from the seat. SI
 //! units throughout; forces are those all round.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 #[cfg(feature = "component")]
 pub mod component;
 pub mod make;

@@ -8,7 +8,9 @@ use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, 
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::schedule::Edge;
-use tremie_messages::start::{Assignment, Fault, FaultKind, Injection, InjectionKind, Reply};
+use tremie_messages::start::{
+    Assignment, Fault, FaultKind, Injection, InjectionKind, Reply, Transport,
+};
 use tremie_messages::units;
 
 /// A wait longer than this is told to the orchestrator, which sees when all wait for each other.
@@ -108,12 +110,7 @@ impl<S: Between> Context<S> {
         let attachment = Attachment::open(&transport.root, &transport.prefix, component, patience)?;
         let bell = Bell::hang(&attachment, component, units::wait(transport.poll))?;
         let credit = attachment.receiver(credit_spec(&transport.credit_service))?;
-        let report = attachment.sender(ChannelSpec {
-            service: &transport.report_service,
-            capacity: signals,
-            depth: transport.report_depth as usize,
-            lossless: true,
-        })?;
+        let report = attachment.sender(report_spec(transport, signals))?;
         Ok((attachment, bell, credit, report))
     }
 
@@ -301,7 +298,18 @@ fn clock() -> u64 {
 
 /// The credit channel keeps the newest word only: words grow, and the last one counts.
 pub fn credit_spec(service: &str) -> ChannelSpec<'_> {
-    ChannelSpec { service, capacity: 1, depth: 1, lossless: false }
+    ChannelSpec { service, capacity: 1, depth: 1, borrowed: 1, lossless: false }
+}
+
+/// The channel of a component's reports, with its signals.
+pub fn report_spec(transport: &Transport, signals: usize) -> ChannelSpec<'_> {
+    ChannelSpec {
+        service: &transport.report_service,
+        capacity: signals,
+        depth: transport.report_depth as usize,
+        borrowed: 1,
+        lossless: true,
+    }
 }
 
 fn heed_credit<S: Between>(

@@ -32,11 +32,13 @@ pub struct Frames<S: Between> {
 }
 
 /// The channel of a stream, as both ends must open it.
+/// An observer looks at one frame after the other.
 pub fn frame_spec(plan: &FrameStream) -> ChannelSpec<'_> {
     ChannelSpec {
         service: &plan.service,
         capacity: plan.capacity as usize,
         depth: plan.depth as usize,
+        borrowed: 1,
         lossless: plan.lossless,
     }
 }

@@ -6,6 +6,8 @@
 //!
 //! `examples/minimal-fluid` is a whole fluid of about a hundred lines.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod answers;
 mod context;
 mod finite;
@@ -27,13 +29,14 @@ mod serve;
 pub mod setup;
 mod stop;
 
-pub use context::credit_spec;
+pub use context::{credit_spec, report_spec};
 pub use frames::frame_spec;
 pub use line::Line;
-pub use observer::{Moment, Observer, ObserverError};
+pub use observer::{Moment, Observer, ObserverError, own_file};
 pub use physics::{Fluid, Grains, Rubber, SolverError};
+pub use ports::edge_spec;
 pub use program::{
-    main_fluid, main_grains, main_observer, main_of, main_rubber, run_fluid, run_grains,
+    log_line, main_fluid, main_grains, main_observer, main_of, main_rubber, run_fluid, run_grains,
     run_observer, run_rubber,
 };
 pub use setup::Setup;

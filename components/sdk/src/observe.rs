@@ -50,7 +50,7 @@ pub fn serve_observer<S: Between, O: Observer>(
 ) -> Result<(), String> {
     let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
     let opened = catch_unwind(AssertUnwindSafe(|| O::open(&setup)))
-        .unwrap_or_else(|panic| Err(ObserverError(panic_text(&*panic))));
+        .unwrap_or_else(|panic| Err(ObserverError::Other(panic_text(&*panic))));
     let mut observer = match opened {
         Ok(observer) => observer,
         Err(error) => {
@@ -235,7 +235,10 @@ fn moment(clock: &Clock, stamp: Stamp) -> Moment {
 
 fn wrong<S: Between>(context: &Context<S>, error: ObserverError) -> Stop {
     Stop::Fault(Fault {
-        kind: FaultKind::Solver,
+        kind: match error {
+            ObserverError::Output(_) => FaultKind::Output,
+            ObserverError::Other(_) => FaultKind::Solver,
+        },
         noticed_by: context.component.clone(),
         blamed: context.component.clone(),
         window: context.window,

@@ -1,6 +1,9 @@
 //! What an observer implements: a component without a role in the physics, which sees frames.
 
 use crate::setup::Setup;
+use std::error::Error;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::path::Path;
 use tremie_messages::frame::{
     BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
 };
@@ -16,14 +19,60 @@ pub struct Moment {
     pub time: f64,
 }
 
-/// Something that went wrong in an observer; a warning for the run.
+/// Something that went wrong in an observer.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct ObserverError(pub String);
+pub enum ObserverError {
+    /// An output could not be written, or not all of it; ends the run, which is made for its outputs.
+    #[error("{0}")]
+    Output(String),
+    /// Anything else; a warning for the run.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl ObserverError {
+    /// `path` could not be written, with the system's own words for the reason where `error` has them.
+    pub fn output(path: &Path, error: &(dyn Error + 'static)) -> Self {
+        Self::Output(format!("cannot write {}: {}", path.display(), root_cause(error)))
+    }
+}
+
+/// Makes the file at `path` anew for this process alone, as long as it is kept open: two runs that were given the
+/// same file do not write into each other's.
+///
+/// # Errors
+/// If it cannot be written, or somebody has it.
+pub fn own_file(path: &Path) -> Result<File, ObserverError> {
+    let open = OpenOptions::new().write(true).create(true).truncate(false).open(path);
+    let file = open.map_err(|error| ObserverError::output(path, &error))?;
+    if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        let text =
+            format!("{} is being written by another run; choose another file", path.display());
+        return Err(ObserverError::Other(text));
+    }
+    // Devices have no length to lose.
+    if file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+        file.set_len(0).map_err(|error| ObserverError::output(path, &error))?;
+    }
+    Ok(file)
+}
+
+/// The deepest cause of an error that the system gave a name, or the error itself.
+fn root_cause<'a>(error: &'a (dyn Error + 'static)) -> &'a (dyn Error + 'static) {
+    let mut named = error;
+    let mut at = Some(error);
+    while let Some(cause) = at {
+        if cause.is::<std::io::Error>() {
+            named = cause;
+        }
+        at = cause.source();
+    }
+    named
+}
 
 impl From<Vec<Problem>> for ObserverError {
     fn from(problems: Vec<Problem>) -> Self {
-        Self(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
+        Self::Other(problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; "))
     }
 }
 

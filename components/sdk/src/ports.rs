@@ -24,11 +24,13 @@ pub struct OutPort<S: Between, T: Message> {
     ringer: Ringer<S>,
 }
 
-fn spec(edge: &Edge) -> ChannelSpec<'_> {
+/// The channel of an edge, as both ends must open it. A receiver keeps what it has until the next has come.
+pub fn edge_spec(edge: &Edge) -> ChannelSpec<'_> {
     ChannelSpec {
         service: &edge.service,
         capacity: edge.capacity as usize,
         depth: edge.depth as usize,
+        borrowed: 2,
         lossless: true,
     }
 }
@@ -36,7 +38,7 @@ fn spec(edge: &Edge) -> ChannelSpec<'_> {
 impl<S: Between, T: Message> InPort<S, T> {
     /// Opens the receiving end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
-        Ok(Self { receiver: context.attachment.receiver(spec(edge))?, edge: edge.clone() })
+        Ok(Self { receiver: context.attachment.receiver(edge_spec(edge))?, edge: edge.clone() })
     }
 
     /// Waits for the message that the schedule foretells, and checks its stamp.
@@ -219,7 +221,7 @@ impl<S: Between, T: Message> OutPort<S, T> {
     /// Opens the sending end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
         Ok(Self {
-            sender: context.attachment.sender(spec(edge))?,
+            sender: context.attachment.sender(edge_spec(edge))?,
             ringer: Ringer::of(&context.attachment, &edge.to)?,
             edge: edge.clone(),
         })

@@ -10,6 +10,8 @@ use crate::physics::{Fluid, Grains, Rubber, check_polyhedra, check_surfaces};
 use crate::rubber::RubberPlayer;
 use crate::serve::{Introduction, introduce, serve};
 use crate::setup::Setup;
+use std::fmt::Display;
+use std::io::Write;
 use std::process::ExitCode;
 use tremie_channels::{Processes, Threads};
 use tremie_messages::Role;
@@ -110,11 +112,11 @@ pub fn main_of(
     component: impl FnOnce(Line) -> Result<(), String>,
 ) -> ExitCode {
     if std::env::var_os(INTERFACE_VARIABLE).is_none() {
-        eprintln!(
+        log_line(format_args!(
             "{program} is a component of Tremie runs and cannot run by itself.\n\
              Name this program as `{role}` in the [components] table of a manifest, then:\n\n    \
              tremie run MANIFEST\n"
-        );
+        ));
         return ExitCode::from(2);
     }
     log_to_standard_error();
@@ -127,6 +129,11 @@ pub fn main_of(
     }
 }
 
+/// Writes a line to standard error, which is the run's log. Where nobody reads it any longer, it is lost.
+pub fn log_line(text: impl Display) {
+    let _ = std::io::stderr().write_all(format!("{text}\n").as_bytes());
+}
+
 /// One JSON document a line on standard error, which the orchestrator puts into the run's log.
 fn log_to_standard_error() {
     let _ = tracing_subscriber::fmt()
@@ -135,5 +142,7 @@ fn log_to_standard_error() {
         .without_time()
         .with_target(false)
         .with_writer(std::io::stderr)
+        // It would say so on standard error, and panic there.
+        .log_internal_errors(false)
         .try_init();
 }

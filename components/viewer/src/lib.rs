@@ -41,6 +41,8 @@
 //! compiled in, so the page is served with a content security policy that lets it speak to nobody
 //! but this program.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod blueprint;
 mod bodies;
 mod cut;

@@ -4,8 +4,10 @@ use crate::page::{Page, listen};
 use crate::parameters::{Mode, Parameters};
 use rerun::grpc_server::GrpcServerSink;
 use rerun::{RecordingStream, RecordingStreamBuilder, ServerOptions, SpawnOptions};
+use std::fs::File;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::PathBuf;
-use tremie_sdk::ObserverError;
+use tremie_sdk::{ObserverError, own_file};
 
 /// Version of the viewer that belongs to this crate's Rerun.
 const RERUN: &str = "0.36.3";
@@ -18,9 +20,13 @@ pub struct Session {
 }
 
 enum Place {
-    Web { url: String, _page: Page },
+    Web {
+        url: String,
+        _page: Page,
+    },
     Native,
-    File(PathBuf),
+    /// The file, and the hold that this run has on it.
+    File(PathBuf, File),
 }
 
 impl Session {
@@ -51,9 +57,39 @@ impl Session {
     /// # Errors
     /// If it could not be written or sent.
     pub fn flush(&self) -> Result<(), ObserverError> {
-        self.recording.flush_blocking().map_err(|error| {
-            ObserverError(format!("the viewer's data could not be written: {error}"))
+        self.recording.flush_blocking().map_err(|error| match &self.place {
+            // Rerun's writer ends at the first error, and keeps the reason to itself.
+            Place::File(path, file) => ObserverError::output(path, &refusal(file)),
+            _ => ObserverError::Other(format!("the viewer's data could not be written: {error}")),
         })
+    }
+
+    /// Looks whether a file still takes what is sent; elsewhere that is not known.
+    ///
+    /// # Errors
+    /// If it does not.
+    pub(crate) fn check(&self) -> Result<(), ObserverError> {
+        if matches!(self.place, Place::File(..)) { self.flush() } else { Ok(()) }
+    }
+
+    /// Completes a file: all that was sent, and its index.
+    ///
+    /// # Errors
+    /// If it could not be written.
+    pub(crate) fn complete(&self) -> Result<(), ObserverError> {
+        self.flush()?;
+        let Place::File(path, file) = &self.place else { return Ok(()) };
+        let failed = |error| ObserverError::output(path, &error);
+        let before = file.metadata().map_err(failed)?;
+        self.recording.disconnect();
+        // In order with what was sent: afterwards the old writer has ended.
+        let _ = self.recording.flush_blocking();
+        let after = file.metadata().map_err(failed)?;
+        // The index comes last, and is never of no length.
+        if before.is_file() && after.len() <= before.len() {
+            return Err(failed(refusal(file)));
+        }
+        Ok(())
     }
 
     /// One line for the user: where to look.
@@ -61,9 +97,17 @@ impl Session {
         match &self.place {
             Place::Web { url, .. } => format!("served at {url} while this program runs"),
             Place::Native => "shown in the Rerun viewer".into(),
-            Place::File(path) => format!("{} (open it with `rerun` {RERUN})", path.display()),
+            Place::File(path, _) => format!("{} (open it with `rerun` {RERUN})", path.display()),
         }
     }
+}
+
+/// Why a file takes no more, in the system's words: tried with a few bytes at its end.
+fn refusal(mut file: &File) -> std::io::Error {
+    let tried = file
+        .seek(SeekFrom::End(0))
+        .and_then(|end| file.write_all(&[0; 4096]).and_then(|()| file.set_len(end)));
+    tried.err().unwrap_or_else(|| std::io::Error::other("the file's writer has ended"))
 }
 
 /// The folder's own name tells runs apart in the viewer's list.
@@ -74,7 +118,7 @@ fn name_of(output: &str) -> String {
 }
 
 fn failed(what: &str, error: impl std::fmt::Display) -> ObserverError {
-    ObserverError(format!("the viewer cannot {what}: {error}"))
+    ObserverError::Other(format!("the viewer cannot {what}: {error}"))
 }
 
 fn web(builder: RecordingStreamBuilder, parameters: &Parameters) -> Result<Session, ObserverError> {
@@ -83,7 +127,7 @@ fn web(builder: RecordingStreamBuilder, parameters: &Parameters) -> Result<Sessi
     // The data server binds its port itself: this only finds one that is free.
     let data = listen(parameters.grpc_port).and_then(|l| l.local_addr()).map_err(unbound)?.port();
     let options = ServerOptions {
-        memory_limit: parameters.memory().map_err(ObserverError)?,
+        memory_limit: parameters.memory().map_err(ObserverError::Other)?,
         ..ServerOptions::default()
     };
     let sink =
@@ -121,7 +165,7 @@ fn native(
     parameters: &Parameters,
 ) -> Result<Session, ObserverError> {
     if !is_on_path("rerun") {
-        return Err(ObserverError(format!(
+        return Err(ObserverError::Other(format!(
             "mode \"native\" needs the program `rerun` {RERUN} on PATH: install it with \
              `pip install rerun-sdk=={RERUN}` or `cargo install rerun-cli@{RERUN} --locked`, \
              or set mode = \"web\", which needs nothing"
@@ -149,7 +193,7 @@ fn is_on_path(program: &str) -> bool {
 }
 
 fn file(builder: RecordingStreamBuilder, path: PathBuf) -> Result<Session, ObserverError> {
-    let recording =
-        builder.save(&path).map_err(|error| failed(&format!("write {}", path.display()), error))?;
-    Ok(Session { recording, place: Place::File(path) })
+    let file = own_file(&path)?;
+    let recording = builder.save(&path).map_err(|error| ObserverError::output(&path, &error))?;
+    Ok(Session { recording, place: Place::File(path, file) })
 }

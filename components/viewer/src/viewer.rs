@@ -32,6 +32,8 @@ const TIME: &str = "sim_time";
 const WINDOW: &str = "window";
 /// Frames after which the legend's numbers are sent again, for servers that drop the oldest frames.
 const REPEAT: u32 = 64;
+/// Frames after which a file is asked whether it still takes them.
+const LOOK: u64 = 16;
 
 /// A run that ends before this share of its planned time has plots laid out anew.
 const EARLY: f64 = 0.8;
@@ -65,7 +67,7 @@ pub struct Viewer {
 }
 
 fn drawn<T>(result: Result<T, RecordingStreamError>) -> Result<T, ObserverError> {
-    result.map_err(|error| ObserverError(format!("the viewer cannot draw a frame: {error}")))
+    result.map_err(|error| ObserverError::Other(format!("the viewer cannot draw a frame: {error}")))
 }
 
 impl Viewer {
@@ -89,6 +91,9 @@ impl Viewer {
     fn follow(&mut self, mut speeds: Vec<f32>) -> Result<(), ObserverError> {
         self.frames += 1;
         self.legend_age += 1;
+        if self.frames.is_multiple_of(LOOK) {
+            self.session.check()?;
+        }
         if self.scale.follow(&mut speeds) || self.frames == 1 || self.legend_age >= REPEAT {
             self.legend_age = 0;
             drawn(legend::SPEED.log_numbers(self.recording(), &self.scale))?;
@@ -316,7 +321,7 @@ impl Observer for Viewer {
             self.end = Some(self.now);
             self.send_layout()?;
         }
-        self.session.flush()?;
+        self.session.complete()?;
         Ok(format!("{} frames, {}", self.frames, self.session.note()))
     }
 }

@@ -48,6 +48,8 @@ pub struct ChannelSpec<'a> {
     pub capacity: usize,
     /// Most messages under way.
     pub depth: usize,
+    /// Most messages that the receiver keeps at once.
+    pub borrowed: usize,
     /// `true`: a full channel makes the sender wait, boundedly. `false`: the oldest message gives way.
     pub lossless: bool,
 }
@@ -142,7 +144,7 @@ macro_rules! publish_subscribe {
             .user_header::<crate::wire::Wire<$header>>()
             .enable_safe_overflow(!$spec.lossless)
             .subscriber_max_buffer_size($spec.depth)
-            .subscriber_max_borrowed_samples(2)
+            .subscriber_max_borrowed_samples($spec.borrowed)
             .history_size(0)
             .max_publishers(1)
             .max_subscribers(1)

@@ -4,15 +4,16 @@
 //! prefix of its own. The orchestrator holds a lock in that folder as long as it lives; a folder
 //! whose lock is free belongs to a run that was killed.
 
-use rustix::fs::{FlockOperation, flock};
+use crate::memory::SHARED_MEMORY;
+use rustix::fs::{FallocateFlags, FlockOperation, fallocate, flock};
 use rustix::io::Errno;
 use std::fs::{self, DirBuilder, File};
 use std::io;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
-/// Where POSIX shared memory appears on Linux.
-const SHARED_MEMORY: &str = "/dev/shm";
+/// Room that the bookkeeping of a run takes, and some more [bytes].
+const BOOKKEEPING: u64 = 512 << 10;
 /// How the names of all shared memory of Tremie begin.
 const PREFIX: &str = "tremie_";
 
@@ -36,6 +37,7 @@ impl RunPlaces {
         // Locked before it bears the name by which others find it: they never see it unlocked.
         let hidden = base.join(format!(".{run:016x}"));
         private_folder(&hidden)?;
+        try_room(&hidden.join("room"))?;
         let lock = File::create(hidden.join("lock"))?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
         fs::rename(&hidden, &folder)?;
@@ -113,8 +115,20 @@ fn forgive_missing(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-fn prefix_of(run: u64) -> String {
+/// How the names of a run's shared memory begin.
+pub fn prefix_of(run: u64) -> String {
     format!("{PREFIX}{run:016x}_")
+}
+
+/// Tries whether the bookkeeping of a run has room: iceoryx2 does not say why it lacks it.
+fn try_room(path: &Path) -> io::Result<()> {
+    let tried = fallocate(&File::create(path)?, FallocateFlags::empty(), 0, BOOKKEEPING);
+    forgive_missing(fs::remove_file(path))?;
+    match tried {
+        Err(error @ (Errno::NOSPC | Errno::DQUOT)) => Err(error.into()),
+        // Some file systems cannot set room aside.
+        Ok(()) | Err(_) => Ok(()),
+    }
 }
 
 /// The folder that holds the folders of all runs of this user.

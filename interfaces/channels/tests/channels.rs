@@ -29,7 +29,7 @@ fn attach<S: Between>(places: &RunPlaces, component: &str) -> Attachment<S> {
 }
 
 fn lossless(capacity: usize, depth: usize) -> ChannelSpec<'static> {
-    ChannelSpec { service: "test", capacity, depth, lossless: true }
+    ChannelSpec { service: "test", capacity, depth, borrowed: 2, lossless: true }
 }
 
 fn stamp(window: u64) -> Stamp {

@@ -1,5 +1,6 @@
 //! Which triangles share an edge.
 
+use crate::junctions::{self, Junctions};
 use crate::{Bounds, Fault, Mesh};
 
 /// No half-edge.
@@ -49,19 +50,20 @@ pub fn pair(triangles: &[[u32; 3]]) -> Edges {
 }
 
 impl Edges {
-    /// What keeps the mesh from being closed.
-    pub fn faults(&self, mesh: &Mesh) -> Vec<Fault> {
+    /// What keeps the mesh from being closed. Corners within `tolerance` [m] of an edge lie on it.
+    pub fn faults(&self, mesh: &Mesh, tolerance: f64) -> Vec<Fault> {
         let place = |h| ends(&mesh.triangles, h).map(|v| mesh.vertices[v as usize]);
-        let open = self.open.first().map(|&first| {
-            let (holes, hole) = self.holes(mesh);
-            Fault::Open { edges: self.open.len(), holes, first: place(first), hole }
+        let Junctions { fault: junction, others: open } = junctions::find(mesh, self, tolerance);
+        let open = open.first().map(|&first| {
+            let (holes, hole) = holes(&open, mesh);
+            Fault::Open { edges: open.len(), holes, first: place(first), hole }
         });
         let crowded = self.crowded.first().map(|&(first, triangles)| Fault::Crowded {
             edges: self.crowded.len(),
             triangles,
             first: place(first),
         });
-        open.into_iter().chain(crowded).collect()
+        junction.into_iter().chain(open).chain(crowded).collect()
     }
 
     /// Edges across which triangles wind in opposite ways: both run along them in one direction.
@@ -75,25 +77,25 @@ impl Edges {
         let first = ends(&mesh.triangles, first).map(|v| mesh.vertices[v as usize]);
         Some(Fault::Winding { edges: 1 + wrong.count(), first })
     }
+}
 
-    /// How many connected sets the open edges make, and the box around that of the first.
-    fn holes(&self, mesh: &Mesh) -> (usize, Bounds) {
-        let mut sets = Sets::new(mesh.vertices.len());
-        for &h in &self.open {
-            let [a, b] = ends(&mesh.triangles, h);
-            sets.unite(a, b);
-        }
-        let mut roots: Vec<u32> =
-            self.open.iter().map(|&h| sets.root(ends(&mesh.triangles, h)[0])).collect();
-        let first = roots[0];
-        let points = self.open.iter().zip(&roots).filter(|(_, root)| **root == first);
-        let hole = Bounds::of(
-            points.flat_map(|(&h, _)| ends(&mesh.triangles, h)).map(|v| mesh.vertices[v as usize]),
-        );
-        roots.sort_unstable();
-        roots.dedup();
-        (roots.len(), hole)
+/// How many connected sets open edges make, and the box around that of the first.
+fn holes(open: &[u32], mesh: &Mesh) -> (usize, Bounds) {
+    let mut sets = Sets::new(mesh.vertices.len());
+    for &h in open {
+        let [a, b] = ends(&mesh.triangles, h);
+        sets.unite(a, b);
     }
+    let mut roots: Vec<u32> =
+        open.iter().map(|&h| sets.root(ends(&mesh.triangles, h)[0])).collect();
+    let first = roots[0];
+    let points = open.iter().zip(&roots).filter(|(_, root)| **root == first);
+    let hole = Bounds::of(
+        points.flat_map(|(&h, _)| ends(&mesh.triangles, h)).map(|v| mesh.vertices[v as usize]),
+    );
+    roots.sort_unstable();
+    roots.dedup();
+    (roots.len(), hole)
 }
 
 /// Disjoint sets of numbers; each is known by its least member.

@@ -71,6 +71,34 @@ pub enum GeometryError {
         /// How many are possible.
         limit: usize,
     },
+    /// A corner is so far from all others that it is a damaged number.
+    #[error(
+        "triangle {triangle} has a corner at ({}, {}, {}) in the file's unit; {others} of its corners lie within {} of each other: that number is damaged",
+        exact(found[0]), exact(found[1]), exact(found[2]), six_digits(*within)
+    )]
+    Stray {
+        /// Number of the triangle, from one.
+        triangle: usize,
+        /// The corner, in the unit of the file.
+        found: Vec3,
+        /// How many corners are near each other.
+        others: usize,
+        /// How near, in the unit of the file.
+        within: f64,
+    },
+    /// A corner is farther away than anything is.
+    #[error(
+        "triangle {triangle} has a corner at ({}, {}, {}) in the file's unit, which is {away:e} m away: a damaged number, or another unit",
+        exact(found[0]), exact(found[1]), exact(found[2])
+    )]
+    Far {
+        /// Number of the triangle, from one.
+        triangle: usize,
+        /// The corner, in the unit of the file.
+        found: Vec3,
+        /// Its greatest coordinate [m].
+        away: f64,
+    },
     /// There is no triangle with an area.
     #[error("the surface has no triangle with an area (of {found} triangles)")]
     Empty {
@@ -95,6 +123,15 @@ pub enum Fault {
         first: [Vec3; 2],
         /// The box around the first edge's hole [m].
         hole: Bounds,
+    },
+    /// Corners of triangles that lie on the edges of others: T-junctions.
+    Junction {
+        /// How many corners.
+        corners: usize,
+        /// The first [m].
+        first: Vec3,
+        /// Ends of the edge on which it lies [m].
+        edge: [Vec3; 2],
     },
     /// Edges with more than two triangles.
     Crowded {
@@ -157,6 +194,9 @@ impl Fault {
             Self::Open { .. } => {
                 "export the part as one closed solid; most mesh editors have a command that fills holes"
             }
+            Self::Junction { .. } => {
+                "let the mesher give both sides of the seam the same corners (\"remove T-junctions\", \"stitch\"), and export again"
+            }
             Self::Crowded { .. } => {
                 "unite solids that touch along an edge or face, or remove doubled triangles, and export again"
             }
@@ -179,6 +219,13 @@ impl Display for Fault {
                 counted(*holes, "hole"),
                 Edge(first),
                 Box(hole)
+            ),
+            Self::Junction { corners, first, edge } => write!(
+                f,
+                "the surface is not closed: {} (a corner on the edge of a triangle that does not have it); the first is at {}, on the edge {}",
+                counted(*corners, "T-junction"),
+                Place(first),
+                Edge(edge)
             ),
             Self::Crowded { edges, triangles, first } => write!(
                 f,
@@ -242,6 +289,17 @@ impl Display for Place<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [x, y, z] = self.0.map(six_digits);
         write!(f, "({x}, {y}, {z}) m")
+    }
+}
+
+/// A number as a file may have it: in single precision, if that is all of it.
+fn exact(x: f64) -> String {
+    let single = x as f32;
+    match (f64::from(single) == x, x != 0.0 && !(1e-4..1e7).contains(&x.abs())) {
+        (true, true) => format!("{single:e}"),
+        (true, false) => format!("{single}"),
+        (false, true) => format!("{x:e}"),
+        (false, false) => format!("{x}"),
     }
 }
 

@@ -36,6 +36,8 @@
 //! equal bits on every machine with IEEE arithmetic: no function of the system's mathematics
 //! library is used, nothing is fused, and every tie is broken by index.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod bounds;
 mod caps;
 mod closest;
@@ -48,6 +50,7 @@ mod features;
 mod frame;
 mod inside;
 mod intersections;
+mod junctions;
 mod mend;
 mod mesh;
 mod moments;
@@ -58,6 +61,7 @@ mod revolve;
 mod row;
 mod shapes;
 mod solids;
+mod stray;
 mod surface;
 mod tree;
 mod turned;

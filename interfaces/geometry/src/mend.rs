@@ -25,6 +25,9 @@ pub struct Repairs {
     pub turned: usize,
     /// Connected pieces of surface.
     pub shells: usize,
+    /// Greatest coordinate of a surface that lies so far from the origin of its frame that single precision would
+    /// not hold it there [m]; zero of others.
+    pub offset: f64,
 }
 
 impl std::fmt::Display for Repairs {
@@ -40,7 +43,17 @@ impl std::fmt::Display for Repairs {
         let done = done.iter().filter(|(count, _)| *count > 0);
         let words: Vec<String> = done.map(|(count, what)| format!("{count} {what}")).collect();
         f.write_str(if words.is_empty() { "nothing" } else { "" })?;
-        f.write_str(&words.join(", "))
+        f.write_str(&words.join(", "))?;
+        if self.offset > 0.0 {
+            write!(
+                f,
+                "; it lies {:.3e} m from the origin of its file, where single precision, of binary STL files and of \
+                 text with few digits, is {:.1e} m: numbers are kept in double precision, but what the file rounded is lost",
+                self.offset,
+                self.offset * f64::from(f32::EPSILON)
+            )?;
+        }
+        Ok(())
     }
 }
 
@@ -48,11 +61,14 @@ impl std::fmt::Display for Repairs {
 /// roundings to single precision, in which STL files store them.
 const NEAR: f64 = 4.0 / (1u64 << 23) as f64;
 
+/// A surface that lies this many of its sizes away from the origin is measured by its size.
+const FAR: f64 = 100.0;
+
 /// Makes a closed surface of triangles: unites vertices, drops triangles without area, turns
 /// triangles so that normals point outward.
 ///
 /// Vertices are united where they are equal; if that leaves open edges, also where they are within
-/// 5e-7 of the largest coordinate. Windings are made to agree across edges; then each shell is
+/// 5e-7 of the largest coordinate (of a surface that lies far from the origin first of its own size). Windings are made to agree across edges; then each shell is
 /// turned outward, or inward if an odd number of other shells holds all its vertices.
 ///
 /// # Errors
@@ -64,18 +80,32 @@ pub fn mend(mut mesh: Mesh) -> Result<(Mesh, Repairs), GeometryError> {
     let found = mesh.triangles.len();
     repairs.welded = weld_equal(&mut mesh);
     repairs.dropped = drop_collapsed(&mut mesh);
-    let tolerance = NEAR * mesh.bounds().magnitude();
+    let bounds = mesh.bounds();
+    let size = 0.5 * bounds.diagonal();
+    let mut tolerance = NEAR * bounds.magnitude();
     let mut edges = pair(&mesh.triangles);
+    if bounds.magnitude() > FAR * size {
+        // In their own midst numbers are finer than single precision far from it: first as finely as they may be meant.
+        repairs.offset = bounds.magnitude();
+        tolerance = NEAR * size;
+        if !edges.open.is_empty() {
+            repairs.tolerance = tolerance;
+            repairs.welded_near = weld_near(&mut mesh, tolerance);
+            repairs.dropped += drop_collapsed(&mut mesh);
+            edges = pair(&mesh.triangles);
+            tolerance = NEAR * bounds.magnitude();
+        }
+    }
     if !edges.open.is_empty() {
         repairs.tolerance = tolerance;
-        repairs.welded_near = weld_near(&mut mesh, tolerance);
+        repairs.welded_near += weld_near(&mut mesh, tolerance);
         repairs.dropped += drop_collapsed(&mut mesh);
         edges = pair(&mesh.triangles);
     }
     if mesh.triangles.is_empty() {
         return Err(GeometryError::Empty { found });
     }
-    let faults = edges.faults(&mesh);
+    let faults = edges.faults(&mesh, tolerance);
     if !faults.is_empty() {
         return Err(GeometryError::Faults(faults));
     }

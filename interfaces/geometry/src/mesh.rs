@@ -2,7 +2,7 @@
 
 use crate::mend::{Repairs, mend};
 use crate::revolve::revolved;
-use crate::{Bounds, Frame, GeometryError, Vec3, read, shapes};
+use crate::{Bounds, Frame, GeometryError, Vec3, read, shapes, stray};
 use std::path::Path;
 use tremie_messages::scene::{Geometry, Pose};
 
@@ -41,8 +41,13 @@ pub fn load(geometry: &Geometry) -> Result<Loaded, GeometryError> {
         Geometry::File { path, unit } => {
             shapes::positive("unit", *unit)?;
             let mut mesh = read::read(Path::new(path))?;
+            mesh.check_numbers()?;
+            let stray = stray::corner(&mesh);
+            if let Some(far) = stray::beyond(&mesh, *unit) {
+                return Err(stray.unwrap_or(far));
+            }
             mesh.scale(*unit);
-            let (mesh, repairs) = mend(mesh)?;
+            let (mesh, repairs) = mend(mesh).map_err(|error| stray.unwrap_or(error))?;
             Ok(Loaded { mesh, repairs })
         }
         Geometry::Box { size } => shape(shapes::cuboid(*size)?),

@@ -59,7 +59,7 @@ impl Surface {
             return Err(GeometryError::Empty { found: 0 });
         }
         let edges = pair(&mesh.triangles);
-        let mut faults = edges.faults(&mesh);
+        let mut faults = edges.faults(&mesh, 0.0);
         faults.extend(edges.winding_fault(&mesh));
         let bounds = mesh.bounds();
         let corners = (0..mesh.triangles.len()).map(|t| mesh.corners(t));

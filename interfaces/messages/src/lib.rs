@@ -5,6 +5,8 @@
 //! [`port`], [`stamp`], [`control`], [`frame`]). *Documents* cross once, as JSON, when a component starts: the scene
 //! and the start contract ([`scene`], [`start`], [`schedule`]). Nothing here knows how they travel.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod body;
 pub mod control;
 pub mod finding;

@@ -8,6 +8,8 @@
 //! Other processes share the processor. A worker that is not running when a list begins is not
 //! waited for; whoever waits spins a little, then yields a little, then sleeps.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod choice;
 pub mod instructions;
 mod pieces;

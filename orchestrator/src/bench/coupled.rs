@@ -3,7 +3,7 @@
 use super::idle::WINDOW;
 use super::{Case, Measure, Quantity};
 use crate::manifest;
-use crate::outputs::{self, Ending, Summary};
+use crate::outputs::{self, Ending, RunFolder, Summary};
 use crate::run::{Execution, prepare};
 use crate::terminal::{Style, Terminal};
 use std::path::Path;
@@ -61,7 +61,8 @@ fn idle_run(bodies: usize, windows: u64, poll: Option<Duration>) -> Result<Summa
     let prepared = prepare(&manifest, path, path, &execution, &nobody);
     let prepared = prepared.map_err(|error| text(&error))?;
     let mut terminal = Terminal::new(Style::Silent);
-    let ended = prepared.execute(&manifest, path, &execution, &mut terminal, &nobody);
+    let mut out = RunFolder::claim(path).map_err(|error| text(&error))?;
+    let ended = prepared.execute(&manifest, &mut out, &execution, &mut terminal, &nobody);
     let summary = ended.map_err(|error| text(&error))?.close();
     match summary.ending {
         Ending::Completed => Ok(summary),

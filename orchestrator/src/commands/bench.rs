@@ -4,6 +4,7 @@ use super::WRONG_INPUT;
 use crate::bench::{Asked, Case, Row, cases, measure};
 use crate::cli::BenchArgs;
 use crate::plan::columns;
+use crate::standard::{answer, complain, is_lost};
 use std::process::ExitCode;
 
 /// `tremie bench`: a table, or one JSON document a line.
@@ -23,23 +24,26 @@ pub fn bench(arguments: &BenchArgs) -> ExitCode {
     };
     let cases = cases(&asked);
     if cases.is_empty() {
-        eprintln!("error: no case has the words {}", asked.words.join(", "));
+        complain(format_args!("error: no case has the words {}", asked.words.join(", ")));
         return WRONG_INPUT.into();
     }
     if arguments.list {
-        cases.iter().for_each(|case| println!("{}", name(case)));
+        cases.iter().for_each(|case| answer(name(case)));
         return ExitCode::SUCCESS;
     }
     if !arguments.json {
-        println!("{cores} cores; median of {}, least and greatest\n", asked.repeats);
+        answer(format_args!("{cores} cores; median of {}, least and greatest\n", asked.repeats));
     }
     let mut whole = true;
     for case in &cases {
+        if is_lost() {
+            break;
+        }
         match measure(case, &asked) {
             Ok(rows) if arguments.json => rows.iter().for_each(json),
             Ok(rows) => table(&name(case), &rows),
             Err(error) => {
-                eprintln!("error: {}: {error}", name(case));
+                complain(format_args!("error: {}: {error}", name(case)));
                 whole = false;
             }
         }
@@ -56,11 +60,11 @@ fn name(case: &Case) -> String {
 }
 
 fn json(row: &Row) {
-    println!("{}", serde_json::to_string(row).expect("plain numbers have a form in JSON"));
+    answer(serde_json::to_string(row).expect("plain numbers have a form in JSON"));
 }
 
 fn table(name: &str, rows: &[Row]) {
-    println!("{name}");
+    answer(name);
     let line = |row: &Row| {
         let [least, greatest] = row.range.map(number);
         let share = row.share.map_or(String::new(), |share| {
@@ -73,7 +77,7 @@ fn table(name: &str, rows: &[Row]) {
         vec![quantity.name.clone(), value, format!("{least} to {greatest}"), share]
     };
     let lines = columns(&["", "", "", ""], rows.iter().map(line).collect());
-    lines.iter().skip(1).for_each(|line| println!("{line}"));
+    lines.iter().skip(1).for_each(|line| answer(line));
 }
 
 /// Four digits.

@@ -15,10 +15,11 @@ pub(super) fn count_interrupts() -> std::io::Result<Arc<AtomicUsize>> {
         signal_hook::consts::SIGHUP,
     ])?;
     let count = interrupts.clone();
-    std::thread::spawn(move || {
+    let wait = move || {
         for _ in signals.forever() {
             count.fetch_add(1, Ordering::Relaxed);
         }
-    });
+    };
+    std::thread::Builder::new().spawn(wait)?;
     Ok(interrupts)
 }

@@ -5,7 +5,8 @@
 //! their work.
 //!
 //! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
-//! user ended a run.
+//! user ended a run; 141 whoever read the answer stopped reading, as `head` does. A command whose answer could not be
+//! written is never 0.
 
 mod bench;
 mod interrupts;
@@ -32,8 +33,10 @@ pub use view::view;
 
 use crate::manifest::{Manifest, ManifestErrors};
 use crate::run::RunError;
+use crate::standard::{answer_text, complain_text};
 use crate::terminal::Terminal;
 use serde_json::Value;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 /// The input is wrong.
@@ -41,12 +44,30 @@ const WRONG_INPUT: u8 = 2;
 /// The user asked for the end.
 const INTERRUPTED: u8 = 130;
 
+/// Answers what the command line itself asks for, `--help` and `--version`, or says what is wrong with it.
+pub fn usage(word: &clap::Error) -> ExitCode {
+    let text = word.render();
+    let coloured = |is_terminal: bool| is_terminal && std::env::var_os("NO_COLOR").is_none();
+    if word.use_stderr() {
+        let is_terminal = std::io::stderr().is_terminal();
+        complain_text(if coloured(is_terminal) {
+            text.ansi().to_string()
+        } else {
+            text.to_string()
+        });
+        return ExitCode::from(WRONG_INPUT);
+    }
+    let is_terminal = std::io::stdout().is_terminal();
+    answer_text(if coloured(is_terminal) { text.ansi().to_string() } else { text.to_string() });
+    ExitCode::SUCCESS
+}
+
 /// Says what is wrong with a manifest's text.
 fn refuse_text(errors: &ManifestErrors, json: bool, terminal: &Terminal) -> ExitCode {
     if json {
-        print!("{}", errors.json_lines());
+        answer_text(errors.json_lines());
     } else {
-        eprint!("{}", errors.render(terminal.colour()));
+        complain_text(errors.render(terminal.colour()));
     }
     ExitCode::from(WRONG_INPUT)
 }
@@ -56,15 +77,19 @@ fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &mut Term
     match error {
         RunError::Input(problems) => {
             if json {
-                print!("{}", manifest.source.json_lines(problems));
+                answer_text(manifest.source.json_lines(problems));
             } else {
-                eprint!("{}", manifest.source.render(problems, terminal.colour()));
+                complain_text(manifest.source.render(problems, terminal.colour()));
             }
             ExitCode::from(WRONG_INPUT)
         }
         RunError::Interrupted => {
             terminal.end(&error.to_string(), Value::Null);
             ExitCode::from(INTERRUPTED)
+        }
+        RunError::Output(error) if error.is_choice() => {
+            terminal.fail(&error.to_string());
+            ExitCode::from(WRONG_INPUT)
         }
         other => {
             terminal.fail(&other.to_string());

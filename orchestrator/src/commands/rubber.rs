@@ -2,6 +2,7 @@
 
 use super::WRONG_INPUT;
 use crate::cli::{ImportArgs, MakeTableArgs, RubberCommand};
+use crate::standard::{answer, complain};
 use std::fmt::Display;
 use std::fs;
 use std::path::Path;
@@ -20,7 +21,7 @@ pub fn rubber(command: &RubberCommand) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err((code, text)) => {
-            eprintln!("{}", text.trim_end());
+            complain(text.trim_end());
             ExitCode::from(code)
         }
     }
@@ -70,13 +71,13 @@ fn keep(table: &Table, out: &Path) -> Result<(), Failed> {
     picture::draw_force(table, &force).map_err(failed)?;
     picture::draw_shapes(table, &shapes).map_err(failed)?;
     let last = table.frames() - 1;
-    println!(
+    answer(format_args!(
         "{}: {} frames up to {:.4} mm, where the seal presses with {:.4} N",
         out.display(),
         table.frames(),
         1e3 * table.last_compression(),
         table.contents().forces[last]
-    );
-    println!("pictures: {}, {}", force.display(), shapes.display());
+    ));
+    answer(format_args!("pictures: {}, {}", force.display(), shapes.display()));
     Ok(())
 }

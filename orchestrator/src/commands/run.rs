@@ -5,7 +5,7 @@ use super::{refuse, refuse_text};
 use crate::cli::{CheckArgs, ManifestArgs, RunArgs, View};
 use crate::doctor::{self, Judged};
 use crate::manifest::{self, Manifest};
-use crate::outputs::{self, Ending, Summary, choose_folder};
+use crate::outputs::{Ending, RunFolder, Summary};
 use crate::run::{Ended, Execution, Prepared, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use serde_json::{Value, json};
@@ -87,13 +87,13 @@ fn run_checked(
         trace: arguments.trace.clone(),
         ..Execution::default()
     };
-    let out = OutputFolder::new(arguments)?;
+    let mut out = RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest)?;
     let prepared = prepare(manifest, &folder, out.path(), &execution, &interrupts)?;
     show_plan(manifest, &prepared, terminal);
     let known = prepared.findings.len();
     terminal.say(&format!("outputs in {}", out.path().display()));
-    let executed = prepared.execute(manifest, out.path(), &execution, terminal, &interrupts);
-    if executed.as_ref().is_err_and(|error| !error.had_begun()) {
+    let executed = prepared.execute(manifest, &mut out, &execution, terminal, &interrupts);
+    if executed.is_err() {
         out.clear();
     }
     let mut ended = executed?;
@@ -125,40 +125,6 @@ fn linger(ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
             return;
         }
         std::thread::sleep(Duration::from_millis(50));
-    }
-}
-
-/// A folder for outputs that is removed again if nothing comes of the run: a wrong manifest leaves
-/// nothing behind.
-struct OutputFolder {
-    path: PathBuf,
-}
-
-impl OutputFolder {
-    fn new(arguments: &RunArgs) -> Result<Self, RunError> {
-        let path = choose_folder(arguments.out.as_deref(), &arguments.manifest.manifest)?;
-        let path = std::path::absolute(&path).unwrap_or(path);
-        Ok(Self { path })
-    }
-
-    fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Removes the files of a run that never began; nothing else that may lie there.
-    fn clear(&self) {
-        for name in
-            [outputs::MANIFEST, outputs::SIGNALS, outputs::LOG, outputs::RECORDING, outputs::TRACE]
-        {
-            let _ = std::fs::remove_file(self.path.join(name));
-        }
-    }
-}
-
-impl Drop for OutputFolder {
-    fn drop(&mut self) {
-        // Fails, as it shall, unless the folder is empty.
-        let _ = std::fs::remove_dir(&self.path);
     }
 }
 
@@ -219,6 +185,8 @@ fn show_logs_of_threads() {
         .without_time()
         .with_target(false)
         .with_writer(std::io::stderr)
+        // It would say so on standard error, and panic there.
+        .log_internal_errors(false)
         .try_init();
 }
 

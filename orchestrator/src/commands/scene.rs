@@ -5,6 +5,7 @@ use crate::cli::{SceneArgs, SceneName};
 use crate::scenes::pressure_valve::{
     self as valve, Closure, Dimensions, Grains, Resting, Ring, Steady, Working,
 };
+use crate::standard::{answer, complain};
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -21,12 +22,12 @@ pub fn scene(arguments: &SceneArgs) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(SceneError::Numbers(lines)) => {
             for line in lines {
-                eprintln!("error: {line}");
+                complain(format_args!("error: {line}"));
             }
             ExitCode::from(WRONG_INPUT)
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }
@@ -123,20 +124,20 @@ fn numbers(sets: &[(String, String)]) -> Result<Dimensions, SceneError> {
 }
 
 fn tell(numbers: &Dimensions, folder: &Path) {
-    println!(
+    answer(format_args!(
         "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, ring.toml and ring.json (the ring's table) are in {}, \
          and manifest.toml, rigid.toml (with a rigid ring), grains.toml (with grains) and held.toml (steady flow, the valve held)",
         folder.display()
-    );
-    println!(
+    ));
+    answer(format_args!(
         "depth of the cone {:.3} mm, disc {:.3} mm thick, rubber {:.1} mm3, steel {:.1} mm3",
         1e3 * numbers.cone_depth(),
         1e3 * numbers.disc_thickness(),
         1e9 * numbers.rubber_volume(),
         1e9 * (numbers.moving_mass.0 - numbers.rubber.0 * numbers.rubber_volume())
             / numbers.steel.0,
-    );
-    println!("check it with: tremie check {}", folder.display());
+    ));
+    answer(format_args!("check it with: tremie check {}", folder.display()));
 }
 
 fn write_stl(path: &Path, mesh: &Mesh) -> Result<(), SceneError> {

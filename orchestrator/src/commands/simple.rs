@@ -2,17 +2,17 @@
 
 use crate::cli::ConformArgs;
 use crate::registry::{BUILT_IN, built_in};
+use crate::standard::{answer, complain};
 use std::process::ExitCode;
 use tremie_sdk::main_of;
 
 /// `tremie components`: what can take which role.
 pub fn components() -> ExitCode {
     for component in BUILT_IN {
-        println!("{:<12} {:<10} {}", component.name, component.role.name(), component.about);
+        let (name, role) = (component.name, component.role.name());
+        answer(format_args!("{name:<12} {role:<10} {}", component.about));
     }
-    println!(
-        "\nAny other program can take a role: name it, or its path, in the [components] table."
-    );
+    answer("\nAny other program can take a role: name it, or its path, in the [components] table.");
     ExitCode::SUCCESS
 }
 
@@ -21,7 +21,7 @@ pub fn component(name: &str) -> ExitCode {
     match built_in(name) {
         Some(component) => main_of(component.name, component.role.name(), component.run),
         None => {
-            eprintln!("error: there is no built-in component \"{name}\"");
+            complain(format_args!("error: there is no built-in component \"{name}\""));
             ExitCode::from(super::WRONG_INPUT)
         }
     }
@@ -30,10 +30,10 @@ pub fn component(name: &str) -> ExitCode {
 /// `tremie clean`: removes what killed runs left.
 pub fn clean() -> ExitCode {
     match tremie_channels::sweep::sweep_dead_runs() {
-        Ok(0) => println!("nothing to clean"),
-        Ok(runs) => println!("removed what {runs} killed runs had left"),
+        Ok(0) => answer("nothing to clean"),
+        Ok(runs) => answer(format_args!("removed what {runs} killed runs had left")),
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(format_args!("error: {error}"));
             return ExitCode::FAILURE;
         }
     }
@@ -42,7 +42,7 @@ pub fn clean() -> ExitCode {
 
 /// `tremie schema`: the JSON schema of the manifest.
 pub fn schema() -> ExitCode {
-    println!("{}", crate::manifest::schema_text());
+    answer(crate::manifest::schema_text());
     ExitCode::SUCCESS
 }
 

@@ -1,6 +1,7 @@
 //! `tremie validate`.
 
 use crate::cli::ValidateArgs;
+use crate::standard::{answer, complain};
 use crate::validation::case::Case;
 use crate::validation::record::Record;
 use crate::validation::{ValidationError, cases, picture, report, try_case};
@@ -12,11 +13,11 @@ pub fn validate(arguments: &ValidateArgs) -> ExitCode {
     match validate_cases(arguments) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => {
-            eprintln!("some results are not near enough to their references");
+            complain("some results are not near enough to their references");
             ExitCode::FAILURE
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }
@@ -28,7 +29,7 @@ fn validate_cases(arguments: &ValidateArgs) -> Result<bool, ValidationError> {
         .map_err(|error| ValidationError::Io { path: std::env::temp_dir(), error })?;
     let (mut passed, mut checks) = (true, 0);
     for case in cases(folder, names)? {
-        let say = &mut |text: &str| println!("{text}");
+        let say = &mut |text: &str| answer(text);
         let record = try_case(&case, *short, scratch.path(), say)?;
         passed &= record.passed();
         checks += record.checks();
@@ -39,9 +40,10 @@ fn validate_cases(arguments: &ValidateArgs) -> Result<bool, ValidationError> {
     }
     if !short {
         write_report(folder, path)?;
-        println!("the report is in {}", path.display());
+        answer(format_args!("the report is in {}", path.display()));
     }
-    println!("{checks} checks, {}", if passed { "all passed" } else { "not all passed" });
+    let how = if passed { "all passed" } else { "not all passed" };
+    answer(format_args!("{checks} checks, {how}"));
     Ok(passed)
 }
 

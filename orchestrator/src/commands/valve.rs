@@ -7,6 +7,7 @@ use crate::manifest;
 use crate::outputs::{SIGNALS, Signals};
 use crate::plan::columns;
 use crate::report::{name_of, sheet};
+use crate::standard::{answer, complain};
 use crate::valve::{
     Asked, Characteristics, Moment, Site, Stretch, Watched, characteristics, curves,
 };
@@ -23,7 +24,7 @@ pub fn valve(arguments: &ValveArgs) -> ExitCode {
     match find(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(format_args!("error: {error}"));
             WRONG_INPUT.into()
         }
     }
@@ -33,6 +34,12 @@ fn find(arguments: &ValveArgs) -> Result<(), String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let signals = Signals::read(&arguments.out.join(SIGNALS))
         .map_err(|error| format!("{error}\nOUT is the folder of a run, with its {SIGNALS}"))?;
+    if let Some(cut) = &signals.cut {
+        complain(format_args!("warning: {cut}"));
+    }
+    if signals.times.is_empty() {
+        return Err(format!("{}: its {SIGNALS} has no whole row", arguments.out.display()));
+    }
     let manifest = manifest::load(&arguments.out, &[]).map_err(|error| text(&error))?;
     let asked = Asked {
         part: arguments.part.clone(),
@@ -46,17 +53,17 @@ fn find(arguments: &ValveArgs) -> Result<(), String> {
     let picture = picture(arguments, &signals, &watched, &site, found.open_at)?;
     if arguments.json {
         let all = serde_json::to_string(&found).map_err(|error| text(&error))?;
-        println!("{all}");
+        answer(all);
         return Ok(());
     }
     for line in columns(&["", "value", "when and how"], rows(&found, &site, &watched)) {
-        println!("{line}");
+        answer(line);
     }
     if let Some(path) = picture {
-        println!(
+        answer(format_args!(
             "\n{}: pressure drop, rate of flow and flow coefficient while it is open",
             path.display()
-        );
+        ));
     }
     Ok(())
 }

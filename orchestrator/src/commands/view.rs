@@ -6,6 +6,7 @@ use super::run::viewer_settings;
 use crate::cli::{View, ViewArgs};
 use crate::outputs::RECORDING;
 use crate::run::RunError;
+use crate::standard::complain;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -18,7 +19,7 @@ pub fn view(arguments: &ViewArgs) -> ExitCode {
     match show(arguments) {
         Ok(code) => code,
         Err(text) => {
-            eprintln!("error: {text}");
+            complain(format_args!("error: {text}"));
             ExitCode::FAILURE
         }
     }
@@ -43,15 +44,19 @@ fn show(arguments: &ViewArgs) -> Result<ExitCode, String> {
     let end = recording.replay_while(&mut viewer, wanted).map_err(|error| text(&error))?;
     let note = viewer.close(end.last_common_window).map_err(|error| text(&error))?;
     if !wanted() {
-        eprintln!("interrupted before the end of the recording; {note}");
+        complain(format_args!("interrupted before the end of the recording; {note}"));
         return Ok(ExitCode::from(INTERRUPTED));
     }
     if !end.complete {
-        eprintln!("warning: the end of the recording is missing; its run was killed");
+        let (window, time) = (end.last_common_window, end.time);
+        complain(format_args!(
+            "warning: {} is cut off or damaged: shown up to window {window}, {time} s",
+            file.display()
+        ));
     }
-    eprintln!("{note}");
+    complain(note);
     if arguments.view == View::Web {
-        eprintln!("the viewer stays up; Ctrl-C ends it");
+        complain("the viewer stays up; Ctrl-C ends it");
         while wanted() {
             std::thread::sleep(Duration::from_millis(50));
         }

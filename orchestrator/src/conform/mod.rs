@@ -4,6 +4,7 @@ mod checks;
 mod subject;
 
 use crate::cli::ConformArgs;
+use crate::standard::{answer, complain, is_lost};
 use std::process::ExitCode;
 use subject::Subject;
 
@@ -14,27 +15,31 @@ pub fn conform(arguments: &ConformArgs) -> ExitCode {
     let subject = match Subject::find(arguments) {
         Ok(subject) => subject,
         Err(text) => {
-            eprintln!("error: {text}");
+            complain(format_args!("error: {text}"));
             return ExitCode::from(2);
         }
     };
-    println!("{} as {}", arguments.program, subject.role);
+    answer(format_args!("{} as {}", arguments.program, subject.role));
     let mut failed = 0;
     for check in checks::ALL {
+        if is_lost() {
+            // Nobody reads on: how that ends is not for the program to say.
+            return ExitCode::SUCCESS;
+        }
         match (check.holds)(&subject) {
-            Ok(()) => println!("  ok      {}", check.name),
+            Ok(()) => answer(format_args!("  ok      {}", check.name)),
             Err(why) => {
                 failed += 1;
-                println!("  FAILED  {}\n          {why}", check.name);
+                answer(format_args!("  FAILED  {}\n          {why}", check.name));
             }
         }
     }
     let total = checks::ALL.len();
     if failed == 0 {
-        println!("conforms: {total} checks hold");
+        answer(format_args!("conforms: {total} checks hold"));
         ExitCode::SUCCESS
     } else {
-        println!("does not conform: {failed} of {total} checks fail");
+        answer(format_args!("does not conform: {failed} of {total} checks fail"));
         ExitCode::FAILURE
     }
 }

@@ -3,7 +3,7 @@
 use crate::cli::ConformArgs;
 use crate::launch::{Launcher, News, Peer, Post, Program};
 use crate::manifest::{self, Manifest, START_WITHIN};
-use crate::outputs::Summary;
+use crate::outputs::{RunFolder, Summary};
 use crate::run::{Execution, prepare};
 use crate::terminal::{Style, Terminal};
 use std::path::{Path, PathBuf};
@@ -133,7 +133,8 @@ impl Subject {
         fault: Option<(InjectionKind, u64)>,
     ) -> Result<Trial, String> {
         let manifest = self.manifest(sets)?;
-        let out = tempfile::tempdir().map_err(|e| e.to_string())?;
+        let home = tempfile::tempdir().map_err(|e| e.to_string())?;
+        let mut out = RunFolder::claim(home.path()).map_err(|e| e.to_string())?;
         let inject = fault
             .map(|(kind, window)| (self.opposite().to_string(), Injection { kind, window }))
             .into_iter()
@@ -148,10 +149,10 @@ impl Subject {
         let ended = prepare(&manifest, folder, out.path(), &execution, &nobody)
             .and_then(|prepared| {
                 let mut terminal = Terminal::new(Style::Silent);
-                prepared.execute(&manifest, out.path(), &execution, &mut terminal, &nobody)
+                prepared.execute(&manifest, &mut out, &execution, &mut terminal, &nobody)
             })
             .map_err(text)?;
-        let signals = std::fs::read_to_string(out.path().join(crate::outputs::SIGNALS))
+        let signals = std::fs::read_to_string(out.file(crate::outputs::SIGNALS))
             .map_err(|e| e.to_string())?;
         Ok(Trial { summary: ended.close(), signals })
     }

@@ -1,6 +1,7 @@
 //! What the machine has to offer.
 
 use std::path::Path;
+use tremie_channels::memory::Room;
 
 /// Memory and disk of the machine; `None` where the system does not say.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,7 +23,7 @@ impl Machine {
         Self {
             memory: kilobytes(&memory, "MemTotal:"),
             available: kilobytes(&memory, "MemAvailable:"),
-            shared: room(Path::new("/dev/shm")),
+            shared: Room::ask().map(|room| room.free),
             disk: room(out),
         }
     }

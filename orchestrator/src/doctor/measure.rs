@@ -2,7 +2,7 @@
 
 use super::{Judged, of_whole};
 use crate::manifest::Manifest;
-use crate::outputs::Ending;
+use crate::outputs::{Ending, RunFolder};
 use crate::run::{Execution, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use indicatif::HumanDuration;
@@ -64,8 +64,9 @@ fn some_windows(
     time: Duration,
     interrupts: &AtomicUsize,
 ) -> Result<(Ending, u64, f64), RunError> {
-    let out = tempfile::tempdir().map_err(RunError::Places)?;
+    let home = tempfile::tempdir().map_err(RunError::Places)?;
     let execution = Execution::default();
+    let mut out = RunFolder::claim(home.path())?;
     let prepared = prepare(manifest, folder, out.path(), &execution, interrupts)?;
     let end = AtomicUsize::new(0);
     let mut terminal = Terminal::new(Style::Silent);
@@ -78,7 +79,7 @@ fn some_windows(
             while waits() && begin.elapsed() < time && interrupts.load(Ordering::Relaxed) == 0 {}
             end.store(1, Ordering::Relaxed);
         });
-        let ended = prepared.execute(manifest, out.path(), &execution, &mut terminal, end);
+        let ended = prepared.execute(manifest, &mut out, &execution, &mut terminal, end);
         drop(over);
         ended
     });

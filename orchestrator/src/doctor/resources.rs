@@ -2,6 +2,7 @@
 
 use super::Machine;
 use crate::plan::{Plan, bytes};
+use tremie_channels::memory::SHARED_MEMORY;
 use tremie_messages::Finding;
 use tremie_messages::Role;
 use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample};
@@ -31,7 +32,15 @@ pub(super) fn findings(
     );
     vec![
         memory,
-        within("shared memory", shared, machine.shared),
+        within("shared memory", shared, machine.shared).wrong_if(
+            machine.shared.is_some_and(|room| shared > room),
+            format!(
+                "the run takes {}, and {} of {SHARED_MEMORY} are free",
+                bytes(shared),
+                bytes(machine.shared.unwrap_or(0))
+            ),
+            "make it larger (mount -o remount,size=.. /dev/shm; docker run --shm-size=..), send frames of fewer values, or use --in-process",
+        ),
         within("disk, at most", disk(plan, descriptions), machine.disk),
     ]
 }

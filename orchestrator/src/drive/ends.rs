@@ -53,21 +53,17 @@ impl<S: Between> Drive<'_, S> {
     }
 
     /// How the run has ended, now that windows no longer go by; stops what `trouble` left running.
-    pub(super) fn conclude(
-        &mut self,
-        course: &mut Course,
-        trouble: Option<Trouble>,
-    ) -> Result<Ending, OutputError> {
+    pub(super) fn conclude(&mut self, course: &mut Course, trouble: Option<Trouble>) -> Ending {
         let Some(trouble) = trouble else {
-            return Ok(course.reason.take().unwrap_or(Ending::Completed));
+            return course.reason.take().unwrap_or(Ending::Completed);
         };
         self.stop_physics(course);
         match trouble {
-            Trouble::Impatience => Ok(Ending::Interrupted),
-            Trouble::Fault(fault) => Ok(Ending::Failed { fault: *fault }),
+            Trouble::Impatience => Ending::Interrupted,
+            Trouble::Fault(fault) => Ending::Failed { fault: *fault },
             Trouble::Output(error) => {
-                self.finish_observers(course, 0);
-                Err(error)
+                let window = self.monitor.common_window().unwrap_or(0);
+                Ending::Failed { fault: error.into_fault(window) }
             }
         }
     }

@@ -13,7 +13,7 @@ use crate::control::Control;
 use crate::early::EarlyLog;
 use crate::launch::{Peer, Post};
 use crate::monitor::{Monitor, Totals};
-use crate::outputs::{Ending, OutputError, RunLog, SignalTable, Trace};
+use crate::outputs::{Ending, RunLog, SignalTable, Trace};
 use crate::stop::StopWatch;
 use crate::terminal::Terminal;
 use crate::turns::Turns;
@@ -23,7 +23,7 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::Between;
 use tremie_messages::schedule::Schedule;
-use tremie_messages::start::{Clock, Description};
+use tremie_messages::start::{Clock, Description, Fault};
 use trouble::Trouble;
 
 /// What a run in progress is made of.
@@ -84,10 +84,8 @@ pub struct Driven {
     pub observers: BTreeMap<String, String>,
     /// Wall time of the windows.
     pub wall: Duration,
-    /// The table of signals, to be closed.
+    /// The table of signals, closed.
     pub table: SignalTable,
-    /// The log of the run.
-    pub log: RunLog,
 }
 
 /// What changes while windows go by.
@@ -107,6 +105,10 @@ struct Course {
     words: Vec<String>,
     /// When each observer last showed progress, once it was told to finish.
     heard: Vec<Instant>,
+    /// Why the outputs of an observer are not whole, once physics is over.
+    spoilt: Option<Fault>,
+    /// Whether physics is over.
+    is_over: bool,
     notes: BTreeMap<String, String>,
     /// Window and time of the last measurement of the rate, and the rate.
     mark: (u64, Instant),
@@ -129,6 +131,8 @@ impl Course {
             not_watching: lossless.to_vec(),
             words: vec![String::new(); peers],
             heard: vec![now; peers],
+            spoilt: None,
+            is_over: false,
             notes: BTreeMap::new(),
             mark: (0, now),
             rate: 0.0,
@@ -139,26 +143,30 @@ impl Course {
 
 impl<S: Between> Drive<'_, S> {
     /// Lets the windows go by, to the end of the run, whatever that is.
-    ///
-    /// # Errors
-    /// If an output cannot be written; all components were told to end before.
-    pub fn run(mut self) -> Result<Driven, OutputError> {
+    pub fn run(mut self) -> Driven {
         let mut course = Course::begin(self.peers.len(), &self.lossless);
         let went = self.hear_early(&mut course).and_then(|()| self.windows_go_by(&mut course));
         let wall = course.begin.elapsed();
-        let ending = self.conclude(&mut course, went.err())?;
+        let mut ending = self.conclude(&mut course, went.err());
         // Rows that were complete when the end came belong to the record.
         let _ = self.take_reports();
-        let rows = self.take_last_rows();
+        let rows = self.take_last_rows().and_then(|()| self.table.close());
         let traced = self.trace.take().map_or(Ok(()), Trace::close);
         let window = self.monitor.common_window().unwrap_or(0);
-        let noted = self.note_ending(&ending, window);
+        if let Err(error) = rows.and(traced) {
+            ending.spoil(error.into_fault(window));
+        }
+        if let Err(error) = self.note_ending(&ending, window) {
+            ending.spoil(error.into_fault(window));
+        }
+        course.is_over = true;
         self.finish_observers(&mut course, window);
-        rows.and(noted).and(traced)?;
+        if let Some(fault) = course.spoilt.take() {
+            ending.spoil(fault);
+        }
         let turns = self.turns(window);
         let totals =
             self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
-        let Self { table, log, .. } = self;
-        Ok(Driven { ending, window, totals, turns, observers: course.notes, wall, table, log })
+        Driven { ending, window, totals, turns, observers: course.notes, wall, table: self.table }
     }
 }

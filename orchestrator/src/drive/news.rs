@@ -3,7 +3,6 @@
 use super::{Course, Drive, Trouble};
 use crate::launch::News;
 use crate::monitor::Waiting;
-use crate::outputs::OutputError;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 use tremie_channels::Between;
@@ -34,7 +33,7 @@ impl<S: Between> Drive<'_, S> {
             (News::Reply(reply), Some(watched)) => {
                 self.hear_physics(course, index, watched, *reply)
             }
-            (News::Reply(reply), None) => Ok(self.hear_observer(course, index, *reply)?),
+            (News::Reply(reply), None) => self.hear_observer(course, index, *reply),
             (News::Garbage(text), Some(_)) => {
                 Err(self.broken(index, format!("it wrote a line that is no reply: {text}")))
             }
@@ -76,11 +75,19 @@ impl<S: Between> Drive<'_, S> {
         course: &mut Course,
         index: usize,
         reply: Reply,
-    ) -> Result<(), OutputError> {
+    ) -> Result<(), Trouble> {
         match reply {
             Reply::Finished { note, .. } => {
                 course.finished[index] = true;
                 course.notes.insert(self.peers[index].name.clone(), note);
+            }
+            // An observer is looked through, but what it was told to write is what the run is made for.
+            Reply::Fault(fault) if fault.kind == FaultKind::Output => {
+                course.finished[index] = true;
+                course.not_watching.retain(|other| *other != index);
+                let note = format!("not whole: {}", fault.message);
+                course.notes.insert(self.peers[index].name.clone(), note);
+                return Err(fault.into());
             }
             Reply::Fault(fault) => self.lose_observer(course, index, &fault.message)?,
             Reply::Busy {} => course.heard[index] = Instant::now(),

@@ -1,11 +1,12 @@
 //! Observers: they never stop the physics, and are waited for only so long.
 
-use super::{Course, Drive};
+use super::{Course, Drive, Trouble};
 use crate::outputs::{Level, OutputError};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use tremie_channels::Between;
 use tremie_messages::control::Credit;
+use tremie_messages::start::FaultKind;
 use tremie_messages::units;
 
 /// Longest time for a lossless observer to take the frames of the start exchange.
@@ -24,7 +25,8 @@ impl<S: Between> Drive<'_, S> {
         course.finished[index] = true;
         course.not_watching.retain(|other| *other != index);
         let name = self.peers[index].name.clone();
-        let text = format!("{name} is lost, the run goes on: {why}");
+        let goes_on = if course.is_over { "" } else { ", the run goes on" };
+        let text = format!("{name} is lost{goes_on}: {why}");
         self.terminal.warn(&text);
         course.notes.insert(name.clone(), format!("lost: {why}"));
         self.peers[index].end(Duration::from_millis(100));
@@ -81,8 +83,12 @@ impl<S: Between> Drive<'_, S> {
                     let _ = self.lose_observer(course, *index, &why);
                 }
             }
-            // The physics is over: what goes wrong now concerns observers only.
-            let _ = self.hear_news(course, Duration::from_millis(5));
+            // The physics is over: what goes wrong now concerns observers only, and the files that they write.
+            if let Err(Trouble::Fault(fault)) = self.hear_news(course, Duration::from_millis(5))
+                && fault.kind == FaultKind::Output
+            {
+                course.spoilt.get_or_insert(*fault);
+            }
         }
     }
 

@@ -106,15 +106,15 @@ impl Launcher {
         let mut child = command.spawn().map_err(|e| format!("cannot start {shown}: {e}"))?;
         if let Some(output) = child.stdout.take() {
             let post = self.post.clone();
-            std::thread::spawn(move || forward_replies(BufReader::new(output), index, &post));
+            thread(move || forward_replies(BufReader::new(output), index, &post))?;
         }
         if let Some(errors) = child.stderr.take() {
             let post = self.post.clone();
-            std::thread::spawn(move || forward_log(BufReader::new(errors), index, &post));
+            thread(move || forward_log(BufReader::new(errors), index, &post))?;
         }
         let (to, requests) = channel();
         if let Some(input) = child.stdin.take() {
-            std::thread::spawn(move || write_requests(input, requests));
+            thread(move || write_requests(input, requests))?;
         }
         Ok((to, Body::Process(child)))
     }
@@ -128,12 +128,12 @@ impl Launcher {
         let component = built_in(built).ok_or_else(|| format!("{built} is not built in"))?;
         let (line, to, from) = Line::in_memory();
         let (post, errors) = (self.post.clone(), self.post.clone());
-        std::thread::spawn(move || {
+        thread(move || {
             for reply in from {
                 let _ = post.send((index, News::Reply(Box::new(reply))));
             }
             let _ = post.send((index, News::Closed));
-        });
+        })?;
         let handle = std::thread::Builder::new()
             .name(name.to_string())
             .spawn(move || {
@@ -141,7 +141,15 @@ impl Launcher {
                     let _ = errors.send((index, News::Log(message)));
                 }
             })
-            .map_err(|e| format!("cannot start a thread: {e}"))?;
+            .map_err(no_thread)?;
         Ok((to, Body::Thread(Some(handle))))
     }
+}
+
+fn thread(work: impl FnOnce() + Send + 'static) -> Result<(), String> {
+    std::thread::Builder::new().spawn(work).map(drop).map_err(no_thread)
+}
+
+fn no_thread(error: std::io::Error) -> String {
+    format!("cannot start a thread: {error}; `ulimit -u` says how many a user may have")
 }

@@ -5,6 +5,7 @@ use std::process::Child;
 use std::sync::mpsc::Sender;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use tremie_channels::memory::{Room, SHARED_MEMORY};
 use tremie_messages::Role;
 use tremie_messages::start::Request;
 
@@ -20,6 +21,9 @@ pub struct Peer {
     /// Whether its line has closed.
     pub closed: bool,
 }
+
+/// The signal that ends who touches memory which the system does not have (SIGBUS).
+const BUS_ERROR: i32 = 7;
 
 pub(super) enum Body {
     Process(Child),
@@ -113,6 +117,14 @@ fn join(handle: &mut Option<JoinHandle<()>>, deadline: Instant) -> String {
 fn describe(status: std::process::ExitStatus) -> String {
     match (status.code(), status.signal()) {
         (Some(code), _) => format!("exited with code {code}"),
+        (_, Some(BUS_ERROR)) => {
+            let room = Room::ask().map_or(String::new(), |room| {
+                format!(", of which {} kB are free", room.free / 1000)
+            });
+            format!(
+                "was ended by signal {BUS_ERROR}, as happens where something else fills {SHARED_MEMORY}{room}: make it larger"
+            )
+        }
         (_, Some(signal)) => format!("was ended by signal {signal}"),
         _ => "ended".into(),
     }

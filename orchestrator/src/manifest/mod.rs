@@ -62,7 +62,7 @@ pub struct ManifestErrors {
 pub fn load(path: &Path, sets: &[(String, String)]) -> Result<Manifest, ManifestErrors> {
     let file = if path.is_dir() { path.join("manifest.toml") } else { PathBuf::from(path) };
     match std::fs::read_to_string(&file) {
-        Ok(text) => parse(&file, text, sets),
+        Ok(text) => parse(&file, text, sets).map_err(|errors| errors.of_folder(&file)),
         Err(error) => {
             let problem = Problem::new("", format!("cannot read {}: {error}", file.display()))
                 .help("give a manifest, or a folder that holds a manifest.toml");
@@ -162,6 +162,22 @@ impl Manifest {
 }
 
 impl ManifestErrors {
+    /// Files beside a manifest whose folder is no text cannot be told to anybody: then that is what is wrong.
+    fn of_folder(mut self, file: &Path) -> Self {
+        let path = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+        if path.to_str().is_none() {
+            let is_lossy =
+                |problem: &&mut Problem| problem.message.contains(char::REPLACEMENT_CHARACTER);
+            for problem in self.problems.iter_mut().filter(is_lossy) {
+                problem.message = format!(
+                    "the manifest's folder, {path:?}, is no UTF-8 text, which components must be told"
+                );
+                problem.help = Some("move the manifest and its files to another folder".into());
+            }
+        }
+        self
+    }
+
     /// As [`Source::render`].
     pub fn render(&self, colour: bool) -> String {
         self.source_text.render(&self.problems, colour)

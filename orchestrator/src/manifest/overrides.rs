@@ -56,16 +56,25 @@ fn parse_value(text: &str) -> Result<Value, String> {
 fn descend<'a>(tree: &'a mut Value, steps: &[Step]) -> Result<&'a mut Value, String> {
     let mut slot = tree;
     let mut at = String::new();
-    for step in steps {
+    for (place, step) in steps.iter().enumerate() {
         slot = match step {
             Step::Key(key) => {
                 widen(slot, &at);
-                let table = slot.as_object_mut().ok_or_else(|| format!("{at} is not a table"))?;
+                if let Value::Array(entries) = slot {
+                    return Err(by_number(entries, &at, key, &steps[place + 1..]));
+                }
+                let table = slot.as_object_mut().ok_or_else(|| {
+                    format!("{at} is a value, and has nothing below it: write {at}=VALUE")
+                })?;
                 at = path::join(&at, key);
                 table.entry(key.clone()).or_insert(Value::Null)
             }
             Step::Index(index) => {
-                let entries = slot.as_array_mut().ok_or_else(|| format!("{at} is not a list"))?;
+                let keys = slot.as_object().map(|table| table.keys().cloned().collect::<Vec<_>>());
+                let entries = slot.as_array_mut().ok_or_else(|| match keys {
+                    Some(keys) => format!("{at} is not a list; its keys are {}", keys.join(", ")),
+                    None => format!("{at} is not a list"),
+                })?;
                 let count = entries.len();
                 let entry = entries.get_mut(*index);
                 let slot =
@@ -76,6 +85,35 @@ fn descend<'a>(tree: &'a mut Value, steps: &[Step]) -> Result<&'a mut Value, Str
         };
     }
     Ok(slot)
+}
+
+/// How to write the key of an entry of a list, for one that was named as keys of tables are: by number or by name.
+fn by_number(entries: &[Value], at: &str, key: &str, rest: &[Step]) -> String {
+    let named = |entry: &Value| entry.get("name").and_then(Value::as_str) == Some(key);
+    let count = entries.len();
+    let index = match key.trim().parse::<usize>() {
+        Ok(index) if index < count => Some(index),
+        Ok(_) => {
+            return format!(
+                "{at} is a list of {count} entries, counted from 0: {at}[{key}] is not there"
+            );
+        }
+        Err(_) => entries.iter().position(named),
+    };
+    let below = rest.iter().fold(String::new(), |below, step| match step {
+        // A number there is meant alike.
+        Step::Key(key) if key.parse::<usize>().is_ok() => format!("{below}[{key}]"),
+        Step::Key(key) => format!("{below}.{key}"),
+        Step::Index(index) => format!("{below}[{index}]"),
+    });
+    if let Some(index) = index {
+        return format!("{at} is a list: write {at}[{index}]{below}");
+    }
+    let names: Vec<_> = entries.iter().filter_map(|entry| entry.get("name")?.as_str()).collect();
+    match names[..] {
+        [] => format!("{at} is a list of {count} entries, which are told by number: {at}[0]"),
+        _ => format!("{at} is a list of {}: write {at}[0]{below} for the first", names.join(", ")),
+    }
 }
 
 /// Makes a table of nothing, and of a component that is given by its program alone.

@@ -326,7 +326,25 @@ fn values_of_the_command_line_win_and_have_their_own_place() {
     wrong("scene.fluid.viscocity", "1 Pa s", "did you mean \"viscosity\"?");
     wrong("scene.fluid.viscosity", "-1 Pa s", "more than zero");
     wrong("scene.bodies[5].density", "1 kg/m3", "has 2 entries");
-    wrong("run.until.x", "1", "is not a table");
+    wrong(
+        "run.until.x",
+        "1",
+        "run.until is a value, and has nothing below it: write run.until=VALUE",
+    );
+    wrong(
+        "scene.bodies.0.density",
+        "1 kg/m3",
+        "scene.bodies is a list: write scene.bodies[0].density",
+    );
+    wrong(
+        "scene.bodies.7.density",
+        "1 kg/m3",
+        "a list of 2 entries, counted from 0: scene.bodies[7] is not there",
+    );
+    wrong("scene.bodies.nobody.density", "1 kg/m3", "write scene.bodies[0].density for the first");
+    wrong("scene.bodies.0.spheres.0.diameter", "1 mm", "write scene.bodies[0].spheres[0].diameter");
+    wrong("scene.bodies.0", "1", "write scene.bodies[0]");
+    wrong("scene.domain[0]", "1", "scene.domain is not a list; its keys are");
     wrong("run..x", "1", "is not a key");
     wrong("run.seed", "nan", "a finite number");
     wrong("run.deadline", "1e20 s", "expected at most 86400 s (a day)");

@@ -1,25 +1,49 @@
-//! The folder of a run's outputs.
+//! The folder of a run's outputs: one run's alone, from before its first file to its summary.
+//!
+//! A run claims its folder with a lock on the file that becomes `summary.json`. The system gives the lock up when the
+//! process ends, however it ends: so of two runs that begin at once one gets the folder, and a run that was killed
+//! holds up nobody. Room for the summary is set aside in that file before the first window: how a run ended is told
+//! also where the disk is full.
 
-use std::io;
+use super::{LOG, MANIFEST, RECORDING, SIGNALS, SUMMARY, Summary, TRACE};
+use crate::manifest::ORCHESTRATOR;
+use rustix::fs::{FallocateFlags, FlockOperation, fallocate, flock};
+use rustix::io::Errno;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use tremie_messages::start::{Fault, FaultKind};
+
+/// Name of the summary while the run is under way.
+const CLAIM: &str = "summary.json.part";
+/// Room for the summary [bytes] ..
+const ROOM: u64 = 256 << 10;
+/// .. and for each signal in it.
+const ROOM_OF_SIGNAL: u64 = 1 << 10;
 
 /// An output could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The folder that the user chose holds something.
-    #[error("{0} holds something already; choose another --out, or remove it")]
+    #[error("{} holds something already; choose another --out, or remove it", .0.display())]
     Occupied(PathBuf),
+    /// Another run writes into the folder that the user chose.
+    #[error("{} belongs to a run that is under way; choose another --out", .0.display())]
+    Claimed(PathBuf),
+    /// Components are told the folder as text.
+    #[error(
+        "the folder of outputs, {0:?}, is no UTF-8 text, which components must be told; choose another --out"
+    )]
+    NoText(PathBuf),
     /// The operating system refuses.
-    #[error("cannot write {path}: {error}")]
+    #[error("cannot write {}: {error}", path.display())]
     Io {
         /// What was written.
         path: PathBuf,
         /// Why not.
         error: io::Error,
     },
-    /// A table could not be written.
-    #[error("cannot write the table of signals: {0}")]
-    Table(#[from] csv::Error),
 }
 
 impl OutputError {
@@ -28,34 +52,202 @@ impl OutputError {
         let path = path.to_path_buf();
         move |error| Self::Io { path: path.clone(), error }
     }
-}
 
-/// Makes the folder of a run: `out` if the user chose one, else `runs/NAME-001` and so on, where
-/// NAME is the manifest's folder or file.
-///
-/// # Errors
-/// If the chosen folder holds something already, or none can be made.
-pub fn choose_folder(out: Option<&Path>, manifest: &Path) -> Result<PathBuf, OutputError> {
-    if let Some(folder) = out {
-        std::fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
-        let mut entries = std::fs::read_dir(folder).map_err(OutputError::at(folder))?;
-        return match entries.next() {
-            Some(_) => Err(OutputError::Occupied(folder.to_path_buf())),
-            None => Ok(folder.to_path_buf()),
-        };
-    }
-    let runs = Path::new("runs");
-    std::fs::create_dir_all(runs).map_err(OutputError::at(runs))?;
-    let name = scenario_name(manifest);
-    for number in 1.. {
-        let folder = runs.join(format!("{name}-{number:03}"));
-        match std::fs::create_dir(&folder) {
-            Ok(()) => return Ok(folder),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(OutputError::at(&folder)(error)),
+    /// The fault that ends a run at `window`.
+    pub fn into_fault(self, window: u64) -> Fault {
+        Fault {
+            kind: FaultKind::Output,
+            noticed_by: ORCHESTRATOR.into(),
+            blamed: ORCHESTRATOR.into(),
+            window,
+            message: self.to_string(),
         }
     }
-    Err(OutputError::Occupied(runs.to_path_buf()))
+
+    /// Whether the input is wrong, and not the disk.
+    pub fn is_choice(&self) -> bool {
+        !matches!(self, Self::Io { .. })
+    }
+}
+
+/// A folder that belongs to one run. Where no summary is written it is left as it was found.
+#[derive(Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+    /// Locked as long as this lives; becomes the summary.
+    claim: File,
+    /// Whether it has.
+    is_finished: bool,
+}
+
+impl RunFolder {
+    /// Claims the folder of a run: `out` if the user chose one, else `runs/NAME-001` and so on, where
+    /// NAME is the manifest's folder or file.
+    ///
+    /// # Errors
+    /// If the chosen folder holds something already or is another run's, or none can be made.
+    pub fn choose(out: Option<&Path>, manifest: &Path) -> Result<Self, OutputError> {
+        if let Some(folder) = out {
+            return Self::claim(folder);
+        }
+        let runs = Path::new("runs");
+        let _ = text_of(runs)?;
+        std::fs::create_dir_all(runs).map_err(OutputError::at(runs))?;
+        let name = scenario_name(manifest);
+        for number in 1.. {
+            let folder = runs.join(format!("{name}-{number:03}"));
+            match std::fs::create_dir(&folder) {
+                Ok(()) => match Self::claim(&folder) {
+                    // Somebody else was told to use this very folder.
+                    Err(OutputError::Claimed(_) | OutputError::Occupied(_)) => {}
+                    claimed => return claimed,
+                },
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(OutputError::at(&folder)(error)),
+            }
+        }
+        Err(OutputError::Occupied(runs.to_path_buf()))
+    }
+
+    /// Claims `folder`, which is made if it is not there.
+    ///
+    /// # Errors
+    /// If it holds something or is another run's, or cannot be made.
+    pub fn claim(folder: &Path) -> Result<Self, OutputError> {
+        let path = text_of(folder)?;
+        let name = path.join(CLAIM);
+        loop {
+            std::fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
+            // What a claim may find beside it: nothing. Looked at before the file is made, so that nothing is left
+            // in a folder that is somebody's, and again under the lock.
+            let has_claim = name.symlink_metadata().is_ok();
+            if !has_claim && holds_more(&path)? {
+                return Err(OutputError::Occupied(path));
+            }
+            let claim = match OpenOptions::new()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&name)
+            {
+                Ok(claim) => claim,
+                // Its last user has just removed the folder.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Err(error) => return Err(OutputError::at(&name)(error)),
+            };
+            match flock(&claim, FlockOperation::NonBlockingLockExclusive) {
+                Err(Errno::WOULDBLOCK) => return Err(OutputError::Claimed(path)),
+                // A file system without locks: files are made new, which tells two runs apart a little later.
+                Ok(()) | Err(_) => {}
+            }
+            if !is_at(&claim, &name) {
+                // The run that had it came to its end between the two calls.
+                continue;
+            }
+            if holds_more(&path)? {
+                if !has_claim {
+                    let _ = std::fs::remove_file(&name);
+                }
+                return Err(OutputError::Occupied(path));
+            }
+            return Ok(Self { path, claim, is_finished: false });
+        }
+    }
+
+    /// Where it is, absolute.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where a file of the run is.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Sets room for the summary of so many signals aside.
+    ///
+    /// # Errors
+    /// If the disk is full.
+    pub fn reserve(&self, signals: usize) -> Result<(), OutputError> {
+        let room = ROOM + ROOM_OF_SIGNAL * signals as u64;
+        match fallocate(&self.claim, FallocateFlags::KEEP_SIZE, 0, room) {
+            Err(error @ (Errno::NOSPC | Errno::DQUOT | Errno::IO)) => {
+                Err(OutputError::at(&self.file(SUMMARY))(error.into()))
+            }
+            // Where the file system cannot, the summary takes its chance.
+            Ok(()) | Err(_) => Ok(()),
+        }
+    }
+
+    /// Writes the summary, under its name only when it is whole, and gives the folder up.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn finish(&mut self, summary: &Summary) -> Result<(), OutputError> {
+        let path = self.file(SUMMARY);
+        let text = serde_json::to_string_pretty(summary).map_err(io::Error::from);
+        let write = |text: String| {
+            self.claim.seek(SeekFrom::Start(0))?;
+            self.claim.write_all(text.as_bytes())?;
+            self.claim.write_all(b"\n")?;
+            self.claim.set_len(text.len() as u64 + 1)?;
+            std::fs::rename(self.path.join(CLAIM), &path)
+        };
+        text.and_then(write).map_err(OutputError::at(&path))?;
+        self.is_finished = true;
+        Ok(())
+    }
+
+    /// Removes the files of a run that never began; nothing else that may lie there.
+    pub fn clear(&self) {
+        for name in [MANIFEST, SIGNALS, LOG, RECORDING, TRACE] {
+            let _ = std::fs::remove_file(self.file(name));
+        }
+    }
+}
+
+impl Drop for RunFolder {
+    fn drop(&mut self) {
+        if self.is_finished {
+            return;
+        }
+        // Removed while it is locked: nobody else can have taken it.
+        let _ = std::fs::remove_file(self.path.join(CLAIM));
+        // Fails, as it shall, unless the folder is empty.
+        let _ = std::fs::remove_dir(&self.path);
+    }
+}
+
+/// The absolute path, if that can be told to components.
+fn text_of(folder: &Path) -> Result<PathBuf, OutputError> {
+    let path = std::path::absolute(folder).map_err(OutputError::at(folder))?;
+    if path.to_str().is_none() { Err(OutputError::NoText(path)) } else { Ok(path) }
+}
+
+/// Whether there is more in the folder than a claim.
+fn holds_more(folder: &Path) -> Result<bool, OutputError> {
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+        Err(error) => return Err(OutputError::at(folder)(error)),
+    };
+    for entry in entries {
+        if entry.map_err(OutputError::at(folder))?.file_name() != CLAIM {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Whether an open file still has its name.
+fn is_at(file: &File, name: &Path) -> bool {
+    let same =
+        |a: std::fs::Metadata, b: std::fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
+    match (file.metadata(), std::fs::symlink_metadata(name)) {
+        (Ok(open), Ok(named)) => same(open, named),
+        _ => false,
+    }
 }
 
 /// `settling-sphere` of `examples/settling-sphere/manifest.toml`, `short` of `.../short.toml`.
@@ -63,6 +255,7 @@ fn scenario_name(manifest: &Path) -> String {
     let manifest = std::path::absolute(manifest).unwrap_or_else(|_| manifest.to_path_buf());
     let named = match manifest.file_name().and_then(|name| name.to_str()) {
         Some("manifest.toml") => manifest.parent().and_then(Path::file_name),
+        _ if manifest.is_dir() => manifest.file_name(),
         _ => manifest.file_stem(),
     };
     named.map_or_else(|| "run".into(), |name| name.to_string_lossy().into_owned())
@@ -71,6 +264,7 @@ fn scenario_name(manifest: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Barrier;
 
     #[test]
     fn a_run_is_called_by_its_scenario() {
@@ -80,11 +274,63 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_holds_something_is_refused() {
+    fn a_folder_that_holds_something_is_refused_and_left_as_it_is() {
+        let home = tempfile::tempdir().unwrap();
+        let out = home.path().join("new/out");
+        drop(RunFolder::claim(&out).unwrap());
+        assert!(!out.exists(), "a run that never began leaves nothing");
+        for name in ["a", "signals.csv", ".hidden"] {
+            let out = home.path().join(name);
+            std::fs::create_dir(&out).unwrap();
+            std::fs::write(out.join(name), "b").unwrap();
+            assert!(matches!(RunFolder::claim(&out), Err(OutputError::Occupied(_))), "{name}");
+            assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
+        }
+        let file = home.path().join("file");
+        std::fs::write(&file, "").unwrap();
+        assert!(matches!(RunFolder::claim(&file), Err(OutputError::Io { .. })));
+    }
+
+    #[test]
+    fn of_many_that_want_a_folder_at_once_one_gets_it() {
+        let home = tempfile::tempdir().unwrap();
+        for round in 0..50 {
+            let out = home.path().join(format!("out-{round}"));
+            let start = Barrier::new(6);
+            let claim = || {
+                start.wait();
+                let claimed = RunFolder::claim(&out);
+                start.wait();
+                claimed
+            };
+            let claimed: Vec<_> = std::thread::scope(|scope| {
+                let all: Vec<_> = (0..6).map(|_| scope.spawn(claim)).collect();
+                all.into_iter().map(|one| one.join().unwrap()).collect()
+            });
+            let won = claimed.iter().filter(|one| one.is_ok()).count();
+            assert_eq!(won, 1, "{claimed:?}");
+            assert!(claimed.iter().flat_map(|one| one.as_ref().err()).all(OutputError::is_choice));
+        }
+    }
+
+    #[test]
+    fn a_claim_ends_with_its_run_and_with_the_process_that_was_killed() {
         let home = tempfile::tempdir().unwrap();
         let out = home.path().join("out");
-        assert_eq!(choose_folder(Some(&out), Path::new("m")).unwrap(), out);
-        std::fs::write(out.join("a"), "b").unwrap();
-        assert!(matches!(choose_folder(Some(&out), Path::new("m")), Err(OutputError::Occupied(_))));
+        let first = RunFolder::claim(&out).unwrap();
+        first.reserve(10).unwrap();
+        // By another way to the same folder too.
+        let other = home.path().join("link");
+        std::os::unix::fs::symlink(&out, &other).unwrap();
+        assert!(matches!(RunFolder::claim(&other), Err(OutputError::Claimed(_))));
+        // As a killed process does: the file stays, the lock goes.
+        let RunFolder { claim, .. } = &first;
+        flock(claim, FlockOperation::Unlock).unwrap();
+        std::mem::forget(first);
+        let second = RunFolder::claim(&out).unwrap();
+        std::fs::write(second.file(SIGNALS), "window").unwrap();
+        assert!(matches!(RunFolder::claim(&out), Err(OutputError::Claimed(_))));
+        drop(second);
+        assert!(matches!(RunFolder::claim(&out), Err(OutputError::Occupied(_))));
     }
 }

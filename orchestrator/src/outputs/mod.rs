@@ -8,8 +8,8 @@ mod signals;
 mod summary;
 mod trace;
 
-pub use columns::{Signals, UnreadableSignals};
-pub use folder::{OutputError, choose_folder};
+pub use columns::{Cut, Signals, UnreadableSignals};
+pub use folder::{OutputError, RunFolder};
 pub use log::{Level, RunLog};
 pub use signals::{SignalTable, Statistics};
 pub use summary::{ComponentSummary, Ending, Summary};

@@ -4,7 +4,8 @@ use super::folder::OutputError;
 use crate::monitor::Row;
 use serde::Serialize;
 use std::fs::File;
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 use tremie_messages::start::{Clock, Signal};
 
 /// Least, greatest and last value of a signal, with the times of the extremes.
@@ -34,6 +35,7 @@ pub struct Statistics {
 #[derive(Debug)]
 pub struct SignalTable {
     table: csv::Writer<File>,
+    path: PathBuf,
     clock: Clock,
     every: u64,
     names: Vec<String>,
@@ -53,14 +55,19 @@ impl SignalTable {
         every: u64,
         signals: &[(String, Signal)],
     ) -> Result<Self, OutputError> {
-        let file = File::create(path).map_err(OutputError::at(path))?;
+        // New: where locks tell two runs nothing, this keeps one out of the other's table.
+        let file = File::create_new(path).map_err(OutputError::at(path))?;
         let mut table = csv::Writer::from_writer(file);
         let head = |(name, signal): &(String, Signal)| format!("{name} [{}]", signal.unit);
         let fixed = ["window".to_string(), "time [s]".to_string()];
-        table.write_record(fixed.into_iter().chain(signals.iter().map(head)))?;
+        let heads = fixed.into_iter().chain(signals.iter().map(head));
+        // Whatever becomes of the run, its columns are known.
+        let begun = table.write_record(heads).map_err(io::Error::from);
+        begun.and_then(|()| table.flush()).map_err(OutputError::at(path))?;
         let statistics = signals.iter().map(|(_, signal)| Statistics::none(signal)).collect();
         let names = signals.iter().map(|(name, _)| name.clone()).collect();
-        Ok(Self { table, clock, every: every.max(1), names, statistics, held: None })
+        let path = path.to_path_buf();
+        Ok(Self { table, path, clock, every: every.max(1), names, statistics, held: None })
     }
 
     /// Takes the row of a window; rows come in order.
@@ -85,12 +92,16 @@ impl SignalTable {
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn close(mut self) -> Result<Vec<(String, Statistics)>, OutputError> {
+    pub fn close(&mut self) -> Result<(), OutputError> {
         if let Some(row) = self.held.take() {
             self.write(&row)?;
         }
-        self.table.flush().map_err(csv::Error::from)?;
-        Ok(self.names.into_iter().zip(self.statistics).collect())
+        self.table.flush().map_err(OutputError::at(&self.path))
+    }
+
+    /// Every signal's extremes and last value, also of rows that no disk took.
+    pub fn into_statistics(self) -> Vec<(String, Statistics)> {
+        self.names.into_iter().zip(self.statistics).collect()
     }
 
     /// The newest value of the signal of this full name; `None` before there is one.
@@ -107,7 +118,8 @@ impl SignalTable {
         let fixed = [row.window.to_string(), self.time(row).to_string()];
         // Rust prints the shortest decimal that reads back as the same bits.
         let values = row.values.iter().map(f64::to_string);
-        Ok(self.table.write_record(fixed.into_iter().chain(values))?)
+        let written = self.table.write_record(fixed.into_iter().chain(values));
+        written.map_err(|error| OutputError::at(&self.path)(error.into()))
     }
 }
 

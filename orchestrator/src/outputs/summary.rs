@@ -1,13 +1,11 @@
 //! `summary.json`: how a run ended, what it cost, its headline results with their resolution.
 
-use super::folder::OutputError;
 use super::signals::Statistics;
 use crate::doctor::Judged;
 use crate::monitor::Totals;
 use crate::turns::Turns;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::Path;
 use tremie_messages::start::Fault;
 
 /// How a run ended.
@@ -31,6 +29,13 @@ pub enum Ending {
 }
 
 impl Ending {
+    /// Makes a run that went well, or was ended, one that failed. The first fault counts.
+    pub fn spoil(&mut self, fault: Fault) {
+        if !matches!(self, Self::Failed { .. }) {
+            *self = Self::Failed { fault };
+        }
+    }
+
     /// Exit code of the program.
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -115,15 +120,4 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// Numbers known before the run, and those that its signals gave, with verdicts and remedies.
     pub findings: Vec<Judged>,
-}
-
-impl Summary {
-    /// Writes the summary to `path`.
-    ///
-    /// # Errors
-    /// If the disk refuses.
-    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
-        let text = serde_json::to_string_pretty(self).map_err(std::io::Error::from);
-        text.and_then(|text| std::fs::write(path, text + "\n")).map_err(OutputError::at(path))
-    }
 }

@@ -78,6 +78,8 @@ pub struct PlannedComponent {
     pub substeps: u32,
     /// Threads, where the manifest fixes them.
     pub threads: Option<u32>,
+    /// Number of its signals.
+    pub signals: usize,
     /// Its own notes: resolution, dimensionless numbers, memory.
     pub notes: Vec<String>,
     clock: Clock,
@@ -220,6 +222,7 @@ fn assemble(
         step: steps.step(substeps[index]),
         substeps: substeps[index],
         threads: spec.threads,
+        signals: description.signals.len(),
         notes: description.notes.clone(),
         clock: steps.clock,
         windows: steps.windows,

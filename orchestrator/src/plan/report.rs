@@ -2,13 +2,17 @@
 
 use super::steps::short;
 use super::{Plan, PlannedComponent};
+use crate::control::REPORT_DEPTH;
 use serde_json::{Value, json};
 use std::fmt;
+use tremie_channels::memory;
+use tremie_messages::control::{Credit, Report};
 use tremie_messages::schedule::{Content, Edge, Schedule};
-use tremie_messages::start::{FrameContent, FrameStream};
+use tremie_messages::start::{FrameContent, FrameStream, Transport};
 use tremie_messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Stamp, SurfaceVertex, frame,
 };
+use tremie_sdk::{credit_spec, edge_spec, frame_spec, report_spec};
 
 impl Plan {
     /// The plan in lines: time, components, edges, frames, notes. Warnings are apart, in
@@ -58,10 +62,16 @@ impl Plan {
         })
     }
 
-    /// Payload of all channels in shared memory, in bytes: what is under way, and one more message
-    /// that the sender writes meanwhile.
+    /// Shared memory of all channels and bells between processes, in bytes: all that a run sets aside before its
+    /// first message.
     pub fn shared_memory(&self) -> u64 {
-        self.edges.iter().map(edge_memory).chain(self.frames.iter().map(frame_memory)).sum()
+        let of_component = |component: &PlannedComponent| {
+            let own = control_memory(component.signals);
+            own.saturating_add(memory::of_bell())
+        };
+        let edges = self.edges.iter().map(edge_memory);
+        let all = edges.chain(self.frames.iter().map(frame_memory));
+        all.chain(self.components.iter().map(of_component)).fold(0, u64::saturating_add)
     }
 
     fn time(&self) -> String {
@@ -143,7 +153,15 @@ fn edge_memory(edge: &Edge) -> u64 {
         Content::SurfaceLoad | Content::Contact => size_of::<FacetLoad>(),
         Content::Ports => size_of::<PortState>(),
     };
-    memory(size_of::<Stamp>(), value, edge.capacity, edge.depth)
+    memory::of_channel(size_of::<Stamp>(), value, edge_spec(edge))
+}
+
+/// Credit to a component, and its reports.
+fn control_memory(signals: usize) -> u64 {
+    let transport = Transport { report_depth: REPORT_DEPTH, ..Transport::default() };
+    let reports = report_spec(&transport, signals);
+    memory::of_channel(size_of::<Stamp>(), size_of::<Credit>(), credit_spec(""))
+        + memory::of_channel(size_of::<Report>(), size_of::<f64>(), reports)
 }
 
 fn frame_memory(stream: &FrameStream) -> u64 {
@@ -157,11 +175,7 @@ fn frame_memory(stream: &FrameStream) -> u64 {
         FrameContent::Signals(_) => (size_of::<Stamp>(), size_of::<f64>()),
         FrameContent::Log => (size_of::<frame::LogHeader>(), size_of::<u8>()),
     };
-    memory(header, value, stream.capacity, stream.depth)
-}
-
-fn memory(header: usize, value: usize, capacity: u64, depth: u64) -> u64 {
-    (header as u64 + value as u64 * capacity) * (depth + 1)
+    memory::of_channel(header, value, frame_spec(stream))
 }
 
 /// A number of bytes as a person would write it.

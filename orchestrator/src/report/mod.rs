@@ -8,7 +8,7 @@ pub mod panels;
 pub mod scale;
 pub mod sheet;
 
-use crate::outputs::{SIGNALS, Signals, UnreadableSignals};
+use crate::outputs::{Cut, SIGNALS, Signals, UnreadableSignals};
 use panels::Panel;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +26,9 @@ pub enum ReportError {
         /// What is known instead.
         message: String,
     },
+    /// A run ended before its first row.
+    #[error("{0}: its {SIGNALS} has no whole row: there is nothing to draw")]
+    Empty(String),
     /// Nothing in these runs changes.
     #[error("no signal of {0} changes over time: there is nothing to draw")]
     Nothing(String),
@@ -51,6 +54,8 @@ pub struct Run {
 /// What a report shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
+    /// Tables that were cut off.
+    pub cuts: Vec<Cut>,
     /// What is drawn.
     pub panels: Vec<Panel>,
     /// Signals that never change, and their values in the first run that has them.
@@ -74,7 +79,11 @@ pub fn report(outs: &[PathBuf], wanted: &[String]) -> Result<Report, ReportError
         }
         runs.push(Run { name: name_of(out), signals });
     }
-    let report = panels::sort(&runs, wanted);
+    let mut report = panels::sort(&runs, wanted);
+    report.cuts.extend(runs.iter().filter_map(|run| run.signals.cut.clone()));
+    if let Some(run) = runs.iter().find(|run| run.signals.times.is_empty()) {
+        return Err(ReportError::Empty(run.name.clone()));
+    }
     if report.panels.is_empty() {
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         return Err(ReportError::Nothing(names.join(", ")));

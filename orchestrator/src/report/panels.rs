@@ -88,7 +88,7 @@ pub fn sort(runs: &[Run], wanted: &[String]) -> Report {
         };
         curves.chunks(CURVES).map(panel).collect::<Vec<_>>()
     });
-    Report { panels: panels.collect(), constant }
+    Report { cuts: Vec::new(), panels: panels.collect(), constant }
 }
 
 /// All signals that any run has.

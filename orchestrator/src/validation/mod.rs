@@ -67,8 +67,8 @@ impl ValidationError {
 }
 
 impl From<UnreadableSignals> for ValidationError {
-    fn from(UnreadableSignals { path, error }: UnreadableSignals) -> Self {
-        Self::Content { path, message: error.to_string() }
+    fn from(UnreadableSignals { path, why }: UnreadableSignals) -> Self {
+        Self::Content { path, message: why }
     }
 }
 
@@ -125,6 +125,9 @@ pub fn try_case(
             }
             Err(error) => return Err(error),
         };
+        if let Some(cut) = &outcome.signals.cut {
+            say(&format!("warning: {cut}"));
+        }
         before.push((run.name.clone(), outcome.signals.clone()));
         for finding in &findings {
             say(&format!("{}, {}: {finding}", case.name, run.name));

@@ -3,6 +3,8 @@
 mod obj;
 mod polygon;
 mod stl;
+mod stl_text;
+mod text;
 
 pub use polygon::triangulate;
 

@@ -1,9 +1,9 @@
 //! STL files, binary and text.
 //!
-//! The reader takes a file for text if it begins with "solid ", reads one solid, and knows keywords in
-//! small letters only. Files in the wild are less orderly: binary headers that begin with "solid",
-//! several solids in one text, capitals, a solid without a name. They are set right before.
+//! Which of the two a file is, its first word does not say: headers of binary files begin with "solid" too.
 
+use super::stl_text;
+use super::text::{decode, looks_like};
 use crate::Mesh;
 use std::io::Cursor;
 
@@ -14,74 +14,64 @@ const TRIANGLE: usize = 50;
 
 /// The triangles of a file, or why it is none.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
-    let mut mesh = Mesh::default();
-    match binary_triangles(bytes) {
-        Some(Ok(())) => {
-            // The header's text means nothing; blank, it cannot be taken for that of a text file.
-            let mut blank = bytes.to_vec();
-            blank[..80].fill(0);
-            append(&mut mesh, &blank)?;
-        }
-        Some(Err(why)) => return Err(why),
-        None => {
-            for solid in solids(bytes)? {
-                append(&mut mesh, solid.as_bytes())?;
-            }
-        }
+    if bytes.is_empty() {
+        return Err("it is empty".into());
     }
-    Ok(mesh)
-}
-
-/// Whether a file is binary, and if so, whether it is complete. `None` for a text.
-fn binary_triangles(bytes: &[u8]) -> Option<Result<(), String>> {
-    let is_text = || {
-        let start = bytes.trim_ascii_start();
-        start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid")
+    if is_whole_binary(bytes) {
+        return binary(bytes);
+    }
+    if is_text(bytes) {
+        return stl_text::parse(&decode(bytes));
+    }
+    if let Some(what) = looks_like(bytes).filter(|what| !what.contains("STL")) {
+        return Err(format!("it looks like {what}"));
+    }
+    let Some(present) = bytes.len().checked_sub(HEADER).map(|rest| rest / TRIANGLE) else {
+        return Err(format!("it has {} bytes; a binary file has at least {HEADER}", bytes.len()));
     };
-    let Some(header) = bytes.get(..HEADER) else {
-        let short = format!("it has {} bytes; a binary file has at least {HEADER}", bytes.len());
-        return if is_text() { None } else { Some(Err(short)) };
-    };
-    let count = u32::from_le_bytes([header[80], header[81], header[82], header[83]]) as usize;
-    let present = (bytes.len() - HEADER) / TRIANGLE;
-    if present == count && (bytes.len() - HEADER).is_multiple_of(TRIANGLE) {
-        return Some(Ok(()));
-    }
-    if is_text() {
-        return None;
-    }
+    let count = count(bytes);
     if present < count {
-        return Some(Err(format!("its header says {count} triangles, but only {present} follow")));
+        return Err(format!("its header says {count} triangles, but only {present} follow"));
+    }
+    if count == 0 {
+        return Err(format!("its header says 0 triangles, but there is room for {present}"));
     }
     // More bytes than triangles: some programs add their own data at the end.
-    Some(Ok(()))
+    binary(bytes)
 }
 
-/// Every solid of a text, in the form that the reader knows.
-fn solids(bytes: &[u8]) -> Result<Vec<String>, String> {
-    let text = str::from_utf8(bytes).map_err(|e| {
-        format!(
-            "it is neither a complete binary file nor text (byte {} is no character)",
-            e.valid_up_to()
-        )
-    })?;
-    let mut solids: Vec<String> = Vec::new();
-    for line in text.lines().map(|line| line.trim().to_ascii_lowercase()) {
-        if line.split_whitespace().next() == Some("solid") {
-            solids.push("solid part\n".to_string());
-        } else if !line.is_empty() {
-            let Some(solid) = solids.last_mut() else {
-                return Err(format!("expected \"solid\", found \"{line}\""));
-            };
-            solid.push_str(&line);
-            solid.push('\n');
-        }
+/// The number of triangles that a binary file's header says.
+fn count(bytes: &[u8]) -> usize {
+    bytes
+        .get(80..HEADER)
+        .map_or(0, |count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize)
+}
+
+/// Whether a file has just the length that its header says.
+fn is_whole_binary(bytes: &[u8]) -> bool {
+    let length = |bytes: &[u8]| HEADER.checked_add(count(bytes).checked_mul(TRIANGLE)?);
+    bytes.len() >= HEADER && length(bytes) == Some(bytes.len())
+}
+
+/// Whether a file is a text that begins as an STL file does. Text has no zeros, and the number in a binary header has:
+/// of its four bytes the last.
+fn is_text(bytes: &[u8]) -> bool {
+    let begin = &bytes[..bytes.len().min(4096)];
+    let is_wide = matches!(begin, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]);
+    if !is_wide && begin.contains(&0) {
+        return false;
     }
-    Ok(solids)
+    let text = decode(begin);
+    let start = text.trim_start().as_bytes();
+    start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid")
 }
 
-fn append(mesh: &mut Mesh, solid: &[u8]) -> Result<(), String> {
-    let mut cursor = Cursor::new(solid);
+fn binary(bytes: &[u8]) -> Result<Mesh, String> {
+    // The header's text means nothing; blank, it cannot be taken for that of a text file.
+    let mut blank = bytes.to_vec();
+    blank[..80].fill(0);
+    let mut mesh = Mesh::default();
+    let mut cursor = Cursor::new(blank);
     let triangles = stl_io::create_stl_reader(&mut cursor).map_err(|e| e.to_string())?;
     for triangle in triangles {
         let triangle =
@@ -92,5 +82,5 @@ fn append(mesh: &mut Mesh, solid: &[u8]) -> Result<(), String> {
         mesh.vertices.extend(triangle.vertices.map(|v| v.0.map(f64::from)));
         mesh.triangles.push([first, first + 1, first + 2]);
     }
-    Ok(())
+    Ok(mesh)
 }

@@ -9,4 +9,5 @@ mod files;
 mod mending;
 mod questions;
 mod shapes;
+mod texts;
 mod turned;

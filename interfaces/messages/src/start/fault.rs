@@ -51,6 +51,8 @@ pub enum FaultKind {
     Exit,
     /// The start contract was broken.
     Contract,
+    /// An output could not be written, or not all of it: the disk is full, say.
+    Output,
 }
 
 /// A fault to commit on purpose in one window.

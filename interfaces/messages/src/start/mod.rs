@@ -177,7 +177,7 @@ pub struct Assignment {
 }
 
 /// Where shared memory of a run is found, and how long to wait.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transport {
     /// `true`: processes (`ipc`); `false`: threads of one process (`local`).
     pub between_processes: bool,

@@ -83,5 +83,16 @@ fn inside(part: &Part, bounds: &Bounds, domain: &Domain, at: &str, findings: &mu
         point(&bounds.max),
         extent(domain)
     );
-    findings.problem_with_help(at, message, "give it a position, or check its unit");
+    // A file may be drawn far from its origin, which is what a position moves.
+    let middle = bounds.centre();
+    let there =
+        |k: usize| part.pose.position[k] + 0.5 * (domain.min[k] + domain.max[k]) - middle[k];
+    let help = format!(
+        "give it a position, or check its unit; position = [\"{:.6} m\", \"{:.6} m\", \"{:.6} m\"] brings its middle to \
+         that of the domain",
+        there(0),
+        there(1),
+        there(2)
+    );
+    findings.problem_with_help(at, message, help);
 }
