@@ -52,7 +52,7 @@ pub fn examine(
     let whole = steps::findings(spec, plan)
         .into_iter()
         .chain(flow::findings(&spec.scene))
-        .chain(resources::findings(plan, descriptions, machine))
+        .chain(resources::findings(&spec.scene, plan, descriptions, machine))
         .map(of_whole);
     own.chain(whole).collect()
 }
