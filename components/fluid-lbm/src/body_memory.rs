@@ -1,6 +1,6 @@
 //! Memory that bodies take in the fluid: what is kept of the cells and links around each.
 
-use tremie_messages::scene::{BodySizes, Diameters, Placement, Scene, SievePoint};
+use tremie_messages::scene::{BodySizes, Diameters, Inlet, Placement, Scene, SievePoint};
 
 /// Measured on x86-64, in bytes, of bodies at rest and on the move: what each takes, whatever its size; for each square of
 /// its diameter in cells, because links are on its surface; and for each cube of it.
@@ -8,8 +8,8 @@ const SPHERE: [f64; 3] = [27e3, 1.2e3, 33.0];
 /// Of a polyhedron links are found through its faces.
 const POLYHEDRON: [f64; 3] = [25e3, 3.7e3, 33.0];
 
-/// Memory of the bodies at the start, and of those that inlets feed as if these filled the domain [bytes]; `cell` is the edge
-/// of a cell [m].
+/// Memory of the bodies at the start, and of those that inlets feed, between as many as fill the inlet and as fill the domain
+/// [bytes]; `cell` is the edge of a cell [m].
 pub(crate) fn of_bodies(scene: &Scene, cell: f64) -> u64 {
     let of_set = |placement: &Placement| {
         let cost = match placement {
@@ -27,11 +27,12 @@ pub(crate) fn of_bodies(scene: &Scene, cell: f64) -> u64 {
     let at_start: f64 = scene.bodies.iter().map(|set| of_set(&set.placement)).sum();
     let size = scene.domain.size();
     let domain = size[0] * size[1] * size[2];
-    let of_inlet = |(fraction, diameters): (f64, &Diameters)| {
-        number(diameters, fraction * domain) * mean(diameters, |d| of_diameter(SPHERE, d / cell))
+    let of_inlet = |inlet: &Inlet| {
+        let region: f64 = (0..3).map(|a| inlet.max[a] - inlet.min[a]).product();
+        let number = number(&inlet.diameters, inlet.fraction * (region * domain).sqrt());
+        number * mean(&inlet.diameters, |d| of_diameter(SPHERE, d / cell))
     };
-    let inlets = scene.inlets.iter().map(|inlet| (inlet.fraction, &inlet.diameters));
-    (at_start + inlets.map(of_inlet).fold(0.0, f64::max)) as u64
+    (at_start + scene.inlets.iter().map(of_inlet).fold(0.0, f64::max)) as u64
 }
 
 fn of_diameter([one, surface, volume]: [f64; 3], d: f64) -> f64 {
