@@ -26,6 +26,7 @@ mod balance;
 mod batch;
 mod bodies;
 mod body;
+mod body_memory;
 mod bricks;
 mod catalogue;
 mod cells;

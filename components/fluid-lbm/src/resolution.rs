@@ -1,6 +1,7 @@
 //! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
 
 use crate::axes::Axes;
+use crate::body_memory;
 use crate::field::Field;
 use crate::grain_space::{DryRegion, Throat, dry_regions, throat};
 use crate::ground::Ground;
@@ -98,8 +99,9 @@ impl Parameters {
         }
         let ground = Ground::new(scene, Axes::WORLD, cells, self.cell.0)?;
         let fluid_cells = ground.voxels.fluid;
+        let of_bodies = body_memory::of_bodies(scene, self.cell.0);
         let memory_bytes = match self.memory(cells, fluid_cells as u64) {
-            Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes,
+            Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes + of_bodies,
             _ => return Err(vec![too_many(cells)]),
         };
         let reservoir_cells = reservoir_cells(scene, &ground)?;

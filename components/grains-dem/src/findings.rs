@@ -147,7 +147,9 @@ fn memory_of_sphere(resolution: &Resolution) -> Option<Finding> {
     let why = if from == to {
         format!("{from} MB in all")
     } else {
-        format!("{from} MB in all at the start, {to} MB once they lie as close as in a bed")
+        format!(
+            "{from} MB in all at the start, {to} MB once all that may come lie as close as in a bed"
+        )
     };
     (spheres > 0.0).then(|| Finding::new("memory of a sphere", memory / spheres, "B").because(why))
 }

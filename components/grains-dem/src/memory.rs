@@ -1,7 +1,7 @@
 //! Memory that a run's bodies take, counted from the arrays that hold them and from the pairs that will be listed.
 //!
 //! How many pairs there are depends on how close bodies lie: a cloud that falls has few, the bed that it becomes has many.
-//! Both ends are told, and their geometric mean stands for the run.
+//! How many bodies there are depends on what inlets bring. Both ends are told, and their geometric mean stands for the run.
 
 use crate::{
     Parameters, Vec3,
@@ -16,7 +16,7 @@ use crate::{
 use core::f64::consts::PI;
 use tremie_messages::{
     body::BodyEvent,
-    scene::{BodySet, BodySizes, Diameters, Motion, Placement, Scene},
+    scene::{BodySet, BodySizes, Diameters, Inlet, Motion, Placement, Scene},
 };
 
 /// Solid fraction of a settled bed.
@@ -25,9 +25,9 @@ const BED: f64 = 0.6;
 /// Least and most memory that the bodies of a run take [bytes].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Need {
-    /// As they lie at the start.
+    /// As they lie at the start, and with the regions of inlets filled.
     pub start: f64,
-    /// Once they lie as close as in a bed.
+    /// Once they lie as close as in a bed, and are as many as there is room for.
     pub dense: f64,
 }
 
@@ -39,21 +39,26 @@ impl Need {
 
     /// That of a scene that is right, with room for so many bodies.
     pub fn of(scene: &Scene, parameters: &Parameters, capacity: usize) -> Self {
-        let crowds = crowds(scene, capacity);
-        let species = crowds.iter().flat_map(|crowd| &crowd.species);
-        let spans = species.clone().map(|own| [own.diameter(); 2]);
+        let few = crowds(scene, |region, _| region);
+        let start: usize = scene.bodies.iter().map(|set| packing::diameters_of(set).len()).sum();
+        let room = capacity.saturating_sub(start) as f64 / scene.inlets.len().max(1) as f64;
+        let many = crowds(scene, |_, mean| room * mean);
+        let spans = few.iter().flat_map(|crowd| &crowd.species).map(|own| [own.diameter(); 2]);
         let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
         let skins = Skins::new(spans, parameters.skin_fraction(), reach);
         let rolling = scene.contacts.iter().any(|pair| pair.law.rolling_friction > 0.0);
         let cost = Cost { skins, rolling: if rolling { size_of::<Rolling>() } else { 0 } };
-        let state = species.map(|own| own.count * own.state()).sum::<f64>();
-        let start =
-            crowds.iter().map(|crowd| cost.of_crowd(&crowd.species, crowd.fraction)).sum::<f64>();
+        let state = |crowds: &[Crowd]| -> f64 {
+            let species = crowds.iter().flat_map(|crowd| &crowd.species);
+            species.map(|own| own.count * own.state()).sum()
+        };
+        let of_crowd = |crowd: &Crowd| cost.of_crowd(&crowd.species, crowd.fraction);
+        let start = state(&few) + few.iter().map(of_crowd).sum::<f64>();
         // Without weight, fluid and inlets nothing brings bodies together.
         let gathers =
             scene.gravity != [0.0; 3] || scene.fluid.is_some() || !scene.inlets.is_empty();
-        let dense = if gathers { cost.of_bed(&crowds).max(start) } else { start };
-        Self { start: state + start, dense: state + dense }
+        let dense = if gathers { state(&many) + cost.of_bed(&many) } else { start };
+        Self { start, dense: dense.max(start) }
     }
 }
 
@@ -90,27 +95,28 @@ struct Crowd {
     fraction: f64,
 }
 
-/// The bodies of all sets. Of those that inlets may feed half are there.
-fn crowds(scene: &Scene, capacity: usize) -> Vec<Crowd> {
+/// The bodies of all sets, and those that inlets feed: these have the volume [m³] that `fed` says, from the volume that fills
+/// the inlet's region to its fraction and from the mean volume of one.
+fn crowds(scene: &Scene, fed: impl Fn(f64, f64) -> f64) -> Vec<Crowd> {
     let of_set = |set: &BodySet| {
-        let (around, solid) =
-            (placement::around(scene, set), matches!(set.placement, Placement::Polyhedra(_)));
-        let one = Species { around, solid, free: set.motion == Motion::Free, ..Species::default() };
+        let solid = matches!(set.placement, Placement::Polyhedra(_));
+        let (around, free) = (placement::around(scene, set), set.motion == Motion::Free);
+        let one = Species { around, solid, free, ..Species::default() };
         let fraction = match set.placement.sizes() {
             BodySizes::Packed(packing) => packing.fraction,
             BodySizes::Listed(_) => BED,
         };
         Crowd { species: by_size(packing::diameters_of(set).into_iter(), one, 1.0), fraction }
     };
-    let mut crowds: Vec<Crowd> = scene.bodies.iter().map(of_set).collect();
-    let start = crowds.iter().flat_map(|crowd| &crowd.species).map(|own| own.count).sum::<f64>();
-    let share = 0.5 * (capacity as f64 - start).max(0.0) / scene.inlets.len().max(1) as f64;
-    for inlet in &scene.inlets {
+    let of_inlet = |inlet: &Inlet| {
+        let mean = Sizes::new(&inlet.diameters).mean_volume();
+        let region: f64 = (0..3).map(|a| inlet.max[a] - inlet.min[a]).product();
+        let count = fed(inlet.fraction * region, mean) / mean;
         let one = Species { around: 1.0, free: true, ..Species::default() };
-        let species = by_size(drawn(&inlet.diameters), one, share / f64::from(DRAWS));
-        crowds.push(Crowd { species, fraction: inlet.fraction });
-    }
-    crowds
+        let species = by_size(drawn(&inlet.diameters), one, count / f64::from(DRAWS));
+        Crowd { species, fraction: inlet.fraction }
+    };
+    scene.bodies.iter().map(of_set).chain(scene.inlets.iter().map(of_inlet)).collect()
 }
 
 /// Diameters that stand for a distribution.

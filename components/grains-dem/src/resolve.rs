@@ -47,7 +47,7 @@ pub struct Resolution {
     pub room: Option<Room>,
     /// Memory that the bodies take [bytes]: the geometric mean of the next two.
     pub memory: u64,
-    /// As they lie at the start, and once they lie as close as in a bed [bytes].
+    /// As they lie at the start, and once all that may come lie as close as in a bed [bytes].
     pub memory_from_to: [u64; 2],
     /// Number of spheres that move under forces.
     pub free_bodies: usize,

@@ -56,7 +56,7 @@ pub fn examine(
         .into_iter()
         .chain(length::finding(spec, plan, descriptions))
         .chain(flow::findings(&spec.scene))
-        .chain(resources::findings(plan, descriptions, machine))
+        .chain(resources::findings(&spec.scene, plan, descriptions, machine))
         .map(of_whole);
     own.chain(whole).collect()
 }

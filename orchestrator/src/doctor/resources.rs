@@ -6,6 +6,7 @@ use tremie_channels::memory::SHARED_MEMORY;
 use tremie_messages::Finding;
 use tremie_messages::Role;
 use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample};
+use tremie_messages::scene::{BodySizes, Scene};
 use tremie_messages::start::{Description, FrameContent};
 
 /// Part of what is free that a run may take without a doubt.
@@ -13,19 +14,27 @@ const COMFORT: f64 = 0.8;
 /// Bytes of a number in the table of signals, with its comma; rarely more.
 const WRITTEN_NUMBER: u64 = 20;
 
+/// Resident set of a process of the run by itself [bytes]: for the most part pages of the program, which all processes share.
+const PROCESS: u64 = 14_000_000;
+/// What a listed body takes where the manifest is read, with the places of all that is said of it, and in each component
+/// [bytes].
+const LISTED: u64 = 3_400;
+const TOLD: u64 = 700;
+
 /// Memory, shared memory and disk that the run takes, as far as that is known.
 pub(super) fn findings(
+    scene: &Scene,
     plan: &Plan,
     descriptions: &[Description],
     machine: &Machine,
 ) -> Vec<Finding> {
-    let components: u64 = descriptions.iter().map(|description| description.memory).sum();
     let shared = plan.shared_memory();
-    let memory = within("memory", components + shared, machine.available).wrong_if(
-        machine.memory.is_some_and(|memory| components + shared > memory),
+    let need = memory(scene, descriptions) + shared;
+    let memory = within("memory", need, machine.available).wrong_if(
+        machine.memory.is_some_and(|memory| need > memory),
         format!(
             "the run takes {}, and the machine has {}",
-            bytes(components + shared),
+            bytes(need),
             bytes(machine.memory.unwrap_or(0))
         ),
         "a larger cell, a smaller domain, or precision = \"f32\" where the fluid offers it",
@@ -43,6 +52,18 @@ pub(super) fn findings(
         ),
         within("disk, at most", disk(plan, descriptions), machine.disk),
     ]
+}
+
+/// Memory of all processes, but for what they share [bytes].
+fn memory(scene: &Scene, descriptions: &[Description]) -> u64 {
+    let own: u64 = descriptions.iter().map(|description| description.memory).sum();
+    let sizes = scene.bodies.iter().map(|set| set.placement.sizes());
+    let listed = |sizes| match sizes {
+        BodySizes::Listed(diameters) => diameters.len() as u64,
+        BodySizes::Packed(_) => 0,
+    };
+    let (listed, components) = (sizes.map(listed).sum::<u64>(), descriptions.len() as u64);
+    own + (components + 1) * PROCESS + listed * (LISTED + components * TOLD)
 }
 
 /// A number of bytes, judged by what there is room for.
