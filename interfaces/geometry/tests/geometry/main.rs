@@ -10,3 +10,4 @@ mod mending;
 mod questions;
 mod shapes;
 mod turned;
+mod union;
