@@ -218,3 +218,162 @@ fn a_measured_run_tells_how_long_it_takes() {
     assert!(time["why"].as_str().unwrap().contains("windows at"), "{time:#}");
     assert_eq!(code, Some(0));
 }
+
+/// Grains alone in a box, to be changed by replacing words.
+const DRY: &str = r#"
+[run]
+until = "0.02 s"
+
+[scene]
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+
+[scene.domain]
+size = ["20 mm", "20 mm", "20 mm"]
+
+[[scene.bodies]]
+name = "g"
+density = "2500 kg/m3"
+spheres = [
+    { position = ["10 mm", "10 mm", "10 mm"], diameter = "4 mm" },
+    { position = ["5 mm", "5 mm", "5 mm"], diameter = "2 mm", velocity = ["0 m/s", "0 m/s", "-0.1 m/s"] },
+]
+
+[[scene.contacts]]
+normal_stiffness = "5000 N/m"
+tangential_stiffness = "4000 N/m"
+friction = 0.3
+restitution = 0.5
+
+[components]
+grains = "grains-dem"
+
+[outputs]
+record = false
+"#;
+
+/// A run that nobody sees the end of is pointed out, with the grain, pair or key that makes its steps short.
+#[test]
+fn runs_of_absurd_length_say_what_makes_them_long() {
+    let quantity = "steps of the run";
+    let (_, plan) = check(DRY, &[]);
+    assert_eq!(finding(&plan, "run", quantity)["verdict"], "ok");
+    let tiny = DRY.replace("\"2 mm\"", "\"1e-6 mm\"");
+    let stiff = DRY.replace("5000 N/m", "5e17 N/m").replace("4000 N/m", "4e17 N/m");
+    let light = DRY.replace("2500 kg/m3", "1e-13 kg/m3");
+    let few = |text: &str| text.replace("0.02 s", "20 s");
+    for (text, options, verdict, words) in [
+        (
+            tiny.clone(),
+            &[][..],
+            "wrong",
+            "smallest grain 1e-9 m (of body 1 of scene.bodies[0] \"g\")",
+        ),
+        (stiff, &[], "wrong", "normal_stiffness 5e17 N/m"),
+        (light, &[], "wrong", "g with g"),
+        (DRY.into(), &["--set", "run.until=1e10 s"], "wrong", "1e10 s (run.until)"),
+        (DRY.into(), &["--set", "run.until=10000 s"], "doubtful", "10000 s (run.until)"),
+        (
+            few(DRY),
+            &["--set", "settings.grains-dem.time_step=1e-8 s"],
+            "doubtful",
+            "time_step in its settings",
+        ),
+        (SMALL.into(), &["--set", "run.until=1e8 s"], "wrong", "viscosity of"),
+        (
+            SMALL.into(),
+            &[
+                "--set",
+                "run.until=100 s",
+                "--set",
+                "settings.fluid-lbm.time_step=1e-7 s",
+                "--set",
+                "settings.fluid-lbm.smagorinsky=0.1",
+            ],
+            "doubtful",
+            "fluid steps",
+        ),
+    ] {
+        let (code, plan) = check(&text, options);
+        let found = finding(&plan, "run", quantity);
+        assert_eq!(found["verdict"], verdict, "{options:?} {found:#}");
+        assert_eq!(code, Some(i32::from(verdict == "wrong")), "{options:?}");
+        let why = found["why"].as_str().unwrap();
+        assert!(why.contains(words) && why.contains("about "), "{options:?} {why}");
+        assert!(found["remedy"].as_str().unwrap().contains("run.until"), "{found:#}");
+    }
+    // More than can be counted is refused, with the same words.
+    let home = tempfile::tempdir().unwrap();
+    let manifest = home.path().join("manifest.toml");
+    std::fs::write(&manifest, tiny).unwrap();
+    let output = tremie().arg("check").arg(&manifest).args(["--until", "1 h"]).output();
+    let output = output.unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    if output.status.code() == Some(2) {
+        assert!(said.contains("smallest grain 1e-9 m"), "{said}");
+    }
+}
+
+/// Contacts that are too soft are doubted before the run, by what it gives and lets fall, and after it, by what was.
+#[test]
+fn soft_contacts_are_doubted_before_and_after_a_run() {
+    let plate = r#"
+[[scene.parts]]
+name = "plate"
+box = { size = ["20 mm", "20 mm", "1 mm"] }
+position = ["10 mm", "10 mm", "4 mm"]
+
+[[scene.contacts]]"#;
+    let fast = |text: &str| {
+        text.replace("-0.1 m/s", "-2 m/s").replace("\"5 mm\"], diameter", "\"8 mm\"], diameter")
+    };
+    let soft = |text: &str| text.replace("5000 N/m", "200 N/m").replace("4000 N/m", "160 N/m");
+    let onto = |text: &str| text.replace("\n[[scene.contacts]]", plate);
+    let two = |text: &str| {
+        // Half of the speed each, against each other.
+        text.replace("\"8 mm\"], diameter = \"2 mm\", velocity = [\"0 m/s\", \"0 m/s\", \"-2 m/s\"]", "\"2 mm\"], diameter = \"2 mm\", velocity = [\"1.2 m/s\", \"0 m/s\", \"0 m/s\"]")
+            .replace("[\"10 mm\", \"10 mm\", \"10 mm\"], diameter = \"4 mm\"", "[\"15 mm\", \"5 mm\", \"2 mm\"], diameter = \"2 mm\", velocity = [\"-1.2 m/s\", \"0 m/s\", \"0 m/s\"]")
+    };
+    let joined = |text: &str| {
+        text.replace("density = \"2500 kg/m3\"\n", "density = \"2500 kg/m3\"\nclump = \"c\"\n")
+            .replace("\"0 m/s\", \"-2 m/s\"]", "\"0 m/s\", \"-2 m/s\"]")
+            .replace(
+                "diameter = \"4 mm\" }",
+                "diameter = \"4 mm\", velocity = [\"0 m/s\", \"0 m/s\", \"-2 m/s\"] }",
+            )
+    };
+    let hertz = |text: &str| {
+        text.replace("normal_stiffness = \"5000 N/m\"\ntangential_stiffness = \"4000 N/m\"", "hertz = true")
+            .replace("[[scene.bodies]]", "[scene.materials.g]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"100 kPa\"\npoisson_ratio = 0.3\n\n[scene.materials.wall]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"100 kPa\"\npoisson_ratio = 0.3\n\n[[scene.bodies]]")
+    };
+    let (before, after) =
+        ("overlap at an impact over the radius", "greatest overlap over the smaller radius");
+    for (name, text, doubted) in [
+        ("stiff and slow", DRY.to_string(), false),
+        ("onto a wall", soft(&fast(DRY)), true),
+        ("onto a part", onto(&soft(&fast(DRY))), true),
+        ("against each other", two(&soft(&fast(DRY))), true),
+        ("a clump", joined(&soft(&fast(DRY))), true),
+        ("hertz", hertz(&fast(DRY)), true),
+    ] {
+        let ran = run_text(&text, &[]);
+        let summary = ran.succeeded().summary();
+        let findings = summary["findings"].as_array().unwrap();
+        let of = |quantity: &str| {
+            let found = findings.iter().find(|f| f["quantity"] == quantity);
+            found.unwrap_or_else(|| panic!("{name}: no {quantity}")).clone()
+        };
+        let (expected, was) = (of(before), of(after));
+        let ratio = |f: &Value| f["value"].as_f64().unwrap();
+        println!("{name}: expected {}, was {}", ratio(&expected), ratio(&was));
+        let verdict = if doubted { "doubtful" } else { "ok" };
+        assert_eq!(
+            (&expected["verdict"], &was["verdict"]),
+            (&verdict.into(), &verdict.into()),
+            "{name}"
+        );
+        assert_eq!(was["value"], summary["signals"]["grains.max_overlap_ratio"]["max"], "{name}");
+        assert!(!doubted || expected["remedy"].as_str().unwrap().len() > 20, "{name}");
+    }
+    let said = run_text(&soft(&fast(DRY)), &["--quiet"]).succeeded().errors();
+    assert!(said.contains("doubtful: grains: greatest overlap"), "{said}");
+}

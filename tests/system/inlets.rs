@@ -161,3 +161,43 @@ fn a_fluid_that_tells_no_velocities_is_refused_where_they_are_asked_for() {
     assert!(errors.contains("scene.inlets[0].velocity"), "{errors}");
     assert!(errors.contains("does not tell"), "{errors}");
 }
+
+/// A box that an inlet fills without a way out comes to rest, without a word of how many fit; a capacity below that is
+/// doubted with both numbers, and where it is met the error names the key.
+#[test]
+fn a_box_fills_up_without_a_word_of_how_many_fit() {
+    let text = r#"
+[run]
+until = "0.8 s"
+[scene]
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+[scene.domain]
+size = ["10 mm", "10 mm", "20 mm"]
+[[scene.inlets]]
+name = "i"
+density = "2500 kg/m3"
+min = ["1 mm", "1 mm", "14 mm"]
+max = ["9 mm", "9 mm", "19 mm"]
+fraction = 0.15
+diameter = "2 mm"
+velocity = ["0 m/s", "0 m/s", "-0.3 m/s"]
+[[scene.contacts]]
+normal_stiffness = "2000 N/m"
+tangential_stiffness = "1600 N/m"
+friction = 0.3
+restitution = 0.5
+[components]
+grains = "grains-dem"
+[outputs]
+record = false
+"#;
+    let ran = run_text(text, &[]).succeeded();
+    let bodies = ran.signals()["grains.bodies"].last().copied().unwrap();
+    // More than twice the inlet's fraction of the box would be.
+    assert!(bodies > 0.32 * 2000.0 / (std::f64::consts::PI / 6.0 * 8.0), "{bodies}");
+    let ran = run_text(text, &["--set", "settings.grains-dem.capacity=60"]);
+    assert_eq!(ran.code(), Some(1), "{}", ran.errors());
+    let errors = ran.errors();
+    assert!(errors.contains("doubtful: grains: room for spheres is 60: 306 fit"), "{errors}");
+    assert!(errors.contains("raise `capacity` in settings.grains-dem"), "{errors}");
+}

@@ -65,6 +65,44 @@ pub struct Body {
     pub pressed: [[f64; 3]; 2],
     /// What it owes the fluid.
     pub account: Account,
+    /// What it displaces, where that is not all of it.
+    pub displaced: Option<Displaced>,
+}
+
+/// What a body displaces that is a piece of a union: its share of that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Displaced {
+    /// Volume [cells].
+    pub volume: f64,
+    /// Centre of that volume as seen from the body's, as the body stood first.
+    pub middle: [f64; 3],
+    /// How it stood first, once that is known, and how it stands.
+    pub first: Option<[f64; 4]>,
+    /// See `first`.
+    pub orientation: [f64; 4],
+}
+
+impl Displaced {
+    /// Takes note of how the body stands.
+    fn turn(&mut self, orientation: [f64; 4]) {
+        self.first.get_or_insert(orientation);
+        self.orientation = orientation;
+    }
+
+    /// Centre of the volume as seen from the body's.
+    fn middle(&self) -> [f64; 3] {
+        let Some(first) = self.first else { return self.middle };
+        let back = [-first[0], -first[1], -first[2], first[3]];
+        rotated(self.orientation, rotated(back, self.middle))
+    }
+}
+
+/// A vector turned by a unit quaternion.
+fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let u = [x, y, z];
+    let t = cross(u, v).map(|c| 2.0 * c);
+    let more = cross(u, t);
+    std::array::from_fn(|a| v[a] + w * t[a] + more[a])
 }
 
 impl Body {
@@ -108,6 +146,7 @@ impl Body {
             carried: [[0.0; 3]; 2],
             pressed: [[0.0; 3]; 2],
             account: Account::default(),
+            displaced: None,
         }
     }
 
@@ -127,8 +166,11 @@ impl Body {
         self.radius * self.radius
     }
 
-    /// Volume [cells].
+    /// Volume that it displaces [cells].
     pub fn volume(&self) -> f64 {
+        if let Some(displaced) = &self.displaced {
+            return displaced.volume;
+        }
         match &self.part {
             Some(part) => part.volume,
             None => 4.0 / 3.0 * std::f64::consts::PI * self.radius * self.r2(),
@@ -137,6 +179,9 @@ impl Body {
 
     /// From its centre or origin to the centre of its volume.
     pub fn middle(&self) -> [f64; 3] {
+        if let Some(displaced) = &self.displaced {
+            return displaced.middle();
+        }
         self.part.as_ref().map_or([0.0; 3], |part| part.middle())
     }
 
@@ -216,6 +261,9 @@ impl Body {
 
     /// Takes over a state; true if the body is now elsewhere.
     pub fn take(&mut self, state: &BodyState, lead: f64, units: &Units, grid: &Grid) -> bool {
+        if let Some(displaced) = &mut self.displaced {
+            displaced.turn(state.orientation);
+        }
         let velocity = state.velocity.map(|v| v / units.velocity());
         let spin = state.angular_velocity.map(|w| w * units.time_step);
         let before = if self.placed { self.given } else { [velocity, spin] };

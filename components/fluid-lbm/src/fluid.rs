@@ -1,6 +1,7 @@
 //! The fluid as its users see it: SI units outside, one precision or the other inside.
 
 use crate::axes::Axes;
+use crate::body::Displaced;
 use crate::error::FluidError;
 use crate::field::Real;
 use crate::ground::Ground;
@@ -11,6 +12,7 @@ use crate::reservoir::ReservoirState;
 use crate::resolution::Resolution;
 use crate::solver::Solver;
 use std::borrow::Cow;
+use tremie_geometry::clump;
 use tremie_messages::scene::{ProbeShape, Scene};
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
 use tremie_team::{Found, Variant};
@@ -29,6 +31,21 @@ pub struct FluidLbm {
     ports: Vec<PortState>,
     /// The scene's probes.
     probes: Vec<ProbeShape>,
+}
+
+/// What bodies of each set displace, of clumps that are unions; nothing for other sets.
+fn displaced(scene: &Scene, axes: Axes, cell: f64) -> Vec<Vec<Displaced>> {
+    let mut all = vec![Vec::new(); scene.bodies.len()];
+    for piece in scene.unions.iter().flat_map(|name| clump(scene, name)) {
+        let share = piece.share;
+        all[piece.set].push(Displaced {
+            volume: share.volume / (cell * cell * cell),
+            middle: axes.to_lattice(&share.centroid).map(|x| x / cell),
+            first: None,
+            orientation: [0.0, 0.0, 0.0, 1.0],
+        });
+    }
+    all
 }
 
 /// The solver in the precision that was chosen.
@@ -85,7 +102,7 @@ impl FluidLbm {
             Precision::F32 => f32::LINE,
         };
         let (axes, own, ground) = turned(scene, &resolution, ground, line);
-        let solver = match parameters.precision {
+        let mut solver = match parameters.precision {
             Precision::F64 => Either::F64(Box::new(Solver::on(
                 ground, &own, parameters, time_step, threads, variant,
             )?)),
@@ -93,6 +110,10 @@ impl FluidLbm {
                 ground, &own, parameters, time_step, threads, variant,
             )?)),
         };
+        if !scene.unions.is_empty() {
+            let displaced = displaced(scene, axes, parameters.cell.0);
+            solver!(&mut solver, s => s.displace(displaced));
+        }
         Ok(Self {
             solver,
             axes,

@@ -3,6 +3,7 @@
 use crate::batch::Batch;
 use crate::bodies::Bodies;
 use crate::body::Body;
+use crate::body::Displaced;
 use crate::bricks::Bricks;
 use crate::catalogue::Catalogue;
 use crate::cells::Fixture;
@@ -296,6 +297,11 @@ impl<T: Collides> Solver<T> {
         let (velocity, pressure) = (fluid.velocity, fluid.pressure);
         solver.set_state(|_| (velocity, pressure));
         Ok(solver)
+    }
+
+    /// Tells what bodies of the scene's sets displace; see [`Bodies::displace`].
+    pub fn displace(&mut self, displaced: Vec<Vec<Displaced>>) {
+        self.bodies.displace(displaced);
     }
 
     /// See [`crate::FluidLbm::apply_events`].

@@ -11,6 +11,7 @@ use crate::{
     laws::Laws,
     polyhedra::{PlacedSolid, SPHERE},
 };
+use tremie_geometry::Share;
 use tremie_messages::scene::{BodySet, Motion, Scene};
 
 /// Where a body stood that was not there yet.
@@ -106,6 +107,8 @@ pub(crate) struct PlacedSphere {
     pub twist: Twist,
     /// Mass [kg].
     pub mass: f64,
+    /// Its share of the union of its clump's bodies, where that is what the clump is; the mass is that of the share.
+    pub share: Option<Share>,
     pub motion: Motion,
     /// Index of its set in the scene.
     pub set: usize,
@@ -123,6 +126,13 @@ pub(crate) struct Joined {
 }
 
 impl PlacedSphere {
+    /// Part of its volume that is its own: of a piece of a union its share.
+    pub fn part(&self) -> f64 {
+        let diameter = self.solid.map_or(2.0 * self.ball.radius, |solid| solid.size);
+        let whole = core::f64::consts::PI / 6.0 * diameter * diameter * diameter;
+        self.share.map_or(1.0, |share| share.volume / whole)
+    }
+
     /// Its response to forces.
     pub fn mobility(&self) -> Mobility {
         if self.motion != Motion::Free {
@@ -385,6 +395,7 @@ mod tests {
             solid: None,
             twist: Twist { v: Vec3::repeat(-k), w: Vec3::zeros() },
             mass: 1.0 + k,
+            share: None,
             motion: Motion::Free,
             set: k as usize,
             clump: None,

@@ -5,6 +5,8 @@ use crate::{
     clumps::{Clumps, Misfit},
     placement,
 };
+use serde::Serialize;
+use tremie_geometry::{ClumpPiece, clump};
 use tremie_messages::{
     Problem,
     scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene},
@@ -18,6 +20,12 @@ pub(crate) fn clumps(scene: &Scene, problems: &mut Vec<Problem>) {
         let key = format!("scene.bodies[{i}].clump");
         if let Some((message, help)) = fault(scene, set, name) {
             problems.push(Problem::new(key, message).help(help));
+        }
+    }
+    for (i, name) in scene.unions.iter().enumerate() {
+        if !scene.bodies.iter().any(|set| set.clump.as_deref() == Some(name)) {
+            let message = format!("is \"{name}\", but no set of bodies is in a clump of this name");
+            problems.push(Problem::new(format!("scene.unions[{i}]"), message));
         }
     }
     let name = scene.bodies.iter().find_map(|set| set.clump.as_deref());
@@ -68,6 +76,47 @@ pub(crate) fn wholes(scene: &Scene, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(key, message).help(help));
         }
     }
+}
+
+/// How much more the pieces of clumps weigh than their unions.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClumpOverlap {
+    /// Name of the clump that it is most of.
+    pub clump: String,
+    /// Volume of its pieces over that of their union, less one.
+    pub excess: f64,
+    /// Whether its mass is that of the union.
+    pub united: bool,
+    /// How many clumps have pieces that overlap.
+    pub count: usize,
+    /// How many were looked at.
+    pub of: usize,
+}
+
+/// Clumps that are looked at: where there are more, the others are like them.
+const LOOKED_AT: usize = 200;
+
+/// Pieces that overlap by less than this part of the union touch.
+const TOUCHING: f64 = 1e-3;
+
+/// Of the clump whose pieces overlap most, those whose overlaps count twice before the others.
+pub(crate) fn overlap(scene: &Scene) -> Option<ClumpOverlap> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in scene.bodies.iter().filter_map(|set| set.clump.as_deref()) {
+        if !names.contains(&name) && names.len() < LOOKED_AT {
+            names.push(name);
+        }
+    }
+    let of = |name: &&str| {
+        let pieces = clump(scene, name);
+        let sum = |of: fn(&ClumpPiece) -> f64| pieces.iter().map(of).sum::<f64>();
+        let excess = sum(|piece| piece.volume) / sum(|piece| piece.share.volume) - 1.0;
+        (name.to_string(), excess, scene.unions.iter().any(|united| united == name))
+    };
+    let all: Vec<_> = names.iter().map(of).filter(|(_, excess, _)| *excess > TOUCHING).collect();
+    let worst = all.iter().max_by(|a, b| b.2.cmp(&a.2).then(a.1.total_cmp(&b.1)))?;
+    let (clump, excess, united) = worst.clone();
+    Some(ClumpOverlap { clump, excess, united, count: all.len(), of: names.len() })
 }
 
 /// Velocities that differ by less than this part are those of a rigid motion, but for rounding.

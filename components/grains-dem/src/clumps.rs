@@ -109,8 +109,8 @@ struct Member {
 }
 
 impl Clumps {
-    /// Those that bodies were placed in; masses and moments of inertia are sums over the bodies. They begin
-    /// with the momentum and the angular momentum of their bodies.
+    /// Those that bodies were placed in; masses and moments of inertia are sums over the bodies, or over their shares of
+    /// the union. They begin with the momentum and the angular momentum of their bodies.
     pub fn of_placed(scene: &Scene, placed: &[PlacedSphere]) -> Self {
         let shapes = shapes(scene);
         let (_, count) = numbers(scene);
@@ -200,16 +200,16 @@ impl Clump {
         let sum = |of: &dyn Fn(&PlacedSphere) -> Vec3| {
             placed.iter().fold(Vec3::zeros(), |sum, (_, body)| sum + of(body))
         };
-        let x = sum(&|body| body.ball.x * body.mass) / mass;
-        let v = sum(&|body| body.twist.v * body.mass) / mass;
+        let x = sum(&|body| middle(body) * body.mass) / mass;
+        let v = sum(&|body| velocity(body) * body.mass) / mass;
         let momentum = sum(&|body| {
-            own_momentum(body, shapes) + (body.ball.x - x).cross(&(body.twist.v * body.mass))
+            own_momentum(body, shapes) + (middle(body) - x).cross(&(velocity(body) * body.mass))
         });
         let mut tensor = [[0.0; 3]; 3];
         for (_, body) in placed {
             for (a, row) in tensor.iter_mut().enumerate() {
                 let unit = Vec3::from_fn(|b, _| f64::from(a == b));
-                let arm = body.ball.x - x;
+                let arm = middle(body) - x;
                 let around = (unit * arm.norm_squared() - arm * arm[a]) * body.mass;
                 let own = own_inertia(body, shapes, unit) + around;
                 row.iter_mut().zip(own.iter()).for_each(|(sum, more)| *sum += more);
@@ -365,8 +365,22 @@ fn surface_points(body: &PlacedSphere, shapes: &[Shape]) -> Vec<Vec3> {
     ways.map(|way| way * (body.ball.radius / way.norm_squared().sqrt())).collect()
 }
 
-/// Inertia of a body about its centre, times a vector [kg·m²].
+/// Centre of a body's mass [m]: of its share of a union, where it is one's.
+fn middle(body: &PlacedSphere) -> Vec3 {
+    body.share.map_or(body.ball.x, |share| body.ball.x + Vec3::from(share.centroid))
+}
+
+/// Velocity there [m/s].
+fn velocity(body: &PlacedSphere) -> Vec3 {
+    body.twist.v + body.twist.w.cross(&(middle(body) - body.ball.x))
+}
+
+/// Inertia of a body about the centre of its mass, times a vector [kg·m²].
 fn own_inertia(body: &PlacedSphere, shapes: &[Shape], v: Vec3) -> Vec3 {
+    if let Some(share) = body.share {
+        let rows = share.inertia.map(|row| Vec3::from(row).dot(&v));
+        return Vec3::from(rows) * (body.mass / share.volume);
+    }
     match body.solid {
         None => v * (0.4 * body.mass * body.ball.radius * body.ball.radius),
         Some(solid) => {

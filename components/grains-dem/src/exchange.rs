@@ -87,6 +87,7 @@ impl GrainsDem {
             solid: None,
             twist: Twist { v: added.velocity.into(), w: Vec3::zeros() },
             mass: placement::mass(self.sets[added.set].density, added.diameter),
+            share: None,
             motion: Motion::Free,
             clump: None,
             set: added.set,

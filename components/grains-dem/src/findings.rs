@@ -3,7 +3,7 @@
 use crate::check::MIN_STEPS_PER_CONTACT;
 use crate::resolve::Resolution;
 use crate::softness::SMALL;
-use crate::{Lubrication, Parameters, Room, SliderTimes};
+use crate::{ClumpOverlap, Lubrication, Parameters, Room, SliderTimes};
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Damping, Scene};
 use tremie_messages::{Finding, Limit};
@@ -23,6 +23,7 @@ pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution)
     if let (Some(contact), Some(step)) = (resolution.contact_time, resolution.time_step) {
         findings.push(steps_per_contact(contact, step));
     }
+    findings.extend(resolution.clump_overlap.as_ref().map(overlap_of_clumps));
     findings.extend(corners(resolution));
     findings.extend(resolution.softness.findings());
     if let Some(step) = resolution.time_step {
@@ -55,6 +56,35 @@ pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution)
         );
     }
     findings
+}
+
+/// Part of a clump's mass that may count twice before a user should know.
+const TWICE: f64 = 0.01;
+
+/// Overlaps inside clumps count twice, unless the clump is a union.
+fn overlap_of_clumps(overlap: &ClumpOverlap) -> Finding {
+    let ClumpOverlap { clump, excess, united, count, of } = overlap;
+    let others = if *of > 1 {
+        format!(" ({count} of {of} clumps that were looked at are so)")
+    } else {
+        String::new()
+    };
+    let percent = short((1000.0 * excess).round() / 10.0);
+    let finding = Finding::new("volume of overlaps in a clump, over its union", *excess, "1");
+    if *united {
+        return finding.because(format!(
+            "the pieces of \"{clump}\" are {percent} % more than their union, which its mass and buoyancy are of{others}"
+        ));
+    }
+    let why = format!(
+        "pieces of \"{clump}\" overlap, and what they share counts twice: mass and buoyancy are {percent} % more than those of \
+         their union{others}"
+    );
+    finding.because(&why).doubtful_if(
+        *excess > TWICE,
+        why,
+        "mass = \"union\" beside the clump's name in one of its sets, if that is what it weighs; else a smaller density",
+    )
 }
 
 /// Whether inlets can feed more than there is room for. Where spheres leave, a user may know that they are fewer.

@@ -145,6 +145,7 @@ mod walls;
 #[cfg(target_arch = "x86_64")]
 mod wide;
 
+pub use check_clumps::ClumpOverlap;
 pub use damping::{damping_ratio, restitution};
 pub use diagnostics::Diagnostics;
 pub use error::GrainsError;

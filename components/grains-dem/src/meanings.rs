@@ -67,7 +67,10 @@ pub const MEANINGS: &[(&str, &str)] = &[
         "grains that passed since the start, less those that came back; in a clump each piece counts",
     ),
     ("mass_passed", "mass of grains that passed since the start, less what came back"),
-    ("solid_fraction", "volume of grains over that of the region"),
+    (
+        "solid_fraction",
+        "volume of grains over that of the region; overlaps in a clump count twice unless its mass is that of the union",
+    ),
     ("number", "grains there"),
     ("velocity_x", "mean velocity of the grains there, by volume"),
     ("velocity_y", "mean velocity of the grains there, by volume"),

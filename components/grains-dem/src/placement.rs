@@ -11,6 +11,7 @@ use crate::{
     walls::Wall,
 };
 use core::f64::consts::{PI, TAU};
+use tremie_geometry::{ClumpPiece, clump};
 use tremie_messages::{
     Problem,
     scene::{
@@ -79,6 +80,7 @@ pub(crate) fn listed(scene: &Scene) -> Vec<PlacedSphere> {
 
 /// Tells bodies to which clumps they belong.
 fn join(scene: &Scene, placed: &mut [PlacedSphere]) {
+    unite(scene, placed);
     let (numbers, count) = clumps::numbers(scene);
     let mut masses = vec![0.0; count];
     for body in &*placed {
@@ -89,6 +91,20 @@ fn join(scene: &Scene, placed: &mut [PlacedSphere]) {
     for body in placed {
         let of = |number: u32| Joined { number, mass: masses[number as usize] };
         body.clump = numbers[body.set].map(of);
+    }
+}
+
+/// Gives bodies of clumps that are unions their shares of these.
+fn unite(scene: &Scene, placed: &mut [PlacedSphere]) {
+    for name in &scene.unions {
+        for ClumpPiece { set, index, share, .. } in clump(scene, name) {
+            let first = placed.iter().position(|body| body.set == set);
+            let body = first.and_then(|first| placed.get_mut(first + index));
+            if let Some(body) = body.filter(|body| body.set == set) {
+                body.mass = scene.bodies[set].density * share.volume;
+                body.share = Some(share);
+            }
+        }
     }
 }
 
@@ -194,6 +210,7 @@ fn at_rest(set: usize, bodies: &BodySet, ball: Ball) -> PlacedSphere {
         solid: None,
         twist: Twist::zero(),
         mass: mass(bodies.density, 2.0 * ball.radius),
+        share: None,
         motion: bodies.motion.clone(),
         set,
         clump: None,

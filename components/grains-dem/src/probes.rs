@@ -10,7 +10,7 @@ mod sections;
 
 use crate::{
     Vec3,
-    bodies::{Bodies, take_out},
+    bodies::{Bodies, PlacedSphere, take_out},
     pairs::BLOCK,
     periodic::PeriodicBox,
 };
@@ -57,6 +57,8 @@ pub(crate) struct Probes {
     rings: Vec<Annulus>,
     /// Masses by rank [kg]: given motions have one too.
     mass: Vec<f64>,
+    /// Part of its volume that counts, by rank, where that is not all of it for some: of pieces of unions.
+    parts: Vec<f64>,
     /// Positions by rank when sections were last looked at.
     before: Vec<Vec3>,
     crossings: Vec<sections::Sum>,
@@ -73,9 +75,17 @@ enum Kind {
 }
 
 impl Probes {
-    /// Of a scene with spheres of these masses, by id.
-    pub fn new(probes: &[Probe], domain: &Domain, mass: Vec<f64>, bodies: &Bodies) -> Self {
+    /// Of a scene with these bodies, by id.
+    pub fn new(
+        probes: &[Probe],
+        domain: &Domain,
+        placed: &[PlacedSphere],
+        bodies: &Bodies,
+    ) -> Self {
         let mut own = Self::default();
+        if placed.iter().any(|body| body.share.is_some()) {
+            own.parts = placed.iter().map(PlacedSphere::part).collect();
+        }
         for probe in probes {
             match &probe.shape {
                 ProbeShape::Point(_) | ProbeShape::Line { .. } => {}
@@ -95,7 +105,7 @@ impl Probes {
         }
         if !own.sections.is_empty() {
             own.before = bodies.slot.iter().map(|&slot| bodies.balls[slot as usize].x).collect();
-            own.mass = mass;
+            own.mass = placed.iter().map(|body| body.mass).collect();
         }
         own.fit(bodies.len());
         own
@@ -112,6 +122,10 @@ impl Probes {
     /// Bodies of the ranks `gone`, which ascend, are not there any more; others, with their masses [kg],
     /// came after the rest.
     pub fn exchange(&mut self, gone: &[u32], masses: impl Iterator<Item = f64>, bodies: &Bodies) {
+        if !self.parts.is_empty() {
+            take_out(&mut self.parts, gone);
+            self.parts.resize(bodies.len(), 1.0);
+        }
         if !self.sections.is_empty() {
             take_out(&mut self.mass, gone);
             take_out(&mut self.before, gone);
@@ -144,7 +158,8 @@ impl Probes {
         bounds: &PeriodicBox,
         out: &mut Vec<f64>,
     ) {
-        regions::look(&self.regions, &mut self.contents, team, bodies, bounds);
+        let seen = (bodies, &self.parts[..]);
+        regions::look(&self.regions, &mut self.contents, team, seen, bounds);
         rings::look(&self.rings, &mut self.hidden, team, bodies, bounds);
         let mut rings = self.rings.iter().enumerate();
         let (mut sections, mut regions) = (self.sections.iter(), self.regions.iter().enumerate());

@@ -3,6 +3,7 @@
 use crate::{
     Parameters, check,
     check::MIN_STEPS_PER_CONTACT,
+    check_clumps::{self, ClumpOverlap},
     check_ports,
     damping::restitution,
     encounters::{Encounter, Population, contact_time, damping_ratio, largest_overlap},
@@ -60,6 +61,8 @@ pub struct Resolution {
     /// How deep a corner of the heaviest polyhedron sinks into a wall at the expected speed, over the radius of
     /// the sphere inside; 0 without polyhedra.
     pub corner_depth: f64,
+    /// How much bodies of a clump overlap each other, where any do.
+    pub clump_overlap: Option<ClumpOverlap>,
     /// How far spheres are to be expected to overlap.
     pub softness: Softness,
     /// What keeps the time step from being longer, in words.
@@ -151,6 +154,7 @@ impl Parameters {
             smallest_diameter,
             largest_diameter,
             corner_depth: placement::corner_depth(scene, speed),
+            clump_overlap: check_clumps::overlap(scene),
             softness: Softness::of(scene, &encounters, self.expected_speed.map(|speed| speed.0)),
             step_limit: step_limit::reason(
                 scene,

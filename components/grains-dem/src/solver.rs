@@ -157,9 +157,8 @@ impl GrainsDem {
         clumps.end(&mut bodies);
         let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
         bodies.reserve(ports.capacity);
-        let mass = spheres.iter().map(|sphere| sphere.mass).collect();
         let sets = SphereSet::of_scene(scene, laws);
-        let probes = Probes::new(&scene.probes, &scene.domain, mass, &bodies);
+        let probes = Probes::new(&scene.probes, &scene.domain, spheres, &bodies);
         let blocks = spheres.len().div_ceil(BLOCK);
         let events = events::initial(spheres, &around.parts);
         let bodies_of_run = events.len();

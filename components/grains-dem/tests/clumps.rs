@@ -5,7 +5,7 @@ use common::{solids::*, *};
 use tremie_grains_dem::{GrainsDem, GrainsError, Parameters};
 use tremie_messages::{
     body::{BodyState, Load},
-    scene::{BodySet, Damping, Motion, Outlet, Placement, Scene, Sphere},
+    scene::{BodySet, BodySizes, Damping, Motion, Outlet, Placement, Scene, Sphere},
 };
 
 const D: f64 = 2e-3;
@@ -392,4 +392,141 @@ fn a_clump_does_not_meet_itself() {
     scene.bodies[1].clump = Some("other".into());
     let problems = Parameters::default().resolve(&scene).expect_err("no law");
     assert!(problems[0].to_string().contains("no law"), "{}", problems[0]);
+}
+
+/// A clump whose mass is that of the union of its bodies.
+fn united(bodies: Vec<BodySet>, size: f64) -> Scene {
+    let mut scene = scene([size; 3], PERIODIC, law(1e4, 0.0, Damping::Restitution(1.0)));
+    scene.shapes = vec![shape("cube")];
+    scene.bodies = bodies;
+    scene.unions = vec!["bar".into()];
+    scene
+}
+
+/// Volume of the lens of two spheres of radii `r` and `s`, `d` apart.
+fn lens(r: f64, s: f64, d: f64) -> f64 {
+    let sum = r + s - d;
+    let rest = d * d + 2.0 * d * (r + s) - 3.0 * (r - s) * (r - s);
+    std::f64::consts::PI / (12.0 * d) * sum * sum * rest
+}
+
+/// Weight and momentum of a dumbbell are those of its lens formula, its spin under a couple that of its inertia: two equal
+/// spheres in a thousand slices.
+#[test]
+fn a_union_is_as_heavy_as_its_lens_says() {
+    let (r, d) = (0.5 * D, 0.6 * D);
+    let at = |x: f64| sphere([10e-3 + x, 10e-3, 10e-3], D, [0.3, 0.0, 0.0]);
+    let mut scene = united(vec![joined("bar", spheres(vec![at(-0.5 * d), at(0.5 * d)]))], 20e-3);
+    let mut dem = make(&scene, 1e-6);
+    let volume = 2.0 * mass(D) / DENSITY - lens(r, r, d);
+    let momentum = dem.diagnostics().momentum;
+    assert!((momentum[0] / (0.3 * DENSITY * volume) - 1.0).abs() < 1e-12, "{momentum:?}");
+    let (n, end) = (200_000, 0.5 * d + r);
+    let across: f64 = (0..n)
+        .map(|k| {
+            let x = end * (f64::from(k) + 0.5) / f64::from(n);
+            let square = r * r - (x - 0.5 * d) * (x - 0.5 * d);
+            2.0 * DENSITY * std::f64::consts::PI * square * (0.25 * square + x * x) * end
+                / f64::from(n)
+        })
+        .sum();
+    let load = |id, f: f64| Load { id, force: [0.0, 0.0, f], torque: [0.0; 3] };
+    let (force, steps) = (1e-5, 100);
+    dem.advance(steps, &[load(0, force), load(1, -force)]).unwrap();
+    let spin = state(&dem)[0].angular_velocity[1];
+    assert!((spin / (force * d * f64::from(steps) * 1e-6 / across) - 1.0).abs() < 1e-6, "{spin}");
+    // Without the word it is as heavy as both.
+    scene.unions.clear();
+    let twice = make(&scene, 1e-6).diagnostics().momentum[0];
+    assert!((twice / (0.3 * 2.0 * mass(D)) - 1.0).abs() < 1e-12, "{twice}");
+}
+
+/// How many bodies a set lists.
+fn pieces_of(set: &BodySet) -> usize {
+    match set.placement.sizes() {
+        BodySizes::Listed(list) => list.len(),
+        BodySizes::Packed(_) => 0,
+    }
+}
+
+/// A ball strikes unions of all kinds, from every side: what moves keeps energy, momentum and angular momentum, and a struck
+/// union turns about its own centroid.
+#[test]
+fn unions_keep_energy_and_momenta() {
+    let v = [0.0; 3];
+    let three = || {
+        let at = |x: f64, y: f64, d: f64| sphere([20e-3 + x, 20e-3 + y, 20e-3], d, v);
+        vec![at(0.0, 0.0, D), at(0.9e-3, 0.2e-3, 1.4e-3), at(0.3e-3, 0.8e-3, 1.6e-3)]
+    };
+    let cube = || joined("bar", solids("cube", vec![solid([20e-3; 3], D, v)]));
+    let ball =
+        |x: f64, d: f64| joined("bar", spheres(vec![sphere([20e-3 + x, 20e-3, 20e-3], d, v)]));
+    let all: [Vec<BodySet>; 4] = [
+        vec![joined("bar", spheres(three()))],
+        vec![cube(), ball(0.8e-3, 1.5e-3)],
+        vec![ball(0.0, D), ball(0.2e-3, 1e-3)],
+        vec![cube(), joined("bar", solids("cube", vec![solid([20.7e-3, 20.3e-3, 20e-3], D, v)]))],
+    ];
+    for (k, bodies) in all.into_iter().enumerate() {
+        let pieces: usize = bodies.iter().map(pieces_of).sum();
+        for way in [[0.0, 0.0, 1.0], [0.2, -1.0, 0.1], [0.9, 0.3, 0.2]] {
+            let from: [f64; 3] = std::array::from_fn(|a| 20.1e-3 - 2.8e-3 * way[a]);
+            let speed = way.map(|w| 0.4 * w);
+            let mut scene = united(bodies.clone(), 40e-3);
+            let shot = spheres(vec![sphere(from, D, speed)]);
+            scene.bodies.push(BodySet { name: "shot".into(), ..shot });
+            let mut dem = make(&scene, 5e-7);
+            let (energy, momentum) = (whole_energy(&mut dem), dem.diagnostics().momentum);
+            dem.advance(24_000, &[]).unwrap();
+            assert_eq!(dem.diagnostics().contacts, 0, "{k}: they are apart again");
+            let after = state(&dem);
+            assert!(norm(minus(after[pieces].velocity, speed)) > 0.05, "{k}: they met");
+            let error = (whole_energy(&mut dem) / energy - 1.0).abs();
+            assert!(error < 3e-3, "{k}: {error}");
+            let lost = norm(minus(dem.diagnostics().momentum, momentum));
+            assert!(lost < 1e-9 * norm(momentum), "{k}: {lost}");
+        }
+    }
+}
+
+/// Overlaps are told, with how much they count twice; a union is not doubted, and names what is in no clump.
+#[test]
+fn overlaps_in_clumps_are_told() {
+    let at = |x: f64, d: f64| sphere([10e-3 + x, 10e-3, 10e-3], d, [0.0; 3]);
+    let with = |list: Vec<Sphere>, unions: &[&str]| {
+        let mut scene = united(vec![joined("bar", spheres(list))], 20e-3);
+        scene.unions = unions.iter().map(|name| name.to_string()).collect();
+        scene
+    };
+    let told = |scene: &Scene| {
+        let parameters = Parameters::default();
+        let resolution = parameters.resolve(scene).unwrap();
+        let found = tremie_grains_dem::findings(scene, &parameters, &resolution);
+        found.into_iter().find(|finding| finding.quantity.contains("overlaps in a clump"))
+    };
+    let pair = || vec![at(0.0, D), at(0.5 * D, D)];
+    let excess = lens(0.5 * D, 0.5 * D, 0.5 * D) * DENSITY / mass(D);
+    let excess = excess / (2.0 - excess);
+    let doubted = told(&with(pair(), &[])).unwrap();
+    assert_eq!(doubted.verdict, tremie_messages::Verdict::Doubtful);
+    assert!((doubted.value - excess).abs() < 1e-9, "{}", doubted.value);
+    assert!(doubted.why.contains("18.5 %") && doubted.remedy.contains("union"), "{doubted:?}");
+    let right = told(&with(pair(), &["bar"])).unwrap();
+    assert_eq!((right.verdict, right.value), (tremie_messages::Verdict::Ok, doubted.value));
+    assert_eq!(told(&with(vec![at(0.0, D), at(1.001 * D, D)], &[])), None);
+    let problems = Parameters::default().resolve(&with(pair(), &["rod"])).unwrap_err();
+    assert!(problems[0].to_string().contains("\"rod\""), "{problems:?}");
+}
+
+/// A region's solid fraction of a union is that of its volume.
+#[test]
+fn a_region_holds_a_union_once() {
+    let at = |x: f64| sphere([10e-3 + x, 10e-3, 10e-3], D, [0.0; 3]);
+    let mut scene = united(vec![joined("bar", spheres(vec![at(0.0), at(0.5 * D)]))], 20e-3);
+    let shape = tremie_messages::scene::ProbeShape::Region { min: [0.0; 3], max: [20e-3; 3] };
+    scene.probes = vec![tremie_messages::scene::Probe { name: "all".into(), shape }];
+    let mut values = Vec::new();
+    make(&scene, 1e-6).read_probes(&mut values);
+    let volume = 2.0 * mass(D) / DENSITY - lens(0.5 * D, 0.5 * D, 0.5 * D);
+    assert!((values[0] * 20e-3f64.powi(3) / volume - 1.0).abs() < 1e-9, "{values:?}");
 }

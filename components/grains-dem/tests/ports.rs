@@ -245,6 +245,64 @@ fn more_spheres_than_there_is_room_for_name_the_key() {
     assert!(error.to_string().contains("`capacity`"), "{error}");
 }
 
+/// Room for as many as fit: of inlets of several sizes, of wide distributions, beside parts, beside what is there; for no
+/// more than a million, which is doubted with both numbers.
+#[test]
+fn there_is_room_for_a_full_box() {
+    let ball = |d: f64| std::f64::consts::PI / 6.0 * d * d * d;
+    let alike = |d: f64| Diameters::Uniform { min: d, max: d };
+    let full = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = stream(10e-3, 0.05);
+        scene.outlets.clear();
+        scene.inlets[0].diameters = alike(1e-3);
+        change(&mut scene);
+        let parameters = Parameters::default();
+        let resolution = parameters.resolve(&scene).unwrap();
+        let found = tremie_grains_dem::findings(&scene, &parameters, &resolution);
+        let found = found.into_iter().find(|f| f.quantity == "room for spheres").unwrap();
+        let room = resolution.room.unwrap();
+        assert_eq!(found.value, room.capacity as f64);
+        (room, found)
+    };
+    let box_of = |fraction: f64, d: f64| fraction * 1e-6 / ball(d);
+    let near = |found: f64, expected: f64, part: f64| {
+        assert!((found / expected - 1.0).abs() < part, "{found} {expected}");
+    };
+    let (room, found) = full(&|_| {});
+    near(room.fits, box_of(0.64, 1e-3), 1e-12);
+    near(room.capacity as f64, 1.05 * room.fits, 2e-3);
+    assert_eq!(found.verdict, tremie_messages::Verdict::Ok);
+    // Two inlets: the smaller grains may fill it all.
+    let (room, _) = full(&|s| {
+        let second = Inlet { name: "fine".into(), diameters: alike(0.5e-3), ..s.inlets[0].clone() };
+        s.inlets.push(second);
+    });
+    assert!(room.fits > box_of(0.64, 0.5e-3) && room.fits < box_of(0.9, 0.5e-3), "{room:?}");
+    // Small ones fit between large ones: as many as their mean volume says.
+    let (room, _) = full(&|s| s.inlets[0].diameters = Diameters::Listed(vec![0.2e-3, 2e-3]));
+    near(room.fits, (1.0 - 0.36 * 0.36) * 2.0 * 1e-6 / (ball(0.2e-3) + ball(2e-3)), 1e-2);
+    // What is there already, and what a part takes up.
+    let (room, _) = full(&|s| {
+        s.bodies[0] = packed([0.0, 0.0, 5e-3], [10e-3; 3], 0.2, (1e-3, 1e-3), 1);
+        s.bodies[0].name = "free".into();
+    });
+    let there = box_of(0.1, 1e-3).round();
+    near(room.fits, there + box_of(0.64 - 0.1, 1e-3), 5e-3);
+    let (room, _) = full(&|s| {
+        let shape = Geometry::Box { size: [8e-3, 8e-3, 5e-3] };
+        let pose = Pose { position: [5e-3, 5e-3, 7.5e-3], ..Pose::IDENTITY };
+        s.parts = vec![Part { geometry: shape, pose, ..post() }];
+    });
+    near(room.fits, box_of(0.64 * 0.68, 1e-3), 0.05);
+    let (room, found) = full(&|s| s.inlets[0].diameters = alike(20e-6));
+    near(room.fits, box_of(0.64, 20e-6), 1e-12);
+    assert_eq!((room.capacity, found.verdict), (1_000_000, tremie_messages::Verdict::Doubtful));
+    assert!(found.why.contains("1000000") && found.why.contains(&room.fits.ceil().to_string()));
+    assert!(found.remedy.contains("capacity ="), "{found:?}");
+    let (_, found) = full(&|s| s.outlets = vec![outlet(2, 10e-3, 1)]);
+    assert_eq!(found.verdict, tremie_messages::Verdict::Ok);
+}
+
 fn refused(change: impl Fn(&mut Scene), words: [&str; 2]) {
     let mut scene = stream(4e-3, 0.05);
     change(&mut scene);

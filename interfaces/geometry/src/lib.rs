@@ -30,7 +30,7 @@
 //! ```
 //!
 //! [`Convex`] is the shape of a grain: a convex polyhedron from its corners, with faces, moments and
-//! [`principal`] axes.
+//! [`principal`] axes. [`shares`] says what convex pieces that overlap are together.
 //!
 //! Lengths are in metres, vectors in the part's frame unless it says otherwise. Equal input gives
 //! equal bits on every machine with IEEE arithmetic: no function of the system's mathematics
@@ -41,6 +41,7 @@
 mod bounds;
 mod caps;
 mod closest;
+mod clump;
 mod convex;
 mod crossing;
 mod edges;
@@ -65,12 +66,14 @@ mod stray;
 mod surface;
 mod tree;
 mod turned;
+mod union;
 mod vector;
 mod weld;
 mod write;
 
 pub use bounds::Bounds;
 pub use closest::{Closest, Feature};
+pub use clump::{ClumpPiece, clump};
 pub use convex::{Convex, ConvexError, ConvexFace, principal};
 pub use crossing::Crossing;
 pub use error::{Fault, GeometryError};
@@ -86,6 +89,7 @@ pub use shapes::{CYLINDER_SEGMENTS, SPHERE_LEVELS};
 pub use solids::{SOLIDS, solid};
 pub use surface::Surface;
 pub use turned::Turned;
+pub use union::{Piece, Share, TOLERANCE as UNION_TOLERANCE, shares};
 
 /// A point or vector, in the frame that its user names.
 pub type Vec3 = [f64; 3];

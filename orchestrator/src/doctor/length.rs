@@ -33,12 +33,13 @@ pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) ->
     let windows = plan.windows as f64;
     let work: f64 = physics.clone().map(|(component, said)| work(component, said)).sum();
     let (steps, wall) = (windows * f64::from(most.0.substeps), windows * (WINDOW + work));
+    let guess =
+        format!("about {} at 5 us a window, 1e8 cells and 1e7 grains a second", human(wall));
     let why = format!(
-        "{} s (run.until) in windows of {} s: {}; about {} at 5 us a window, 1e8 cells and 1e7 grains a second",
+        "{} s (run.until) in windows of {} s: {}; {guess}",
         short(spec.run.until),
         short(plan.window),
         reasons(spec, physics, (most, rubber)).join(", and "),
-        human(wall),
     );
     let remedy = format!(
         "a shorter run.until, or longer steps of {}: {}",
@@ -49,7 +50,7 @@ pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) ->
                 "larger smallest grains, lighter springs (normal_stiffness), a longer time_step where it is set",
         }
     );
-    let finding = Finding::new("steps of the run", steps, "1").because(&why);
+    let finding = Finding::new("steps of the run", steps, "1").because(guess);
     Some(finding.wrong_if(steps > ENDLESS, &why, &remedy).doubtful_if(
         steps > LONG || wall > WEEK,
         why,

@@ -255,6 +255,43 @@ fn listed_spheres_must_be_apart() {
     assert!(read(&across).unwrap_err().to_string().contains("overlaps"), "x is periodic");
 }
 
+/// Spheres of one clump may overlap, across periodic faces too; those of others, of none and fixed ones may not.
+#[test]
+fn spheres_of_one_clump_may_overlap() {
+    let bed = "[[scene.bodies]]\nname = \"bed\"";
+    let with = |first: &str, second: &str, place: &str| {
+        let more = format!(
+            "[[scene.bodies]]\nname = \"more\"\ndensity = \"1120 kg/m3\"\n{second}\nspheres = [{{ position = [{place}], diameter = \"15 mm\" }}]\n\n{bed}"
+        );
+        let named = format!("name = \"sphere\"\n{first}");
+        read(&GOOD.replace(bed, &more).replace("name = \"sphere\"", &named))
+    };
+    let near = "\"55 mm\", \"50 mm\", \"127.5 mm\"";
+    let (one, other) = ("clump = \"h\"", "clump = \"g\"");
+    assert!(with(one, one, near).is_ok());
+    for (first, second) in [("", ""), (one, ""), ("", one), (one, other)] {
+        let errors = with(first, second, near).unwrap_err().to_string();
+        assert!(errors.contains("this sphere overlaps"), "{first} {second}: {errors}");
+    }
+    let united = "clump = \"h\"\nmass = \"union\"";
+    for (first, second) in [(one, united), (united, one), (united, united)] {
+        assert_eq!(with(first, second, near).unwrap().spec.scene.unions, ["h"]);
+    }
+    let summed = "clump = \"h\"\nmass = \"sum\"";
+    assert_eq!(with(one, summed, near).unwrap().spec.scene.unions, [""; 0]);
+    let manifest = with(united, one, near).unwrap().resolved();
+    let again = parse(Path::new("again.toml"), manifest, &[]).unwrap();
+    assert_eq!(again.spec.scene.unions, ["h"]);
+    for (first, second, words) in [
+        (united, summed, "says otherwise"),
+        ("mass = \"union\"", "", "are in none"),
+        ("clump = \"h\"\nmass = \"hull\"", one, "union"),
+    ] {
+        let errors = with(first, second, "\"20 mm\", \"50 mm\", \"127.5 mm\"").unwrap_err();
+        assert!(errors.to_string().contains(words), "{errors}");
+    }
+}
+
 #[test]
 fn all_problems_come_at_once_in_the_order_of_the_file() {
     let text = GOOD

@@ -7,6 +7,8 @@ use tremie_messages::start::Clock;
 
 /// Ratios this close to a whole number are that number: steps come from divisions.
 const TOLERANCE: f64 = 1e-9;
+/// Windows of a run in which nothing asks for a step.
+const WINDOWS: f64 = 1000.0;
 /// Most ticks in a run: every count of them is exact in a 64-bit float too.
 const MOST_TICKS: f64 = 9.0e15;
 
@@ -50,16 +52,22 @@ impl Steps {
 /// where the manifest fixes that (of several with the same step, the one with the fewest). Each
 /// other one makes `n = ceil(window/step)` substeps, and its step is shortened to `window/n`; it
 /// is never lengthened. A fixed `sync_iter` is taken as it is, and refused where it would lengthen
-/// a step. A component that can take any step takes the window, or `window/sync_iter`.
+/// a step. A component that can take any step takes the window, or `window/sync_iter`. Where all can, as grains that
+/// can touch nothing, a thousand windows make the run.
 ///
 /// # Errors
-/// A fixed `sync_iter` that cannot be, more than 1000 substeps, no step at all, or more windows
+/// A fixed `sync_iter` that cannot be, more than 1000 substeps, no component at all, or more windows
 /// than can be counted.
 pub(super) fn assign(wishes: &[Wish], until: f64) -> Result<Steps, Vec<Problem>> {
     let pace = pacemaker(wishes)?;
-    let window = pace.step.unwrap_or(until) * f64::from(pace.sync_iter.unwrap_or(1));
-    let mut problems = Vec::new();
     let mut notes = Vec::new();
+    let step = pace.step.unwrap_or_else(|| {
+        let sync = pace.sync_iter.unwrap_or(1);
+        notes.push(format!("{} can take any step: {WINDOWS} windows make the run", pace.name));
+        until / (WINDOWS * f64::from(sync))
+    });
+    let window = step * f64::from(pace.sync_iter.unwrap_or(1));
+    let mut problems = Vec::new();
     let mut substeps = Vec::new();
     for wish in wishes {
         match fit(wish, pace, window, &mut notes) {
@@ -108,13 +116,10 @@ fn pacemaker(wishes: &[Wish]) -> Result<&Wish, Vec<Problem>> {
         let fewer = || b.sync_iter.unwrap_or(1).cmp(&a.sync_iter.unwrap_or(1));
         a.step.unwrap_or(0.0).total_cmp(&b.step.unwrap_or(0.0)).then_with(fewer)
     };
-    wishes.iter().filter(|wish| wish.step.is_some()).max_by(slower).ok_or_else(|| {
-        let names: Vec<_> = wishes.iter().map(|wish| wish.name.as_str()).collect();
-        let message = format!("no step is set: {} can take any", names.join(" and "));
-        vec![
-            Problem::new("components", message)
-                .help("set a time step in the settings of one of them"),
-        ]
+    let pace = wishes.iter().filter(|wish| wish.step.is_some()).max_by(slower);
+    pace.or(wishes.first()).ok_or_else(|| {
+        let message = "no component takes steps: expected a fluid, or grains";
+        vec![Problem::new("components", message)]
     })
 }
 

@@ -21,6 +21,7 @@ impl Axes {
             // In frames of their own.
             shapes: scene.shapes.clone(),
             bodies: Vec::new(),
+            unions: Vec::new(),
             inlets: scene.inlets.iter().map(|inlet| self.inlet(inlet)).collect(),
             outlets: scene.outlets.iter().map(|outlet| self.outlet(outlet)).collect(),
             contacts: scene.contacts.clone(),

@@ -21,12 +21,12 @@ pub(super) struct Sum {
     number: u64,
 }
 
-/// Sums over blocks of ids: `sums` has one entry for each region and block.
+/// Sums over blocks of ids; `parts` of the volumes count, by rank, or all of them. `sums` has one entry for each region and block.
 pub(super) fn look(
     regions: &[Region],
     sums: &mut [Sum],
     team: &mut Team,
-    bodies: &Bodies,
+    (bodies, parts): (&Bodies, &[f64]),
     bounds: &PeriodicBox,
 ) {
     if regions.is_empty() {
@@ -34,12 +34,14 @@ pub(super) fn look(
     }
     team.for_pieces(Cut::every(sums, regions.len()), |b, sums: &mut [Sum]| {
         sums.fill(Sum::default());
-        for &slot in &bodies.slot[b * BLOCK..bodies.len().min((b + 1) * BLOCK)] {
+        let own = b * BLOCK..bodies.len().min((b + 1) * BLOCK);
+        for (rank, &slot) in own.clone().zip(&bodies.slot[own]) {
+            let part = parts.get(rank).copied().unwrap_or(1.0);
             let (ball, twist) = (&bodies.balls[slot as usize], &bodies.twists[slot as usize]);
             let radius = bodies.equal_radius(slot as usize);
             for (region, sum) in regions.iter().zip(&mut *sums) {
                 for shift in bounds.images() {
-                    let volume = region.volume_of(ball.x + shift, radius);
+                    let volume = part * region.volume_of(ball.x + shift, radius);
                     sum.volume += volume;
                     sum.flow += twist.v * volume;
                 }

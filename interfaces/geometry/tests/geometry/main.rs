@@ -11,3 +11,4 @@ mod questions;
 mod shapes;
 mod texts;
 mod turned;
+mod union;

@@ -17,7 +17,7 @@ pub struct BodySet {
     /// How the bodies move.
     pub motion: Motion,
     /// The clump that they belong to: bodies of all sets with this name are joined rigidly, and move as one.
-    /// It is as heavy as they are together; where they overlap they do not touch.
+    /// Where they overlap they do not touch. It is as heavy as they are together, unless [`super::Scene::unions`] names it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clump: Option<String>,
     /// Where they are at the start.

@@ -54,6 +54,11 @@ pub struct Scene {
     pub shapes: Vec<Shape>,
     /// Spheres and polyhedra, in sets of one material and motion.
     pub bodies: Vec<BodySet>,
+    /// Clumps, by name, whose mass, centre, inertia and displaced volume are those of the union of their bodies. All others
+    /// are as heavy as their bodies together, and displace as much, also where these overlap. In a union each place has the
+    /// mean density of the bodies that hold it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unions: Vec<String>,
     /// Where spheres come from during the run.
     #[serde(default)]
     pub inlets: Vec<Inlet>,
@@ -81,6 +86,7 @@ impl Scene {
             surfaces: Vec::new(),
             shapes: Vec::new(),
             bodies: Vec::new(),
+            unions: Vec::new(),
             inlets: Vec::new(),
             outlets: Vec::new(),
             contacts: Vec::new(),

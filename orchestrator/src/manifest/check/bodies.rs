@@ -1,6 +1,6 @@
 //! Checks of `[[scene.bodies]]`, set by set.
 
-use super::super::document::{BodiesTable, PackingTable, SphereTable};
+use super::super::document::{BodiesTable, ClumpMass, PackingTable, SphereTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::course::motion;
@@ -58,6 +58,35 @@ fn body_set(
         clump: table.clump.clone(),
         placement: placement?,
     })
+}
+
+/// The clumps whose mass is that of the union of their bodies; `None` where sets say what does not fit together.
+pub(super) fn unions(tables: &[BodiesTable], findings: &mut Findings) -> Option<Vec<String>> {
+    let mut said: Vec<(&str, ClumpMass, usize)> = Vec::new();
+    let mut fits = true;
+    for (i, table) in tables.iter().enumerate() {
+        let Some(mass) = table.mass else { continue };
+        let at = path::join(&path::item("scene.bodies", i), "mass");
+        let Some(clump) = table.clump.as_deref() else {
+            let message = "found the mass of a clump, but these bodies are in none";
+            let help = "give them a clump, or leave it out: a body weighs density times volume";
+            findings.problem_with_help(&at, message, help);
+            fits = false;
+            continue;
+        };
+        match said.iter().find(|(name, ..)| *name == clump) {
+            Some((_, other, set)) if *other != mass => {
+                let message =
+                    format!("scene.bodies[{set}] of the same clump \"{clump}\" says otherwise");
+                findings.problem(&at, message);
+                fits = false;
+            }
+            Some(_) => {}
+            None => said.push((clump, mass, i)),
+        }
+    }
+    let united = said.into_iter().filter(|(_, mass, _)| *mass == ClumpMass::Union);
+    fits.then(|| united.map(|(name, ..)| name.to_string()).collect())
 }
 
 /// The density of a set; where it has none of its own, that of its material was filled in before.

@@ -18,6 +18,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     let shapes = Shapes::of(table, findings);
     let mut bodies = bodies::bodies(&table.bodies, &shapes, findings);
     let mut names = inlets::Names::of(table);
+    let unions = bodies::unions(&table.bodies, findings);
     let (inlets, own_sets) = inlets::inlets(table, &mut names, findings);
     bodies.extend(own_sets);
     let outlets = inlets::outlets(&table.outlets, domain.as_ref(), &mut names, findings);
@@ -44,6 +45,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         planes: planes?,
         parts: parts?,
         surfaces: seals?,
+        unions: unions?,
         shapes: shapes.used(bodies.iter().flatten().map(|set| &set.placement)),
         bodies: bodies?,
         inlets: inlets?,

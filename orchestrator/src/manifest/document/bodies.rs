@@ -20,8 +20,11 @@ pub(in super::super) struct BodiesTable {
     /// How they move (default: free).
     pub motion: Option<MotionName>,
     /// The clump that they belong to: all free bodies of sets with the same name here are joined rigidly
-    /// (default: each moves by itself). A clump is as heavy as its bodies are together.
+    /// (default: each moves by itself).
     pub clump: Option<String>,
+    /// How heavy their clump is, and how much fluid it displaces: as its bodies together, also where these overlap, or as
+    /// their union (default: together). All sets of a clump that say it say the same.
+    pub mass: Option<ClumpMass>,
     /// Velocities of a prescribed motion over time (default: those that they were placed with).
     pub course: Option<Vec<MotionPointTable>>,
     /// Each sphere given.
@@ -33,6 +36,16 @@ pub(in super::super) struct BodiesTable {
     pub polyhedra: Option<Vec<PolyhedronTable>>,
     /// Spheres packed at random, without overlap; or polyhedra in such spheres, turned at random.
     pub packing: Option<PackingTable>,
+}
+
+/// Mass of a clump.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in super::super) enum ClumpMass {
+    /// That of its bodies together.
+    Sum,
+    /// That of their union.
+    Union,
 }
 
 /// How bodies or parts move.
