@@ -182,13 +182,21 @@ impl FluidLbm {
         self.axes.ledger(solver!(&self.solver, s => s.ledger()))
     }
 
-    /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, without
-    /// buoyancy; the torque is about the origin of the part's frame. A part whose origin lies on a
+    /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, as on bodies and parts that
+    /// move: gauge pressure, shear, the pressure in gaps, and buoyancy of what of it lies in the domain, whatever it rests
+    /// on; the torque is about the origin of the part's frame. A part whose origin lies on a
     /// symmetry plane is cut by it: the load is that on the whole. The id of a load is the part's index
     /// in the scene. `loads` is cleared before.
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         solver!(&self.solver, s => s.loads_on_parts(loads));
         self.axes.turn_back_loads(loads);
+    }
+
+    /// Force [N] of the fluid in the last step on each wall and symmetry plane of the domain, by axis, lower before upper:
+    /// gauge pressure without its hydrostatic part, shear, and the pressure in gaps. Zero at other faces.
+    pub fn wall_forces(&self) -> [[[f64; 3]; 2]; 3] {
+        let forces = solver!(&self.solver, s => s.wall_forces());
+        self.axes.to_world(&forces).map(|sides| sides.map(|force| self.axes.to_world(&force)))
     }
 
     /// Appends what the scene's probes measure to `values`, in the order of

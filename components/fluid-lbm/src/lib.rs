@@ -35,6 +35,7 @@ mod compression;
 mod course;
 mod cover;
 mod declared;
+mod displaced;
 mod error;
 mod events;
 mod extrapolation;

@@ -56,7 +56,7 @@ fn scene(lay: Lay) -> Scene {
         ..scene.fluid.unwrap()
     });
     let reservoir = Reservoir {
-        course: Course(vec![[0.0, 0.5], [9.0, 1.0]]),
+        course: Course::Points(vec![[0.0, 0.5], [9.0, 1.0]]),
         ..Reservoir::new(168.0, 5e3, 0.01)
     };
     let outflow = OpenVelocity {
@@ -65,7 +65,7 @@ fn scene(lay: Lay) -> Scene {
         course: Course::default(),
     };
     // Which wall counts at an edge of two is the world's to say; here none meet.
-    let lid = Face::Wall { velocity: lay.out([0.01, 0.004, 0.0]) };
+    let lid = Face::moving(lay.out([0.01, 0.004, 0.0]));
     for (axis, faces) in [
         (0, [Face::Reservoir(reservoir), Face::Velocity(outflow)]),
         (1, [SYMMETRY, SYMMETRY]),

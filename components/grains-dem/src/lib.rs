@@ -85,6 +85,7 @@ mod events;
 mod exchange;
 mod fetch;
 mod findings;
+mod followed;
 mod forces;
 mod four;
 mod integrate;

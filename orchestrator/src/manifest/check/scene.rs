@@ -48,6 +48,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         bodies: bodies?,
         inlets: inlets?,
         outlets: outlets?,
+        followed: bodies::followed(&table.bodies, findings)?,
         probes: probes?,
         gaps: gaps?,
     })

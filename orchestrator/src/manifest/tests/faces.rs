@@ -32,9 +32,9 @@ z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", r
     let inflow = OpenVelocity {
         velocity: [0.0, 0.0, 1.0],
         profile: Profile::Parabolic,
-        course: Course(vec![[0.0, 0.0], [0.1, 1.0]]),
+        course: Course::Points(vec![[0.0, 0.0], [0.1, 1.0]]),
     };
-    let course = Course(vec![[0.0, 0.0], [1.0, 1.0]]);
+    let course = Course::Points(vec![[0.0, 0.0], [1.0, 1.0]]);
     let outflow = Face::Pressure { pressure: 2000.0, course, absorbing: true };
     assert_eq!(*z, [Face::Velocity(inflow), outflow]);
     reads_back(&text);
@@ -56,7 +56,7 @@ fn a_face_can_have_a_reservoir() {
     let face = |text: &str| read(text).unwrap().spec.scene.domain.faces[0][0].clone();
     let area = "70.9 mm2".parse::<tremie_messages::units::Area>().unwrap().0;
     let piston = Reservoir {
-        course: Course(vec![[0.0, 0.0], [0.2e-3, 1.0]]),
+        course: Course::Points(vec![[0.0, 0.0], [0.2e-3, 1.0]]),
         stop: Some(25e-3),
         relaxation: 0.1,
         ..Reservoir::new(area, 4e-3, 6.0)

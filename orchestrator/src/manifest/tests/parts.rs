@@ -42,7 +42,7 @@ fn a_part_can_turn_move_and_drive_the_fluid() {
     let MotionPoint { time, velocity, angular_velocity } = points[0];
     assert_eq!((points.len(), time, velocity), (1, 0.0, [0.0; 3]));
     assert!((angular_velocity[2] - std::f64::consts::TAU).abs() < 1e-12);
-    let course = Course(vec![[0.0, 0.0], [1e-3, 1.0]]);
+    let course = Course::Points(vec![[0.0, 0.0], [1e-3, 1.0]]);
     assert_eq!(part.boundary, PartBoundary::Pressure { pressure: 5e5, course });
     reads_back(&text);
 }
