@@ -112,3 +112,70 @@ fn a_trace_tells_when_components_waited_and_computed() {
     let wrong = run_text(SMALL, &["--trace=5"]);
     assert!(wrong.errors().contains("0-5000"), "{}", wrong.errors());
 }
+
+/// Balls that fall through a gate in rows that are kept rarely, and at times that the end is none of.
+const FALLING: &str = r#"
+[run]
+until = "0.2 s"
+
+[scene]
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+
+[scene.domain]
+size = ["0.1 m", "0.1 m", "0.3 m"]
+
+[[scene.bodies]]
+name = "balls"
+density = "2500 kg/m3"
+spheres = [
+    { position = ["20 mm", "50 mm", "250 mm"], diameter = "10 mm" },
+    { position = ["50 mm", "50 mm", "220 mm"], diameter = "10 mm" },
+    { position = ["80 mm", "50 mm", "190 mm"], diameter = "10 mm", velocity = ["0 m/s", "0 m/s", "0.6 m/s"] },
+]
+
+[[scene.contacts]]
+normal_stiffness = "1e4 N/m"
+tangential_stiffness = "8e3 N/m"
+restitution = 0.5
+
+[[scene.probes]]
+name = "gate"
+section = { axis = "z", at = "200 mm" }
+
+[components]
+grains = "grains-dem"
+
+[outputs]
+record = false
+"#;
+
+/// What a section counts since the start it keeps, and its rate is a mean from row to row: all rows together give what
+/// passed, whatever the rows are and whoever looks.
+#[test]
+fn rates_of_rows_add_up_to_what_passed() {
+    for (rows, frames) in [("20 ms", None), ("1 ns", None), ("7 ms", Some("3 ms")), ("1 s", None)] {
+        let outputs = frames.map_or(String::new(), |every| format!("\nframes = \"{every}\""));
+        let record = format!("record = {}\nsignals = \"{rows}\"{outputs}", frames.is_some());
+        let ran = run_text(&FALLING.replace("record = false", &record), &[]).succeeded();
+        let signals = ran.signals();
+        let [times, rates, crossings, passed] = [
+            "time",
+            "grains.gate.mass_flow_rate",
+            "grains.gate.crossings",
+            "grains.gate.mass_passed",
+        ]
+        .map(|name| &signals[name]);
+        let pairs = times.windows(2).zip(&rates[1..]);
+        let sum: f64 = pairs.map(|(pair, rate)| (pair[1] - pair[0]) * rate).sum();
+        let (all, ball) = (passed.last().unwrap(), 2500.0 * std::f64::consts::PI / 6.0 * 1e-6);
+        // One goes up and comes down again; the two above fall through.
+        assert!((all / (-2.0 * ball) - 1.0).abs() < 1e-9, "{rows}: {all}");
+        assert!((sum / all - 1.0).abs() < 1e-9, "{rows}: {sum} {all}");
+        for (count, mass) in crossings.iter().zip(passed) {
+            assert!((count * ball - mass).abs() < 1e-9 * ball, "{rows}: {count} {mass}");
+        }
+        assert_eq!(*crossings.last().unwrap(), -2.0, "{rows}");
+        let told = &ran.summary()["signals"]["grains.gate.mass_flow_rate"];
+        assert_eq!(told["min"], rates.iter().copied().fold(f64::INFINITY, f64::min), "{rows}");
+    }
+}

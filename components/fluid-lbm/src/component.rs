@@ -4,7 +4,8 @@ use crate::findings::findings;
 use crate::meanings::MEANINGS;
 use crate::reservoir::name as face_name;
 use crate::{
-    FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_signals, reservoir_signals,
+    FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_meanings, probe_signals,
+    reservoir_signals,
 };
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
@@ -114,7 +115,11 @@ fn signals(scene: &Scene) -> Vec<Signal> {
     }
     let of_reservoirs = reservoir_signals(scene);
     signals.extend(of_reservoirs.iter().map(|(name, unit)| signal(name, unit)));
-    signals.extend(probe_signals(scene).iter().map(|(name, unit)| signal(name, unit).sampled()));
+    for ((name, unit), meaning) in probe_signals(scene).iter().zip(probe_meanings(scene)) {
+        let mut own = signal(name, unit).sampled();
+        own.meaning = meaning.unwrap_or(own.meaning);
+        signals.push(own);
+    }
     signals
 }
 
@@ -317,6 +322,10 @@ impl Fluid for LatticeFluid {
 
     fn sampled(&mut self, values: &mut Vec<f64>) {
         self.fluid.probes(values);
+    }
+
+    fn row_kept(&mut self) {
+        self.fluid.restart_means();
     }
 
     fn work(&self) -> u64 {

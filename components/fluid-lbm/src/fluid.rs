@@ -207,6 +207,11 @@ impl FluidLbm {
         self.axes.turn_back_probes(&self.probes, &mut values[first..]);
     }
 
+    /// Begins what probes tell as means over time anew: the rates of mass through sections.
+    pub fn restart_means(&mut self) {
+        solver!(&mut self.solver, s => s.restart_means());
+    }
+
     /// Mean velocities through the open faces whose velocity inlets of grains take, in the order of
     /// [`PortState::all`].
     pub fn ports(&mut self) -> &[PortState] {

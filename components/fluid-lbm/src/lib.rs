@@ -109,7 +109,7 @@ pub use ledger::Ledger;
 pub use narrow::Narrow;
 pub use observe::{Diagnostics, SliceNode};
 pub use parameters::{Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls};
-pub use probes::probe_signals;
+pub use probes::{probe_meanings, probe_signals};
 pub use reservoir::{ReservoirState, reservoir_signals};
 pub use resolution::{Mended, Resolution};
 pub use tremie_team::Variant;

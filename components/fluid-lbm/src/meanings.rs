@@ -57,5 +57,12 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("velocity_y", "mean velocity of the fluid there"),
     ("velocity_z", "mean velocity of the fluid there"),
     ("solid_fraction", "share of the place that no fluid fills"),
-    ("flow_rate", "volume of fluid that passes in a second, positive along the axis"),
+    (
+        "flow_rate",
+        "volume of fluid that passes in a second at the row's time, positive along the axis",
+    ),
+    (
+        "mass_flow_rate",
+        "mass of fluid that passes in a second, positive along the axis; mean over the time since the row before",
+    ),
 ];

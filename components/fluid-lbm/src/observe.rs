@@ -140,6 +140,11 @@ impl<T: Collides> Solver<T> {
         self.probes.read(&mut self.team, &before, &self.owners, &self.units, values);
     }
 
+    /// See [`crate::FluidLbm::restart_means`].
+    pub fn restart_means(&mut self) {
+        self.probes.restart_means();
+    }
+
     /// See [`crate::FluidLbm::memory_bytes`].
     pub fn memory_bytes(&self) -> usize {
         let stride = self.layout.places.stride();

@@ -133,7 +133,10 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
         let numbers: Vec<f64> = match &probe.shape {
             ProbeShape::Point(point) => point.to_vec(),
             ProbeShape::Line { from, to } => [*from, *to].concat(),
-            ProbeShape::Section { position, min, max, .. } => [&[*position][..], min, max].concat(),
+            ProbeShape::Section { position, min, max, .. }
+            | ProbeShape::Profile { position, min, max, .. } => {
+                [&[*position][..], min, max].concat()
+            }
             ProbeShape::Region { min, max } => [*min, *max].concat(),
             ProbeShape::Ring(ring) => [&ring.through[..], &ring.radii, &ring.heights].concat(),
         };
@@ -143,6 +146,18 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
         } else if matches!(&probe.shape, ProbeShape::Section { axis, .. } | ProbeShape::Ring(Ring { axis, .. }) if *axis > 2)
         {
             problems.push(Problem::new(key, "its axis must be 0, 1 or 2 for x, y or z"));
+        } else if let ProbeShape::Profile { axis, min, max, along, bins, .. } = &probe.shape
+            && (*axis > 2
+                || *along > 2
+                || axis == along
+                || min[*along] >= max[*along]
+                || !(1..=ProbeShape::MOST_BINS).contains(bins))
+        {
+            let message = format!(
+                "its two axes must be different ones of 0, 1 and 2, its corners in order, its strips 1 to {}",
+                ProbeShape::MOST_BINS
+            );
+            problems.push(Problem::new(key, message));
         }
     }
     for (index, plane) in scene.planes.iter().enumerate() {

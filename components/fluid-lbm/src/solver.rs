@@ -401,6 +401,8 @@ impl<T: Collides> Solver<T> {
         self.give_loads(loads);
         self.end_balance(true);
         self.settle_accounts();
+        let before = before!(self);
+        self.probes.look(&mut self.team, &before, &self.owners, self.steps);
         Ok(())
     }
 

@@ -226,6 +226,10 @@ impl Grains for SoftSpheres {
         }
         self.grains.read_probes(values);
     }
+
+    fn row_kept(&mut self) {
+        self.grains.restart_means();
+    }
 }
 
 impl SoftSpheres {
@@ -282,7 +286,11 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
     if !scene.inlets.is_empty() || !scene.outlets.is_empty() {
         all.push(signal("bodies".into(), "1"));
     }
-    all.extend(probe_signals(scene).into_iter().map(|(name, unit)| signal(name, unit)));
+    all.extend(probe_signals(scene).into_iter().map(|(name, unit)| {
+        let is_mean = name.ends_with(".mass_flow_rate");
+        let own = signal(name, unit);
+        if is_mean { own.sampled() } else { own }
+    }));
     all
 }
 

@@ -3,14 +3,15 @@
 const PLACE: &str =
     "position of a body's centre, a clump's centroid, or the origin of a part's frame";
 const TURN: &str = "its orientation, a unit quaternion (x, y, z, w) from its frame to the world";
-const FORCE: &str = "force of the grains on the part, fixed or moving: contacts and lubrication; no fluid, no stops";
+const FORCE: &str = "force of the grains on the part, fixed or moving: contacts and lubrication at the end of \
+    the window; no fluid, no stops";
 const FLUID_FORCE: &str = "force of the fluid under which it went through the window: gauge pressure, shear, the pressure \
     in gaps, and buoyancy; no contacts";
 const FLUID_TORQUE: &str = "torque of the same about the body's centre or the clump's centroid";
 
 /// Of all grains, of those that are followed, of parts, sliders, inlets, outlets and probes.
 pub const MEANINGS: &[(&str, &str)] = &[
-    ("max_speed", "largest speed of a free body"),
+    ("max_speed", "largest speed of a free body or a slider"),
     (
         "mean_height",
         "mean height of centres against gravity, from the domain's lowest point; 0 without gravity",
@@ -19,10 +20,13 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("rotational_energy", "energy of rotation"),
     ("potential_energy", "energy of weight, from the domain's lowest point"),
     ("elastic_energy", "energy in the springs of contacts, sliders and stops"),
-    ("momentum_x", "momentum of all bodies"),
-    ("momentum_y", "momentum of all bodies"),
-    ("momentum_z", "momentum of all bodies"),
-    ("contacts", "contacts between bodies, and between bodies and walls"),
+    ("momentum_x", "momentum of all free bodies and sliders"),
+    ("momentum_y", "momentum of all free bodies and sliders"),
+    ("momentum_z", "momentum of all free bodies and sliders"),
+    (
+        "contacts",
+        "contacts at the end of the window: between bodies, and of bodies with walls and parts",
+    ),
     ("max_overlap_ratio", "largest overlap since the start over the smaller radius of its pair"),
     ("list_rebuilds", "neighbour lists made since the start"),
     ("x", PLACE),
@@ -55,7 +59,7 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("spring_force", "force of the spring along the axis, negative while it closes"),
     (
         "contact_force",
-        "force of the grains along the axis: contacts and lubrication; no fluid, no stops",
+        "force of the grains along the axis at the end of the window: contacts and lubrication; no fluid, no stops",
     ),
     ("stop_force", "force of the stops along the axis, positive from the lower one"),
     (
@@ -73,8 +77,14 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("removed", "grains that went since the start"),
     ("mass_removed", "mass of grains that went since the start"),
     ("bodies", "grains that are there"),
-    ("mass_flow_rate", "mass of grains that passes in a second, positive along the axis"),
-    ("crossings", "grains that passed since the start, less those that came back"),
+    (
+        "mass_flow_rate",
+        "mass of grains that passes in a second, positive along the axis: the mean since the row before",
+    ),
+    (
+        "crossings",
+        "grains that passed since the start, less those that came back; in a clump each piece counts",
+    ),
     ("mass_passed", "mass of grains that passed since the start, less what came back"),
     ("solid_fraction", "volume of grains over that of the region"),
     ("number", "grains there"),

@@ -33,7 +33,7 @@ pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
 
 fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
     match shape {
-        ProbeShape::Point(_) | ProbeShape::Line { .. } => &[],
+        ProbeShape::Point(_) | ProbeShape::Line { .. } | ProbeShape::Profile { .. } => &[],
         ProbeShape::Section { .. } => {
             &[("mass_flow_rate", "kg/s"), ("crossings", "1"), ("mass_passed", "kg")]
         }
@@ -78,7 +78,7 @@ impl Probes {
         let mut own = Self::default();
         for probe in probes {
             match &probe.shape {
-                ProbeShape::Point(_) | ProbeShape::Line { .. } => {}
+                ProbeShape::Point(_) | ProbeShape::Line { .. } | ProbeShape::Profile { .. } => {}
                 ProbeShape::Section { axis, position, min, max } => {
                     own.kinds.push(Kind::Section);
                     own.sections.push(Section::new(*axis, *position, *min, *max));
@@ -129,6 +129,11 @@ impl Probes {
             sections::pass(&mut self.sections, before, sums, team, (bodies, &self.mass, bounds));
             self.sections.iter_mut().for_each(|section| section.end(duration));
         }
+    }
+
+    /// Begins means over time anew.
+    pub fn restart_means(&mut self) {
+        self.sections.iter_mut().for_each(Section::restart_mean);
     }
 
     /// Appends the values of all probes to `out`, SI units.

@@ -327,9 +327,15 @@ impl GrainsDem {
     }
 
     /// Appends the values of the scene's probes, in the order of [`probe_signals`](crate::probe_signals):
-    /// flows are means over the last [`advance`](Self::advance), all else is of its end.
+    /// flow rates are means since [`restart_means`](Self::restart_means), or since the start, crossings and masses
+    /// that passed are sums since the start, all else is of the end of the last [`advance`](Self::advance).
     pub fn read_probes(&mut self, out: &mut Vec<f64>) {
         self.probes.read(&mut self.team, &self.bodies, &self.around.bounds, out);
+    }
+
+    /// Begins the means over time that probes tell anew.
+    pub fn restart_means(&mut self) {
+        self.probes.restart_means();
     }
 
     pub(crate) fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {

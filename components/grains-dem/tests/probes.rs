@@ -111,10 +111,44 @@ fn a_section_counts_what_passes_and_what_passes_back() {
     assert!((seen("all.mass_passed") / -mass(2.0 * D) - 1.0).abs() < 1e-12);
     assert!((seen("all.mass_flow_rate") * duration / -mass(2.0 * D) - 1.0).abs() < 1e-12);
     assert_eq!((seen("face.crossings"), seen("across.crossings")), (1.0, 0.0));
+    // Counts stay; the rate is a mean over the time since it was begun anew.
+    dem.restart_means();
     dem.advance(steps, &[]).unwrap();
     let mut seen = |name| value(&scene, &mut dem, name);
-    assert_eq!((seen("face.crossings"), seen("face.mass_flow_rate")), (0.0, 0.0));
+    assert_eq!((seen("all.crossings"), seen("face.crossings")), (-1.0, 1.0));
+    assert_eq!(seen("face.mass_flow_rate"), 0.0);
     assert!((seen("face.mass_passed") / mass(D) - 1.0).abs() < 1e-12);
+}
+
+/// However often rows are kept, rates times the times between them add up to what passed.
+#[test]
+fn rates_add_up_to_what_passed() {
+    let fast = |x: f64, v: f64, d: f64| sphere([x, 2e-3, 2e-3], d, [v, 0.0, 0.0]);
+    // They go around the periodic box, and one comes back after it met another.
+    let spheres = vec![fast(0.5e-3, 3.0, D), fast(2.5e-3, 1.0, D), fast(6e-3, -2.0, 1.5 * D)];
+    let probes = vec![section("gate", 0, 4e-3, [SIDE; 3])];
+    let scene = flying(spheres, probes);
+    for every in [1, 3, 7, 1000] {
+        let mut dem = make(&scene, 1e-6);
+        let (mut sum, mut since, mut crossings) = (0.0, 0.0, Vec::new());
+        let (windows, substeps) = (100, 97);
+        for window in 1..=windows {
+            dem.advance(substeps, &[]).unwrap();
+            since += 1e-6 * f64::from(substeps);
+            if window % every == 0 || window == windows {
+                sum += since * value(&scene, &mut dem, "gate.mass_flow_rate");
+                crossings.push(value(&scene, &mut dem, "gate.crossings"));
+                dem.restart_means();
+                since = 0.0;
+            }
+        }
+        let passed = value(&scene, &mut dem, "gate.mass_passed");
+        assert!((sum - passed).abs() < 1e-12 * mass(D), "{every}: {sum} {passed}");
+        // Two pass against the axis, one comes back, and again.
+        assert_eq!(*crossings.last().unwrap(), -2.0, "{crossings:?}");
+        let back = crossings.windows(2).any(|pair| pair[1] > pair[0]);
+        assert!(every > 1 || back, "{crossings:?}");
+    }
 }
 
 /// What passes a section is what regions on both sides lose and gain, and no thread enters a bit.
@@ -137,7 +171,8 @@ fn sections_agree_with_regions_on_any_number_of_threads() {
             dem.advance(60, &[]).unwrap();
             values.clear();
             dem.read_probes(&mut values);
-            fell -= value(&one, &mut dem, "middle.crossings");
+            fell = -value(&one, &mut dem, "middle.crossings");
+            assert_eq!(value(&one, &mut dem, "below.number"), fell);
         }
         let spheres = dem.body_count() as f64;
         assert!(spheres > 512.0, "more than a block");

@@ -172,6 +172,10 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
         self.impulse.push(values);
     }
 
+    fn row_kept(&mut self) {
+        self.fluid.row_kept();
+    }
+
     fn work(&self) -> u64 {
         self.fluid.work()
     }

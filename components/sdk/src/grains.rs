@@ -144,6 +144,10 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
         self.impulse.push(values);
     }
 
+    fn row_kept(&mut self) {
+        self.grains.row_kept();
+    }
+
     fn work(&self) -> u64 {
         self.grains.work()
     }

@@ -153,6 +153,9 @@ pub trait Fluid: Sized {
     /// Called in windows whose row is kept, and where an observer looks.
     fn sampled(&mut self, _values: &mut Vec<f64>) {}
 
+    /// A row of the signals was kept: means over time from row to row begin anew.
+    fn row_kept(&mut self) {}
+
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {
         0
@@ -225,8 +228,12 @@ pub trait Grains: Sized {
         Err(SolverError::no_ports(Self::PROGRAM))
     }
 
-    /// Pushes the values of the signals, in the order of the description.
+    /// Pushes the values of the signals, in the order of the description. Those that the description calls sampled are
+    /// reported only in windows whose row is kept.
     fn signals(&mut self, values: &mut Vec<f64>);
+
+    /// A row of the signals was kept: means over time from row to row begin anew.
+    fn row_kept(&mut self) {}
 
     /// Work done in one substep, in the description's unit.
     fn work(&self) -> u64 {

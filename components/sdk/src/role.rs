@@ -26,6 +26,8 @@ pub trait Player<S: Between>: Shows + Sized {
     /// Pushes the values of the signals; unless `measure`, those that are sampled as they were when they
     /// were measured last.
     fn signals(&mut self, values: &mut Vec<f64>, measure: bool);
+    /// A row of the signals was kept: means over time begin anew.
+    fn row_kept(&mut self) {}
     /// Work done in one substep.
     fn work(&self) -> u64;
     /// Whether it commits faults that end its own process inside a window, not before one.

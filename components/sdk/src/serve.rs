@@ -191,6 +191,9 @@ fn live<S: Between, P: Player<S>>(
                 values.get_mut(place).into_iter().for_each(|value| *value = f64::NAN);
             }
         }
+        if keeps_row {
+            player.row_kept();
+        }
         let work = player.work();
         context.send_report(begin, work, &values)?;
     }

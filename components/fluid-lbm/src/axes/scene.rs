@@ -141,6 +141,14 @@ impl Axes {
                 min: at(min),
                 max: at(max),
             },
+            ProbeShape::Profile { axis, position, min, max, along, bins } => ProbeShape::Profile {
+                axis: self.axis_to_lattice(*axis),
+                position: *position,
+                min: at(min),
+                max: at(max),
+                along: self.axis_to_lattice(*along),
+                bins: *bins,
+            },
             ProbeShape::Region { min, max } => ProbeShape::Region { min: at(min), max: at(max) },
             ProbeShape::Ring(ring) => ProbeShape::Ring(Ring {
                 axis: self.axis_to_lattice(ring.axis),

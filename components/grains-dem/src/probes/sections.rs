@@ -12,10 +12,11 @@ pub(super) struct Section {
     max: [f64; 3],
     /// In the last window.
     last: Sum,
-    /// Mean mass flow rate of the last window [kg/s].
-    rate: f64,
-    /// Since the start [kg].
-    passed: f64,
+    /// Since the start.
+    passed: Sum,
+    /// Mass that had passed when the mean over time began, and how long ago that was [kg, s].
+    mean_from: f64,
+    mean_over: f64,
 }
 
 /// Centres that passed along the axis, less those that passed against it.
@@ -29,18 +30,27 @@ pub(super) struct Sum {
 impl Section {
     /// Across an axis at a position, between two corners [m].
     pub fn new(axis: usize, position: f64, min: [f64; 3], max: [f64; 3]) -> Self {
-        Self { axis, position, min, max, last: Sum::default(), rate: 0.0, passed: 0.0 }
+        let none = Sum::default();
+        Self { axis, position, min, max, last: none, passed: none, mean_from: 0.0, mean_over: 0.0 }
     }
 
     /// Ends a window [s].
     pub fn end(&mut self, duration: f64) {
-        self.rate = if duration > 0.0 { self.last.mass / duration } else { 0.0 };
-        self.passed += self.last.mass;
+        self.passed.number += self.last.number;
+        self.passed.mass += self.last.mass;
+        self.mean_over += duration;
     }
 
-    /// Mass flow rate, crossings, mass passed since the start.
+    /// Begins the mean over time anew.
+    pub fn restart_mean(&mut self) {
+        (self.mean_from, self.mean_over) = (self.passed.mass, 0.0);
+    }
+
+    /// Mass flow rate, a mean over the time since it was begun; crossings and mass passed since the start.
     pub fn values(&self) -> [f64; 3] {
-        [self.rate, self.last.number as f64, self.passed]
+        let passed = self.passed.mass - self.mean_from;
+        let rate = if self.mean_over > 0.0 { passed / self.mean_over } else { 0.0 };
+        [rate, self.passed.number as f64, self.passed.mass]
     }
 
     /// Times that a straight way `d` from `x` leads through: 1 along the axis, -1 against it.

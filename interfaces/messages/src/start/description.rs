@@ -55,8 +55,9 @@ pub struct Signal {
     /// What it is, a few words without a full stop; empty where a component says nothing.
     #[serde(default)]
     pub meaning: String,
-    /// Whether it takes time to measure and is measured only in windows whose row is kept, and in a run's
-    /// last; otherwise it is measured in every window. Fluids may have such signals; they come after all others.
+    /// Whether it has a value only in windows whose row is kept, and in a run's last, because it takes time to measure
+    /// or is a mean from row to row; otherwise it has one in every window. Fluids and grains may have such signals; those
+    /// of a fluid come after all others.
     #[serde(default)]
     pub sampled: bool,
 }

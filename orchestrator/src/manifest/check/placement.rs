@@ -2,8 +2,8 @@
 //!
 //! Bodies at rest on each other do overlap a little; up to a hundredth of a diameter is left to
 //! the contact law. Bodies that never move freely may reach into walls and into each other, as
-//! the spheres of a rough floor do. Of polyhedra only the centroid is looked at here: the grains know how far they
-//! reach.
+//! the spheres of a rough floor do. So may bodies of one clump into each other. Of polyhedra only the centroid is
+//! looked at here: the grains know how far they reach.
 
 use super::super::path;
 use super::super::read::Findings;
@@ -20,6 +20,7 @@ struct Placed<'a> {
     at: String,
     sphere: &'a Sphere,
     free: bool,
+    clump: Option<&'a str>,
 }
 
 /// Notes each listed sphere, and each packing's region, that does not lie where it can.
@@ -39,6 +40,7 @@ pub(super) fn check(
                     at: path::item(&path::join(&at, "spheres"), j),
                     sphere,
                     free: set.motion == Motion::Free,
+                    clump: set.clump.as_deref(),
                 }))
             }
             Placement::Polyhedra(Polyhedra {
@@ -122,7 +124,8 @@ fn apart(bodies: &[Placed<'_>], domain: &Domain, findings: &mut Findings) {
 }
 
 fn overlap(a: &Placed<'_>, b: &Placed<'_>, domain: &Domain) -> bool {
-    if !a.free && !b.free {
+    let joined = a.clump.is_some() && a.clump == b.clump;
+    if joined || !a.free && !b.free {
         return false;
     }
     let size = domain.size();
