@@ -253,7 +253,7 @@ struct Item {
 #[derive(Clone, Copy, Debug, Default)]
 struct Passing {
     /// Of the last step that was looked at, and summed up since means began [a step].
-    last: f64,
+    last: Option<f64>,
     sum: f64,
 }
 
@@ -272,7 +272,7 @@ pub struct Probes {
 
 /// Cells of sections in a step over all cells up to which sections are looked at in every step: about so much longer takes
 /// a step.
-const SHARE_OF_SECTIONS: f64 = 0.01;
+const SHARE_OF_SECTIONS: f64 = 0.02;
 
 impl Probes {
     /// Of a scene, in stored cells.
@@ -331,13 +331,13 @@ impl Probes {
             }
         });
         self.looks += 1;
-        self.passing.iter_mut().for_each(|passing| passing.last = 0.0);
+        self.passing.iter_mut().for_each(|passing| passing.last = Some(0.0));
         for item in &self.items {
             if let Some((_, passing)) = item.flow {
-                self.passing[item.probe].last += passing;
+                *self.passing[item.probe].last.get_or_insert(0.0) += passing;
             }
         }
-        self.passing.iter_mut().for_each(|passing| passing.sum += passing.last);
+        self.passing.iter_mut().for_each(|passing| passing.sum += passing.last.unwrap_or(0.0));
     }
 
     /// Begins means over time anew.
@@ -384,7 +384,7 @@ impl Probes {
             let strips = if let ProbeShape::Profile { bins, .. } = shape { *bins } else { 1 };
             let Passing { last, sum: passed } = self.passing[number];
             // Between looks, the last one.
-            let passing = if self.looks > 0 { passed / f64::from(self.looks) } else { last };
+            let mean = (self.looks > 0).then(|| passed / f64::from(self.looks)).or(last);
             for strip in 0..strips {
                 let mut sum = Sum::default();
                 while let Some(item) =
@@ -392,7 +392,7 @@ impl Probes {
                 {
                     sum.join(&item.sum);
                 }
-                push(shape, &sum, passing, units, out);
+                push(shape, &sum, mean, units, out);
             }
         }
     }
@@ -406,14 +406,16 @@ fn strip_of(shape: &ProbeShape, centres: &Centres, at: [i32; 3]) -> usize {
 }
 
 /// Appends the values of one probe.
-fn push(shape: &ProbeShape, sum: &Sum, passing: f64, units: &Units, out: &mut Vec<f64>) {
+fn push(shape: &ProbeShape, sum: &Sum, passing: Option<f64>, units: &Units, out: &mut Vec<f64>) {
     let mean = |x: f64| if sum.fluid > 0.0 { x / sum.fluid } else { 0.0 };
     let pressure = mean(sum.drho) * CS2 * units.pressure();
     let velocity = sum.u.map(|u| mean(u) * units.velocity());
     match shape {
         ProbeShape::Section { axis, .. } => {
             let area = units.cell * units.cell;
-            let rate = passing * units.mass() / units.time_step;
+            // Before the first look, as it is.
+            let now = || sum.u[*axis] * (1.0 + mean(sum.drho));
+            let rate = passing.unwrap_or_else(now) * units.mass() / units.time_step;
             out.extend([sum.u[*axis] * units.velocity() * area, pressure, rate]);
         }
         ProbeShape::Profile { axis, .. } => out.push(velocity[*axis]),
