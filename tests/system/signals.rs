@@ -214,6 +214,9 @@ sphere = { radius = "2 mm" }
 position = ["19 mm", "5.1 mm", "5.2 mm"]
 motion = { slider = { axis = [0, 0, 1], mass = "33.4 mg" } }
 
+[scene.materials.stone]
+density = "1000 kg/m3"
+
 [[scene.bodies]]
 name = "a ball"
 density = "1000 kg/m3"

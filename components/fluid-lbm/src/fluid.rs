@@ -193,7 +193,8 @@ impl FluidLbm {
     }
 
     /// Force [N] of the fluid in the last step on each wall and symmetry plane of the domain, by axis, lower before upper:
-    /// gauge pressure without its hydrostatic part, shear, and the pressure in gaps. Zero at other faces.
+    /// gauge pressure without its hydrostatic part, shear, and the pressure in gaps. Zero at other faces. A
+    /// link through an edge of the box counts to one of the two faces: a sixth of the pressure on each cell of an edge.
     pub fn wall_forces(&self) -> [[[f64; 3]; 2]; 3] {
         let forces = solver!(&self.solver, s => s.wall_forces());
         self.axes.to_world(&forces).map(|sides| sides.map(|force| self.axes.to_world(&force)))

@@ -273,7 +273,7 @@ fn what_a_fluid_tells_does_not_depend_on_how_the_scene_lies() {
     assert!(first.loads[0].force.iter().all(|f| f.abs() > 1e-6), "{:?}", first.loads);
     assert!(first.facets.iter().any(|facet| facet.force != [0.0; 3]));
     assert!(first.on_parts[0].torque.iter().all(|m| m.abs() > 1e-7), "{:?}", first.on_parts);
-    assert_eq!((first.ports.len(), first.reservoirs.len(), first.probes.len()), (1, 1, 20));
+    assert_eq!((first.ports.len(), first.reservoirs.len(), first.probes.len()), (1, 1, 21));
     for lay in [Lay(1), Lay(2)] {
         let other = run(lay, 40);
         assert_eq!(first.loads, other.loads);

@@ -68,10 +68,10 @@ fn probes_read_a_linear_flow() {
 /// and a profile cuts a section into strips, each with its mean velocity.
 #[test]
 fn rates_are_means_and_profiles_are_strips() {
-    let mut case = Case::new([60, 8, 4], [PERIODIC, SYMMETRY, PERIODIC], 0.8);
+    let mut case = Case::new([220, 8, 4], [PERIODIC, SYMMETRY, PERIODIC], 0.8);
     case.acceleration[0] = 1e-6;
     let mut scene = case.scene();
-    let (min, max) = ([0.0; 3], [60.0, 8.0, 4.0]);
+    let (min, max) = ([0.0; 3], [220.0, 8.0, 4.0]);
     let section = ProbeShape::Section { axis: 0, position: 20.2, min, max };
     let profile = ProbeShape::Profile { axis: 0, position: 20.2, min, max, along: 1, bins: 4 };
     for (name, shape) in [("section", section), ("profile", profile)] {
