@@ -179,3 +179,95 @@ fn rates_of_rows_add_up_to_what_passed() {
         assert_eq!(told["min"], rates.iter().copied().fold(f64::INFINITY, f64::min), "{rows}");
     }
 }
+
+/// A fixed ball in a fluid at rest, a slider, a prescribed part, a body and a clump: forces of the fluid on them mean the
+/// same, and have the same value.
+const RESTING: &str = r#"
+[run]
+until = "2 ms"
+
+[scene]
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+
+[scene.domain]
+size = ["40 mm", "10 mm", "10 mm"]
+
+[scene.fluid]
+density = "1000 kg/m3"
+viscosity = "0.05 Pa s"
+expected_speed = "0.1 m/s"
+
+[[scene.parts]]
+name = "fixed"
+sphere = { radius = "2 mm" }
+position = ["5 mm", "5.1 mm", "5.2 mm"]
+
+[[scene.parts]]
+name = "held"
+sphere = { radius = "2 mm" }
+position = ["12 mm", "5.1 mm", "5.2 mm"]
+motion = "prescribed"
+
+[[scene.parts]]
+name = "slides"
+sphere = { radius = "2 mm" }
+position = ["19 mm", "5.1 mm", "5.2 mm"]
+motion = { slider = { axis = [0, 0, 1], mass = "33.4 mg" } }
+
+[scene.materials.stone]
+density = "1000 kg/m3"
+
+[[scene.bodies]]
+name = "a ball"
+density = "1000 kg/m3"
+material = "stone"
+spheres = [{ position = ["26 mm", "5.1 mm", "5.2 mm"], diameter = "4 mm" }]
+
+[[scene.bodies]]
+name = "pair"
+density = "1000 kg/m3"
+material = "stone"
+clump = "dumbbell"
+spheres = [{ position = ["32 mm", "5 mm", "5 mm"], diameter = "2 mm" }, { position = ["34 mm", "5 mm", "5 mm"], diameter = "2 mm" }]
+
+[[scene.contacts]]
+normal_stiffness = "500 N/m"
+tangential_stiffness = "400 N/m"
+friction = 0.3
+restitution = 0.5
+
+[components]
+fluid = "fluid-lbm"
+grains = "grains-dem"
+
+[settings.fluid-lbm]
+cell = "0.5 mm"
+
+[outputs]
+record = false
+"#;
+
+#[test]
+fn forces_of_the_fluid_mean_the_same_on_all_that_it_touches() {
+    let ran = run_text(RESTING, &[]).succeeded();
+    let signals = ran.signals();
+    let last = |name: &str| *signals[name].last().unwrap_or_else(|| panic!("{name}"));
+    let ball = 4.0 / 3.0 * std::f64::consts::PI * 8e-9 * 1000.0 * 9.81;
+    for (name, expected) in [
+        ("fluid.fixed.force_z", ball),
+        ("fluid.held.force_z", ball),
+        ("fluid.slides.force_z", ball),
+        ("grains.slides.fluid_force", ball),
+        ("grains.a_ball.fluid_force_z", ball),
+        ("grains.dumbbell.fluid_force_z", ball / 4.0),
+    ] {
+        assert!((last(name) / expected - 1.0).abs() < 0.02, "{name}: {} {expected}", last(name));
+    }
+    assert!((last("grains.dumbbell.x") - 33e-3).abs() < 1e-6, "{}", last("grains.dumbbell.x"));
+    assert!((last("grains.held.z") - 5.2e-3).abs() < 1e-12 && last("grains.held.wx") == 0.0);
+    assert_eq!((last("grains.a_ball.qw"), last("fluid.x_lower.wall_force_y")), (1.0, 0.0));
+    let all = &ran.summary()["signals"];
+    let fixed = all["fluid.fixed.force_z"]["meaning"].as_str().unwrap().to_string();
+    assert_eq!(all["fluid.slides.force_z"]["meaning"], fixed);
+    assert!(fixed.contains("buoyancy") && fixed.contains("gaps"), "{fixed}");
+}

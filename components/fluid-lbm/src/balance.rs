@@ -4,7 +4,6 @@ use crate::body::Body;
 use crate::cells::Fixture;
 use crate::grid::{Grid, Side};
 use crate::kernel::Collides;
-use crate::lattice::cross;
 use crate::ledger::{Ledger, add_scaled};
 use crate::links::Exchange;
 use crate::reservoir::ReservoirFace;
@@ -39,7 +38,8 @@ impl<T: Collides> Solver<T> {
             for k in 0..2 {
                 add_scaled(&mut own[k], body.pressed[k], 1.0);
             }
-            let mut given = with_image(mirrors_of(grid, body), own);
+            let mirrors = mirrors_of(grid, body);
+            let mut given = with_image(mirrors, own);
             add_scaled(&mut balance.gaps, body.pressed[0], 1.0);
             add_scaled(&mut balance.images, given[0], 1.0);
             add_scaled(&mut balance.images, own[0], -1.0);
@@ -52,8 +52,10 @@ impl<T: Collides> Solver<T> {
                 body.carried = half;
                 add_scaled(&mut balance.carried, half[0], 1.0);
             }
-            let buoyancy = self.lift.map(|lift| lift * body.volume());
-            let turn = cross(body.middle(), buoyancy);
+            let [buoyancy, turn] = match self.lift {
+                [0.0, 0.0, 0.0] => [[0.0; 3]; 2],
+                _ => body.displaced(grid, mirrors).load(self.lift),
+            };
             add_scaled(&mut balance.delivered, given[0], 1.0);
             add_scaled(&mut balance.buoyancy, buoyancy, 1.0);
             let force = std::array::from_fn(|a| given[0][a] + buoyancy[a]);

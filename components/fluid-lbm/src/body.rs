@@ -1,5 +1,6 @@
 //! One body in the fluid: where it is, how its wall moves, which cells it covers.
 
+use crate::displaced::Displaced;
 use crate::grid::Grid;
 use crate::lattice::{C, C_F64, cross};
 use crate::layout::Layout;
@@ -183,6 +184,15 @@ impl Body {
             return displaced.middle();
         }
         self.part.as_ref().map_or([0.0; 3], |part| part.middle())
+    }
+
+    /// What it displaces: volume, and first moments about its centre or origin. Of a part what lies in the domain.
+    pub fn displaced(&self, grid: &Grid, mirrors: [bool; 3]) -> Displaced {
+        let cut = || {
+            let part = self.part.as_ref().filter(|part| self.is_part() && part.shape.is_none())?;
+            part.displaced(grid, self.position, mirrors)
+        };
+        cut().unwrap_or_else(|| Displaced::whole(self.volume(), self.middle()))
     }
 
     /// Takes note of the force that it is given.

@@ -2,12 +2,14 @@
 
 use crate::findings::findings;
 use crate::meanings::MEANINGS;
+use crate::reservoir::name as face_name;
 use crate::{
-    FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_signals, reservoir_signals,
+    FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_meanings, probe_signals,
+    reservoir_signals,
 };
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
-use tremie_sdk::messages::scene::{DeformableSurface, Motion, Placement, Scene};
+use tremie_sdk::messages::scene::{DeformableSurface, Face, Motion, Placement, Scene};
 use tremie_sdk::messages::start::{Description, Signal, SliceSpec, VolumeGrid, VolumeSpec};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
@@ -27,10 +29,22 @@ pub struct LatticeFluid {
     partial: Vec<Load>,
     nodes: Vec<SliceNode>,
     on_parts: Vec<Load>,
+    /// Of each part of the scene whether it stands still, or else the body that it is, and the mean load over the window.
+    parts: Vec<PartLoad>,
+    /// Faces whose forces are signals.
+    walls: Vec<(usize, usize)>,
     /// Loads on all facets of deformable surfaces, mean over the window, and of one substep.
     on_facets: Vec<FacetLoad>,
     partial_facets: Vec<FacetLoad>,
     reservoirs: Vec<ReservoirState>,
+}
+
+/// The load on a part that may move.
+#[derive(Clone, Copy, Debug, Default)]
+struct PartLoad {
+    is_fixed: bool,
+    body: Option<u64>,
+    load: Load,
 }
 
 /// The plane that observers see.
@@ -72,7 +86,11 @@ const SIGNALS: [(&str, &str); 23] = [
     ("mass_owed", "kg"),
 ];
 
-/// Signals of each part that stands still, named `part.value`.
+/// Signals of each wall and symmetry plane of the domain, named `x_lower.value`.
+const OF_WALLS: [(&str, &str); 3] =
+    [("wall_force_x", "N"), ("wall_force_y", "N"), ("wall_force_z", "N")];
+
+/// Signals of each part, named `part.value`.
 const OF_PARTS: [(&str, &str); 6] = [
     ("force_x", "N"),
     ("force_y", "N"),
@@ -85,14 +103,32 @@ const OF_PARTS: [(&str, &str); 6] = [
 /// All signals of a scene, in the order in which they are pushed.
 fn signals(scene: &Scene) -> Vec<Signal> {
     let mut signals: Vec<_> = SIGNALS.iter().map(|(name, unit)| signal(name, unit)).collect();
-    for part in scene.parts.iter().filter(|part| part.motion == Motion::Fixed) {
+    for (axis, side) in walls(scene) {
+        let of = |(name, unit): &(&str, &str)| {
+            signal(&format!("{}.{name}", face_name(axis, side)), unit)
+        };
+        signals.extend(OF_WALLS.iter().map(of));
+    }
+    for part in &scene.parts {
         let of_part = OF_PARTS.iter();
         signals.extend(of_part.map(|(name, unit)| signal(&format!("{}.{name}", part.name), unit)));
     }
     let of_reservoirs = reservoir_signals(scene);
     signals.extend(of_reservoirs.iter().map(|(name, unit)| signal(name, unit)));
-    signals.extend(probe_signals(scene).iter().map(|(name, unit)| signal(name, unit).sampled()));
+    for ((name, unit), meaning) in probe_signals(scene).iter().zip(probe_meanings(scene)) {
+        let mut own = signal(name, unit).sampled();
+        own.meaning = meaning.unwrap_or(own.meaning);
+        signals.push(own);
+    }
     signals
+}
+
+/// Axis and side of the faces on which the fluid acts: walls and symmetry planes.
+fn walls(scene: &Scene) -> impl Iterator<Item = (usize, usize)> {
+    let all = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    all.filter(|&(axis, side)| {
+        matches!(scene.domain.faces[axis][side], Face::Wall { .. } | Face::Symmetry)
+    })
 }
 
 impl Cut {
@@ -193,6 +229,13 @@ impl Fluid for LatticeFluid {
             partial: Vec::new(),
             nodes: Vec::new(),
             on_parts: Vec::new(),
+            parts: (scene.parts.iter())
+                .map(|part| PartLoad {
+                    is_fixed: part.motion == Motion::Fixed,
+                    ..PartLoad::default()
+                })
+                .collect(),
+            walls: walls(scene).collect(),
             on_facets: vec![FacetLoad::default(); facets],
             partial_facets: vec![FacetLoad::default(); facets],
             reservoirs: Vec::new(),
@@ -200,11 +243,18 @@ impl Fluid for LatticeFluid {
     }
 
     fn events(&mut self, events: &[BodyEvent]) -> Result<(), SolverError> {
-        self.fluid.apply_events(events).map_err(SolverError::from_error)
+        self.fluid.apply_events(events).map_err(SolverError::from_error)?;
+        for event in events.iter().filter(|event| event.shape == BodyEvent::PART) {
+            if let Some(part) = self.parts.get_mut(event.table as usize) {
+                part.body = (event.kind == BodyEvent::ADDED).then_some(event.id);
+            }
+        }
+        Ok(())
     }
 
     fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), SolverError> {
         self.fluid.start(bodies, loads).map_err(SolverError::from_error)?;
+        self.note_loads(loads);
         self.fluid.surface_loads(&mut self.on_facets);
         Ok(())
     }
@@ -220,6 +270,7 @@ impl Fluid for LatticeFluid {
         if substeps > 1 {
             self.advance_on(substeps, bodies, loads)?;
         }
+        self.note_loads(loads);
         if let Some(found) = self.fluid.take_found() {
             tremie_sdk::log_line(format_args!("a step {found}"));
         }
@@ -260,8 +311,13 @@ impl Fluid for LatticeFluid {
         values.extend(ledger.walls);
         values.extend(ledger.bodies);
         values.extend([diagnostics.max_tau, diagnostics.entering as f64, ledger.mass_owed]);
+        let forces = self.fluid.wall_forces();
+        values.extend(self.walls.iter().flat_map(|&(axis, side)| forces[axis][side]));
         self.fluid.loads_on_parts(&mut self.on_parts);
-        for load in &self.on_parts {
+        let mut fixed = self.on_parts.iter();
+        for part in &self.parts {
+            let still = if part.is_fixed { fixed.next() } else { None };
+            let load = still.unwrap_or(&part.load);
             values.extend(load.force);
             values.extend(load.torque);
         }
@@ -271,6 +327,10 @@ impl Fluid for LatticeFluid {
 
     fn sampled(&mut self, values: &mut Vec<f64>) {
         self.fluid.probes(values);
+    }
+
+    fn row_kept(&mut self) {
+        self.fluid.restart_means();
     }
 
     fn work(&self) -> u64 {
@@ -319,6 +379,15 @@ fn shown(node: &SliceNode) -> frame::SliceNode {
 }
 
 impl LatticeFluid {
+    /// Keeps the loads on parts that move, for the signals.
+    fn note_loads(&mut self, loads: &[Load]) {
+        for part in &mut self.parts {
+            let place =
+                part.body.and_then(|id| loads.binary_search_by_key(&id, |load| load.id).ok());
+            part.load = place.map_or_else(Load::default, |place| loads[place]);
+        }
+    }
+
     /// The substeps after the first; `loads` become the mean over all, so that their impulse over
     /// the window is that of the substeps.
     fn advance_on(

@@ -49,6 +49,7 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     findings.extend(resolution.mended.iter().map(mended));
     findings.extend(lattice.pressure_noise());
     findings.extend(lattice.compression());
+    findings.extend(compression::of_flow(scene, lattice.stiffness(), resolution.time_step));
     findings.extend(lattice.softness());
     findings.extend(reservoirs::findings(scene, resolution));
     findings.extend(gaps::findings(parameters, scene, resolution));

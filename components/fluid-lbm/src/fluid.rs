@@ -203,13 +203,22 @@ impl FluidLbm {
         self.axes.ledger(solver!(&self.solver, s => s.ledger()))
     }
 
-    /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, without
-    /// buoyancy; the torque is about the origin of the part's frame. A part whose origin lies on a
+    /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, as on bodies and parts that
+    /// move: gauge pressure, shear, the pressure in gaps, and buoyancy of what of it lies in the domain, whatever it rests
+    /// on; the torque is about the origin of the part's frame. A part whose origin lies on a
     /// symmetry plane is cut by it: the load is that on the whole. The id of a load is the part's index
     /// in the scene. `loads` is cleared before.
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         solver!(&self.solver, s => s.loads_on_parts(loads));
         self.axes.turn_back_loads(loads);
+    }
+
+    /// Force [N] of the fluid in the last step on each wall and symmetry plane of the domain, by axis, lower before upper:
+    /// gauge pressure without its hydrostatic part, shear, and the pressure in gaps. Zero at other faces. A
+    /// link through an edge of the box counts to one of the two faces: a sixth of the pressure on each cell of an edge.
+    pub fn wall_forces(&self) -> [[[f64; 3]; 2]; 3] {
+        let forces = solver!(&self.solver, s => s.wall_forces());
+        self.axes.to_world(&forces).map(|sides| sides.map(|force| self.axes.to_world(&force)))
     }
 
     /// Appends what the scene's probes measure to `values`, in the order of
@@ -218,6 +227,11 @@ impl FluidLbm {
         let first = values.len();
         solver!(&mut self.solver, s => s.probes(values));
         self.axes.turn_back_probes(&self.probes, &mut values[first..]);
+    }
+
+    /// Begins what probes tell as means over time anew: the rates of mass through sections.
+    pub fn restart_means(&mut self) {
+        solver!(&mut self.solver, s => s.restart_means());
     }
 
     /// Mean velocities through the open faces whose velocity inlets of grains take, in the order of

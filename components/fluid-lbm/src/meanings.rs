@@ -1,6 +1,13 @@
 //! What the signals mean, by the last part of their names.
 
-/// Of the lattice, of parts that stand still, of reservoirs and of probes.
+const FORCE: &str = "force of the fluid on the part, fixed or moving: gauge pressure, shear, the pressure in gaps, and \
+    buoyancy as if fluid stood all around what of it lies in the domain (of a cavity the weight of what fills it; none along a \
+    straight pipe from face to face); no contacts, nor what acts on surfaces that it carries; a mean over the window, of a fixed part in its last step";
+const TORQUE: &str = "torque of the same about the origin of the part's frame";
+const WALL: &str = "force of the fluid on this face of the domain in the last step: gauge pressure without its hydrostatic \
+    part, shear, and the pressure in gaps; no contacts";
+
+/// Of the lattice, of faces, of parts, of reservoirs and of probes.
 pub const MEANINGS: &[(&str, &str)] = &[
     ("max_speed", "largest speed of the fluid"),
     ("max_mach", "largest Mach number of the lattice"),
@@ -31,12 +38,15 @@ pub const MEANINGS: &[(&str, &str)] = &[
         "mass_owed",
         "what moving bodies took beyond their volume and have not paid back (refill = \"mass\")",
     ),
-    ("force_x", "force of the fluid on the part"),
-    ("force_y", "force of the fluid on the part"),
-    ("force_z", "force of the fluid on the part"),
-    ("torque_x", "torque of the fluid on the part about its reference point"),
-    ("torque_y", "torque of the fluid on the part about its reference point"),
-    ("torque_z", "torque of the fluid on the part about its reference point"),
+    ("force_x", FORCE),
+    ("force_y", FORCE),
+    ("force_z", FORCE),
+    ("torque_x", TORQUE),
+    ("torque_y", TORQUE),
+    ("torque_z", TORQUE),
+    ("wall_force_x", WALL),
+    ("wall_force_y", WALL),
+    ("wall_force_z", WALL),
     ("density", "density of the fluid in the reservoir"),
     ("pressure", "gauge pressure there, a mean over the fluid"),
     ("volume", "volume between piston and face"),
@@ -47,5 +57,12 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("velocity_y", "mean velocity of the fluid there"),
     ("velocity_z", "mean velocity of the fluid there"),
     ("solid_fraction", "share of the place that no fluid fills"),
-    ("flow_rate", "volume of fluid that passes in a second, positive along the axis"),
+    (
+        "flow_rate",
+        "volume of fluid that passes in a second at the row's time, positive along the axis",
+    ),
+    (
+        "mass_flow_rate",
+        "mass of fluid that passes in a second, positive along the axis; mean over the time since the row before",
+    ),
 ];

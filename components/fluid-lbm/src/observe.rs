@@ -108,22 +108,41 @@ impl<T: Collides> Solver<T> {
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         let (force, length) = (self.units.force(), self.units.cell);
         loads.clear();
-        loads.extend(self.surroundings.parts().map(|(fixture, part, origin)| {
+        loads.extend(self.surroundings.parts().map(|(fixture, part)| {
             let exchange = &self.fixtures[fixture];
-            let mirrors = mirrors_of_part(&self.layout.grid, origin.map(|x| x / length));
+            let origin = self.surroundings.references[fixture];
+            let mirrors = mirrors_of_part(&self.layout.grid, origin);
             let [whole, turning] = with_image(mirrors, [exchange.force, exchange.torque]);
+            let [lift, turn] = self.surroundings.displaced[fixture].load(self.lift);
             Load {
                 id: part as u64,
-                force: whole.map(|f| f * force),
-                torque: turning.map(|t| t * force * length),
+                force: std::array::from_fn(|a| (whole[a] + lift[a]) * force),
+                torque: std::array::from_fn(|a| (turning[a] + turn[a]) * force * length),
             }
         }));
+    }
+
+    /// See [`crate::FluidLbm::wall_forces`].
+    pub fn wall_forces(&self) -> [[[f64; 3]; 2]; 3] {
+        let unit = self.units.force();
+        std::array::from_fn(|axis| {
+            std::array::from_fn(|side| {
+                let number = 2 * axis + side;
+                let (wall, mirror) = (self.fixtures[number].force, self.mirrors[number]);
+                std::array::from_fn(|a| (wall[a] + mirror[a]) * unit)
+            })
+        })
     }
 
     /// See [`crate::FluidLbm::probes`].
     pub fn probes(&mut self, values: &mut Vec<f64>) {
         let before = before!(self);
         self.probes.read(&mut self.team, &before, &self.owners, &self.units, values);
+    }
+
+    /// See [`crate::FluidLbm::restart_means`].
+    pub fn restart_means(&mut self) {
+        self.probes.restart_means();
     }
 
     /// See [`crate::FluidLbm::memory_bytes`].

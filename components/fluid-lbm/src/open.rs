@@ -35,6 +35,21 @@
 //! longest by 8 %, and where the flow is steady the pressure is the given one. `v_mean` is each cell's
 //! own and starts with the flow. Such faces are NEE in either scheme.
 //!
+//! # What a velocity face delivers
+//! Next to a wall, the links that would carry fluid along it are the wall's, and the layer between `x_B` and `x_I` passes
+//! less than the velocities at `x_B` say: of a uniform profile a sixth in each cell beside a wall, and more or less of that
+//! with the shear there, which no formula foretells. So the mass `m` that enters through the face is compared with the
+//! one that was asked for, and the velocities of the whole face take a factor `1 + e`:
+//!
+//! ```text
+//! M  = <rho> u.n sum of (mean factor of the profile over a cell) (open area of the cell)
+//! e += r (M - m) M/M_max^2                                              r = 0.02
+//! ```
+//!
+//! `<rho>` is the mean density of the fluid: so the volume is right halfway between where the flow's pressure is highest
+//! and lowest, and faces that are to pass the same do. A wall of a part that crosses a cell within the face leaves it the
+//! area up to there. (The rule is that of least mean squares, Widrow & Hoff 1960; it rests where the flow turns round.)
+//!
 //! Cells at two open faces belong to the one of the first axis (of the world) and look along both normals. Where a
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
 //! faces, NEBB would lack equations and NEE takes its place.
@@ -62,6 +77,12 @@ pub const CELLS_PER_ITEM: usize = 512;
 /// the domain.
 const RELAX: f64 = 0.25;
 
+/// Part of the difference of mass by which the velocities of a face change in a step.
+const STEER: f64 = 0.02;
+
+/// The most by which they may.
+const STEER_LIMIT: f64 = 0.25;
+
 /// How many cells ahead of its use memory is asked for.
 const AHEAD: usize = 8;
 
@@ -79,6 +100,8 @@ struct OpenCell {
     plain: bool,
     /// Factor of the velocity's profile.
     profile: f64,
+    /// Mean of that factor over the cell times the area of the face that is open there.
+    share: f64,
     /// What part of its difference the mean velocity takes over in a step, where the face absorbs; else
     /// 0.
     relax: f64,
@@ -88,12 +111,27 @@ struct OpenCell {
 #[derive(Clone, Debug, Default)]
 pub struct OpenCells {
     cells: Vec<OpenCell>,
+    /// How each face with a velocity is held to what it is to deliver, `2 axis + side`.
+    steering: [Steering; 6],
+}
+
+/// By how much the velocities of a face are larger than given, so that it delivers what is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+struct Steering {
+    /// As a part of them.
+    more: f64,
+    /// Largest mass that was to enter, or to leave, in a step.
+    most: f64,
 }
 
 /// Cells that are one item of work, and what entered through them in the last step.
 #[derive(Clone, Debug)]
 pub struct Item {
     cells: Range<usize>,
+    /// The face: `2 axis + side`.
+    face: usize,
+    /// Sum of the shares of its cells that are fluid.
+    share: f64,
     /// For each cell the mean velocity out of the fluid, at absorbing faces; not a number at first.
     means: Vec<f64>,
     /// Momentum that the fluid gained.
@@ -148,13 +186,14 @@ impl Waiting {
 }
 
 impl OpenCells {
-    /// Of the links that open faces block.
-    /// `absorbing` says it of each face.
+    /// Of the links that open faces block. `absorbing` says it of each face; `walls` are the links that meet parts,
+    /// by cell, and where they do.
     pub fn new(
         layout: &Layout,
         laws: &[Option<Law>],
         absorbing: [bool; 6],
         blocked: &[Blocked],
+        walls: &[(Blocked, f64)],
     ) -> (Self, Vec<Item>) {
         let mut own = Self::default();
         for links in blocked.chunk_by(|a, b| a.cell == b.cell) {
@@ -169,9 +208,9 @@ impl OpenCells {
             let unknown = links.iter().fold(0, |bits, l| bits | 1 << OPPOSITE[l.dir as usize]);
             let across: u32 =
                 (0..Q).filter(|&i| C[i][axis] == [1, -1][side]).fold(0, |bits, i| bits | 1 << i);
-            let profile = match &laws[2 * axis + side] {
+            let [profile, mean] = match &laws[2 * axis + side] {
                 Some(Law::Velocity { profile: Profile::Parabolic, .. }) => parabola(grid, axis, at),
-                _ => 1.0,
+                _ => [1.0; 2],
             };
             own.cells.push(OpenCell {
                 cell: links[0].cell,
@@ -180,6 +219,7 @@ impl OpenCells {
                 face: (2 * axis + side) as u8,
                 plain: unknown == across && open.len() == 1,
                 profile,
+                share: mean * open_area(axis, links[0].cell, walls),
                 relax: if absorbing[2 * axis + side] {
                     RELAX * CS2.sqrt() / f64::from(grid.n[axis])
                 } else {
@@ -187,16 +227,23 @@ impl OpenCells {
                 },
             });
         }
-        let items = (0..own.cells.len())
-            .step_by(CELLS_PER_ITEM)
-            .map(|first| Item {
-                cells: first..(first + CELLS_PER_ITEM).min(own.cells.len()),
-                means: vec![f64::NAN; CELLS_PER_ITEM.min(own.cells.len() - first)],
-                impulse: [0.0; 3],
-                mass: 0.0,
-                entering: 0,
-            })
-            .collect();
+        own.cells.sort_by_key(|open| open.face);
+        let mut items = Vec::new();
+        let mut first = 0;
+        for of_face in own.cells.chunk_by(|a, b| a.face == b.face) {
+            for cells in of_face.chunks(CELLS_PER_ITEM) {
+                items.push(Item {
+                    cells: first..first + cells.len(),
+                    face: of_face[0].face.into(),
+                    share: 0.0,
+                    means: vec![f64::NAN; cells.len()],
+                    impulse: [0.0; 3],
+                    mass: 0.0,
+                    entering: 0,
+                });
+                first += cells.len();
+            }
+        }
         (own, items)
     }
 
@@ -204,6 +251,39 @@ impl OpenCells {
     pub fn bytes(&self) -> usize {
         size_of_val(self.cells.as_slice())
     }
+
+    /// Compares what entered through faces with a velocity in a step with what was to, in a fluid of a mean density. Sums
+    /// are in the order of the items.
+    pub fn steer(&mut self, items: &[Item], now: &[Now], density: f64) {
+        for of_face in items.chunk_by(|a, b| a.face == b.face) {
+            let face = of_face[0].face;
+            let Now::Wall(velocity) = now[face] else { continue };
+            let inward = velocity[face / 2] * [1.0, -1.0][face % 2];
+            let (mut mass, mut share) = (0.0, 0.0);
+            for item in of_face {
+                (mass, share) = (mass + item.mass, share + item.share);
+            }
+            let Steering { more, most } = &mut self.steering[face];
+            let wanted = density * inward * share;
+            *most = most.max(wanted.abs());
+            if *most > 0.0 {
+                let step = STEER * (wanted - mass) / *most * (wanted / *most);
+                *more = (*more + step).clamp(-STEER_LIMIT, STEER_LIMIT);
+            }
+        }
+    }
+}
+
+/// Area of a cell in a face across an axis [cells]: from wall to wall, where those of parts cross it.
+fn open_area(axis: usize, cell: u32, walls: &[(Blocked, f64)]) -> f64 {
+    let first = walls.partition_point(|(link, _)| link.cell < cell);
+    let own = || walls[first..].iter().take_while(|(link, _)| link.cell == cell);
+    let reach = |a: usize, sign: i32| {
+        let mut along = [0; 3];
+        along[a] = sign;
+        own().find(|(link, _)| C[usize::from(link.dir)] == along).map_or(0.5, |(_, q)| *q)
+    };
+    (0..3).filter(|&a| a != axis).map(|a| reach(a, -1) + reach(a, 1)).product()
 }
 
 /// The open faces at which a cell lies, in the order of the world's axes.
@@ -220,20 +300,26 @@ pub fn open_faces(grid: &Grid, at: [i32; 3]) -> Vec<(usize, usize)> {
     faces
 }
 
-/// The product of `4 s (1 - s)` over the face's edges that do not wrap around.
-fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> f64 {
-    let mut factor = 1.0;
+/// The product of `4 s (1 - s)` over the face's edges that do not wrap around, at the centre of a cell and its mean over
+/// the cell.
+fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> [f64; 2] {
+    let mut factors = [1.0; 2];
     for a in (0..3).filter(|&a| a != axis && !grid.periodic[a]) {
-        let s = (f64::from(at[a]) + 0.5) / f64::from(grid.n[a]);
-        factor *= 4.0 * s * (1.0 - s);
+        let n = f64::from(grid.n[a]);
+        let s = (f64::from(at[a]) + 0.5) / n;
+        let factor = 4.0 * s * (1.0 - s);
+        factors[0] *= factor;
+        factors[1] *= factor - 1.0 / (3.0 * n * n);
     }
-    factor
+    factors
 }
 
 impl<T: Real> Next<'_, T> {
     /// Gives an item's cells their populations and records what entered.
     pub fn open(&self, cells: &OpenCells, item: &mut Item) {
         (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
+        item.share = 0.0;
+        let more = cells.steering[item.face].more;
         let own = &cells.cells[item.cells.clone()];
         let mut waiting = Waiting::NONE;
         for (k, open) in own.iter().enumerate() {
@@ -243,16 +329,17 @@ impl<T: Real> Next<'_, T> {
             if !self.owners.is_fluid(open.cell) {
                 continue;
             }
+            item.share += open.share;
             if self.scheme == OpenFaces::Nebb && open.plain && open.relax == 0.0 {
-                self.bounce_cell(open, item);
+                self.bounce_cell(open, more, item);
                 continue;
             }
             self.take(open, k, &mut waiting);
             if waiting.count == LANES {
-                self.extrapolate(own, &mut waiting, item);
+                self.extrapolate(own, more, &mut waiting, item);
             }
         }
-        self.extrapolate(own, &mut waiting, item);
+        self.extrapolate(own, more, &mut waiting, item);
     }
 
     /// Asks memory for what a cell needs, unless it lies in one line with the cell before.
@@ -280,10 +367,10 @@ impl<T: Real> Next<'_, T> {
         is_there.then_some(open.inner)
     }
 
-    fn bounce_cell(&self, open: &OpenCell, item: &mut Item) {
+    fn bounce_cell(&self, open: &OpenCell, more: f64, item: &mut Item) {
         let old = self.populations(open.cell);
         let inner = self.inner(open).map(|cell| self.populations(cell));
-        let new = self.bounce(open, &old, inner.as_ref(), item);
+        let new = self.bounce(open, more, (&old, inner.as_ref()), item);
         self.replace(open.cell, open.unknown, [&old, &new], &mut item.impulse, &mut item.mass);
     }
 
@@ -324,7 +411,7 @@ impl<T: Real> Next<'_, T> {
     }
 
     /// Gives the cells that wait their populations by extrapolation.
-    fn extrapolate(&self, own: &[OpenCell], waiting: &mut Waiting, item: &mut Item) {
+    fn extrapolate(&self, own: &[OpenCell], more: f64, waiting: &mut Waiting, item: &mut Item) {
         let Waiting { cells, numbers, own: places, from, count } = waiting;
         let count = std::mem::take(count);
         if count == 0 {
@@ -336,7 +423,8 @@ impl<T: Real> Next<'_, T> {
         self.variant.run(LookInside(cells, self.acceleration));
         for (lane, &number) in numbers.iter().enumerate() {
             let u = cells.velocity.map(|u| u[lane]);
-            let (drho, u) = self.prescribed(&own[number], number, (cells.drho[lane], u), item);
+            let inside = (cells.drho[lane], u);
+            let (drho, u) = self.prescribed(&own[number], more, number, inside, item);
             cells.given.0[lane] = drho;
             for (given, u) in cells.given.1.iter_mut().zip(u) {
                 given[lane] = u;
@@ -405,12 +493,13 @@ impl<T: Real> Next<'_, T> {
     fn prescribed(
         &self,
         open: &OpenCell,
+        more: f64,
         number: usize,
         (drho, u): (f64, [f64; 3]),
         item: &mut Item,
     ) -> (f64, [f64; 3]) {
         match self.now[open.face as usize] {
-            Now::Wall(given) => (drho, given.map(|v| v * open.profile)),
+            Now::Wall(given) => (drho, given.map(|v| v * (open.profile * (1.0 + more)))),
             Now::Density(given) if open.relax > 0.0 => {
                 let (drho, u) = self.absorb(open, &mut item.means[number], given, drho, u);
                 (drho, self.limited(open, u, item))
@@ -422,8 +511,8 @@ impl<T: Real> Next<'_, T> {
     fn bounce(
         &self,
         open: &OpenCell,
-        old: &[f64; Q],
-        inner: Option<&[f64; Q]>,
+        more: f64,
+        (old, inner): (&[f64; Q], Option<&[f64; Q]>),
         item: &mut Item,
     ) -> [f64; Q] {
         let (axis, inward) = (usize::from(open.face / 2), [1, -1][usize::from(open.face % 2)]);
@@ -441,7 +530,8 @@ impl<T: Real> Next<'_, T> {
         // `u` is the momentum over the density: without half the step's force.
         let (drho, u) = match self.now[open.face as usize] {
             Now::Wall(given) => {
-                let u: [f64; 3] = std::array::from_fn(|a| given[a] * open.profile - half[a]);
+                let u: [f64; 3] =
+                    std::array::from_fn(|a| given[a] * (open.profile * (1.0 + more)) - half[a]);
                 ((s + u[axis] * n) / (1.0 - u[axis] * n), u)
             }
             Now::Density(drho) => {

@@ -15,6 +15,7 @@
 //! is kept: a part that trembles about the border of two rounded poses costs no search.
 
 use crate::cover::{Cover, Layer, room_for};
+use crate::displaced::{Displaced, window};
 use crate::grid::Grid;
 use crate::lattice::dot;
 use crate::shape::{Hit, NO_FACET, Shape};
@@ -482,6 +483,28 @@ impl PartBody {
     /// From its origin to the centre of its volume.
     pub fn middle(&self) -> [f64; 3] {
         self.frame.turn_to_world(self.centroid).map(|x| x / self.cell)
+    }
+
+    /// What of it counts as displaced, with its origin at a position, and the first moments about that; `None` where that
+    /// is all of it.
+    pub fn displaced(
+        &self,
+        grid: &Grid,
+        position: [f64; 3],
+        mirrors: [bool; 3],
+    ) -> Option<Displaced> {
+        let radius = self.radius();
+        let window = window(grid, ([0.0; 3], 1.0), [2.0 * radius; 3], mirrors);
+        let is_in =
+            |a: usize| position[a] - radius > window.min[a] && position[a] + radius < window.max[a];
+        if (0..3).all(is_in) {
+            return None;
+        }
+        let place = |vertex| {
+            let arm = self.frame.turn_to_world(vertex);
+            std::array::from_fn(|a| position[a] + arm[a] / self.cell)
+        };
+        Some(Displaced::by(self.surface.mesh(), place, &window, position))
     }
 
     /// Centres of the cells of a row from the cover's origin on, in the part's frame [m].

@@ -9,6 +9,7 @@ use crate::refill::{Before, Content};
 use crate::solids::Centres;
 use crate::units::Units;
 use std::ops::Range;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
 use tremie_team::Team;
 
@@ -23,6 +24,74 @@ pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
     scene.probe_signals(values)
 }
 
+/// Mean velocities in the strips of a profile.
+const STRIPS: [(&str, &str); ProbeShape::MOST_BINS] = [
+    ("u0", "m/s"),
+    ("u1", "m/s"),
+    ("u2", "m/s"),
+    ("u3", "m/s"),
+    ("u4", "m/s"),
+    ("u5", "m/s"),
+    ("u6", "m/s"),
+    ("u7", "m/s"),
+    ("u8", "m/s"),
+    ("u9", "m/s"),
+    ("u10", "m/s"),
+    ("u11", "m/s"),
+    ("u12", "m/s"),
+    ("u13", "m/s"),
+    ("u14", "m/s"),
+    ("u15", "m/s"),
+    ("u16", "m/s"),
+    ("u17", "m/s"),
+    ("u18", "m/s"),
+    ("u19", "m/s"),
+    ("u20", "m/s"),
+    ("u21", "m/s"),
+    ("u22", "m/s"),
+    ("u23", "m/s"),
+    ("u24", "m/s"),
+    ("u25", "m/s"),
+    ("u26", "m/s"),
+    ("u27", "m/s"),
+    ("u28", "m/s"),
+    ("u29", "m/s"),
+    ("u30", "m/s"),
+    ("u31", "m/s"),
+    ("u32", "m/s"),
+    ("u33", "m/s"),
+    ("u34", "m/s"),
+    ("u35", "m/s"),
+    ("u36", "m/s"),
+    ("u37", "m/s"),
+    ("u38", "m/s"),
+    ("u39", "m/s"),
+    ("u40", "m/s"),
+    ("u41", "m/s"),
+    ("u42", "m/s"),
+    ("u43", "m/s"),
+    ("u44", "m/s"),
+    ("u45", "m/s"),
+    ("u46", "m/s"),
+    ("u47", "m/s"),
+    ("u48", "m/s"),
+    ("u49", "m/s"),
+    ("u50", "m/s"),
+    ("u51", "m/s"),
+    ("u52", "m/s"),
+    ("u53", "m/s"),
+    ("u54", "m/s"),
+    ("u55", "m/s"),
+    ("u56", "m/s"),
+    ("u57", "m/s"),
+    ("u58", "m/s"),
+    ("u59", "m/s"),
+    ("u60", "m/s"),
+    ("u61", "m/s"),
+    ("u62", "m/s"),
+    ("u63", "m/s"),
+];
+
 fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
     const REGION: [(&str, &str); 5] = [
         ("pressure", "Pa"),
@@ -33,9 +102,35 @@ fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
     ];
     match shape {
         ProbeShape::Point(_) | ProbeShape::Line { .. } => &REGION[..4],
-        ProbeShape::Section { .. } => &[("flow_rate", "m³/s"), ("pressure", "Pa")],
+        ProbeShape::Section { .. } => {
+            &[("flow_rate", "m³/s"), ("pressure", "Pa"), ("mass_flow_rate", "kg/s")]
+        }
+        ProbeShape::Profile { bins, .. } => &STRIPS[..(*bins).min(STRIPS.len())],
         ProbeShape::Region { .. } | ProbeShape::Ring(_) => &REGION,
     }
+}
+
+/// What the values of a scene's probes are, in the order of [`probe_signals`], where that is not by their names alone.
+pub fn probe_meanings(scene: &Scene) -> Vec<Option<String>> {
+    let of = |probe: &Probe| match &probe.shape {
+        ProbeShape::Profile { axis, min, max, along, bins, .. } => {
+            let width = (max[*along] - min[*along]) / *bins as f64;
+            let names = ["x", "y", "z"];
+            let strip = |k: usize| {
+                let at = |k: usize| short(min[*along] + width * k as f64);
+                Some(format!(
+                    "mean velocity of the fluid along {} where {} is {} to {} m",
+                    names[*axis],
+                    names[*along],
+                    at(k),
+                    at(k + 1)
+                ))
+            };
+            (0..*bins).map(strip).collect()
+        }
+        shape => vec![None; count(shape)],
+    };
+    scene.probes.iter().flat_map(of).collect()
 }
 
 /// How many values a probe of a shape has.
@@ -63,7 +158,8 @@ pub fn samples(grid: &Grid, centres: &Centres, shape: &ProbeShape) -> Vec<([i32;
             };
             (0..count as i32).flat_map(|k| between(grid, centres, at(k))).collect()
         }
-        ProbeShape::Section { axis, position, min, max } => {
+        ProbeShape::Section { axis, position, min, max }
+        | ProbeShape::Profile { axis, position, min, max, .. } => {
             let layer = ((position - centres.min[*axis]) / centres.cell).floor() as i32;
             let layer = layer.clamp(0, grid.n[*axis] - 1);
             let mut range = range(grid, centres, min, max);
@@ -145,8 +241,20 @@ impl Sum {
 #[derive(Clone, Debug)]
 struct Item {
     probe: usize,
+    /// The strip, of a profile; else 0.
+    strip: usize,
     samples: Vec<(u32, f64)>,
     sum: Sum,
+    /// Of a section its axis, and the momentum along it that was passing in the last step that was looked at.
+    flow: Option<(usize, f64)>,
+}
+
+/// Mass that passes a section.
+#[derive(Clone, Copy, Debug, Default)]
+struct Passing {
+    /// Of the last step that was looked at, and summed up since means began [a step].
+    last: Option<f64>,
+    sum: f64,
 }
 
 /// The probes of a scene.
@@ -154,7 +262,17 @@ struct Item {
 pub struct Probes {
     shapes: Vec<ProbeShape>,
     items: Vec<Item>,
+    /// Of each probe, what passes it if it is a section.
+    passing: Vec<Passing>,
+    /// Steps that were looked at since means began.
+    looks: u32,
+    /// Sections are looked at in every so many steps: none if there is no section.
+    every: Option<u64>,
 }
+
+/// Cells of sections over all cells up to which sections are looked at in every step. A cell takes two to three times as
+/// long as in a collision.
+const SHARE_OF_SECTIONS: f64 = 0.005;
 
 impl Probes {
     /// Of a scene, in stored cells.
@@ -162,17 +280,70 @@ impl Probes {
         let mut own = Self::default();
         for (number, probe) in probes.iter().enumerate() {
             own.shapes.push(probe.shape.clone());
-            let cells: Vec<(u32, f64)> = samples(&layout.grid, centres, &probe.shape)
-                .into_iter()
-                .filter_map(|(at, weight)| layout.cell(at).map(|cell| (cell, weight)))
-                .collect();
-            own.items.extend(cells.chunks(SAMPLES_PER_ITEM).map(|samples| Item {
-                probe: number,
-                samples: samples.to_vec(),
-                sum: Sum::default(),
-            }));
+            let (strips, flow) = match &probe.shape {
+                ProbeShape::Profile { bins, .. } => (*bins, None),
+                ProbeShape::Section { axis, .. } => (1, Some((*axis, 0.0))),
+                _ => (1, None),
+            };
+            let mut cells = vec![Vec::new(); strips];
+            for (at, weight) in samples(&layout.grid, centres, &probe.shape) {
+                let strip = strip_of(&probe.shape, centres, at);
+                cells[strip].extend(layout.cell(at).map(|cell| (cell, weight)));
+            }
+            for (strip, cells) in cells.iter().enumerate() {
+                own.items.extend(cells.chunks(SAMPLES_PER_ITEM).map(|samples| Item {
+                    probe: number,
+                    strip,
+                    samples: samples.to_vec(),
+                    sum: Sum::default(),
+                    flow,
+                }));
+            }
+        }
+        own.passing = vec![Passing::default(); own.shapes.len()];
+        let sections = own.items.iter().filter(|item| item.flow.is_some());
+        let looked_at: usize = sections.map(|item| item.samples.len()).sum();
+        if looked_at > 0 {
+            let share = looked_at as f64 / layout.cells.len().max(1) as f64;
+            own.every = Some((share / SHARE_OF_SECTIONS).ceil().max(1.0) as u64);
         }
         own
+    }
+
+    /// Looks at what passes sections at the end of a step, if it is their turn.
+    pub fn look<T: Real>(
+        &mut self,
+        team: &mut Team,
+        before: &Before<T>,
+        owners: &Owners,
+        steps: u64,
+    ) {
+        if !self.every.is_some_and(|every| steps.is_multiple_of(every)) {
+            return;
+        }
+        team.for_each(&mut self.items, |_, item| {
+            let Some((axis, passing)) = &mut item.flow else { return };
+            *passing = 0.0;
+            for &(cell, weight) in item.samples.iter().filter(|(cell, _)| owners.is_fluid(*cell)) {
+                let content = before.content(cell);
+                let half = 0.5 * before.acceleration[*axis] * (1.0 + content.drho);
+                *passing += weight * (content.j[*axis] + half);
+            }
+        });
+        self.looks += 1;
+        self.passing.iter_mut().for_each(|passing| passing.last = Some(0.0));
+        for item in &self.items {
+            if let Some((_, passing)) = item.flow {
+                *self.passing[item.probe].last.get_or_insert(0.0) += passing;
+            }
+        }
+        self.passing.iter_mut().for_each(|passing| passing.sum += passing.last.unwrap_or(0.0));
+    }
+
+    /// Begins means over time anew.
+    pub fn restart_means(&mut self) {
+        self.looks = 0;
+        self.passing.iter_mut().for_each(|passing| passing.sum = 0.0);
     }
 
     /// Appends the values of all probes to `out`, SI units. A probe all of whose cells are covered
@@ -210,25 +381,44 @@ impl Probes {
         });
         let mut items = self.items.iter().peekable();
         for (number, shape) in self.shapes.iter().enumerate() {
-            let mut sum = Sum::default();
-            while let Some(item) = items.next_if(|item| item.probe == number) {
-                sum.join(&item.sum);
+            let strips = if let ProbeShape::Profile { bins, .. } = shape { *bins } else { 1 };
+            let Passing { last, sum: passed } = self.passing[number];
+            // Between looks, the last one.
+            let mean = (self.looks > 0).then(|| passed / f64::from(self.looks)).or(last);
+            for strip in 0..strips {
+                let mut sum = Sum::default();
+                while let Some(item) =
+                    items.next_if(|item| (item.probe, item.strip) == (number, strip))
+                {
+                    sum.join(&item.sum);
+                }
+                push(shape, &sum, mean, units, out);
             }
-            push(shape, &sum, units, out);
         }
     }
 }
 
+/// The strip of a probe in which a cell lies.
+fn strip_of(shape: &ProbeShape, centres: &Centres, at: [i32; 3]) -> usize {
+    let ProbeShape::Profile { min, max, along, bins, .. } = shape else { return 0 };
+    let part = (centres.of(at)[*along] - min[*along]) / (max[*along] - min[*along]);
+    ((part * *bins as f64) as usize).min(bins - 1)
+}
+
 /// Appends the values of one probe.
-fn push(shape: &ProbeShape, sum: &Sum, units: &Units, out: &mut Vec<f64>) {
+fn push(shape: &ProbeShape, sum: &Sum, passing: Option<f64>, units: &Units, out: &mut Vec<f64>) {
     let mean = |x: f64| if sum.fluid > 0.0 { x / sum.fluid } else { 0.0 };
     let pressure = mean(sum.drho) * CS2 * units.pressure();
     let velocity = sum.u.map(|u| mean(u) * units.velocity());
     match shape {
         ProbeShape::Section { axis, .. } => {
             let area = units.cell * units.cell;
-            out.extend([sum.u[*axis] * units.velocity() * area, pressure]);
+            // Before the first look, as it is.
+            let now = || sum.u[*axis] * (1.0 + mean(sum.drho));
+            let rate = passing.unwrap_or_else(now) * units.mass() / units.time_step;
+            out.extend([sum.u[*axis] * units.velocity() * area, pressure, rate]);
         }
+        ProbeShape::Profile { axis, .. } => out.push(velocity[*axis]),
         ProbeShape::Point(_) | ProbeShape::Line { .. } => {
             out.push(pressure);
             out.extend(velocity);

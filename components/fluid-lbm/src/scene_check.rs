@@ -101,12 +101,10 @@ fn check_surface(
 /// Checks of what open faces and parts prescribe.
 fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
     let mut check = |key: String, numbers: &[f64], course: &Course| {
-        let times = course.0.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-        let finite = numbers.iter().chain(course.0.iter().flatten()).all(|x| x.is_finite());
-        if !finite {
+        if !numbers.iter().all(|x| x.is_finite()) {
             problems.push(Problem::new(key, "holds a number that is not finite"));
-        } else if !times {
-            problems.push(Problem::new(key, "the times of its course do not ascend"));
+        } else if let Some(flaw) = course.flaw() {
+            problems.push(Problem::new(key, flaw));
         }
     };
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -115,7 +113,7 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
             match face {
                 Face::Velocity(open) => check(key, &open.velocity, &open.course),
                 Face::Pressure { pressure, course, .. } => check(key, &[*pressure], course),
-                Face::Wall { velocity } => check(key, velocity, &Course::default()),
+                Face::Wall { velocity, course } => check(key, velocity, course),
                 Face::Reservoir(reservoir) => {
                     check(key, &reservoir_numbers(reservoir), &reservoir.course);
                 }
@@ -135,7 +133,10 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
         let numbers: Vec<f64> = match &probe.shape {
             ProbeShape::Point(point) => point.to_vec(),
             ProbeShape::Line { from, to } => [*from, *to].concat(),
-            ProbeShape::Section { position, min, max, .. } => [&[*position][..], min, max].concat(),
+            ProbeShape::Section { position, min, max, .. }
+            | ProbeShape::Profile { position, min, max, .. } => {
+                [&[*position][..], min, max].concat()
+            }
             ProbeShape::Region { min, max } => [*min, *max].concat(),
             ProbeShape::Ring(ring) => [&ring.through[..], &ring.radii, &ring.heights].concat(),
         };
@@ -145,6 +146,18 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
         } else if matches!(&probe.shape, ProbeShape::Section { axis, .. } | ProbeShape::Ring(Ring { axis, .. }) if *axis > 2)
         {
             problems.push(Problem::new(key, "its axis must be 0, 1 or 2 for x, y or z"));
+        } else if let ProbeShape::Profile { axis, min, max, along, bins, .. } = &probe.shape
+            && (*axis > 2
+                || *along > 2
+                || axis == along
+                || min[*along] >= max[*along]
+                || !(1..=ProbeShape::MOST_BINS).contains(bins))
+        {
+            let message = format!(
+                "its two axes must be different ones of 0, 1 and 2, its corners in order, its strips 1 to {}",
+                ProbeShape::MOST_BINS
+            );
+            problems.push(Problem::new(key, message));
         }
     }
     for (index, plane) in scene.planes.iter().enumerate() {

@@ -1,5 +1,6 @@
 //! Static solids of a scene: fixed parts and planes, in the frame of the box of cells.
 
+use crate::displaced::{Displaced, window};
 use crate::grid::Grid;
 use crate::lattice::dot;
 use std::sync::Arc;
@@ -116,6 +117,17 @@ impl Solid {
             reference: plane.point,
             shape: Shape::Plane { point: plane.point, normal: plane.normal },
         }
+    }
+
+    /// What it displaces where it counts, about its reference [m³, m⁴]: nothing, of a plane. `mirrors` are the axes across
+    /// which a symmetry plane cuts it.
+    pub fn displaced(&self, grid: &Grid, centres: &Centres, mirrors: [bool; 3]) -> Displaced {
+        let Shape::Part { surface, frame, bounds, .. } = &self.shape else {
+            return Displaced::default();
+        };
+        let window = window(grid, (centres.min, centres.cell), bounds.size(), mirrors);
+        let place = |vertex| frame.to_world(vertex);
+        Displaced::by(surface.mesh(), place, &window, self.reference)
     }
 
     /// Says for each cell of a row of the box whether its centre is in the solid.

@@ -140,6 +140,8 @@ pub struct Solver<T: Collides> {
     pub(crate) in_gaps: Vec<InGaps>,
     /// Room for sums over fixtures.
     pub(crate) impulses: Vec<[f64; 3]>,
+    /// Force of the fluid on each symmetry plane, `2 axis + side`.
+    pub(crate) mirrors: [[f64; 3]; 6],
 }
 
 impl<T: Collides> Solver<T> {
@@ -293,6 +295,7 @@ impl<T: Collides> Solver<T> {
             pressed: vec![Exchange::default(); fixtures],
             in_gaps: Vec::new(),
             impulses: vec![[0.0; 3]; fixtures],
+            mirrors: [[0.0; 3]; 6],
         };
         let (velocity, pressure) = (fluid.velocity, fluid.pressure);
         solver.set_state(|_| (velocity, pressure));
@@ -404,6 +407,8 @@ impl<T: Collides> Solver<T> {
         self.give_loads(loads);
         self.end_balance(true);
         self.settle_accounts();
+        let before = before!(self);
+        self.probes.look(&mut self.team, &before, &self.owners, self.steps);
         Ok(())
     }
 
@@ -489,9 +494,10 @@ impl<T: Collides> Solver<T> {
             self.team
                 .for_pieces_with(items, &mut self.batches, |batch, _, one| reflect(batch, one));
         }
-        let time = self.steps as f64 * self.units.time_step;
+        let step = self.units.time_step;
+        let time = self.steps as f64 * step;
         for (law, now) in self.surroundings.laws.iter().zip(&mut self.now) {
-            if let Some(prescribed) = law.as_ref().and_then(|law| law.at(time)) {
+            if let Some(prescribed) = law.as_ref().and_then(|law| law.in_step(time, step)) {
                 *now = prescribed;
             }
         }
@@ -522,12 +528,16 @@ impl<T: Collides> Solver<T> {
         }
         let open = &self.open;
         self.team.for_each(&mut self.open_items, |_, item| next.open(open, item));
+        if !self.open_items.is_empty() {
+            let density = 1.0 + self.survey.excess / (self.owners.fluid_cells as f64).max(1.0);
+            self.open.steer(&self.open_items, &self.now, density);
+        }
         Ok(())
     }
 
     /// Adds up what the fluid exchanged with each fixture: force and torque on it.
     pub(crate) fn join_fixtures(&mut self) -> [f64; 3] {
-        let mut mirrors = [0.0; 3];
+        let mut mirrors = [[0.0; 3]; 6];
         self.impulses.fill([0.0; 3]);
         for (number, block) in self.blocks.iter().enumerate() {
             self.tally.share(number, &block.reflected, &mut mirrors, &mut self.impulses);
@@ -545,7 +555,8 @@ impl<T: Collides> Solver<T> {
                 fixture.join(&self.slip.on_fixture(number));
             }
         }
-        mirrors
+        self.mirrors = mirrors.map(|impulse| impulse.map(|x| -x));
+        std::array::from_fn(|a| mirrors[2 * a][a] + mirrors[2 * a + 1][a])
     }
 }
 

@@ -1,7 +1,9 @@
 //! What stands around the fluid: faces of the domain and static solids, and what they prescribe.
 
+use crate::balance::mirrors_of_part;
 use crate::cells::{Fixture, Obstacles};
 use crate::course::Law;
+use crate::displaced::Displaced;
 use crate::fixed::{self, FixedLinks};
 use crate::grid::Side;
 use crate::ground::Ground;
@@ -11,6 +13,7 @@ use crate::open::{self, OpenCells};
 use crate::parameters::{Parameters, Walls};
 use crate::places::{Blocked, Reflection};
 use crate::reservoir::{ReservoirFace, face_of};
+use crate::solids::Centres;
 use crate::units::Units;
 use crate::wall_distances::WallDistances;
 use std::sync::Arc;
@@ -34,6 +37,8 @@ pub struct Surroundings {
     pub laws: Vec<Option<Law>>,
     /// For each fixture the point about which its torque counts [cells].
     pub references: Vec<[f64; 3]>,
+    /// For each fixture what it displaces, about that point [cells].
+    pub displaced: Vec<Displaced>,
 }
 
 /// What follows from the surroundings for cells in lines of a given length.
@@ -74,13 +79,24 @@ impl Surroundings {
         let mut laws: Vec<_> =
             scene.domain.faces.iter().flatten().map(|face| Law::of_face(face, units)).collect();
         let mut references = vec![[0.0; 3]; laws.len()];
+        let mut displaced = vec![Displaced::default(); laws.len()];
+        let centres = Centres { cell: units.cell, min: units.min };
         for solid in &ground.solids {
             laws.push(Some(Law::of_part(&solid.boundary, units)));
-            references.push(units.position_to_lattice(solid.reference));
+            let reference = units.position_to_lattice(solid.reference);
+            references.push(reference);
+            let mirrors = mirrors_of_part(&ground.grid, reference);
+            let Displaced { volume, moment } = solid.displaced(&ground.grid, &centres, mirrors);
+            let cube = units.cell * units.cell * units.cell;
+            displaced.push(Displaced {
+                volume: volume.map(|v| v / cube),
+                moment: moment.map(|moment| moment.map(|m| m / (cube * units.cell))),
+            });
         }
         // Cells to which no way leads count as one more solid, which no link meets.
         laws.push(None);
         references.push([0.0; 3]);
+        displaced.push(Displaced::default());
         let moving = std::mem::take(&mut ground.moving);
         let faces: Vec<_> = scene.domain.faces.iter().flatten().collect();
         let absorbing =
@@ -93,7 +109,18 @@ impl Surroundings {
         let nu = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.viscosity / fluid.density);
         let nearest = nearest_wall(parameters.tau_of(units.time_step, nu));
         let units = *units;
-        Self { ground, halfway, nearest, absorbing, reservoirs, units, moving, laws, references }
+        Self {
+            ground,
+            halfway,
+            nearest,
+            absorbing,
+            reservoirs,
+            units,
+            moving,
+            laws,
+            references,
+            displaced,
+        }
     }
 
     /// The static geometry.
@@ -101,23 +128,18 @@ impl Surroundings {
         &self.ground
     }
 
-    /// The parts that stand still: number of the fixture, index into the scene's parts and the point
-    /// about which torques count [m].
-    pub fn parts(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> {
+    /// The parts that stand still: number of the fixture, and index into the scene's parts.
+    pub fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
         let first = usize::from(Fixture::FACES);
         let solids = self.ground.solids.iter().enumerate();
-        solids.filter_map(move |(k, solid)| Some((first + k, solid.part?, solid.reference)))
+        solids.filter_map(move |(k, solid)| Some((first + k, solid.part?)))
     }
 
     /// Whether a fixture's links need work besides reflection half-way.
     fn is_special(&self, fixture: Fixture) -> bool {
-        match fixture.as_solid() {
-            Some(_) => true,
-            None => !matches!(
-                self.laws[usize::from(fixture.0)],
-                None | Some(Law::Wall([0.0, 0.0, 0.0]))
-            ),
-        }
+        let moves = |law: &Law| !law.is_at_rest();
+        fixture.as_solid().is_some()
+            || self.laws[usize::from(fixture.0)].as_ref().is_some_and(moves)
     }
 
     fn obstacles(&self) -> &Obstacles {
@@ -131,7 +153,7 @@ impl Surroundings {
             Layout::new(self.ground.grid.clone(), self.obstacles(), line, special);
         let is_open = |fixture: Fixture| {
             fixture.as_solid().is_none()
-                && !matches!(self.laws[usize::from(fixture.0)], Some(Law::Wall(_)))
+                && !matches!(self.laws[usize::from(fixture.0)], Some(Law::Wall { .. }))
         };
         let (open, fixed): (Vec<_>, Vec<_>) =
             survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
@@ -141,15 +163,17 @@ impl Surroundings {
             face.is_some_and(|(axis, side)| self.reservoirs[2 * axis + side].is_some())
         };
         let open: Vec<_> = open.into_iter().filter(|blocked| !has_reservoir(blocked)).collect();
-        let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open);
         let met = fixed.iter().map(|blocked| {
             let (met, q) = self.meet(&layout, blocked);
             (met, if self.halfway { 0.5 } else { q.max(self.nearest) })
         });
-        let is_at_rest =
-            |met: &Blocked| self.laws[usize::from(met.fixture.0)] == Some(Law::Wall([0.0; 3]));
+        let met: Vec<_> = met.collect();
+        let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open, &met);
+        let is_at_rest = |met: &Blocked| {
+            self.laws[usize::from(met.fixture.0)].as_ref().is_some_and(Law::is_at_rest)
+        };
         let (halfway, fixed): (Vec<_>, Vec<_>) =
-            met.partition(|(met, q)| *q == 0.5 && is_at_rest(met));
+            met.into_iter().partition(|(met, q)| *q == 0.5 && is_at_rest(met));
         let halfway = halfway.into_iter().map(|(met, _)| met).collect();
         let (fixed, fixed_items) = FixedLinks::new(&layout.places, fixed.into_iter());
         let reflections = survey.reflections;

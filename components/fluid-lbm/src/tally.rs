@@ -163,18 +163,24 @@ impl Tally {
         }
     }
 
-    /// Adds the impulse of a block's runs to `mirrors` and to the fixture's in `fixtures`.
+    /// Adds the impulse of a block's runs to the face's in `mirrors`, `2 axis + side`, and to the fixture's in
+    /// `fixtures`. Of a mirror it is along its axis, into the fluid.
     pub fn share(
         &self,
         block: usize,
         reflected: &[f64],
-        mirrors: &mut [f64; 3],
+        mirrors: &mut [[f64; 3]; 6],
         fixtures: &mut [[f64; 3]],
     ) {
         for (run, &sum) in self.runs(block).iter().zip(reflected) {
-            let to =
-                if run.is_mirror { &mut *mirrors } else { &mut fixtures[run.fixture.0 as usize] };
-            add_scaled(to, run.impulse, sum);
+            if !run.is_mirror {
+                add_scaled(&mut fixtures[run.fixture.0 as usize], run.impulse, sum);
+                continue;
+            }
+            for axis in 0..3 {
+                let impulse = run.impulse[axis];
+                mirrors[2 * axis + usize::from(impulse < 0.0)][axis] += impulse * sum;
+            }
         }
     }
 

@@ -56,7 +56,7 @@ fn scene(lay: Lay) -> Scene {
         ..scene.fluid.unwrap()
     });
     let reservoir = Reservoir {
-        course: Course(vec![[0.0, 0.5], [9.0, 1.0]]),
+        course: Course::Points(vec![[0.0, 0.5], [9.0, 1.0]]),
         ..Reservoir::new(168.0, 5e3, 0.01)
     };
     let outflow = OpenVelocity {
@@ -65,7 +65,7 @@ fn scene(lay: Lay) -> Scene {
         course: Course::default(),
     };
     // Which wall counts at an edge of two is the world's to say; here none meet.
-    let lid = Face::Wall { velocity: lay.out([0.01, 0.004, 0.0]) };
+    let lid = Face::moving(lay.out([0.01, 0.004, 0.0]));
     for (axis, faces) in [
         (0, [Face::Reservoir(reservoir), Face::Velocity(outflow)]),
         (1, [SYMMETRY, SYMMETRY]),
@@ -273,7 +273,7 @@ fn what_a_fluid_tells_does_not_depend_on_how_the_scene_lies() {
     assert!(first.loads[0].force.iter().all(|f| f.abs() > 1e-6), "{:?}", first.loads);
     assert!(first.facets.iter().any(|facet| facet.force != [0.0; 3]));
     assert!(first.on_parts[0].torque.iter().all(|m| m.abs() > 1e-7), "{:?}", first.on_parts);
-    assert_eq!((first.ports.len(), first.reservoirs.len(), first.probes.len()), (1, 1, 20));
+    assert_eq!((first.ports.len(), first.reservoirs.len(), first.probes.len()), (1, 1, 21));
     for lay in [Lay(1), Lay(2)] {
         let other = run(lay, 40);
         assert_eq!(first.loads, other.loads);

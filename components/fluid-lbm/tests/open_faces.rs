@@ -150,7 +150,7 @@ fn a_course_is_followed() {
     let mut case = Case::new([20, 4, 4], [WALL, PERIODIC, PERIODIC], 1.5);
     case.open_faces = OpenFaces::Nee;
     let mut scene = case.scene();
-    let course = Course(vec![[0.0, 0.0], [100.0, 1.0]]);
+    let course = Course::Points(vec![[0.0, 0.0], [100.0, 1.0]]);
     scene.domain.faces[0][1] = Face::Pressure { pressure: 1e-3, course, absorbing: false };
     let mut fluid = case.fluid_of(&scene);
     for step in 0..20_000 {

@@ -126,8 +126,8 @@ fn a_sphere_is_a_sphere() {
     }
     let mut on_parts: Vec<Load> = Vec::new();
     fixed.loads_on_parts(&mut on_parts);
-    let volume = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-    let drag = loads[0].force[0] - volume * case.acceleration[0];
+    // Either with what the mean pressure gradient does.
+    let drag = loads[0].force[0];
     println!("{} {}", on_parts[0].force[0], drag);
     assert!((on_parts[0].force[0] / drag - 1.0).abs() < 0.01);
     for a in 0..3 {
@@ -223,7 +223,7 @@ fn parts_may_prescribe_velocities() {
     let mut feed = part("feed", cuboid([6.0, 30.0, 30.0]), [0.2, 4.0, 4.0]);
     let velocity = [0.01, 0.0, 0.0];
     feed.boundary =
-        PartBoundary::Velocity { velocity, course: Course(vec![[0.0, 0.0], [600.0, 1.0]]) };
+        PartBoundary::Velocity { velocity, course: Course::Points(vec![[0.0, 0.0], [600.0, 1.0]]) };
     scene.parts.push(feed);
     let mut fluid = case.fluid_of(&scene);
     for _ in 0..6000 {

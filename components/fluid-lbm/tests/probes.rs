@@ -29,9 +29,9 @@ fn probes_read_a_linear_flow() {
         scene.probes.push(Probe { name: name.into(), shape });
     }
     let names: Vec<_> = probe_signals(&scene).into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names.len(), 4 + 4 + 2 + 5);
+    assert_eq!(names.len(), 4 + 4 + 3 + 5);
     assert_eq!(
-        [&names[0], &names[8], &names[14]],
+        [&names[0], &names[8], &names[15]],
         ["point.pressure", "section.flow_rate", "region.solid_fraction"]
     );
     let mut fluid = case.fluid_of(&scene);
@@ -45,7 +45,8 @@ fn probes_read_a_linear_flow() {
     let expected = [
         [pressure(point), speed(point), 0.0, -speed(point)].to_vec(),
         [pressure(line), speed(line), 0.0, -speed(line)].to_vec(),
-        [36.0 * speed(layer), pressure(layer)].to_vec(),
+        [36.0 * speed(layer), pressure(layer), 36.0 * speed(layer) * (1.0 + 3.0 * pressure(layer))]
+            .to_vec(),
         [pressure(region), speed(region), 0.0, -speed(region), 0.0].to_vec(),
     ]
     .concat();
@@ -58,9 +59,51 @@ fn probes_read_a_linear_flow() {
     fluid.start(&body, &mut loads_of(&body)).unwrap();
     found.clear();
     fluid.probes(&mut found);
-    assert_eq!(found[14], 8.0 / 144.0);
+    assert_eq!(found[15], 8.0 / 144.0);
     let near: f64 = found[0];
     assert!(near == 0.0 || (near - pressure(point)).abs() < 1e-3, "{near}");
+}
+
+/// The rate of mass through a section is the mean since means began: of a fluid that falls freely, that of half the way;
+/// and a profile cuts a section into strips, each with its mean velocity.
+#[test]
+fn rates_are_means_and_profiles_are_strips() {
+    let mut case = Case::new([220, 8, 4], [PERIODIC, SYMMETRY, PERIODIC], 0.8);
+    case.acceleration[0] = 1e-6;
+    let mut scene = case.scene();
+    let (min, max) = ([0.0; 3], [220.0, 8.0, 4.0]);
+    let section = ProbeShape::Section { axis: 0, position: 20.2, min, max };
+    let profile = ProbeShape::Profile { axis: 0, position: 20.2, min, max, along: 1, bins: 4 };
+    for (name, shape) in [("section", section), ("profile", profile)] {
+        scene.probes.push(Probe { name: name.into(), shape });
+    }
+    let names: Vec<_> = probe_signals(&scene).into_iter().map(|(name, _)| name).collect();
+    assert_eq!(
+        names[2..],
+        ["section.mass_flow_rate", "profile.u0", "profile.u1", "profile.u2", "profile.u3"]
+    );
+    let mut fluid = case.fluid_of(&scene);
+    let mut steps = 0.0;
+    for count in [40, 25] {
+        fluid.restart_means();
+        for _ in 0..count {
+            fluid.step(&[], &mut []).unwrap();
+        }
+        let mut found = Vec::new();
+        fluid.probes(&mut found);
+        // Velocities at the ends of the steps, halves of the force included.
+        let mean = 1e-6 * (steps + 0.5 * (f64::from(count) + 1.0));
+        steps += f64::from(count);
+        assert!((found[2] / (32.0 * mean) - 1.0).abs() < 0.02, "{found:?} {mean}");
+        assert!((found[0] / (32.0 * 1e-6 * steps) - 1.0).abs() < 0.02, "{found:?}");
+    }
+    let speed = |y: f64| 1e-3 * y;
+    fluid.set_state(|x| ([speed(x[1]), 0.0, 0.0], 0.0));
+    let mut found = Vec::new();
+    fluid.probes(&mut found);
+    for (k, u) in found[3..].iter().enumerate() {
+        assert!((u - speed(2.0 * k as f64 + 1.0)).abs() < 1e-12, "{found:?}");
+    }
 }
 
 /// In a linear flow the mean over a ring is what its middle has.

@@ -18,7 +18,7 @@ struct Tube {
     end: Face,
 }
 
-const OUTLET: Face = Face::Pressure { pressure: 0.0, course: Course(Vec::new()), absorbing: false };
+const OUTLET: Face = Face::Pressure { pressure: 0.0, course: Course::CONSTANT, absorbing: false };
 
 impl Tube {
     fn new(length: usize, tau: f64, end: Face) -> Self {
@@ -62,7 +62,7 @@ fn step(fluid: &mut FluidLbm) -> Result<ReservoirState, FluidError> {
 }
 
 fn ramp(steps: f64) -> Course {
-    Course(vec![[0.0, 0.0], [steps, 1.0]])
+    Course::Points(vec![[0.0, 0.0], [steps, 1.0]])
 }
 
 /// Reservoir and domain together keep their mass: to 1e-11 of it over 1e4 steps, the piston at full
@@ -237,7 +237,7 @@ fn smooth_ramp(steps: f64) -> Course {
         let s = f64::from(k) / 200.0;
         [s * steps, 0.5 * (1.0 - (core::f64::consts::PI * s).cos())]
     };
-    Course((0..=200).map(point).collect())
+    Course::Points((0..=200).map(point).collect())
 }
 
 /// A piston that has stopped leaves a compliance `V/(rho c_s^2)`: what flows out lowers the pressure by

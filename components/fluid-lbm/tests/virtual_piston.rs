@@ -64,7 +64,7 @@ fn behind_a_reservoir(sides: Face) -> Vec<[f64; 2]> {
     let area = (WIDTH * WIDTH) as f64;
     let mut reservoir = Reservoir::new(area, area * CYLINDER as f64, SPEED);
     let point = |k: u32| [f64::from(k) * RAMP / 100.0, factor(f64::from(k) * RAMP / 100.0)];
-    reservoir.course = Course((0..=100).map(point).collect());
+    reservoir.course = Course::Points((0..=100).map(point).collect());
     scene.domain.faces[0][0] = Face::Reservoir(reservoir);
     let mut fluid = case.fluid_of(&scene);
     let step = |_| {

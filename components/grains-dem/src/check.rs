@@ -13,7 +13,7 @@ use crate::{
 };
 use tremie_messages::{
     Problem,
-    scene::{BodySet, Domain, Motion, Placement, Plane, Scene, Sphere},
+    scene::{BodySet, Domain, Motion, Placement, Plane, Scene, Sphere, TimedMotion},
     units::Length,
 };
 
@@ -93,6 +93,7 @@ fn motion(key: &str, motion: &Motion, problems: &mut Vec<Problem>) {
     let points = match motion {
         Motion::Free | Motion::Fixed => return,
         Motion::Slider(slider) => return check_slider::slider(key, slider, problems),
+        Motion::Timed(timed) => return self::timed(key, timed, problems),
         Motion::Prescribed(points) => points,
     };
     for (i, point) in points.iter().enumerate() {
@@ -106,6 +107,14 @@ fn motion(key: &str, motion: &Motion, problems: &mut Vec<Problem>) {
             let message = format!("is {found} s, not later than the point before, {before} s");
             problems.push(Problem::new(format!("{key}.prescribed[{i}].time"), message));
         }
+    }
+}
+
+fn timed(key: &str, timed: &TimedMotion, problems: &mut Vec<Problem>) {
+    if !(all_finite(&timed.velocity) && all_finite(&timed.angular_velocity)) {
+        problems.push(Problem::new(format!("{key}.timed"), "is not finite"));
+    } else if let Some(flaw) = timed.course.flaw() {
+        problems.push(Problem::new(format!("{key}.timed.course"), flaw));
     }
 }
 

@@ -14,6 +14,7 @@ use crate::{
 };
 use std::collections::BTreeMap;
 use tremie_geometry::principal;
+use tremie_messages::BodyState;
 use tremie_messages::scene::{BodySet, Scene};
 
 /// The number of the clump of each set, in the order in which sets name them, and how many there are.
@@ -312,6 +313,28 @@ impl Clump {
     /// Kinetic energy of translation and of rotation [J].
     pub fn energies(&self) -> [f64; 2] {
         [0.5 * self.mass * self.v.norm_squared(), 0.5 * self.momentum.dot(&self.spin())]
+    }
+
+    /// Pose and velocities of its centroid, in the image of its first body that is inside periodic faces.
+    pub fn state(&self, bodies: &Bodies) -> BodyState {
+        BodyState {
+            id: u64::from(self.first()),
+            position: self.centroid(bodies).into(),
+            orientation: self.orientation,
+            velocity: self.v.into(),
+            angular_velocity: self.spin().into(),
+        }
+    }
+
+    /// What a fluid does to it, about its centroid.
+    pub fn load(&self, bodies: &Bodies) -> Wrench {
+        let mut sum = Wrench::zero();
+        for member in &self.members {
+            let load = &bodies.load[bodies.slot[member.rank as usize] as usize];
+            sum.force += load.force;
+            sum.torque += load.torque + (member.x - self.x).cross(&load.force);
+        }
+        sum
     }
 
     fn spin(&self) -> Vec3 {

@@ -2,6 +2,7 @@
 
 use crate::carried::{Carried, check_start, in_scene, surfaces};
 use crate::findings::{findings, limits};
+use crate::followed::{self, FLUID, Follow, MOTION, push_motion};
 use crate::meanings::MEANINGS;
 use crate::{GrainsDem, Parameters, Resolution, probe_signals};
 use std::collections::BTreeMap;
@@ -20,6 +21,8 @@ pub struct SoftSpheres {
     /// How many spheres these are.
     few: usize,
     carried: Carried,
+    /// Bodies, clumps and parts whose motion are signals.
+    follow: Follow,
 }
 
 /// So few bodies are followed one by one.
@@ -113,7 +116,8 @@ impl Grains for SoftSpheres {
         // All states are asked for at once, those of parts too.
         let tracked =
             vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { grains.body_count() } else { 0 }];
-        Ok(Self { grains, tracked, few, carried: Carried::new(&surfaces) })
+        let follow = Follow::new(scene, grains.events());
+        Ok(Self { grains, tracked, few, carried: Carried::new(&surfaces), follow })
     }
 
     fn events(&self) -> &[BodyEvent] {
@@ -198,10 +202,14 @@ impl Grains for SoftSpheres {
             values.extend(body.position);
             values.extend(body.velocity);
         }
+        self.follow.push(&self.grains, values);
         let mut sliders = self.grains.sliders().peekable();
         for (part, (force, torque)) in self.grains.part_loads().enumerate() {
             values.extend(force);
             values.extend(torque);
+            if let Some(state) = self.grains.part(part).filter(|_| self.follow.moves(part)) {
+                push_motion(&state, values);
+            }
             if let Some(s) = sliders.next_if(|slider| slider.part == part) {
                 let forces = [s.spring_force, s.contact_force, s.stop_force, s.fluid_force];
                 values.extend([s.lift, s.velocity]);
@@ -253,9 +261,19 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
             }));
         }
     }
+    for (followed, _) in followed::of_scene(scene) {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{followed}.{name}"), unit);
+        all.extend(MOTION.iter().map(of));
+        if scene.fluid.is_some() {
+            all.extend(FLUID.iter().map(of));
+        }
+    }
     for part in &scene.parts {
         let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", part.name), unit);
         all.extend(PART.iter().map(of));
+        if part.motion != Motion::Fixed {
+            all.extend(MOTION.iter().map(of));
+        }
         if matches!(part.motion, Motion::Slider(_)) {
             all.extend(SLIDER.iter().map(of));
         }

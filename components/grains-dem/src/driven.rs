@@ -28,7 +28,15 @@ impl Driven {
             }
         }
         for (rank, sphere) in (0..).zip(spheres) {
-            driven.followers.extend(path_of[sphere.set].map(|path| (rank, path)));
+            let path = match &scene.bodies[sphere.set].motion {
+                // Each has velocities of its own.
+                Motion::Timed(timed) => {
+                    driven.paths.push(Path::of_factor(sphere.twist, &timed.course));
+                    Some(driven.paths.len() as u32 - 1)
+                }
+                _ => path_of[sphere.set],
+            };
+            driven.followers.extend(path.map(|path| (rank, path)));
         }
         driven
     }

@@ -354,13 +354,17 @@ fn speed(scene: &Scene) -> f64 {
         }
     }
     for set in &scene.bodies {
+        let factor = match &set.motion {
+            Motion::Timed(timed) => timed.course.largest(),
+            _ => 1.0,
+        };
         if let Placement::Listed(list) = &set.placement {
-            fastest = list.iter().fold(fastest, |v, sphere| v.max(norm(&sphere.velocity)));
+            fastest = list.iter().fold(fastest, |v, sphere| v.max(factor * norm(&sphere.velocity)));
         }
         if let Placement::Polyhedra(own) = &set.placement
             && let PolyhedronPlacement::Listed(list) = &own.placement
         {
-            fastest = list.iter().fold(fastest, |v, body| v.max(norm(&body.velocity)));
+            fastest = list.iter().fold(fastest, |v, body| v.max(factor * norm(&body.velocity)));
         }
         fastest = motion_speed(&set.motion).max(fastest);
     }
@@ -368,8 +372,8 @@ fn speed(scene: &Scene) -> f64 {
         fastest = motion_speed(&part.motion).max(fastest);
     }
     for face in scene.domain.faces.iter().flatten() {
-        if let Face::Wall { velocity } = face {
-            fastest = norm(velocity).max(fastest);
+        if let Face::Wall { velocity, course } = face {
+            fastest = (norm(velocity) * course.largest()).max(fastest);
         }
     }
     fastest
@@ -379,8 +383,11 @@ fn motion_speed(motion: &Motion) -> f64 {
     if let Motion::Slider(slider) = motion {
         return slider.velocity.abs();
     }
-    let Motion::Prescribed(points) = motion else { return 0.0 };
     let norm = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if let Motion::Timed(timed) = motion {
+        return norm(&timed.velocity) * timed.course.largest();
+    }
+    let Motion::Prescribed(points) = motion else { return 0.0 };
     points.iter().fold(0.0, |v: f64, point| v.max(norm(&point.velocity)))
 }
 

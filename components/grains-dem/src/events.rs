@@ -30,7 +30,7 @@ pub(crate) fn added(id: u64, sphere: &PlacedSphere) -> BodyEvent {
         motion: match sphere.motion {
             Motion::Free => BodyEvent::FREE,
             Motion::Fixed => BodyEvent::FIXED,
-            Motion::Prescribed(_) => BodyEvent::PRESCRIBED,
+            Motion::Prescribed(_) | Motion::Timed(_) => BodyEvent::PRESCRIBED,
             Motion::Slider(_) => BodyEvent::SLIDER,
         },
         set: sphere.set as u32,

@@ -87,6 +87,7 @@ mod events;
 mod exchange;
 mod fetch;
 mod findings;
+mod followed;
 mod forces;
 mod four;
 mod integrate;

@@ -1,5 +1,14 @@
 //! What the signals mean, by the last part of their names.
 
+const PLACE: &str =
+    "position of a body's centre, a clump's centroid, or the origin of a part's frame";
+const TURN: &str = "its orientation, a unit quaternion (x, y, z, w) from its frame to the world";
+const FORCE: &str = "force of the grains on the part, fixed or moving: contacts and lubrication at the end of \
+    the window; no fluid, no stops";
+const FLUID_FORCE: &str = "force of the fluid under which it went through the window: gauge pressure, shear, the pressure \
+    in gaps, and buoyancy; no contacts";
+const FLUID_TORQUE: &str = "torque of the same about the body's centre or the clump's centroid";
+
 /// Of all grains, of those that are followed, of parts, sliders, inlets, outlets and probes.
 pub const MEANINGS: &[(&str, &str)] = &[
     ("max_speed", "largest speed of a free body or a slider"),
@@ -20,33 +29,43 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ),
     ("max_overlap_ratio", "largest overlap since the start over the smaller radius of its pair"),
     ("list_rebuilds", "neighbour lists made since the start"),
-    ("x", "position of the body's centre"),
-    ("y", "position of the body's centre"),
-    ("z", "position of the body's centre"),
-    ("vx", "velocity of the body"),
-    ("vy", "velocity of the body"),
-    ("vz", "velocity of the body"),
-    ("force_x", "force of the grains on the part at the end of the window"),
-    ("force_y", "force of the grains on the part at the end of the window"),
-    ("force_z", "force of the grains on the part at the end of the window"),
-    (
-        "torque_x",
-        "torque of the grains on the part about its reference point, at the end of the window",
-    ),
-    (
-        "torque_y",
-        "torque of the grains on the part about its reference point, at the end of the window",
-    ),
-    (
-        "torque_z",
-        "torque of the grains on the part about its reference point, at the end of the window",
-    ),
+    ("x", PLACE),
+    ("y", PLACE),
+    ("z", PLACE),
+    ("vx", "its velocity"),
+    ("vy", "its velocity"),
+    ("vz", "its velocity"),
+    ("qx", TURN),
+    ("qy", TURN),
+    ("qz", TURN),
+    ("qw", TURN),
+    ("wx", "its angular velocity"),
+    ("wy", "its angular velocity"),
+    ("wz", "its angular velocity"),
+    ("fluid_force_x", FLUID_FORCE),
+    ("fluid_force_y", FLUID_FORCE),
+    ("fluid_force_z", FLUID_FORCE),
+    ("fluid_torque_x", FLUID_TORQUE),
+    ("fluid_torque_y", FLUID_TORQUE),
+    ("fluid_torque_z", FLUID_TORQUE),
+    ("force_x", FORCE),
+    ("force_y", FORCE),
+    ("force_z", FORCE),
+    ("torque_x", "torque of the same about the origin of the part's frame"),
+    ("torque_y", "torque of the same about the origin of the part's frame"),
+    ("torque_z", "torque of the same about the origin of the part's frame"),
     ("lift", "travel of the part along its axis"),
     ("velocity", "velocity of the part along its axis"),
     ("spring_force", "force of the spring along the axis, negative while it closes"),
-    ("contact_force", "force of the grains along the axis, at the end of the window"),
+    (
+        "contact_force",
+        "force of the grains along the axis at the end of the window: contacts and lubrication; no fluid, no stops",
+    ),
     ("stop_force", "force of the stops along the axis, positive from the lower one"),
-    ("fluid_force", "force of the fluid along the axis, buoyancy included"),
+    (
+        "fluid_force",
+        "force of the fluid along the axis under which it went through the window, all that fluid.PART.force_x to z hold: buoyancy too",
+    ),
     ("surface_force", "force of contacts on the surfaces that the part carries, along the axis"),
     ("carrier_force", "what else acts on these surfaces along the axis: a fluid"),
     ("inserted", "grains that came since the start"),

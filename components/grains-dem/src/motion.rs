@@ -1,12 +1,13 @@
 //! Motions that the scene prescribes, integrated exactly.
 
 use crate::{Vec3, bodies::Twist};
-use tremie_messages::scene::MotionPoint;
+use tremie_messages::scene::{Course, MotionPoint, TimedMotion};
 
-/// Velocities that are linear in time between points, with their integrals from time zero.
+/// Velocities over time with their integrals: linear between points, or constant ones times a factor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Path {
     points: Vec<Knot>,
+    factor: Option<(Twist, Course)>,
 }
 
 /// Velocities at a time, and their integrals up to it.
@@ -26,7 +27,7 @@ impl Path {
             twist: Twist { v: point.velocity.into(), w: point.angular_velocity.into() },
             travelled: Twist::zero(),
         };
-        let mut path = Self { points: points.iter().map(knot).collect() };
+        let mut path = Self { points: points.iter().map(knot).collect(), factor: None };
         if path.points.is_empty() {
             path.points.push(Knot { time: 0.0, twist, travelled: Twist::zero() });
         }
@@ -36,8 +37,22 @@ impl Path {
         path
     }
 
+    /// Velocities times a factor over time.
+    pub fn of_factor(twist: Twist, course: &Course) -> Self {
+        Self { points: Vec::new(), factor: Some((twist, course.clone())) }
+    }
+
+    /// That of a part.
+    pub fn timed(timed: &TimedMotion) -> Self {
+        let twist = Twist { v: timed.velocity.into(), w: timed.angular_velocity.into() };
+        Self::of_factor(twist, &timed.course)
+    }
+
     /// Velocities at a time [s].
     pub fn twist(&self, time: f64) -> Twist {
+        if let Some((twist, course)) = &self.factor {
+            return times(twist, course.at(time));
+        }
         let after = self.points.partition_point(|knot| knot.time <= time);
         match (after.checked_sub(1).map(|before| self.points[before]), self.points.get(after)) {
             (Some(a), Some(b)) => a.between(b, time),
@@ -48,6 +63,9 @@ impl Path {
 
     /// Displacement and integral of the angular velocity from one time to another.
     pub fn travelled(&self, from: f64, to: f64) -> Twist {
+        if let Some((twist, course)) = &self.factor {
+            return times(twist, course.integral(to) - course.integral(from));
+        }
         let (a, b) = (self.integral(from), self.integral(to));
         Twist { v: b.v - a.v, w: b.w - a.w }
     }
@@ -59,6 +77,10 @@ impl Path {
         let end = Knot { time, twist: self.twist(time), travelled: Twist::zero() };
         knot.travelled_until(&end)
     }
+}
+
+fn times(twist: &Twist, factor: f64) -> Twist {
+    Twist { v: twist.v * factor, w: twist.w * factor }
 }
 
 impl Knot {

@@ -82,6 +82,7 @@ impl PlacedPart {
         let drive = match &part.motion {
             Motion::Free | Motion::Fixed => Drive::Fixed,
             Motion::Prescribed(points) => Drive::Path(Path::new(points, Twist::zero())),
+            Motion::Timed(timed) => Drive::Path(Path::timed(timed)),
             Motion::Slider(slider) => {
                 let (gravity, whole) = (scene.gravity.into(), mirrors::whole(mirrors));
                 Drive::Slider(Box::new(Slider::new(slider, position.into(), gravity, whole)))

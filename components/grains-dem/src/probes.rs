@@ -33,7 +33,7 @@ pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
 
 fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
     match shape {
-        ProbeShape::Point(_) | ProbeShape::Line { .. } => &[],
+        ProbeShape::Point(_) | ProbeShape::Line { .. } | ProbeShape::Profile { .. } => &[],
         ProbeShape::Section { .. } => {
             &[("mass_flow_rate", "kg/s"), ("crossings", "1"), ("mass_passed", "kg")]
         }
@@ -88,7 +88,7 @@ impl Probes {
         }
         for probe in probes {
             match &probe.shape {
-                ProbeShape::Point(_) | ProbeShape::Line { .. } => {}
+                ProbeShape::Point(_) | ProbeShape::Line { .. } | ProbeShape::Profile { .. } => {}
                 ProbeShape::Section { axis, position, min, max } => {
                     own.kinds.push(Kind::Section);
                     own.sections.push(Section::new(*axis, *position, *min, *max));

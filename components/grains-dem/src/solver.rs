@@ -165,6 +165,8 @@ impl GrainsDem {
         let roll = Roll::new(spheres.len(), bodies_of_run - spheres.len());
         let surfaces = Surfaces::new(surfaces, &around.laws, &around.parts, spheres.len());
         let bounds = around.bounds.clone();
+        let driven = Driven::of_scene(scene, spheres);
+        driven.end(&mut bodies, 0.0);
         Self {
             domain: scene.domain.clone(),
             gravity: scene.gravity.into(),
@@ -180,7 +182,7 @@ impl GrainsDem {
             team,
             choice: None,
             found: None,
-            driven: Driven::of_scene(scene, spheres),
+            driven,
             steps: 0,
             loaded: false,
             crossed: false,
@@ -377,6 +379,7 @@ impl GrainsDem {
         }
         self.wandered.extend(&self.reaches);
         self.driven.end(&mut self.bodies, to);
+        self.around.slide(to);
         self.clumps.end(&mut self.bodies);
         let (bodies, team) = (&mut self.bodies, &mut self.team);
         self.polyhedra.first_half(team, bodies, self.loaded, (self.dt, finish));

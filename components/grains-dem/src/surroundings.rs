@@ -15,7 +15,7 @@ use crate::{
     surface::DeformableSurface,
     surface_contacts::Around,
     tally::Other,
-    walls::{self, Wall, WallLaws},
+    walls::{self, Sliding, Wall, WallLaws},
 };
 use tremie_messages::scene::Scene;
 
@@ -31,6 +31,8 @@ pub(crate) struct Surroundings {
     pub walls: Vec<Wall>,
     /// Those that are no mirrors.
     pub seat_walls: Vec<Wall>,
+    /// Walls whose velocities change with time.
+    sliding: Vec<Sliding>,
     /// Their laws.
     pub wall_laws: WallLaws,
     /// The parts.
@@ -69,9 +71,18 @@ impl Surroundings {
             ways_out: [0, 1, 2].map(|axis| [0, 1].map(|side| scene.is_way_out(axis, side))),
             walls: walls::of_scene(scene),
             seat_walls: walls::without_mirrors(scene),
+            sliding: walls::sliding(scene).into_iter().filter(Sliding::changes).collect(),
             wall_laws,
             parts,
             squeeze,
+        }
+    }
+
+    /// Gives walls the velocities of a time [s].
+    pub fn slide(&mut self, time: f64) {
+        for sliding in &self.sliding {
+            sliding.set(&mut self.walls, time);
+            sliding.set(&mut self.seat_walls, time);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Walls: planes that stay where they are. A face of the domain may slide along itself.
 
 use crate::{Vec3, bodies::Ball, laws::Laws};
-use tremie_messages::scene::{Face, Scene};
+use tremie_messages::scene::{Course, Face, Scene};
 
 /// A wall; bodies are on the side to which the normal points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,17 +38,53 @@ pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
         domain.faces[axis][side] != Face::Periodic && !scene.is_way_out(axis, side)
     };
     let mut walls = of_box(domain.min, domain.max, holds);
-    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
-    let faces = sides.filter(|&(axis, side)| holds(axis, side));
-    let faces = faces.map(|(axis, side)| &domain.faces[axis][side]);
-    for (wall, face) in walls.iter_mut().zip(faces) {
-        if let Face::Wall { velocity } = face {
-            let velocity = Vec3::from(*velocity);
-            wall.velocity = velocity - wall.normal * velocity.dot(&wall.normal);
-        }
+    for sliding in sliding(scene) {
+        sliding.set(&mut walls, 0.0);
     }
     walls.extend(scene.planes.iter().map(|p| Wall::through(p.point.into(), p.normal.into())));
     walls
+}
+
+/// A wall that slides along itself.
+#[derive(Clone, Debug)]
+pub(crate) struct Sliding {
+    /// The wall, with its velocity at the factor 1.
+    wall: Wall,
+    course: Course,
+}
+
+impl Sliding {
+    /// Gives it, among others, its velocity at a time [s].
+    pub fn set(&self, walls: &mut [Wall], time: f64) {
+        let Wall { normal, offset, velocity } = self.wall;
+        let is_it = |wall: &&mut Wall| wall.normal == normal && wall.offset == offset;
+        for wall in walls.iter_mut().filter(is_it) {
+            wall.velocity = velocity * self.course.at(time);
+        }
+    }
+
+    /// Whether its velocity changes with time.
+    pub fn changes(&self) -> bool {
+        self.course != Course::CONSTANT
+    }
+}
+
+/// The faces of a scene's domain that slide along themselves.
+pub(crate) fn sliding(scene: &Scene) -> Vec<Sliding> {
+    let domain = &scene.domain;
+    let mut all = Vec::new();
+    for (axis, side) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
+        let Face::Wall { velocity, course } = &domain.faces[axis][side] else { continue };
+        let only = |a: usize, s: usize| (a, s) == (axis, side);
+        let velocity = Vec3::from(*velocity);
+        for mut wall in of_box(domain.min, domain.max, only) {
+            wall.velocity = velocity - wall.normal * velocity.dot(&wall.normal);
+            if wall.velocity != Vec3::zeros() {
+                all.push(Sliding { wall, course: course.clone() });
+            }
+        }
+    }
+    all
 }
 
 /// The same walls, mirrors not among them.

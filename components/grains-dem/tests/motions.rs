@@ -4,7 +4,7 @@ mod common;
 use common::*;
 use tremie_messages::{
     body::{BodyEvent, Load},
-    scene::{Damping, Motion, MotionPoint, Placement},
+    scene::{Course, Damping, Face, Motion, MotionPoint, Placement, Sine, TimedMotion},
 };
 
 #[test]
@@ -81,4 +81,57 @@ fn prescribed_points_are_followed_exactly() {
     assert_eq!(end.velocity, [0.4, -0.4, 0.0]);
     let angle: f64 = 0.1 + 0.05;
     assert!((end.orientation[1] - (0.5 * angle).sin()).abs() < 1e-6, "{end:?}");
+}
+
+/// Velocities times a sine: positions are the exact integral, each body of the set at the velocities it was placed with.
+#[test]
+fn a_formula_is_followed_exactly() {
+    let mut scene = scene([10e-3; 3], PERIODIC, law(1e4, 0.5, Damping::Restitution(1.0)));
+    let course = Course::Sine(Sine { mean: 0.5, ..Sine::new(700.0) });
+    let mut one = sphere([2e-3, 5e-3, 5e-3], 1e-3, [0.3, 0.0, 0.0]);
+    one.angular_velocity = [0.0, 0.0, 20.0];
+    let other = sphere([5e-3, 5e-3, 2e-3], 1e-3, [0.0, -0.2, 0.1]);
+    let still =
+        TimedMotion { velocity: [0.0; 3], angular_velocity: [0.0; 3], course: course.clone() };
+    scene.bodies = vec![set(Motion::Timed(Box::new(still)), vec![one.clone(), other.clone()])];
+    let dt = 1e-6;
+    let mut dem = make(&scene, dt);
+    assert_eq!(dem.events()[0].motion, BodyEvent::PRESCRIBED);
+    assert_eq!(state(&dem)[0].velocity, [0.15, 0.0, 0.0]);
+    let steps = 3_333;
+    dem.advance(steps, &[]).unwrap();
+    let time = f64::from(steps) * dt;
+    let (factor, way) = (course.at(time), course.integral(time));
+    for (body, placed) in state(&dem).iter().zip([&one, &other]) {
+        for a in 0..3 {
+            let to = placed.position[a] + way * placed.velocity[a];
+            assert!((body.position[a] - to).abs() < 1e-14, "{body:?} {to}");
+            assert!((body.velocity[a] - factor * placed.velocity[a]).abs() < 1e-15, "{body:?}");
+        }
+        assert!(
+            (body.orientation[2] - (0.5 * way * placed.angular_velocity[2]).sin()).abs() < 1e-9
+        );
+    }
+}
+
+/// A ball that rolls on a plate which swings along itself goes with 2/7 of its velocity: within 1 % of the largest.
+#[test]
+fn a_ball_rolls_on_a_swinging_floor() {
+    let (d, speed) = (1e-3, 0.02);
+    let mut floor = WALLS;
+    let course = Course::Sine(Sine::new(20.0));
+    floor[2][0] = Face::Wall { velocity: [speed, 0.0, 0.0], course: course.clone() };
+    let mut scene = scene([10e-3; 3], floor, law(1e3, 2.0, Damping::Restitution(0.3)));
+    scene.gravity = [0.0, 0.0, -9.81];
+    let sag = mass(d) * 9.81 / 1e3;
+    scene.bodies = vec![set(Motion::Free, vec![sphere([5e-3, 5e-3, 0.5 * d - sag], d, [0.0; 3])])];
+    let dt = 2e-6;
+    let mut dem = make(&scene, dt);
+    let mut worst = 0.0f64;
+    for window in 1..=50 {
+        dem.advance(500, &[]).unwrap();
+        let expected = 2.0 / 7.0 * speed * course.at(f64::from(500 * window) * dt);
+        worst = worst.max((state(&dem)[0].velocity[0] - expected).abs());
+    }
+    assert!(worst < 0.01 * speed, "{}", worst / speed);
 }

@@ -34,7 +34,7 @@ impl Mirror {
         let stays = |mirror: &&Self| match &part.motion {
             Motion::Fixed => true,
             Motion::Slider(slider) => slider.axis[mirror.axis].abs() < 1e-9,
-            Motion::Free | Motion::Prescribed(_) => false,
+            Motion::Free | Motion::Prescribed(_) | Motion::Timed(_) => false,
         };
         all.iter().filter(stays).copied().collect()
     }

@@ -144,7 +144,7 @@ fn faces(domain: &Domain) -> String {
 fn kind(face: &Face) -> &'static str {
     match face {
         Face::Periodic => "periodic",
-        Face::Wall { velocity } if *velocity == [0.0; 3] => "wall",
+        Face::Wall { velocity, .. } if *velocity == [0.0; 3] => "wall",
         Face::Wall { .. } => "moving wall",
         Face::Symmetry => "symmetry",
         Face::Velocity(_) => "velocity",
@@ -157,7 +157,7 @@ fn describe_part(part: &Part) -> String {
     let motion = match part.motion {
         Motion::Free => "free",
         Motion::Fixed => "fixed",
-        Motion::Prescribed(_) => "driven",
+        Motion::Prescribed(_) | Motion::Timed(_) => "driven",
         Motion::Slider(_) => "slides",
     };
     let boundary = match part.boundary {
@@ -172,7 +172,7 @@ fn describe_set(set: &BodySet) -> String {
     let motion = match set.motion {
         Motion::Free => "",
         Motion::Fixed => ", fixed",
-        Motion::Prescribed(_) => ", driven",
+        Motion::Prescribed(_) | Motion::Timed(_) => ", driven",
         Motion::Slider(_) => ", sliding",
     };
     let (how_many, diameters) = match &set.placement {

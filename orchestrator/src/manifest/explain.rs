@@ -12,7 +12,10 @@ pub(super) fn explain(at: &str, message: &str) -> (Problem, Option<String>) {
         let is_last = at.rsplit(['.', ']']).next() == Some(unknown);
         let key = if is_last { at.to_string() } else { path::join(at, unknown) };
         let meant = nearest(unknown, &valid).map(|near| path::join(path::parent(&key), near));
-        let problem = Problem::new(key, format!("unknown key \"{unknown}\""));
+        let problem = Problem::new(&key, format!("unknown key \"{unknown}\""));
+        if let Some(help) = not_here(&key, unknown) {
+            return (problem.help(help), None);
+        }
         return (suggest(problem, unknown, &valid, true), meant);
     }
     if let Some((unknown, valid)) = unknown(message, "unknown variant `") {
@@ -24,6 +27,29 @@ pub(super) fn explain(at: &str, message: &str) -> (Problem, Option<String>) {
         return (problem.help(as_list(at)), None);
     }
     (problem, None)
+}
+
+/// What to do with a key that users of other programs give here and this one has elsewhere.
+fn not_here(key: &str, unknown: &str) -> Option<&'static str> {
+    let is_mass = ["mass", "density", "inertia"].contains(&unknown);
+    let parent = path::parent(key);
+    if !is_mass {
+        return None;
+    }
+    if parent.starts_with("scene.parts[") && !parent.contains(".motion") {
+        return Some(
+            "leave it out: a part that is fixed or moves as prescribed yields to no force, and has no mass. One that \
+             forces move along an axis has it there: motion = { slider = { axis = [0, 0, 1], mass = \"9.2 g\" } }; one that is \
+             to move freely is a body of [[scene.bodies]]",
+        );
+    }
+    if parent.starts_with("scene.planes[") || parent.starts_with("scene.domain") {
+        return Some("leave it out: walls move as they are told or not at all, and have no mass");
+    }
+    if parent.starts_with("scene.bodies[") && unknown != "density" {
+        return Some("give the density in its place: the mass follows from the volume");
+    }
+    None
 }
 
 /// How to write a list of tables, where a single table was found.
@@ -111,6 +137,26 @@ mod tests {
             explain("scene", "unknown field `xyz`, expected one of `fluid`, `planes`");
         assert_eq!(problem.key, "scene.xyz");
         assert_eq!(problem.help.as_deref(), Some("valid keys: fluid, planes"));
+    }
+
+    #[test]
+    fn a_mass_where_nothing_has_one_comes_with_what_to_do() {
+        let help = |at: &str| {
+            let (problem, meant) =
+                explain(at, "unknown field `mass`, expected one of `name`, `material`");
+            assert_eq!((problem.message.as_str(), meant), ("unknown key \"mass\"", None), "{at}");
+            problem.help.unwrap()
+        };
+        for (at, words) in [
+            ("scene.parts[0].mass", "slider"),
+            ("scene.parts[3].sphere.mass", "slider"),
+            ("scene.planes[0].mass", "have no mass"),
+            ("scene.domain.x.lower.wall.mass", "have no mass"),
+            ("scene.bodies[1].mass", "the density"),
+        ] {
+            assert!(help(at).contains(words), "{at}: {}", help(at));
+        }
+        assert!(help("scene.materials.sand.mass").starts_with("valid keys"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::document::{
     AxisEntry, BodiesTable, ComponentEntry, Document, DomainTable, FaceEntry, FaceName, InletTable,
-    MaterialTable, MotionName, MotionPointTable, PartMotionEntry, PartMotionTable, PartTable,
+    MaterialTable, MotionCourseEntry, MotionName, PartMotionEntry, PartMotionTable, PartTable,
     SurfaceTable,
 };
 use super::spec::is_lossless_by_default;
@@ -236,8 +236,9 @@ fn fill_inlet(
     }
 }
 
-fn fill_course(course: &mut Option<Vec<MotionPointTable>>) {
-    for point in course.iter_mut().flatten() {
+fn fill_course(course: &mut Option<MotionCourseEntry>) {
+    let Some(MotionCourseEntry::Points(points)) = course else { return };
+    for point in points {
         point.velocity.get_or_insert([Velocity(0.0); 3]);
         point.angular_velocity.get_or_insert([AngularVelocity(0.0); 3]);
     }

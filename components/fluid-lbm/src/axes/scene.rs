@@ -4,7 +4,7 @@ use super::Axes;
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Gap, GapRegion, GapRule, GapSide, Inlet, InletVelocity, Motion,
     MotionPoint, OpenVelocity, Outlet, Part, PartBoundary, Plane, Pose, Probe, ProbeShape, Ring,
-    Scene, Slider,
+    Scene, Slider, TimedMotion,
 };
 
 impl Axes {
@@ -24,6 +24,7 @@ impl Axes {
             unions: Vec::new(),
             inlets: scene.inlets.iter().map(|inlet| self.inlet(inlet)).collect(),
             outlets: scene.outlets.iter().map(|outlet| self.outlet(outlet)).collect(),
+            followed: scene.followed.clone(),
             contacts: scene.contacts.clone(),
             probes: scene.probes.iter().map(|probe| self.probe(probe)).collect(),
             gaps: scene.gaps.iter().map(|gap| self.gap(gap)).collect(),
@@ -41,7 +42,9 @@ impl Axes {
 
     fn face(self, face: Face) -> Face {
         match face {
-            Face::Wall { velocity } => Face::Wall { velocity: self.to_lattice(&velocity) },
+            Face::Wall { velocity, course } => {
+                Face::Wall { velocity: self.to_lattice(&velocity), course }
+            }
             Face::Velocity(open) => {
                 Face::Velocity(OpenVelocity { velocity: self.to_lattice(&open.velocity), ..open })
             }
@@ -96,6 +99,11 @@ impl Axes {
         };
         match motion {
             Motion::Prescribed(points) => Motion::Prescribed(points.iter().map(point).collect()),
+            Motion::Timed(timed) => Motion::Timed(Box::new(TimedMotion {
+                velocity: self.to_lattice(&timed.velocity),
+                angular_velocity: self.to_lattice(&timed.angular_velocity),
+                course: timed.course.clone(),
+            })),
             Motion::Slider(slider) => Motion::Slider(Box::new(Slider {
                 axis: self.to_lattice(&slider.axis),
                 ..(**slider).clone()
@@ -133,6 +141,14 @@ impl Axes {
                 position: *position,
                 min: at(min),
                 max: at(max),
+            },
+            ProbeShape::Profile { axis, position, min, max, along, bins } => ProbeShape::Profile {
+                axis: self.axis_to_lattice(*axis),
+                position: *position,
+                min: at(min),
+                max: at(max),
+                along: self.axis_to_lattice(*along),
+                bins: *bins,
             },
             ProbeShape::Region { min, max } => ProbeShape::Region { min: at(min), max: at(max) },
             ProbeShape::Ring(ring) => ProbeShape::Ring(Ring {

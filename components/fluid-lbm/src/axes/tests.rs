@@ -83,7 +83,7 @@ fn lines_in_pieces_are_counted() {
 /// rounding.
 #[test]
 fn edges_belong_to_the_same_faces() {
-    let wall = |velocity| Face::Wall { velocity };
+    let wall = |velocity| Face::moving(velocity);
     let open = |velocity| {
         Face::Velocity(OpenVelocity {
             velocity,

@@ -68,7 +68,7 @@ impl Case {
     pub fn scene(&self) -> Scene {
         let mut faces = self.faces.clone().map(|face| [face.clone(), face]);
         let (axis, velocity) = self.lid;
-        if let Face::Wall { velocity: lid } = &mut faces[axis][1] {
+        if let Face::Wall { velocity: lid, .. } = &mut faces[axis][1] {
             *lid = velocity;
         }
         Scene {

@@ -1,6 +1,6 @@
 //! Bodies: sets of them, how they move, where they are at the start.
 
-use super::{Polyhedra, PolyhedronPlacement, Slider};
+use super::{Course, Polyhedra, PolyhedronPlacement, Slider};
 use core::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
@@ -35,8 +35,23 @@ pub enum Motion {
     /// Moves with velocities that are linear in time between points, constant before the first and
     /// after the last, whatever the forces. Without points it keeps the velocity it was placed with.
     Prescribed(Vec<MotionPoint>),
+    /// Moves with velocities times a factor over time, whatever the forces.
+    Timed(Box<TimedMotion>),
     /// Moves along one axis under forces: parts only.
     Slider(Box<Slider>),
+}
+
+/// Velocities that go with a factor over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimedMotion {
+    /// Velocity of a part at the factor 1 [m/s]; of a set of bodies each has the one that it is placed with, and this
+    /// is zero.
+    pub velocity: [f64; 3],
+    /// Angular velocity, likewise [rad/s].
+    pub angular_velocity: [f64; 3],
+    /// The factor.
+    pub course: Course,
 }
 
 /// Velocities at a time.

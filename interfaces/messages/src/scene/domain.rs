@@ -1,5 +1,6 @@
 //! The box, what its faces are, and the fluid in it.
 
+use super::course::Course;
 use super::reservoir::Reservoir;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -51,6 +52,9 @@ pub enum Face {
     Wall {
         /// Velocity of the wall along itself [m/s]; its normal part is zero.
         velocity: [f64; 3],
+        /// How it changes with time.
+        #[serde(default)]
+        course: Course,
     },
     /// A mirror: no flow through it, no friction along it.
     Symmetry,
@@ -73,9 +77,14 @@ pub enum Face {
 
 impl Face {
     /// A wall at rest.
-    pub const WALL: Self = Self::Wall { velocity: [0.0; 3] };
+    pub const WALL: Self = Self::Wall { velocity: [0.0; 3], course: Course::CONSTANT };
     /// Walls at rest all around.
     pub const WALLS: [[Self; 2]; 3] = [const { [Self::WALL, Self::WALL] }; 3];
+
+    /// A wall that moves along itself with a constant velocity [m/s].
+    pub fn moving(velocity: [f64; 3]) -> Self {
+        Self::Wall { velocity, course: Course::CONSTANT }
+    }
 
     /// Whether fluid may pass.
     pub fn is_open(&self) -> bool {
@@ -104,25 +113,6 @@ pub enum Profile {
     /// A parabola, zero at the edges, along each edge of the face that does not wrap around: the
     /// factor is the product of `4 s (1 - s)`, `s` running from 0 to 1 along the edge.
     Parabolic,
-}
-
-/// A factor over time, linear between points `[time [s], factor]` in the order of time, constant
-/// before the first and after the last. Without points it is 1.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct Course(pub Vec<[f64; 2]>);
-
-impl Course {
-    /// The factor at a time [s].
-    pub fn at(&self, time: f64) -> f64 {
-        let after = self.0.partition_point(|point| point[0] <= time);
-        match (after.checked_sub(1).map(|before| self.0[before]), self.0.get(after)) {
-            (None, None) => 1.0,
-            (None, Some(first)) => first[1],
-            (Some(last), None) => last[1],
-            (Some([t0, f0]), Some([t1, f1])) => f0 + (f1 - f0) * (time - t0) / (t1 - t0),
-        }
-    }
 }
 
 /// A fluid's material and what drives it.
@@ -175,17 +165,4 @@ pub struct Plane {
     pub normal: [f64; 3],
     /// Its material, for contacts.
     pub material: String,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_course_is_linear_between_its_points_and_constant_outside() {
-        assert_eq!(Course::default().at(7.0), 1.0);
-        let course = Course(vec![[1.0, 0.0], [3.0, 4.0]]);
-        let at: Vec<f64> = [0.0, 1.0, 2.0, 3.0, 9.0].map(|t| course.at(t)).to_vec();
-        assert_eq!(at, [0.0, 0.0, 2.0, 4.0, 4.0]);
-    }
 }

@@ -4,6 +4,7 @@
 
 mod bodies;
 mod contacts;
+mod course;
 mod domain;
 mod gaps;
 mod inlets;
@@ -17,9 +18,11 @@ mod surfaces;
 
 pub use bodies::{
     BodySet, BodySizes, Diameters, Motion, MotionPoint, Packing, Placement, SievePoint, Sphere,
+    TimedMotion,
 };
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
-pub use domain::{Course, Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
+pub use course::{Course, Sine};
+pub use domain::{Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
 pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};
@@ -65,6 +68,10 @@ pub struct Scene {
     /// Where they go to.
     #[serde(default)]
     pub outlets: Vec<Outlet>,
+    /// Names of sets of bodies, and of clumps, whose motion and loads are to be signals, body by body, besides those that
+    /// are anyway.
+    #[serde(default)]
+    pub followed: Vec<String>,
     /// Contact laws, one for each pair of materials that may touch.
     pub contacts: Vec<PairLaw>,
     /// Where the run measures.
@@ -89,6 +96,7 @@ impl Scene {
             unions: Vec::new(),
             inlets: Vec::new(),
             outlets: Vec::new(),
+            followed: Vec::new(),
             contacts: Vec::new(),
             probes: Vec::new(),
             gaps: Vec::new(),

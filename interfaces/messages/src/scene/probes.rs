@@ -29,8 +29,8 @@ pub enum ProbeShape {
         /// The other [m].
         to: [f64; 3],
     },
-    /// A rectangle across an axis. Of the fluid: `flow_rate` [m³/s] along the axis, and mean
-    /// `pressure`. Of the grains, counted as their centres pass: `mass_flow_rate` [kg/s] along the axis,
+    /// A rectangle across an axis. Of the fluid: `flow_rate` [m³/s] along the axis, mean `pressure`, and
+    /// `mass_flow_rate` [kg/s], mean over the time since the row before. Of the grains, counted as their centres pass: `mass_flow_rate` [kg/s] along the axis,
     /// mean over the window; `crossings`, how many passed in the window, less those that passed back;
     /// `mass_passed` [kg] since the start, likewise.
     Section {
@@ -42,6 +42,22 @@ pub enum ProbeShape {
         min: [f64; 3],
         /// Upper corner [m].
         max: [f64; 3],
+    },
+    /// A rectangle across an axis, cut into strips along another: of the fluid `u0`, `u1`, ..., the mean velocity along the
+    /// axis in each strip, in the order of the other axis.
+    Profile {
+        /// The axis: 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Where on the axis [m].
+        position: f64,
+        /// Lower corner; the entry along the axis has no meaning [m].
+        min: [f64; 3],
+        /// Upper corner [m].
+        max: [f64; 3],
+        /// The other axis.
+        along: usize,
+        /// How many strips, 1 to [`ProbeShape::MOST_BINS`].
+        bins: usize,
     },
     /// Mean over a box. Of the fluid: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`, and
     /// `solid_fraction`, the part of its cells that moving bodies cover. Of the grains: `solid_fraction`,
@@ -59,4 +75,9 @@ pub enum ProbeShape {
     /// area of the ring's cross-section in the domain. Of a ring between a seat and what closes on it this
     /// is the normalised area of stuck particles (Mutabaruka & Kamrin 2018).
     Ring(Ring),
+}
+
+impl ProbeShape {
+    /// Most strips of a profile.
+    pub const MOST_BINS: usize = 64;
 }

@@ -1,6 +1,6 @@
 //! A reservoir that a piston empties, without its space being simulated.
 
-use super::domain::Course;
+use super::course::Course;
 use serde::{Deserialize, Serialize};
 
 /// A cylinder beyond a face of the domain, closed by a piston.
@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn a_piston_ramps_and_stops() {
         let reservoir = Reservoir {
-            course: Course(vec![[0.0, 0.0], [1.0, 1.0]]),
+            course: Course::Points(vec![[0.0, 0.0], [1.0, 1.0]]),
             stop: Some(3.0),
             ..Reservoir::new(2.0, 8.0, 6.0)
         };
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn what_is_left_out_has_a_default() {
-        let text = r#"{"area":2.0,"volume":8.0,"piston":6.0,"course":[]}"#;
+        let text = r#"{"area":2.0,"volume":8.0,"piston":6.0,"course":{"points":[]}}"#;
         let read: Reservoir = serde_json::from_str(text).unwrap();
         assert_eq!(read, Reservoir::new(2.0, 8.0, 6.0));
     }

@@ -47,7 +47,7 @@ fn body_set(
         );
     }
     let density = density(table, at, findings);
-    let motion = motion(table.motion?, table.course.as_deref(), at, findings);
+    let motion = motion(table.motion?, table.course.as_ref(), at, findings);
     let placement = placement(table, shapes, at, findings);
     one_velocity(&motion, &placement, at, findings);
     Some(BodySet {
@@ -87,6 +87,38 @@ pub(super) fn unions(tables: &[BodiesTable], findings: &mut Findings) -> Option<
     }
     let united = said.into_iter().filter(|(_, mass, _)| *mass == ClumpMass::Union);
     fits.then(|| united.map(|(name, ..)| name.to_string()).collect())
+}
+
+/// Most bodies of a set that can be followed.
+const MOST_FOLLOWED: usize = 64;
+
+/// Names of the sets and clumps whose motion is to be told.
+pub(super) fn followed(tables: &[BodiesTable], findings: &mut Findings) -> Option<Vec<String>> {
+    let mut names = Vec::new();
+    let mut right = true;
+    for (i, table) in tables.iter().enumerate().filter(|(_, table)| table.follow == Some(true)) {
+        let count = match (&table.spheres, &table.polyhedra) {
+            (Some(list), _) => list.len(),
+            (_, Some(list)) => list.len(),
+            (None, None) => usize::MAX,
+        };
+        if table.clump.is_none() && count > MOST_FOLLOWED {
+            let key = path::join(&path::item("scene.bodies", i), "follow");
+            let found =
+                if count == usize::MAX { "a packing".into() } else { format!("{count} bodies") };
+            let message = format!(
+                "found {found}, but only sets that list {MOST_FOLLOWED} bodies at most can be followed one by one"
+            );
+            let help = "list the ones of interest in a set of their own; the recording has the paths of all";
+            findings.problem_with_help(&key, message, help);
+            right = false;
+        }
+        let name = table.clump.as_ref().or(table.name.as_ref());
+        if let Some(name) = name.filter(|name| !names.contains(*name)) {
+            names.push(name.clone());
+        }
+    }
+    right.then_some(names)
 }
 
 /// The density of a set; where it has none of its own, that of its material was filled in before.

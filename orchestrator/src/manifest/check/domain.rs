@@ -84,7 +84,7 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
                 let message = "a pressure is the same all over the face, and has no profile";
                 findings.problem(&path::join(at, "profile"), message);
             }
-            let course = course(table.ramp, table.course.as_deref(), at, findings);
+            let course = course(table.ramp, table.course.as_ref(), at, findings);
             let absorbing = table.absorbing.unwrap_or(false);
             Some(Face::Pressure { pressure: table.pressure?.0, course: course?, absorbing })
         }
@@ -92,22 +92,28 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
 }
 
 fn moving_wall(table: &FaceTable, axis: usize, at: &str, findings: &mut Findings) -> Option<Face> {
-    for (key, is_there) in [
-        ("profile", table.profile.is_some()),
-        ("ramp", table.ramp.is_some()),
-        ("course", table.course.is_some()),
-    ] {
-        if is_there {
-            findings.problem(&path::join(at, key), "a moving wall has none");
-        }
+    if table.profile.is_some() {
+        findings.problem(&path::join(at, "profile"), "a moving wall has none");
     }
-    let at = path::join(at, "wall");
-    let velocity = findings.required(&table.wall.as_ref()?.velocity, &at, "velocity")?;
+    let wall = table.wall.as_ref()?;
+    let own = path::join(at, "wall");
+    // The course may stand beside the wall, as with other faces, or in its table.
+    let outside = table.ramp.is_some() || table.course.is_some();
+    if outside && (wall.ramp.is_some() || wall.course.is_some()) {
+        let message = "found a ramp or a course here and in the wall's table, expected one of them";
+        findings.problem(at, message);
+        return None;
+    }
+    let course = match outside {
+        true => course(table.ramp, table.course.as_ref(), at, findings),
+        false => course(wall.ramp, wall.course.as_ref(), &own, findings),
+    };
+    let velocity = findings.required(&wall.velocity, &own, "velocity")?;
     let velocity = velocity.map(|v| v.0);
     if velocity[axis] != 0.0 {
         let (name, normal) = (AXES[axis], velocity[axis]);
         findings.problem_with_help(
-            &path::join(&at, "velocity"),
+            &path::join(&own, "velocity"),
             format!(
                 "found {normal} m/s along {name}, but a face across {name} moves only along itself"
             ),
@@ -115,7 +121,7 @@ fn moving_wall(table: &FaceTable, axis: usize, at: &str, findings: &mut Findings
         );
         return None;
     }
-    Some(Face::Wall { velocity })
+    Some(Face::Wall { velocity, course: course? })
 }
 
 fn reservoir(table: &FaceTable, at: &str, findings: &mut Findings) -> Option<Face> {
@@ -133,7 +139,7 @@ fn reservoir(table: &FaceTable, at: &str, findings: &mut Findings) -> Option<Fac
     let table = table.reservoir.as_ref()?;
     let area = findings.positive(&table.area, &at, "area");
     let volume = findings.positive(&table.volume, &at, "volume");
-    let course = course(table.ramp, table.course.as_deref(), &at, findings);
+    let course = course(table.ramp, table.course.as_ref(), &at, findings);
     let key = |name: &str| path::join(&at, name);
     let right = table.stop.is_none_or(|stop| findings.above_zero(stop, &key("stop")));
     let relaxation = table.relaxation.unwrap_or(Reservoir::RELAXATION);
@@ -166,6 +172,6 @@ fn open_velocity(
         return None;
     }
     let profile = table.profile.unwrap_or(Profile::Uniform);
-    let course = course(table.ramp, table.course.as_deref(), at, findings)?;
+    let course = course(table.ramp, table.course.as_ref(), at, findings)?;
     Some(Face::Velocity(OpenVelocity { velocity, profile, course }))
 }

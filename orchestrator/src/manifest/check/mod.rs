@@ -29,7 +29,8 @@ use super::spec::Spec;
 use crate::plan::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
-    Area, Dashpot, Density, Length, Mass, Pressure, Stiffness, Time, Velocity, Viscosity, Volume,
+    Area, Dashpot, Density, Frequency, Length, Mass, Pressure, Stiffness, Time, Velocity,
+    Viscosity, Volume,
 };
 use tremie_messages::{Problem, Role};
 
@@ -108,7 +109,8 @@ macro_rules! quantities {
 }
 
 quantities!(
-    Area, Dashpot, Density, Length, Mass, Pressure, Stiffness, Time, Velocity, Viscosity, Volume
+    Area, Dashpot, Density, Frequency, Length, Mass, Pressure, Stiffness, Time, Velocity,
+    Viscosity, Volume
 );
 
 /// A domain's corners, for messages.

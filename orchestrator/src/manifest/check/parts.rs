@@ -1,7 +1,8 @@
 //! Checks of `[[scene.parts]]`.
 
 use super::super::document::{
-    BoundaryTable, MotionName, PartMotionEntry, PartMotionTable, PartTable, RotationTable,
+    BoundaryTable, MotionCourseEntry, MotionName, PartMotionEntry, PartMotionTable, PartTable,
+    RotationTable,
 };
 use super::super::path;
 use super::super::read::Findings;
@@ -160,29 +161,31 @@ fn part_motion(table: &PartTable, at: &str, findings: &mut Findings) -> Option<M
             findings.problem_with_help(&key, message, "write motion = \"prescribed\"");
             return None;
         }
-        MotionName::Prescribed if constant && table.course.is_some() => {
+        MotionName::Prescribed
+            if constant && matches!(table.course, Some(MotionCourseEntry::Points(_))) =>
+        {
             let message = "found a constant velocity too, expected one of them";
             findings.problem(&path::join(at, "course"), message);
             return None;
         }
-        MotionName::Prescribed if !constant && table.course.is_none() => {
-            if !findings.is_unreadable(at) {
-                let message =
-                    "missing: how the part moves, as velocity and angular_velocity, or as course";
-                findings.problem(at, message);
-            }
-            return None;
-        }
         _ => {}
     }
-    if constant {
-        return Some(Motion::Prescribed(vec![MotionPoint {
-            time: 0.0,
-            velocity: table.velocity.unwrap_or_default().map(|v| v.0),
-            angular_velocity: table.angular_velocity.unwrap_or_default().map(|w| w.0),
-        }]));
+    let velocity = table.velocity.unwrap_or_default().map(|v| v.0);
+    let angular_velocity = table.angular_velocity.unwrap_or_default().map(|w| w.0);
+    if name == MotionName::Prescribed && table.course.is_none() {
+        let point = MotionPoint { time: 0.0, velocity, angular_velocity };
+        return Some(Motion::Prescribed(vec![point]));
     }
-    let motion = motion(name, table.course.as_deref(), at, findings)?;
+    let mut motion = motion(name, table.course.as_ref(), at, findings)?;
+    if let Motion::Timed(timed) = &mut motion {
+        if !constant {
+            let message = "found a formula for a factor, but no velocity that it could multiply";
+            let help = "give the part a velocity or an angular_velocity";
+            findings.problem_with_help(&path::join(at, "course"), message, help);
+            return None;
+        }
+        (timed.velocity, timed.angular_velocity) = (velocity, angular_velocity);
+    }
     if matches!(&motion, Motion::Prescribed(points) if points.is_empty()) {
         findings
             .problem(&path::join(at, "course"), "found an empty list, expected a point in time");
@@ -230,7 +233,7 @@ fn start(position: [f64; 3], motion: &Motion) -> [f64; 3] {
 fn part_boundary(table: &BoundaryTable, at: &str, findings: &mut Findings) -> Option<PartBoundary> {
     let kinds = [("velocity", table.velocity.is_some()), ("pressure", table.pressure.is_some())];
     let kind = findings.only_one(&kinds, "what the part is to the fluid", at);
-    let course = course(table.ramp, table.course.as_deref(), at, findings);
+    let course = course(table.ramp, table.course.as_ref(), at, findings);
     match kind? {
         "velocity" => {
             let velocity = table.velocity?.map(|v| v.0);

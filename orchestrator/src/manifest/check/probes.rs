@@ -1,6 +1,8 @@
 //! Checks of `[[scene.probes]]`.
 
-use super::super::document::{AxisName, ProbeRingTable, ProbeTable, RegionTable, SectionTable};
+use super::super::document::{
+    AxisName, ProbeRingTable, ProbeTable, ProfileTable, RegionTable, SectionTable,
+};
 use super::super::path;
 use super::super::read::Findings;
 use std::collections::BTreeSet;
@@ -53,6 +55,7 @@ fn shape(
         ("point", table.point.is_some()),
         ("line", table.line.is_some()),
         ("section", table.section.is_some()),
+        ("profile", table.profile.is_some()),
         ("region", table.region.is_some()),
         ("ring", table.ring.is_some()),
     ];
@@ -73,6 +76,7 @@ fn shape(
             Some(ProbeShape::Line { from: from?, to: to? })
         }
         "section" => section(table.section.as_ref()?, &key, domain, findings),
+        "profile" => profile(table.profile.as_ref()?, &key, domain, findings),
         "ring" => ring(table.ring.as_ref()?, &key, domain, findings),
         _ => region(table.region.as_ref()?, &key, domain, findings),
     }
@@ -108,6 +112,35 @@ fn section(
         min,
         max,
     })
+}
+
+fn profile(
+    table: &ProfileTable,
+    at: &str,
+    domain: &Domain,
+    findings: &mut Findings,
+) -> Option<ProbeShape> {
+    let ProfileTable { axis, at: place, min, max, .. } = table.clone();
+    let section = section(&SectionTable { axis, at: place, min, max }, at, domain, findings);
+    let along = findings.required(&table.along, at, "along")?;
+    let bins = table.bins.unwrap_or(16) as usize;
+    if !(1..=ProbeShape::MOST_BINS).contains(&bins) {
+        let message = format!("found {bins}, expected 1 to {}", ProbeShape::MOST_BINS);
+        findings.problem(&path::join(at, "bins"), message);
+        return None;
+    }
+    if table.axis == Some(along) {
+        let message = "found the section's own axis, expected one of the two across it";
+        findings.problem(&path::join(at, "along"), message);
+        return None;
+    }
+    let along = match along {
+        AxisName::X => 0,
+        AxisName::Y => 1,
+        AxisName::Z => 2,
+    };
+    let ProbeShape::Section { axis, position, min, max } = section? else { return None };
+    Some(ProbeShape::Profile { axis, position, min, max, along, bins })
 }
 
 fn ring(

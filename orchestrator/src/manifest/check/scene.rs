@@ -50,6 +50,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
         bodies: bodies?,
         inlets: inlets?,
         outlets: outlets?,
+        followed: bodies::followed(&table.bodies, findings)?,
         probes: probes?,
         gaps: gaps?,
     })

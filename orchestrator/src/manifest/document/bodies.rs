@@ -1,5 +1,6 @@
 //! The manifest's tables of bodies: how they move, where they are, how large.
 
+use super::course::MotionCourseEntry;
 use super::forms::{Form, Never, read};
 use super::polyhedra::PolyhedronTable;
 use super::values::DiameterEntry;
@@ -25,8 +26,12 @@ pub(in super::super) struct BodiesTable {
     /// How heavy their clump is, and how much fluid it displaces: as its bodies together, also where these overlap, or as
     /// their union (default: together). All sets of a clump that say it say the same.
     pub mass: Option<ClumpMass>,
-    /// Velocities of a prescribed motion over time (default: those that they were placed with).
-    pub course: Option<Vec<MotionPointTable>>,
+    /// Velocities of a prescribed motion over time (default: those that they were placed with); or a formula for the factor
+    /// of those: `{ sine = { frequency = "2 Hz" } }`.
+    pub course: Option<MotionCourseEntry>,
+    /// Whether pose, velocity, spin and the fluid's load of each of its bodies, or of the clump that they belong to, are
+    /// signals (default: of a set that lists one body and of a clump they are, as long as there are no more than 16 of these in all).
+    pub follow: Option<bool>,
     /// Each sphere given.
     pub spheres: Option<Vec<SphereTable>>,
     /// Shape of polyhedra: one of `[[scene.shapes]]`, or tetrahedron, cube, octahedron, dodecahedron or

@@ -1,5 +1,6 @@
 //! The manifest's tables of the domain, its faces, and the fluid.
 
+use super::course::CourseEntry;
 use super::forms::{Form, Never, read};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -87,10 +88,11 @@ pub(in super::super) struct FaceTable {
     pub absorbing: Option<bool>,
     /// The fluid comes from a reservoir with a piston that is not simulated.
     pub reservoir: Option<ReservoirTable>,
-    /// Time in which velocity or pressure rise from zero (default: none).
+    /// Time in which velocity or pressure rise from zero, that of a moving wall too (default: none).
     pub ramp: Option<Time>,
-    /// Factor of velocity or pressure over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.
-    pub course: Option<Vec<(Time, f64)>>,
+    /// Factor of velocity or pressure over time: linear between points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a formula,
+    /// `{ sine = { frequency = "2 Hz" } }`.
+    pub course: Option<CourseEntry>,
 }
 
 /// A cylinder beyond the face, of uniform density, closed by a piston. The physics depends on the ratio
@@ -106,8 +108,8 @@ pub(in super::super) struct ReservoirTable {
     pub piston: Option<Velocity>,
     /// Time in which the piston's velocity rises from zero (default: none).
     pub ramp: Option<Time>,
-    /// Factor of the piston's velocity over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.
-    pub course: Option<Vec<(Time, f64)>>,
+    /// Factor of the piston's velocity over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a formula.
+    pub course: Option<CourseEntry>,
     /// Time from which on the piston stands still (default: never).
     pub stop: Option<Time>,
     /// Part of its difference from the face's mean that the normal velocity of a cell at the face loses
@@ -121,6 +123,11 @@ pub(in super::super) struct ReservoirTable {
 pub(in super::super) struct MovingWallTable {
     /// Its velocity. Required.
     pub velocity: Option<[Velocity; 3]>,
+    /// Time in which it rises from zero (default: none).
+    pub ramp: Option<Time>,
+    /// Factor of the velocity over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a formula,
+    /// `{ sine = { frequency = "2 Hz" } }`.
+    pub course: Option<CourseEntry>,
 }
 
 impl<'de> Deserialize<'de> for AxisEntry {

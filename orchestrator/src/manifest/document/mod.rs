@@ -5,6 +5,7 @@
 
 mod bodies;
 mod contacts;
+mod course;
 mod domain;
 mod forms;
 mod gaps;
@@ -19,6 +20,7 @@ mod values;
 
 pub(super) use bodies::*;
 pub(super) use contacts::*;
+pub(super) use course::*;
 pub(super) use domain::*;
 pub(super) use gaps::*;
 pub(super) use inlets::*;

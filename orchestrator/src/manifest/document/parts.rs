@@ -1,6 +1,6 @@
 //! The manifest's tables of rigid parts.
 
-use super::bodies::MotionPointTable;
+use super::course::{CourseEntry, MotionCourseEntry};
 use super::slider::PartMotionEntry;
 use super::values::FileUnit;
 use schemars::JsonSchema;
@@ -37,12 +37,13 @@ pub(in super::super) struct PartTable {
     /// How it moves, about the origin of its frame: fixed, prescribed, or a table with a slider (default:
     /// fixed).
     pub motion: Option<PartMotionEntry>,
-    /// Velocity of a prescribed motion (default: none).
+    /// Velocity of a prescribed motion (default: at rest).
     pub velocity: Option<[Velocity; 3]>,
     /// Angular velocity of a prescribed motion (default: none).
     pub angular_velocity: Option<[AngularVelocity; 3]>,
-    /// Velocities of a prescribed motion over time, in place of constant ones.
-    pub course: Option<Vec<MotionPointTable>>,
+    /// Velocities of a prescribed motion over time, in place of constant ones; or a formula for their factor:
+    /// `{ sine = { frequency = "2 Hz" } }`.
+    pub course: Option<MotionCourseEntry>,
     /// What the part is to the fluid (default: a wall without slip).
     pub boundary: Option<BoundaryTable>,
 }
@@ -103,6 +104,6 @@ pub(in super::super) struct BoundaryTable {
     pub pressure: Option<Pressure>,
     /// Time in which velocity or pressure rise from zero (default: none).
     pub ramp: Option<Time>,
-    /// Factor of velocity or pressure over time, linear between points: `[["0 s", 0.0], ["1 s", 1.0]]`.
-    pub course: Option<Vec<(Time, f64)>>,
+    /// Factor of velocity or pressure over time: points, `[["0 s", 0.0], ["1 s", 1.0]]`, or a formula.
+    pub course: Option<CourseEntry>,
 }

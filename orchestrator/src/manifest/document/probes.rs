@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use tremie_messages::units::Length;
 
 /// A place where the run measures fluid and grains. Exactly one of `point`, `line`, `section`,
-/// `region` and `ring`.
+/// `profile`, `region` and `ring`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in super::super) struct ProbeTable {
@@ -18,6 +18,8 @@ pub(in super::super) struct ProbeTable {
     /// A rectangle across an axis: rate of flow of the fluid alone, positive along the axis, and mean
     /// pressure; mass and number of grains that pass.
     pub section: Option<SectionTable>,
+    /// A rectangle across an axis, cut into strips: mean velocity of the fluid along the axis in each of them.
+    pub profile: Option<ProfileTable>,
     /// A box: means of pressure, velocity and solid fraction; fraction, number and velocity of grains.
     pub region: Option<RegionTable>,
     /// A hollow cylinder: the same of the fluid; number of grains, their area as seen along its axis, and
@@ -57,6 +59,24 @@ pub(in super::super) struct SectionTable {
     pub axis: Option<AxisName>,
     /// Where on the axis. Required.
     pub at: Option<Length>,
+    /// Lower corner; the entry along the axis has no meaning (default: the domain's).
+    pub min: Option<[Length; 3]>,
+    /// Upper corner (default: the domain's).
+    pub max: Option<[Length; 3]>,
+}
+
+/// A rectangle across an axis, cut into strips along another.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in super::super) struct ProfileTable {
+    /// The axis, along which velocities count. Required.
+    pub axis: Option<AxisName>,
+    /// Where on the axis. Required.
+    pub at: Option<Length>,
+    /// The axis along which strips follow each other. Required.
+    pub along: Option<AxisName>,
+    /// How many strips, 1 to 64 (default: 16).
+    pub bins: Option<u32>,
     /// Lower corner; the entry along the axis has no meaning (default: the domain's).
     pub min: Option<[Length; 3]>,
     /// Upper corner (default: the domain's).

@@ -3,7 +3,7 @@
 use super::*;
 use tremie_messages::scene::{
     Course, Face, GapRegion, GapRule, GapSide, GapWeight, OpenVelocity, ProbeShape, Profile,
-    Reservoir, Ring,
+    Reservoir, Ring, Sine,
 };
 
 /// The good manifest with other lines for the domain's faces.
@@ -27,14 +27,14 @@ z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", r
     );
     let domain = read(&text).unwrap().spec.scene.domain;
     let [x, y, z] = &domain.faces;
-    assert_eq!(*x, [Face::Symmetry, Face::Wall { velocity: [0.0, 1.0, 0.0] }]);
+    assert_eq!(*x, [Face::Symmetry, Face::moving([0.0, 1.0, 0.0])]);
     assert_eq!(*y, [Face::Symmetry, Face::Symmetry]);
     let inflow = OpenVelocity {
         velocity: [0.0, 0.0, 1.0],
         profile: Profile::Parabolic,
-        course: Course(vec![[0.0, 0.0], [0.1, 1.0]]),
+        course: Course::Points(vec![[0.0, 0.0], [0.1, 1.0]]),
     };
-    let course = Course(vec![[0.0, 0.0], [1.0, 1.0]]);
+    let course = Course::Points(vec![[0.0, 0.0], [1.0, 1.0]]);
     let outflow = Face::Pressure { pressure: 2000.0, course, absorbing: true };
     assert_eq!(*z, [Face::Velocity(inflow), outflow]);
     reads_back(&text);
@@ -56,7 +56,7 @@ fn a_face_can_have_a_reservoir() {
     let face = |text: &str| read(text).unwrap().spec.scene.domain.faces[0][0].clone();
     let area = "70.9 mm2".parse::<tremie_messages::units::Area>().unwrap().0;
     let piston = Reservoir {
-        course: Course(vec![[0.0, 0.0], [0.2e-3, 1.0]]),
+        course: Course::Points(vec![[0.0, 0.0], [0.2e-3, 1.0]]),
         stop: Some(25e-3),
         relaxation: 0.1,
         ..Reservoir::new(area, 4e-3, 6.0)
@@ -263,5 +263,99 @@ ring = { axis = "y", through = ["0 mm", "5 mm", "5 mm"], radii = ["1 mm", "4 mm"
     ] {
         assert!(text.contains(from), "{from}");
         one_problem(&text.replace(from, to), &[words]);
+    }
+}
+
+/// Courses by formula stand wherever points do, and say what is wrong with units and places.
+#[test]
+fn a_course_can_be_a_formula() {
+    let wall = |course: &str| {
+        with_faces(&format!(
+            "x = {{ lower = {{ wall = {{ velocity = [\"0 m/s\", \"1 m/s\", \"0 m/s\"], {course} }} }} }}"
+        ))
+    };
+    let course_of = |text: &str| match &read(text).unwrap().spec.scene.domain.faces[0][0] {
+        Face::Wall { course, .. } => course.clone(),
+        other => panic!("{other:?}"),
+    };
+    let tau = std::f64::consts::TAU;
+    let sine = Sine { frequency: 2.0, amplitude: 1.0, phase: 0.0, mean: 0.0 };
+    for (written, course) in [
+        ("course = { sine = { frequency = \"2 Hz\" } }", Course::Sine(sine)),
+        (
+            "course = { sine = { period = \"0.25 s\", amplitude = 0.5, phase = \"90 deg\", mean = 1 } }",
+            Course::Sine(Sine { frequency: 4.0, amplitude: 0.5, phase: 0.25 * tau, mean: 1.0 }),
+        ),
+        ("course = { ramp = { end = \"2 s\" } }", Course::Points(vec![[0.0, 0.0], [2.0, 1.0]])),
+        (
+            "course = { ramp = { begin = \"1 s\", end = \"2 s\", from = 1, to = -0.5 } }",
+            Course::Points(vec![[1.0, 1.0], [2.0, -0.5]]),
+        ),
+        (
+            "course = { repeat = [[\"0 s\", 0], [\"1 s\", 1.5], [\"3 s\", 0]] }",
+            Course::Repeat(vec![[0.0, 0.0], [1.0, 1.5], [3.0, 0.0]]),
+        ),
+        ("course = [[\"0 s\", 0.0], [\"1 s\", 1.0]]", Course::Points(vec![[0.0, 0.0], [1.0, 1.0]])),
+        ("ramp = \"0.5 s\"", Course::Points(vec![[0.0, 0.0], [0.5, 1.0]])),
+    ] {
+        let text = wall(written);
+        assert_eq!(course_of(&text), course, "{written}");
+        reads_back(&text);
+    }
+    // Beside the wall's table, as with other faces.
+    let beside = wall("").replace(",  } }", " }, course = { sine = { frequency = \"2 Hz\" } } }");
+    assert_eq!(course_of(&beside), Course::Sine(sine));
+    for (written, words) in [
+        (
+            "course = { sine = { frequency = \"2 s\" } }",
+            ["wall.course.sine.frequency", "a frequency with a unit"],
+        ),
+        ("course = { sine = { frequency = 2 } }", ["sine.frequency", "bare number"]),
+        ("course = { sine = { frequency = \"0 Hz\" } }", ["sine.frequency", "more than zero"]),
+        ("course = { sine = {} }", ["course.sine", "frequency, period"]),
+        (
+            "course = { sine = { frequency = \"1 Hz\", period = \"1 s\" } }",
+            ["course.sine.period", "both"],
+        ),
+        ("course = { ramp = { begin = \"2 s\", end = \"1 s\" } }", ["ramp.end", "after the begin"]),
+        ("course = { ramp = { begin = \"2 s\" } }", ["ramp.end", "missing"]),
+        ("course = { repeat = [[\"0 s\", 1]] }", ["course.repeat", "two points"]),
+        ("course = { repeat = [[\"1 s\", 1], [\"0 s\", 1]] }", ["course.repeat[1]", "ascend"]),
+        ("course = {}", ["wall.course", "sine, ramp, repeat"]),
+        ("course = { sinus = 3 }", ["sinus", "did you mean \"sine\"?"]),
+        (
+            "ramp = \"1 s\", course = { ramp = { end = \"1 s\" } }",
+            ["wall.course", "both ramp and course"],
+        ),
+        ("course = \"sine\"", ["wall.course", "a list of points, or a table"]),
+    ] {
+        one_problem(&wall(written), &words);
+    }
+    for face in [
+        "pressure = \"2 kPa\", course = { sine = { frequency = \"3 Hz\" } }",
+        "velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"], course = { repeat = [[\"0 s\", 0], [\"1 s\", 1]] }",
+        "reservoir = { area = \"1 mm2\", volume = \"1 L\", piston = \"1 m/s\", course = { sine = { period = \"1 s\" } } }",
+    ] {
+        reads_back(&with_faces(&format!("x = {{ lower = {{ {face} }} }}")));
+    }
+}
+
+#[test]
+fn a_profile_is_a_section_in_strips() {
+    let text = format!(
+        "{GOOD}\n[[scene.probes]]\nname = \"u\"\nprofile = {{ axis = \"z\", at = \"150 mm\", along = \"x\", bins = 5 }}\n"
+    );
+    let scene = read(&text).unwrap().spec.scene;
+    let (min, max) = (scene.domain.min, scene.domain.max);
+    let expected = ProbeShape::Profile { axis: 2, position: 0.15, min, max, along: 0, bins: 5 };
+    assert_eq!(scene.probes[0].shape, expected);
+    reads_back(&text);
+    for (from, to, words) in [
+        ("bins = 5", "bins = 65", ["profile.bins", "1 to 64"]),
+        ("along = \"x\"", "along = \"z\"", ["profile.along", "across it"]),
+        ("along = \"x\", ", "", ["profile.along", "missing"]),
+        ("at = \"150 mm\"", "at = \"15 m\"", ["profile.at", "outside the domain"]),
+    ] {
+        one_problem(&text.replace(from, to), &words);
     }
 }

@@ -2,7 +2,9 @@
 
 use super::*;
 use tremie_geometry::Mesh;
-use tremie_messages::scene::{Course, Geometry, MotionPoint, PartBoundary, SliderSpring, Stops};
+use tremie_messages::scene::{
+    Course, Geometry, MotionPoint, PartBoundary, Sine, SliderSpring, Stops, TimedMotion,
+};
 use tremie_messages::units::Length;
 
 fn with_part(lines: &str) -> String {
@@ -42,7 +44,7 @@ fn a_part_can_turn_move_and_drive_the_fluid() {
     let MotionPoint { time, velocity, angular_velocity } = points[0];
     assert_eq!((points.len(), time, velocity), (1, 0.0, [0.0; 3]));
     assert!((angular_velocity[2] - std::f64::consts::TAU).abs() < 1e-12);
-    let course = Course(vec![[0.0, 0.0], [1e-3, 1.0]]);
+    let course = Course::Points(vec![[0.0, 0.0], [1e-3, 1.0]]);
     assert_eq!(part.boundary, PartBoundary::Pressure { pressure: 5e5, course });
     reads_back(&text);
 }
@@ -70,7 +72,6 @@ fn a_wrong_part_is_one_problem() {
     refused(&BOX.replace("\"20 mm\"", "\"0 mm\""), &["box.size[1]", "more than zero"]);
     refused(&format!("{BOX}\nunit = \"mm\""), &["only a file has a unit"]);
     refused(&format!("{BOX}\nmotion = \"free\""), &["\"fixed\" or \"prescribed\"", "slider = {"]);
-    refused(&format!("{BOX}\nmotion = \"prescribed\""), &["how the part moves"]);
     refused(
         &format!("{BOX}\nvelocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"]"),
         &["found \"fixed\"", "motion = \"prescribed\""],
@@ -86,6 +87,37 @@ fn a_wrong_part_is_one_problem() {
     one_problem(&with_part(BOX).replace("\"valve\"", "\"a.b\""), &["letters, digits"]);
     let twice = format!("{}\n[[scene.parts]]\nname = \"valve\"\n{BOX}\n", with_part(BOX));
     one_problem(&twice, &["a second part"]);
+}
+
+/// A prescribed part is at rest unless it is told to move, and moves by a formula if it is told to.
+#[test]
+fn a_prescribed_part_rests_or_follows_a_formula() {
+    let motion = |lines: &str| {
+        let text = with_part(&format!("{BOX}\nmotion = \"prescribed\"\n{lines}"));
+        reads_back(&text);
+        read(&text).unwrap().spec.scene.parts[0].motion.clone()
+    };
+    let still = MotionPoint { time: 0.0, velocity: [0.0; 3], angular_velocity: [0.0; 3] };
+    assert_eq!(motion(""), Motion::Prescribed(vec![still]));
+    let swings = motion(
+        "velocity = [\"0 m/s\", \"2 m/s\", \"0 m/s\"]\ncourse = { sine = { frequency = \"5 Hz\" } }",
+    );
+    let timed = TimedMotion {
+        velocity: [0.0, 2.0, 0.0],
+        angular_velocity: [0.0; 3],
+        course: Course::Sine(Sine::new(5.0)),
+    };
+    assert_eq!(swings, Motion::Timed(Box::new(timed)));
+    let formula = "course = { sine = { frequency = \"5 Hz\" } }";
+    refused(
+        &format!("{BOX}\nmotion = \"prescribed\"\n{formula}"),
+        &["parts[0].course", "no velocity", "give the part a velocity"],
+    );
+    refused(&format!("{BOX}\n{formula}"), &["only a prescribed motion"]);
+    refused(
+        &format!("{BOX}\nmass = \"1 kg\""),
+        &["unknown key \"mass\"", "leave it out", "slider"],
+    );
 }
 
 /// A folder with the file `cube.stl`, an edge of 20 units long, and `open.stl`, which lacks one
