@@ -13,6 +13,7 @@ mod inlets;
 mod observers;
 mod polyhedra;
 mod report;
+mod resident;
 mod rubber;
 mod running;
 mod same_bits;
