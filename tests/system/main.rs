@@ -16,6 +16,7 @@ mod observers;
 mod outputs;
 mod polyhedra;
 mod report;
+mod resident;
 mod rubber;
 mod running;
 mod same_bits;

@@ -46,6 +46,9 @@
 //! what is reached through an index is asked for some contacts ahead; so are the lists, because no
 //! processor follows as many arrays by itself. Contacts of one linear law are computed eight at once.
 //!
+//! Bodies of very different sizes are listed in classes of sizes (`skins.rs`), each with a skin and cells of its own: what a
+//! list takes grows with the number of bodies alone.
+//!
 //! # Same bits
 //!
 //! Equal scenes and parameters give equal bits, on any number of threads: a body sums its forces in

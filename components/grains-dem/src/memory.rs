@@ -200,8 +200,9 @@ impl Cost {
         let (touch, gap) = (0.5 * (d + e), self.skins.between(k, l));
         let ball = |radius: f64| 4.0 / 3.0 * PI * radius * radius * radius;
         if a.solid || b.solid {
-            // The spheres around them overlap, so that nothing keeps them apart.
-            return ball(touch + gap) * OF_PAIR as f64;
+            // The spheres around them overlap; what keeps centres apart is about that of spheres of equal volume.
+            let apart = 0.5 * (d / a.around + e / b.around);
+            return (ball(touch + gap) - ball(apart)) * OF_PAIR as f64;
         }
         // The density of neighbours at contact over the mean (Carnahan and Starling, J. Chem. Phys. 51, 1969), up to that at
         // which spheres of a bed have five pairs listed each with the default skin; it falls off within a tenth of the

@@ -17,8 +17,9 @@ pub struct Parameters {
     /// a collision and the stiffness depend on it, and so does the time step. Unset: twice the
     /// fastest speed at the start and what a fall through the domain adds.
     pub expected_speed: Option<Velocity>,
-    /// How far beyond touching neighbours are listed, as a fraction of the largest diameter. More
-    /// makes the list longer, less makes it due more often. Results depend on it only by rounding.
+    /// How far beyond touching neighbours are listed, as a fraction of the diameter: of the largest body of each class of
+    /// sizes, which holds bodies within a factor of two. More makes the list longer, less makes it due more often. Results
+    /// depend on it only by rounding.
     pub skin: Option<f64>,
     /// Most spheres that may live at once, where inlets feed any. Unset: as many as fit into what parts leave of the
     /// domain, packed densely, and a twentieth more; but no more than a million.
@@ -44,7 +45,7 @@ impl Parameters {
     /// valve of triangles that takes part is slower, because spheres near triangles are looked at in every step.
     pub const DEFAULT_SKIN: f64 = 0.1;
 
-    /// The skin as a fraction of the largest diameter.
+    /// The skin as a fraction of the largest diameter of a class of sizes.
     pub fn skin_fraction(&self) -> f64 {
         self.skin.unwrap_or(Self::DEFAULT_SKIN)
     }
