@@ -1,6 +1,6 @@
 //! Walls: planes that stay where they are. A face of the domain may slide along itself.
 
-use crate::{Vec3, bodies::Ball, laws::Laws};
+use crate::{Vec3, bodies::Ball, laws::Laws, shares::in_common};
 use tremie_messages::scene::{Face, Scene};
 
 /// A wall; bodies are on the side to which the normal points.
@@ -12,12 +12,14 @@ pub(crate) struct Wall {
     pub offset: f64,
     /// Velocity along itself [m/s].
     pub velocity: Vec3,
+    /// Whether it stands for what is mirrored beyond it.
+    pub mirror: bool,
 }
 
 impl Wall {
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         let normal = normal.unscale(normal.norm_squared().sqrt());
-        Self { normal, offset: point.dot(&normal), velocity: Vec3::zeros() }
+        Self { normal, offset: point.dot(&normal), velocity: Vec3::zeros(), mirror: false }
     }
 
     /// How far `ball` reaches into the wall [m]; negative while it does not touch.
@@ -42,6 +44,7 @@ pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
     let faces = sides.filter(|&(axis, side)| holds(axis, side));
     let faces = faces.map(|(axis, side)| &domain.faces[axis][side]);
     for (wall, face) in walls.iter_mut().zip(faces) {
+        wall.mirror = *face == Face::Symmetry;
         if let Face::Wall { velocity } = face {
             let velocity = Vec3::from(*velocity);
             wall.velocity = velocity - wall.normal * velocity.dot(&wall.normal);
@@ -53,9 +56,14 @@ pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
 
 /// The same walls, mirrors not among them.
 pub(crate) fn without_mirrors(scene: &Scene) -> Vec<Wall> {
-    let surfaces = crate::laws::surfaces(scene);
-    let walls = of_scene(scene).into_iter().zip(surfaces);
-    walls.filter(|(_, surface)| !surface.mirror).map(|(wall, _)| wall).collect()
+    of_scene(scene).into_iter().filter(|wall| !wall.mirror).collect()
+}
+
+/// Whether a body that touches two of the walls may touch one region: whether any two lean on each other less
+/// than as in a corner.
+pub(crate) fn any_lean(walls: &[Wall]) -> bool {
+    let walls = || walls.iter().filter(|wall| !wall.mirror).enumerate();
+    walls().any(|(i, a)| walls().take(i).any(|(_, b)| in_common(a.normal, b.normal) > 0.0))
 }
 
 /// The laws of the walls of [`of_scene`]; mirrors get laws of their own, without friction.
