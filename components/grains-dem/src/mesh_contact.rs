@@ -1,11 +1,13 @@
-//! Where a sphere touches a triangulated surface.
+//! Where a sphere touches walls: surfaces of triangles, one or many, and planes.
 //!
 //! Contacts with faces come first, the deepest before the others, then those with edges, then those
-//! with vertices. A contact counts only if its point stands out of the tangent planes of all before:
-//! edges and vertices of a face that the sphere touches already do not. Contacts that are nearly in
-//! one direction are one, the deepest. So a sphere rolls over a flat floor of triangles as over a
-//! plane, and over facets of a curved one without losing or doubling its support. A contact with an edge or a vertex
-//! belongs to the first of the triangles that share it, whatever round-off says of their distances.
+//! with vertices (Hu et al., *Powder Technol.* 2013). A contact counts only if its point stands out of the tangent planes of all before:
+//! edges and vertices of a face that the sphere touches already do not. That is asked of points in space, and not of
+//! what triangles share, so that it holds across seams of parts and planes that stand flush as well. So a sphere rolls
+//! over a flat floor of triangles as over a plane. How much of those counts that remain [`crate::shares`] says.
+//!
+//! A contact with an edge or a vertex belongs to the first of the triangles that share it, whatever round-off says of their
+//! distances; a point that several owners share to the one of the lowest rank.
 //!
 //! Of the triangles listed near a sphere few are touched. So how far each is gets noted when all are looked at, and until
 //! sphere and surface have come some way, only those are looked at again that they may have reached since: what is found is the
@@ -31,7 +33,7 @@ impl Triangle {
     }
 }
 
-/// A point of the surface within reach of a sphere.
+/// A point of a wall within reach of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nearest {
     /// Unit vector from the point to the centre of the sphere.
@@ -39,21 +41,25 @@ pub(crate) struct Nearest {
     /// Distance of the point from the centre [m].
     pub distance: f64,
     /// 0 for a face, 1 for an edge, 2 for a vertex.
-    feature: u8,
-    /// The point.
+    pub feature: u8,
+    /// The point, from the same origin for all that are compared.
     pub point: Vec3,
     /// Which of the triangles given it belongs to.
     pub triangle: u32,
+    /// Whose triangles these are, and who comes first of owners that share a point.
+    pub owner: u32,
+    pub rank: u32,
 }
 
-/// Most contacts of a sphere with a part at once.
+/// Most contacts of a sphere with walls at once.
 pub(crate) const MOST: usize = 8;
 
-/// Contacts whose directions differ by less are one: cosine of 10 degrees.
+/// A contact that turned by less is the same one: cosine of 10 degrees.
 pub(crate) const SAME: f64 = 0.984_807_753;
 
-/// How far a point must stand out of another contact's tangent plane, over the radius.
-const OUT: f64 = 1e-3;
+/// How far a point must stand out of another contact's tangent plane, over the radius: more than corners of triangles are off by
+/// when a file rounds them.
+const OUT: f64 = 1e-5;
 
 /// Points that are nearer to each other than this, over the radius, are one.
 const TIE: f64 = 1e-9;
@@ -108,16 +114,32 @@ pub(crate) fn find(
     distances: &mut [f32],
     triangle: impl Fn(usize) -> Triangle,
 ) -> Found {
+    let mut candidates = Candidates::NONE;
+    look(sphere, travel, (looked, distances), triangle, |near| candidates.take(near));
+    candidates.contacts(sphere.radius)
+}
+
+/// Looks for the points of triangles that are in reach, and gives each to `take`; the rest as [`find`].
+#[inline(always)]
+pub(crate) fn look(
+    sphere: Seeker,
+    travel: f64,
+    (looked, distances): (&mut Looked, &mut [f32]),
+    triangle: impl Fn(usize) -> Triangle,
+    mut take: impl FnMut(Nearest),
+) {
     let Seeker { centre, radius, reach } = sphere;
     let moved = (centre - looked.centre).norm_squared().sqrt() + (travel - looked.travel);
-    let mut best = Best::NONE;
+    let mut offer = |near: Option<Nearest>, number: usize| {
+        if let Some(near) = near.filter(|near| near.distance < reach) {
+            take(Nearest { triangle: number as u32, ..near });
+        }
+    };
     // What is no number looks again, too.
     if moved <= AGAIN * radius {
         for (number, &distance) in distances.iter().enumerate() {
-            if f64::from(distance) - moved < reach
-                && let (_, Some(near)) = nearest(centre, &triangle(number))
-            {
-                best.take(near, number, reach);
+            if f64::from(distance) - moved < reach {
+                offer(nearest(centre, &triangle(number)).1, number);
             }
         }
     } else {
@@ -125,29 +147,22 @@ pub(crate) fn find(
         for (number, noted) in distances.iter_mut().enumerate() {
             let (distance, near) = nearest(centre, &triangle(number));
             *noted = (distance * SHORTER) as f32;
-            if let Some(near) = near {
-                best.take(near, number, reach);
-            }
+            offer(near, number);
         }
     }
-    best.contacts(radius)
 }
 
-/// A bounded choice of the best candidates, kept sorted; more than these are never contacts.
-struct Best {
+/// A bounded choice of the best points in reach, kept sorted; more than these are never contacts.
+pub(crate) struct Candidates {
     list: [Nearest; 4 * MOST],
     count: usize,
 }
 
-impl Best {
-    const NONE: Self = Self { list: [Nearest::NONE; 4 * MOST], count: 0 };
+impl Candidates {
+    pub const NONE: Self = Self { list: [Nearest::NONE; 4 * MOST], count: 0 };
 
-    /// Takes the point of a triangle, if it is in reach.
-    fn take(&mut self, near: Nearest, number: usize, reach: f64) {
-        if near.distance >= reach {
-            return;
-        }
-        let near = Nearest { triangle: number as u32, ..near };
+    /// Takes a point that is in reach.
+    pub fn take(&mut self, near: Nearest) {
         let place = self.list[..self.count].partition_point(|other| !before(&near, other));
         if place == self.list.len() {
             return;
@@ -158,13 +173,11 @@ impl Best {
     }
 
     /// Those that are contacts of a sphere.
-    fn contacts(&self, radius: f64) -> Found {
+    pub fn contacts(&self, radius: f64) -> Found {
         let mut found = Found { list: [Nearest::NONE; MOST], count: 0 };
         for near in &self.list[..self.count] {
-            let hidden = |other: &Nearest| {
-                (near.point - other.point).dot(&other.normal) <= OUT * radius
-                    || near.normal.dot(&other.normal) > SAME
-            };
+            let hidden =
+                |other: &Nearest| (near.point - other.point).dot(&other.normal) <= OUT * radius;
             if let Some(by) = found.contacts().iter().position(hidden) {
                 found.list[by].share(near, radius);
             } else if found.count < MOST {
@@ -177,26 +190,42 @@ impl Best {
 }
 
 impl Nearest {
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         normal: Vec3::new(0.0, 0.0, 0.0),
         distance: 0.0,
         feature: 0,
         point: Vec3::new(0.0, 0.0, 0.0),
         triangle: 0,
+        owner: 0,
+        rank: 0,
     };
 
-    /// Hands a point of an edge or a vertex to the first of the triangles at it.
+    /// The point of a plane that is closest to the origin.
+    pub fn of_plane(normal: Vec3, distance: f64) -> Self {
+        Self { normal, distance, point: normal * -distance, ..Self::NONE }
+    }
+
+    /// Hands a point of an edge or a vertex to the first of the triangles at it, and one that stands flush with
+    /// another's to the owner of the lower rank.
     fn share(&mut self, other: &Nearest, radius: f64) {
-        let apart = (self.point - other.point).norm_squared();
-        if self.feature > 0 && self.feature == other.feature && apart <= (TIE * radius).powi(2) {
-            self.triangle = self.triangle.min(other.triangle);
+        if (self.point - other.point).norm_squared() > (TIE * radius).powi(2) {
+            return;
+        }
+        let of_one = self.feature > 0 && self.feature == other.feature;
+        let places = |near: &Nearest| (near.rank, near.owner, near.triangle);
+        if (of_one || self.owner != other.owner) && places(other) < places(self) {
+            (self.rank, self.owner, self.triangle) = places(other);
         }
     }
 }
 
 /// Whether one candidate is looked at before another.
 fn before(a: &Nearest, b: &Nearest) -> bool {
-    (a.feature, a.distance) < (b.feature, b.distance)
+    // Down to the point, so that where two are as deep the order of triangles in a file does not matter.
+    let key = |near: &Nearest| {
+        (near.feature, near.distance, near.rank, near.point.x, near.point.y, near.point.z)
+    };
+    key(a) < key(b)
 }
 
 /// Distance of a triangle, and its point that is closest to `centre`, unless the centre is behind the triangle.
@@ -204,13 +233,13 @@ fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<Nearest>) {
     let Some((feature, point)) = border(centre, triangle) else {
         let height = (centre - triangle.corners[0]).dot(&triangle.normal);
         let (normal, point) = (triangle.normal, centre - triangle.normal * height);
-        let near = Nearest { normal, distance: height, feature: 0, point, triangle: 0 };
+        let near = Nearest { normal, distance: height, point, ..Nearest::NONE };
         return (height.abs(), (height > 0.0).then_some(near));
     };
     let away = centre - point;
     let distance = away.norm_squared().sqrt();
     let normal = away / distance;
-    let near = Nearest { normal, distance, feature, point, triangle: 0 };
+    let near = Nearest { normal, distance, feature, point, ..Nearest::NONE };
     (distance, (distance > 0.0).then_some(near))
 }
 

@@ -1,17 +1,20 @@
-//! Which bodies are near which triangles of parts.
+//! Which bodies are near which triangles of parts, and near walls that they may touch together with these.
 
 use crate::{
     Vec3,
-    bodies::Bodies,
+    bodies::{Bodies, Mobility},
+    history::{History, Remembered},
     law::Reduced,
     laws::Laws,
     mesh_contact::{Looked, distance},
     pairs::BLOCK,
-    part_contacts::{Entry, PartContacts},
+    part_contacts::{Entry, Met, PartContacts},
     parts::PlacedPart,
     periodic::PeriodicBox,
     polyhedra::SPHERE,
     skins::Skins,
+    wall_contacts::{WallContacts, WallEntry},
+    walls::{Wall, WallLaws},
 };
 
 /// Room for so many of what a block finds is there from the beginning.
@@ -21,6 +24,7 @@ pub(crate) const SOME: usize = 128;
 #[derive(Debug, Default)]
 pub(crate) struct Found {
     pub bodies: Vec<u32>,
+    pub histories: Vec<History>,
     /// Number of entries at the end of each body's row.
     pub ends: Vec<u32>,
     pub entries: Vec<Entry>,
@@ -33,6 +37,10 @@ pub(crate) struct Found {
 /// What bodies may meet, as a list is made from it.
 pub(crate) struct Nearness<'a> {
     pub parts: &'a [PlacedPart],
+    pub walls: &'a [Wall],
+    pub wall_laws: &'a WallLaws,
+    /// Whether bodies that are near several walls are listed also without a part.
+    pub walls_lean: bool,
     pub laws: &'a Laws,
     /// Numbers of the parts' materials.
     pub materials: &'a [u16],
@@ -43,54 +51,89 @@ pub(crate) struct Nearness<'a> {
     pub previous: &'a [u32],
 }
 
+impl Nearness<'_> {
+    /// Whether any body may be listed.
+    pub fn is_any(&self) -> bool {
+        !self.parts.is_empty() || self.walls_lean
+    }
+}
+
 impl Found {
-    /// Finds the parts near the bodies of block `b`.
-    pub fn find(&mut self, b: usize, before: &PartContacts, bodies: &Bodies, at: &Nearness) {
-        self.bodies.clear();
-        self.ends.clear();
-        self.entries.clear();
-        self.near.clear();
-        self.triangles.clear();
-        if !at.parts.is_empty() {
-            // Short lists vary by large factors: what they may come to is there from the beginning.
-            self.bodies.reserve(SOME);
-            self.ends.reserve(SOME);
-            self.entries.reserve(SOME);
-            self.near.reserve(SOME);
-            self.triangles.reserve(8 * SOME);
-        }
+    /// Finds what is near the bodies of block `b`.
+    pub fn find(
+        &mut self,
+        b: usize,
+        before: (&PartContacts, &WallContacts),
+        bodies: &Bodies,
+        at: &Nearness,
+    ) {
+        self.clear();
         for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
             if !bodies.mobility[i].is_free() || bodies.poly[i] != SPHERE {
                 continue;
             }
             let known = self.entries.len();
-            for (part, placed) in at.parts.iter().enumerate() {
-                let found = self.triangles.len();
-                let ball = &bodies.balls[i];
-                self.look(placed, ball.x, ball.radius + at.skins.gap(ball.radius), at.bounds);
-                if self.triangles.len() == found {
-                    continue;
-                }
-                let (touching, memories) =
-                    before.remembered(at.previous[i], part as u32).unwrap_or_default();
-                self.near.push(self.triangles.len() as u32);
-                self.entries.push(Entry {
-                    part: part as u32,
-                    law: at.laws.between(at.materials[part], bodies.material[i]),
-                    touching,
-                    reduced: Reduced {
-                        root_mass: bodies.mobility[i].root_reduced_mass(placed.mobility()),
-                        radius: ball.radius,
-                    },
-                    memories,
-                    looked: Looked::NEVER,
-                });
+            self.find_parts(i, bodies, at);
+            let beside_parts = self.entries.len() > known;
+            if beside_parts || at.walls_lean {
+                self.find_walls(i, bodies, at);
             }
-            if self.entries.len() > known {
+            // In corners of walls these do not share anything.
+            if beside_parts || self.entries.len() > known + 1 {
                 self.bodies.push(i as u32);
                 self.ends.push(self.entries.len() as u32);
+                self.histories.push(history(before, at.previous[i], at));
+            } else {
+                self.entries.truncate(known);
+                self.near.truncate(known);
             }
         }
+    }
+
+    fn clear(&mut self) {
+        self.bodies.clear();
+        self.histories.clear();
+        self.ends.clear();
+        self.entries.clear();
+        self.near.clear();
+        self.triangles.clear();
+        // Short lists vary by large factors: what they may come to is there from the beginning.
+        self.bodies.reserve(SOME);
+        self.histories.reserve(SOME);
+        self.ends.reserve(SOME);
+        self.entries.reserve(SOME);
+        self.near.reserve(SOME);
+        self.triangles.reserve(8 * SOME);
+    }
+
+    fn find_parts(&mut self, i: usize, bodies: &Bodies, at: &Nearness) {
+        for (part, placed) in at.parts.iter().enumerate() {
+            let found = self.triangles.len();
+            let ball = &bodies.balls[i];
+            self.look(placed, ball.x, ball.radius + at.skins.gap(ball.radius), at.bounds);
+            if self.triangles.len() > found {
+                let root_mass = bodies.mobility[i].root_reduced_mass(placed.mobility());
+                let law = at.laws.between(at.materials[part], bodies.material[i]);
+                self.enter(Met::Part(part as u32), law, root_mass, ball.radius);
+            }
+        }
+    }
+
+    fn find_walls(&mut self, i: usize, bodies: &Bodies, at: &Nearness) {
+        let ball = &bodies.balls[i];
+        for (wall, plane) in at.walls.iter().enumerate() {
+            if !plane.mirror && plane.overlap(ball) > -at.skins.gap(ball.radius) {
+                let root_mass = bodies.mobility[i].root_reduced_mass(Mobility::NONE);
+                let law = at.wall_laws[wall][bodies.material[i] as usize];
+                self.enter(Met::Wall(wall as u32), law, root_mass, ball.radius);
+            }
+        }
+    }
+
+    fn enter(&mut self, met: Met, law: u16, root_mass: f64, radius: f64) {
+        let reduced = Reduced { root_mass, radius };
+        self.near.push(self.triangles.len() as u32);
+        self.entries.push(Entry { met, law, reduced, looked: Looked::NEVER });
     }
 
     /// Adds the triangles of a part near a place, through all images.
@@ -104,4 +147,20 @@ impl Found {
             self.triangles.extend(near.map(|&triangle| (triangle, image)));
         }
     }
+}
+
+/// What the contacts of a body, by its place in memory, remember of their last evaluation.
+fn history(
+    (parts, walls): (&PartContacts, &WallContacts),
+    body: u32,
+    at: &Nearness<'_>,
+) -> History {
+    let mut history = parts.history(body).copied().unwrap_or(History::NONE);
+    for entry in walls.of(body).iter().filter(|entry| entry.touching) {
+        if !at.walls[entry.wall as usize].mirror {
+            let WallEntry { memory, law, reduced, .. } = *entry;
+            history.add(Remembered { memory, share: 1.0, law, reduced });
+        }
+    }
+    history
 }

@@ -38,6 +38,9 @@ pub(crate) struct PlacedPart {
     pub twist: Twist,
     /// How far any of its points can have gone since neighbours were listed [m].
     pub moved: f64,
+    /// Its place among all parts in space, by its box at the start: of parts that share a point of contact the first has
+    /// it, in whatever order they are given.
+    pub rank: u32,
 }
 
 /// A substep: from when to when [s], its length [s], and whether the substep before is to be finished
@@ -72,7 +75,26 @@ pub(crate) fn load(scene: &Scene) -> Result<Vec<PlacedPart>, Vec<Problem>> {
             Err(error) => problems.extend(error.problems(&format!("{key}.geometry"))),
         }
     }
+    give_ranks(&mut parts);
     if problems.is_empty() { Ok(parts) } else { Err(problems) }
+}
+
+/// Ranks parts by their boxes.
+fn give_ranks(parts: &mut [PlacedPart]) {
+    let key = |part: &PlacedPart| {
+        let Bounds { min, max } = part.surface.mesh().placed(&part.pose).bounds();
+        [min, max].concat()
+    };
+    let keys: Vec<Vec<f64>> = parts.iter().map(key).collect();
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    let compare = |a: &f64, b: &f64| a.total_cmp(b);
+    order.sort_by(|&a, &b| {
+        let pairs = keys[a].iter().zip(&keys[b]).map(|(a, b)| compare(a, b));
+        pairs.fold(core::cmp::Ordering::Equal, core::cmp::Ordering::then).then(a.cmp(&b))
+    });
+    for (rank, part) in (0..).zip(order) {
+        parts[part].rank = rank;
+    }
 }
 
 impl PlacedPart {
@@ -102,6 +124,7 @@ impl PlacedPart {
             frame: Frame::of(&part.pose),
             twist,
             moved: 0.0,
+            rank: 0,
         }
     }
 

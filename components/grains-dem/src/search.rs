@@ -128,19 +128,24 @@ impl Search {
         self.maker.make(&mut self.pairs, team, bodies, &near);
         let skins = self.cells.skins();
         std::mem::swap(&mut self.walls, &mut self.spare_walls);
-        let (walls, laws) = (&around.walls[..], &around.wall_laws);
-        let near = wall_contacts::Nearness { walls, laws, skins, previous: &self.order };
-        self.walls.make(&self.spare_walls, &mut self.found_walls, team, bodies, &near);
         std::mem::swap(&mut self.parts, &mut self.spare_parts);
+        let (walls, laws) = (&around.walls[..], &around.wall_laws);
         let near = part_finder::Nearness {
             parts: &around.parts,
+            walls,
+            wall_laws: laws,
+            walls_lean: around.walls_lean,
             laws: &around.laws,
             materials: &around.part_materials,
             bounds: &around.bounds,
             skins,
             previous: &self.order,
         };
-        self.parts.make(&self.spare_parts, &mut self.found_parts, team, bodies, &near);
+        let before = (&self.spare_parts, &self.spare_walls);
+        self.parts.make(before, &mut self.found_parts, team, bodies, &near);
+        let near = wall_contacts::Nearness { walls, laws, skins, previous: &self.order };
+        let (before, found) = ((&self.spare_walls, &self.spare_parts), &mut self.found_walls);
+        self.walls.make(before, &self.parts, found, team, bodies, &near);
         let near = polyhedra::Nearness {
             walls,
             wall_laws: laws,

@@ -16,6 +16,8 @@ pub(crate) struct Along(i128);
 const UNITS: f64 = (1u128 << 90) as f64;
 
 impl Along {
+    pub const NONE: Self = Self(0);
+
     /// A force along the axis [N].
     #[inline(always)]
     pub fn of(force: f64) -> Self {

@@ -201,8 +201,10 @@ fn given_speed(scene: &Scene) -> f64 {
         }
     }
     for face in scene.domain.faces.iter().flatten() {
-        if let Face::Wall { velocity } = face {
-            add(velocity);
+        if let Face::Wall { velocity, course } = face {
+            for factor in course.extremes() {
+                add(&velocity.map(|v| v * factor));
+            }
         }
     }
     for inlet in &scene.inlets {

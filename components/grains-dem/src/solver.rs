@@ -415,7 +415,7 @@ impl GrainsDem {
         let walls = &self.around.walls;
         wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
         let parts = &self.around.parts;
-        search.parts.evaluate(team, parts, scenery, &mut self.tallies);
+        search.parts.evaluate(team, (parts, walls), scenery, &mut self.tallies);
         let on_solids = search.solids.evaluate(
             team,
             &mut self.polyhedra,

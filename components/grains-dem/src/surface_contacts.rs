@@ -3,14 +3,15 @@
 use crate::{
     Vec3,
     bodies::{Ball, Bodies, Mobility, Wrench},
-    contact::{self, Contact, Memory, Steps},
+    contact::{self, Contact, Steps},
     error::GrainsError,
     forces::Scenery,
+    history::{History, Remembered},
     law::{Law, Reduced},
     laws::Laws,
-    mesh_contact::{self, Found, Looked, MOST, Nearest, Seeker, Triangle},
-    part_contacts::closest,
+    mesh_contact::{self, Found, Looked, Nearest, Seeker, Triangle},
     seat::{Seat, Seats},
+    shares::shares,
     skins::Skins,
     surface::{DeformableSurface, FacetLoad, mean_edge},
     tally::{Other, Tally},
@@ -26,10 +27,9 @@ pub(crate) struct Entry {
     /// Where its force is added up.
     pub place: u32,
     law: u16,
-    /// Number of contacts at the last accepted shape; as many memories count.
-    touching: u8,
     reduced: Reduced,
-    memories: [Memory; MOST],
+    /// The contacts at the last accepted shape.
+    history: History,
 }
 
 /// A surface with the bodies near it.
@@ -249,20 +249,17 @@ impl Held {
     fn enter(&mut self, id: u64, slot: usize, around: &Around<'_>) {
         let bodies = around.bodies;
         let known = self.spare.binary_search_by_key(&id, |entry| entry.id).ok();
-        let (touching, memories) = known.map_or((0, [Memory::default(); MOST]), |e| {
-            (self.spare[e].touching, self.spare[e].memories)
-        });
+        let history = known.map_or(History::NONE, |e| self.spare[e].history);
         self.entries.push(Entry {
             id,
             body: slot as u32,
             place: 0,
             law: around.laws.between(self.material, bodies.material[slot]),
-            touching,
             reduced: Reduced {
                 root_mass: bodies.mobility[slot].root_reduced_mass(Mobility::NONE),
                 radius: bodies.balls[slot].radius,
             },
-            memories,
+            history,
         });
     }
 
@@ -295,10 +292,10 @@ impl Held {
         for e in 0..self.entries.len() {
             let found = self.find(e, scenery);
             if found.contacts().is_empty() {
-                self.entries[e].touching = 0;
+                self.entries[e].history = History::NONE;
                 continue;
             }
-            let mut entry = Entry { touching: 0, ..self.entries[e] };
+            let mut entry = Entry { history: History::NONE, ..self.entries[e] };
             let kept = Some(&mut entry);
             let on_body = self.meet(&found, (e, kept), state.1, scenery, tally, &mut out);
             let sum = &mut wrench[entry.place as usize];
@@ -363,9 +360,13 @@ impl Held {
         let body = entry.body as usize;
         let (ball, twist) = (&scenery.bodies.balls[body], &scenery.bodies.predicted[body]);
         let facets = &self.facets[self.start[e] as usize..self.start[e + 1] as usize];
-        let (known, old) = (entry.touching as usize, &entry.memories);
-        let (mut used, mut on_body) = ([false; MOST], Wrench::zero());
-        for near in found.contacts() {
+        let (reduced, steps) = (entry.reduced, scenery.steps);
+        let mut on_body = Wrench::zero();
+        let law = &scenery.laws[entry.law as usize];
+        let shares = shares(found.contacts(), |near| {
+            (2.0 * law.normal_energy((ball.radius - near.distance).max(0.0), reduced)).sqrt()
+        });
+        for (near, share) in found.contacts().iter().zip(shares).filter(|(_, share)| *share > 0.0) {
             let facet = facets[near.triangle as usize];
             let n = -near.normal;
             let overlap = ball.radius - near.distance;
@@ -378,21 +379,17 @@ impl Held {
                 twist: 0.5 * twist.w.dot(&n),
                 rolling: twist.w,
             };
-            let heir =
-                closest(&old[..known], n).filter(|&k| !std::mem::replace(&mut used[k], true));
-            let mut memory = heir.map_or(Memory::default(), |k| old[k]);
-            let (law, steps) = (&scenery.laws[entry.law as usize], scenery.steps);
-            let f =
-                contact::force(law, entry.reduced, &contact, &mut memory, heir.is_some(), steps);
+            let heir = entry.history.heir(n);
+            let mut memory = heir.unwrap_or_default();
+            let f = contact::force(law, reduced, &contact, &mut memory, heir.is_some(), steps);
             if let Some(kept) = &mut kept {
-                kept.memories[kept.touching as usize] = memory;
-                kept.touching += 1;
+                kept.history.add(Remembered { memory, share, law: entry.law, reduced });
             }
-            let force = f.tangential - n * f.normal;
+            let force = (f.tangential - n * f.normal) * share;
             on_body.force += force;
-            on_body.torque += n.cross(&f.tangential) * arm + f.rolling;
+            on_body.torque += (n.cross(&f.tangential) * arm + f.rolling) * share;
             let point = (ball.x + n * arm).into();
-            let stiffness = self.whole * retreat(law, entry.reduced, overlap, f.normal, steps);
+            let stiffness = self.whole * share * retreat(law, reduced, overlap, f.normal, steps);
             out.push(FacetLoad { facet, force: (force * -self.whole).into(), point, stiffness });
             tally.add(overlap / ball.radius, entry.body, Other::Surface(self.carrier as u32));
         }
@@ -414,11 +411,7 @@ impl Held {
 
     /// Energy in the springs of spheres' contacts and of the seat, of which the domain has a share [J].
     pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
-        let of = |entry: &Entry| {
-            let law = &laws[entry.law as usize];
-            let memories = &entry.memories[..entry.touching as usize];
-            memories.iter().map(|memory| law.remembered_energy(memory, entry.reduced)).sum::<f64>()
-        };
+        let of = |entry: &Entry| entry.history.elastic_energy(laws);
         self.entries.iter().map(of).sum::<f64>() + self.seat.energy / self.whole
     }
 }

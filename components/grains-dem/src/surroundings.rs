@@ -29,6 +29,8 @@ pub(crate) struct Surroundings {
     pub ways_out: [[bool; 2]; 3],
     /// The walls.
     pub walls: Vec<Wall>,
+    /// Whether one may touch two of them as one region.
+    pub walls_lean: bool,
     /// Those that are no mirrors.
     pub seat_walls: Vec<Wall>,
     /// Walls whose velocities change with time.
@@ -57,6 +59,7 @@ impl Surroundings {
     ) -> Self {
         let mut laws = Laws::of_scene(scene, surfaces);
         let wall_laws = walls::laws_of_scene(scene, &mut laws);
+        let walls = walls::of_scene(scene);
         let squeeze = Squeeze::of(scene, parameters);
         // Where no wall resists rolling either there is no room for its history.
         let plain = squeeze.is_none() && !laws.resist_rolling();
@@ -69,7 +72,8 @@ impl Surroundings {
             one_law: if plain { laws.only(&materials) } else { None },
             laws,
             ways_out: [0, 1, 2].map(|axis| [0, 1].map(|side| scene.is_way_out(axis, side))),
-            walls: walls::of_scene(scene),
+            walls_lean: walls::any_lean(&walls),
+            walls,
             seat_walls: walls::without_mirrors(scene),
             sliding: walls::sliding(scene).into_iter().filter(Sliding::changes).collect(),
             wall_laws,

@@ -1,10 +1,12 @@
-//! Bodies near walls, with what each contact remembers and the sum of the walls' forces.
+//! Bodies near walls, with what each contact remembers and the sum of the walls' forces. Bodies near parts as well meet
+//! walls there, see [`PartContacts`], and here nothing but mirrors.
 
 use crate::{
     bodies::{Bodies, Mobility, Wrench},
     contact::Memory,
     law::Reduced,
     pairs::BLOCK,
+    part_contacts::PartContacts,
     polyhedra::SPHERE,
     skins::Skins,
     walls::{Wall, WallLaws},
@@ -63,17 +65,20 @@ pub(crate) struct Nearness<'a> {
 }
 
 impl WallContacts {
-    /// Makes the list anew. `before` is the list before; `found` is room to work in.
+    /// Makes the list anew. `before` are the list and that of parts before, `parts` is the new one of these; `found` is
+    /// room to work in.
     pub fn make(
         &mut self,
-        before: &Self,
+        (before, parts_before): (&Self, &PartContacts),
+        parts: &PartContacts,
         found: &mut Vec<Found>,
         team: &mut Team,
         bodies: &Bodies,
         at: &Nearness,
     ) {
         found.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
-        team.for_each(found, |b, found| found.find(b, before, bodies, at));
+        let lists = (before, parts_before, parts);
+        team.for_each(found, |b, found| found.find(b, lists, bodies, at));
         self.clear();
         for found in found {
             let first = self.entries.len() as u32;
@@ -82,13 +87,21 @@ impl WallContacts {
             self.entries.extend(&found.entries);
             self.end_block();
         }
-        let previous = |&body: &u32| before.force_on(at.previous[body as usize]);
+        let previous = |&body: &u32| {
+            if parts.has(body) {
+                // There its forces are.
+                return Wrench::zero();
+            }
+            let place = at.previous[body as usize];
+            let (walls, parts) = (before.force_on(place), parts_before.force_on(place));
+            Wrench { force: walls.force + parts.force, torque: walls.torque + parts.torque }
+        };
         self.wrench.clear();
         self.wrench.extend(self.bodies.iter().map(previous));
     }
 
-    /// The walls' force on a body, by its place in this list.
-    fn force_on(&self, body: u32) -> Wrench {
+    /// The walls' force on a body, by its place in memory.
+    pub fn force_on(&self, body: u32) -> Wrench {
         self.bodies.binary_search(&body).map_or(Wrench::zero(), |p| self.wrench[p])
     }
 
@@ -112,10 +125,14 @@ impl WallContacts {
         &self.entries[self.start[p] as usize..self.start[p + 1] as usize]
     }
 
-    /// What the contact of a body, by its place in this list, with a wall remembers, if it touched.
+    /// The entries of a body, by its place in memory.
+    pub fn of(&self, body: u32) -> &[WallEntry] {
+        self.bodies.binary_search(&body).map_or(&[], |p| self.row(p))
+    }
+
+    /// What the contact of a body, by its place in memory, with a wall remembers, if it touched.
     fn remembered(&self, body: u32, wall: u32) -> Option<Memory> {
-        let p = self.bodies.binary_search(&body).ok()?;
-        self.row(p)
+        self.of(body)
             .iter()
             .find(|entry| entry.wall == wall && entry.touching)
             .map(|entry| entry.memory)
@@ -124,7 +141,13 @@ impl WallContacts {
 
 impl Found {
     /// Finds the walls near the bodies of block `b`.
-    fn find(&mut self, b: usize, before: &WallContacts, bodies: &Bodies, at: &Nearness) {
+    fn find(
+        &mut self,
+        b: usize,
+        (before, parts_before, parts): (&WallContacts, &PartContacts, &PartContacts),
+        bodies: &Bodies,
+        at: &Nearness,
+    ) {
         self.bodies.clear();
         self.ends.clear();
         self.entries.clear();
@@ -133,12 +156,16 @@ impl Found {
             if !mobility.is_free() || bodies.poly[i] != SPHERE {
                 continue;
             }
-            let (known, gap) = (self.entries.len(), at.skins.gap(ball.radius));
+            let (known, place) = (self.entries.len(), at.previous[i]);
+            let gap = at.skins.gap(ball.radius);
+            let elsewhere = parts.has(i as u32);
             for (wall, plane) in at.walls.iter().enumerate() {
-                if plane.overlap(ball) <= -gap {
+                if plane.overlap(ball) <= -gap || (elsewhere && !plane.mirror) {
                     continue;
                 }
-                let remembered = before.remembered(at.previous[i], wall as u32);
+                let remembered = before.remembered(place, wall as u32);
+                let of_parts = || parts_before.of_wall(place, plane).filter(|_| !plane.mirror);
+                let remembered = remembered.or_else(of_parts);
                 self.entries.push(WallEntry {
                     wall: wall as u32,
                     law: at.laws[wall][bodies.material[i] as usize],

@@ -1,6 +1,6 @@
 //! Walls: planes that stay where they are. A face of the domain may slide along itself.
 
-use crate::{Vec3, bodies::Ball, laws::Laws};
+use crate::{Vec3, bodies::Ball, laws::Laws, shares::in_common};
 use tremie_messages::scene::{Course, Face, Scene};
 
 /// A wall; bodies are on the side to which the normal points.
@@ -12,12 +12,14 @@ pub(crate) struct Wall {
     pub offset: f64,
     /// Velocity along itself [m/s].
     pub velocity: Vec3,
+    /// Whether it stands for what is mirrored beyond it.
+    pub mirror: bool,
 }
 
 impl Wall {
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         let normal = normal.unscale(normal.norm_squared().sqrt());
-        Self { normal, offset: point.dot(&normal), velocity: Vec3::zeros() }
+        Self { normal, offset: point.dot(&normal), velocity: Vec3::zeros(), mirror: false }
     }
 
     /// How far `ball` reaches into the wall [m]; negative while it does not touch.
@@ -38,6 +40,12 @@ pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
         domain.faces[axis][side] != Face::Periodic && !scene.is_way_out(axis, side)
     };
     let mut walls = of_box(domain.min, domain.max, holds);
+    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    let faces = sides.filter(|&(axis, side)| holds(axis, side));
+    let faces = faces.map(|(axis, side)| &domain.faces[axis][side]);
+    for (wall, face) in walls.iter_mut().zip(faces) {
+        wall.mirror = *face == Face::Symmetry;
+    }
     for sliding in sliding(scene) {
         sliding.set(&mut walls, 0.0);
     }
@@ -56,7 +64,7 @@ pub(crate) struct Sliding {
 impl Sliding {
     /// Gives it, among others, its velocity at a time [s].
     pub fn set(&self, walls: &mut [Wall], time: f64) {
-        let Wall { normal, offset, velocity } = self.wall;
+        let Wall { normal, offset, velocity, .. } = self.wall;
         let is_it = |wall: &&mut Wall| wall.normal == normal && wall.offset == offset;
         for wall in walls.iter_mut().filter(is_it) {
             wall.velocity = velocity * self.course.at(time);
@@ -89,9 +97,14 @@ pub(crate) fn sliding(scene: &Scene) -> Vec<Sliding> {
 
 /// The same walls, mirrors not among them.
 pub(crate) fn without_mirrors(scene: &Scene) -> Vec<Wall> {
-    let surfaces = crate::laws::surfaces(scene);
-    let walls = of_scene(scene).into_iter().zip(surfaces);
-    walls.filter(|(_, surface)| !surface.mirror).map(|(wall, _)| wall).collect()
+    of_scene(scene).into_iter().filter(|wall| !wall.mirror).collect()
+}
+
+/// Whether a body that touches two of the walls may touch one region: whether any two lean on each other less
+/// than as in a corner.
+pub(crate) fn any_lean(walls: &[Wall]) -> bool {
+    let walls = || walls.iter().filter(|wall| !wall.mirror).enumerate();
+    walls().any(|(i, a)| walls().take(i).any(|(_, b)| in_common(a.normal, b.normal) > 0.0))
 }
 
 /// The laws of the walls of [`of_scene`]; mirrors get laws of their own, without friction.

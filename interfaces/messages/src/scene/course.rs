@@ -89,15 +89,24 @@ impl Course {
         }
     }
 
+    /// The least and the greatest factor.
+    pub fn extremes(&self) -> [f64; 2] {
+        match self {
+            Self::Points(points) if points.is_empty() => [1.0, 1.0],
+            Self::Points(points) | Self::Repeat(points) => {
+                points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], point| {
+                    [least.min(point[1]), most.max(point[1])]
+                })
+            }
+            Self::Sine(Sine { amplitude, mean, .. }) => {
+                [mean - amplitude.abs(), mean + amplitude.abs()]
+            }
+        }
+    }
+
     /// The largest factor, by amount.
     pub fn largest(&self) -> f64 {
-        match self {
-            Self::Points(points) if points.is_empty() => 1.0,
-            Self::Points(points) | Self::Repeat(points) => {
-                points.iter().fold(0.0, |most, point| most.max(point[1].abs()))
-            }
-            Self::Sine(sine) => sine.mean.abs() + sine.amplitude.abs(),
-        }
+        self.extremes().map(f64::abs).into_iter().fold(0.0, f64::max)
     }
 
     /// What makes it none, if anything does: a few words.
