@@ -45,6 +45,10 @@ impl History {
         &self.list[..self.count]
     }
 
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
     /// Adds a contact, as long as there is room: for so many as are ever found.
     pub fn add(&mut self, held: Remembered) {
         if let Some(place) = self.list.get_mut(self.count) {

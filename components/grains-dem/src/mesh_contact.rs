@@ -2,7 +2,7 @@
 //!
 //! Contacts with faces come first, the deepest before the others, then those with edges, then those
 //! with vertices (Hu et al., *Powder Technol.* 2013). A contact counts only if its point stands out of the tangent planes of all before:
-//! edges and vertices of a face that the sphere touches already do not. That is asked of points in space, and not of
+//! edges and vertices of a face that the sphere touches already do not, nor do those that do not stick out. That is asked of points in space, and not of
 //! what triangles share, so that it holds across seams of parts and planes that stand flush as well. So a sphere rolls
 //! over a flat floor of triangles as over a plane. How much of those counts that remain [`crate::shares`] says.
 //!
@@ -22,6 +22,23 @@ pub(crate) struct Triangle {
     pub corners: [Vec3; 3],
     /// Unit normal, to the side where bodies are.
     pub normal: Vec3,
+    /// Which of its edges, from the corner of the same number on, and of its corners stick out nowhere.
+    pub grooves: Grooves,
+}
+
+/// Edges and corners at which the surface nowhere sticks out, but is flat or bends towards the bodies: bits 0 to 2 and 3 to
+/// 5. What is closest to one of them on one side of it is closer to the other side, so that nothing touches there alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Grooves(pub u8);
+
+impl Grooves {
+    pub const NONE: Self = Self(0);
+
+    /// Whether the border's place, an edge (1) or a corner (2) of a number, is one.
+    #[inline(always)]
+    fn has(self, feature: u8, number: u8) -> bool {
+        (self.0 >> (3 * (feature - 1) + number)) & 1 != 0
+    }
 }
 
 impl Triangle {
@@ -29,7 +46,8 @@ impl Triangle {
     pub fn of(corners: [Vec3; 3]) -> Self {
         let [a, b, c] = corners;
         let normal = (b - a).cross(&(c - a));
-        Self { corners, normal: normal * (1.0 / normal.norm_squared().sqrt()) }
+        let normal = normal * (1.0 / normal.norm_squared().sqrt());
+        Self { corners, normal, grooves: Grooves::NONE }
     }
 }
 
@@ -98,6 +116,9 @@ impl Looked {
     /// It has not.
     pub const NEVER: Self = Self { centre: Vec3::new(0.0, 0.0, 0.0), travel: f64::NEG_INFINITY };
 }
+
+/// Cosine of twice the angle that is taken as flat, [`tremie_geometry::FLAT_ANGLE`].
+const ALONG: f64 = 1.0 - 2e-6;
 
 /// After so much of its radius a sphere looks at all triangles again.
 const AGAIN: f64 = 0.02;
@@ -230,7 +251,7 @@ fn before(a: &Nearest, b: &Nearest) -> bool {
 
 /// Distance of a triangle, and its point that is closest to `centre`, unless the centre is behind the triangle.
 fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<Nearest>) {
-    let Some((feature, point)) = border(centre, triangle) else {
+    let Some((feature, number, point)) = border(centre, triangle) else {
         let height = (centre - triangle.corners[0]).dot(&triangle.normal);
         let (normal, point) = (triangle.normal, centre - triangle.normal * height);
         let near = Nearest { normal, distance: height, point, ..Nearest::NONE };
@@ -240,14 +261,17 @@ fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<Nearest>) {
     let distance = away.norm_squared().sqrt();
     let normal = away / distance;
     let near = Nearest { normal, distance, feature, point, ..Nearest::NONE };
-    (distance, (distance > 0.0).then_some(near))
+    // There the neighbour is as close only where the line to the centre is along the normal.
+    let along = normal.dot(&triangle.normal) > ALONG;
+    let counts = distance > 0.0 && (along || !triangle.grooves.has(feature, number));
+    (distance, counts.then_some(near))
 }
 
 /// The point of a triangle that is closest to `x`, on whichever side.
 pub(crate) fn closest_point(x: Vec3, triangle: &Triangle) -> Vec3 {
     border(x, triangle).map_or_else(
         || x - triangle.normal * (x - triangle.corners[0]).dot(&triangle.normal),
-        |(_, point)| point,
+        |(_, _, point)| point,
     )
 }
 
@@ -255,15 +279,16 @@ pub(crate) fn closest_point(x: Vec3, triangle: &Triangle) -> Vec3 {
 pub(crate) fn distance(x: Vec3, corners: [Vec3; 3]) -> f64 {
     let [a, b, c] = corners;
     let normal = (b - a).cross(&(c - a));
-    let triangle = Triangle { corners, normal: normal / normal.norm_squared().sqrt() };
+    let normal = normal / normal.norm_squared().sqrt();
+    let triangle = Triangle { corners, normal, grooves: Grooves::NONE };
     (closest_point(x, &triangle) - x).norm_squared().sqrt()
 }
 
-/// The point of a triangle's border that is closest to `x`, and whether it is on an edge, 1, or a corner,
-/// 2; none where the closest point lies within (Ericson, *Real-Time Collision Detection*, 2005,
+/// The point of a triangle's border that is closest to `x`, whether it is on an edge, 1, or a corner, 2,
+/// and on which; none where the closest point lies within (Ericson, *Real-Time Collision Detection*, 2005,
 /// sec. 5.1.5).
 #[inline(always)]
-fn border(x: Vec3, triangle: &Triangle) -> Option<(u8, Vec3)> {
+fn border(x: Vec3, triangle: &Triangle) -> Option<(u8, u8, Vec3)> {
     let [a, b, c] = triangle.corners;
     let (ab, ac, bc) = (b - a, c - a, c - b);
     let (ap, bp, cp) = (x - a, x - b, x - c);
@@ -272,17 +297,17 @@ fn border(x: Vec3, triangle: &Triangle) -> Option<(u8, Vec3)> {
     let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
     let (vc, vb, va) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
     if d1 <= 0.0 && d2 <= 0.0 {
-        Some((2, a))
+        Some((2, 0, a))
     } else if d3 >= 0.0 && d4 <= d3 {
-        Some((2, b))
+        Some((2, 1, b))
     } else if d6 >= 0.0 && d5 <= d6 {
-        Some((2, c))
+        Some((2, 2, c))
     } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        Some((1, a + ab * (d1 / (d1 - d3))))
+        Some((1, 0, a + ab * (d1 / (d1 - d3))))
     } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        Some((1, a + ac * (d2 / (d2 - d6))))
+        Some((1, 2, a + ac * (d2 / (d2 - d6))))
     } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        Some((1, b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))))
+        Some((1, 1, b + bc * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))))
     } else {
         None
     }
@@ -296,7 +321,7 @@ mod tests {
     fn quad(a: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [Triangle; 2] {
         let (a, u, v) = (Vec3::from(a), Vec3::from(u), Vec3::from(v));
         let normal = u.cross(&v).normalize();
-        let of = |corners| Triangle { corners, normal };
+        let of = |corners| Triangle { corners, normal, grooves: Grooves::NONE };
         [of([a, a + u, a + u + v]), of([a, a + u + v, a + v])]
     }
 

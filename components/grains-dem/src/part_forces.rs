@@ -58,11 +58,13 @@ impl Place<'_> {
         }
         let found = candidates.contacts(ball.radius);
         let found = found.contacts();
-        let before = std::mem::replace(history, History::NONE);
         let mut on_body = Wrench::zero();
         if found.is_empty() {
+            history.clear();
             return on_body;
         }
+        let before = *history;
+        history.clear();
         let shares = self.shares(found, near.entries);
         let mut regions = Regions::default();
         for (contact, share) in found.iter().zip(shares) {

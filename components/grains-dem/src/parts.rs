@@ -5,13 +5,13 @@ use crate::{
     Vec3,
     bodies::{Mobility, Twist, Wrench},
     check_slider,
-    mesh_contact::Triangle,
+    mesh_contact::{Grooves, Triangle},
     mirrors,
     motion::{Path, turn},
     periodic::PeriodicBox,
     slider::Slider,
 };
-use tremie_geometry::{Bounds, Frame, Surface};
+use tremie_geometry::{Bounds, EdgeKind, Frame, Surface};
 use tremie_messages::{
     Problem,
     body::BodyState,
@@ -29,6 +29,8 @@ enum Drive {
 pub(crate) struct PlacedPart {
     surface: Surface,
     cavity: bool,
+    /// By triangle.
+    grooves: Vec<Grooves>,
     drive: Drive,
     /// Axes across which symmetry planes cut it.
     mirrors: [bool; 3],
@@ -79,6 +81,29 @@ pub(crate) fn load(scene: &Scene) -> Result<Vec<PlacedPart>, Vec<Problem>> {
     if problems.is_empty() { Ok(parts) } else { Err(problems) }
 }
 
+/// Which edges and corners of its triangles stick out nowhere, seen from where grains are.
+fn grooves_of(surface: &Surface, cavity: bool) -> Vec<Grooves> {
+    let mesh = surface.mesh();
+    let out = if cavity { EdgeKind::Concave } else { EdgeKind::Convex };
+    // Of each corner, whether any edge there sticks out.
+    let mut corners = vec![false; mesh.vertices.len()];
+    for (t, names) in mesh.triangles.iter().enumerate() {
+        for (i, kind) in surface.edge_kinds(t as u32).into_iter().enumerate() {
+            corners[names[i] as usize] |= kind == out;
+            corners[names[(i + 1) % 3] as usize] |= kind == out;
+        }
+    }
+    let of_triangle = |(t, names): (usize, &[u32; 3])| {
+        let kinds = surface.edge_kinds(t as u32);
+        let bits = (0..3).map(|i| {
+            let (edge, corner) = (kinds[i] != out, !corners[names[i] as usize]);
+            (u8::from(edge) << i) | (u8::from(corner) << (3 + i))
+        });
+        Grooves(bits.fold(0, |all, bit| all | bit))
+    };
+    mesh.triangles.iter().enumerate().map(of_triangle).collect()
+}
+
 /// Ranks parts by their boxes.
 fn give_ranks(parts: &mut [PlacedPart]) {
     let key = |part: &PlacedPart| {
@@ -116,6 +141,7 @@ impl PlacedPart {
             Drive::Slider(slider) => slider.twist(),
         };
         Self {
+            grooves: grooves_of(&surface, part.cavity),
             surface,
             cavity: part.cavity,
             drive,
@@ -265,6 +291,7 @@ impl PlacedPart {
         let surface = &self.surface;
         let normal = Vec3::from(surface.normal(index));
         Triangle {
+            grooves: self.grooves[index as usize],
             corners: surface.mesh().corners(index as usize).map(Vec3::from),
             normal: if self.cavity { -normal } else { normal },
         }
@@ -282,12 +309,13 @@ impl PlacedPart {
 
     /// A triangle in the world, its corners anticlockwise seen from the grains.
     pub fn placed_triangle(&self, index: u32) -> Triangle {
-        let Triangle { mut corners, normal } = self.triangle(index);
+        let Triangle { mut corners, normal, .. } = self.triangle(index);
         if self.cavity {
             corners.swap(1, 2);
         }
         let place = |corner: Vec3| self.frame.to_world(corner.into()).into();
-        Triangle { corners: corners.map(place), normal: self.to_world(normal) }
+        let normal = self.to_world(normal);
+        Triangle { corners: corners.map(place), normal, grooves: Grooves::NONE }
     }
 
     /// Whether a point of the world can be closer to the solid than `gap`.

@@ -255,7 +255,7 @@ impl Seat {
 /// The plane of triangles that lie in one; none if they do not. All of a closed surface that is near a point
 /// is then that plane: it has no rim there.
 fn plane_of(triangles: &[Triangle]) -> Option<Plane> {
-    let Triangle { corners: [origin, b, _], normal } = *triangles.first()?;
+    let Triangle { corners: [origin, b, _], normal, .. } = *triangles.first()?;
     let flat = FLAT * (b - origin).norm_squared().sqrt();
     let is_on = |triangle: &Triangle| {
         let mut away = triangle.corners.iter().map(|corner| (corner - origin).dot(&normal).abs());
@@ -296,11 +296,12 @@ const TIE: f64 = 1e-9;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh_contact::Grooves;
 
     fn quad(a: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [Triangle; 2] {
         let (a, u, v) = (Vec3::from(a), Vec3::from(u), Vec3::from(v));
         let normal = u.cross(&v).normalize();
-        let of = |corners| Triangle { corners, normal };
+        let of = |corners| Triangle { corners, normal, grooves: Grooves::NONE };
         [of([a, a + u, a + u + v]), of([a, a + u + v, a + v])]
     }
 

@@ -292,7 +292,7 @@ impl Held {
         for e in 0..self.entries.len() {
             let found = self.find(e, scenery);
             if found.contacts().is_empty() {
-                self.entries[e].history = History::NONE;
+                self.entries[e].history.clear();
                 continue;
             }
             let mut entry = Entry { history: History::NONE, ..self.entries[e] };

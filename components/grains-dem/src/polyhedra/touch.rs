@@ -4,7 +4,10 @@ use super::{
     press::{Planes, Press, Room, Sum},
     shape::Solid,
 };
-use crate::{Vec3, mesh_contact::Triangle};
+use crate::{
+    Vec3,
+    mesh_contact::{Grooves, Triangle},
+};
 
 /// What b, `way` from a, presses on a: all vectors from a's centroid.
 pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut Room) -> Press {
@@ -108,7 +111,8 @@ pub(crate) fn closest(a: Solid<'_>, centre: Vec3) -> Closest {
         let corners = a.shape.corners(face);
         for pair in corners[1..].windows(2) {
             let corners = [corner(corners[0]), corner(pair[0]), corner(pair[1])];
-            let triangle = Triangle { corners, normal: a.normals[face] };
+            let (normal, grooves) = (a.normals[face], Grooves::NONE);
+            let triangle = Triangle { corners, normal, grooves };
             let point = crate::mesh_contact::closest_point(centre, &triangle);
             let square = (centre - point).norm_squared();
             if square < best.0 {
