@@ -343,7 +343,7 @@ position = ["10 mm", "10 mm", "4 mm"]
     };
     let hertz = |text: &str| {
         text.replace("normal_stiffness = \"5000 N/m\"\ntangential_stiffness = \"4000 N/m\"", "hertz = true")
-            .replace("[[scene.bodies]]", "[scene.materials.g]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"100 kPa\"\npoisson_ratio = 0.3\n\n[scene.materials.wall]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"100 kPa\"\npoisson_ratio = 0.3\n\n[[scene.bodies]]")
+            .replace("[[scene.bodies]]", "[scene.materials.g]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"1000 kPa\"\npoisson_ratio = 0.3\n\n[scene.materials.wall]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"1000 kPa\"\npoisson_ratio = 0.3\n\n[[scene.bodies]]")
     };
     let (before, after) =
         ("overlap at an impact over the radius", "greatest overlap over the smaller radius");
