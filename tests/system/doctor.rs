@@ -335,7 +335,6 @@ position = ["10 mm", "10 mm", "4 mm"]
     };
     let joined = |text: &str| {
         text.replace("density = \"2500 kg/m3\"\n", "density = \"2500 kg/m3\"\nclump = \"c\"\n")
-            .replace("\"0 m/s\", \"-2 m/s\"]", "\"0 m/s\", \"-2 m/s\"]")
             .replace(
                 "diameter = \"4 mm\" }",
                 "diameter = \"4 mm\", velocity = [\"0 m/s\", \"0 m/s\", \"-2 m/s\"] }",
