@@ -335,7 +335,6 @@ position = ["10 mm", "10 mm", "4 mm"]
     };
     let joined = |text: &str| {
         text.replace("density = \"2500 kg/m3\"\n", "density = \"2500 kg/m3\"\nclump = \"c\"\n")
-            .replace("\"0 m/s\", \"-2 m/s\"]", "\"0 m/s\", \"-2 m/s\"]")
             .replace(
                 "diameter = \"4 mm\" }",
                 "diameter = \"4 mm\", velocity = [\"0 m/s\", \"0 m/s\", \"-2 m/s\"] }",
@@ -343,7 +342,7 @@ position = ["10 mm", "10 mm", "4 mm"]
     };
     let hertz = |text: &str| {
         text.replace("normal_stiffness = \"5000 N/m\"\ntangential_stiffness = \"4000 N/m\"", "hertz = true")
-            .replace("[[scene.bodies]]", "[scene.materials.g]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"100 kPa\"\npoisson_ratio = 0.3\n\n[scene.materials.wall]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"100 kPa\"\npoisson_ratio = 0.3\n\n[[scene.bodies]]")
+            .replace("[[scene.bodies]]", "[scene.materials.g]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"1000 kPa\"\npoisson_ratio = 0.3\n\n[scene.materials.wall]\ndensity = \"2500 kg/m3\"\nyoungs_modulus = \"1000 kPa\"\npoisson_ratio = 0.3\n\n[[scene.bodies]]")
     };
     let (before, after) =
         ("overlap at an impact over the radius", "greatest overlap over the smaller radius");

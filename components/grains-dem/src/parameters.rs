@@ -22,7 +22,7 @@ pub struct Parameters {
     /// depend on it only by rounding.
     pub skin: Option<f64>,
     /// Most spheres that may live at once, where inlets feed any. Unset: as many as fit into what parts leave of the
-    /// domain, packed densely, and a twentieth more; but no more than a million.
+    /// domain, packed densely, and a twentieth more; but no more than half a million.
     pub capacity: Option<u64>,
     /// Lubrication between bodies, and between bodies and walls or parts, at gaps that the fluid does
     /// not resolve. Unset: none. A lattice fluid gives what it resolves of this force itself: the

@@ -54,8 +54,8 @@ const DENSEST: f64 = 0.64;
 /// Part by which there is more room than fits.
 const SPARE: f64 = 0.05;
 
-/// Most spheres that there is room for where nobody says: some GB.
-const MOST: f64 = 1e6;
+/// Most spheres that there is room for where nobody says: a GB of memory, and some 100 MB of shared memory.
+const MOST: f64 = 5e5;
 
 /// How many spheres the domain can hold, and how many there is room for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -155,7 +155,12 @@ impl Parameters {
             largest_diameter,
             corner_depth: placement::corner_depth(scene, speed),
             clump_overlap: check_clumps::overlap(scene),
-            softness: Softness::of(scene, &encounters, self.expected_speed.map(|speed| speed.0)),
+            softness: Softness::of(
+                scene,
+                &parts,
+                &encounters,
+                self.expected_speed.map(|speed| speed.0),
+            ),
             step_limit: step_limit::reason(
                 scene,
                 self,

@@ -14,6 +14,7 @@ use crate::{
     Vec3,
     encounters::{Encounter, damping_ratio, largest_overlap},
     packing,
+    parts::PlacedPart,
 };
 use core::f64::consts::PI;
 use serde::Serialize;
@@ -21,8 +22,8 @@ use tremie_messages::{
     Finding,
     finding::short,
     scene::{
-        BodySet, ContactLaw, Face, FluidMaterial, Inlet, InletVelocity, Motion, Placement,
-        PolyhedronPlacement, Scene, Spring,
+        BodySet, ContactLaw, Course, Face, FluidMaterial, Inlet, InletVelocity, Motion, Part,
+        Placement, PolyhedronPlacement, Scene, Spring,
     },
 };
 
@@ -55,17 +56,20 @@ pub struct Overlap {
 
 impl Softness {
     /// Of a scene that is right; `speed` is what the user expects [m/s].
-    pub(crate) fn of(scene: &Scene, encounters: &[Encounter<'_>], speed: Option<f64>) -> Self {
-        let (speed, whence) = match speed {
-            Some(speed) => (speed, "the expected speed".to_string()),
-            None => impact_speed(scene),
-        };
+    pub(crate) fn of(
+        scene: &Scene,
+        parts: &[PlacedPart],
+        encounters: &[Encounter<'_>],
+        speed: Option<f64>,
+    ) -> Self {
+        let impacts =
+            Impacts { given: given_speeds(scene, parts), fall: Fall::of(scene), expected: speed };
         let pressure = pressure(scene);
         let worst = |of: &dyn Fn(&Encounter<'_>) -> Option<Overlap>| {
             encounters.iter().filter_map(of).max_by(|a, b| a.ratio.total_cmp(&b.ratio))
         };
         Self {
-            impact: worst(&|encounter| at_impact(encounter, speed, &whence)),
+            impact: worst(&|encounter| at_impact(encounter, &impacts)),
             rest: worst(&|encounter| at_rest(encounter, scene, pressure)),
         }
     }
@@ -90,7 +94,8 @@ impl Softness {
 }
 
 /// The impact of the pair that is heaviest for its size.
-fn at_impact(encounter: &Encounter<'_>, speed: f64, whence: &str) -> Option<Overlap> {
+fn at_impact(encounter: &Encounter<'_>, impacts: &Impacts) -> Option<Overlap> {
+    let (speed, whence) = impacts.speed(encounter.with_surface);
     let (pair, radius) = encounter.soft;
     let depth =
         largest_overlap(encounter.law, pair, speed) * damped(damping_ratio(encounter.law, pair));
@@ -155,69 +160,131 @@ fn damped(zeta: f64) -> f64 {
     libm::exp(-zeta / s * libm::atan2(s, zeta))
 }
 
-/// The speed of impacts to be expected [m/s], and where it comes from.
-fn impact_speed(scene: &Scene) -> (f64, String) {
-    let (given, fall) = (given_speed(scene), Fall::of(scene));
-    let Fall { height, speed, terminal } = fall;
-    let mut parts = Vec::new();
-    if given > 0.0 {
-        parts.push(format!("given velocities differ by {} m/s", short(given)));
-    }
-    if speed > 0.0 {
-        let how = if terminal {
-            "sinking in the fluid".into()
-        } else {
-            format!("a fall of {} m", short(height))
-        };
-        parts.push(format!("{how} makes {} m/s", short(speed)));
-    }
-    (given + speed, parts.join(", "))
+/// Speeds of impacts to be expected [m/s], and where they come from.
+struct Impacts {
+    /// Differences of given velocities of bodies, and of bodies and surfaces.
+    given: [f64; 2],
+    fall: Fall,
+    /// What the user expects.
+    expected: Option<f64>,
 }
 
-/// The largest difference of velocities that the scene gives to bodies, parts, walls and inlets [m/s]: at most the
-/// diagonal of the box around them and what stands still.
-fn given_speed(scene: &Scene) -> f64 {
-    let (mut low, mut high) = (Vec3::zeros(), Vec3::zeros());
-    let mut add = |v: &[f64; 3]| {
-        (low, high) = (low.inf(&Vec3::from(*v)), high.sup(&Vec3::from(*v)));
+impl Impacts {
+    /// Of an encounter, in words too.
+    fn speed(&self, with_surface: bool) -> (f64, String) {
+        if let Some(expected) = self.expected {
+            return (expected, "the expected speed".into());
+        }
+        let (given, Fall { height, speed, terminal }) =
+            (self.given[usize::from(with_surface)], &self.fall);
+        let mut parts = Vec::new();
+        if given > 0.0 {
+            parts.push(format!("given velocities differ by {} m/s", short(given)));
+        }
+        if *speed > 0.0 {
+            let how = if *terminal {
+                "sinking in the fluid".into()
+            } else {
+                format!("a fall of {} m", short(*height))
+            };
+            parts.push(format!("{how} makes {} m/s", short(*speed)));
+        }
+        (given.hypot(*speed), parts.join(", "))
+    }
+}
+
+/// The box around some velocities [m/s].
+#[derive(Clone, Copy)]
+struct Velocities {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Velocities {
+    fn none() -> Self {
+        Self { low: Vec3::repeat(f64::INFINITY), high: Vec3::repeat(f64::NEG_INFINITY) }
+    }
+
+    fn add(&mut self, v: &[f64; 3]) {
+        (self.low, self.high) = (self.low.inf(&Vec3::from(*v)), self.high.sup(&Vec3::from(*v)));
+    }
+
+    /// Those of what moves with a factor over time.
+    fn add_timed(&mut self, v: &[f64; 3], course: &Course) {
+        for factor in course.extremes() {
+            self.add(&v.map(|v| v * factor));
+        }
+    }
+
+    /// The largest difference of one of these and one of the others; 0 where there is none of either.
+    fn apart(&self, other: &Self) -> f64 {
+        let most = (self.high - other.low).sup(&(other.high - self.low));
+        let square = most.norm_squared();
+        if square.is_finite() { square.sqrt() } else { 0.0 }
+    }
+}
+
+/// The largest differences of velocities that the scene gives to bodies and inlets, and of these and walls and parts
+/// [m/s].
+fn given_speeds(scene: &Scene, parts: &[PlacedPart]) -> [f64; 2] {
+    let (mut bodies, mut surfaces) = (Velocities::none(), Velocities::none());
+    let course = |motion: &Motion, to: &mut Velocities| match motion {
+        Motion::Prescribed(points) => points.iter().for_each(|point| to.add(&point.velocity)),
+        Motion::Timed(timed) => to.add_timed(&timed.velocity, &timed.course),
+        Motion::Slider(slider) => to.add(&slider.axis.map(|x| x * slider.velocity)),
+        Motion::Free | Motion::Fixed => {}
     };
     for set in &scene.bodies {
+        let mut placed = |velocity| match &set.motion {
+            Motion::Timed(timed) => bodies.add_timed(velocity, &timed.course),
+            _ => bodies.add(velocity),
+        };
         match &set.placement {
-            Placement::Listed(list) => list.iter().for_each(|sphere| add(&sphere.velocity)),
-            Placement::Polyhedra(own) => {
-                if let PolyhedronPlacement::Listed(list) = &own.placement {
-                    list.iter().for_each(|body| add(&body.velocity));
+            Placement::Listed(list) => list.iter().for_each(|sphere| placed(&sphere.velocity)),
+            Placement::Polyhedra(own) => match &own.placement {
+                PolyhedronPlacement::Listed(list) => {
+                    list.iter().for_each(|body| placed(&body.velocity));
                 }
-            }
-            Placement::Packed(_) => {}
+                PolyhedronPlacement::Packed(_) => bodies.add(&[0.0; 3]),
+            },
+            Placement::Packed(_) => bodies.add(&[0.0; 3]),
         }
-    }
-    let motions = scene.bodies.iter().map(|set| &set.motion);
-    for motion in motions.chain(scene.parts.iter().map(|part| &part.motion)) {
-        match motion {
-            Motion::Prescribed(points) => points.iter().for_each(|point| add(&point.velocity)),
-            Motion::Slider(slider) => add(&slider.axis.map(|x| x * slider.velocity)),
-            Motion::Free | Motion::Fixed => {}
-        }
-    }
-    for face in scene.domain.faces.iter().flatten() {
-        if let Face::Wall { velocity, course } = face {
-            for factor in course.extremes() {
-                add(&velocity.map(|v| v * factor));
-            }
-        }
+        course(&set.motion, &mut bodies);
     }
     for inlet in &scene.inlets {
         match inlet.velocity {
-            InletVelocity::Given(velocity) => add(&velocity),
+            InletVelocity::Given(velocity) => bodies.add(&velocity),
             InletVelocity::Face { axis, side } => {
                 if let Face::Velocity(open) = &scene.domain.faces[axis][side] {
-                    add(&open.velocity);
+                    bodies.add(&open.velocity);
                 }
             }
         }
     }
-    (high - low).norm_squared().sqrt()
+    surfaces.add(&[0.0; 3]);
+    scene.parts.iter().for_each(|part| course(&part.motion, &mut surfaces));
+    for face in scene.domain.faces.iter().flatten() {
+        if let Face::Wall { velocity, course } = face {
+            surfaces.add_timed(velocity, course);
+        }
+    }
+    [bodies.apart(&bodies), bodies.apart(&surfaces) + turning(scene, parts)]
+}
+
+/// The largest speed of a part's surface as the part turns about its reference point [m/s].
+fn turning(scene: &Scene, parts: &[PlacedPart]) -> f64 {
+    let norm = |v: [f64; 3]| Vec3::from(v).norm_squared().sqrt();
+    let of = |(part, placed): (&Part, &PlacedPart)| match &part.motion {
+        Motion::Prescribed(points) => {
+            let spins = points.iter().map(|point| norm(point.angular_velocity));
+            spins.fold(0.0, f64::max) * placed.bounding_radius()
+        }
+        Motion::Timed(timed) => {
+            norm(timed.angular_velocity) * timed.course.largest() * placed.bounding_radius()
+        }
+        _ => 0.0,
+    };
+    scene.parts.iter().zip(parts).map(of).fold(0.0, f64::max)
 }
 
 /// How fast bodies fall to where they come to rest.

@@ -47,7 +47,7 @@ pub(super) fn finding(spec: &Spec, plan: &Plan, descriptions: &[Description]) ->
         match most.0.role {
             Role::Fluid => "a larger cell, a longer time_step where it is set",
             _ =>
-                "larger smallest grains, lighter springs (normal_stiffness), a longer time_step where it is set",
+                "larger smallest grains, softer contacts (normal_stiffness), a longer time_step where it is set",
         }
     );
     let finding = Finding::new("steps of the run", steps, "1").because(guess);
