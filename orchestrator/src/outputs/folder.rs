@@ -131,10 +131,10 @@ impl RunFolder {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => return Err(OutputError::at(&name)(error)),
             };
-            match flock(&claim, FlockOperation::NonBlockingLockExclusive) {
-                Err(Errno::WOULDBLOCK) => return Err(OutputError::Claimed(path)),
-                // A file system without locks: files are made new, which tells two runs apart a little later.
-                Ok(()) | Err(_) => {}
+            // On a file system without locks two runs are told apart a little later: files are made new.
+            let locked = flock(&claim, FlockOperation::NonBlockingLockExclusive);
+            if locked == Err(Errno::WOULDBLOCK) {
+                return Err(OutputError::Claimed(path));
             }
             if !is_at(&claim, &name) {
                 // The run that had it came to its end between the two calls.
