@@ -60,6 +60,21 @@ pub fn check_open_files(plan: &Plan, in_process: bool) -> Result<(), String> {
     ))
 }
 
+/// Whether a file may be as large as the largest piece of shared memory, which is one.
+///
+/// # Errors
+/// A sentence.
+pub fn check_file_size(plan: &Plan) -> Result<(), String> {
+    let need = plan.largest_channel();
+    match getrlimit(Resource::Fsize).current {
+        Some(limit) if need > limit => Err(format!(
+            "a file may have {limit} bytes, and shared memory of the run needs one of {need}: raise the limit (ulimit -f), \
+             or use --in-process"
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Files of the process that has most of them open, about.
 fn files(plan: &Plan, in_process: bool) -> u64 {
     let channels = |name: &str| {

@@ -153,7 +153,11 @@ pub fn prepare(
     );
     match planned {
         Ok((plan, descriptions)) => {
-            let machine = Machine::ask(output);
+            let mut machine = Machine::ask(output);
+            if execution.in_process {
+                // Threads share what they have anyway.
+                machine.shared = None;
+            }
             let findings = doctor::examine(&manifest.spec, &plan, &descriptions, &machine);
             Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
         }
@@ -201,6 +205,18 @@ impl Prepared {
         end_all(&mut self.peers, EXIT_GRACE);
     }
 
+    /// Whether the machine has what the run needs of it: shared memory, open files.
+    ///
+    /// # Errors
+    /// What it lacks, with both numbers.
+    pub fn fits(&self, execution: &Execution) -> Result<(), RunError> {
+        if !execution.in_process {
+            memory::provide(&sweep::prefix_of(self.run), self.plan.shared_memory())?;
+            limits::check_file_size(&self.plan).map_err(RunError::Limit)?;
+        }
+        limits::check_open_files(&self.plan, execution.in_process).map_err(RunError::Limit)
+    }
+
     /// Carries the run out and writes its outputs into `out`.
     ///
     /// # Errors
@@ -229,13 +245,11 @@ impl Prepared {
         terminal: &mut Terminal,
         interrupts: &AtomicUsize,
     ) -> Result<Ended, RunError> {
-        // What the machine lacks is told before anything begins.
+        self.fits(execution)?;
         let prefix = sweep::prefix_of(self.run);
         if !execution.in_process {
-            memory::provide(&prefix, self.plan.shared_memory())?;
             limits::explain_bus_errors();
         }
-        limits::check_open_files(&self.plan, execution.in_process).map_err(RunError::Limit)?;
         // Files first: a disk that refuses should not cost a started run.
         let at = |name: &str| out.file(name);
         let spec = &manifest.spec;

@@ -14,8 +14,9 @@ fn errors(output: &Output) -> String {
 /// What `check` says of shared memory [bytes], and its verdict.
 fn planned(manifest: &Path) -> (u64, String) {
     let told = tremie().args(["check", "--json"]).arg(manifest).output().unwrap();
-    let plan: serde_json::Value =
-        serde_json::from_slice(told.stdout.split(|byte| *byte == b'\n').next().unwrap()).unwrap();
+    let text = String::from_utf8(told.stdout).unwrap();
+    let line = text.lines().find(|line| line.contains("\"event\":\"plan\"")).unwrap();
+    let plan: serde_json::Value = serde_json::from_str(line).unwrap();
     let findings = plan["findings"].as_array().unwrap();
     let shared = findings.iter().find(|finding| finding["quantity"] == "shared memory").unwrap();
     (plan["plan"]["shared_memory"].as_u64().unwrap(), shared["verdict"].as_str().unwrap().into())
@@ -27,10 +28,12 @@ fn cases() -> [(&'static str, String); 4] {
     let fields = SMALL
         .replace("cell = \"0.5 mm\"", "cell = \"0.2 mm\"")
         .replace("record = false", "record = false\nfields = \"2 ms\"");
+    // Grains that rest.
     let packing = "packing = { min = [\"0 mm\", \"0 mm\", \"0 mm\"], max = [\"12 mm\", \"12 mm\", \"16 mm\"], fraction = 0.1, diameter = \"0.4 mm\" }\n\n[[scene.contacts]]";
-    let from = frames.find("spheres = [").unwrap();
-    let until = frames.find("[[scene.contacts]]").unwrap() + "[[scene.contacts]]".len();
-    let grains = format!("{}{packing}{}", &frames[..from], &frames[until..]);
+    let frames_at_rest = frames.replace("-9.81", "0");
+    let from = frames_at_rest.find("spheres = [").unwrap();
+    let until = frames_at_rest.find("[[scene.contacts]]").unwrap() + "[[scene.contacts]]".len();
+    let grains = format!("{}{packing}{}", &frames_at_rest[..from], &frames_at_rest[until..]);
     [("plain", SMALL.into()), ("frames", frames), ("fields", fields), ("grains", grains)]
 }
 
@@ -121,7 +124,10 @@ fn too_little_shared_memory_is_told_before_anything_starts() {
             "mount -t tmpfs -o ro tmpfs /dev/shm",
             &["/dev/shm cannot be written (Read-only file system", "in-process"],
         ),
-        ("mount -t tmpfs -o size=100m,nr_inodes=1 tmpfs /dev/shm", &["/dev/shm"]),
+        (
+            "mount -t tmpfs -o size=100m,nr_inodes=1 tmpfs /dev/shm",
+            &["/dev/shm holds as many files as it may"],
+        ),
         ("mount -t tmpfs -o size=64k tmpfs /tmp", &["below /tmp: No space left on device"]),
         ("mount -t tmpfs -o ro tmpfs /tmp", &["below /tmp: Read-only file system"]),
     ] {
@@ -181,6 +187,12 @@ fn too_few_open_files_are_told_before_anything_starts() {
         assert!(begin.elapsed() < Duration::from_secs(20));
         assert!(!home.path().join("out").exists());
     }
+    // What is said to be needed is enough.
+    let said = errors(&limited("-n 64"));
+    let need = said.split("needs about ").nth(1).unwrap().split(':').next().unwrap();
+    let ran = limited(&format!("-n {need}"));
+    assert!(ran.status.success(), "{need}: {}", errors(&ran));
+    std::fs::remove_dir_all(home.path().join("out")).unwrap();
     // What a user may raise is raised.
     let ran = limited("-S -n 64");
     assert!(ran.status.success(), "{}", errors(&ran));

@@ -8,13 +8,15 @@ use crate::series::{Entry, Series};
 use crate::solids::Solids;
 use crate::{about, tables};
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use tremie_messages::frame::{
     BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
 };
 use tremie_messages::start::{Description, FrameContent, Signal, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem, Stamp};
-use tremie_sdk::{Moment, Observer, ObserverError, Setup};
+use tremie_sdk::{Moment, Observer, ObserverError, Setup, own_file};
 
 /// Series of the spheres.
 const BODIES: &str = "bodies";
@@ -28,6 +30,8 @@ const RUBBER: &str = "rubber";
 /// Writes fields, bodies, parts and rubber as VTK files.
 pub struct Fields {
     folder: PathBuf,
+    /// What the files are; open as long as this run writes them.
+    _about: File,
     parameters: Parameters,
     /// Series by the base of their files' names.
     series: BTreeMap<String, Series>,
@@ -151,13 +155,17 @@ impl Observer for Fields {
         let folder = parameters.path(&setup.hello.output);
         std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
         let words = folder.join("about.txt");
-        std::fs::write(&words, about::text(&setup.hello.scene))
+        // Kept open: a folder that two runs were told is one run's.
+        let mut about = own_file(&words)?;
+        about
+            .write_all(about::text(&setup.hello.scene).as_bytes())
             .map_err(|error| failed(&words, error))?;
         let parts = read_parts(setup)?;
         let solids = Solids::new(&setup.hello.scene);
         let rubber = Rubber::new(&setup.hello.scene);
         let series = BTreeMap::new();
-        let mut fields = Self { folder, parameters, series, parts, solids, rubber, size: 0 };
+        let mut fields =
+            Self { folder, _about: about, parameters, series, parts, solids, rubber, size: 0 };
         if let Some(parts) = &fields.parts {
             let at = Moment { stamp: Stamp::default(), time: 0.0 };
             let document = parts.document(at, fields.parameters.compression);

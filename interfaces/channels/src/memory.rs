@@ -82,6 +82,12 @@ pub enum NoMemory {
         /// How large it should be [MB].
         want: u64,
     },
+    /// There is room, but not for another file.
+    #[error(
+        "{SHARED_MEMORY} holds as many files as it may: remove some, or allow more (mount -o remount,nr_inodes=.. {SHARED_MEMORY}), \
+         or use --in-process"
+    )]
+    Files,
     /// It cannot be written.
     #[error(
         "{SHARED_MEMORY} cannot be written ({why}), and components share memory there; mount it writable (mount -t tmpfs \
@@ -103,6 +109,7 @@ impl NoMemory {
 
     fn of(error: Errno, need: u64) -> Self {
         match (error, Room::ask()) {
+            (Errno::NOSPC, Some(room)) if room.free >= need.max(PAGE) => Self::Files,
             (Errno::NOSPC | Errno::DQUOT | Errno::NOMEM, Some(room)) => Self::full(need, room),
             _ => Self::Closed { why: io::Error::from(error).to_string() },
         }
@@ -152,11 +159,10 @@ pub fn commit(prefix: &str) -> Result<(), NoMemory> {
         if length == 0 {
             continue;
         }
-        match fallocate(&file, FallocateFlags::empty(), 0, length) {
-            Err(error @ (Errno::NOSPC | Errno::DQUOT | Errno::NOMEM)) => {
-                return Err(NoMemory::of(error, length));
-            }
-            Ok(()) | Err(_) => {}
+        // What the system cannot set aside, it may have when it is touched.
+        let set_aside = fallocate(&file, FallocateFlags::empty(), 0, length);
+        if let Err(error @ (Errno::NOSPC | Errno::DQUOT | Errno::NOMEM)) = set_aside {
+            return Err(NoMemory::of(error, length));
         }
     }
     Ok(())

@@ -77,7 +77,7 @@ fn table(name: &str, rows: &[Row]) {
         vec![quantity.name.clone(), value, format!("{least} to {greatest}"), share]
     };
     let lines = columns(&["", "", "", ""], rows.iter().map(line).collect());
-    lines.iter().skip(1).for_each(|line| answer(line));
+    lines.iter().skip(1).for_each(answer);
 }
 
 /// Four digits.

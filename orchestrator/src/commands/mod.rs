@@ -87,10 +87,6 @@ fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &mut Term
             terminal.end(&error.to_string(), Value::Null);
             ExitCode::from(INTERRUPTED)
         }
-        RunError::Output(error) if error.is_choice() => {
-            terminal.fail(&error.to_string());
-            ExitCode::from(WRONG_INPUT)
-        }
         other => {
             terminal.fail(&other.to_string());
             ExitCode::FAILURE

@@ -89,6 +89,10 @@ fn run_checked(
     };
     let mut out = RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest)?;
     let prepared = prepare(manifest, &folder, out.path(), &execution, &interrupts)?;
+    if let Err(error) = prepared.fits(&execution) {
+        prepared.dismiss();
+        return Err(error);
+    }
     show_plan(manifest, &prepared, terminal);
     let known = prepared.findings.len();
     terminal.say(&format!("outputs in {}", out.path().display()));

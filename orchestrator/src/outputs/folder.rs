@@ -5,7 +5,7 @@
 //! holds up nobody. Room for the summary is set aside in that file before the first window: how a run ended is told
 //! also where the disk is full.
 
-use super::{LOG, MANIFEST, RECORDING, SIGNALS, SUMMARY, Summary, TRACE};
+use super::{FIELDS, LOG, MANIFEST, RECORDING, SIGNALS, SUMMARY, Summary, TRACE};
 use crate::manifest::ORCHESTRATOR;
 use rustix::fs::{FallocateFlags, FlockOperation, fallocate, flock};
 use rustix::io::Errno;
@@ -62,11 +62,6 @@ impl OutputError {
             window,
             message: self.to_string(),
         }
-    }
-
-    /// Whether the input is wrong, and not the disk.
-    pub fn is_choice(&self) -> bool {
-        !matches!(self, Self::Io { .. })
     }
 }
 
@@ -136,10 +131,10 @@ impl RunFolder {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => return Err(OutputError::at(&name)(error)),
             };
-            match flock(&claim, FlockOperation::NonBlockingLockExclusive) {
-                Err(Errno::WOULDBLOCK) => return Err(OutputError::Claimed(path)),
-                // A file system without locks: files are made new, which tells two runs apart a little later.
-                Ok(()) | Err(_) => {}
+            // On a file system without locks two runs are told apart a little later: files are made new.
+            let locked = flock(&claim, FlockOperation::NonBlockingLockExclusive);
+            if locked == Err(Errno::WOULDBLOCK) {
+                return Err(OutputError::Claimed(path));
             }
             if !is_at(&claim, &name) {
                 // The run that had it came to its end between the two calls.
@@ -204,6 +199,7 @@ impl RunFolder {
         for name in [MANIFEST, SIGNALS, LOG, RECORDING, TRACE] {
             let _ = std::fs::remove_file(self.file(name));
         }
+        let _ = std::fs::remove_dir_all(self.file(FIELDS));
     }
 }
 
@@ -309,7 +305,12 @@ mod tests {
             });
             let won = claimed.iter().filter(|one| one.is_ok()).count();
             assert_eq!(won, 1, "{claimed:?}");
-            assert!(claimed.iter().flat_map(|one| one.as_ref().err()).all(OutputError::is_choice));
+            assert!(
+                claimed
+                    .iter()
+                    .flat_map(|one| one.as_ref().err())
+                    .all(|e| !matches!(e, OutputError::Io { .. }))
+            );
         }
     }
 

@@ -25,5 +25,7 @@ pub const LOG: &str = "log.jsonl";
 pub const TRACE: &str = "trace.json";
 /// Status, times, headline results.
 pub const SUMMARY: &str = "summary.json";
+/// Whole fields, where they were asked for; a folder, by the observer of that name.
+pub const FIELDS: &str = "fields";
 /// Frames, by the recorder.
 pub const RECORDING: &str = "run.mcap";

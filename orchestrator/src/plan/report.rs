@@ -65,13 +65,19 @@ impl Plan {
     /// Shared memory of all channels and bells between processes, in bytes: all that a run sets aside before its
     /// first message.
     pub fn shared_memory(&self) -> u64 {
-        let of_component = |component: &PlannedComponent| {
-            let own = control_memory(component.signals);
-            own.saturating_add(memory::of_bell())
-        };
+        let bells = self.components.len() as u64 * memory::of_bell();
+        self.channels().fold(bells, u64::saturating_add)
+    }
+
+    /// Shared memory of the channel that takes most, in bytes.
+    pub fn largest_channel(&self) -> u64 {
+        self.channels().max().unwrap_or(0)
+    }
+
+    fn channels(&self) -> impl Iterator<Item = u64> {
         let edges = self.edges.iter().map(edge_memory);
         let all = edges.chain(self.frames.iter().map(frame_memory));
-        all.chain(self.components.iter().map(of_component)).fold(0, u64::saturating_add)
+        all.chain(self.components.iter().flat_map(|component| control_memory(component.signals)))
     }
 
     fn time(&self) -> String {
@@ -157,11 +163,13 @@ fn edge_memory(edge: &Edge) -> u64 {
 }
 
 /// Credit to a component, and its reports.
-fn control_memory(signals: usize) -> u64 {
+fn control_memory(signals: usize) -> [u64; 2] {
     let transport = Transport { report_depth: REPORT_DEPTH, ..Transport::default() };
     let reports = report_spec(&transport, signals);
-    memory::of_channel(size_of::<Stamp>(), size_of::<Credit>(), credit_spec(""))
-        + memory::of_channel(size_of::<Report>(), size_of::<f64>(), reports)
+    [
+        memory::of_channel(size_of::<Stamp>(), size_of::<Credit>(), credit_spec("")),
+        memory::of_channel(size_of::<Report>(), size_of::<f64>(), reports),
+    ]
 }
 
 fn frame_memory(stream: &FrameStream) -> u64 {

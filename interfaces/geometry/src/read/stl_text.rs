@@ -18,11 +18,11 @@ pub fn parse(text: &str) -> Result<Mesh, String> {
             "solid" => {
                 open = Some(words.number);
                 // Its name.
-                words.skip_line();
+                words.skip_name();
             }
             "endsolid" if open.is_some() => {
                 open = None;
-                words.skip_line();
+                words.skip_name();
             }
             "facet" if open.is_some() => {
                 let corners = facet(&mut words)?;
@@ -96,8 +96,23 @@ impl<'a> Words<'a> {
         }
     }
 
-    fn skip_line(&mut self) {
-        self.rest = "".split_ascii_whitespace();
+    /// Passes over the name of a solid: the rest of the line, or up to its first facet where a text has no lines.
+    fn skip_name(&mut self) {
+        loop {
+            let mut ahead = self.rest.clone();
+            match (ahead.next(), ahead.next()) {
+                (Some(word), Some(next))
+                    if word.eq_ignore_ascii_case("facet")
+                        && next.eq_ignore_ascii_case("normal") =>
+                {
+                    return;
+                }
+                (Some(_), _) => {
+                    self.rest.next();
+                }
+                (None, _) => return,
+            }
+        }
     }
 
     fn expect(&mut self, expected: &str) -> Result<(), String> {

@@ -20,7 +20,7 @@ fn any_encoding_case_and_end_of_line_is_read() {
         let at = text.find("part").unwrap();
         [&text.as_bytes()[..at], name, &text.as_bytes()[at + 4..]].concat()
     };
-    let cases: [(&str, Vec<u8>); 14] = [
+    let cases: [(&str, Vec<u8>); 15] = [
         ("Latin-1 name", named(b"Geh\xe4use \xd83")),
         ("Shift-JIS name", named(b"\x83o\x83\x8b\x83u")),
         ("no name", named(b"")),
@@ -31,6 +31,7 @@ fn any_encoding_case_and_end_of_line_is_read() {
         ("capitals", text.to_ascii_uppercase().into_bytes()),
         ("lines of DOS", text.replace('\n', "\r\n").into_bytes()),
         ("lines of an old Macintosh", text.replace('\n', "\r").into_bytes()),
+        ("no lines at all", text.replace('\n', " ").into_bytes()),
         ("tabs and blank lines", text.replace('\n', "\n\t \n").replace(' ', "\t").into_bytes()),
         ("lines joined", text.replace("\n      vertex", " vertex").into_bytes()),
         (
