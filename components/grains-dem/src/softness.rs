@@ -6,8 +6,9 @@
 //! delta = v sqrt(m*/k) exp(-z/s atan(s/z)),    s = sqrt(1 - z^2), z the damping ratio
 //! ```
 //!
-//! (under Hertz's law with its largest overlap without a dashpot in place of the product), at the largest difference of
-//! given velocities and what a fall to the bed's place adds, in a fluid no more than the terminal velocity (drag by Schiller
+//! (with the hyperbolic functions where z is more than 1; under Hertz's law, by Antypov & Elliott, *EPL* 94 (2011) 50004, the
+//! power 4/5 of the exponential), at the largest difference of given velocities and what a fall to the bed's place adds, in a
+//! fluid no more than the terminal velocity (drag by Schiller
 //! and Naumann, 1935). At rest, a grain at the bottom bears the pressure of all that lies above, `p d^2`.
 
 use crate::{
@@ -97,8 +98,9 @@ impl Softness {
 fn at_impact(encounter: &Encounter<'_>, impacts: &Impacts) -> Option<Overlap> {
     let (speed, whence) = impacts.speed(encounter.with_surface);
     let (pair, radius) = encounter.soft;
-    let depth =
-        largest_overlap(encounter.law, pair, speed) * damped(damping_ratio(encounter.law, pair));
+    let left = damped(damping_ratio(encounter.law, pair));
+    let left = if is_linear(encounter.law) { left } else { libm::pow(left, 0.8) };
+    let depth = largest_overlap(encounter.law, pair, speed) * left;
     let ratio = depth / radius;
     // Linear in v over the root of the stiffness; under Hertz's law the power -2/5 of the modulus.
     let power = if is_linear(encounter.law) { 2.0 } else { 2.5 };
@@ -153,11 +155,13 @@ fn stiffer(law: &ContactLaw, factor: f64) -> String {
 
 /// What a dashpot leaves of the depth of an impact.
 fn damped(zeta: f64) -> f64 {
-    if zeta >= 1.0 {
+    let square = 1.0 - zeta * zeta;
+    let s = square.abs().sqrt();
+    if s < 1e-6 {
         return libm::exp(-1.0);
     }
-    let s = (1.0 - zeta * zeta).sqrt();
-    libm::exp(-zeta / s * libm::atan2(s, zeta))
+    let angle = if square > 0.0 { libm::atan2(s, zeta) } else { libm::atanh(s / zeta) };
+    libm::exp(-zeta / s * angle)
 }
 
 /// Speeds of impacts to be expected [m/s], and where they come from.

@@ -69,9 +69,9 @@ fn a_column_presses_as_foretold() {
         scene.bodies = vec![set(Motion::Free, (0..count).map(at).collect())];
         let expected = resolve(&scene).softness.rest.unwrap();
         let found = greatest(&scene, 2e-6, 40_000);
-        assert!(expected.why.contains("surface"), "{expected:?}");
         let ratio = found / expected.ratio;
-        assert!(ratio > 0.95 && ratio < 1.6, "{ratio} {found} {expected:?}");
+        // The softest contact may be that above it, which bears one grain less.
+        assert!(ratio > 0.85 && ratio < 1.6, "{ratio} {found} {expected:?}");
     }
 }
 
