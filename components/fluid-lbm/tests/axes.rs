@@ -216,8 +216,8 @@ fn tell(lay: Lay, fluid: &mut FluidLbm, loads: Vec<Load>, told: &mut Told) {
     fluid.loads_on_parts(&mut told.on_parts);
     told.on_parts.iter_mut().for_each(|on_part| *on_part = load(on_part));
     fluid.probes(&mut told.probes);
-    // Pressure, velocity and, of a volume, part that is solid; flow and pressure through a section.
-    for first in [1, 7, 11, 16] {
+    // Pressure, velocity and, of a volume, part that is solid; flow, pressure and mass through a section.
+    for first in [1, 8, 12, 17] {
         let velocity = lay.back([0, 1, 2].map(|a| told.probes[first + a]));
         told.probes[first..first + 3].copy_from_slice(&velocity);
     }

@@ -1,7 +1,7 @@
 //! What flows in and out through the domain's faces.
 
 use tremie_messages::Finding;
-use tremie_messages::scene::{Face, OpenVelocity, PartBoundary, Profile, Scene};
+use tremie_messages::scene::{Course, Face, OpenVelocity, PartBoundary, Profile, Scene};
 
 /// The net rate of flow through faces with a given velocity, where no pressure lets it balance.
 pub(super) fn findings(scene: &Scene) -> Option<Finding> {
@@ -26,7 +26,20 @@ pub(super) fn findings(scene: &Scene) -> Option<Finding> {
             }
         }
     }
+    let courses: Vec<&Course> = faces()
+        .filter_map(|face| match face {
+            Face::Velocity(open) => Some(&open.course),
+            _ => None,
+        })
+        .collect();
+    let apart = courses.windows(2).any(|pair| pair[0] != pair[1]);
     let finding = Finding::new("net flow into the domain", net, "m3/s");
+    let finding = finding.doubtful_if(
+        apart,
+        "faces with a given velocity have different courses and no face has a pressure, so the pressure rises or falls \
+         while they do not balance",
+        "give them one course, or one face a pressure, as { pressure = \"0 Pa\" }",
+    );
     Some(finding.wrong_if(
         net.abs() > 1e-6 * gross,
         "faces with a given velocity do not balance and no face has a pressure, so the pressure rises or falls without end",
@@ -69,7 +82,7 @@ fn rate(scene: &Scene, axis: usize, open: &OpenVelocity) -> f64 {
 mod tests {
     use super::*;
     use tremie_messages::Verdict;
-    use tremie_messages::scene::{Course, Domain, FluidMaterial, Reservoir};
+    use tremie_messages::scene::{Domain, FluidMaterial, Reservoir};
 
     fn scene(lower: Face, upper: Face) -> Scene {
         let domain = Domain::new(
@@ -93,6 +106,12 @@ mod tests {
         assert!((closed.value - 0.3 * 2.0 / 3.0 * 6.0).abs() < 1e-12, "{}", closed.value);
         let through = findings(&scene(inflow.clone(), open(0.2, Profile::Uniform))).unwrap();
         assert_eq!(through.verdict, Verdict::Ok, "{through:?}");
+        let mut late = open(0.2, Profile::Uniform);
+        if let Face::Velocity(open) = &mut late {
+            open.course = Course::Points(vec![[0.0, 0.0], [1.0, 1.0]]);
+        }
+        let apart = findings(&scene(inflow.clone(), late)).unwrap();
+        assert_eq!(apart.verdict, Verdict::Doubtful, "{apart:?}");
         let pressure =
             Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
         assert_eq!(findings(&scene(inflow, pressure)), None);

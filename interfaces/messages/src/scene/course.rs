@@ -64,6 +64,11 @@ impl Course {
     /// The factor 1 at all times.
     pub const CONSTANT: Self = Self::Points(Vec::new());
 
+    /// Whether it is the factor 1, and written so.
+    pub fn is_constant(&self) -> bool {
+        *self == Self::CONSTANT
+    }
+
     /// The factor at a time [s].
     pub fn at(&self, time: f64) -> f64 {
         match self {

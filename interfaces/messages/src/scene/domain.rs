@@ -53,7 +53,7 @@ pub enum Face {
         /// Velocity of the wall along itself [m/s]; its normal part is zero.
         velocity: [f64; 3],
         /// How it changes with time.
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "Course::is_constant")]
         course: Course,
     },
     /// A mirror: no flow through it, no friction along it.

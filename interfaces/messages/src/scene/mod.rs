@@ -70,7 +70,7 @@ pub struct Scene {
     pub outlets: Vec<Outlet>,
     /// Names of sets of bodies, and of clumps, whose motion and loads are to be signals, body by body, besides those that
     /// are anyway.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub followed: Vec<String>,
     /// Contact laws, one for each pair of materials that may touch.
     pub contacts: Vec<PairLaw>,
