@@ -1,6 +1,6 @@
 //! The bodies in the fluid: who lives, where they are.
 
-use crate::body::{Body, Displaced};
+use crate::body::{Body, UnionShare};
 use crate::catalogue::Catalogue;
 use crate::error::FluidError;
 use crate::events::check;
@@ -36,7 +36,7 @@ pub struct Bodies {
     lead: f64,
     /// What bodies of the scene's sets displace, in the order in which they come, where that is not all of them; and how
     /// many of each set have come.
-    displaced: Vec<Vec<Displaced>>,
+    shares: Vec<Vec<UnionShare>>,
     came: Vec<usize>,
 }
 
@@ -49,19 +49,19 @@ impl Bodies {
 
     /// Tells what bodies of the scene's sets displace, in the order in which they come; nothing of a set whose bodies displace all
     /// of their volume.
-    pub fn displace(&mut self, displaced: Vec<Vec<Displaced>>) {
-        self.came = vec![0; displaced.len()];
-        self.displaced = displaced;
+    pub fn share_unions(&mut self, shares: Vec<Vec<UnionShare>>) {
+        self.came = vec![0; shares.len()];
+        self.shares = shares;
     }
 
     /// What the next body of a set displaces.
-    fn next_displaced(&mut self, event: &BodyEvent) -> Option<Displaced> {
+    fn next_share(&mut self, event: &BodyEvent) -> Option<UnionShare> {
         if event.shape == BodyEvent::PART {
             return None;
         }
         let came = self.came.get_mut(event.set as usize)?;
         *came += 1;
-        self.displaced[event.set as usize].get(*came - 1).copied()
+        self.shares[event.set as usize].get(*came - 1).copied()
     }
 
     /// Adds deformable surfaces, once.
@@ -157,7 +157,7 @@ impl Bodies {
                 let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
                 self.newcomers.push(handle);
                 let mut body = Body::new(&layout.grid, event.id, handle, radius, part);
-                body.displaced = self.next_displaced(event);
+                body.share = self.next_share(event);
                 if event.motion == BodyEvent::FREE {
                     body.mass = event.mass / units.mass();
                 }

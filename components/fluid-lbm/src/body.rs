@@ -67,12 +67,12 @@ pub struct Body {
     /// What it owes the fluid.
     pub account: Account,
     /// What it displaces, where that is not all of it.
-    pub displaced: Option<Displaced>,
+    pub share: Option<UnionShare>,
 }
 
 /// What a body displaces that is a piece of a union: its share of that.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Displaced {
+pub struct UnionShare {
     /// Volume [cells].
     pub volume: f64,
     /// Centre of that volume as seen from the body's, as the body stood first.
@@ -83,7 +83,7 @@ pub struct Displaced {
     pub orientation: [f64; 4],
 }
 
-impl Displaced {
+impl UnionShare {
     /// Takes note of how the body stands.
     fn turn(&mut self, orientation: [f64; 4]) {
         self.first.get_or_insert(orientation);
@@ -147,7 +147,7 @@ impl Body {
             carried: [[0.0; 3]; 2],
             pressed: [[0.0; 3]; 2],
             account: Account::default(),
-            displaced: None,
+            share: None,
         }
     }
 
@@ -169,8 +169,8 @@ impl Body {
 
     /// Volume that it displaces [cells].
     pub fn volume(&self) -> f64 {
-        if let Some(displaced) = &self.displaced {
-            return displaced.volume;
+        if let Some(share) = &self.share {
+            return share.volume;
         }
         match &self.part {
             Some(part) => part.volume,
@@ -180,8 +180,8 @@ impl Body {
 
     /// From its centre or origin to the centre of its volume.
     pub fn middle(&self) -> [f64; 3] {
-        if let Some(displaced) = &self.displaced {
-            return displaced.middle();
+        if let Some(share) = &self.share {
+            return share.middle();
         }
         self.part.as_ref().map_or([0.0; 3], |part| part.middle())
     }
@@ -271,8 +271,8 @@ impl Body {
 
     /// Takes over a state; true if the body is now elsewhere.
     pub fn take(&mut self, state: &BodyState, lead: f64, units: &Units, grid: &Grid) -> bool {
-        if let Some(displaced) = &mut self.displaced {
-            displaced.turn(state.orientation);
+        if let Some(share) = &mut self.share {
+            share.turn(state.orientation);
         }
         let velocity = state.velocity.map(|v| v / units.velocity());
         let spin = state.angular_velocity.map(|w| w * units.time_step);

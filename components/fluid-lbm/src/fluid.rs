@@ -1,7 +1,7 @@
 //! The fluid as its users see it: SI units outside, one precision or the other inside.
 
 use crate::axes::Axes;
-use crate::body::Displaced;
+use crate::body::UnionShare;
 use crate::error::FluidError;
 use crate::field::Real;
 use crate::ground::Ground;
@@ -34,11 +34,11 @@ pub struct FluidLbm {
 }
 
 /// What bodies of each set displace, of clumps that are unions; nothing for other sets.
-fn displaced(scene: &Scene, axes: Axes, cell: f64) -> Vec<Vec<Displaced>> {
+fn union_shares(scene: &Scene, axes: Axes, cell: f64) -> Vec<Vec<UnionShare>> {
     let mut all = vec![Vec::new(); scene.bodies.len()];
     for piece in scene.unions.iter().flat_map(|name| clump(scene, name)) {
         let share = piece.share;
-        all[piece.set].push(Displaced {
+        all[piece.set].push(UnionShare {
             volume: share.volume / (cell * cell * cell),
             middle: axes.to_lattice(&share.centroid).map(|x| x / cell),
             first: None,
@@ -111,8 +111,8 @@ impl FluidLbm {
             )?)),
         };
         if !scene.unions.is_empty() {
-            let displaced = displaced(scene, axes, parameters.cell.0);
-            solver!(&mut solver, s => s.displace(displaced));
+            let shares = union_shares(scene, axes, parameters.cell.0);
+            solver!(&mut solver, s => s.share_unions(shares));
         }
         Ok(Self {
             solver,

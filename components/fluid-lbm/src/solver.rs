@@ -3,7 +3,7 @@
 use crate::batch::Batch;
 use crate::bodies::Bodies;
 use crate::body::Body;
-use crate::body::Displaced;
+use crate::body::UnionShare;
 use crate::bricks::Bricks;
 use crate::catalogue::Catalogue;
 use crate::cells::Fixture;
@@ -303,8 +303,8 @@ impl<T: Collides> Solver<T> {
     }
 
     /// Tells what bodies of the scene's sets displace; see [`Bodies::displace`].
-    pub fn displace(&mut self, displaced: Vec<Vec<Displaced>>) {
-        self.bodies.displace(displaced);
+    pub fn share_unions(&mut self, shares: Vec<Vec<UnionShare>>) {
+        self.bodies.share_unions(shares);
     }
 
     /// See [`crate::FluidLbm::apply_events`].
