@@ -46,7 +46,7 @@ const CUT: &str = "velocity";
 const LATTICE: &str = "lattice";
 
 /// Signals, in the order in which they are pushed.
-const SIGNALS: [(&str, &str); 23] = [
+const SIGNALS: [(&str, &str); 25] = [
     ("max_speed", "m/s"),
     ("max_mach", "1"),
     ("min_pressure", "Pa"),
@@ -70,6 +70,8 @@ const SIGNALS: [(&str, &str); 23] = [
     ("max_relaxation_time", "1"),
     ("backflow_cells", "1"),
     ("mass_owed", "kg"),
+    ("mass_lost", "kg"),
+    ("mass_lost_share", "1"),
 ];
 
 /// Signals of each part that stands still, named `part.value`.
@@ -255,6 +257,7 @@ impl Fluid for LatticeFluid {
         values.extend(ledger.walls);
         values.extend(ledger.bodies);
         values.extend([diagnostics.max_tau, diagnostics.entering as f64, ledger.mass_owed]);
+        values.extend([ledger.mass_lost, ledger.lost_share()]);
         self.fluid.loads_on_parts(&mut self.on_parts);
         for load in &self.on_parts {
             values.extend(load.force);
