@@ -1,6 +1,7 @@
 //! Grains that come and go.
 
 use crate::tremie::run_text;
+use tremie_sdk::messages::INTERFACE_VERSION;
 
 /// A stream that brings grains and takes them away.
 pub const STREAM: &str = r#"
@@ -148,7 +149,7 @@ fn wrong_messages_of_ports_are_caught() {
 #[test]
 fn a_fluid_that_tells_no_velocities_is_refused_where_they_are_asked_for() {
     let home = tempfile::tempdir().unwrap();
-    let told = crate::tremie::description(1);
+    let told = crate::tremie::description(INTERFACE_VERSION);
     let program = crate::tremie::script(
         home.path(),
         "mute",

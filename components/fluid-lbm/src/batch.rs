@@ -187,7 +187,7 @@ impl Batch {
         if is_soft {
             self.move_walls(links);
         }
-        if after.keeps_mass {
+        if after.keeps_mass || body.is_part() {
             self.pay(after, body, known);
         }
         self.ask(after, known);
@@ -249,7 +249,7 @@ impl Batch {
         let full = known.slots.len().div_ceil(LANES);
         let (links, rate) = (&mut self.eights[..full], body.account.pay);
         after.variant.run(Pay { links, rate, sums: &mut self.paid });
-        if body.is_part() && !self.gaps.given.is_empty() {
+        if after.keeps_mass && body.is_part() && !self.gaps.given.is_empty() {
             self.give(after, known);
         }
     }

@@ -1,6 +1,6 @@
 //! The lattice fluid as a component of a run.
 
-use crate::findings::findings;
+use crate::findings::{findings, limits};
 use crate::meanings::MEANINGS;
 use crate::reservoir::name as face_name;
 use crate::{
@@ -60,7 +60,7 @@ const CUT: &str = "velocity";
 const LATTICE: &str = "lattice";
 
 /// Signals, in the order in which they are pushed.
-const SIGNALS: [(&str, &str); 23] = [
+const SIGNALS: [(&str, &str); 25] = [
     ("max_speed", "m/s"),
     ("max_mach", "1"),
     ("min_pressure", "Pa"),
@@ -84,6 +84,8 @@ const SIGNALS: [(&str, &str); 23] = [
     ("max_relaxation_time", "1"),
     ("backflow_cells", "1"),
     ("mass_owed", "kg"),
+    ("mass_lost", "kg"),
+    ("mass_lost_share", "1"),
 ];
 
 /// Signals of each wall and symmetry plane of the domain, named `x_lower.value`.
@@ -200,6 +202,7 @@ impl Fluid for LatticeFluid {
             work_per_step: resolution.fluid_cells as f64,
             notes,
             findings: findings(&parameters, scene, &resolution),
+            limits: limits(),
             memory: resolution.memory_bytes,
             warnings: resolution.warnings,
             resolution: numbers,
@@ -311,6 +314,7 @@ impl Fluid for LatticeFluid {
         values.extend(ledger.walls);
         values.extend(ledger.bodies);
         values.extend([diagnostics.max_tau, diagnostics.entering as f64, ledger.mass_owed]);
+        values.extend([ledger.mass_lost, ledger.lost_share()]);
         let forces = self.fluid.wall_forces();
         values.extend(self.walls.iter().flat_map(|&(axis, side)| forces[axis][side]));
         self.fluid.loads_on_parts(&mut self.on_parts);

@@ -13,6 +13,14 @@
 //! that prescribes a velocity is a wall that has it. The force on the part is that of the
 //! populations exchanged, `g_i c_i - f_i' c_i'`, in deviations from rest.
 //!
+//! A face that slides along itself pushes into a cell what it takes from it, link by link in opposite pairs. Where
+//! it ends at another wall a pair lacks one link, and as the density differs from edge to edge, so would the mass. No
+//! fluid comes through such a face: what its links bring a cell is taken from the cell's population at rest,
+//!
+//! ```text
+//! f_0(x) -= sum over links to sliding faces (f_i' - g_i)
+//! ```
+//!
 //! All links of a cell are one unit of work: the place of a link's result is that of its own `g_i`
 //! (see `places`), which another link of the same cell may want to read before.
 
@@ -23,6 +31,7 @@ use crate::grid::Grid;
 use crate::lattice::{C_F64, OPPOSITE, Q, W, cross, dot};
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, density};
+use crate::open::open_faces;
 use crate::places::{Blocked, Parity, Places};
 use std::ops::Range;
 
@@ -272,6 +281,7 @@ impl<T: Real> After<'_, T> {
             };
             *value = (g, f);
         }
+        let mut brought = 0.0;
         for (link, (g, f)) in links.iter().zip(values) {
             let (fixture, exchange) = &mut exchanges[link.fixture as usize];
             let (i, c) = (link.dir as usize, C_F64[link.dir as usize]);
@@ -283,7 +293,24 @@ impl<T: Real> After<'_, T> {
             add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
             exchange.mass += f - g;
             exchange.links += 1;
+            if fixture.as_solid().is_none() {
+                brought += f - g;
+            }
         }
+        // Cells at open faces get other populations yet.
+        if brought != 0.0 && open_faces(&self.layout.grid, at).next().is_none() {
+            let is_face = |link: &&Link| exchanges[link.fixture as usize].0.as_solid().is_none();
+            if let Some(link) = links.iter().find(is_face) {
+                exchanges[link.fixture as usize].1.mass += self.give(cell, -brought);
+            }
+        }
+    }
+
+    /// Gives a mass to a cell, without momentum; returns what it got.
+    fn give(&self, cell: u32, mass: f64) -> f64 {
+        let place = self.next_place(cell, 0);
+        let old = self.field.get(place);
+        self.field.set(place, old + mass) - old
     }
 
     /// What comes back from a wall with velocity `u`.

@@ -78,6 +78,10 @@ pub struct Ledger {
     /// What moving bodies took beyond their volume and have not paid back, at the end of the step,
     /// with `refill = "mass"`; part of no sum here.
     pub mass_owed: f64,
+    /// What the scheme lost since the start (negative: gained), beyond what came and went through open faces and
+    /// through parts that let fluid through, and what moving walls displaced, at the end of the step; part of no sum here.
+    /// With `refill = "mass"`, what is owed and what walls that stand still took.
+    pub mass_lost: f64,
 }
 
 impl Ledger {
@@ -107,6 +111,11 @@ impl Ledger {
             + self.mass_covered
             + self.mass_uncovered
             + self.mass_isolated
+    }
+
+    /// Size of what was lost since the start, over the mass of the fluid; 0 where there is no fluid.
+    pub fn lost_share(&self) -> f64 {
+        if self.mass > 0.0 { self.mass_lost.abs() / self.mass } else { 0.0 }
     }
 
     /// Every quantity times its unit: impulses times `impulse`, masses times `mass`.
@@ -146,6 +155,7 @@ impl Ledger {
             mass_uncovered: self.mass_uncovered * mass,
             mass_isolated: self.mass_isolated * mass,
             mass_owed: self.mass_owed * mass,
+            mass_lost: self.mass_lost * mass,
         }
     }
 }

@@ -61,6 +61,7 @@ mod layout;
 mod leak;
 mod ledger;
 mod links;
+mod lost;
 mod mass;
 #[cfg(feature = "component")]
 mod meanings;

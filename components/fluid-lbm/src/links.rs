@@ -76,8 +76,8 @@ pub struct Exchange {
     pub image_swept: [f64; 3],
     /// Mass that went to the fluid.
     pub mass: f64,
-    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; where
-    /// bodies keep accounts of mass.
+    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; of parts, and
+    /// where bodies keep accounts of mass.
     pub receded: f64,
     /// See `receded`.
     pub weight: f64,

@@ -38,6 +38,11 @@ pub const MEANINGS: &[(&str, &str)] = &[
         "mass_owed",
         "what moving bodies took beyond their volume and have not paid back (refill = \"mass\")",
     ),
+    (
+        "mass_lost",
+        "mass that links to walls and moving bodies took since the start, beyond what bodies displaced; negative: made",
+    ),
+    ("mass_lost_share", "its size over the mass of the fluid"),
     ("force_x", FORCE),
     ("force_y", FORCE),
     ("force_z", FORCE),

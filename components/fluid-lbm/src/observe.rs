@@ -271,6 +271,7 @@ impl<T: Collides> Solver<T> {
         self.measure();
         self.begin_balance();
         self.end_balance(false);
+        self.lose_nothing();
     }
 
     /// Gives the reservoirs the mean density and velocity of the cells at their faces.

@@ -199,7 +199,7 @@ impl OpenCells {
         for links in blocked.chunk_by(|a, b| a.cell == b.cell) {
             let grid = &layout.grid;
             let at = layout.at(links[0].cell);
-            let open = open_faces(grid, at);
+            let open: Vec<_> = open_faces(grid, at).collect();
             let Some(&(axis, side)) = open.first() else { continue };
             let mut normal = [0; 3];
             for &(axis, side) in &open {
@@ -287,17 +287,14 @@ fn open_area(axis: usize, cell: u32, walls: &[(Blocked, f64)]) -> f64 {
 }
 
 /// The open faces at which a cell lies, in the order of the world's axes.
-pub fn open_faces(grid: &Grid, at: [i32; 3]) -> Vec<(usize, usize)> {
-    let mut faces = Vec::new();
-    for axis in grid.order {
-        for side in 0..2 {
-            if grid.sides[axis][side] == Side::Open && at[axis] == [0, grid.n[axis] - 1][side] {
-                faces.push((axis, side));
-                break;
-            }
-        }
-    }
-    faces
+pub fn open_faces(grid: &Grid, at: [i32; 3]) -> impl Iterator<Item = (usize, usize)> {
+    let is_at = move |axis: usize, side: usize| {
+        grid.sides[axis][side] == Side::Open && at[axis] == [0, grid.n[axis] - 1][side]
+    };
+    grid.order.into_iter().filter_map(move |axis| {
+        let side = (0..2).find(|&side| is_at(axis, side))?;
+        Some((axis, side))
+    })
 }
 
 /// The product of `4 s (1 - s)` over the face's edges that do not wrap around, at the centre of a cell and its mean over

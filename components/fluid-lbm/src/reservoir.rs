@@ -140,7 +140,7 @@ impl ReservoirState {
 
 /// The open face to which a cell belongs.
 pub fn face_of(grid: &Grid, at: [i32; 3]) -> Option<(usize, usize)> {
-    open_faces(grid, at).first().copied()
+    open_faces(grid, at).next()
 }
 
 impl ReservoirFace {

@@ -21,6 +21,7 @@ use crate::lattice::CS2;
 use crate::layout::Layout;
 use crate::ledger::Ledger;
 use crate::links::{self, After, Exchange, nearest_wall};
+use crate::lost::Lost;
 use crate::motion::Filled;
 use crate::open::{self, Next, OpenCells};
 use crate::owners::Owners;
@@ -129,6 +130,8 @@ pub struct Solver<T: Collides> {
     /// The last step's balance, in lattice units and in SI.
     pub(crate) balance: Ledger,
     pub(crate) ledger: Ledger,
+    /// What the scheme lost since the start.
+    pub(crate) lost: Lost,
     /// What the last collision found, the sum of all bodies' exchange after it, and the exchange
     /// with each fixture.
     pub(crate) survey: Survey,
@@ -289,6 +292,7 @@ impl<T: Collides> Solver<T> {
             refills: Vec::new(),
             balance: Ledger::default(),
             ledger: Ledger::default(),
+            lost: Lost::default(),
             survey: Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE },
             exchange: Exchange::default(),
             fixtures: vec![Exchange::default(); fixtures],
@@ -313,6 +317,7 @@ impl<T: Collides> Solver<T> {
             return Ok(());
         }
         self.bodies.apply(events, &self.units, &self.layout)?;
+        self.lost.change();
         self.list_items();
         Ok(())
     }
@@ -363,6 +368,7 @@ impl<T: Collides> Solver<T> {
         self.give_loads(loads);
         self.end_balance(false);
         self.settle_accounts();
+        self.lose_nothing();
         Ok(())
     }
 
@@ -407,6 +413,7 @@ impl<T: Collides> Solver<T> {
         self.give_loads(loads);
         self.end_balance(true);
         self.settle_accounts();
+        self.count_lost();
         let before = before!(self);
         self.probes.look(&mut self.team, &before, &self.owners, self.steps);
         Ok(())

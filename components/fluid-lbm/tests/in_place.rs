@@ -101,6 +101,8 @@ impl Plain {
         for k in 0..n[0] * n[1] * n[2] {
             let at = [k % n[0], k / n[0] % n[1], k / (n[0] * n[1])];
             if self.fluid(at) {
+                // What the lid pushes in and takes out, which nothing comes through.
+                let mut through = 0.0;
                 for i in 0..Q {
                     // What arrives against direction i comes from the neighbour along i, or is
                     // reflected there.
@@ -113,11 +115,14 @@ impl Plain {
                             let rho = 1.0 + self.g[k as usize].iter().sum::<f64>();
                             let lid = axis == 2 && C[i][2] == 1;
                             let u = if lid { self.lid } else { [0.0; 3] };
-                            self.g[k as usize][i] - 6.0 * W[i] * rho * dot(C_F64[i], u)
+                            let push = 6.0 * W[i] * rho * dot(C_F64[i], u);
+                            through += push;
+                            self.g[k as usize][i] - push
                         }
                     };
                     self.h[k as usize][OPPOSITE[i]] = f;
                 }
+                self.h[k as usize][0] += through;
             }
         }
     }
