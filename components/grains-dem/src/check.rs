@@ -235,7 +235,8 @@ fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &m
 
 /// What concerns the scene as a whole, once its parts are valid.
 fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
-    let mut largest = 0.0f64;
+    // Bodies that stand still or move as prescribed meet only what is free.
+    let [mut free, mut held] = [0.0f64; 2];
     for (i, set) in scene.bodies.iter().enumerate() {
         let diameters = packing::diameters_of(set);
         let fed = scene.inlets.iter().any(|inlet| inlet.bodies == set.name);
@@ -245,13 +246,15 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(format!("scene.bodies[{i}].placement"), message).help(help));
         }
         let around = placement::around(scene, set);
-        largest = diameters.iter().fold(largest, |a, &d| a.max(d * around));
+        let largest = if set.motion == Motion::Free { &mut free } else { &mut held };
+        *largest = diameters.iter().fold(*largest, |a, &d| a.max(d * around));
     }
-    largest = scene.inlets.iter().fold(largest, |d, inlet| d.max(inlet.diameters.extremes()[1]));
+    free = scene.inlets.iter().fold(free, |d, inlet| d.max(inlet.diameters.extremes()[1]));
     check_clumps::wholes(scene, problems);
     problems.extend(Population::of(scene).problems());
     let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
-    let needed = 2.0 * (largest * (1.0 + parameters.skin_fraction()) + reach);
+    let skin = parameters.skin_fraction() * free.max(held);
+    let needed = if free > 0.0 { free + free.max(held) + 2.0 * (skin + reach) } else { 0.0 };
     for axis in 0..3 {
         let size = scene.domain.size()[axis];
         if scene.domain.is_periodic(axis) && size < needed {
