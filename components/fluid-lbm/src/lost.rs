@@ -69,7 +69,7 @@ impl<T: Collides> Solver<T> {
     /// Mass that came in the last step through parts that let fluid through.
     fn through_parts(&self) -> f64 {
         let all = self.surroundings.laws.iter().zip(&self.fixtures);
-        let lets_through = |law: &Option<Law>| !matches!(law, None | Some(Law::Wall(_)));
+        let lets_through = |law: &Option<Law>| !matches!(law, None | Some(Law::Wall { .. }));
         all.skip(usize::from(Fixture::FACES))
             .filter(|(law, _)| lets_through(law))
             .map(|(_, exchange)| exchange.mass)
