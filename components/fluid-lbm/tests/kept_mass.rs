@@ -43,7 +43,7 @@ fn a_box_with_lids_keeps_its_mass() {
             (case.precision, bound) = [(Precision::F64, 1e-13), (Precision::F32, 1e-7)][k / 4];
             let mut scene = case.scene();
             for &(axis, side) in &lids {
-                scene.domain.faces[axis][side] = Face::Wall { velocity: velocity(axis) };
+                scene.domain.faces[axis][side] = Face::moving(velocity(axis));
             }
             let mut fluid = case.fluid_of(&scene);
             let gained = gain(&mut fluid, 800);
