@@ -109,7 +109,7 @@ mod wall_distances;
 mod ways;
 
 pub use error::FluidError;
-pub use findings::findings;
+pub use findings::{findings, limits};
 pub use fluid::FluidLbm;
 pub use ledger::Ledger;
 pub use narrow::Narrow;

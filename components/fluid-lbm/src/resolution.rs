@@ -176,7 +176,7 @@ impl Parameters {
     }
 
     /// What makes the time step as short as it is, in words.
-    pub(crate) fn step_limit(&self, fluid: &FluidMaterial) -> String {
+    pub fn step_limit(&self, fluid: &FluidMaterial) -> String {
         let cell = short(self.cell.0);
         let viscosity = short(fluid.viscosity / fluid.density);
         let step = self.choose_time_step(fluid);

@@ -14,6 +14,7 @@ use crate::{
 };
 use std::collections::BTreeMap;
 use tremie_geometry::principal;
+#[cfg(feature = "component")]
 use tremie_messages::BodyState;
 use tremie_messages::scene::{BodySet, Scene};
 
@@ -316,6 +317,7 @@ impl Clump {
     }
 
     /// Pose and velocities of its centroid, in the image of its first body that is inside periodic faces.
+    #[cfg(feature = "component")]
     pub fn state(&self, bodies: &Bodies) -> BodyState {
         BodyState {
             id: u64::from(self.first()),
@@ -327,6 +329,7 @@ impl Clump {
     }
 
     /// What a fluid does to it, about its centroid.
+    #[cfg(feature = "component")]
     pub fn load(&self, bodies: &Bodies) -> Wrench {
         let mut sum = Wrench::zero();
         for member in &self.members {

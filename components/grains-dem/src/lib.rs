@@ -90,6 +90,7 @@ mod events;
 mod exchange;
 mod fetch;
 mod findings;
+#[cfg(feature = "component")]
 mod followed;
 mod forces;
 mod four;
@@ -157,7 +158,7 @@ pub use damping::{damping_ratio, restitution};
 pub use diagnostics::Diagnostics;
 pub use error::GrainsError;
 pub use exchange::AddedSphere;
-pub use findings::findings;
+pub use findings::{findings, limits};
 pub use parameters::{Lubrication, Parameters};
 pub use ports::{InletState, OutletState, Room};
 pub use probes::probe_signals;

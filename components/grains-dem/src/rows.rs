@@ -209,12 +209,15 @@ mod tests {
         looked as f64 / balls.len() as f64
     }
 
+    /// Relative diameter of body `i` of `n`.
+    type DiameterOf = fn(u64, u64) -> f64;
+
     /// Mixes that fill the same part of the space, made of `n` and of eight times as many bodies of half the size: what is
     /// looked at for each does not grow. Random places overlap, but what counts is how many share a cell.
     #[test]
     fn what_is_looked_at_grows_with_the_number_alone() {
         let filled = 0.5;
-        let cases: [(&str, fn(u64, u64) -> f64, f64); 6] = [
+        let cases: [(&str, DiameterOf, f64); 6] = [
             ("one size", |_, _| 1.0, 1.0),
             ("one size, in a corner", |_, _| 1.0, 0.3),
             (
