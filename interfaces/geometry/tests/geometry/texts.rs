@@ -268,7 +268,7 @@ proptest! {
     }
 
     #[test]
-    fn numbers_keep_all_their_digits(x in -1e9..1e9f64, y in -1e-9..1e-9f64, z in -1e3..1e3f64) {
+    fn numbers_keep_all_their_digits(x in -1e8..1e8f64, y in -1e-9..1e-9f64, z in -1e3..1e3f64) {
         let shape = tetrahedron();
         let size = 1e3 * (1.0 + x.abs());
         let corner = |v: &[f64; 3]| [x + size * v[0], y + size * v[1], z + size * v[2]];
