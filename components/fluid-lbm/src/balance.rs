@@ -95,6 +95,12 @@ impl<T: Collides> Solver<T> {
                 add_scaled(&mut balance.open, impulse, 1.0);
                 balance.mass_open += mass;
             }
+            // What the face replaced came through it.
+            for brought in &self.brought {
+                balance.mass_open += brought.total();
+                balance.mass_walls -= brought.by_faces;
+                balance.mass_parts -= brought.by_parts;
+            }
             let image = self.exchange.image;
             balance.bodies = std::array::from_fn(|a| image[a] - self.exchange.force[a]);
             let image = self.exchange.image_swept;

@@ -46,6 +46,7 @@ impl Lost {
 impl<T: Collides> Solver<T> {
     /// Begins anew: nothing is lost.
     pub(crate) fn lose_nothing(&mut self) {
+        self.patches.forgive(&mut self.fixed_items);
         self.lost = Lost { cells: self.owners.fluid_cells, ..Lost::default() };
     }
 

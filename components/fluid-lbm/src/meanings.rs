@@ -68,6 +68,6 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ),
     (
         "mass_flow_rate",
-        "mass of fluid that passes in a second, positive along the axis; mean over the time since the row before",
+        "mass of fluid that crosses from cell to cell in a second, positive along the axis; mean over the time since the row before",
     ),
 ];

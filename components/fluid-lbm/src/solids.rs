@@ -158,6 +158,16 @@ impl Solid {
         }
     }
 
+    /// Whether a point [m] is in the solid, its surface included.
+    pub fn holds(&self, point: [f64; 3]) -> bool {
+        match &self.shape {
+            Shape::Plane { point: on, normal } => {
+                dot(std::array::from_fn(|a| point[a] - on[a]), *normal) <= 0.0
+            }
+            Shape::Part { surface, frame, .. } => surface.contains(frame.to_part(point)),
+        }
+    }
+
     /// Its surface, unless it is a plane.
     pub fn surface(&self) -> Option<&Surface> {
         match &self.shape {

@@ -40,6 +40,7 @@ use crate::survey::Survey;
 use crate::tally::Tally;
 use crate::units::Units;
 use crate::wall_distances::WallDistances;
+use crate::wall_mass::{Brought, Patches};
 use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
@@ -117,6 +118,9 @@ pub struct Solver<T: Collides> {
     now: Vec<Now>,
     pub(crate) fixed: FixedLinks,
     pub(crate) fixed_items: Vec<fixed::Item>,
+    pub(crate) patches: Patches,
+    /// What links brought to the cells at each open face in the last step, `2 axis + side`.
+    pub(crate) brought: [Brought; 6],
     pub(crate) open: OpenCells,
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) reservoirs: Vec<ReservoirFace>,
@@ -281,6 +285,8 @@ impl<T: Collides> Solver<T> {
             layout: built.layout,
             fixed: built.fixed,
             fixed_items: built.fixed_items,
+            patches: built.patches,
+            brought: Default::default(),
             open: built.open,
             open_items: built.open_items,
             reservoirs: built.reservoirs,
@@ -512,6 +518,7 @@ impl<T: Collides> Solver<T> {
         self.team.for_each(&mut self.fixed_items, |_, item| {
             after.reflect_fixed(fixed, now, references, item);
         });
+        self.brought = Patches::brought(&self.fixed_items);
         if self.slips {
             self.slip.write(&after, references, &mut self.team);
         }
@@ -531,13 +538,13 @@ impl<T: Collides> Solver<T> {
             variant: self.variant,
         };
         for reservoir in &mut self.reservoirs {
-            reservoir.apply(&next, &mut self.team, &self.units)?;
+            reservoir.apply(&next, &mut self.team, &self.units, &self.brought)?;
         }
         let open = &self.open;
         self.team.for_each(&mut self.open_items, |_, item| next.open(open, item));
         if !self.open_items.is_empty() {
             let density = 1.0 + self.survey.excess / (self.owners.fluid_cells as f64).max(1.0);
-            self.open.steer(&self.open_items, &self.now, density);
+            self.open.steer(&self.open_items, &self.now, density, &self.brought);
         }
         Ok(())
     }
