@@ -145,6 +145,8 @@ impl PlacedPart {
             Drive::Path(path) => path.twist(0.0),
             Drive::Slider(slider) => slider.twist(),
         };
+        let home = Pose { position: surface.endless().place(position), ..part.pose };
+        let frame = Frame::of(&home);
         Self {
             grooves: grooves_of(&surface, part.cavity),
             endless: surface.endless(),
@@ -153,7 +155,7 @@ impl PlacedPart {
             drive,
             mirrors,
             pose: part.pose,
-            frame: Frame::of(&part.pose),
+            frame,
             twist,
             moved: 0.0,
             rank: 0,

@@ -1,7 +1,7 @@
 //! A closed surface, ready to be asked.
 
 use crate::edges::{Edges, pair};
-use crate::endless::{Period, difference};
+use crate::endless::Period;
 use crate::features::Features;
 use crate::inside::{Winding, winding};
 use crate::moments::signed_volume;
@@ -9,9 +9,9 @@ use crate::orient::turn_round;
 use crate::tree::{Tree, Walk};
 use crate::vector::{cross, norm, sub};
 use crate::{
-    Bounds, EdgeKind, Fault, Frame, GeometryError, Loaded, Mesh, Repairs, Vec3, VertexKind, load,
+    Bounds, EdgeKind, Fault, GeometryError, Loaded, Mesh, Repairs, Vec3, VertexKind, load,
 };
-use tremie_messages::scene::{Domain, Geometry, Part};
+use tremie_messages::scene::{Geometry, Part};
 
 /// A closed surface in its part's frame, ready to be asked about points, segments, rows of points,
 /// and its triangles nearby.
@@ -83,8 +83,6 @@ impl Surface {
         mesh: Mesh,
         period: Period,
         whole: &Self,
-        frame: Frame,
-        domain: &Domain,
     ) -> Result<Self, GeometryError> {
         mesh.check_numbers()?;
         let mut edges = pair(&mesh.triangles);
@@ -94,7 +92,6 @@ impl Surface {
         own.period = Some(Box::new(period));
         own.bounding_radius = radius;
         own.repairs = whole.repairs.clone();
-        own.far = difference(whole, &own, &frame, domain);
         Ok(own)
     }
 

@@ -21,7 +21,7 @@ use crate::vector::{cross, dot, norm, sub};
 use crate::{Bounds, Frame, GeometryError, Mesh, Surface, Vec3};
 use patch::Patch;
 use tremie_messages::Problem;
-use tremie_messages::scene::{Domain, Motion, Part};
+use tremie_messages::scene::{Domain, Motion, Part, Pose};
 
 /// How far ends and cross-sections may be off, over the size of the domain and the part: files hold numbers of single
 /// precision.
@@ -34,7 +34,7 @@ pub struct Endless {
     pub axes: [bool; 3],
     /// Along which of these its cross-section is the same everywhere.
     pub straight: [bool; 3],
-    /// Where the scene places the origin of its frame [m].
+    /// Where the scene places the origin of its frame, brought into the domain along the axes [m].
     origin: Vec3,
     /// Edge lengths of the domain [m].
     period: Vec3,
@@ -55,6 +55,11 @@ impl Endless {
             }
         }
         position
+    }
+
+    /// Edge lengths of the domain [m].
+    pub fn period(&self) -> Vec3 {
+        self.period
     }
 
     /// Whether it is endless along any axis.
@@ -102,10 +107,12 @@ impl Surface {
         if patch.faces.is_empty() {
             return Err(EndlessFault::NoWall { axes }.into());
         }
+        let origin = home(part.pose.position, axes, domain);
+        let frame = Frame::of(&Pose { position: origin, ..part.pose });
         let endless = Endless {
             axes,
             straight: [0, 1, 2].map(|a| axes[a] && patch.is_straight(a, tolerance)),
-            origin: part.pose.position,
+            origin,
             period: domain.size(),
         };
         let ([volume, area], centroid) = one_period(&patch, axes);
@@ -119,8 +126,8 @@ impl Surface {
             )?;
         }
         let walls = patch.triangles();
-        let radius = radius_across(&patch, axes, part.pose.position);
-        let mesh = ends::closed(patch, walls.clone(), endless.axes, domain, &part.pose.position)?;
+        let radius = radius_across(&patch, axes, origin);
+        let mesh = ends::closed(patch, walls.clone(), endless.axes, domain, &origin)?;
         let copies = mesh_area(&mesh, walls.len()) / area;
         let vertices = mesh.vertices.iter().map(|&v| frame.to_part(v)).collect();
         let period = Period {
@@ -131,7 +138,10 @@ impl Surface {
             centroid: frame.to_part(centroid),
             radius,
         };
-        Self::of_period(Mesh { vertices, triangles: mesh.triangles }, period, &whole, frame, domain)
+        let mesh = Mesh { vertices, triangles: mesh.triangles };
+        let mut own = Self::of_period(mesh, period, &whole)?;
+        own.far = difference([&whole, &own], [Frame::of(&part.pose), frame], domain);
+        Ok(own)
     }
 
     /// How it goes on through periodic faces.
@@ -155,6 +165,15 @@ fn endless_axes(bounds: &Bounds, domain: &Domain) -> Result<[bool; 3], GeometryE
         }
     }
     Ok(axes)
+}
+
+/// An origin brought into the domain along the axes, by whole periods.
+fn home(origin: Vec3, axes: [bool; 3], domain: &Domain) -> Vec3 {
+    std::array::from_fn(|a| {
+        let (away, length) = (origin[a] - domain.min[a], domain.size()[a]);
+        let periods = libm::floor(away / length);
+        if axes[a] && periods != 0.0 { origin[a] - periods * length } else { origin[a] }
+    })
 }
 
 /// Volume and area of what a patch bounds in one period, and the centre of that volume; by Gauss, along an axis that
@@ -184,6 +203,7 @@ fn one_period(patch: &Patch, axes: [bool; 3]) -> ([f64; 2], Vec3) {
 
 /// Distance of the farthest corner from an origin, across the axes.
 fn radius_across(patch: &Patch, axes: [bool; 3], origin: Vec3) -> f64 {
+    let axes = if axes == [true; 3] { [false; 3] } else { axes };
     let across = |v: &Vec3| {
         let d = sub(*v, origin);
         norm(std::array::from_fn(|a| if axes[a] { 0.0 } else { d[a] }))
@@ -232,7 +252,7 @@ pub fn motion_problem(
 
 /// What a winding number of the whole part is more than that of its endless surface; the same everywhere in the domain.
 /// Where some axis is not endless both surfaces leave the space far away along it outside.
-pub(crate) fn difference(whole: &Surface, period: &Surface, frame: &Frame, domain: &Domain) -> i32 {
+fn difference([whole, period]: [&Surface; 2], frames: [Frame; 2], domain: &Domain) -> i32 {
     if period.endless().axes != [true; 3] {
         return 0;
     }
@@ -241,12 +261,12 @@ pub(crate) fn difference(whole: &Surface, period: &Surface, frame: &Frame, domai
         let part = |s: f64| (f64::from(k) * s).fract();
         let parts = [part(0.754_877_666_2), part(0.569_840_291_0), part(0.430_159_709_0)];
         let size = domain.size();
-        frame.to_part(std::array::from_fn(|a| domain.min[a] + parts[a] * size[a]))
+        std::array::from_fn(|a| domain.min[a] + parts[a] * size[a])
     });
-    points
-        .filter_map(|p| Some(whole.winding_number(p)? - period.winding_number(p)?))
-        .next()
-        .unwrap_or(0)
+    let number = |surface: &Surface, frame: Frame, at| surface.winding_number(frame.to_part(at));
+    let mut of = points
+        .filter_map(|at| Some(number(whole, frames[0], at)? - number(period, frames[1], at)?));
+    of.next().unwrap_or(0)
 }
 
 /// Whether three corners that follow each other leave the middle one on the line between the others.

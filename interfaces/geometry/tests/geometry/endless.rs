@@ -36,7 +36,8 @@ fn fault(part: &Part, domain: &Domain) -> EndlessFault {
 /// Asks about points of the domain and a little around it, in the world: what is inside, and how far away the wall is.
 fn agrees(part: &Part, domain: &Domain, distance: impl Fn([f64; 3]) -> f64, exact: f64) {
     let surface = Surface::in_domain(part, domain).unwrap();
-    let (frame, size) = (Frame::of(&part.pose), domain.size());
+    let position = surface.endless().place(part.pose.position);
+    let (frame, size) = (Frame::of(&Pose { position, ..part.pose }), domain.size());
     let (mut inside, mut outside) = (0, 0);
     for k in 0..4000 {
         let share = |s: f64| (f64::from(k) * s).fract() * 1.4 - 0.2;
