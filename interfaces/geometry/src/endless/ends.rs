@@ -7,7 +7,7 @@
 
 use super::EndlessFault;
 use super::patch::Patch;
-use crate::{Bounds, Mesh, Vec3};
+use crate::{Bounds, Mesh};
 use tremie_messages::scene::Domain;
 
 /// The mesh of `walls`, which are the triangles of the patch, and after them those that close it.
@@ -16,10 +16,9 @@ pub fn closed(
     walls: Vec<[u32; 3]>,
     axes: [bool; 3],
     domain: &Domain,
-    origin: &Vec3,
 ) -> Result<Mesh, EndlessFault> {
     let used = walls.iter().flatten().map(|&v| patch.vertices[v as usize]);
-    let bounds = Bounds::of(used).with(*origin);
+    let bounds = Bounds::of(used);
     let away = bounds.size().into_iter().chain(domain.size()).fold(0.0, f64::max);
     patch.faces = walls.iter().map(|t| t.to_vec()).collect();
     let first_apex = patch.vertices.len() as u32;

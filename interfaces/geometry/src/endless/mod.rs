@@ -127,7 +127,7 @@ impl Surface {
         }
         let walls = patch.triangles();
         let radius = radius_across(&patch, axes, origin);
-        let mesh = ends::closed(patch, walls.clone(), endless.axes, domain, &origin)?;
+        let mesh = ends::closed(patch, walls.clone(), endless.axes, domain)?;
         let copies = mesh_area(&mesh, walls.len()) / area;
         let vertices = mesh.vertices.iter().map(|&v| frame.to_part(v)).collect();
         let period = Period {
