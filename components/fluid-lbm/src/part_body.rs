@@ -342,9 +342,12 @@ impl PartBody {
         };
         // Beyond a face that does not wrap around, the last comes before the first.
         let has_ends = |a: usize| !self.endless.axes[a];
-        let least = std::array::from_fn(|a| {
-            if has_ends(a) { end(a, bounds.min[a], 0, grid.n[a]) } else { 0 }
-        });
+        let least =
+            std::array::from_fn(
+                |a| {
+                    if has_ends(a) { end(a, bounds.min[a], 0, grid.n[a]) } else { 0 }
+                },
+            );
         let most = std::array::from_fn(|a| {
             let last = grid.n[a] - 1;
             if has_ends(a) { end(a, bounds.max[a], -1, last) } else { last }

@@ -141,8 +141,7 @@ impl Solid {
         cell: f64,
     ) -> Result<Self, Vec<Problem>> {
         let key = format!("scene.parts[{index}].geometry");
-        let surface =
-            Surface::in_domain(part, domain).map_err(|error| error.problems(&key))?;
+        let surface = Surface::in_domain(part, domain).map_err(|error| error.problems(&key))?;
         let surface = if part.cavity { surface.inside_out() } else { surface };
         let images = images(part, &surface, domain, cell);
         Ok(Self {
@@ -300,7 +299,9 @@ impl Solid {
         let Shape::Part { surface, images, .. } = &self.shape else { return visit(whole) };
         let mesh = surface.mesh();
         let walls = (0..mesh.triangles.len()).filter(|&t| surface.is_wall(t as u32));
-        for (image, triangle) in images.iter().flat_map(|image| walls.clone().map(move |t| (image, t))) {
+        for (image, triangle) in
+            images.iter().flat_map(|image| walls.clone().map(move |t| (image, t)))
+        {
             let corners = mesh.corners(triangle).map(|corner| image.frame.to_world(corner));
             let bounds = Bounds::of(corners);
             if images.len() > 1 && !image_near(grid, centres, &bounds) {

@@ -80,8 +80,7 @@ fn an_endless_plate_drags_as_a_wall_does() {
     // Longer than the domain along x, just as long along y.
     let size = [1.0, 0.04, 0.02];
     let above = 0.025;
-    plate.parts =
-        vec![part(Geometry::Box { size }, [0.02, 0.02, above - 0.01], speed, [0.0; 3])];
+    plate.parts = vec![part(Geometry::Box { size }, [0.02, 0.02, above - 0.01], speed, [0.0; 3])];
     plate.bodies = vec![set(Motion::Free, rest(above))];
     let (dt, steps) = (2e-5, 60_000);
     let (wall, plate) = (state(&run(&wall, dt, steps)), state(&run(&plate, dt, steps)));
@@ -163,8 +162,7 @@ fn a_piston_in_a_tube_pushes_grains_round_and_round() {
 
 #[test]
 fn what_cannot_go_on_is_refused() {
-    let mut scene =
-        scene([0.1; 3], [AROUND, WALL, WALL], law(2e3, 0.3, Damping::Restitution(0.5)));
+    let mut scene = scene([0.1; 3], [AROUND, WALL, WALL], law(2e3, 0.3, Damping::Restitution(0.5)));
     scene.parts = vec![part(
         Geometry::Box { size: [0.5, 0.02, 0.02] },
         [0.05; 3],
@@ -177,7 +175,10 @@ fn what_cannot_go_on_is_refused() {
         refused.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
     };
     let text = found(&scene);
-    assert!(text.contains("scene.parts[0].motion") && text.contains("turn about x alone"), "{text}");
+    assert!(
+        text.contains("scene.parts[0].motion") && text.contains("turn about x alone"),
+        "{text}"
+    );
     scene.parts[0].motion = Motion::Fixed;
     scene.parts[0].pose.orientation = [0.0, 0.0, 0.1, 0.99f64.sqrt()];
     let text = found(&scene);
