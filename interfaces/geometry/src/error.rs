@@ -308,7 +308,7 @@ fn exact(x: f64) -> String {
 }
 
 /// As many digits as a person needs to find the place.
-fn six_digits(x: f64) -> String {
+pub(crate) fn six_digits(x: f64) -> String {
     let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) {
         format!("{rounded:e}")

@@ -1,14 +1,15 @@
 //! Why a part cannot go on through periodic faces.
 
 use crate::Vec3;
+use crate::error::six_digits as digits;
 
 /// Why a part cannot go on through periodic faces, or cannot move as it should.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum EndlessFault {
     /// Longer than a period, but beyond one face only.
     #[error(
-        "the part is {found:.6} m long along the periodic {} axis, more than the domain's {length:.6} m, but does not reach the {} face: it would come in again where it is already",
-        name(*axis), if *below { "upper" } else { "lower" }
+        "the part is {} m long along the periodic {} axis, more than the domain's {} m, but does not reach the {} face: it would come in again where it is already",
+        digits(*found), name(*axis), digits(*length), if *below { "upper" } else { "lower" }
     )]
     Longer {
         /// The axis.
@@ -28,8 +29,8 @@ pub enum EndlessFault {
     },
     /// Its cross-sections at the two faces differ.
     #[error(
-        "the part reaches from one periodic {0} face to the other, but its cross-sections there differ, by {off:.3e} m at {at} on the {1} face: it does not go on as the domain does",
-        name(*axis), if *upper { "upper" } else { "lower" }, at = place(*at)
+        "the part reaches from one periodic {0} face to the other, but its cross-sections there differ, by {2} m at {at} on the {1} face: it does not go on as the domain does",
+        name(*axis), if *upper { "upper" } else { "lower" }, digits(*off), at = place(*at)
     )]
     Section {
         /// The axis.
@@ -55,8 +56,8 @@ pub enum EndlessFault {
     },
     /// As it turns it is longer than a period.
     #[error(
-        "the part turns within {found:.6} m, more than the {length:.6} m of the periodic {} axis: it would run into itself",
-        name(*axis)
+        "the part turns within {} m, more than the {} m of the periodic {} axis: it would run into itself",
+        digits(*found), digits(*length), name(*axis)
     )]
     TurnsIntoItself {
         /// The axis.
@@ -106,6 +107,7 @@ fn names(axes: [bool; 3]) -> String {
     named.join(" and ")
 }
 
-fn place([x, y, z]: Vec3) -> String {
-    format!("({x:.6}, {y:.6}, {z:.6}) m")
+fn place(at: Vec3) -> String {
+    let [x, y, z] = at.map(digits);
+    format!("({x}, {y}, {z}) m")
 }
