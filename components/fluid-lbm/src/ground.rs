@@ -45,7 +45,7 @@ impl Ground {
         let order = [0, 1, 2].map(|axis| axes.axis_to_lattice(axis));
         let grid = Grid::new(cells, sides(scene)).ordered(order);
         let centres = Centres { cell, min: scene.domain.min };
-        let (solids, moving) = match (solids(scene), moving_surfaces(scene)) {
+        let (solids, moving) = match (solids(scene, cell), moving_surfaces(scene)) {
             (Ok(solids), Ok(moving)) => (solids, moving),
             (still, moving) => {
                 let problems = [still.err(), moving.err()];

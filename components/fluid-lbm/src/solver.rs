@@ -348,7 +348,7 @@ impl<T: Collides> Solver<T> {
         self.seen = vec![Seen::NONE; if press { count } else { 0 }];
         self.in_gaps.resize(count, UNKNOWN);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
-        let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
+        let shell = |b: &Body| b.most_changes();
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
         self.owners.reserve(changes);
         self.refills.reserve(changes.saturating_sub(self.refills.len()));
