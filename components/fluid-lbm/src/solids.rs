@@ -222,7 +222,11 @@ impl Solid {
             Shape::Plane { point: on, normal } => {
                 dot(std::array::from_fn(|a| point[a] - on[a]), *normal) <= 0.0
             }
-            Shape::Part { surface, frame, .. } => surface.contains(frame.to_part(point)),
+            Shape::Part { surface, images, cavity } => {
+                let in_image = |image: &Image| surface.contains(image.frame.to_part(point));
+                // A cavity's surface says of what is around it that it is solid.
+                if *cavity { images.iter().all(in_image) } else { images.iter().any(in_image) }
+            }
         }
     }
 
