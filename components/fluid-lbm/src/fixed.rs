@@ -147,9 +147,11 @@ impl Met<'_> {
 }
 
 impl FixedLinks {
-    /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are solid walls.
+    /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are solid walls, and
+    /// `references` the point of each about which its torque counts.
     pub fn new(
         layout: &Layout,
+        references: &[[f64; 3]],
         blocked: impl Iterator<Item = (Blocked, f64)>,
         is_wall: impl Fn(Fixture) -> bool,
     ) -> (Self, Vec<Item>, Patches) {
@@ -163,7 +165,9 @@ impl FixedLinks {
                     items.push(Item { cells: start..start, ..Item::default() });
                 }
                 let item = items.last_mut().expect("an item was begun");
-                own.patches.push(patches.place(&layout.grid, layout.at(cell), &mut item.patches));
+                let met = (fixture, references[usize::from(fixture.0)]);
+                let patch = patches.place(&layout.grid, layout.at(cell), met, &mut item.patches);
+                own.patches.push(patch);
                 own.cells.push(cell);
                 own.first.push(own.links.len() as u32);
                 item.cells.end = own.cells.len();

@@ -184,7 +184,8 @@ impl Surroundings {
             let law = &self.laws[usize::from(fixture.0)];
             fixture.as_solid().is_some() && matches!(law, Some(Law::Wall { .. }))
         };
-        let (fixed, fixed_items, patches) = FixedLinks::new(&layout, fixed.into_iter(), is_wall);
+        let (fixed, fixed_items, patches) =
+            FixedLinks::new(&layout, &self.references, fixed.into_iter(), is_wall);
         Built {
             layout,
             reflections: survey.reflections,

@@ -6,7 +6,7 @@
 //! way for as long as the fluid flows, and would empty a closed box or make the flow differ from one section of a pipe to the
 //! next.
 //!
-//! So each patch of wall, the cells at walls in a cube of 8, keeps an account:
+//! So each patch of wall, the cells at a solid in a cube of 8, keeps an account:
 //!
 //! ```text
 //! owed     -= sum over links (f_i' - g_i)                        in each step, with what is paid
@@ -25,10 +25,12 @@
 //! Cells at open faces belong to no patch: the face replaces all that they hold (see `open`, `reservoir`). What links
 //! brought them counts as come through the face.
 //!
-//! Cubes begin at symmetry planes, or else in the middle of the domain: half of a model has the patches of the whole.
+//! Cubes are counted from the reference of the solid that a cell meets first: a part has the same patches wherever it stands, and half
+//! of one at a symmetry plane those of the whole.
 
+use crate::cells::Fixture;
 use crate::fixed::Item;
-use crate::grid::{Grid, Side};
+use crate::grid::Grid;
 use crate::lattice::{Q, W};
 use crate::open::open_faces;
 use std::collections::HashMap;
@@ -37,7 +39,7 @@ use std::collections::HashMap;
 const RATE: f64 = 0.002;
 
 /// Cells along an edge of a patch's cube.
-const PATCH: i32 = 8;
+const PATCH: f64 = 8.0;
 
 /// The share of a direction in what a patch pays: `6 w_i`.
 pub const WEIGHT: [f64; Q] = {
@@ -100,16 +102,15 @@ impl Brought {
     }
 }
 
-/// The cube of a cell, from symmetry planes or the middle of the domain.
-fn cube(grid: &Grid, at: [i32; 3]) -> [i32; 3] {
-    std::array::from_fn(|a| {
-        let origin = match grid.sides[a] {
-            [Side::Symmetry, _] => 0,
-            [_, Side::Symmetry] => grid.n[a],
-            _ => grid.n[a] / 2,
-        };
-        (at[a] - origin).div_euclid(PATCH)
-    })
+/// Number of a solid, and a cube of cells by its place from the solid's reference.
+type Cube = (u16, [i32; 3]);
+
+/// The cube of a cell at a solid with a reference [cells].
+fn cube(grid: &Grid, at: [i32; 3], fixture: Fixture, reference: [f64; 3]) -> Cube {
+    // A cell in line with the reference is on the same side of it wherever both are.
+    const HAIR: f64 = 1e-6;
+    let place = grid.arm(reference, at).map(|x| (x / PATCH + HAIR).floor() as i32);
+    (fixture.0, place)
 }
 
 /// What a patch of wall owes [cells at density 1].
@@ -135,16 +136,22 @@ impl PatchAccount {
 #[derive(Clone, Debug, Default)]
 pub struct Patches {
     /// Number of the patch in each cube that has one.
-    numbers: HashMap<[i32; 3], u32>,
+    numbers: HashMap<Cube, u32>,
     accounts: Vec<PatchAccount>,
 }
 
 impl Patches {
-    /// Place of a cell's patch in the list of its item.
-    pub fn place(&mut self, grid: &Grid, at: [i32; 3], of_item: &mut Vec<Patch>) -> u16 {
+    /// Place of a cell's patch in the list of its item; the cell meets a fixture with a reference.
+    pub fn place(
+        &mut self,
+        grid: &Grid,
+        at: [i32; 3],
+        (fixture, reference): (Fixture, [f64; 3]),
+        of_item: &mut Vec<Patch>,
+    ) -> u16 {
         let holder = match open_faces(grid, at).next() {
             Some((axis, side)) => Holder::Face((2 * axis + side) as u8),
-            None => Holder::Account(self.number(cube(grid, at))),
+            None => Holder::Account(self.number(cube(grid, at, fixture, reference))),
         };
         // Neighbours in the list are mostly of one patch.
         let known = of_item.iter().rposition(|patch| patch.holder == holder);
@@ -156,7 +163,7 @@ impl Patches {
     }
 
     /// Number of the account of a cube.
-    fn number(&mut self, cube: [i32; 3]) -> u32 {
+    fn number(&mut self, cube: Cube) -> u32 {
         let new = self.numbers.len() as u32;
         let number = *self.numbers.entry(cube).or_insert(new);
         if number == new {
