@@ -106,7 +106,8 @@ impl<T: Collides> Solver<T> {
             let image = self.exchange.image_swept;
             balance.swept = std::array::from_fn(|a| self.exchange.swept[a] - image[a]);
             balance.mass_bodies = self.exchange.mass;
-            balance.frozen = self.declared.impulse.map(|x| -x);
+            let pinched = self.pinched.impulse;
+            balance.frozen = std::array::from_fn(|a| pinched[a] - self.declared.impulse[a]);
         }
         for (fixture, pressed) in self.fixtures.iter_mut().zip(&self.pressed) {
             fixture.join(pressed);

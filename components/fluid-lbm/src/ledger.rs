@@ -39,7 +39,7 @@ pub struct Ledger {
     pub uncovered: [f64; 3],
     /// Lost with cells that were left without any fluid neighbour, and those that froze.
     pub isolated: [f64; 3],
-    /// Given by frozen cells of gaps and pockets.
+    /// Given by frozen cells of gaps and pockets, and to cells that nothing flows through.
     pub frozen: [f64; 3],
 
     /// Impulse given out to the bodies as loads, but for buoyancy.

@@ -78,6 +78,7 @@ mod part_body;
 mod part_gaps;
 mod part_links;
 mod pieces;
+mod pinched;
 mod piston;
 mod places;
 mod pockets;

@@ -27,6 +27,7 @@ use crate::open::{self, Next, OpenCells};
 use crate::owners::Owners;
 use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::part_body::Rounding;
+use crate::pinched::Pinched;
 use crate::places::Parity;
 use crate::ports::PortFaces;
 use crate::probes::Probes;
@@ -128,6 +129,7 @@ pub struct Solver<T: Collides> {
     /// What each item exchanged in the last step, and the gaps that it found, if gaps press.
     pub(crate) exchanges: Vec<Exchange>,
     pub(crate) seen: Vec<Seen>,
+    pub(crate) pinched: Pinched,
     pub(crate) probes: Probes,
     pub(crate) ports: PortFaces,
     pub(crate) refills: Vec<Filled>,
@@ -231,7 +233,8 @@ impl<T: Collides> Solver<T> {
         let ports = PortFaces::new(scene, &built.layout, &centres);
         let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
-        let mut owners = Owners::new(built.layout.cells.len());
+        let cells = built.layout.cells.len();
+        let mut owners = Owners::new(cells);
         if !declared.is_empty() {
             owners.list_changes();
         }
@@ -292,6 +295,7 @@ impl<T: Collides> Solver<T> {
             reservoirs: built.reservoirs,
             link_items: Vec::new(),
             exchanges: Vec::new(),
+            pinched: Pinched::among(cells),
             seen: Vec::new(),
             probes,
             ports,
@@ -352,6 +356,7 @@ impl<T: Collides> Solver<T> {
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
         self.owners.reserve(changes);
         self.refills.reserve(changes.saturating_sub(self.refills.len()));
+        self.pinched.reserve(changes);
     }
 
     /// Whether the links' search looks across gaps that hold no fluid.
@@ -365,6 +370,7 @@ impl<T: Collides> Solver<T> {
         self.check_surfaces()?;
         self.begin_balance();
         self.move_bodies(bodies);
+        self.find_pinched();
         self.bodies.newcomers.clear();
         self.measure();
         self.exchange = Exchange::default();
@@ -416,6 +422,7 @@ impl<T: Collides> Solver<T> {
         self.reflect();
         self.parity = self.parity.flipped();
         self.open()?;
+        self.calm_pinched();
         self.give_loads(loads);
         self.end_balance(true);
         self.settle_accounts();
