@@ -154,6 +154,15 @@ impl Ground {
         self.centres
     }
 
+    /// Whether no solid covers the cell at a place, which may lie beyond periodic faces; not so outside the domain.
+    pub fn is_fluid_at(&self, place: [f64; 3]) -> bool {
+        let at: [i32; 3] = std::array::from_fn(|a| {
+            let k = ((place[a] - self.centres.min[a]) / self.centres.cell).floor();
+            self.grid.wrap(a, k.clamp(-1e9, 1e9) as i32)
+        });
+        self.grid.contains(at) && self.voxels.is_fluid(&self.grid, at)
+    }
+
     /// Where a blocked link meets which solid: `q`, and the solid that it meets first.
     pub fn meet(&self, at: [i32; 3], blocked: &Blocked) -> (Blocked, f64) {
         let (grid, i) = (&self.grid, usize::from(blocked.dir));

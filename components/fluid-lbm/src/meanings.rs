@@ -36,7 +36,7 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("backflow_cells", "cells at pressure faces through which fluid enters"),
     (
         "mass_owed",
-        "what moving bodies took beyond their volume and have not paid back (refill = \"mass\")",
+        "what interpolated walls took, and moving bodies beyond their volume, and have not paid back",
     ),
     (
         "mass_lost",

@@ -91,7 +91,7 @@ impl Surface {
         let mut own = Self::assembled(mesh, edges, 0);
         own.period = Some(Box::new(period));
         own.bounding_radius = radius;
-        own.repairs = whole.repairs.clone();
+        own.repairs = whole.repairs;
         Ok(own)
     }
 
