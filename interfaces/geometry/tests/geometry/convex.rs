@@ -125,7 +125,7 @@ fn the_least_width_lies_between_faces_or_edges() {
         ("tetrahedron", 0.5f64.sqrt()),
         ("cube", 1.0),
         ("octahedron", (2.0f64 / 3.0).sqrt()),
-        ("dodecahedron", (10.0 + 22.0 / s5).sqrt() / 2f64.sqrt()),
+        ("dodecahedron", ((25.0 + 11.0 * s5) / 10.0).sqrt()),
         ("icosahedron", 3f64.sqrt() * (3.0 + s5) / 6.0),
     ] {
         let found = edge_one(name).least_width();

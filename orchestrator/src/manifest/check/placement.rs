@@ -9,7 +9,7 @@ use super::super::path;
 use super::super::read::Findings;
 use super::{extent, near::Boxes, probes};
 use tremie_messages::scene::{
-    BodySet, Domain, Motion, Placement, Plane, Polyhedra, PolyhedronPlacement, Sphere,
+    BodySet, Domain, Face, Motion, Placement, Plane, Polyhedra, PolyhedronPlacement, Sphere,
 };
 
 /// Overlap that a contact law may start from, as a fraction of the smaller diameter.
@@ -71,7 +71,9 @@ pub(super) fn check(
         }
     }
     for body in &placed {
-        inside(body, domain, findings);
+        if !cut_by_mirrors(body, domain, findings) {
+            inside(body, domain, findings);
+        }
         before(body, planes, findings);
     }
     apart(&placed, domain, findings);
@@ -95,6 +97,45 @@ fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
         );
         findings.problem(&path::join(&body.at, "position"), message);
     }
+}
+
+/// Notes a sphere that a symmetry plane cuts and that cannot be its own image: one that moves freely, and one that moves
+/// but not within the plane. True if there is such a plane. One that is held at rest may be cut anywhere.
+fn cut_by_mirrors(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) -> bool {
+    let Sphere { position, diameter, velocity, angular_velocity } = *body.sphere;
+    let mut found = false;
+    for (a, side) in (0..3).flat_map(|a| [(a, 0), (a, 1)]) {
+        if domain.faces[a][side] != Face::Symmetry {
+            continue;
+        }
+        let depth = [position[a] - domain.min[a], domain.max[a] - position[a]][side];
+        if depth >= (0.5 - TOLERANCE) * diameter || depth <= -0.5 * diameter {
+            continue;
+        }
+        let face = format!("{}_{}", ["x", "y", "z"][a], ["lower", "upper"][side]);
+        let spins = (0..3).any(|b| b != a && angular_velocity[b] != 0.0);
+        let moves = velocity != [0.0; 3] || angular_velocity != [0.0; 3];
+        let stays = depth.abs() <= 1e-9 * diameter && velocity[a] == 0.0 && !spins;
+        let (why, help) = if body.free {
+            (
+                "it moves freely and would overlap its image",
+                "put it half a diameter away from the plane, or hold it: motion = \"fixed\"",
+            )
+        } else if moves && !stays {
+            (
+                "it moves, but is not its own image",
+                "put its centre on the plane, and let it move along the plane and turn about its normal only",
+            )
+        } else {
+            continue;
+        };
+        let message = format!(
+            "the symmetry plane {face} cuts a sphere of {diameter} m at {position:?} m: {why}"
+        );
+        findings.problem_with_help(&path::join(&body.at, "position"), message, help);
+        found = true;
+    }
+    found
 }
 
 fn before(body: &Placed<'_>, planes: &[Plane], findings: &mut Findings) {

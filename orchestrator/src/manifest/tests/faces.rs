@@ -359,3 +359,32 @@ fn a_profile_is_a_section_in_strips() {
         one_problem(&text.replace(from, to), &words);
     }
 }
+
+/// A sphere that a symmetry plane cuts is its own image, or stands still; one that moves freely is neither.
+#[test]
+fn spheres_that_symmetry_planes_cut_obey_one_rule() {
+    let with = |position: &str, rest: &str| {
+        with_faces("x = { lower = \"symmetry\" }").replace(
+            "[\"50 mm\", \"50 mm\", \"127.5 mm\"], diameter = \"15 mm\" }]",
+            &format!("[\"{position}\", \"50 mm\", \"127.5 mm\"], diameter = \"15 mm\"{rest} }}]"),
+        )
+    };
+    let held = |text: String| {
+        text.replace("name = \"sphere\"\n", "name = \"sphere\"\nmotion = \"prescribed\"\n")
+    };
+    let moves = ", velocity = [\"0 m/s\", \"1 mm/s\", \"0 m/s\"]";
+    let across = ", velocity = [\"1 mm/s\", \"0 m/s\", \"0 m/s\"]";
+    one_problem(
+        &with("3 mm", ""),
+        &["the symmetry plane x_lower cuts", "moves freely", "half a diameter away"],
+    );
+    one_problem(&with("0 mm", ""), &["moves freely"]);
+    one_problem(
+        &held(with("3 mm", moves)),
+        &["x_lower cuts", "not its own image", "centre on the plane"],
+    );
+    one_problem(&held(with("0 mm", across)), &["not its own image"]);
+    for good in [with("8 mm", ""), held(with("3 mm", "")), held(with("0 mm", moves))] {
+        read(&good).unwrap_or_else(|errors| panic!("{errors}"));
+    }
+}
