@@ -13,12 +13,13 @@
 //! that prescribes a velocity is a wall that has it. The force on the part is that of the
 //! populations exchanged, `g_i c_i - f_i' c_i'`, in deviations from rest.
 //!
-//! A face that slides along itself pushes into a cell what it takes from it, link by link in opposite pairs. Where
-//! it ends at another wall a pair lacks one link, and as the density differs from edge to edge, so would the mass. No
-//! fluid comes through such a face: what its links bring a cell is taken from the cell's population at rest,
+//! A face that slides along itself pushes into a cell what it takes from it, link by link in opposite pairs. Where it ends at another
+//! wall a pair lacks one link: mass enters at one edge and leaves at the other, as it does in the half cell along the face, which drags it from edge
+//! to edge. But the density differs from edge to edge, and so would the mass. So it enters and leaves at the fluid's mean density
+//! `rho_m`; the difference is taken from the cell's population at rest:
 //!
 //! ```text
-//! f_0(x) -= sum over links to sliding faces (f_i' - g_i)
+//! f_0(x) -= sum over links to sliding faces (f_i' - g_i + 6 w_i rho_m (c_i.u))
 //! ```
 //!
 //! What interpolation makes or takes at walls is paid back over some hundred steps, see `wall_mass`.
@@ -341,7 +342,7 @@ impl<T: Real> After<'_, T> {
             };
             *value = (g, f + met.pay(link));
         }
-        let mut brought = 0.0;
+        let (mut brought, mut slid) = (0.0, 0.0);
         for (link, (g, f)) in links.iter().zip(values) {
             let (i, c) = (link.dir as usize, C_F64[link.dir as usize]);
             let f = self.field.set(self.next_place(cell, OPPOSITE[i]), f);
@@ -356,14 +357,18 @@ impl<T: Real> After<'_, T> {
             exchange.links += 1;
             if fixture.as_solid().is_none() {
                 brought += f - g;
+                if let Now::Wall(u) = now[fixture.0 as usize] {
+                    slid += 6.0 * W[i] * dot(c, u);
+                }
             }
         }
         // Cells at open faces get other populations yet.
-        if brought != 0.0 && open_faces(&self.layout.grid, at).next().is_none() {
+        let more = brought + self.mean * slid;
+        if more != 0.0 && open_faces(&self.layout.grid, at).next().is_none() {
             let exchanges = &mut met.exchanges;
             let is_face = |link: &&Link| exchanges[link.fixture as usize].0.as_solid().is_none();
             if let Some(link) = links.iter().find(is_face) {
-                exchanges[link.fixture as usize].1.mass += self.give(cell, -brought);
+                exchanges[link.fixture as usize].1.mass += self.give(cell, -more);
             }
         }
     }

@@ -161,6 +161,8 @@ pub struct After<'a, T: Real> {
     pub drho: &'a Field<T>,
     /// Which vector instructions.
     pub variant: Variant,
+    /// Mean density of the fluid.
+    pub mean: f64,
     /// Whether bodies keep accounts of mass.
     pub keeps_mass: bool,
     /// See [`nearest_wall`].

@@ -473,6 +473,11 @@ impl<T: Collides> Solver<T> {
         }
     }
 
+    /// Mean density of the fluid in the last collision.
+    fn mean_density(&self) -> f64 {
+        1.0 + self.survey.excess / (self.owners.fluid_cells as f64).max(1.0)
+    }
+
     /// Reflects the populations that ran into bodies and fixtures. Bodies come first: at a cell
     /// between a body and a curved wall they read what the wall's links change in place.
     fn reflect(&mut self) {
@@ -484,6 +489,7 @@ impl<T: Collides> Solver<T> {
             parity: self.parity,
             drho: &self.wanted.drho,
             variant: self.variant,
+            mean: self.mean_density(),
             keeps_mass: self.keeps_mass,
             nearest_wall: nearest_wall(self.tau),
             walls: self.feels_gaps().then_some(&self.walls),
@@ -550,7 +556,7 @@ impl<T: Collides> Solver<T> {
         let open = &self.open;
         self.team.for_each(&mut self.open_items, |_, item| next.open(open, item));
         if !self.open_items.is_empty() {
-            let density = 1.0 + self.survey.excess / (self.owners.fluid_cells as f64).max(1.0);
+            let density = self.mean_density();
             self.open.steer(&self.open_items, &self.now, density, &self.brought);
         }
         Ok(())
