@@ -86,6 +86,7 @@ mod pockets;
 mod ports;
 mod probes;
 mod refill;
+mod reflect;
 mod reservoir;
 mod reservoir_findings;
 mod resolution;

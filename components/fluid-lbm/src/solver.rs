@@ -6,7 +6,6 @@ use crate::body::Body;
 use crate::body::UnionShare;
 use crate::bricks::Bricks;
 use crate::catalogue::Catalogue;
-use crate::cells::Fixture;
 use crate::collision::Relaxation;
 use crate::course::Now;
 use crate::declared::{DeclaredGaps, Intakes};
@@ -20,10 +19,10 @@ use crate::kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lattice::CS2;
 use crate::layout::Layout;
 use crate::ledger::Ledger;
-use crate::links::{self, After, Exchange, nearest_wall};
+use crate::links::{self, Exchange};
 use crate::lost::Lost;
 use crate::motion::Filled;
-use crate::open::{self, Next, OpenCells};
+use crate::open::{self, OpenCells};
 use crate::owners::Owners;
 use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::part_body::Rounding;
@@ -45,7 +44,7 @@ use crate::wall_mass::{Brought, Patches};
 use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_team::{Choice, Cut, Found, Team, Variant};
+use tremie_team::{Choice, Found, Team, Variant};
 
 /// Cells that are one item of work of the collision. Blocks are added up in their order.
 const CELLS_PER_BLOCK: usize = 4096;
@@ -87,14 +86,14 @@ pub struct Solver<T: Collides> {
     pub(crate) gaps_press: bool,
     /// Gaps that the scene declares, and by cell.
     pub(crate) declared: DeclaredGaps,
-    gap_of: Vec<u16>,
+    pub(crate) gap_of: Vec<u16>,
     /// Where what they draw in leaves the fluid.
     pub(crate) intakes: Intakes,
     /// Links that slip in them, and whether any do.
     pub(crate) walls: WallDistances,
     pub(crate) slip: Slip,
     pub(crate) slips: bool,
-    scheme: OpenFaces,
+    pub(crate) scheme: OpenFaces,
     /// Deformable surfaces whose vertices have not come yet, vertices of all, and parts of the scene.
     pub(crate) waiting: Vec<Soft>,
     pub(crate) soft_vertices: usize,
@@ -104,19 +103,19 @@ pub struct Solver<T: Collides> {
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub(crate) lift: [f64; 3],
     kernel: Kernel<T>,
-    variant: Variant,
+    pub(crate) variant: Variant,
     pub(crate) team: Team,
     /// Whether a step is faster on the whole team or alone, once that may be tried, and what was found.
     choice: Option<Choice>,
     found: Option<Found>,
     /// Room for the links of a body, for each thread.
-    batches: Vec<Batch>,
+    pub(crate) batches: Vec<Batch>,
     pub(crate) blocks: Vec<Block>,
     pub(crate) tally: Tally,
     /// Faces and static solids.
     pub(crate) surroundings: Surroundings,
     /// What they prescribe at the end of the step.
-    now: Vec<Now>,
+    pub(crate) now: Vec<Now>,
     pub(crate) fixed: FixedLinks,
     pub(crate) fixed_items: Vec<fixed::Item>,
     pub(crate) patches: Patches,
@@ -471,119 +470,6 @@ impl<T: Collides> Solver<T> {
         for block in &self.blocks {
             self.survey.join(&block.survey);
         }
-    }
-
-    /// Mean density of the fluid in the last collision.
-    fn mean_density(&self) -> f64 {
-        1.0 + self.survey.excess / (self.owners.fluid_cells as f64).max(1.0)
-    }
-
-    /// Reflects the populations that ran into bodies and fixtures. Bodies come first: at a cell
-    /// between a body and a curved wall they read what the wall's links change in place.
-    fn reflect(&mut self) {
-        let after = After {
-            field: &self.field,
-            layout: &self.layout,
-            owners: &self.owners,
-            bricks: &self.bricks,
-            parity: self.parity,
-            drho: &self.wanted.drho,
-            variant: self.variant,
-            mean: self.mean_density(),
-            keeps_mass: self.keeps_mass,
-            nearest_wall: nearest_wall(self.tau),
-            walls: self.feels_gaps().then_some(&self.walls),
-            gap_of: &self.gap_of,
-            intakes: &self.intakes,
-        };
-        let bodies = &self.bodies;
-        if self.slips {
-            self.slip.read(&after, bodies, &mut self.team);
-        }
-        self.declared.reflect(&after);
-        let items = (Cut::every(&mut self.link_items, 1), Cut::every(&mut self.exchanges, 1));
-        let reflect =
-            |batch: &mut Batch, (item, exchange): (&mut [links::Item], &mut [Exchange])| {
-                exchange[0] = after.reflect(bodies, &mut item[0], batch);
-            };
-        if after.walls.is_some() {
-            let items = (items.0, items.1, Cut::every(&mut self.seen, 1));
-            self.team.for_pieces_with(
-                items,
-                &mut self.batches,
-                |batch, _, (item, exchange, seen)| {
-                    reflect(batch, (item, exchange));
-                    seen[0].take(item[0].body, &item[0].gaps);
-                },
-            );
-        } else {
-            self.team
-                .for_pieces_with(items, &mut self.batches, |batch, _, one| reflect(batch, one));
-        }
-        let step = self.units.time_step;
-        let time = self.steps as f64 * step;
-        for (law, now) in self.surroundings.laws.iter().zip(&mut self.now) {
-            if let Some(prescribed) = law.as_ref().and_then(|law| law.in_step(time, step)) {
-                *now = prescribed;
-            }
-        }
-        let (fixed, now, references) = (&self.fixed, &self.now, &self.surroundings.references);
-        self.team.for_each(&mut self.fixed_items, |_, item| {
-            after.reflect_fixed(fixed, now, references, item);
-        });
-        self.brought = Patches::brought(&self.fixed_items);
-        if self.slips {
-            self.slip.write(&after, references, &mut self.team);
-        }
-    }
-
-    /// Gives the cells at open faces their populations; those at reservoirs first, because other faces
-    /// read the cells inside.
-    fn open(&mut self) -> Result<(), FluidError> {
-        let next = Next {
-            field: &self.field,
-            layout: &self.layout,
-            owners: &self.owners,
-            parity: self.parity,
-            acceleration: self.relaxation.acceleration,
-            now: &self.now,
-            scheme: self.scheme,
-            variant: self.variant,
-        };
-        for reservoir in &mut self.reservoirs {
-            reservoir.apply(&next, &mut self.team, &self.units, &self.brought)?;
-        }
-        let open = &self.open;
-        self.team.for_each(&mut self.open_items, |_, item| next.open(open, item));
-        if !self.open_items.is_empty() {
-            let density = self.mean_density();
-            self.open.steer(&self.open_items, &self.now, density, &self.brought);
-        }
-        Ok(())
-    }
-
-    /// Adds up what the fluid exchanged with each fixture: force and torque on it.
-    pub(crate) fn join_fixtures(&mut self) -> [f64; 3] {
-        let mut mirrors = [[0.0; 3]; 6];
-        self.impulses.fill([0.0; 3]);
-        for (number, block) in self.blocks.iter().enumerate() {
-            self.tally.share(number, &block.reflected, &mut mirrors, &mut self.impulses);
-        }
-        for (fixture, impulse) in self.fixtures.iter_mut().zip(&self.impulses) {
-            *fixture = Exchange { force: impulse.map(|x| -x), ..Exchange::default() };
-        }
-        let fixed = self.fixed_items.iter().flat_map(|item| &item.exchanges);
-        let halfway = self.blocks.iter().flat_map(|block| &block.halfway.exchanges);
-        for (Fixture(number), exchange) in fixed.chain(halfway) {
-            self.fixtures[usize::from(*number)].join(exchange);
-        }
-        if self.slips {
-            for (number, fixture) in self.fixtures.iter_mut().enumerate() {
-                fixture.join(&self.slip.on_fixture(number));
-            }
-        }
-        self.mirrors = mirrors.map(|impulse| impulse.map(|x| -x));
-        std::array::from_fn(|a| mirrors[2 * a][a] + mirrors[2 * a + 1][a])
     }
 }
 

@@ -98,11 +98,15 @@ impl Plain {
         let n = self.case.cells.map(|n| n as i64);
         self.force.fill([0.0; 3]);
         self.torque.fill([0.0; 3]);
+        let place = |k: i64| [k % n[0], k / n[0] % n[1], k / (n[0] * n[1])];
+        let wet = || (0..n[0] * n[1] * n[2]).filter(|&k| self.fluid(place(k)));
+        let excess: f64 = wet().flat_map(|k| self.g[k as usize]).sum();
+        let mean = 1.0 + excess / wet().count() as f64;
         for k in 0..n[0] * n[1] * n[2] {
             let at = [k % n[0], k / n[0] % n[1], k / (n[0] * n[1])];
             if self.fluid(at) {
-                // What the lid pushes in and takes out, which nothing comes through.
-                let mut through = 0.0;
+                // What the lid pushes in and takes out beyond what it does at the mean density.
+                let mut beyond = 0.0;
                 for i in 0..Q {
                     // What arrives against direction i comes from the neighbour along i, or is
                     // reflected there.
@@ -116,13 +120,13 @@ impl Plain {
                             let lid = axis == 2 && C[i][2] == 1;
                             let u = if lid { self.lid } else { [0.0; 3] };
                             let push = 6.0 * W[i] * rho * dot(C_F64[i], u);
-                            through += push;
+                            beyond += push * (1.0 - mean / rho);
                             self.g[k as usize][i] - push
                         }
                     };
                     self.h[k as usize][OPPOSITE[i]] = f;
                 }
-                self.h[k as usize][0] += through;
+                self.h[k as usize][0] += beyond;
             }
         }
     }
