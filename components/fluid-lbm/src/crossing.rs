@@ -1,34 +1,60 @@
 //! Mass that crosses a section, link by link.
 //!
 //! ```text
-//! passed = 1/2 sum over the two sides of the layer of cells of (sum over links across it f_i c_i.n)
+//! passed = 1/2 sum over the two sides of the layer of cells of
+//!            ( sum over links between fluid cells across it f_i c_i.n  +  sum over links into moving walls across it 6 w_i rho (c_i.u_w) c_i.n )
 //! ```
 //!
-//! Populations that arrive in fluid cells from fluid cells beyond a side are counted, and none that a wall threw back. This is the
-//! flow whose balance the lattice keeps: sections of one steady stream agree to rounding, whatever stands between them,
-//! where walls are half-way or along the axes; along interpolated walls aslant some of it passes beyond the last cells,
-//! half a per cent in a tube of 9 cells, and comes back within a step of the wall. The sum of the cells' velocities differs
-//! from it by the shear at the walls, in a duct of ten cells by some 1 %.
+//! Populations that arrive in fluid cells from fluid cells beyond a side are counted, and none that a wall threw back; a wall that
+//! moves carries along what its links take. This is the flow whose balance the lattice keeps: sections of one steady stream agree to
+//! rounding, whatever stands between them, where walls are half-way or along the axes. Along interpolated walls aslant some of it passes beyond
+//! the last cells, half a per cent in a tube of 9 cells, and comes back within a step of the wall. The sum of the cells'
+//! velocities differs from it by the shear at the walls, in a duct of ten cells by some 1 %.
 //!
 //! Cells at open faces are given other populations than arrived (see `open`). The layer at such a face is read one cell further
-//! inside.
+//! inside. Of walls that stand still those that slide along themselves are left out, but for faces of the domain.
 
+use crate::bodies::Bodies;
+use crate::course::Now;
 use crate::field::Real;
-use crate::grid::Side;
-use crate::lattice::{C, OPPOSITE, Q, mirrored};
+use crate::grid::{Reach, Side};
+use crate::lattice::{C, C_F64, OPPOSITE, Q, W, dot, mirrored};
 use crate::layout::Layout;
-use crate::owners::Owners;
+use crate::owners::{BODY, Owners, SHARED};
 use crate::refill::Before;
 
 /// A link across a side of the layer.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    from: u32,
-    to: u32,
-    /// Direction in which it arrives.
+    /// Of the layer.
+    cell: u32,
+    end: End,
+    /// Direction in which it leaves the layer.
     dir: u8,
     /// Sample's weight, by the number of sides of the layer, negative against the axis.
     weight: f32,
+}
+
+/// Where a link ends.
+#[derive(Clone, Copy, Debug)]
+enum End {
+    /// In a cell, in which what leaves the layer arrives in a direction, mirrored at some axes.
+    Cell { cell: u32, dir: u8, mirrors: u8 },
+    /// At a face of the domain, `2 axis + side`.
+    Face(u8),
+}
+
+/// What the links of a section see.
+#[derive(Clone, Copy)]
+pub struct Sight<'a, T: Real> {
+    /// The fluid.
+    pub before: Before<'a, T>,
+    /// Who owns which cell.
+    pub owners: &'a Owners,
+    /// The bodies.
+    pub bodies: &'a Bodies,
+    /// What fixtures prescribe.
+    pub now: &'a [Now],
 }
 
 /// Links that cross a part of a section.
@@ -49,26 +75,60 @@ impl Crossing {
             let Some((cell, sides)) = sides(layout, axis, at) else { continue };
             let share = weight / sides.iter().filter(|&&read| read).count() as f64;
             for i in (1..Q).filter(|&i| C[i][axis] != 0 && sides[usize::from(C[i][axis] > 0)]) {
-                let Some((other, arrives)) = end(layout, cell, i) else { continue };
+                let Some(end) = end(layout, cell, i) else { continue };
                 let weight = (share * f64::from(C[i][axis])) as f32;
-                // What leaves the cell along a link, and what comes back on it.
-                links.push(Link { from: cell, to: other, dir: arrives as u8, weight });
-                let back = OPPOSITE[i] as u8;
-                links.push(Link { from: other, to: cell, dir: back, weight: -weight });
+                links.push(Link { cell, end, dir: i as u8, weight });
             }
         }
         Self { probe, links, passed: 0.0 }
     }
 
-    /// Adds up what arrived in the last step.
-    pub fn look<T: Real>(&mut self, before: &Before<T>, owners: &Owners) {
+    /// Adds up what passed in the last step.
+    pub fn look<T: Real>(&mut self, sight: &Sight<T>) {
         self.passed = 0.0;
         for link in &self.links {
-            if owners.is_fluid(link.from) && owners.is_fluid(link.to) {
-                let place = before.layout.place(before.parity, link.to, usize::from(link.dir));
-                self.passed += f64::from(link.weight) * before.field.get(place);
+            if sight.owners.is_fluid(link.cell) {
+                self.passed += f64::from(link.weight) * sight.passed(link);
             }
         }
+    }
+}
+
+impl<T: Real> Sight<'_, T> {
+    /// What passed along a link out of its cell.
+    fn passed(&self, link: &Link) -> f64 {
+        let Before { layout, parity, field, .. } = self.before;
+        let i = usize::from(link.dir);
+        match link.end {
+            End::Cell { cell, dir, .. } if self.owners.is_fluid(cell) => {
+                let arrived = |cell: u32, i: usize| field.get(layout.place(parity, cell, i));
+                arrived(cell, dir.into()) - arrived(link.cell, OPPOSITE[i])
+            }
+            End::Cell { cell, mirrors, .. } => {
+                self.velocity_in(cell, mirrors).map_or(0.0, |u| self.carried(link.cell, i, u))
+            }
+            End::Face(face) => match self.now[usize::from(face)] {
+                Now::Wall(u) if u != [0.0; 3] => self.carried(link.cell, i, u),
+                _ => 0.0,
+            },
+        }
+    }
+
+    /// What a wall with a velocity takes from a cell along a link.
+    fn carried(&self, cell: u32, i: usize, u: [f64; 3]) -> f64 {
+        6.0 * W[i] * (1.0 + self.before.content(cell).drho) * dot(C_F64[i], u)
+    }
+
+    /// Velocity of the body that holds a cell, if one does; as seen in mirrors.
+    fn velocity_in(&self, cell: u32, mirrors: u8) -> Option<[f64; 3]> {
+        let handle = match self.owners.of(cell) {
+            SHARED => self.owners.claimants(cell).next()?,
+            owner => owner.checked_sub(BODY)?,
+        };
+        let body = self.bodies.with_handle(handle);
+        let layout = self.before.layout;
+        let u = body.velocity_at(layout.grid.arm(body.position, layout.at(cell)));
+        Some(std::array::from_fn(|a| if mirrors >> a & 1 == 1 { -u[a] } else { u[a] }))
     }
 }
 
@@ -89,9 +149,17 @@ fn sides(layout: &Layout, axis: usize, mut at: [i32; 3]) -> Option<(u32, [bool; 
     sides.contains(&true).then_some((cell, sides))
 }
 
-/// The cell in which what leaves a cell along `i` arrives, and the direction in which it does.
-fn end(layout: &Layout, cell: u32, i: usize) -> Option<(u32, usize)> {
-    let other = layout.neighbour(cell, i)?;
-    let (_, mirrors) = layout.near(layout.at(cell), C[i])?;
-    Some((other, mirrored(i, mirrors)))
+/// Where what leaves a cell along `i` ends, if that is neither in a part that stands still nor beyond an open face.
+fn end(layout: &Layout, cell: u32, i: usize) -> Option<End> {
+    let at = layout.at(cell);
+    if let Some(other) = layout.neighbour(cell, i) {
+        let (_, mirrors) = layout.near(at, C[i])?;
+        return Some(End::Cell { cell: other, dir: mirrored(i, mirrors) as u8, mirrors });
+    }
+    match layout.grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
+        Reach::Face { axis, side } if layout.grid.sides[axis][side] == Side::Wall => {
+            Some(End::Face((2 * axis + side) as u8))
+        }
+        _ => None,
+    }
 }

@@ -1,6 +1,6 @@
 //! What probes measure: weighted means over the fluid cells where they are.
 
-use crate::crossing::Crossing;
+use crate::crossing::{Crossing, Sight};
 use crate::field::Real;
 use crate::grid::Grid;
 use crate::lattice::CS2;
@@ -317,17 +317,11 @@ impl Probes {
     }
 
     /// Looks at what passes sections at the end of a step, if it is their turn.
-    pub fn look<T: Real>(
-        &mut self,
-        team: &mut Team,
-        before: &Before<T>,
-        owners: &Owners,
-        steps: u64,
-    ) {
+    pub fn look<T: Real>(&mut self, team: &mut Team, sight: &Sight<T>, steps: u64) {
         if !self.every.is_some_and(|every| steps.is_multiple_of(every)) {
             return;
         }
-        team.for_each(&mut self.crossings, |_, crossing| crossing.look(before, owners));
+        team.for_each(&mut self.crossings, |_, crossing| crossing.look(sight));
         self.looks += 1;
         self.passing.iter_mut().for_each(|passing| passing.last = Some(0.0));
         for crossing in &self.crossings {

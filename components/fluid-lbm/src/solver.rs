@@ -8,6 +8,7 @@ use crate::bricks::Bricks;
 use crate::catalogue::Catalogue;
 use crate::collision::Relaxation;
 use crate::course::Now;
+use crate::crossing::Sight;
 use crate::declared::{DeclaredGaps, Intakes};
 use crate::error::FluidError;
 use crate::field::Field;
@@ -426,8 +427,9 @@ impl<T: Collides> Solver<T> {
         self.end_balance(true);
         self.settle_accounts();
         self.count_lost();
-        let before = before!(self);
-        self.probes.look(&mut self.team, &before, &self.owners, self.steps);
+        let (before, now) = (before!(self), &self.now);
+        let sight = Sight { before, owners: &self.owners, bodies: &self.bodies, now };
+        self.probes.look(&mut self.team, &sight, self.steps);
         Ok(())
     }
 

@@ -3,9 +3,9 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::probe_signals;
+use tremie_fluid_lbm::{FluidLbm, probe_signals};
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Probe, ProbeShape, Ring};
+use tremie_messages::scene::{Probe, ProbeShape, Ring, Scene};
 
 #[test]
 fn probes_read_a_linear_flow() {
@@ -148,4 +148,64 @@ fn a_probe_outside_the_fluid_is_refused() {
     scene.probes.pop();
     let problems = case.parameters().resolve(&scene).unwrap_err();
     assert!(problems[0].message.contains("nowhere lies on no cell"), "{problems:?}");
+}
+
+/// What crosses a section, mean over the last steps, in cells at density 1.
+fn crossing(fluid: &mut FluidLbm, steps: usize, mut step: impl FnMut(&mut FluidLbm)) -> f64 {
+    fluid.restart_means();
+    (0..steps).for_each(|_| step(fluid));
+    let mut found = Vec::new();
+    fluid.probes(&mut found);
+    found[2]
+}
+
+fn with_section(case: &Case, n: [usize; 3]) -> Scene {
+    let mut scene = case.scene();
+    let (min, max) = ([0.0; 3], n.map(|n| n as f64));
+    let shape = ProbeShape::Section { axis: 0, position: 0.5 * max[0] + 0.1, min, max };
+    scene.probes.push(Probe { name: "section".into(), shape });
+    scene
+}
+
+/// A fluid that flows along with the spheres in it passes a section as fast as they do: of what is there, the part that is no
+/// sphere. Walls of bodies carry their share, and what they displace is not counted.
+#[test]
+fn what_bodies_carry_along_passes_a_section() {
+    let n = [27, 16, 16];
+    let mut case = Case::new(n, [PERIODIC; 3], 0.8);
+    let speed = 0.018;
+    case.velocity = [speed, 0.0, 0.0];
+    let scene = with_section(&case, n);
+    let mut fluid = case.fluid_of(&scene);
+    let at = [[4.2, 4.1, 4.4], [12.7, 11.6, 3.9], [20.3, 4.8, 11.7], [8.1, 12.2, 11.9]];
+    let mut bodies: Vec<_> = (1..).zip(at).map(|(id, at)| BodyState::at_rest(id, at)).collect();
+    let events: Vec<_> = bodies.iter().map(|body| added(body.id, 3.3)).collect();
+    bodies.iter_mut().for_each(|body| body.velocity = [speed, 0.0, 0.0]);
+    fluid.apply_events(&events).unwrap();
+    let mut loads = loads_of(&bodies);
+    fluid.start(&bodies, &mut loads).unwrap();
+    let cells = fluid.diagnostics().fluid_cells as f64;
+    // Once through the domain.
+    let passed = crossing(&mut fluid, 1500, |fluid| {
+        advance(&mut bodies);
+        fluid.step(&bodies, &mut loads).unwrap();
+    });
+    let wanted = speed * cells / 27.0;
+    println!("{passed} of {wanted}");
+    assert!((passed / wanted - 1.0).abs() < 0.01, "{passed} {wanted}");
+}
+
+/// A lid drags half of its speed times the height through a channel, half a cell beside it as well.
+#[test]
+fn what_a_lid_drags_passes_a_section() {
+    let n = [9, 4, 10];
+    let mut case = Case::new(n, [PERIODIC, PERIODIC, WALL], 0.9);
+    case.lid = (2, [0.02, 0.0, 0.0]);
+    let scene = with_section(&case, n);
+    let mut fluid = case.fluid_of(&scene);
+    (0..2000).for_each(|_| fluid.step(&[], &mut []).unwrap());
+    let passed = crossing(&mut fluid, 10, |fluid| fluid.step(&[], &mut []).unwrap());
+    let wanted = 0.5 * 0.02 * 40.0;
+    println!("{passed} of {wanted}");
+    assert!((passed / wanted - 1.0).abs() < 1e-3, "{passed} {wanted}");
 }
