@@ -10,6 +10,7 @@ use super::{
     surfaces::{Bench, Owner},
 };
 use crate::{
+    Vec3,
     bodies::{Bodies, Mobility, Wrench},
     forces::Scenery,
     laws::Laws,
@@ -310,6 +311,15 @@ impl PolyContacts {
         }
         self.gather(polyhedra, scenery.bodies);
         Tally::sum(&self.tallies)
+    }
+
+    /// Adds the forces on walls, by their numbers.
+    pub fn add_wall_forces(&self, sums: &mut [Vec3]) {
+        for owner in &self.owners {
+            if let Met::Wall(wall) = owner.met {
+                sums[wall as usize] += owner.load.force;
+            }
+        }
     }
 
     /// Energy in the springs of all contacts [J]: of parts as if each triangle had solid straight below it,
