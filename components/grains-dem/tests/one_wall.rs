@@ -91,7 +91,7 @@ fn a_part_flush_with_a_face_of_the_domain_is_one_wall_with_it() {
         dem.advance(200, &[]).unwrap();
         (state(&dem)[0], dem.diagnostics().max_overlap_ratio)
     };
-    for at in [20e-3, 20.4e-3, 19e-3] {
+    for at in [20e-3, 20.4e-3, 20.5e-3, 19.5e-3, 19e-3] {
         let expected = down(vec![], at);
         let beside = block([-2.0, -2.0, -10.0], [20.0, 42.0, 0.0]);
         assert_same(down(vec![beside], at), expected, 1e-6, "flush");
@@ -219,6 +219,71 @@ fn a_sphere_rolls_across_seams_of_parts_as_over_one() {
         let found = run(parts, planes);
         let error = norm(minus(found.position, expected.position));
         assert!(error < 1e-7 * D, "{what}: {error} {found:?} {expected:?}");
+    }
+}
+
+/// Half a millimetre beside the seam of a part with a face of the domain a sphere goes straight back up.
+#[test]
+fn a_sphere_beside_the_seam_of_a_part_and_a_face_is_not_pushed_sideways() {
+    for at in [19.5e-3, 20.5e-3] {
+        for top in [0.0, -1e-7, -0.1] {
+            let mut scene = room(0.3, 0.5);
+            scene.parts = vec![block([-2.0, -2.0, -10.0], [20.0, 42.0, top])];
+            let ball = sphere([at, 20e-3, 0.51 * D], D, [0.0, 0.0, -1.0]);
+            scene.bodies = vec![set(Motion::Free, vec![ball])];
+            let mut dem = make(&scene, DT);
+            dem.advance(200, &[]).unwrap();
+            let v = state(&dem)[0].velocity;
+            assert!((v[2] - 0.49).abs() < 0.01, "{at} {top}: {v:?}");
+            assert!(v[0].abs() + v[1].abs() < 1e-9, "{at} {top}: {v:?}");
+        }
+    }
+}
+
+/// A bore of four times the radius, its facets 1.4 to 6 degrees from each other, is as stiff as one wall at any
+/// overlap: a force F goes with the energy `F^2/(2 k)`.
+#[test]
+fn a_bore_of_many_facets_is_as_stiff_as_one_wall() {
+    let (r, big) = (0.5 * D, 2.0 * D);
+    let trough = move |x: f64, _: f64| big - (big * big - x * x).sqrt();
+    let axis = [20e-3, 20e-3, 20e-3];
+    let mut bore = part(Geometry::Cylinder { radius: big, length: 30e-3 }, axis);
+    // Along y, as the troughs are.
+    bore.pose.orientation = [0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()];
+    bore.cavity = true;
+    let mut walls = vec![("bore".to_string(), bore)];
+    let files = [16, 31, 60].map(|n| (n, relief(n, 12e-3, 0.0, -2e-3, trough)));
+    for (n, file) in &files {
+        walls.push((format!("trough of {n}"), of_file(file, [20e-3, 20e-3, 20e-3 - big])));
+    }
+    for (what, wall) in walls {
+        for share in [0.01, 0.03, 0.05] {
+            let (mut ends, mut deepest, mut asked) = ([f64::INFINITY, 0.0f64], 0.0f64, 0);
+            for k in 0..9 {
+                // Let go where it touches, it bobs twice as deep as it rests, and slides over facets.
+                let angle = 0.07 * f64::from(k);
+                let down = [angle.sin(), 0.0, -angle.cos()];
+                let mut scene = room(0.0, 1.0);
+                scene.parts = vec![wall.clone()];
+                scene.gravity = down.map(|d| d * K * share * r / mass(D));
+                let place = [0, 1, 2].map(|a| axis[a] + down[a] * (big - r));
+                scene.bodies = vec![set(Motion::Free, vec![sphere(place, D, [0.0; 3])])];
+                let mut dem = make(&scene, DT);
+                for _ in 0..400 {
+                    dem.advance(5, &[]).unwrap();
+                    let (seen, (force, _)) = (dem.diagnostics(), dem.part_loads().next().unwrap());
+                    let force = norm(force);
+                    if force > 0.1 * K * share * r {
+                        let stiffness = force * force / (2.0 * K * seen.elastic_energy);
+                        ends = [ends[0].min(stiffness), ends[1].max(stiffness)];
+                        asked += 1;
+                    }
+                    deepest = deepest.max(seen.max_overlap_ratio);
+                }
+            }
+            assert!(asked > 1_000 && deepest > 1.8 * share, "{what} {share}: {asked} {deepest}");
+            assert!(ends[0] > 0.97 && ends[1] < 1.03, "{what} {share}: {ends:?}");
+        }
     }
 }
 
