@@ -4,6 +4,7 @@ mod common;
 use common::solids::*;
 use common::walls::*;
 use common::*;
+use proptest::prelude::*;
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::{
     body::BodyState,
@@ -17,7 +18,7 @@ const DT: f64 = 4e-6;
 
 fn room(friction: f64) -> Scene {
     let mut scene = scene([40e-3; 3], WALLS, law(K, friction, Damping::Restitution(0.5)));
-    scene.shapes = vec![shape("cube"), shape("dodecahedron"), shape("tetrahedron")];
+    scene.shapes = vec![shape("cube")];
     scene
 }
 
@@ -84,6 +85,59 @@ fn cubes_rebound_from_flush_parts_as_from_one() {
             let [x, y, _] = found.velocity;
             assert!(x.abs() + y.abs() < 1e-9, "{attitude}, {what}: {found:?}");
             assert_eq!(dem.diagnostics().contacts, 0);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn any_cut_of_a_floor_is_one_wall(
+        seam in 18.0f64..22.0,
+        other in 18.0f64..22.0,
+        at in [19e-3f64..21e-3, 19e-3f64..21e-3],
+        velocity in [-0.2f64..0.2, -0.2f64..0.2, -0.2f64..-0.1],
+        axis in [-1.0f64..1.0, -1.0f64..1.0, -1.0f64..1.0],
+        angle in 0.0f64..3.0,
+        n in 1usize..24,
+        uneven in 0.0f64..0.3,
+        friction in 0.0f64..0.5,
+    ) {
+        prop_assume!(norm(axis) > 0.1);
+        let q = turned(axis, angle);
+        let lowest = (0..8).map(|k| {
+            let corner = [0, 1, 2].map(|a| if k >> a & 1 == 0 { 0.5 * EDGE } else { -0.5 * EDGE });
+            to_world(q, corner)[2]
+        });
+        let reach = -lowest.fold(0.0, f64::min);
+        let run = |parts, planes| {
+            let at = [at[0], at[1], TOP];
+            bounce(with(parts, planes, friction), (q, reach), at, velocity, [0.0; 3]).0
+        };
+        let file = relief(n, 16e-3, uneven, -2e-3, |_, _| 0.0);
+        let parts = vec![
+            of_file(&file, [20e-3, 1e-3 * seam - 8e-3, TOP]),
+            block([-2.0, seam, 0.0], [other, 42.0, 10.0]),
+            block([other, seam, 0.0], [42.0, 42.0, 10.0]),
+        ];
+        assert_same(run(parts, vec![]), run(vec![], vec![floor(TOP)]), 1e-3, "cut");
+    }
+}
+
+/// Whoever is first in the manifest.
+#[test]
+fn the_order_of_parts_changes_nothing_but_rounding() {
+    let four = cuts()[3].1.clone();
+    for (attitude, q, reach) in attitudes() {
+        let run = |order: [usize; 4]| {
+            let mut scene = with(order.map(|k| four[k].clone()).to_vec(), vec![floor(TOP)], 0.3);
+            scene.parts.push(block([17.0, 17.0, 0.0], [21.0, 21.0, 10.0]));
+            let at = [20.1e-3, 19.8e-3, TOP];
+            bounce(scene, (q, reach), at, [0.1, 0.05, -0.1], [1.0, 2.0, 3.0]).0
+        };
+        let expected = run([0, 1, 2, 3]);
+        for order in [[3, 2, 1, 0], [1, 3, 0, 2], [2, 0, 3, 1]] {
+            assert_same(run(order), expected, 1e-6, attitude);
         }
     }
 }

@@ -37,12 +37,16 @@ pub(super) struct Cover {
     whose: Whose,
     /// Normals outward, and `x.normal` of the points: the top, the bottom and the sides; of a wall only the top.
     planes: [(Vec3, f64); 5],
+    /// Ends of a box that holds it.
+    ends: [Vec3; 2],
 }
 
 impl Cover {
-    /// Below a wall, whose points have `x.normal = offset`.
-    pub fn of_wall(whose: Whose, normal: Vec3, offset: f64) -> Self {
-        Self { whose, planes: [(normal, offset); 5] }
+    /// Below a wall, whose points have `x.normal = offset`, if the body reaches there.
+    pub fn of_wall(whose: Whose, normal: Vec3, offset: f64, a: Solid<'_>) -> Option<Self> {
+        let everywhere = [f64::NEG_INFINITY, f64::INFINITY].map(Vec3::repeat);
+        let reaches = -a.support(-normal) < offset;
+        reaches.then_some(Self { whose, planes: [(normal, offset); 5], ends: everywhere })
     }
 
     /// Below a triangle, if the body is before it and reaches there.
@@ -62,7 +66,13 @@ impl Cover {
                 return None;
             }
         }
-        Some(Self { whose, planes })
+        let deep = normal * (DEEP * a.inradius());
+        let tie = Vec3::repeat(TIE * a.inradius());
+        let below = corners.map(|corner| corner - deep);
+        let all = || corners.iter().chain(&below);
+        let min = all().fold(corners[0], |min, x| min.inf(x)) - tie;
+        let max = all().fold(corners[0], |max, x| max.sup(x)) + tie;
+        Some(Self { whose, planes, ends: [min, max] })
     }
 
     fn planes(&self) -> &[(Vec3, f64)] {
@@ -83,6 +93,8 @@ pub(super) struct Looked {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Covers {
     pub list: Vec<Cover>,
+    /// Those that may hide any of the polygon that is cut.
+    near: Vec<u32>,
     /// Corners of the pieces that are left of the last polygon, and where each ends.
     corners: Vec<Vec3>,
     ends: Vec<u32>,
@@ -102,6 +114,7 @@ impl Covers {
             list.reserve(corners.saturating_sub(list.len()));
         }
         self.list.reserve(covers.saturating_sub(self.list.len()));
+        self.near.reserve(covers.saturating_sub(self.near.len()));
         self.ends.reserve(corners.saturating_sub(self.ends.len()));
         self.begins.reserve(corners.saturating_sub(self.begins.len()));
     }
@@ -116,6 +129,10 @@ impl Covers {
     pub fn cut(&mut self, polygon: &[Vec3], looked: &Looked) -> bool {
         self.corners.clear();
         self.ends.clear();
+        self.find_near(polygon, looked);
+        if self.near.is_empty() {
+            return false;
+        }
         self.waiting.clear();
         self.waiting.extend(polygon);
         self.begins.clear();
@@ -123,22 +140,23 @@ impl Covers {
         let mut any = false;
         while let Some((begin, next)) = self.begins.pop() {
             let begin = begin as usize;
-            let hider = (next as usize..self.list.len()).find(|&k| self.hides(k, begin, looked));
-            let Some(k) = hider else {
+            let hider = (next as usize..self.near.len()).find(|&k| self.hides(k, begin, looked));
+            let Some(next) = hider else {
                 self.corners.extend(&self.waiting[begin..]);
                 self.ends.push(self.corners.len() as u32);
                 self.waiting.truncate(begin);
                 continue;
             };
             any = true;
+            let cover = &self.list[self.near[next] as usize];
             self.rest.clear();
             self.rest.extend(&self.waiting[begin..]);
             self.waiting.truncate(begin);
-            for plane in self.list[k].planes() {
-                let within = looked.within(&self.list[k], plane);
+            for plane in cover.planes() {
+                let within = looked.within(cover, plane);
                 clip(&self.rest, |x| -within(x), &mut self.spare);
                 if area(&self.spare, looked.normal) > looked.nothing() {
-                    self.begins.push((self.waiting.len() as u32, k as u32 + 1));
+                    self.begins.push((self.waiting.len() as u32, next as u32 + 1));
                     self.waiting.extend(&self.spare);
                 }
                 clip(&self.rest, within, &mut self.spare);
@@ -148,12 +166,21 @@ impl Covers {
         any
     }
 
-    /// Whether a cover hides any of the piece that waits last.
+    /// Finds the covers that may hide any of a polygon, by boxes.
+    fn find_near(&mut self, polygon: &[Vec3], looked: &Looked) {
+        self.near.clear();
+        let Some(&first) = polygon.first() else { return };
+        let min = polygon.iter().fold(first, |min, x| min.inf(x));
+        let max = polygon.iter().fold(first, |max, x| max.sup(x));
+        let meets = |[low, high]: &[Vec3; 2]| (0..3).all(|a| max[a] > low[a] && min[a] < high[a]);
+        let near = |cover: &Cover| looked.may_lie_in(cover) && meets(&cover.ends);
+        let near = (0..).zip(&self.list).filter(|(_, cover)| near(cover));
+        self.near.extend(near.map(|(k, _)| k));
+    }
+
+    /// Whether a cover near the polygon hides any of the piece that waits last.
     fn hides(&mut self, k: usize, begin: usize, looked: &Looked) -> bool {
-        let cover = &self.list[k];
-        if !looked.may_lie_in(cover) {
-            return false;
-        }
+        let cover = &self.list[self.near[k] as usize];
         self.rest.clear();
         self.rest.extend(&self.waiting[begin..]);
         for plane in cover.planes() {

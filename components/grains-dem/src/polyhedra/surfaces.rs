@@ -144,7 +144,7 @@ impl<'a> Beside<'a> {
         for o in (0..owners.len()).filter(is_real) {
             let (owner, whose) = (&owners[o], Self::whose(owners, o));
             if let Some((normal, height)) = self.wall(owner) {
-                covers.list.push(Cover::of_wall(whose, normal, -height));
+                covers.list.extend(Cover::of_wall(whose, normal, -height, self.solid));
             }
             let below = |t: Triangle| Cover::of_triangle(whose, &t, self.solid);
             covers.list.extend(self.triangles(owner).filter_map(below));
