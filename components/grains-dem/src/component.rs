@@ -4,7 +4,7 @@ use crate::carried::{Carried, check_start, in_scene, surfaces};
 use crate::findings::{findings, limits};
 use crate::followed::{self, FLUID, Follow, MOTION, push_motion};
 use crate::meanings::MEANINGS;
-use crate::{GrainsDem, Parameters, Resolution, probe_signals};
+use crate::{GrainsDem, Parameters, Resolution, probe_signals, walls};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::scene::{Motion, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
@@ -23,6 +23,8 @@ pub struct SoftSpheres {
     carried: Carried,
     /// Bodies, clumps and parts whose motion are signals.
     follow: Follow,
+    /// Axis and side of the faces of the domain that hold grains.
+    faces: Vec<(usize, usize)>,
 }
 
 /// So few bodies are followed one by one.
@@ -47,6 +49,10 @@ const SIGNALS: [(&str, &str); 12] = [
 /// Signals of each followed body.
 const PATH: [(&str, &str); 6] =
     [("x", "m"), ("y", "m"), ("z", "m"), ("vx", "m/s"), ("vy", "m/s"), ("vz", "m/s")];
+
+/// Signals of each face of the domain that holds grains, named `x_lower.value`.
+const FACE: [(&str, &str); 3] =
+    [("wall_force_x", "N"), ("wall_force_y", "N"), ("wall_force_z", "N")];
 
 /// Signals of each part: force of the grains, and torque about its reference point.
 const PART: [(&str, &str); 6] = [
@@ -117,7 +123,8 @@ impl Grains for SoftSpheres {
         let tracked =
             vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { grains.body_count() } else { 0 }];
         let follow = Follow::new(scene, grains.events());
-        Ok(Self { grains, tracked, few, carried: Carried::new(&surfaces), follow })
+        let (carried, faces) = (Carried::new(&surfaces), walls::faces(scene).collect());
+        Ok(Self { grains, tracked, few, carried, follow, faces })
     }
 
     fn events(&self) -> &[BodyEvent] {
@@ -203,6 +210,8 @@ impl Grains for SoftSpheres {
             values.extend(body.velocity);
         }
         self.follow.push(&self.grains, values);
+        let on_faces = self.grains.face_forces();
+        values.extend(self.faces.iter().flat_map(|&(axis, side)| on_faces[axis][side]));
         let mut sliders = self.grains.sliders().peekable();
         for (part, (force, torque)) in self.grains.part_loads().enumerate() {
             values.extend(force);
@@ -267,6 +276,11 @@ fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
         if scene.fluid.is_some() {
             all.extend(FLUID.iter().map(of));
         }
+    }
+    for (axis, side) in walls::faces(scene) {
+        let face = format!("{}_{}", ["x", "y", "z"][axis], ["lower", "upper"][side]);
+        let of = |(name, unit): &(&str, &str)| signal(format!("{face}.{name}"), unit);
+        all.extend(FACE.iter().map(of));
     }
     for part in &scene.parts {
         let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", part.name), unit);
@@ -340,4 +354,77 @@ fn numbers(resolution: &Resolution) -> BTreeMap<String, f64> {
         numbers.insert("steps in the shortest collision".into(), contact / step);
     }
     numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_sdk::messages::scene::{
+        BodySet, ContactLaw, Damping, Domain, Face, PairLaw, Placement, Sphere, Spring,
+    };
+
+    /// A sphere at rest on the floor, between periodic faces along y.
+    fn resting() -> Scene {
+        let spring = Spring::Linear { normal_stiffness: 1e3, tangential_stiffness: 8e2 };
+        let law = ContactLaw {
+            spring,
+            friction: 0.3,
+            rolling_friction: 0.0,
+            damping: Damping::Restitution(0.2),
+            tension: false,
+        };
+        let pair =
+            |other: &str| PairLaw { between: ["stone".into(), other.into()], law: law.clone() };
+        let sphere = Sphere {
+            position: [5e-3, 5e-3, 1e-3],
+            diameter: 2e-3,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        };
+        let set = BodySet {
+            name: "stones".into(),
+            density: 2500.0,
+            material: "stone".into(),
+            motion: Motion::Free,
+            clump: None,
+            placement: Placement::Listed(vec![sphere]),
+        };
+        let faces =
+            [Face::WALLS[0].clone(), [Face::Periodic, Face::Periodic], Face::WALLS[2].clone()];
+        let domain = Domain::new([0.0; 3], [10e-3; 3], faces);
+        Scene {
+            gravity: [0.0, 0.0, -9.81],
+            contacts: vec![pair("stone"), pair("wall")],
+            bodies: vec![set],
+            ..Scene::empty(domain)
+        }
+    }
+
+    #[test]
+    fn the_weight_on_the_floor_is_a_signal() {
+        let scene = resting();
+        let grains = GrainsDem::new(&scene, &Parameters::default(), 1e-5, 1).unwrap();
+        let mut spheres = SoftSpheres {
+            tracked: vec![BodyState::at_rest(0, [0.0; 3]); grains.body_count()],
+            few: 1,
+            carried: Carried::new(&[]),
+            follow: Follow::new(&scene, grains.events()),
+            faces: walls::faces(&scene).collect(),
+            grains,
+        };
+        spheres.advance(20_000, &[]).unwrap();
+        let (names, mut values) = (signals(&scene, 1), Vec::new());
+        spheres.signals(&mut values);
+        assert_eq!(names.len(), values.len());
+        let of = |name: &str| {
+            let place = names.iter().position(|signal| signal.name == name);
+            place.map(|k| (values[k], names[k].meaning.clone()))
+        };
+        let (force, meaning) = of("z_lower.wall_force_z").unwrap();
+        let weight = 2500.0 * std::f64::consts::PI / 6.0 * 8e-9 * 9.81;
+        assert!((force / -weight - 1.0).abs() < 1e-6, "{force} {weight}");
+        assert!(meaning.contains("face of the domain"), "{meaning}");
+        assert_eq!(of("x_upper.wall_force_x").map(|(force, _)| force), Some(0.0));
+        assert_eq!(of("y_lower.wall_force_y"), None);
+    }
 }

@@ -5,11 +5,12 @@ const PLACE: &str =
 const TURN: &str = "its orientation, a unit quaternion (x, y, z, w) from its frame to the world";
 const FORCE: &str = "force of the grains on the part, fixed or moving: contacts and lubrication at the end of \
     the window; no fluid, no stops";
+const WALL: &str = "force of the grains on this face of the domain at the end of the window: contacts and lubrication; no fluid";
 const FLUID_FORCE: &str = "force of the fluid under which it went through the window: gauge pressure, shear, the pressure \
     in gaps, and buoyancy; no contacts";
 const FLUID_TORQUE: &str = "torque of the same about the body's centre or the clump's centroid";
 
-/// Of all grains, of those that are followed, of parts, sliders, inlets, outlets and probes.
+/// Of all grains, of those that are followed, of faces, of parts, sliders, inlets, outlets and probes.
 pub const MEANINGS: &[(&str, &str)] = &[
     ("max_speed", "largest speed of a free body or a slider"),
     (
@@ -54,6 +55,9 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("torque_x", "torque of the same about the origin of the part's frame"),
     ("torque_y", "torque of the same about the origin of the part's frame"),
     ("torque_z", "torque of the same about the origin of the part's frame"),
+    ("wall_force_x", WALL),
+    ("wall_force_y", WALL),
+    ("wall_force_z", WALL),
     ("lift", "travel of the part along its axis"),
     ("velocity", "velocity of the part along its axis"),
     ("spring_force", "force of the spring along the axis, negative while it closes"),

@@ -39,6 +39,8 @@ pub(crate) struct Entry {
     pub reduced: Reduced,
     /// Where the body was, as the part sees it, when it looked at all triangles near it.
     pub looked: Looked,
+    /// Force on a wall at the last evaluation [N].
+    pub on_wall: Vec3,
 }
 
 /// Rows of entries, one for each body here, in the order of memory.
@@ -224,6 +226,15 @@ impl PartContacts {
                 sum.force += load.wrench.force;
                 sum.torque += load.wrench.torque;
                 push.add(load.push);
+            }
+        }
+    }
+
+    /// Adds the forces on walls, by their numbers.
+    pub fn add_wall_forces(&self, sums: &mut [Vec3]) {
+        for entry in &self.entries {
+            if let Met::Wall(wall) = entry.met {
+                sums[wall as usize] += entry.on_wall;
             }
         }
     }

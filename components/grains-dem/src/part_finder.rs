@@ -133,7 +133,13 @@ impl Found {
     fn enter(&mut self, met: Met, law: u16, root_mass: f64, radius: f64) {
         let reduced = Reduced { root_mass, radius };
         self.near.push(self.triangles.len() as u32);
-        self.entries.push(Entry { met, law, reduced, looked: Looked::NEVER });
+        self.entries.push(Entry {
+            met,
+            law,
+            reduced,
+            looked: Looked::NEVER,
+            on_wall: Vec3::zeros(),
+        });
     }
 
     /// Adds the triangles of a part near a place, through all images.

@@ -54,6 +54,7 @@ impl Place<'_> {
         let ball = &self.scenery.bodies.balls[self.body];
         let mut candidates = Candidates::NONE;
         for e in 0..near.entries.len() {
+            near.entries[e].on_wall = Vec3::zeros();
             self.look(e, &mut near, &mut candidates);
         }
         let found = candidates.contacts(ball.radius);
@@ -74,11 +75,14 @@ impl Place<'_> {
             let force = self.meet(&met, home, (&before, history), loads);
             on_body.force += force.force;
             on_body.torque += force.torque;
+            let other = match met.entry.met {
+                Met::Part(part) => Other::Part(part),
+                Met::Wall(wall) => {
+                    near.entries[e].on_wall -= force.force;
+                    Other::Wall(wall)
+                }
+            };
             if share.spring > 0.0 {
-                let other = match met.entry.met {
-                    Met::Part(part) => Other::Part(part),
-                    Met::Wall(wall) => Other::Wall(wall),
-                };
                 let ratio = 1.0 - contact.distance / ball.radius;
                 if regions.is_new(contact.normal) {
                     tally.add(ratio, self.body as u32, other);

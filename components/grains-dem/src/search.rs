@@ -38,6 +38,10 @@ pub(crate) struct Search {
     pub solids: PolyContacts,
     /// How often lists were made.
     pub rebuilds: u64,
+    /// Forces on the walls at the last evaluation before the lists were made [N].
+    on_walls: Vec<Vec3>,
+    /// Whether contacts were evaluated since then.
+    pub evaluated: bool,
     maker: PairsMaker,
     spare_walls: WallContacts,
     spare_parts: PartContacts,
@@ -70,6 +74,8 @@ impl Search {
             surfaces,
             solids: PolyContacts::default(),
             rebuilds: 0,
+            on_walls: Vec::new(),
+            evaluated: false,
             maker: PairsMaker::default(),
             spare_walls: WallContacts::default(),
             spare_parts: PartContacts::default(),
@@ -97,6 +103,20 @@ impl Search {
         Contacts { pairs, walls, parts, surfaces, solids }
     }
 
+    /// Forces on all walls, so many, at the last evaluation [N].
+    pub fn wall_forces(&self, walls: usize, out: &mut Vec<Vec3>) {
+        out.clear();
+        if self.evaluated {
+            out.resize(walls, Vec3::zeros());
+            self.walls.add_forces(out);
+            self.parts.add_wall_forces(out);
+            self.solids.add_wall_forces(out);
+        } else {
+            out.extend(&self.on_walls);
+            out.resize(walls, Vec3::zeros());
+        }
+    }
+
     /// Makes the lists anew; contacts keep their history.
     pub fn rebuild(
         &mut self,
@@ -105,6 +125,11 @@ impl Search {
         polyhedra: &mut Polyhedra,
         around: &mut Surroundings,
     ) {
+        let mut on_walls = std::mem::take(&mut self.on_walls);
+        if self.evaluated {
+            self.wall_forces(around.walls.len(), &mut on_walls);
+        }
+        (self.on_walls, self.evaluated) = (on_walls, false);
         self.cells.sort(&bodies.balls);
         if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
             self.cells.curve(&bodies.balls, &mut self.keys, &mut self.order);

@@ -225,6 +225,19 @@ impl GrainsDem {
         })
     }
 
+    /// Force of the grains on each face of the domain that holds them, mirrors too, at the end of the last substep [N]: by
+    /// axis, lower before upper, contacts and lubrication; no fluid, no surfaces that deform. Zero at other faces. Of
+    /// grains on a face and a part at once, where these make up one wall, a face has what is due to it.
+    pub fn face_forces(&self) -> [[[f64; 3]; 2]; 3] {
+        let mut sums = Vec::new();
+        self.search.wall_forces(self.around.walls.len(), &mut sums);
+        let mut forces = [[[0.0; 3]; 2]; 3];
+        for (&(axis, side), force) in self.around.faces.iter().zip(sums) {
+            forces[axis][side] = force.into();
+        }
+        forces
+    }
+
     /// The sliders, in the order of the scene's parts, at the end of the last substep.
     pub fn sliders(&self) -> impl Iterator<Item = SliderState> + '_ {
         let parts = self.around.parts.iter().enumerate();
@@ -407,6 +420,7 @@ impl GrainsDem {
         surfaces: &[SurfaceState<'_>],
     ) -> Result<(), GrainsError> {
         self.tallies.fill(Tally::default());
+        self.search.evaluated = true;
         let steps = Steps { before, after: self.dt };
         let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
         let (team, search) = (&mut self.team, &mut self.search);

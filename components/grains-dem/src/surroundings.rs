@@ -29,6 +29,8 @@ pub(crate) struct Surroundings {
     pub ways_out: [[bool; 2]; 3],
     /// The walls.
     pub walls: Vec<Wall>,
+    /// Axis and side of the faces of the domain that the first of them are.
+    pub faces: Vec<(usize, usize)>,
     /// Whether one may touch two of them as one region.
     pub walls_lean: bool,
     /// Those that are no mirrors.
@@ -73,6 +75,7 @@ impl Surroundings {
             laws,
             ways_out: [0, 1, 2].map(|axis| [0, 1].map(|side| scene.is_way_out(axis, side))),
             walls_lean: walls::any_lean(&walls),
+            faces: walls::faces(scene).collect(),
             walls,
             seat_walls: walls::without_mirrors(scene),
             sliding: walls::sliding(scene).into_iter().filter(Sliding::changes).collect(),

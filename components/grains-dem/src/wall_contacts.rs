@@ -2,6 +2,7 @@
 //! walls there, see [`PartContacts`], and here nothing but mirrors.
 
 use crate::{
+    Vec3,
     bodies::{Bodies, Mobility, Wrench},
     contact::Memory,
     law::Reduced,
@@ -26,6 +27,8 @@ pub(crate) struct WallEntry {
     pub reduced: Reduced,
     /// History, meaningful while touching.
     pub memory: Memory,
+    /// Force on the wall at the last evaluation [N].
+    pub force: Vec3,
 }
 
 /// Rows of entries, one for each body near a wall, in the order of memory.
@@ -105,6 +108,13 @@ impl WallContacts {
         self.bodies.binary_search(&body).map_or(Wrench::zero(), |p| self.wrench[p])
     }
 
+    /// Adds the forces on walls, by their numbers.
+    pub fn add_forces(&self, sums: &mut [Vec3]) {
+        for entry in &self.entries {
+            sums[entry.wall as usize] += entry.force;
+        }
+    }
+
     fn clear(&mut self) {
         self.bodies.clear();
         self.start.clear();
@@ -175,6 +185,7 @@ impl Found {
                         radius: ball.radius,
                     },
                     memory: remembered.unwrap_or_default(),
+                    force: Vec3::zeros(),
                 });
             }
             if self.entries.len() > known {

@@ -65,14 +65,18 @@ fn of_wall(
     let (contact, arm) = touch_of_wall(ball, predicted, &walls[entry.wall as usize]);
     let touched = std::mem::replace(&mut entry.touching, contact.overlap > 0.0);
     let n = contact.normal;
-    wrench.force -= n * scenery.lubrication(&contact, entry.reduced);
+    let squeezed = n * scenery.lubrication(&contact, entry.reduced);
+    wrench.force -= squeezed;
+    entry.force = squeezed;
     if contact.overlap <= 0.0 {
         return;
     }
     let law = &scenery.laws[entry.law as usize];
     let (memory, steps) = (&mut entry.memory, scenery.steps);
     let f = contact::force(law, entry.reduced, &contact, memory, touched, steps);
-    wrench.force += f.tangential - n * f.normal;
+    let touch = f.tangential - n * f.normal;
+    wrench.force += touch;
+    entry.force -= touch;
     wrench.torque += n.cross(&f.tangential) * arm + f.rolling;
     tally.add(contact.overlap / ball.radius, i as u32, Other::Wall(entry.wall));
 }

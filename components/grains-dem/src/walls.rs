@@ -32,19 +32,24 @@ impl Wall {
 /// Number of each wall's law with each material: `of[wall][material]`.
 pub(crate) type WallLaws = Vec<Vec<u16>>;
 
+/// Whether a face of the domain holds grains: all do but periodic ones and those through which spheres leave.
+fn holds(scene: &Scene, axis: usize, side: usize) -> bool {
+    scene.domain.faces[axis][side] != Face::Periodic && !scene.is_way_out(axis, side)
+}
+
+/// Axis and side of the domain's faces that hold grains, in the order of their walls.
+pub(crate) fn faces(scene: &Scene) -> impl Iterator<Item = (usize, usize)> {
+    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    sides.filter(|&(axis, side)| holds(scene, axis, side))
+}
+
 /// The walls of a scene: first the domain's faces, `(lower, upper)` by axis, those left out through which
 /// spheres leave, then its planes.
 pub(crate) fn of_scene(scene: &Scene) -> Vec<Wall> {
     let domain = &scene.domain;
-    let holds = |axis: usize, side: usize| {
-        domain.faces[axis][side] != Face::Periodic && !scene.is_way_out(axis, side)
-    };
-    let mut walls = of_box(domain.min, domain.max, holds);
-    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
-    let faces = sides.filter(|&(axis, side)| holds(axis, side));
-    let faces = faces.map(|(axis, side)| &domain.faces[axis][side]);
-    for (wall, face) in walls.iter_mut().zip(faces) {
-        wall.mirror = *face == Face::Symmetry;
+    let mut walls = of_box(domain.min, domain.max, |axis, side| holds(scene, axis, side));
+    for (wall, (axis, side)) in walls.iter_mut().zip(faces(scene)) {
+        wall.mirror = domain.faces[axis][side] == Face::Symmetry;
     }
     for sliding in sliding(scene) {
         sliding.set(&mut walls, 0.0);

@@ -1,16 +1,15 @@
 //! A wall is one wall, however it is cut: into triangles, parts, planes, faces of the domain, or facets of a curve.
 
 mod common;
+use common::walls::*;
 use common::*;
 use proptest::prelude::*;
 use std::fmt::Write;
-use tempfile::NamedTempFile;
 use tremie_grains_dem::GrainsDem;
 use tremie_messages::{
     body::BodyState,
     scene::{
-        Damping, Geometry, Motion, MotionPoint, PairLaw, Part, PartBoundary, Plane, Pose, Scene,
-        Slider, SliderSpring,
+        Damping, Geometry, Motion, MotionPoint, PairLaw, Part, Plane, Scene, Slider, SliderSpring,
     },
 };
 
@@ -18,29 +17,6 @@ use tremie_messages::{
 const D: f64 = 4e-3;
 const K: f64 = 500.0;
 const DT: f64 = 2.5e-5;
-const TOP: f64 = 10e-3;
-
-fn part(geometry: Geometry, position: [f64; 3]) -> Part {
-    Part {
-        name: format!("part at {position:?}"),
-        geometry,
-        pose: Pose { position, ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
-        motion: Motion::Fixed,
-        boundary: PartBoundary::Wall,
-    }
-}
-
-/// A box from `min` to `max` [mm].
-fn block(min: [f64; 3], max: [f64; 3]) -> Part {
-    let size = [0, 1, 2].map(|a| 1e-3 * (max[a] - min[a]));
-    part(Geometry::Box { size }, [0, 1, 2].map(|a| 0.5e-3 * (max[a] + min[a])))
-}
-
-fn floor(height: f64) -> Plane {
-    Plane { point: [0.0, 0.0, height], normal: [0.0, 0.0, 1.0], material: "wall".into() }
-}
 
 fn room(friction: f64, restitution: f64) -> Scene {
     scene([40e-3; 3], WALLS, law(K, friction, Damping::Restitution(restitution)))
@@ -73,41 +49,6 @@ fn assert_same(found: (BodyState, f64), expected: (BodyState, f64), tolerance: f
     let spin = norm(minus(a.angular_velocity, b.angular_velocity)) * 0.5 * D;
     assert!(speed < tolerance && spin < tolerance, "{what}: {speed} {spin} {a:?} {b:?}");
     assert!((deep - expected).abs() < tolerance, "{what}: {deep} {expected}");
-}
-
-/// Flush parts, planes and faces of the domain at the height `TOP`, with a seam below (20, 20) mm in most.
-fn cuts() -> Vec<(&'static str, Vec<Part>, Vec<Plane>)> {
-    let one = block([-2.0, -2.0, -10.0], [42.0, 42.0, 10.0]);
-    let left = block([-2.0, -2.0, -10.0], [20.0, 42.0, 10.0]);
-    let right = block([20.0, -2.0, -10.0], [42.0, 42.0, 10.0]);
-    let quarter = |x: f64, y: f64| block([x, y, -10.0], [x + 22.0, y + 22.0, 10.0]);
-    let four = [(-2.0, -2.0), (20.0, -2.0), (-2.0, 20.0), (20.0, 20.0)].map(|(x, y)| quarter(x, y));
-    let strips = (0..44).map(|k| {
-        let x = f64::from(k) - 2.0;
-        block([x, -2.0, 5.0], [x + 1.0, 42.0, 10.0])
-    });
-    let mut turned = right.clone();
-    turned.pose.orientation = [0.0, 0.0, 0.5f64.sqrt(), 0.5f64.sqrt()];
-    turned.geometry = Geometry::Box { size: [44e-3, 22e-3, 20e-3] };
-    let hole = part(Geometry::Cylinder { radius: 5e-3, length: 20e-3 }, [20e-3, 20e-3, 0.0]);
-    vec![
-        ("one", vec![one.clone()], vec![]),
-        ("two", vec![left.clone(), right.clone()], vec![]),
-        ("two, one turned", vec![left.clone(), turned], vec![]),
-        ("four", four.to_vec(), vec![]),
-        ("four and a plane", four.to_vec(), vec![floor(TOP)]),
-        ("strips", strips.collect(), vec![]),
-        ("a half and a plane", vec![left.clone()], vec![floor(TOP)]),
-        ("one thrice", vec![one.clone(); 3], vec![]),
-        (
-            "one in another",
-            vec![one.clone(), block([15.0; 3].map(|x| x - 6.0), [20.0, 20.0, 10.0])],
-            vec![],
-        ),
-        ("a disc in a block", vec![one, hole], vec![]),
-        ("a plane twice", vec![], vec![floor(TOP), floor(TOP)]),
-        ("planes a little apart", vec![], vec![floor(TOP), floor(TOP - 1e-9)]),
-    ]
 }
 
 #[test]
@@ -150,7 +91,7 @@ fn a_part_flush_with_a_face_of_the_domain_is_one_wall_with_it() {
         dem.advance(200, &[]).unwrap();
         (state(&dem)[0], dem.diagnostics().max_overlap_ratio)
     };
-    for at in [20e-3, 20.4e-3, 19e-3] {
+    for at in [20e-3, 20.4e-3, 20.5e-3, 19.5e-3, 19e-3] {
         let expected = down(vec![], at);
         let beside = block([-2.0, -2.0, -10.0], [20.0, 42.0, 0.0]);
         assert_same(down(vec![beside], at), expected, 1e-6, "flush");
@@ -228,62 +169,6 @@ fn the_order_of_parts_changes_nothing() {
     }
 }
 
-/// A body with a height over a square of `n` x `n` pieces about the origin, down to `bottom`; inside, corners are moved
-/// along both by `uneven` parts of a piece.
-fn relief(
-    n: usize,
-    size: f64,
-    uneven: f64,
-    bottom: f64,
-    height: impl Fn(f64, f64) -> f64,
-) -> NamedTempFile {
-    let mut text = String::new();
-    for top in [true, false] {
-        for k in 0..=n {
-            for i in 0..=n {
-                let inside = i > 0 && i < n && k > 0 && k < n;
-                let shift = |a: usize, b: usize| {
-                    let of = ((a * 7 + b * 13) % 11) as f64 / 5.0 - 1.0;
-                    if inside { uneven * of } else { 0.0 }
-                };
-                let at = |c: usize, s: f64| size * ((c as f64 + s) / n as f64 - 0.5);
-                let (x, y) = (at(i, shift(i, k)), at(k, shift(k, i)));
-                writeln!(text, "v {x} {y} {}", if top { height(x, y) } else { bottom }).unwrap();
-            }
-        }
-    }
-    let vertex = |i: usize, k: usize, low: usize| low * (n + 1) * (n + 1) + k * (n + 1) + i + 1;
-    let mut quad = |a: usize, b: usize, c: usize, d: usize| {
-        writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").unwrap();
-    };
-    for k in 0..n {
-        for i in 0..n {
-            let square = |z| {
-                [vertex(i, k, z), vertex(i + 1, k, z), vertex(i + 1, k + 1, z), vertex(i, k + 1, z)]
-            };
-            let ([a, b, c, d], [e, f, g, h]) = (square(0), square(1));
-            quad(a, b, c, d);
-            quad(h, g, f, e);
-        }
-        let side = |i: usize, k: usize, j: usize, l: usize| {
-            [vertex(i, k, 1), vertex(j, l, 1), vertex(j, l, 0), vertex(i, k, 0)]
-        };
-        for [a, b, c, d] in
-            [side(k, 0, k + 1, 0), side(n, k, n, k + 1), side(k + 1, n, k, n), side(0, k + 1, 0, k)]
-        {
-            quad(a, b, c, d);
-        }
-    }
-    let file = tempfile::Builder::new().suffix(".obj").tempfile().unwrap();
-    std::fs::write(file.path(), text).unwrap();
-    file
-}
-
-fn of_file(file: &NamedTempFile, position: [f64; 3]) -> Part {
-    let path = file.path().to_string_lossy().into_owned();
-    part(Geometry::File { path, unit: 1.0 }, position)
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
@@ -334,6 +219,71 @@ fn a_sphere_rolls_across_seams_of_parts_as_over_one() {
         let found = run(parts, planes);
         let error = norm(minus(found.position, expected.position));
         assert!(error < 1e-7 * D, "{what}: {error} {found:?} {expected:?}");
+    }
+}
+
+/// Half a millimetre beside the seam of a part with a face of the domain a sphere goes straight back up.
+#[test]
+fn a_sphere_beside_the_seam_of_a_part_and_a_face_is_not_pushed_sideways() {
+    for at in [19.5e-3, 20.5e-3] {
+        for top in [0.0, -1e-7, -0.1] {
+            let mut scene = room(0.3, 0.5);
+            scene.parts = vec![block([-2.0, -2.0, -10.0], [20.0, 42.0, top])];
+            let ball = sphere([at, 20e-3, 0.51 * D], D, [0.0, 0.0, -1.0]);
+            scene.bodies = vec![set(Motion::Free, vec![ball])];
+            let mut dem = make(&scene, DT);
+            dem.advance(200, &[]).unwrap();
+            let v = state(&dem)[0].velocity;
+            assert!((v[2] - 0.49).abs() < 0.01, "{at} {top}: {v:?}");
+            assert!(v[0].abs() + v[1].abs() < 1e-9, "{at} {top}: {v:?}");
+        }
+    }
+}
+
+/// A bore of four times the radius, its facets 1.4 to 6 degrees from each other, is as stiff as one wall at any
+/// overlap: a force F goes with the energy `F^2/(2 k)`.
+#[test]
+fn a_bore_of_many_facets_is_as_stiff_as_one_wall() {
+    let (r, big) = (0.5 * D, 2.0 * D);
+    let trough = move |x: f64, _: f64| big - (big * big - x * x).sqrt();
+    let axis = [20e-3, 20e-3, 20e-3];
+    let mut bore = part(Geometry::Cylinder { radius: big, length: 30e-3 }, axis);
+    // Along y, as the troughs are.
+    bore.pose.orientation = [0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()];
+    bore.cavity = true;
+    let mut walls = vec![("bore".to_string(), bore)];
+    let files = [16, 31, 60].map(|n| (n, relief(n, 12e-3, 0.0, -2e-3, trough)));
+    for (n, file) in &files {
+        walls.push((format!("trough of {n}"), of_file(file, [20e-3, 20e-3, 20e-3 - big])));
+    }
+    for (what, wall) in walls {
+        for share in [0.01, 0.03, 0.05] {
+            let (mut ends, mut deepest, mut asked) = ([f64::INFINITY, 0.0f64], 0.0f64, 0);
+            for k in 0..9 {
+                // Let go where it touches, it bobs twice as deep as it rests, and slides over facets.
+                let angle = 0.07 * f64::from(k);
+                let down = [angle.sin(), 0.0, -angle.cos()];
+                let mut scene = room(0.0, 1.0);
+                scene.parts = vec![wall.clone()];
+                scene.gravity = down.map(|d| d * K * share * r / mass(D));
+                let place = [0, 1, 2].map(|a| axis[a] + down[a] * (big - r));
+                scene.bodies = vec![set(Motion::Free, vec![sphere(place, D, [0.0; 3])])];
+                let mut dem = make(&scene, DT);
+                for _ in 0..400 {
+                    dem.advance(5, &[]).unwrap();
+                    let (seen, (force, _)) = (dem.diagnostics(), dem.part_loads().next().unwrap());
+                    let force = norm(force);
+                    if force > 0.1 * K * share * r {
+                        let stiffness = force * force / (2.0 * K * seen.elastic_energy);
+                        ends = [ends[0].min(stiffness), ends[1].max(stiffness)];
+                        asked += 1;
+                    }
+                    deepest = deepest.max(seen.max_overlap_ratio);
+                }
+            }
+            assert!(asked > 1_000 && deepest > 1.8 * share, "{what} {share}: {asked} {deepest}");
+            assert!(ends[0] > 0.97 && ends[1] < 1.03, "{what} {share}: {ends:?}");
+        }
     }
 }
 

@@ -2,13 +2,10 @@
 
 mod common;
 use common::*;
-use std::fmt::Write;
 use tremie_grains_dem::GrainsDem;
 use tremie_messages::{
     body::{BodyEvent, Load},
-    scene::{
-        Damping, Geometry, Motion, MotionPoint, Part, PartBoundary, Plane, Pose, Scene, Sphere,
-    },
+    scene::{Damping, Geometry, Motion, MotionPoint, Part, Plane, Scene, Sphere},
 };
 
 const D: f64 = 1e-3;
@@ -16,15 +13,7 @@ const G: f64 = 9.81;
 const DT: f64 = 2e-6;
 
 fn part(geometry: Geometry, position: [f64; 3], motion: Motion) -> Part {
-    Part {
-        name: "part".into(),
-        geometry,
-        pose: Pose { position, ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
-        motion,
-        boundary: PartBoundary::Wall,
-    }
+    Part { name: "part".into(), motion, ..walls::part(geometry, position) }
 }
 
 fn cuboid(size: [f64; 3]) -> Geometry {
@@ -40,46 +29,7 @@ fn with(gravity: [f64; 3], spheres: Vec<Sphere>) -> Scene {
 
 /// A slab with its top at z = 0, of `n` x `n` squares of uneven triangles, as a file of text.
 fn slab(n: usize, size: f64, thickness: f64) -> tempfile::NamedTempFile {
-    let mut text = String::new();
-    let uneven = |i: usize, k: usize| {
-        let inside = i > 0 && i < n && k > 0 && k < n;
-        let shift = (((i * 7 + k * 13) % 11) as f64 - 5.0) / 20.0;
-        if inside { shift } else { 0.0 }
-    };
-    for z in [0.0, -thickness] {
-        for k in 0..=n {
-            for i in 0..=n {
-                let at = |c: usize, s: f64| size * ((c as f64 + s) / n as f64 - 0.5);
-                writeln!(text, "v {} {} {z}", at(i, uneven(i, k)), at(k, uneven(k, i))).unwrap();
-            }
-        }
-    }
-    let vertex =
-        |i: usize, k: usize, bottom: usize| bottom * (n + 1) * (n + 1) + k * (n + 1) + i + 1;
-    let mut quad = |a: usize, b: usize, c: usize, d: usize| {
-        writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").unwrap();
-    };
-    for k in 0..n {
-        for i in 0..n {
-            let square = |z| {
-                [vertex(i, k, z), vertex(i + 1, k, z), vertex(i + 1, k + 1, z), vertex(i, k + 1, z)]
-            };
-            let ([a, b, c, d], [e, f, g, h]) = (square(0), square(1));
-            quad(a, b, c, d);
-            quad(h, g, f, e);
-        }
-        let side = |i: usize, k: usize, j: usize, l: usize| {
-            [vertex(i, k, 1), vertex(j, l, 1), vertex(j, l, 0), vertex(i, k, 0)]
-        };
-        for [a, b, c, d] in
-            [side(k, 0, k + 1, 0), side(n, k, n, k + 1), side(k + 1, n, k, n), side(0, k + 1, 0, k)]
-        {
-            quad(a, b, c, d);
-        }
-    }
-    let file = tempfile::Builder::new().suffix(".obj").tempfile().unwrap();
-    std::fs::write(file.path(), text).unwrap();
-    file
+    walls::relief(n, size, 0.25, -thickness, |_, _| 0.0)
 }
 
 /// A spinning sphere that slides, then rolls, across many seams.

@@ -2,9 +2,10 @@
 
 mod common;
 use common::solids::*;
+use common::walls::block;
 use common::*;
 use tremie_grains_dem::{GrainsDem, Parameters};
-use tremie_messages::scene::{Damping, Geometry, Motion, Part, PartBoundary, Pose};
+use tremie_messages::scene::{Damping, Motion};
 use tremie_test_support::{Counting, allocations};
 
 #[global_allocator]
@@ -23,15 +24,9 @@ fn a_substep_of_polyhedra_allocates_nothing() {
         solids("dodecahedron", vec![solid([4e-3, 4e-3, 1.1e-3], 2e-3, [0.0; 3])]),
         set(Motion::Free, vec![sphere([10e-3, 10e-3, 7.5e-3], 1e-3, [0.0; 3])]),
     ];
-    scene.parts = vec![Part {
-        name: "plate".into(),
-        geometry: Geometry::Box { size: [5e-3, 5e-3, 1e-3] },
-        pose: Pose { position: [10e-3, 10e-3, 0.5e-3], ..Pose::IDENTITY },
-        cavity: false,
-        material: "wall".into(),
-        motion: Motion::Fixed,
-        boundary: PartBoundary::Wall,
-    }];
+    // The plate is two halves, in a larger one.
+    let half = |x: f64| block([7.5 + x, 7.5, 0.0], [10.0 + x, 12.5, 1.0]);
+    scene.parts = vec![half(0.0), half(2.5), block([7.0, 7.0, 0.0], [13.0, 13.0, 1.0])];
     let mut dem = GrainsDem::new(&scene, &Parameters::default(), 8e-7, 2).unwrap();
     dem.advance(2_000, &[]).unwrap();
     assert!(dem.diagnostics().contacts >= 4, "{:?}", dem.diagnostics());

@@ -13,11 +13,12 @@
 use super::{
     SPHERE,
     entries::{Around, Entry, Kind, stiffness},
-    press::{Pieces, Planes, Press, Room, clip},
+    press::{Pieces, Planes, Room, clip},
     shape::Solid,
+    surfaces::{Bench, Beside, Owner},
     touch::square,
 };
-use crate::{Vec3, law::Reduced, mesh_contact::Triangle};
+use crate::{Vec3, law::Reduced};
 
 /// Adds up `h^2/2 m.n` over the pieces of a polygon.
 struct Half<'a> {
@@ -137,14 +138,15 @@ fn faces_of(b: Solid<'_>, at: Vec3) -> (Vec<Plane>, Vec<Face>) {
 
 impl Entry {
     /// Energy in the normal springs of a contact [J].
-    pub(super) fn energy(&self, around: &Around<'_>, room: &mut Room) -> f64 {
+    pub(super) fn energy(&self, around: &Around<'_>, owners: &[Owner], bench: &mut Bench) -> f64 {
         let bodies = around.scenery.bodies;
         let solid = |place: u32| around.polyhedra.solid(bodies.poly[place as usize] as usize);
-        let law = &around.scenery.laws[self.law as usize];
-        let kappa = stiffness(law) / self.area;
         let i = self.places[0] as usize;
         match self.key.1 {
             Kind::Body => {
+                let room = &mut bench.room;
+                let law = &around.scenery.laws[self.law as usize];
+                let kappa = stiffness(law) / self.area;
                 let [a, b] = self.places;
                 let way = around.scenery.between(i, b as usize, self.image);
                 let balls = self.places.map(|place| bodies.poly[place as usize] == SPHERE);
@@ -167,50 +169,47 @@ impl Entry {
                     }
                 }
             }
-            Kind::Wall => {
-                let (a, wall) = (solid(self.places[0]), &around.walls[self.places[1] as usize]);
-                let height = bodies.balls[i].x.dot(&wall.normal) - wall.offset;
-                let mut polygon = Vec::new();
-                square(wall.normal, height, a.shape.circumradius * a.size, &mut polygon);
-                let face = std::iter::once((polygon, wall.normal));
-                kappa * depth_within(a, &[(wall.normal, -height)], face, room)
-            }
-            Kind::Part => {
-                let part = &around.parts[self.places[1] as usize];
-                let crossed = if around.scenery.crossed { bodies.crossed[i] } else { 0 };
-                let near = self.near[0] as usize..self.near[1] as usize;
-                let below = around.triangles[near].iter().map(|&(triangle, image)| {
-                    let shift = around.scenery.shifts[(image as i32 + crossed) as usize];
-                    let triangle = part.placed_triangle(triangle);
-                    let n = triangle.normal;
-                    let corners = triangle.corners.map(|c| c - (bodies.balls[i].x + shift));
-                    let mut press = Press::NONE;
-                    let moved = Triangle { corners, ..triangle };
-                    super::touch::of_triangle(solid(self.places[0]), &moved, room, &mut press);
-                    if !press.acts() {
-                        return 0.0;
-                    }
-                    let mut planes = vec![(n, n.dot(&corners[0]))];
-                    for k in 0..3 {
-                        let side = (corners[(k + 1) % 3] - corners[k]).cross(&n);
-                        planes.push((side, side.dot(&corners[k])));
-                    }
-                    let face = std::iter::once((corners.to_vec(), n));
-                    depth_within(solid(self.places[0]), &planes, face, room)
-                        + sides(solid(self.places[0]), corners, n, room)
-                });
-                kappa * below.sum::<f64>()
+            Kind::Surfaces => {
+                let beside = Beside::new(around, i);
+                let solid = beside.solid;
+                beside.cover(owners, &mut bench.covers);
+                let mut sum = 0.0;
+                for o in 0..owners.len() {
+                    let law = &around.scenery.laws[owners[o].law as usize];
+                    let kappa = stiffness(law) / self.area;
+                    beside.polygons((owners, o), bench, |(all, n), _, covers, room| {
+                        sum += kappa
+                            * match covers {
+                                None => below(solid, all, n, room),
+                                Some(covers) => {
+                                    covers.pieces().map(|piece| below(solid, piece, n, room)).sum()
+                                }
+                            };
+                    });
+                }
+                sum
             }
         }
     }
 }
 
-/// What the sides of the prism below a triangle add.
-fn sides(a: Solid<'_>, corners: [Vec3; 3], n: Vec3, room: &mut Room) -> f64 {
+/// `int d dV` straight below a polygon with a normal.
+fn below(a: Solid<'_>, polygon: &[Vec3], n: Vec3, room: &mut Room) -> f64 {
+    let mut planes = vec![(n, n.dot(&polygon[0]))];
+    for k in 0..polygon.len() {
+        let side = (polygon[(k + 1) % polygon.len()] - polygon[k]).cross(&n);
+        planes.push((side, side.dot(&polygon[k])));
+    }
+    let face = std::iter::once((polygon.to_vec(), n));
+    depth_within(a, &planes, face, room) + sides(a, polygon, n, room)
+}
+
+/// What the sides of the prism below a polygon add.
+fn sides(a: Solid<'_>, corners: &[Vec3], n: Vec3, room: &mut Room) -> f64 {
     let deep = n * (-4.0 * a.shape.circumradius * a.size);
     let own = Planes::of(a, Vec3::zeros());
     let mut of = |k: usize| {
-        let (from, to) = (corners[k], corners[(k + 1) % 3]);
+        let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);
         let normal = (to - from).cross(&n);
         let normal = normal / normal.norm_squared().sqrt();
         room.polygon.clear();
@@ -219,5 +218,5 @@ fn sides(a: Solid<'_>, corners: [Vec3; 3], n: Vec3, room: &mut Room) -> f64 {
         room.visit(&own, &mut half);
         half.sum
     };
-    (0..3).map(&mut of).sum()
+    (0..corners.len()).map(&mut of).sum()
 }

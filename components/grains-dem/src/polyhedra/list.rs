@@ -6,15 +6,17 @@
 use super::{
     Polyhedra, SPHERE,
     entries::{Around, Entry, Kind},
-    press::Room,
     respond::Memory,
+    surfaces::{Bench, Owner},
 };
 use crate::{
+    Vec3,
     bodies::{Bodies, Mobility, Wrench},
     forces::Scenery,
     laws::Laws,
     mesh_contact::distance,
     pairs::BLOCK,
+    part_contacts::Met,
     parts::PlacedPart,
     periodic::PeriodicBox,
     skins::Skins,
@@ -42,7 +44,12 @@ pub(crate) struct PolyContacts {
     memories: Vec<Memory>,
     /// Where the memories of each item of work begin.
     memory_bounds: Vec<u32>,
+    /// Walls and parts near polyhedra, in the order of entries, and where those of each item of work begin.
+    owners: Vec<Owner>,
+    owner_bounds: Vec<u32>,
     triangles: Vec<(u32, u32)>,
+    /// Most walls and parts, and most triangles, near one.
+    most: (usize, usize),
     /// Bodies that have entries, in the order of memory.
     pub bodies: Vec<u32>,
     /// Sum of the loads on each.
@@ -54,7 +61,7 @@ pub(crate) struct PolyContacts {
     start: Vec<u32>,
     places: Vec<u32>,
     tallies: Vec<Tally>,
-    rooms: Vec<Room>,
+    benches: Vec<Bench>,
     before: Vec<Entry>,
     memories_before: Vec<Memory>,
     near: Vec<u32>,
@@ -90,7 +97,9 @@ impl PolyContacts {
         std::mem::swap(&mut self.entries, &mut self.before);
         std::mem::swap(&mut self.memories, &mut self.memories_before);
         self.entries.clear();
+        self.owners.clear();
         self.triangles.clear();
+        self.most = (0, 0);
         self.entries.extend(pairs.map(|found| of_pair(found, polyhedra, bodies, at.laws)));
         for grain in 0..polyhedra.len() {
             self.surfaces(grain, polyhedra, bodies, at);
@@ -118,22 +127,18 @@ impl PolyContacts {
         let gap = at.skins.gap(ball.radius);
         let shape = polyhedra.shape_of(grain);
         let size = polyhedra.grains()[grain].size;
-        let entry = Entry {
-            key: (id, Kind::Wall, 0),
-            places: [slot, 0],
-            image: 0,
-            law: 0,
-            root_mass: mobility.root_reduced_mass(Mobility::NONE),
-            area: shape.largest_face * size * size,
-            near: [0; 2],
-            touching: 0,
-            loads: [Wrench::zero(); 2],
-        };
+        let begin = (self.owners.len(), self.triangles.len());
         for (number, wall) in (0..).zip(at.walls) {
             if wall.overlap(&ball) > -gap {
-                let law = at.wall_laws[number as usize][bodies.material[i] as usize];
-                let key = (id, Kind::Wall, u64::from(number));
-                self.entries.push(Entry { key, places: [slot, number], law, ..entry });
+                self.owners.push(Owner {
+                    met: Met::Wall(number),
+                    // Parts come before walls.
+                    rank: at.parts.len() as u32 + number,
+                    law: at.wall_laws[number as usize][bodies.material[i] as usize],
+                    root_mass: mobility.root_reduced_mass(Mobility::NONE),
+                    near: [0; 2],
+                    load: Wrench::zero(),
+                });
             }
         }
         for (number, part) in (0..).zip(at.parts) {
@@ -148,12 +153,30 @@ impl PolyContacts {
             }
             let near = [first, self.triangles.len() as u32];
             if near[0] < near[1] {
-                let law = at.laws.between(at.part_materials[number as usize], bodies.material[i]);
-                let root_mass = mobility.root_reduced_mass(part.mobility());
-                let key = (id, Kind::Part, u64::from(number));
-                let places = [slot, number];
-                self.entries.push(Entry { key, places, law, root_mass, near, ..entry });
+                self.owners.push(Owner {
+                    met: Met::Part(number),
+                    rank: part.rank,
+                    law: at.laws.between(at.part_materials[number as usize], bodies.material[i]),
+                    root_mass: mobility.root_reduced_mass(part.mobility()),
+                    near,
+                    load: Wrench::zero(),
+                });
             }
+        }
+        let (owners, triangles) = (self.owners.len() - begin.0, self.triangles.len() - begin.1);
+        self.most = (self.most.0.max(owners), self.most.1.max(triangles));
+        if owners > 0 {
+            self.entries.push(Entry {
+                key: (id, Kind::Surfaces, 0),
+                places: [slot, 0],
+                image: 0,
+                law: 0,
+                root_mass: 0.0,
+                area: shape.largest_face * size * size,
+                owners: owners as u32,
+                touching: 0,
+                loads: [Wrench::zero(); 2],
+            });
         }
     }
 
@@ -161,12 +184,15 @@ impl PolyContacts {
     fn inherit(&mut self) {
         self.memories.clear();
         self.memory_bounds.clear();
-        let mut from = 0;
+        self.owner_bounds.clear();
+        let (mut from, mut owners) = (0, 0);
         let mut old = self.before.iter().peekable();
         for (number, entry) in self.entries.iter_mut().enumerate() {
             if number.is_multiple_of(TOGETHER) {
                 self.memory_bounds.push(self.memories.len() as u32);
+                self.owner_bounds.push(owners);
             }
+            owners += entry.owners;
             while let Some(before) = old.next_if(|before| before.key < entry.key) {
                 from += before.memories();
             }
@@ -181,6 +207,7 @@ impl PolyContacts {
             }
         }
         self.memory_bounds.push(self.memories.len() as u32);
+        self.owner_bounds.push(owners);
     }
 
     /// Tells which entries belong to which body.
@@ -251,26 +278,31 @@ impl PolyContacts {
         if polyhedra.is_empty() {
             return Tally::default();
         }
-        self.rooms.resize_with(team.threads(), Room::default);
+        self.benches.resize_with(team.threads(), Bench::default);
+        self.benches.iter_mut().for_each(|bench| bench.reserve(self.most.0, self.most.1));
         self.tallies.clear();
         self.tallies.resize(self.entries.len().div_ceil(TOGETHER), Tally::default());
         let around = Around { scenery, polyhedra, walls, parts, triangles: &self.triangles };
         let pieces = (
             Cut::every(&mut self.entries, TOGETHER),
             Cut::at(&mut self.memories, &self.memory_bounds),
+            Cut::at(&mut self.owners, &self.owner_bounds),
             Cut::every(&mut self.tallies, 1),
         );
-        type Arrays<'a> = (&'a mut [Entry], &'a mut [Memory], &'a mut [Tally]);
-        let work = |room: &mut Room, _, (entries, mut memories, tally): Arrays<'_>| {
+        type Arrays<'a> = (&'a mut [Entry], &'a mut [Memory], &'a mut [Owner], &'a mut [Tally]);
+        let work = |bench: &mut Bench, _, arrays: Arrays<'_>| {
+            let (entries, mut memories, mut owners, tally) = arrays;
             for entry in entries {
                 let (own, rest) = memories.split_at_mut(entry.memories());
-                memories = rest;
-                entry.evaluate(&around, own, room, &mut tally[0]);
+                let (near, others) = owners.split_at_mut(entry.owners as usize);
+                (memories, owners) = (rest, others);
+                entry.evaluate(&around, (near, own), bench, &mut tally[0]);
             }
         };
-        team.for_pieces_with(pieces, &mut self.rooms, work);
-        for entry in self.entries.iter().filter(|entry| entry.key.1 == Kind::Part) {
-            let (part, load) = (entry.places[1] as usize, &entry.loads[1]);
+        team.for_pieces_with(pieces, &mut self.benches, work);
+        for owner in &self.owners {
+            let (Met::Part(part), load) = (owner.met, &owner.load) else { continue };
+            let part = part as usize;
             on_parts[part].force += load.force;
             on_parts[part].torque += load.torque;
             if let Some(slider) = parts[part].slider() {
@@ -279,6 +311,15 @@ impl PolyContacts {
         }
         self.gather(polyhedra, scenery.bodies);
         Tally::sum(&self.tallies)
+    }
+
+    /// Adds the forces on walls, by their numbers.
+    pub fn add_wall_forces(&self, sums: &mut [Vec3]) {
+        for owner in &self.owners {
+            if let Met::Wall(wall) = owner.met {
+                sums[wall as usize] += owner.load.force;
+            }
+        }
     }
 
     /// Energy in the springs of all contacts [J]: of parts as if each triangle had solid straight below it,
@@ -290,12 +331,13 @@ impl PolyContacts {
         (walls, parts): (&[Wall], &[PlacedPart]),
     ) -> f64 {
         let around = Around { scenery, polyhedra, walls, parts, triangles: &self.triangles };
-        let (mut energy, mut first, mut room) = (0.0, 0, Room::default());
+        let (mut energy, mut first, mut bench) = (0.0, (0, 0), Bench::default());
         for entry in &self.entries {
-            let memories = &self.memories[first..first + entry.memories()];
-            first += entry.memories();
+            let memories = &self.memories[first.0..first.0 + entry.memories()];
+            let owners = &self.owners[first.1..first.1 + entry.owners as usize];
+            first = (first.0 + memories.len(), first.1 + owners.len());
             if entry.touching > 0 {
-                energy += entry.energy(&around, &mut room);
+                energy += entry.energy(&around, owners, &mut bench);
                 let touching = &memories[..entry.touching as usize];
                 energy += touching.iter().map(|memory| memory.energy).sum::<f64>();
             }
@@ -324,7 +366,7 @@ fn of_pair((i, j, image): Found, polyhedra: &Polyhedra, bodies: &Bodies, laws: &
         law: laws.between(bodies.material[a], bodies.material[b]),
         root_mass: bodies.mobility[a].root_reduced_mass(bodies.mobility[b]),
         area: area(i).min(area(j)),
-        near: [0; 2],
+        owners: 0,
         touching: 0,
         loads: [Wrench::zero(); 2],
     }

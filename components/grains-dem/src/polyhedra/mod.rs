@@ -6,11 +6,13 @@
 
 mod energy;
 mod entries;
+mod hidden;
 mod list;
 mod overlap;
 mod press;
 mod respond;
 mod shape;
+mod surfaces;
 mod touch;
 mod turn;
 

@@ -115,6 +115,11 @@ impl Press {
         self.weight > 0.0
     }
 
+    /// Integral of the depth [m³].
+    pub fn weight(&self) -> f64 {
+        self.weight
+    }
+
     /// The middle of the load: a point, about which friction acts [m].
     pub fn centre(&self) -> Vec3 {
         self.first / self.weight

@@ -3,7 +3,8 @@
 //! The elastic load `F, T` comes from [`super::press`]; n is its direction, seen from the body, x_c its
 //! middle, `k_n` the stiffness of the law, reached where faces touch over the area of the largest face
 //! (the smaller of two). Dashpots, friction and what resists spinning are those that springs and
-//! dashpots spread over the loaded surface have together, scaled with its part of that area, s:
+//! dashpots spread over the loaded surface have together, scaled with its part of that area, s (of a contact that shares a region with others, of areas S in all, `sqrt(s)` is
+//! `s/sqrt(S)`, so that all of them damp as one):
 //!
 //! ```text
 //! v_n   = -(F.v + T.w)/|F|                          rate at which the bodies approach, w their relative spin
@@ -43,6 +44,8 @@ pub(crate) struct Memory {
     pub k_turn: f64,
     /// Energy in the springs of friction at the last evaluation [J].
     pub energy: f64,
+    /// Rank of the wall or part that it is of.
+    pub owner: u32,
 }
 
 impl Memory {
@@ -55,6 +58,7 @@ impl Memory {
         k_t: 0.0,
         k_turn: 0.0,
         energy: 0.0,
+        owner: 0,
     };
 }
 
@@ -65,6 +69,41 @@ pub(crate) struct Pair {
     pub root_mass: f64,
     /// Load over the integral of the depth [N/m³].
     pub kappa: f64,
+    /// Part of the reference area that is loaded in the whole region, if that is more than this contact.
+    pub region: Option<f64>,
+}
+
+/// What a contact answers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Response {
+    /// Force on the body and torque about its centroid.
+    pub load: Wrench,
+    /// Normal force over the elastic one.
+    scale: f64,
+    /// Friction, at the middle of the load, and torque besides.
+    sliding: Vec3,
+    turning: Vec3,
+}
+
+impl Response {
+    const NONE: Self = Self {
+        load: Wrench { force: Vec3::new(0.0, 0.0, 0.0), torque: Vec3::new(0.0, 0.0, 0.0) },
+        scale: 0.0,
+        sliding: Vec3::new(0.0, 0.0, 0.0),
+        turning: Vec3::new(0.0, 0.0, 0.0),
+    };
+
+    /// What of the load is due to a share of what presses: normal forces where they act, the rest by its weight. The
+    /// middle of the whole is that of the middles of shares.
+    pub fn of_share(&self, share: &Press, whole: &Press, kappa: f64) -> Wrench {
+        let weight = share.weight() / whole.weight();
+        let (normal, sliding) = (kappa * self.scale, self.sliding * weight);
+        let torque = share.torque * normal + self.turning * weight;
+        Wrench {
+            force: share.force * normal + sliding,
+            torque: torque + share.centre().cross(&sliding),
+        }
+    }
 }
 
 /// Relative motion: of the body at its centroid, less what the other would do there; spins.
@@ -78,7 +117,7 @@ pub(crate) struct Relative {
     pub both: Vec3,
 }
 
-/// Force on the body and torque about its centroid; what `memory` held counts only if it was `touching`.
+/// What acts on the body; what `memory` held counts only if it was `touching`.
 pub(crate) fn load(
     law: &Law,
     pair: Pair,
@@ -86,19 +125,19 @@ pub(crate) fn load(
     relative: &Relative,
     memory: &mut Memory,
     (touching, steps): (bool, Steps),
-) -> Wrench {
+) -> Response {
     let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
-        return Wrench::zero();
+        return Response::NONE;
     };
     let elastic = press.force * pair.kappa;
     let strength = elastic.norm_squared().sqrt();
     if !(press.acts() && strength > 0.0) {
-        return Wrench::zero();
+        return Response::NONE;
     }
     let n = elastic / -strength;
     let centre = press.centre();
     let part = pair.kappa * press.area.norm_squared().sqrt() / normal_stiffness;
-    let root = part.sqrt();
+    let root = pair.region.map_or(part.sqrt(), |region| part / region.sqrt());
     let (gamma_n, gamma_t) = law.dashpots();
     let gamma = |[fixed, per_root]: [f64; 2]| root * (fixed + per_root * pair.root_mass);
     let (gamma_n, gamma_t) = (gamma(gamma_n), gamma(gamma_t));
@@ -113,11 +152,11 @@ pub(crate) fn load(
     }
     let scale = f_n / strength;
     let mut force = elastic * scale;
-    let mut turning = about_centre * scale;
+    let mut friction = Vec3::zeros();
 
     let pushing = f_n.max(0.0);
     let square = press.square_radius(centre, n);
-    turning -= rocking(press, centre, n, relative.w, gamma_n, pushing * square.sqrt());
+    let mut turning = -rocking(press, centre, n, relative.w, gamma_n, pushing * square.sqrt());
 
     let old = std::mem::replace(&mut memory.normal, n);
     memory.overlap = press.deepest;
@@ -154,9 +193,11 @@ pub(crate) fn load(
         memory.turn += spin.rate * (0.5 * steps.after);
         (memory.xi, memory.k_t) = (xi + across * (0.5 * steps.after), k_t);
         force += sliding;
+        friction = sliding;
         turning += n * twisting;
     }
-    Wrench { force, torque: turning + centre.cross(&force) }
+    let torque = about_centre * scale + turning + centre.cross(&force);
+    Response { load: Wrench { force, torque }, scale, sliding: friction, turning }
 }
 
 /// Moment that friction of a pressed disc can bear against spinning, over friction and the root of the

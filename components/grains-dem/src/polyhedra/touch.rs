@@ -82,6 +82,16 @@ pub(crate) fn of_triangle(a: Solid<'_>, triangle: &Triangle, room: &mut Room, pr
     room.visit(&planes, &mut Sum { press, normal: triangle.normal, sign: 1.0 });
 }
 
+/// What a convex polygon presses on a body, its corners from the body's centroid.
+pub(crate) fn of_polygon(a: Solid<'_>, polygon: &[Vec3], normal: Vec3, room: &mut Room) -> Press {
+    let mut press = Press::NONE;
+    room.polygon.clear();
+    room.polygon.extend(polygon);
+    let planes = Planes::of(a, Vec3::zeros());
+    room.visit(&planes, &mut Sum { press: &mut press, normal, sign: 1.0 });
+    press
+}
+
 /// Where a sphere touches a body: the distance of its centre from the body [m], and the unit vector from the
 /// closest point to the centre; with the centre inside, the negative depth under the closest face, and
 /// that face's normal.

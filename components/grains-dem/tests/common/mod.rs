@@ -2,6 +2,7 @@
 #![allow(dead_code)] // Each test uses some of these.
 
 pub mod solids;
+pub mod walls;
 
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::{
