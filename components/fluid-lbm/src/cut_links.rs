@@ -106,10 +106,10 @@ impl CutLinks {
         self.may_be.sort_unstable();
         self.may_be.dedup();
         let mut near = None;
-        let mut meet = |at: [i32; 3], i: usize| {
-            if near != Some(at) {
-                part.facets_near(at, facets);
-                near = Some(at);
+        let mut meet = |by: [i32; 3], at: [i32; 3], i: usize| {
+            if near != Some(by) {
+                part.facets_near(by, facets);
+                near = Some(by);
             }
             let meeting = part.meets_among(facets, at, C[i])?;
             Some((meeting.q, meeting.slope.map(|x| x as f32)))
@@ -132,7 +132,10 @@ impl CutLinks {
             if twice.is_ok_and(|other| other < k) {
                 continue;
             }
-            let (Some(there), Some(here)) = (meet(at, i), meet(to, back)) else { continue };
+            let Some(there) = meet(at, at, i) else { continue };
+            // What is near the one end is near the whole link, but not behind a mirror.
+            let by = if mirrors == 0 { at } else { to };
+            let Some(here) = meet(by, to, back) else { continue };
             if there.0 + here.0 >= 1.0 {
                 continue;
             }
