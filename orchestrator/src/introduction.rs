@@ -83,7 +83,12 @@ pub fn introduce(
             description.interface
         )),
         Reply::Refusal { problems: found } => {
-            problems.extend(manifest.absolute(&manifest.spec.components[index].name, found));
+            // What is wrong with a part fluid and grains find alike: it is said once.
+            for problem in manifest.absolute(&manifest.spec.components[index].name, found) {
+                if !problems.contains(&problem) {
+                    problems.push(problem);
+                }
+            }
             Ok(())
         }
         other => Err(format!("it answered the hello with {other:?}")),

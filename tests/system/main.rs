@@ -7,6 +7,7 @@ mod conform;
 mod coupling;
 mod doctor;
 mod endings;
+mod endless;
 mod examples;
 mod faults;
 mod fields;

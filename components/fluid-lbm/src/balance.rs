@@ -96,12 +96,19 @@ impl<T: Collides> Solver<T> {
                 add_scaled(&mut balance.open, impulse, 1.0);
                 balance.mass_open += mass;
             }
+            // What the face replaced came through it.
+            for brought in &self.brought {
+                balance.mass_open += brought.total();
+                balance.mass_walls -= brought.by_faces;
+                balance.mass_parts -= brought.by_parts;
+            }
             let image = self.exchange.image;
             balance.bodies = std::array::from_fn(|a| image[a] - self.exchange.force[a]);
             let image = self.exchange.image_swept;
             balance.swept = std::array::from_fn(|a| self.exchange.swept[a] - image[a]);
             balance.mass_bodies = self.exchange.mass;
-            balance.frozen = self.declared.impulse.map(|x| -x);
+            let pinched = self.pinched.impulse;
+            balance.frozen = std::array::from_fn(|a| pinched[a] - self.declared.impulse[a]);
         }
         for (fixture, pressed) in self.fixtures.iter_mut().zip(&self.pressed) {
             fixture.join(pressed);

@@ -121,7 +121,10 @@ impl Body {
         // A row's cells that are not covered lie in two lines, or at the end of one more.
         let lines = if part.is_some() { 0 } else { (side + 1) * (side + 1) * (2 + side / 8) };
         // A move by less than a cell changes less than this; a jump may allocate.
-        let changes = side * side;
+        let changes = part.as_ref().map_or(side * side, |part| {
+            let ([a, b, c], side) = (part.size().map(|n| n as usize), side * side);
+            side.max(a * b).max(b * c).max(c * a)
+        });
         Self {
             id,
             handle,
@@ -205,15 +208,29 @@ impl Body {
         self.part.as_ref().map_or(arm, |part| part.outward(arm))
     }
 
-    /// Rows along y or z in which links to it can begin.
-    pub fn shell_side(&self) -> i32 {
-        self.part.as_ref().map_or(self.spans.shell_side(), |part| part.side() + 2)
+    /// Cells that a move by less than a cell changes at most.
+    pub fn most_changes(&self) -> usize {
+        let [rows, layers] = self.shell_size().map(|n| n as usize);
+        let sizes = self.part.as_ref().map_or([0; 3], |part| part.size().map(|n| n as usize));
+        let [a, b, c] = sizes;
+        (rows * layers).max(a * b).max(b * c).max(c * a)
     }
 
-    /// Coordinates `(y, z)` of row `(j, k)` of the shell, `0 <= j, k < shell_side()`.
+    /// Rows along y, and layers along z, in which links to it can begin.
+    pub fn shell_size(&self) -> [i32; 2] {
+        match &self.part {
+            Some(part) => [1, 2].map(|a| {
+                let [first, last] = part.near(a);
+                last - first + 1
+            }),
+            None => [self.spans.shell_side(); 2],
+        }
+    }
+
+    /// Coordinates `(y, z)` of row `j` of layer `k` of the shell, less than [`Body::shell_size`].
     pub fn shell_row(&self, j: i32, k: i32) -> [i32; 2] {
         match &self.part {
-            Some(part) => [part.origin()[0] - 1 + j, part.origin()[1] - 1 + k],
+            Some(part) => [part.near(1)[0] + j, part.near(2)[0] + k],
             None => self.spans.shell_row(j, k),
         }
     }
@@ -287,7 +304,10 @@ impl Body {
         self.spin = std::array::from_fn(|a| spin[a] + lead * spin_change[a]);
         self.change = if lead > 0.0 { change } else { [0.0; 3] };
         self.given = [velocity, spin];
-        let position = grid.canonical(units.position_to_lattice(state.position));
+        let position = match &self.part {
+            Some(part) => part.home(state.position, units, grid),
+            None => grid.canonical(units.position_to_lattice(state.position)),
+        };
         let elsewhere = match &mut self.part {
             Some(part) => part.place(position, state.orientation),
             None => position != self.position,
@@ -323,12 +343,12 @@ impl Body {
     /// Finds the cells inside of a part that has moved. True if a surface outgrew its room.
     pub fn cover_part(&mut self, layout: &Layout, team: &mut Team) -> bool {
         let Some(part) = self.part.as_mut().filter(|_| self.moved) else { return false };
-        let side = part.side();
+        let size = part.size();
         part.cover(&layout.grid, team);
         if part.shape.is_some() {
             self.radius = part.radius();
         }
-        part.side() != side
+        part.size() != size
     }
 
     /// Finds the cells inside at the new position, and which were left and entered; of a part, once it

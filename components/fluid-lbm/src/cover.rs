@@ -2,11 +2,14 @@
 
 use tremie_geometry::RowScratch;
 
-/// Cells of a cube of the box, which may reach beyond periodic faces, in layers along z.
+/// Cells of a box of cells, which may reach beyond periodic faces, in layers along z. Along an axis on which the part is
+/// endless they are those of the domain, and coordinates beyond its faces mean the cells that stand there.
 #[derive(Clone, Debug)]
 pub struct Cover {
     pub origin: [i32; 3],
-    pub side: i32,
+    pub size: [i32; 3],
+    /// Cells of the domain along axes on which the part is endless; zero along others.
+    pub period: [i32; 3],
     pub layers: Vec<Layer>,
 }
 
@@ -20,24 +23,35 @@ pub struct Layer {
 }
 
 impl Cover {
-    pub fn new(side: i32) -> Self {
+    /// Of so many cells along the axes on which the part has ends; `period` tells the others.
+    pub fn new(side: i32, period: [i32; 3]) -> Self {
+        let size = period.map(|n| if n > 0 { n } else { side });
         let layer = Layer {
-            cells: vec![false; (side * side) as usize],
-            rows: vec![false; side as usize],
+            cells: vec![false; (size[0] * size[1]) as usize],
+            rows: vec![false; size[1] as usize],
             scratch: RowScratch::default(),
         };
-        Self { origin: [0; 3], side, layers: vec![layer; side as usize] }
+        Self { origin: [0; 3], size, period, layers: vec![layer; size[2] as usize] }
+    }
+
+    /// A coordinate as the cover counts it.
+    #[inline(always)]
+    pub fn own(&self, axis: usize, k: i32) -> i32 {
+        match self.period[axis] {
+            0 => k,
+            n => k.rem_euclid(n),
+        }
     }
 
     /// The row `(y, z)`, if it holds any cell.
     #[inline]
     pub fn row(&self, y: i32, z: i32) -> Option<&[bool]> {
-        let (j, k) = (y - self.origin[1], z - self.origin[2]);
-        if !(0..self.side).contains(&j) || !(0..self.side).contains(&k) {
+        let (j, k) = (self.own(1, y) - self.origin[1], self.own(2, z) - self.origin[2]);
+        if !(0..self.size[1]).contains(&j) || !(0..self.size[2]).contains(&k) {
             return None;
         }
-        let (layer, j, side) = (&self.layers[k as usize], j as usize, self.side as usize);
-        layer.rows[j].then(|| &layer.cells[j * side..(j + 1) * side])
+        let (layer, j, wide) = (&self.layers[k as usize], j as usize, self.size[0] as usize);
+        layer.rows[j].then(|| &layer.cells[j * wide..(j + 1) * wide])
     }
 
     /// Calls `visit` with the coordinates of each of its cells that is not in `other`.

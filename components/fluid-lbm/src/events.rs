@@ -26,10 +26,10 @@ pub fn check(
             }
             let edges = grid.n.map(|n| f64::from(n) * units.cell);
             let longest = edges[0].max(edges[1]).max(edges[2]);
-            for a in 0..3 {
+            // Of parts the scene's check has seen to it that they do not meet themselves.
+            for a in (0..3).filter(|_| event.shape != BodyEvent::PART) {
                 let edge = if grid.periodic[a] { edges[a] } else { longest };
-                let limited = grid.periodic[a] || event.shape != BodyEvent::PART;
-                if limited && 2.0 * radius > edge {
+                if 2.0 * radius > edge {
                     return Err(FluidError::TooWide { id, diameter: 2.0 * radius, edge });
                 }
             }

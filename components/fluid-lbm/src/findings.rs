@@ -6,6 +6,7 @@ use crate::grain_space::{DryRegion, Throat};
 use crate::lattice::CS2;
 use crate::narrow::Narrow;
 use crate::parameters::{Parameters, Precision};
+use crate::part_extent::PartExtent;
 use crate::reservoir_findings as reservoirs;
 use crate::resolution::{Mended, Resolution};
 use tremie_messages::finding::short;
@@ -42,6 +43,9 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     findings.extend(lattice.mach());
     findings.extend(resolution.cells_per_smallest_sphere.map(|cells| lattice.sphere(cells)));
     findings.extend(resolution.cells_per_smallest_sphere.and_then(|d| lattice.layer(d)));
+    findings
+        .extend(resolution.cells_per_thinnest_polyhedron.map(|cells| lattice.polyhedron(cells)));
+    findings.extend(resolution.thin_parts.iter().flat_map(|part| lattice.part(part)));
     findings.extend(resolution.dry_regions.iter().map(DryRegion::finding));
     findings.extend(resolution.throat.as_ref().map(Throat::finding));
     findings.extend(resolution.narrowest_gap.as_ref().map(|gap| lattice.gap(gap)));
@@ -67,12 +71,10 @@ pub fn limits() -> Vec<Limit> {
         unit: "1".into(),
         doubtful: LOST,
         wrong: None,
-        why: "interpolated walls keep mass only to their order, and bodies that move cover and uncover cells; \
-              pressures drift in a closed box, and sections of one stream differ"
+        why: "walls and bodies pay back what they take over some 500 steps, but with refill = \"eqneq\" moving bodies never do; \
+              meanwhile pressures in a closed box are off by that"
             .into(),
-        remedy: "walls = \"halfway\" loses none at walls that stand still, refill = \"mass\" pays back what bodies \
-                 take; or a finer cell"
-            .into(),
+        remedy: "refill = \"mass\", which is the default; or a finer cell, in which bodies cross fewer cells in a step".into(),
     }]
 }
 
@@ -163,6 +165,58 @@ impl Lattice<'_> {
                 format!("its drag is trusted to a few per cent from {RESOLVED} on"),
                 remedy,
             )
+    }
+
+    /// A flake has the volume of a sphere that is many cells across, and none itself.
+    fn polyhedron(&self, cells: f64) -> Finding {
+        let width = cells * self.resolution.cell;
+        let remedy = format!("a cell of {} m makes it {RESOLVED}", short(width / RESOLVED));
+        Finding::new("cells across the thinnest polyhedron", cells, "1")
+            .because("its least width between two planes")
+            .wrong_if(
+                cells < UNSEEN,
+                format!(
+                    "its least width; below {UNSEEN} it may cover no cell at all and feel no fluid"
+                ),
+                &remedy,
+            )
+            .doubtful_if(
+                cells < RESOLVED,
+                format!(
+                    "its least width; its drag is trusted to a few per cent from {RESOLVED} on"
+                ),
+                remedy,
+            )
+    }
+
+    /// A part that is slim two ways is judged as a sphere of that diameter; a plate has to be seen at all.
+    fn part(&self, part: &PartExtent) -> Vec<Finding> {
+        let cell = self.resolution.cell;
+        let across = part.across.map(|cells| {
+            let remedy =
+                format!("a cell of {} m makes it {RESOLVED}", short(cells * cell / RESOLVED));
+            Finding::new(format!("cells across {}", part.part), cells, "1")
+                .because("where the fluid goes around it")
+                .wrong_if(
+                    cells < UNSEEN,
+                    format!("below {UNSEEN} it may cover no cell at all and feel no fluid"),
+                    &remedy,
+                )
+                .doubtful_if(
+                    cells < RESOLVED,
+                    format!("its drag is trusted to a few per cent from {RESOLVED} on"),
+                    remedy,
+                )
+        });
+        let through = (part.through < SHUT).then(|| {
+            let remedy = format!("a cell of {} m makes it {SHUT}", short(part.through * cell / SHUT));
+            Finding::new(format!("cells through {}", part.part), part.through, "1").doubtful_if(
+                true,
+                format!("its thickness; below {SHUT} no cell of it is sure to be covered, and one that moves may let fluid through"),
+                remedy,
+            )
+        });
+        across.into_iter().chain(through).collect()
     }
 
     /// A low relaxation time is a large Reynolds number of a cell: with few cells across, the layer in which a

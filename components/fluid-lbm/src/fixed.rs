@@ -21,6 +21,8 @@
 //! f_0(x) -= sum over links to sliding faces (f_i' - g_i)
 //! ```
 //!
+//! What interpolation makes or takes at walls is paid back over some hundred steps, see `wall_mass`.
+//!
 //! All links of a cell are one unit of work: the place of a link's result is that of its own `g_i`
 //! (see `places`), which another link of the same cell may want to read before.
 
@@ -29,10 +31,12 @@ use crate::course::Now;
 use crate::field::Real;
 use crate::grid::Grid;
 use crate::lattice::{C_F64, OPPOSITE, Q, W, cross, dot};
+use crate::layout::Layout;
 use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, density};
 use crate::open::open_faces;
-use crate::places::{Blocked, Parity, Places};
+use crate::places::{Blocked, Parity};
+use crate::wall_mass::{Patch, Patches, WEIGHT};
 use std::ops::Range;
 
 /// Cells that are one item of work.
@@ -94,43 +98,89 @@ pub struct FixedLinks {
     cells: Vec<u32>,
     /// First link of each cell, and the end.
     first: Vec<u32>,
+    /// Place of each cell's patch in the item's list.
+    patches: Vec<u16>,
     links: Vec<Link>,
 }
 
 /// Cells whose links are one item of work, and what these exchanged.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Item {
     cells: Range<usize>,
     /// For each fixture that the item's links meet, their exchange.
     pub exchanges: Vec<(Fixture, Exchange)>,
+    /// For each of these, whether it is a solid wall, whose links have to keep the mass.
+    are_walls: Vec<bool>,
+    /// Patches of wall that the item's cells belong to.
+    pub patches: Vec<Patch>,
+}
+
+/// What the links of one cell meet.
+struct Met<'a> {
+    exchanges: &'a mut [(Fixture, Exchange)],
+    are_walls: &'a [bool],
+    patch: &'a mut Patch,
+}
+
+impl Met<'_> {
+    /// What a link pays of what its patch of wall owes.
+    #[inline(always)]
+    fn pay(&mut self, link: &Link) -> f64 {
+        if !self.are_walls[usize::from(link.fixture)] {
+            return 0.0;
+        }
+        let weight = WEIGHT[usize::from(link.dir)];
+        self.patch.weight += weight;
+        weight * self.patch.pay
+    }
+
+    /// Takes note of the mass that links to a fixture gave to the fluid.
+    #[inline(always)]
+    fn gain(&mut self, fixture: u16, mass: f64) {
+        let fixture = usize::from(fixture);
+        if self.are_walls[fixture] {
+            self.patch.gained += mass;
+        } else if self.exchanges[fixture].0.as_solid().is_none() {
+            self.patch.of_faces += mass;
+        }
+    }
 }
 
 impl FixedLinks {
-    /// Of blocked links in the order of cells, with `q` of each.
+    /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are solid walls, and
+    /// `references` the point of each about which its torque counts.
     pub fn new(
-        places: &Places,
+        layout: &Layout,
+        references: &[[f64; 3]],
         blocked: impl Iterator<Item = (Blocked, f64)>,
-    ) -> (Self, Vec<Item>) {
+        is_wall: impl Fn(Fixture) -> bool,
+    ) -> (Self, Vec<Item>, Patches) {
         let mut own = Self::default();
         let mut items: Vec<Item> = Vec::new();
+        let mut patches = Patches::default();
         for (Blocked { cell, dir, fixture }, q) in blocked {
             if own.cells.last() != Some(&cell) {
                 if own.cells.len() % CELLS_PER_ITEM == 0 {
                     let start = own.cells.len();
-                    items.push(Item { cells: start..start, exchanges: Vec::new() });
+                    items.push(Item { cells: start..start, ..Item::default() });
                 }
+                let item = items.last_mut().expect("an item was begun");
+                let met = (fixture, references[usize::from(fixture.0)]);
+                let patch = patches.place(&layout.grid, layout.at(cell), met, &mut item.patches);
+                own.patches.push(patch);
                 own.cells.push(cell);
                 own.first.push(own.links.len() as u32);
+                item.cells.end = own.cells.len();
             }
             let item = items.last_mut().expect("an item was begun");
-            item.cells.end = own.cells.len();
             let exchanges = &mut item.exchanges;
             let place = exchanges.iter().position(|e| e.0 == fixture).unwrap_or(exchanges.len());
             if place == exchanges.len() {
                 exchanges.push((fixture, Exchange::default()));
+                item.are_walls.push(is_wall(fixture));
             }
             own.links.push(Link {
-                odd: places.odd(cell, dir.into()) as u32,
+                odd: layout.places.odd(cell, dir.into()) as u32,
                 own: (if q < 0.5 { 2.0 * q } else { 0.5 / q }) as f32,
                 dir,
                 near: q < 0.5,
@@ -138,7 +188,7 @@ impl FixedLinks {
             });
         }
         own.first.push(own.links.len() as u32);
-        (own, items)
+        (own, items, patches)
     }
 
     /// The links of a cell, by its place in the list.
@@ -155,7 +205,9 @@ impl FixedLinks {
 
     /// Memory that the tables take [bytes].
     pub fn bytes(&self) -> usize {
-        size_of_val(self.links.as_slice()) + 4 * (self.cells.len() + self.first.len())
+        size_of_val(self.links.as_slice())
+            + 4 * (self.cells.len() + self.first.len())
+            + 2 * self.patches.len()
     }
 }
 
@@ -172,6 +224,7 @@ impl<T: Real> After<'_, T> {
         for (_, exchange) in &mut item.exchanges {
             *exchange = Exchange::default();
         }
+        item.patches.iter_mut().for_each(Patch::begin);
         let still =
             |(fixture, _): &(Fixture, Exchange)| now[usize::from(fixture.0)] == Now::Wall([0.0; 3]);
         let all_still = item.exchanges.iter().all(still);
@@ -185,10 +238,15 @@ impl<T: Real> After<'_, T> {
                 continue;
             }
             let at = row.at(&self.layout.grid, self.layout.cells.index(cell));
+            let met = Met {
+                exchanges: &mut item.exchanges,
+                are_walls: &item.are_walls,
+                patch: &mut item.patches[usize::from(links.patches[k])],
+            };
             if all_still {
-                self.reflect_still(cell, at, links.of(k), reference, &mut item.exchanges);
+                self.reflect_still(cell, at, links.of(k), reference, met);
             } else {
-                self.reflect_cell(cell, at, links.of(k), now, reference, &mut item.exchanges);
+                self.reflect_cell(cell, at, links.of(k), now, reference, met);
             }
         }
     }
@@ -221,7 +279,7 @@ impl<T: Real> After<'_, T> {
         at: [i32; 3],
         links: &[Link],
         reference: &[[f64; 3]],
-        exchanges: &mut [(Fixture, Exchange)],
+        mut met: Met,
     ) {
         let all_fluid = self.owners.all_fluid();
         let mut values = [(0.0, 0.0); Q];
@@ -232,12 +290,12 @@ impl<T: Real> After<'_, T> {
             let f = if link.own == 1.0 {
                 g
             } else if link.near && !all_fluid && !self.has_behind(cell, link.dir.into()) {
-                exchanges[usize::from(link.fixture)].1.fallbacks += 1;
+                met.exchanges[usize::from(link.fixture)].1.fallbacks += 1;
                 g
             } else {
                 factor * g + (1.0 - factor) * self.field.get(other)
             };
-            *value = (g, f);
+            *value = (g, f + met.pay(link));
         }
         // Links of a cell mostly meet one fixture: its exchange is added once.
         let (mut force, mut gain, mut count) = ([0.0; 3], 0.0, 0);
@@ -247,7 +305,8 @@ impl<T: Real> After<'_, T> {
             gain += f - g;
             count += 1;
             if links.get(k + 1).is_none_or(|next| next.fixture != link.fixture) {
-                let (fixture, exchange) = &mut exchanges[usize::from(link.fixture)];
+                met.gain(link.fixture, gain);
+                let (fixture, exchange) = &mut met.exchanges[usize::from(link.fixture)];
                 // The arm to the surface is that to the cell but for a part along the force.
                 let arm = self.layout.grid.arm(reference[usize::from(fixture.0)], at);
                 add_scaled(&mut exchange.force, force, 1.0);
@@ -266,26 +325,28 @@ impl<T: Real> After<'_, T> {
         links: &[Link],
         now: &[Now],
         reference: &[[f64; 3]],
-        exchanges: &mut [(Fixture, Exchange)],
+        mut met: Met,
     ) {
-        let still =
-            |link: &Link| now[exchanges[link.fixture as usize].0.0 as usize] == Now::Wall([0.0; 3]);
+        let still = |link: &Link| {
+            now[met.exchanges[link.fixture as usize].0.0 as usize] == Now::Wall([0.0; 3])
+        };
         let all = if links.iter().all(still) { None } else { Some(self.post(cell)) };
         let mut values = [(0.0, 0.0); Q];
         for (link, value) in links.iter().zip(&mut values) {
-            let (fixture, exchange) = &mut exchanges[link.fixture as usize];
+            let (fixture, exchange) = &mut met.exchanges[link.fixture as usize];
             let g = self.post_one(cell, link.dir.into());
             let f = match now[fixture.0 as usize] {
                 Now::Wall(u) => self.at_wall(cell, link, g, u, all.as_ref(), exchange),
                 Now::Density(drho) => at_density(link, g, drho, all.as_ref()),
             };
-            *value = (g, f);
+            *value = (g, f + met.pay(link));
         }
         let mut brought = 0.0;
         for (link, (g, f)) in links.iter().zip(values) {
-            let (fixture, exchange) = &mut exchanges[link.fixture as usize];
             let (i, c) = (link.dir as usize, C_F64[link.dir as usize]);
             let f = self.field.set(self.next_place(cell, OPPOSITE[i]), f);
+            met.gain(link.fixture, f - g);
+            let (fixture, exchange) = &mut met.exchanges[link.fixture as usize];
             let force = c.map(|c| (g + f) * c);
             add_scaled(&mut exchange.force, force, 1.0);
             // The arm to the surface is that to the cell but for a part along the force.
@@ -299,6 +360,7 @@ impl<T: Real> After<'_, T> {
         }
         // Cells at open faces get other populations yet.
         if brought != 0.0 && open_faces(&self.layout.grid, at).next().is_none() {
+            let exchanges = &mut met.exchanges;
             let is_face = |link: &&Link| exchanges[link.fixture as usize].0.as_solid().is_none();
             if let Some(link) = links.iter().find(is_face) {
                 exchanges[link.fixture as usize].1.mass += self.give(cell, -brought);

@@ -45,7 +45,7 @@ impl Ground {
         let order = [0, 1, 2].map(|axis| axes.axis_to_lattice(axis));
         let grid = Grid::new(cells, sides(scene)).ordered(order);
         let centres = Centres { cell, min: scene.domain.min };
-        let (solids, moving) = match (solids(scene), moving_surfaces(scene)) {
+        let (solids, moving) = match (solids(scene, cell), moving_surfaces(scene)) {
             (Ok(solids), Ok(moving)) => (solids, moving),
             (still, moving) => {
                 let problems = [still.err(), moving.err()];
@@ -152,6 +152,15 @@ impl Ground {
     /// The centres of its cells.
     pub fn centres(&self) -> Centres {
         self.centres
+    }
+
+    /// Whether no solid covers the cell at a place, which may lie beyond periodic faces; not so outside the domain.
+    pub fn is_fluid_at(&self, place: [f64; 3]) -> bool {
+        let at: [i32; 3] = std::array::from_fn(|a| {
+            let k = ((place[a] - self.centres.min[a]) / self.centres.cell).floor();
+            self.grid.wrap(a, k.clamp(-1e9, 1e9) as i32)
+        });
+        self.grid.contains(at) && self.voxels.is_fluid(&self.grid, at)
     }
 
     /// Where a blocked link meets which solid: `q`, and the solid that it meets first.

@@ -39,7 +39,7 @@ pub struct Ledger {
     pub uncovered: [f64; 3],
     /// Lost with cells that were left without any fluid neighbour, and those that froze.
     pub isolated: [f64; 3],
-    /// Given by frozen cells of gaps and pockets.
+    /// Given by frozen cells of gaps and pockets, and to cells that nothing flows through.
     pub frozen: [f64; 3],
 
     /// Impulse given out to the bodies as loads, but for buoyancy.
@@ -63,7 +63,7 @@ pub struct Ledger {
     pub mass_change: f64,
     /// Gained at walls (none, for walls at rest).
     pub mass_walls: f64,
-    /// Gained at parts and planes that stand still; interpolation does not keep the mass exactly.
+    /// Gained at parts and planes that stand still. Interpolation does not keep the mass in each step, but with what is owed.
     pub mass_parts: f64,
     /// Gained through open faces.
     pub mass_open: f64,
@@ -75,12 +75,12 @@ pub struct Ledger {
     pub mass_uncovered: f64,
     /// Lost with isolated cells.
     pub mass_isolated: f64,
-    /// What moving bodies took beyond their volume and have not paid back, at the end of the step,
-    /// with `refill = "mass"`; part of no sum here.
+    /// What interpolated walls took and have not paid back, and with `refill = "mass"` what moving bodies took beyond their volume,
+    /// at the end of the step; part of no sum here.
     pub mass_owed: f64,
     /// What the scheme lost since the start (negative: gained), beyond what came and went through open faces and
     /// through parts that let fluid through, and what moving walls displaced, at the end of the step; part of no sum here.
-    /// With `refill = "mass"`, what is owed and what walls that stand still took.
+    /// With `refill = "mass"`, what is owed.
     pub mass_lost: f64,
 }
 

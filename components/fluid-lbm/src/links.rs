@@ -123,11 +123,11 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<I
     let mut items = Vec::new();
     for (place, body) in bodies.living.iter_mut().enumerate() {
         let begin = items.len();
-        let side = body.shell_side();
+        let [side, all] = body.shell_size();
         let layers = (ROWS_PER_ITEM / side).max(1);
         let mut first = 0;
-        while first < side {
-            let layers = first..(first + layers).min(side);
+        while first < all {
+            let layers = first..(first + layers).min(all);
             first = layers.end;
             // Grains draw nothing in.
             let [declared, intakes] = if body.is_part() { counts } else { [0; 2] };

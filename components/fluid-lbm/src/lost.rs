@@ -1,7 +1,7 @@
 //! The mass that the scheme lost since the start, which nothing let out.
 //!
-//! Links to walls that stand still make or take some where they are interpolated, links to bodies and cells that bodies cover
-//! and uncover as they move:
+//! Links to walls that stand still make or take some where they are interpolated and owe it (see `wall_mass`), links to bodies and
+//! cells that bodies cover and uncover as they move too (see `mass`):
 //!
 //! ```text
 //! lost  = took + rho_m space                                            rho_m: the fluid's mean density
@@ -46,6 +46,7 @@ impl Lost {
 impl<T: Collides> Solver<T> {
     /// Begins anew: nothing is lost.
     pub(crate) fn lose_nothing(&mut self) {
+        self.patches.forgive(&mut self.fixed_items);
         self.lost = Lost { cells: self.owners.fluid_cells, ..Lost::default() };
     }
 

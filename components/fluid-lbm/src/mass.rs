@@ -119,10 +119,17 @@ impl<T: Collides> Solver<T> {
         }
     }
 
-    /// Settles the accounts at the end of a step, once its balance is known.
+    /// Settles the accounts of walls and bodies at the end of a step, once its balance is known.
     pub(crate) fn settle_accounts(&mut self) {
+        let owed = self.patches.settle(&mut self.fixed_items) + self.settle_bodies();
+        self.balance.mass_owed = owed;
+        self.ledger.mass_owed = owed * self.units.mass();
+    }
+
+    /// Settles the accounts of bodies; returns what they owe.
+    fn settle_bodies(&mut self) -> f64 {
         if !self.keeps_mass {
-            return;
+            return 0.0;
         }
         let mean = self.balance.mass / self.owners.fluid_cells.max(1) as f64;
         let mut owed = 0.0;
@@ -154,9 +161,7 @@ impl<T: Collides> Solver<T> {
             owed += body.account.owed;
         }
         self.intakes.decide();
-        owed -= self.intakes.due();
-        self.balance.mass_owed = owed;
-        self.ledger.mass_owed = owed * self.units.mass();
+        owed - self.intakes.due()
     }
 }
 

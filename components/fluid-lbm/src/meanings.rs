@@ -36,7 +36,7 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("backflow_cells", "cells at pressure faces through which fluid enters"),
     (
         "mass_owed",
-        "what moving bodies took beyond their volume and have not paid back (refill = \"mass\")",
+        "what interpolated walls took, and moving bodies beyond their volume, and have not paid back",
     ),
     (
         "mass_lost",
@@ -68,6 +68,6 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ),
     (
         "mass_flow_rate",
-        "mass of fluid that passes in a second, positive along the axis; mean over the time since the row before",
+        "mass of fluid that crosses from cell to cell in a second, positive along the axis; mean over the time since the row before",
     ),
 ];

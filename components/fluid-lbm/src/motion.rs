@@ -51,6 +51,7 @@ impl<T: Collides> Solver<T> {
         self.count_losses();
         self.refill();
         self.owners.admit();
+        self.find_pinched_anew();
         self.note_changes();
         if !self.declared.is_empty() {
             self.declared.find_mouths(&self.owners, &self.layout);

@@ -5,7 +5,7 @@ use crate::lattice::cross;
 use crate::solids::Centres;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Bounds, Frame, Surface};
-use tremie_messages::scene::{Face, Motion, Placement, Scene};
+use tremie_messages::scene::{Face, Motion, Placement, Pose, Scene};
 
 /// Cells that a gap is looked for across.
 const REACH: f64 = 8.0;
@@ -139,7 +139,8 @@ fn placed<'a>(scene: &'a Scene, ground: &'a Ground) -> Vec<Placed<'a>> {
     let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
     let of = |(index, surface): (usize, &'a Surface)| {
         let part = &scene.parts[index];
-        let frame = Frame::of(&part.pose);
+        let position = surface.endless().place(part.pose.position);
+        let frame = Frame::of(&Pose { position, ..part.pose });
         let bounds = Bounds::of(surface.mesh().vertices.iter().map(|&v| frame.to_world(v)));
         Placed { name: &part.name, surface, frame, bounds }
     };

@@ -158,6 +158,7 @@ impl<T: Collides> Solver<T> {
             + self.open.bytes()
             + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()
             + self.owners.bytes()
+            + self.pinched.bytes()
             + self.bricks.bytes()
             + self.declared.bytes()
             + self.intakes.bytes()

@@ -38,8 +38,8 @@
 //! # What a velocity face delivers
 //! Next to a wall, the links that would carry fluid along it are the wall's, and the layer between `x_B` and `x_I` passes
 //! less than the velocities at `x_B` say: of a uniform profile a sixth in each cell beside a wall, and more or less of that
-//! with the shear there, which no formula foretells. So the mass `m` that enters through the face is compared with the
-//! one that was asked for, and the velocities of the whole face take a factor `1 + e`:
+//! with the shear there, which no formula foretells. So the mass `m` that enters through the face, with what links to walls
+//! bring to its cells, is compared with the one that was asked for, and the velocities of the whole face take a factor `1 + e`:
 //!
 //! ```text
 //! M  = <rho> u.n sum of (mean factor of the profile over a cell) (open area of the cell)
@@ -48,7 +48,7 @@
 //!
 //! `<rho>` is the mean density of the fluid: so the volume is right halfway between where the flow's pressure is highest
 //! and lowest, and faces that are to pass the same do. A wall of a part that crosses a cell within the face leaves it the
-//! area up to there. (The rule is that of least mean squares, Widrow & Hoff 1960; it rests where the flow turns round.)
+//! area beside it (see `open_area`). (The rule is that of least mean squares, Widrow & Hoff 1960; it rests where the flow turns round.)
 //!
 //! Cells at two open faces belong to the one of the first axis (of the world) and look along both normals. Where a
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
@@ -62,10 +62,12 @@ use crate::grid::{Grid, Side};
 use crate::lattice::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each};
 use crate::layout::Layout;
 use crate::ledger::add_scaled;
+use crate::open_area::OpenAreas;
 use crate::owners::Owners;
 use crate::parameters::OpenFaces;
 use crate::places::{Blocked, Parity};
 use crate::refill::Content;
+use crate::wall_mass::Brought;
 use std::ops::Range;
 use tremie_messages::scene::Profile;
 use tremie_team::Variant;
@@ -186,14 +188,13 @@ impl Waiting {
 }
 
 impl OpenCells {
-    /// Of the links that open faces block. `absorbing` says it of each face; `walls` are the links that meet parts,
-    /// by cell, and where they do.
+    /// Of the links that open faces block. `absorbing` says it of each face; `areas` how much of each cell is open.
     pub fn new(
         layout: &Layout,
         laws: &[Option<Law>],
         absorbing: [bool; 6],
         blocked: &[Blocked],
-        walls: &[(Blocked, f64)],
+        areas: &OpenAreas,
     ) -> (Self, Vec<Item>) {
         let mut own = Self::default();
         for links in blocked.chunk_by(|a, b| a.cell == b.cell) {
@@ -219,7 +220,7 @@ impl OpenCells {
                 face: (2 * axis + side) as u8,
                 plain: unknown == across && open.len() == 1,
                 profile,
-                share: mean * open_area(axis, links[0].cell, walls),
+                share: mean * areas.of(links[0].cell),
                 relax: if absorbing[2 * axis + side] {
                     RELAX * CS2.sqrt() / f64::from(grid.n[axis])
                 } else {
@@ -252,14 +253,14 @@ impl OpenCells {
         size_of_val(self.cells.as_slice())
     }
 
-    /// Compares what entered through faces with a velocity in a step with what was to, in a fluid of a mean density. Sums
-    /// are in the order of the items.
-    pub fn steer(&mut self, items: &[Item], now: &[Now], density: f64) {
+    /// Compares what entered through faces with a velocity in a step, and what links brought to their cells, with what was to, in a
+    /// fluid of a mean density. Sums are in the order of the items.
+    pub fn steer(&mut self, items: &[Item], now: &[Now], density: f64, brought: &[Brought; 6]) {
         for of_face in items.chunk_by(|a, b| a.face == b.face) {
             let face = of_face[0].face;
             let Now::Wall(velocity) = now[face] else { continue };
             let inward = velocity[face / 2] * [1.0, -1.0][face % 2];
-            let (mut mass, mut share) = (0.0, 0.0);
+            let (mut mass, mut share) = (brought[face].total(), 0.0);
             for item in of_face {
                 (mass, share) = (mass + item.mass, share + item.share);
             }
@@ -272,18 +273,6 @@ impl OpenCells {
             }
         }
     }
-}
-
-/// Area of a cell in a face across an axis [cells]: from wall to wall, where those of parts cross it.
-fn open_area(axis: usize, cell: u32, walls: &[(Blocked, f64)]) -> f64 {
-    let first = walls.partition_point(|(link, _)| link.cell < cell);
-    let own = || walls[first..].iter().take_while(|(link, _)| link.cell == cell);
-    let reach = |a: usize, sign: i32| {
-        let mut along = [0; 3];
-        along[a] = sign;
-        own().find(|(link, _)| C[usize::from(link.dir)] == along).map_or(0.5, |(_, q)| *q)
-    };
-    (0..3).filter(|&a| a != axis).map(|a| reach(a, -1) + reach(a, 1)).product()
 }
 
 /// The open faces at which a cell lies, in the order of the world's axes.

@@ -130,11 +130,11 @@ pub enum Walls {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Refill {
-    /// No more than that; the mass drifts a little while bodies move.
-    #[default]
+    /// No more than that; the mass drifts while bodies move, in a settling bed by per cents.
     Eqneq,
     /// And what a body took from the fluid beyond its volume is paid back along its surface, so that
     /// a closed box keeps its mean density.
+    #[default]
     Mass,
 }
 

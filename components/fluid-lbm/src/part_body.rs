@@ -23,7 +23,7 @@ use crate::shape::{Hit, NO_FACET, Shape};
 use crate::units::Units;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
-use tremie_geometry::{Bounds, Frame, Row, Surface};
+use tremie_geometry::{Bounds, Endless, Frame, Row, Surface};
 use tremie_messages::SurfaceVertex;
 use tremie_messages::scene::Pose;
 use tremie_team::Team;
@@ -80,6 +80,8 @@ pub struct PartBody {
     /// small vector.
     drift: [[f64; 3]; 2],
     frame: Frame,
+    /// How it goes on through periodic faces.
+    endless: Endless,
     now: Cover,
     previous: Cover,
 }
@@ -158,14 +160,20 @@ impl PartBody {
 
     /// A part with a surface; `cell` is the edge of a cell [m].
     pub fn new(index: usize, surface: Arc<Surface>, rounding: Rounding, cell: f64) -> Self {
-        let moments = surface.mesh().moments();
-        let cover = Cover::new((2.0 * surface.bounding_radius() / cell).ceil() as i32 + 2);
+        let (volume, centroid) = surface.volume_and_centroid();
+        let endless = surface.endless();
+        let side = (2.0 * surface.bounding_radius() / cell).ceil() as i32 + 2;
+        let period = std::array::from_fn(|a| {
+            if endless.axes[a] { (endless.period()[a] / cell).round() as i32 } else { 0 }
+        });
+        let cover = Cover::new(side, period);
         Self {
             index,
             ridges: Ridges::of(&surface, cell),
             shape: None,
-            volume: moments.volume / (cell * cell * cell),
-            centroid: moments.centroid,
+            volume: volume / (cell * cell * cell),
+            centroid,
+            endless,
             orientation: [0.0, 0.0, 0.0, 1.0],
             rounding,
             found: None,
@@ -191,7 +199,7 @@ impl PartBody {
         let shape = Shape::new(surface.mesh(), carrier);
         let side = side_of(&surface, cell);
         let mut own = Self::new(index, Arc::new(surface), rounding, cell);
-        (own.now, own.previous) = (Cover::new(side), Cover::new(side));
+        (own.now, own.previous) = (Cover::new(side, [0; 3]), Cover::new(side, [0; 3]));
         own.shape = Some(Box::new(shape));
         own.ridges = Ridges::default();
         own
@@ -216,9 +224,9 @@ impl PartBody {
         let moments = surface.mesh().moments();
         self.volume = moments.volume / (self.cell * self.cell * self.cell);
         self.centroid = moments.centroid;
-        let side = room_for(side_of(surface, self.cell), self.previous.side);
-        if side > self.now.side {
-            self.now = Cover::new(side);
+        let side = room_for(side_of(surface, self.cell), self.previous.size[0]);
+        if side > self.now.size[0] {
+            self.now = Cover::new(side, [0; 3]);
         }
     }
 
@@ -275,19 +283,24 @@ impl PartBody {
         ]
     }
 
-    /// Rows along y or z that may hold cells.
-    pub fn side(&self) -> i32 {
-        self.now.side
+    /// Where its surface is placed when its origin is at a position [m], in cells.
+    pub fn home(&self, position: [f64; 3], units: &Units, grid: &Grid) -> [f64; 3] {
+        let placed = units.position_to_lattice(self.endless.place(position));
+        let canonical = grid.canonical(placed);
+        std::array::from_fn(|a| if self.endless.axes[a] { placed[a] } else { canonical[a] })
     }
 
-    /// Coordinates `(y, z)` of the first row.
-    pub fn origin(&self) -> [i32; 2] {
-        [self.now.origin[1], self.now.origin[2]]
+    /// Cells along each axis among which are all that it may cover.
+    pub fn size(&self) -> [i32; 3] {
+        self.now.size
     }
 
-    /// First and last coordinate along x of cells that it may cover.
-    pub fn range(&self) -> [i32; 2] {
-        [self.now.origin[0], self.now.origin[0] + self.now.side - 1]
+    /// The first and the last coordinate along an axis of cells in which links to it may begin. Along one on which it is
+    /// endless these are those of the domain, each once.
+    pub fn near(&self, axis: usize) -> [i32; 2] {
+        let (first, count) = (self.now.origin[axis], self.now.size[axis]);
+        let ring = i32::from(self.now.period[axis] == 0);
+        [first - ring, first + count - 1 + ring]
     }
 
     /// Moves the coordinates of its cells.
@@ -334,16 +347,25 @@ impl PartBody {
             if grid.periodic[a] { k } else { k.clamp(low, high) }
         };
         // Beyond a face that does not wrap around, the last comes before the first.
-        let least = std::array::from_fn(|a| end(a, bounds.min[a], 0, grid.n[a]));
-        let most = std::array::from_fn(|a| end(a, bounds.max[a], -1, grid.n[a] - 1));
+        let has_ends = |a: usize| !self.endless.axes[a];
+        let least =
+            std::array::from_fn(
+                |a| {
+                    if has_ends(a) { end(a, bounds.min[a], 0, grid.n[a]) } else { 0 }
+                },
+            );
+        let most = std::array::from_fn(|a| {
+            let last = grid.n[a] - 1;
+            if has_ends(a) { end(a, bounds.max[a], -1, last) } else { last }
+        });
         [least, most]
     }
 
     /// Fills a layer up to the cells `most`.
     fn fill(&self, most: [i32; 3], k: i32, layer: &mut Layer) {
-        let ([ox, oy, oz], side) = (self.now.origin, self.now.side as usize);
-        let wide = (most[0] - ox + 1).clamp(0, self.now.side) as usize;
-        for j in 0..side {
+        let ([ox, oy, oz], [side, rows, _]) = (self.now.origin, self.now.size.map(|n| n as usize));
+        let wide = (most[0] - ox + 1).clamp(0, self.now.size[0]) as usize;
+        for j in 0..rows {
             let (y, z) = (oy + j as i32, oz + k);
             let cells = &mut layer.cells[j * side..(j + 1) * side];
             if std::mem::take(&mut layer.rows[j]) {
@@ -379,7 +401,7 @@ impl PartBody {
         let Some(row) = self.now.row(y, z) else { return 0 };
         let bits = (first..=last).enumerate();
         bits.fold(0, |bits, (k, x)| {
-            let x = x - self.now.origin[0];
+            let x = self.now.own(0, x) - self.now.origin[0];
             let inside = x >= 0 && row.get(x as usize).copied().unwrap_or(false);
             bits | u32::from(inside) << k
         })
@@ -399,6 +421,7 @@ impl PartBody {
 
     /// As [`PartBody::meet`], and the facet, if the surface can deform.
     pub fn meet_facet(&self, from: [i32; 3], c: [i32; 3]) -> (f64, u32) {
+        let from = self.own(from);
         let to = std::array::from_fn(|a| from[a] + c[a]);
         let (start, end) = (self.point(from), self.point(to));
         match self.surface.first_crossing(start, end) {
@@ -429,7 +452,7 @@ impl PartBody {
             };
             (along(0) + along(1) + along(2)) * (1.0 + 1e-9)
         });
-        let centre = self.point(at);
+        let centre = self.point(self.own(at));
         let min = std::array::from_fn(|k| centre[k] - reach[k]);
         let max = std::array::from_fn(|k| centre[k] + reach[k]);
         let bounds = Bounds { min, max };
@@ -446,6 +469,7 @@ impl PartBody {
     /// As [`PartBody::meet`], among the facets near `from`.
     pub fn meet_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Meeting {
         self.meets_among(facets, from, c).unwrap_or_else(|| {
+            let from = self.own(from);
             let to = std::array::from_fn(|a| from[a] + c[a]);
             let hit = self.hit_between(self.point(from), self.point(to));
             Meeting { q: 0.5, slope: [0.0; 3], hit }
@@ -454,6 +478,7 @@ impl PartBody {
 
     /// Where a link meets the surface first, among the facets near its beginning or its end; none if it does not.
     pub fn meets_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Option<Meeting> {
+        let from = self.own(from);
         let to = std::array::from_fn(|a| from[a] + c[a]);
         let (start, end) = (self.point(from), self.point(to));
         let crossing = if facets.is_complete {
@@ -474,6 +499,12 @@ impl PartBody {
             slope: if is_steep { normal.map(|n| n / along) } else { [0.0; 3] },
             hit,
         })
+    }
+
+    /// A cell's coordinates where its surface has been made: in the domain along axes on which it is endless.
+    #[inline(always)]
+    fn own(&self, at: [i32; 3]) -> [i32; 3] {
+        std::array::from_fn(|a| self.now.own(a, at[a]))
     }
 
     /// Centre of a cell in the part's frame [m]: the very point of which rows are asked.
@@ -513,16 +544,24 @@ impl PartBody {
         mirrors: [bool; 3],
     ) -> Option<Displaced> {
         let radius = self.radius();
-        let window = window(grid, ([0.0; 3], 1.0), [2.0 * radius; 3], mirrors);
+        let place = |vertex| {
+            let arm = self.frame.turn_to_world(vertex);
+            std::array::from_fn(|a| position[a] + arm[a] / self.cell)
+        };
+        let has_ends = |a: usize| !self.endless.axes[a];
+        let is_short = |a: usize| !grid.periodic[a] || 2.0 * radius < f64::from(grid.n[a]);
+        let extent = if (0..3).filter(|&a| has_ends(a)).all(is_short) {
+            [2.0 * radius; 3]
+        } else {
+            Bounds::of(self.surface.mesh().vertices.iter().map(|&v| place(v))).size()
+        };
+        let extent = std::array::from_fn(|a| if has_ends(a) { extent[a] } else { f64::INFINITY });
+        let window = window(grid, ([0.0; 3], 1.0), extent, mirrors);
         let is_in =
             |a: usize| position[a] - radius > window.min[a] && position[a] + radius < window.max[a];
         if (0..3).all(is_in) {
             return None;
         }
-        let place = |vertex| {
-            let arm = self.frame.turn_to_world(vertex);
-            std::array::from_fn(|a| position[a] + arm[a] / self.cell)
-        };
         Some(Displaced::by(self.surface.mesh(), place, &window, position))
     }
 

@@ -129,7 +129,7 @@ impl PartLinks {
         self.now.clear();
         self.now.search = part.search();
         for z in layers.clone() {
-            for y in 0..body.shell_side() {
+            for y in 0..body.shell_size()[0] {
                 self.find_row(site, part, body.shell_row(y, z));
             }
         }
@@ -204,8 +204,7 @@ impl PartLinks {
             let (to_z, mirror_z) = grid.fold(2, z + C[i][2]);
             ([to_y, to_z], mirror_y << 1 | mirror_z << 2)
         });
-        let [mut first, mut last] = part.range();
-        (first, last) = (first - 1, last + 1);
+        let [mut first, mut last] = part.near(0);
         if !grid.periodic[0] {
             (first, last) = (first.max(0), last.min(grid.n[0] - 1));
         }

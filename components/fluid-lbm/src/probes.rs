@@ -1,5 +1,6 @@
 //! What probes measure: weighted means over the fluid cells where they are.
 
+use crate::crossing::Crossing;
 use crate::field::Real;
 use crate::grid::Grid;
 use crate::lattice::CS2;
@@ -245,8 +246,6 @@ struct Item {
     strip: usize,
     samples: Vec<(u32, f64)>,
     sum: Sum,
-    /// Of a section its axis, and the momentum along it that was passing in the last step that was looked at.
-    flow: Option<(usize, f64)>,
 }
 
 /// Mass that passes a section.
@@ -262,6 +261,8 @@ struct Passing {
 pub struct Probes {
     shapes: Vec<ProbeShape>,
     items: Vec<Item>,
+    /// Links that cross sections.
+    crossings: Vec<Crossing>,
     /// Of each probe, what passes it if it is a section.
     passing: Vec<Passing>,
     /// Steps that were looked at since means began.
@@ -280,13 +281,16 @@ impl Probes {
         let mut own = Self::default();
         for (number, probe) in probes.iter().enumerate() {
             own.shapes.push(probe.shape.clone());
-            let (strips, flow) = match &probe.shape {
-                ProbeShape::Profile { bins, .. } => (*bins, None),
-                ProbeShape::Section { axis, .. } => (1, Some((*axis, 0.0))),
-                _ => (1, None),
-            };
+            let strips =
+                if let ProbeShape::Profile { bins, .. } = &probe.shape { *bins } else { 1 };
             let mut cells = vec![Vec::new(); strips];
-            for (at, weight) in samples(&layout.grid, centres, &probe.shape) {
+            let samples = samples(&layout.grid, centres, &probe.shape);
+            if let ProbeShape::Section { axis, .. } = &probe.shape {
+                let crossings = samples.chunks(SAMPLES_PER_ITEM);
+                let crossings = crossings.map(|cells| Crossing::of(layout, *axis, number, cells));
+                own.crossings.extend(crossings);
+            }
+            for (at, weight) in samples {
                 let strip = strip_of(&probe.shape, centres, at);
                 cells[strip].extend(layout.cell(at).map(|cell| (cell, weight)));
             }
@@ -296,12 +300,14 @@ impl Probes {
                     strip,
                     samples: samples.to_vec(),
                     sum: Sum::default(),
-                    flow,
                 }));
             }
         }
         own.passing = vec![Passing::default(); own.shapes.len()];
-        let sections = own.items.iter().filter(|item| item.flow.is_some());
+        let sections = own
+            .items
+            .iter()
+            .filter(|item| matches!(own.shapes[item.probe], ProbeShape::Section { .. }));
         let looked_at: usize = sections.map(|item| item.samples.len()).sum();
         if looked_at > 0 {
             let share = looked_at as f64 / layout.cells.len().max(1) as f64;
@@ -321,21 +327,11 @@ impl Probes {
         if !self.every.is_some_and(|every| steps.is_multiple_of(every)) {
             return;
         }
-        team.for_each(&mut self.items, |_, item| {
-            let Some((axis, passing)) = &mut item.flow else { return };
-            *passing = 0.0;
-            for &(cell, weight) in item.samples.iter().filter(|(cell, _)| owners.is_fluid(*cell)) {
-                let content = before.content(cell);
-                let half = 0.5 * before.acceleration[*axis] * (1.0 + content.drho);
-                *passing += weight * (content.j[*axis] + half);
-            }
-        });
+        team.for_each(&mut self.crossings, |_, crossing| crossing.look(before, owners));
         self.looks += 1;
         self.passing.iter_mut().for_each(|passing| passing.last = Some(0.0));
-        for item in &self.items {
-            if let Some((_, passing)) = item.flow {
-                *self.passing[item.probe].last.get_or_insert(0.0) += passing;
-            }
+        for crossing in &self.crossings {
+            *self.passing[crossing.probe].last.get_or_insert(0.0) += crossing.passed;
         }
         self.passing.iter_mut().for_each(|passing| passing.sum += passing.last.unwrap_or(0.0));
     }

@@ -12,7 +12,8 @@
 //!
 //! (Mutabaruka & Kamrin, Eq. 31; `u_n` does not depend on how the missing mass is divided among the
 //! directions that enter.) What a cell then holds more than before streaming brought the cylinder's
-//! fluid to it is what the cylinder loses: cylinder and domain together keep their mass to rounding.
+//! fluid to it is what the cylinder loses, with what links to walls brought to these cells: cylinder and domain
+//! together keep their mass to rounding.
 //! Their `rho` from the velocity at the face instead has a mode of two steps that grows where the
 //! cylinder is short and the viscosity low.
 //!
@@ -29,6 +30,7 @@ use crate::open::{CELLS_PER_ITEM, Next, open_faces};
 use crate::piston::Cylinder;
 use crate::places::Blocked;
 use crate::units::Units;
+use crate::wall_mass::Brought;
 use std::ops::Range;
 use tremie_messages::scene::{Face, Reservoir, Scene};
 use tremie_team::Team;
@@ -248,6 +250,7 @@ impl ReservoirFace {
         next: &Next<'_, T>,
         team: &mut Team,
         units: &Units,
+        brought: &[Brought; 6],
     ) -> Result<(), FluidError> {
         let (cells, drho) = (&self.cells, self.cylinder.drho());
         let [axis, side] = [self.axis, self.side];
@@ -265,7 +268,8 @@ impl ReservoirFace {
             view.fill(&cells[item.cells.clone()], mean, relaxation, item);
         });
         self.mean = mean;
-        self.cylinder.drain(self.items.iter().map(|item| item.mass).sum());
+        let at_walls = brought[2 * axis + side].total();
+        self.cylinder.drain(self.items.iter().map(|item| item.mass).sum::<f64>() + at_walls);
         if fastest <= FASTEST && mean.is_finite() {
             return Ok(());
         }

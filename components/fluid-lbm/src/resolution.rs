@@ -8,14 +8,15 @@ use crate::ground::Ground;
 use crate::lattice::{CS2, Q};
 use crate::narrow::{Narrow, narrowest};
 use crate::parameters::{Parameters, Precision};
+use crate::part_extent::{PartExtent, thin_parts};
 use crate::places;
 use crate::reservoir::{face_of, name, reservoirs_of};
 use crate::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
-use tremie_geometry::Surface;
+use tremie_geometry::{Convex, Surface};
 use tremie_messages::Problem;
 use tremie_messages::finding::short;
-use tremie_messages::scene::{Domain, FluidMaterial, Scene};
+use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Placement, Scene};
 
 /// What follows from parameters and scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +33,10 @@ pub struct Resolution {
     pub expected_mach: Option<f64>,
     /// Diameter of the smallest sphere of the scene [cells].
     pub cells_per_smallest_sphere: Option<f64>,
+    /// The least width of the thinnest polyhedron of the scene [cells].
+    pub cells_per_thinnest_polyhedron: Option<f64>,
+    /// Parts that are thinner than 16 cells somewhere in the fluid.
+    pub thin_parts: Vec<PartExtent>,
     /// Memory that the fluid will take [bytes].
     pub memory_bytes: u64,
     /// Cells that the fluid may fill.
@@ -114,6 +119,8 @@ impl Parameters {
             tau,
             expected_mach: fluid.expected_speed.map(|speed| self.mach_of(speed, time_step)),
             cells_per_smallest_sphere: smallest,
+            cells_per_thinnest_polyhedron: thinnest_width(scene).map(|width| width / self.cell.0),
+            thin_parts: thin_parts(scene, &ground),
             memory_bytes,
             fluid_cells,
             narrowest_gap,
@@ -347,6 +354,18 @@ fn smallest_diameter(scene: &Scene) -> Option<f64> {
     let sets = scene.bodies.iter().map(|set| set.placement.sizes().extremes()[0]);
     let inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[0]);
     sets.chain(inlets).filter(|d| d.is_finite()).reduce(f64::min)
+}
+
+/// The least width of the thinnest polyhedron that the scene lists or packs [m]: a flake may be as large as a ball, and no
+/// cell across.
+fn thinnest_width(scene: &Scene) -> Option<f64> {
+    let of = |set: &BodySet| {
+        let Placement::Polyhedra(own) = &set.placement else { return None };
+        let shape = scene.shapes.iter().find(|shape| shape.name == own.shape)?;
+        let width = Convex::hull(&shape.vertices).ok()?.unit().least_width();
+        Some(width * set.placement.sizes().extremes()[0])
+    };
+    scene.bodies.iter().filter_map(of).filter(|width| width.is_finite()).reduce(f64::min)
 }
 
 /// What a user should know before trusting results; numbers with a verdict are in

@@ -4,9 +4,9 @@ use crate::displaced::{Displaced, window};
 use crate::grid::Grid;
 use crate::lattice::dot;
 use std::sync::Arc;
-use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface};
+use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface, motion_problem};
 use tremie_messages::Problem;
-use tremie_messages::scene::{Motion, Part, PartBoundary, Plane, Scene};
+use tremie_messages::scene::{Domain, Motion, Part, PartBoundary, Plane, Pose, Scene};
 
 /// A solid that never moves.
 pub struct Solid {
@@ -25,16 +25,49 @@ pub struct Solid {
 enum Shape {
     Part {
         surface: Box<Surface>,
-        frame: Frame,
+        /// Where it is: itself first, then as it comes in again through periodic faces.
+        images: Vec<Image>,
         /// Whether the space inside is free and that outside solid.
         cavity: bool,
-        /// Around the surface, in the world [m].
-        bounds: Bounds,
     },
     Plane {
         point: [f64; 3],
         normal: [f64; 3],
     },
+}
+
+/// A part's surface in the world.
+struct Image {
+    frame: Frame,
+    /// Around it [m].
+    bounds: Bounds,
+}
+
+/// Where a part's surface is in a domain: at its place, and a period away where it reaches beyond a periodic face or to
+/// less than a cell from one.
+fn images(part: &Part, surface: &Surface, domain: &Domain, cell: f64) -> Vec<Image> {
+    let endless = surface.endless();
+    let home = endless.place(part.pose.position);
+    let at = |position| {
+        let frame = Frame::of(&Pose { position, ..part.pose });
+        let vertices = surface.mesh().vertices.iter();
+        Image { frame, bounds: Bounds::of(vertices.map(|&vertex| frame.to_world(vertex))) }
+    };
+    let mut images = vec![at(home)];
+    let near = Bounds { min: domain.min, max: domain.max }.grown(cell);
+    let steps = |a: usize| {
+        if domain.is_periodic(a) && !endless.axes[a] { -1..=1 } else { 0..=0 }
+    };
+    for z in steps(2) {
+        for y in steps(1) {
+            for x in steps(0).filter(|&x| [x, y, z] != [0; 3]) {
+                let shift = [x, y, z].map(f64::from);
+                let moved = std::array::from_fn(|a| home[a] + shift[a] * domain.size()[a]);
+                images.extend(Some(at(moved)).filter(|image| image.bounds.meets(&near)));
+            }
+        }
+    }
+    images
 }
 
 /// The centres of the cells.
@@ -53,16 +86,16 @@ impl Centres {
     }
 }
 
-/// The static solids of a scene: its fixed parts in their order, then its planes.
+/// The static solids of a scene: its fixed parts in their order, then its planes; `cell` is the edge of a cell [m].
 ///
 /// # Errors
 /// Every part whose surface cannot be had.
-pub fn solids(scene: &Scene) -> Result<Vec<Solid>, Vec<Problem>> {
+pub fn solids(scene: &Scene, cell: f64) -> Result<Vec<Solid>, Vec<Problem>> {
     let (mut solids, mut problems) = (Vec::new(), Vec::new());
     for (index, part) in scene.parts.iter().enumerate().filter(|(_, p)| p.motion == Motion::Fixed) {
-        match Solid::of_part(index, part) {
+        match Solid::of_part(index, part, &scene.domain, cell) {
             Ok(solid) => solids.push(solid),
-            Err(problem) => problems.push(problem),
+            Err(more) => problems.extend(more),
         }
     }
     if !problems.is_empty() {
@@ -84,28 +117,39 @@ pub fn moving_surfaces(scene: &Scene) -> Result<Vec<Option<Arc<Surface>>>, Vec<P
         if part.motion == Motion::Fixed {
             return None;
         }
-        let key = format!("scene.parts[{index}].geometry");
-        let surface = Surface::of(&part.geometry);
-        surface.map_err(|e| problems.push(Problem::new(key, e.to_string()))).ok().map(Arc::new)
+        let key = format!("scene.parts[{index}]");
+        match Surface::in_domain(part, &scene.domain) {
+            Ok(surface) => {
+                problems.extend(motion_problem(&key, part, &surface, &scene.domain));
+                Some(Arc::new(surface))
+            }
+            Err(error) => {
+                problems.extend(error.problems(&format!("{key}.geometry")));
+                None
+            }
+        }
     });
     let surfaces = surfaces.collect();
     if problems.is_empty() { Ok(surfaces) } else { Err(problems) }
 }
 
 impl Solid {
-    fn of_part(index: usize, part: &Part) -> Result<Self, Problem> {
+    fn of_part(
+        index: usize,
+        part: &Part,
+        domain: &Domain,
+        cell: f64,
+    ) -> Result<Self, Vec<Problem>> {
         let key = format!("scene.parts[{index}].geometry");
-        let surface =
-            Surface::of_part(part).map_err(|error| Problem::new(key, error.to_string()))?;
-        let frame = Frame::of(&part.pose);
-        let bounds =
-            Bounds::of(surface.mesh().vertices.iter().map(|&vertex| frame.to_world(vertex)));
+        let surface = Surface::in_domain(part, domain).map_err(|error| error.problems(&key))?;
+        let surface = if part.cavity { surface.inside_out() } else { surface };
+        let images = images(part, &surface, domain, cell);
         Ok(Self {
             name: part.name.clone(),
             part: Some(index),
             boundary: part.boundary.clone(),
             reference: part.pose.position,
-            shape: Shape::Part { surface: Box::new(surface), frame, cavity: part.cavity, bounds },
+            shape: Shape::Part { surface: Box::new(surface), images, cavity: part.cavity },
         })
     }
 
@@ -122,9 +166,10 @@ impl Solid {
     /// What it displaces where it counts, about its reference [m³, m⁴]: nothing, of a plane. `mirrors` are the axes across
     /// which a symmetry plane cuts it.
     pub fn displaced(&self, grid: &Grid, centres: &Centres, mirrors: [bool; 3]) -> Displaced {
-        let Shape::Part { surface, frame, bounds, .. } = &self.shape else {
+        let Shape::Part { surface, images, .. } = &self.shape else {
             return Displaced::default();
         };
+        let Image { frame, bounds } = &images[0];
         let window = window(grid, (centres.min, centres.cell), bounds.size(), mirrors);
         let place = |vertex| frame.to_world(vertex);
         Displaced::by(surface.mesh(), place, &window, self.reference)
@@ -147,13 +192,40 @@ impl Solid {
                     *inside = dot(d, *normal) <= 0.0;
                 }
             }
-            Shape::Part { surface, frame, cavity, bounds } => {
+            Shape::Part { surface, images, cavity } => {
                 let (first, last) = (centres.of([0, y, z]), centres.of([grid.n[0] - 1, y, z]));
-                if bounds.grown(centres.cell).meets(&Bounds::of([first, last])) {
-                    surface.fill_row(&row(frame, centres, [y, z]), inside, scratch);
-                } else {
-                    inside.fill(*cavity);
+                let row_bounds = Bounds::of([first, last]);
+                inside.fill(*cavity);
+                let mut own = vec![false; if images.len() > 1 { inside.len() } else { 0 }];
+                for image in images {
+                    if !image.bounds.grown(centres.cell).meets(&row_bounds) {
+                        continue;
+                    }
+                    let row = row(&image.frame, centres, [y, z]);
+                    if images.len() == 1 {
+                        surface.fill_row(&row, inside, scratch);
+                        continue;
+                    }
+                    // Solid where any image is; in a cavity free where any is.
+                    surface.fill_row(&row, &mut own, scratch);
+                    for (all, &own) in inside.iter_mut().zip(&own) {
+                        *all = if *cavity { *all && own } else { *all || own };
+                    }
                 }
+            }
+        }
+    }
+
+    /// Whether a point [m] is in the solid, its surface included.
+    pub fn holds(&self, point: [f64; 3]) -> bool {
+        match &self.shape {
+            Shape::Plane { point: on, normal } => {
+                dot(std::array::from_fn(|a| point[a] - on[a]), *normal) <= 0.0
+            }
+            Shape::Part { surface, images, cavity } => {
+                let in_image = |image: &Image| surface.contains(image.frame.to_part(point));
+                // A cavity's surface says of what is around it that it is solid.
+                if *cavity { images.iter().all(in_image) } else { images.iter().any(in_image) }
             }
         }
     }
@@ -169,7 +241,7 @@ impl Solid {
     /// Around its surface, if that is bounded [m].
     pub fn bounds(&self) -> Option<Bounds> {
         match &self.shape {
-            Shape::Part { bounds, .. } => Some(*bounds),
+            Shape::Part { images, .. } => Some(images[0].bounds),
             Shape::Plane { .. } => None,
         }
     }
@@ -187,12 +259,15 @@ impl Solid {
                 let (start, end) = (height(from), height(to));
                 ((start > 0.0) != (end > 0.0)).then(|| start / (start - end))
             }
-            Shape::Part { surface, frame, .. } => {
-                let point = |at: [i32; 3]| {
-                    let row = row(frame, centres, [at[1], at[2]]);
-                    std::array::from_fn(|a| row.start[a] + f64::from(at[0]) * row.step[a])
+            Shape::Part { surface, images, .. } => {
+                let of = |image: &Image| {
+                    let point = |at: [i32; 3]| {
+                        let row = row(&image.frame, centres, [at[1], at[2]]);
+                        std::array::from_fn(|a| row.start[a] + f64::from(at[0]) * row.step[a])
+                    };
+                    surface.first_crossing(point(from), point(to)).map(|crossing| crossing.fraction)
                 };
-                surface.first_crossing(point(from), point(to)).map(|crossing| crossing.fraction)
+                images.iter().filter_map(of).min_by(f64::total_cmp)
             }
         };
         fraction.map(|fraction| fraction.clamp(f64::MIN_POSITIVE, 1.0))
@@ -204,8 +279,9 @@ impl Solid {
             Shape::Plane { point: on, normal } => {
                 dot(std::array::from_fn(|a| point[a] - on[a]), *normal).abs()
             }
-            Shape::Part { surface, frame, .. } => {
-                surface.closest(frame.to_part(point)).distance.abs()
+            Shape::Part { surface, images, .. } => {
+                let of = |image: &Image| surface.closest(image.frame.to_part(point)).distance.abs();
+                images.iter().map(of).fold(f64::INFINITY, f64::min)
             }
         }
     }
@@ -217,11 +293,15 @@ impl Solid {
                 let height = dot(std::array::from_fn(|a| point[a] - on[a]), *normal);
                 (height.abs() <= reach).then(|| normal.map(|n| -height * n))
             }
-            Shape::Part { surface, frame, .. } => {
-                let seen = frame.to_part(point);
-                let closest = surface.closest_within(seen, reach)?;
-                let way = std::array::from_fn(|a| closest.point[a] - seen[a]);
-                Some(frame.turn_to_world(way))
+            Shape::Part { surface, images, .. } => {
+                let of = |image: &Image| {
+                    let seen = image.frame.to_part(point);
+                    let closest = surface.closest_within(seen, reach)?;
+                    let way = std::array::from_fn(|a| closest.point[a] - seen[a]);
+                    Some((closest.distance.abs(), image.frame.turn_to_world(way)))
+                };
+                let nearest = images.iter().filter_map(of).min_by(|a, b| a.0.total_cmp(&b.0));
+                nearest.map(|(_, way)| way)
             }
         }
     }
@@ -230,11 +310,17 @@ impl Solid {
     /// coordinates around each of its triangles; the whole box for a plane.
     pub fn each_near(&self, grid: &Grid, centres: &Centres, mut visit: impl FnMut([[i32; 3]; 2])) {
         let whole = [[0; 3], grid.n.map(|n| n - 1)];
-        let Shape::Part { surface, frame, .. } = &self.shape else { return visit(whole) };
+        let Shape::Part { surface, images, .. } = &self.shape else { return visit(whole) };
         let mesh = surface.mesh();
-        for triangle in 0..mesh.triangles.len() {
-            let corners = mesh.corners(triangle).map(|corner| frame.to_world(corner));
+        let walls = (0..mesh.triangles.len()).filter(|&t| surface.is_wall(t as u32));
+        for (image, triangle) in
+            images.iter().flat_map(|image| walls.clone().map(move |t| (image, t)))
+        {
+            let corners = mesh.corners(triangle).map(|corner| image.frame.to_world(corner));
             let bounds = Bounds::of(corners);
+            if images.len() > 1 && !image_near(grid, centres, &bounds) {
+                continue;
+            }
             let range = [0, 1].map(|end| {
                 std::array::from_fn(|a| {
                     let x = [bounds.min, bounds.max][end][a];
@@ -245,6 +331,12 @@ impl Solid {
             visit(range);
         }
     }
+}
+
+/// Whether a box meets the domain or is less than a cell from it.
+fn image_near(grid: &Grid, centres: &Centres, bounds: &Bounds) -> bool {
+    let max = std::array::from_fn(|a| centres.min[a] + f64::from(grid.n[a]) * centres.cell);
+    Bounds { min: centres.min, max }.grown(centres.cell).meets(bounds)
 }
 
 /// The centres of the cells of a row, in a part's frame.

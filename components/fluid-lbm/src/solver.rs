@@ -27,6 +27,7 @@ use crate::open::{self, Next, OpenCells};
 use crate::owners::Owners;
 use crate::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::part_body::Rounding;
+use crate::pinched::Pinched;
 use crate::places::Parity;
 use crate::ports::PortFaces;
 use crate::probes::Probes;
@@ -40,6 +41,7 @@ use crate::survey::Survey;
 use crate::tally::Tally;
 use crate::units::Units;
 use crate::wall_distances::WallDistances;
+use crate::wall_mass::{Brought, Patches};
 use std::sync::atomic::AtomicU8;
 use tremie_messages::scene::{Part, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load, Problem};
@@ -117,6 +119,9 @@ pub struct Solver<T: Collides> {
     now: Vec<Now>,
     pub(crate) fixed: FixedLinks,
     pub(crate) fixed_items: Vec<fixed::Item>,
+    pub(crate) patches: Patches,
+    /// What links brought to the cells at each open face in the last step, `2 axis + side`.
+    pub(crate) brought: [Brought; 6],
     pub(crate) open: OpenCells,
     pub(crate) open_items: Vec<open::Item>,
     pub(crate) reservoirs: Vec<ReservoirFace>,
@@ -124,6 +129,7 @@ pub struct Solver<T: Collides> {
     /// What each item exchanged in the last step, and the gaps that it found, if gaps press.
     pub(crate) exchanges: Vec<Exchange>,
     pub(crate) seen: Vec<Seen>,
+    pub(crate) pinched: Pinched,
     pub(crate) probes: Probes,
     pub(crate) ports: PortFaces,
     pub(crate) refills: Vec<Filled>,
@@ -227,7 +233,8 @@ impl<T: Collides> Solver<T> {
         let ports = PortFaces::new(scene, &built.layout, &centres);
         let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
         let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
-        let mut owners = Owners::new(built.layout.cells.len());
+        let cells = built.layout.cells.len();
+        let mut owners = Owners::new(cells);
         if !declared.is_empty() {
             owners.list_changes();
         }
@@ -281,11 +288,14 @@ impl<T: Collides> Solver<T> {
             layout: built.layout,
             fixed: built.fixed,
             fixed_items: built.fixed_items,
+            patches: built.patches,
+            brought: Default::default(),
             open: built.open,
             open_items: built.open_items,
             reservoirs: built.reservoirs,
             link_items: Vec::new(),
             exchanges: Vec::new(),
+            pinched: Pinched::among(cells),
             seen: Vec::new(),
             probes,
             ports,
@@ -342,10 +352,11 @@ impl<T: Collides> Solver<T> {
         self.seen = vec![Seen::NONE; if press { count } else { 0 }];
         self.in_gaps.resize(count, UNKNOWN);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
-        let shell = |b: &Body| (b.shell_side() * b.shell_side()) as usize;
+        let shell = |b: &Body| b.most_changes();
         let changes = self.bodies.living.iter().map(shell).sum::<usize>();
         self.owners.reserve(changes);
         self.refills.reserve(changes.saturating_sub(self.refills.len()));
+        self.pinched.reserve(changes);
     }
 
     /// Whether the links' search looks across gaps that hold no fluid.
@@ -359,6 +370,7 @@ impl<T: Collides> Solver<T> {
         self.check_surfaces()?;
         self.begin_balance();
         self.move_bodies(bodies);
+        self.find_pinched();
         self.bodies.newcomers.clear();
         self.measure();
         self.exchange = Exchange::default();
@@ -410,6 +422,7 @@ impl<T: Collides> Solver<T> {
         self.reflect();
         self.parity = self.parity.flipped();
         self.open()?;
+        self.calm_pinched();
         self.give_loads(loads);
         self.end_balance(true);
         self.settle_accounts();
@@ -521,6 +534,7 @@ impl<T: Collides> Solver<T> {
         self.team.for_each(&mut self.fixed_items, |_, item| {
             after.reflect_fixed(fixed, now, references, item);
         });
+        self.brought = Patches::brought(&self.fixed_items);
         if self.slips {
             self.slip.write(&after, references, &mut self.team);
         }
@@ -547,13 +561,13 @@ impl<T: Collides> Solver<T> {
             variant: self.variant,
         };
         for reservoir in &mut self.reservoirs {
-            reservoir.apply(&next, &mut self.team, &self.units)?;
+            reservoir.apply(&next, &mut self.team, &self.units, &self.brought)?;
         }
         let open = &self.open;
         self.team.for_each(&mut self.open_items, |_, item| next.open(open, item));
         if !self.open_items.is_empty() {
             let density = 1.0 + self.survey.excess / (self.owners.fluid_cells as f64).max(1.0);
-            self.open.steer(&self.open_items, &self.now, density);
+            self.open.steer(&self.open_items, &self.now, density, &self.brought);
         }
         Ok(())
     }

@@ -9,13 +9,15 @@ use crate::grid::Side;
 use crate::ground::Ground;
 use crate::layout::Layout;
 use crate::links::nearest_wall;
-use crate::open::{self, OpenCells};
+use crate::open::{self, OpenCells, open_faces};
+use crate::open_area::OpenAreas;
 use crate::parameters::{Parameters, Walls};
 use crate::places::{Blocked, Reflection};
 use crate::reservoir::{ReservoirFace, face_of};
 use crate::solids::Centres;
 use crate::units::Units;
 use crate::wall_distances::WallDistances;
+use crate::wall_mass::Patches;
 use std::sync::Arc;
 use tremie_geometry::Surface;
 use tremie_messages::scene::{Face, Reservoir, Scene};
@@ -51,6 +53,8 @@ pub struct Built {
     pub fixed: FixedLinks,
     /// Their items of work.
     pub fixed_items: Vec<fixed::Item>,
+    /// The patches of wall that pay back what these links take.
+    pub patches: Patches,
     /// Links at walls at rest that are met half-way, by cell.
     pub halfway: Vec<Blocked>,
     /// Cells at open faces.
@@ -168,16 +172,46 @@ impl Surroundings {
             (met, if self.halfway { 0.5 } else { q.max(self.nearest) })
         });
         let met: Vec<_> = met.collect();
-        let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open, &met);
+        let areas = self.open_areas(&layout, &open, &met);
+        let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open, &areas);
         let is_at_rest = |met: &Blocked| {
             self.laws[usize::from(met.fixture.0)].as_ref().is_some_and(Law::is_at_rest)
         };
         let (halfway, fixed): (Vec<_>, Vec<_>) =
             met.into_iter().partition(|(met, q)| *q == 0.5 && is_at_rest(met));
         let halfway = halfway.into_iter().map(|(met, _)| met).collect();
-        let (fixed, fixed_items) = FixedLinks::new(&layout.places, fixed.into_iter());
-        let reflections = survey.reflections;
-        Built { layout, reflections, fixed, fixed_items, halfway, open, open_items, reservoirs }
+        let is_wall = |fixture: Fixture| {
+            let law = &self.laws[usize::from(fixture.0)];
+            fixture.as_solid().is_some() && matches!(law, Some(Law::Wall { .. }))
+        };
+        let (fixed, fixed_items, patches) =
+            FixedLinks::new(&layout, &self.references, fixed.into_iter(), is_wall);
+        Built {
+            layout,
+            reflections: survey.reflections,
+            fixed,
+            fixed_items,
+            patches,
+            halfway,
+            open,
+            open_items,
+            reservoirs,
+        }
+    }
+
+    /// How much of the cells at faces that prescribe a velocity is open, by the links that open faces block, and those that
+    /// meet something that stands still. Walls half-way between cells cross none.
+    fn open_areas(&self, layout: &Layout, open: &[Blocked], met: &[(Blocked, f64)]) -> OpenAreas {
+        if self.halfway {
+            return OpenAreas::default();
+        }
+        let at_velocity = open.chunk_by(|a, b| a.cell == b.cell).filter_map(|links| {
+            let cell = links[0].cell;
+            let (axis, side) = open_faces(&layout.grid, layout.at(cell)).next()?;
+            let law = &self.laws[2 * axis + side];
+            matches!(law, Some(Law::Velocity { .. })).then_some((cell, axis))
+        });
+        OpenAreas::new(&self.ground, layout, at_velocity, met)
     }
 
     /// What a blocked link meets first, and where.

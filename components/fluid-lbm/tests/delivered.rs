@@ -5,7 +5,9 @@ mod common;
 use common::*;
 use std::f64::consts::PI;
 use tremie_fluid_lbm::{FluidLbm, OpenFaces, Walls};
-use tremie_messages::scene::{Course, Face, Geometry, OpenVelocity, Profile, Scene, Sine};
+use tremie_messages::scene::{
+    Course, Face, Geometry, OpenVelocity, Probe, ProbeShape, Profile, Scene, Sine,
+};
 
 const SPEED: f64 = 1e-3;
 const LENGTH: usize = 14;
@@ -57,8 +59,7 @@ fn a_face_between_walls_delivers_what_it_is_told() {
 }
 
 /// Walls of parts that stand where they like between the centres of cells: the area counts up to them, or up to half-way
-/// where walls are taken so. What passes the middle is what was asked for, less what interpolated walls took on the way
-/// where the stream begins to shear at them (up to 3 %), which the balance tells: within 1 %, or 0.05 % half-way.
+/// where walls are taken so. What passes the middle is what was asked for within 1 %, or 0.05 % half-way.
 #[test]
 fn walls_of_parts_in_the_face_bound_its_area() {
     for (walls, scheme) in [
@@ -81,14 +82,15 @@ fn walls_of_parts_in_the_face_bound_its_area() {
             for _ in 0..3000 {
                 fluid.step(&[], &mut []).unwrap();
             }
-            let taken = -fluid.ledger().mass_parts;
-            let error = (rate(&fluid, 0) + taken) / (SPEED * 3.0 * height) - 1.0;
-            assert!(error.abs() < bound, "{walls:?} {scheme:?} {shift}: {error} {taken}");
+            let error = rate(&fluid, 0) / (SPEED * 3.0 * height) - 1.0;
+            println!("{walls:?} {scheme:?} {shift}: {error:.1e}");
+            assert!(error.abs() < bound, "{walls:?} {scheme:?} {shift}: {error}");
         }
     }
 }
 
-/// A round rod through the face leaves the area beside it, which its cells know within 0.5 %; and a face through which
+/// A round rod through the face leaves the area beside it: what crosses the middle is that within 0.2 %, and the sum of the cells'
+/// velocities within 1 %; and a face through which
 /// fluid is drawn out takes as much as the other gives: the mass stays.
 #[test]
 fn a_rod_in_the_face_and_a_face_that_draws() {
@@ -98,9 +100,22 @@ fn a_rod_in_the_face_and_a_face_that_draws() {
     let mut rod = part("rod", rod, [7.0, 5.4, 5.6]);
     rod.pose.orientation = [0.0, 0.5f64.sqrt(), 0.0, 0.5f64.sqrt()];
     scene.parts = vec![rod];
+    let (min, max) = ([0.0; 3], [LENGTH as f64, 11.0, 11.0]);
+    let position = 0.5 * LENGTH as f64 + 0.5;
+    let shape = ProbeShape::Section { axis: 0, position, min, max };
+    scene.probes.push(Probe { name: "middle".into(), shape });
+    let mut fluid = case.fluid_of(&scene);
+    (0..2500).for_each(|_| fluid.step(&[], &mut []).unwrap());
+    fluid.restart_means();
+    fluid.step(&[], &mut []).unwrap();
+    let mut found = Vec::new();
+    fluid.probes(&mut found);
+    let [_, pressure, crossing] = found[..] else { panic!("{found:?}") };
     let asked = SPEED * (121.0 - PI * radius * radius);
-    let error = delivered(&case, &scene, 2500) / asked - 1.0;
-    assert!(error.abs() < 5e-3, "{error}");
+    let errors =
+        [crossing / (1.0 + 3.0 * pressure), rate(&fluid, 0)].map(|rate| rate / asked - 1.0);
+    println!("rod: {errors:?}");
+    assert!(errors[0].abs() < 2e-3 && errors[1].abs() < 1e-2, "{errors:?}");
 
     let (case, mut scene) = duct([9, 9], OpenFaces::Nee, Profile::Uniform);
     scene.domain.faces[0][1] = inflow([SPEED, 0.0, 0.0], Profile::Uniform);

@@ -130,7 +130,10 @@ impl<'a> Region<'a> {
             }
         }
         let shifts: Vec<Vec3> = around.bounds.images().collect();
-        let of = |part: &'a PlacedPart| shifts.iter().map(move |&shift| Obstacle { part, shift });
+        let of = |part: &'a PlacedPart| {
+            let seen = shifts.iter().filter(|shift| part.is_seen(**shift));
+            seen.map(move |&shift| Obstacle { part, shift })
+        };
         let parts = around.parts.iter().flat_map(of).collect();
         Self { parts, bounds, walls, obstacles }
     }

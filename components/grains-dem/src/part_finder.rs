@@ -138,7 +138,7 @@ impl Found {
 
     /// Adds the triangles of a part near a place, through all images.
     fn look(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
-        for (image, shift) in bounds.numbered_images() {
+        for (image, shift) in bounds.numbered_images().filter(|(_, shift)| part.is_seen(*shift)) {
             let x = part.to_part(x + shift);
             part.triangles_near(x, reach, &mut self.room);
             // Long triangles have boxes that are near much that they are not.

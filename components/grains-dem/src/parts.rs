@@ -11,7 +11,7 @@ use crate::{
     periodic::PeriodicBox,
     slider::Slider,
 };
-use tremie_geometry::{Bounds, EdgeKind, Frame, Surface};
+use tremie_geometry::{Bounds, EdgeKind, Endless, Frame, Surface, motion_problem};
 use tremie_messages::{
     Problem,
     body::BodyState,
@@ -32,9 +32,12 @@ pub(crate) struct PlacedPart {
     /// By triangle.
     grooves: Vec<Grooves>,
     drive: Drive,
+    /// How it goes on through periodic faces.
+    endless: Endless,
     /// Axes across which symmetry planes cut it.
     mirrors: [bool; 3],
     pub pose: Pose,
+    /// Where its surface is: at the pose, but along an axis on which it is endless.
     frame: Frame,
     /// Velocities of its reference point, the origin of its frame.
     pub twist: Twist,
@@ -68,8 +71,9 @@ pub(crate) fn load(scene: &Scene) -> Result<Vec<PlacedPart>, Vec<Problem>> {
             let help = "fix the part, prescribe its motion, make it a slider, or make it a sphere";
             problems.push(Problem::new(format!("{key}.motion"), message).help(help));
         }
-        match Surface::of(&part.geometry) {
+        match Surface::in_domain(part, &scene.domain) {
             Ok(surface) => {
+                problems.extend(motion_problem(&key, part, &surface, &scene.domain));
                 let placed = PlacedPart::new(part, surface, scene);
                 problems.extend(placed.mirror_problem(&key, part, scene));
                 parts.push(placed);
@@ -87,7 +91,8 @@ fn grooves_of(surface: &Surface, cavity: bool) -> Vec<Grooves> {
     let out = if cavity { EdgeKind::Concave } else { EdgeKind::Convex };
     // Of each corner, whether any edge there sticks out.
     let mut corners = vec![false; mesh.vertices.len()];
-    for (t, names) in mesh.triangles.iter().enumerate() {
+    let walls = |&(t, _): &(usize, &[u32; 3])| surface.is_wall(t as u32);
+    for (t, names) in mesh.triangles.iter().enumerate().filter(walls) {
         for (i, kind) in surface.edge_kinds(t as u32).into_iter().enumerate() {
             corners[names[i] as usize] |= kind == out;
             corners[names[(i + 1) % 3] as usize] |= kind == out;
@@ -140,14 +145,17 @@ impl PlacedPart {
             Drive::Path(path) => path.twist(0.0),
             Drive::Slider(slider) => slider.twist(),
         };
+        let home = Pose { position: surface.endless().place(position), ..part.pose };
+        let frame = Frame::of(&home);
         Self {
             grooves: grooves_of(&surface, part.cavity),
+            endless: surface.endless(),
             surface,
             cavity: part.cavity,
             drive,
             mirrors,
             pose: part.pose,
-            frame: Frame::of(&part.pose),
+            frame,
             twist,
             moved: 0.0,
             rank: 0,
@@ -228,7 +236,10 @@ impl PlacedPart {
                 self.pose.orientation = turn(self.pose.orientation, way.w);
                 self.twist = path.twist(step.to);
                 let radius = self.surface.bounding_radius();
-                self.moved += way.v.norm_squared().sqrt() + radius * way.w.norm_squared().sqrt();
+                // Along itself a straight one goes nowhere.
+                let across =
+                    Vec3::from_fn(|a, _| if self.endless.straight[a] { 0.0 } else { way.v[a] });
+                self.moved += across.norm_squared().sqrt() + radius * way.w.norm_squared().sqrt();
                 Vec3::from(self.pose.position) + way.v
             }
             Drive::Slider(slider) => {
@@ -245,8 +256,15 @@ impl PlacedPart {
             slider.shift(wrapped - position);
         }
         self.pose.position = wrapped.into();
-        self.frame = Frame::of(&self.pose);
-        wrapped != position
+        let home = self.endless.place(self.pose.position);
+        self.frame = Frame::of(&Pose { position: home, ..self.pose });
+        (0..3).any(|a| wrapped[a] != position[a] && !self.endless.straight[a])
+    }
+
+    /// Whether it is seen through an image that much away: an endless one is there itself.
+    #[inline]
+    pub fn is_seen(&self, shift: Vec3) -> bool {
+        (0..3).all(|a| shift[a] == 0.0 || !self.endless.axes[a])
     }
 
     /// Ends a substep: the half kick of a slider.
@@ -259,12 +277,7 @@ impl PlacedPart {
 
     /// Area of its surface [m²].
     pub fn area(&self) -> f64 {
-        let mesh = self.surface.mesh();
-        let areas = (0..mesh.triangles.len()).map(|t| {
-            let [a, b, c] = mesh.corners(t).map(Vec3::from);
-            0.5 * (b - a).cross(&(c - a)).norm_squared().sqrt()
-        });
-        areas.sum()
+        self.surface.area()
     }
 
     /// Velocity of its point at `x` [m/s].

@@ -61,7 +61,8 @@ impl Surface {
         let mut best: Option<Nearest> = None;
         let mut farthest = reach * reach;
         self.tree.approach(point, farthest, |triangle, corners| {
-            if Bounds::of(*corners).distance_squared(point) > farthest {
+            let is_far = Bounds::of(*corners).distance_squared(point) > farthest;
+            if is_far || !self.is_wall(triangle) {
                 return farthest;
             }
             let near = nearest_of(triangle, corners, self.mesh.triangles[triangle as usize], point);

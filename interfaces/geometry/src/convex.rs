@@ -160,6 +160,22 @@ impl Convex {
         self.edges().map(length).fold(0.0, f64::max)
     }
 
+    /// The least distance of two parallel planes that it fits between [m]: one holds a face, or each an edge.
+    pub fn least_width(&self) -> f64 {
+        let width = |n: Vec3| {
+            let heights = self.vertices.iter().map(|&v| dot(n, v));
+            let range = [f64::INFINITY, f64::NEG_INFINITY];
+            let [low, high] = heights.fold(range, |[l, h], x| [l.min(x), h.max(x)]);
+            high - low
+        };
+        let along = |[a, b]: [u32; 2]| sub(self.vertices[b as usize], self.vertices[a as usize]);
+        let edges: Vec<Vec3> = self.edges().map(along).collect();
+        let pairs = edges.iter().enumerate();
+        let across = pairs.flat_map(|(k, &e)| edges[..k].iter().map(move |&f| cross(e, f)));
+        let faces = self.faces.iter().map(|face| face.normal);
+        faces.chain(across.filter_map(unit)).map(width).fold(f64::INFINITY, f64::min)
+    }
+
     /// Distance of the farthest corner from the origin [m].
     pub fn circumradius(&self) -> f64 {
         self.vertices.iter().map(|&v| norm(v)).fold(0.0, f64::max)

@@ -66,6 +66,22 @@ impl Edges {
         junction.into_iter().chain(open).chain(crowded).collect()
     }
 
+    /// Gives half-edges of edges with more than two triangles twins that run the other way, in their order.
+    pub fn pair_crowded(&mut self, triangles: &[[u32; 3]]) {
+        let crowded = std::mem::take(&mut self.crowded);
+        for (first, _) in crowded {
+            let [a, b] = ends(triangles, first);
+            let run = |from: u32, to: u32| {
+                (0..self.twins.len() as u32).filter(move |&h| ends(triangles, h) == [from, to])
+            };
+            let (forth, back): (Vec<u32>, Vec<u32>) = (run(a, b).collect(), run(b, a).collect());
+            for (h, g) in forth.into_iter().zip(back) {
+                self.twins[h as usize] = g;
+                self.twins[g as usize] = h;
+            }
+        }
+    }
+
     /// Edges across which triangles wind in opposite ways: both run along them in one direction.
     pub fn winding_fault(&self, mesh: &Mesh) -> Option<Fault> {
         let disagree = |h: &u32| {

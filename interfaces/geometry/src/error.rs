@@ -1,6 +1,6 @@
 //! What can be wrong with a part's surface.
 
-use crate::{Bounds, Vec3};
+use crate::{Bounds, EndlessFault, Vec3};
 use std::fmt::Display;
 use tremie_messages::Problem;
 
@@ -108,6 +108,9 @@ pub enum GeometryError {
     /// The triangles do not make a closed surface.
     #[error("{}", sentences(.0))]
     Faults(Vec<Fault>),
+    /// The part cannot go on through periodic faces.
+    #[error(transparent)]
+    Endless(#[from] EndlessFault),
 }
 
 /// One way in which triangles fail to make a closed surface with an inside.
@@ -178,6 +181,7 @@ impl GeometryError {
                 .iter()
                 .map(|fault| Problem::new(key, fault.to_string()).help(fault.help()))
                 .collect(),
+            Self::Endless(fault) => vec![Problem::new(key, fault.to_string()).help(fault.help())],
             other => vec![Problem::new(key, other.to_string())],
         }
     }
@@ -304,7 +308,7 @@ fn exact(x: f64) -> String {
 }
 
 /// As many digits as a person needs to find the place.
-fn six_digits(x: f64) -> String {
+pub(crate) fn six_digits(x: f64) -> String {
     let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) {
         format!("{rounded:e}")

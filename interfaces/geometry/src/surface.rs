@@ -1,10 +1,13 @@
 //! A closed surface, ready to be asked.
 
 use crate::edges::{Edges, pair};
+use crate::endless::Period;
 use crate::features::Features;
+use crate::inside::{Winding, winding};
 use crate::moments::signed_volume;
 use crate::orient::turn_round;
 use crate::tree::{Tree, Walk};
+use crate::vector::{cross, norm, sub};
 use crate::{
     Bounds, EdgeKind, Fault, GeometryError, Loaded, Mesh, Repairs, Vec3, VertexKind, load,
 };
@@ -23,14 +26,17 @@ pub struct Surface {
     pub(crate) mesh: Mesh,
     pub(crate) tree: Tree,
     pub(crate) features: Features,
-    /// How often the surface is taken to go around points far away: 1 for a cavity.
+    /// How often the surface is taken to go around points far away: 1 for a cavity; what an endless surface is short of.
     pub(crate) far: i32,
+    is_cavity: bool,
     bounding_radius: f64,
     repairs: Repairs,
+    /// What an endless one has besides.
+    pub(crate) period: Option<Box<Period>>,
 }
 
 impl Surface {
-    /// The surface of a part, in the part's frame.
+    /// The surface of a part, in the part's frame, as if no face were periodic.
     ///
     /// # Errors
     /// As [`load`].
@@ -72,12 +78,45 @@ impl Surface {
         Ok(Self::assembled(mesh, edges, 0))
     }
 
+    /// An endless surface from its triangles in the part's frame; `whole` is that of the part as it was drawn.
+    pub(crate) fn of_period(
+        mesh: Mesh,
+        period: Period,
+        whole: &Self,
+    ) -> Result<Self, GeometryError> {
+        mesh.check_numbers()?;
+        let mut edges = pair(&mesh.triangles);
+        edges.pair_crowded(&mesh.triangles);
+        let radius = period.radius;
+        let mut own = Self::assembled(mesh, edges, 0);
+        own.period = Some(Box::new(period));
+        own.bounding_radius = radius;
+        own.repairs = whole.repairs;
+        Ok(own)
+    }
+
+    /// How often it goes around a point; none on the surface itself.
+    pub(crate) fn winding_number(&self, point: Vec3) -> Option<i32> {
+        match winding(&self.tree, point) {
+            Winding::On => None,
+            Winding::Off(number) => Some(number + self.far),
+        }
+    }
+
     /// The same surface around the rest of space: what was solid is free, what was free is solid, and
     /// all triangles are turned round.
     pub fn inside_out(mut self) -> Self {
         self.mesh.triangles.iter_mut().for_each(turn_round);
         let edges = pair(&self.mesh.triangles);
-        Self { repairs: self.repairs, ..Self::assembled(self.mesh, edges, 1 - self.far) }
+        let mut edges = edges;
+        edges.pair_crowded(&self.mesh.triangles);
+        let mut own = Self::assembled(self.mesh, edges, 1 - self.far);
+        if let Some(mut period) = self.period {
+            period.volume = -period.volume;
+            own.bounding_radius = period.radius;
+            own.period = Some(period);
+        }
+        Self { repairs: self.repairs, is_cavity: !self.is_cavity, ..own }
     }
 
     /// Moves the vertices of the mesh; its triangles stay. Costs a small part of building the surface
@@ -96,12 +135,40 @@ impl Surface {
         let tree = Tree::of((0..mesh.triangles.len()).map(|t| mesh.corners(t)));
         let features = Features::of(&mesh, edges.twins);
         let bounding_radius = mesh.bounding_radius();
-        Self { mesh, tree, features, far, bounding_radius, repairs: Repairs::default() }
+        let repairs = Repairs::default();
+        Self { mesh, tree, features, far, bounding_radius, repairs, is_cavity: false, period: None }
+    }
+
+    /// Whether a triangle is a wall: one that closes an endless surface far away is none.
+    #[inline]
+    pub fn is_wall(&self, triangle: u32) -> bool {
+        self.period.as_ref().is_none_or(|period| triangle < period.walls)
+    }
+
+    /// Volume that it encloses [m³] and the centre of that; of an endless one those of one period of the domain.
+    pub fn volume_and_centroid(&self) -> (f64, Vec3) {
+        match &self.period {
+            Some(period) => (period.volume, period.centroid),
+            None => {
+                let moments = self.mesh.moments();
+                (moments.volume, moments.centroid)
+            }
+        }
+    }
+
+    /// Area of its walls [m²]; of an endless one that of one period of the domain.
+    pub fn area(&self) -> f64 {
+        let walls = (0..self.mesh.triangles.len()).filter(|&t| self.is_wall(t as u32));
+        let areas = walls.map(|t| {
+            let [a, b, c] = self.mesh.corners(t);
+            0.5 * norm(cross(sub(b, a), sub(c, a)))
+        });
+        areas.sum::<f64>() / self.period.as_ref().map_or(1.0, |period| period.copies)
     }
 
     /// Whether the space outside is solid, and that inside free.
     pub fn is_cavity(&self) -> bool {
-        self.far > 0
+        self.is_cavity
     }
 
     /// Its triangles. Those of a cavity face inward: its volume is negative.
@@ -119,19 +186,19 @@ impl Surface {
         self.tree.bounds()
     }
 
-    /// Distance of its farthest point from the origin of the part's frame [m].
+    /// Distance of its farthest point from the origin of the part's frame [m]; of an endless one across its axes.
     pub fn bounding_radius(&self) -> f64 {
         self.bounding_radius
     }
 
-    /// Puts into `out` the triangles whose boxes meet a box, ascending. Allocates only where `out`
+    /// Puts into `out` the walls whose boxes meet a box, ascending. Allocates only where `out`
     /// has to grow.
     pub fn triangles_near(&self, bounds: &Bounds, out: &mut Vec<u32>) {
         out.clear();
         self.tree.walk(
             |b| b.meets(bounds),
             |triangle, corners| {
-                if Bounds::of(*corners).meets(bounds) {
+                if self.is_wall(triangle) && Bounds::of(*corners).meets(bounds) {
                     out.push(triangle);
                 }
                 Walk::On

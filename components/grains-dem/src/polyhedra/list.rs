@@ -139,7 +139,7 @@ impl PolyContacts {
         for (number, part) in (0..).zip(at.parts) {
             let first = self.triangles.len() as u32;
             let reach = ball.radius + gap;
-            for (image, shift) in at.bounds.numbered_images() {
+            for (image, shift) in at.bounds.numbered_images().filter(|(_, s)| part.is_seen(*s)) {
                 let x = part.to_part(ball.x + shift);
                 part.triangles_near(x, reach, &mut self.near);
                 let near = |t: &&u32| distance(x, part.triangle(**t).corners) < reach;

@@ -115,3 +115,23 @@ fn principal_axes_diagonalise() {
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     assert_eq!(principal(diagonal), ([2.0, 3.0, 2.0], unit));
 }
+
+/// The least width of a regular solid lies between two faces, that of the tetrahedron between two edges; a flake's between its two
+/// sides.
+#[test]
+fn the_least_width_lies_between_faces_or_edges() {
+    let s5 = 5f64.sqrt();
+    for (name, width) in [
+        ("tetrahedron", 0.5f64.sqrt()),
+        ("cube", 1.0),
+        ("octahedron", (2.0f64 / 3.0).sqrt()),
+        ("dodecahedron", (10.0 + 22.0 / s5).sqrt() / 2f64.sqrt()),
+        ("icosahedron", 3f64.sqrt() * (3.0 + s5) / 6.0),
+    ] {
+        let found = edge_one(name).least_width();
+        assert!((found / width - 1.0).abs() < 1e-12, "{name}: {found} {width}");
+    }
+    let corner = |k: usize| std::array::from_fn(|a| [3.0, 0.1, 2.0][a] * (k >> a & 1) as f64);
+    let flake = Convex::hull(&(0..8).map(corner).collect::<Vec<_>>()).unwrap();
+    assert!((flake.least_width() / 0.1 - 1.0).abs() < 1e-12);
+}

@@ -4,6 +4,7 @@
 mod bodies;
 mod cavities;
 mod convex;
+mod endless;
 mod features;
 mod files;
 mod mending;

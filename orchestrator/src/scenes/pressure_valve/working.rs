@@ -262,7 +262,6 @@ time_step = "{step} us"
 collision = "bgk"
 smagorinsky = 0.4
 walls = "halfway"
-refill = "mass"
 velocity_lead = 1.0 # of the valve: what the water hammers must not answer late
 
 [settings.grains-dem]
