@@ -6,8 +6,8 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::{FluidLbm, Parameters};
-use tremie_messages::scene::{Geometry, Motion, Part, Scene, Shape};
+use tremie_fluid_lbm::{FluidLbm, Ledger, Parameters};
+use tremie_messages::scene::{Course, Geometry, Motion, Part, PartBoundary, Scene, Shape};
 use tremie_messages::{BodyEvent, BodyState};
 
 /// A solid in a periodic box, whose fluid is accelerated.
@@ -15,6 +15,9 @@ struct Held {
     case: Case,
     part: Part,
     part_step: f64,
+    /// How it moves; it is set back each step.
+    velocity: [f64; 3],
+    angular_velocity: [f64; 3],
 }
 
 /// What it is to the fluid.
@@ -33,14 +36,19 @@ impl Held {
         let length = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
         part.pose.orientation = turn.map(|x| x / length);
         let part_step = case.parameters().part_step;
-        Self { case, part, part_step }
+        let [velocity, angular_velocity] = [[0.0; 3]; 2];
+        Self { case, part, part_step, velocity, angular_velocity }
     }
 
     fn scene(&self, kind: As) -> Scene {
         let mut scene = self.case.scene();
         let mut part = self.part.clone();
         match kind {
-            As::Fixed => {}
+            // Whose links pay nothing back, as those of bodies do not with this refill.
+            As::Fixed => {
+                part.boundary =
+                    PartBoundary::Velocity { velocity: [0.0; 3], course: Course::default() }
+            }
             As::Moving => part.motion = Motion::Prescribed(Vec::new()),
             As::Body => {
                 let corner =
@@ -54,8 +62,13 @@ impl Held {
         scene
     }
 
-    /// Momentum of the fluid and force on the solid, every `every` steps, as long as `goes_on`.
-    fn run(&self, kind: As, every: usize, mut goes_on: impl FnMut(f64) -> bool) -> [[f64; 3]; 2] {
+    /// Momentum of the fluid and force on the solid, every `every` steps, as long as `goes_on` with the ledger.
+    fn run(
+        &self,
+        kind: As,
+        every: usize,
+        mut goes_on: impl FnMut(&Ledger) -> bool,
+    ) -> [[f64; 3]; 2] {
         let parameters = Parameters { part_step: self.part_step, ..self.case.parameters() };
         let (threads, variant) = (self.case.threads, self.case.variant);
         let scene = self.scene(kind);
@@ -63,8 +76,13 @@ impl Held {
         let Part { pose, geometry, .. } = &self.part;
         let mut bodies = Vec::new();
         if kind != As::Fixed {
-            let orientation = pose.orientation;
-            bodies.push(BodyState { orientation, ..BodyState::at_rest(1, pose.position) });
+            bodies.push(BodyState {
+                id: 1,
+                position: pose.position,
+                orientation: pose.orientation,
+                velocity: self.velocity,
+                angular_velocity: self.angular_velocity,
+            });
             let Geometry::Box { size } = geometry else { panic!("{geometry:?}") };
             let size = [0.5 * 3f64.sqrt() * size[0], size[0] / (PI / 6.0).cbrt(), 0.0];
             let event = match kind {
@@ -81,7 +99,7 @@ impl Held {
             }
             closes(&fluid, 1e-12);
             let ledger = fluid.ledger();
-            if !goes_on(ledger.momentum[0]) {
+            if !goes_on(&ledger) {
                 // A body's load holds what the pressure would give that drives the fluid.
                 let Geometry::Box { size } = geometry else { panic!("{geometry:?}") };
                 let volume: f64 = size.iter().product();
@@ -97,7 +115,9 @@ impl Held {
     }
 }
 
-/// Cubes of any placement and turn, plates and rods thinner than a cell, along the axes and slanted.
+/// Cubes of any placement and turn, plates and rods thinner than a cell, along the axes and slanted. A part that moves is
+/// the body to rounding. At what stands still each end of a cut link is interpolated by itself: it agrees to 1e-3 in the
+/// fluid's momentum, 1 % in the force.
 #[test]
 fn a_solid_is_the_same_whatever_it_is() {
     let upright = [0.0, 0.0, 0.0, 1.0];
@@ -115,28 +135,52 @@ fn a_solid_is_the_same_whatever_it_is() {
         let mut held = Held::new([20; 3], size, position, turn);
         // The pose of what stands still is not rounded.
         held.part_step = 0.0;
-        let [still, force] = held.run(As::Fixed, 120, |_| false);
-        assert!(norm(force) > 0.0);
-        for kind in [As::Moving, As::Body] {
-            if kind == As::Body && size[0] != size[2] {
-                continue;
-            }
-            let [momentum, load] = held.run(kind, 120, |_| false);
-            for a in 0..3 {
-                let off = (momentum[a] - still[a]).abs() / norm(still);
-                assert!(off < 1e-6, "{kind:?} {size:?} {position:?}: {momentum:?} {still:?}");
-                let off = (load[a] - force[a]).abs() / norm(force);
-                assert!(off < 1e-5, "{kind:?} {size:?} {position:?}: {load:?} {force:?}");
-            }
+        let still = held.run(As::Fixed, 120, |_| false);
+        let moving = held.run(As::Moving, 120, |_| false);
+        assert!(norm(moving[1]) > 0.0);
+        agree(still, moving, [1e-3, 1e-2], &held.part);
+        if size[0] == size[2] {
+            let body = held.run(As::Body, 120, |_| false);
+            agree(body, moving, [1e-6, 1e-5], &held.part);
         }
     }
+}
+
+/// Whether momentum and force are those expected.
+fn agree(found: [[f64; 3]; 2], expected: [[f64; 3]; 2], bounds: [f64; 2], part: &Part) {
+    for ((found, expected), bound) in found.into_iter().zip(expected).zip(bounds) {
+        for a in 0..3 {
+            let off = (found[a] - expected[a]).abs() / norm(expected);
+            assert!(off < bound, "{part:?}: {found:?} {expected:?}");
+        }
+    }
+}
+
+/// A plate that covers no cell takes no mass and makes none, however it moves, and its links do not have to pay any back: 1e-13 of
+/// the fluid's in each step. (With each end interpolated by itself it would be 3e-6.)
+#[test]
+fn links_that_are_cut_keep_the_mass() {
+    let turned = [0.02, -0.01, 0.03, 1.0];
+    let mut held = Held::new([20; 3], [6.2, 5.8, 0.3], [10.13, 10.22, 10.0], turned);
+    held.velocity = [0.02, -0.03, 0.01];
+    held.angular_velocity = [3e-3, 2e-3, -5e-3];
+    let mut steps = 0;
+    held.run(As::Moving, 1, |ledger| {
+        steps += 1;
+        assert_eq!([ledger.mass_covered, ledger.mass_uncovered], [0.0; 2]);
+        assert!(norm(ledger.bodies) > 0.0);
+        let made = ledger.mass_bodies.abs() / ledger.mass;
+        assert!(made < 1e-13, "{made} in step {steps}");
+        steps < 100
+    });
 }
 
 /// Stokes drag over that of a sphere of equal volume, images in a periodic box put back (Hasimoto 1959): 1.065 of a cube
 /// (the estimate of `polyhedra`, from its capacity, itself to 1 %). 12 cells a diameter, any place and turn; within 2 %.
 ///
-/// Not among these: an upright cube in the middle of a cell, whose faces all lie 0.16 of a cell behind a layer of cells.
-/// It comes out 3.6 % low (1.027), and so it does 0.1 of a cell beside.
+/// Not among these: upright cubes most of whose faces lie 0.1 to 0.2 of a cell from a layer of cells. They come out up to 3.6 % low
+/// (1.027, in the middle of a cell, and 0.1 of a cell beside): presumably because next to an edge the velocity is no linear
+/// function of the distance, while along an upright edge all distances are the same, and nothing averages.
 #[test]
 fn the_drag_of_a_cube_does_not_depend_on_where_it_is() {
     let (n, diameter) = (30_usize, 12.0);
@@ -154,7 +198,8 @@ fn the_drag_of_a_cube_does_not_depend_on_where_it_is() {
         let stokes = 6.0 * PI * held.case.viscosity() * radius;
         held.case.velocity = [0.46 * a * length.powi(3) / stokes, 0.0, 0.0];
         let mut before = 0.0;
-        let [momentum, _] = held.run(As::Body, 100, |now| {
+        let [momentum, _] = held.run(As::Body, 100, |ledger| {
+            let now = ledger.momentum[0];
             let goes_on = (now - before).abs() > 2e-4 * now;
             before = now;
             goes_on
