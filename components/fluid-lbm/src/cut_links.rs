@@ -110,7 +110,11 @@ impl CutLinks {
     ) {
         self.may_be.clear();
         let grid = &layout.grid;
-        part.each_cut(layers, |at, i| {
+        let is_inside = |[x, y, z]: [i32; 3]| part.inside(y, z, x, x) != 0;
+        part.each_cut(layers, is_inside, |at, i| {
+            if is_inside(std::array::from_fn(|a| at[a] + C[i][a])) {
+                return;
+            }
             if let Some(([x, y, z], i)) = in_box(grid, at, i) {
                 self.may_be.push(([z, y, x], i as u8));
             }
@@ -126,7 +130,6 @@ impl CutLinks {
             let meeting = part.meets_among(facets, at, C[i])?;
             Some((meeting.q, meeting.slope.map(|x| x as f32)))
         };
-        let is_inside = |[x, y, z]: [i32; 3]| part.inside(y, z, x, x) != 0;
         for k in 0..self.may_be.len() {
             let ([z, y, x], dir) = self.may_be[k];
             let (at, i) = ([x, y, z], usize::from(dir));

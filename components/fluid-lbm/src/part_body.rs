@@ -460,9 +460,15 @@ impl PartBody {
     }
 
     /// Calls `visit` with begin and direction of links between cells outside that it may cut, see [`Ridges::each_link`].
-    pub fn each_cut(&self, layers: RangeInclusive<i32>, visit: impl FnMut([i32; 3], usize)) {
+    /// Cells that `skip` has are left out.
+    pub fn each_cut(
+        &self,
+        layers: RangeInclusive<i32>,
+        skip: impl Fn([i32; 3]) -> bool,
+        visit: impl FnMut([i32; 3], usize),
+    ) {
         if !self.ridges.is_empty() {
-            self.ridges.each_link(&self.frame, self.cell, layers, visit);
+            self.ridges.each_link(&self.frame, self.cell, layers, skip, visit);
         }
     }
 

@@ -107,6 +107,7 @@ impl Ridges {
         frame: &Frame,
         cell: f64,
         layers: RangeInclusive<i32>,
+        skip: impl Fn([i32; 3]) -> bool,
         mut visit: impl FnMut([i32; 3], usize),
     ) {
         // Centres of cells have whole coordinates.
@@ -114,10 +115,16 @@ impl Ridges {
         for ridge in &self.ridges {
             let ends = ridge.ends.map(place);
             let normals = ridge.normals.map(|normal| frame.turn_to_world(normal));
-            links_at_ridge(ends, normals, ridge.depth, &layers, &mut visit);
+            links_at_ridge(ends, normals, ridge.depth, &layers, &skip, &mut visit);
         }
         for thin in &self.thin {
-            links_at(place(thin.point), frame.turn_to_world(thin.normal), &layers, &mut visit);
+            links_at(
+                place(thin.point),
+                frame.turn_to_world(thin.normal),
+                &layers,
+                &skip,
+                &mut visit,
+            );
         }
     }
 }
@@ -140,6 +147,7 @@ fn links_at_ridge(
     normals: [[f64; 3]; 2],
     depth: f64,
     layers: &RangeInclusive<i32>,
+    skip: &impl Fn([i32; 3]) -> bool,
     visit: &mut impl FnMut([i32; 3], usize),
 ) {
     let along: [f64; 3] = std::array::from_fn(|k| b[k] - a[k]);
@@ -163,7 +171,7 @@ fn links_at_ridge(
         for z in *zs.start().max(layers.start())..=*zs.end().min(layers.end()) {
             for y in ys.clone() {
                 for x in xs.clone() {
-                    links_behind([x, y, z], a, normals, visit);
+                    links_behind([x, y, z], a, normals, skip, visit);
                 }
             }
         }
@@ -175,11 +183,12 @@ fn links_behind(
     at: [i32; 3],
     on: [f64; 3],
     normals: [[f64; 3]; 2],
+    skip: &impl Fn([i32; 3]) -> bool,
     visit: &mut impl FnMut([i32; 3], usize),
 ) {
     let way: [f64; 3] = std::array::from_fn(|k| f64::from(at[k]) - on[k]);
     let heights = normals.map(|normal| dot(way, normal));
-    if heights[0].max(heights[1]) > LONGEST || heights[0].max(heights[1]) < 0.0 {
+    if heights[0].max(heights[1]) > LONGEST || heights[0].max(heights[1]) < 0.0 || skip(at) {
         return;
     }
     for i in 1..=Q / 2 {
@@ -205,6 +214,7 @@ fn links_at(
     on: [f64; 3],
     normal: [f64; 3],
     layers: &RangeInclusive<i32>,
+    skip: &impl Fn([i32; 3]) -> bool,
     visit: &mut impl FnMut([i32; 3], usize),
 ) {
     let reach = 1.0 + SPACING;
@@ -213,6 +223,9 @@ fn links_at(
         for y in ys.clone() {
             for x in xs.clone() {
                 let at = [x, y, z];
+                if skip(at) {
+                    continue;
+                }
                 let way: [f64; 3] = std::array::from_fn(|k| f64::from(at[k]) - on[k]);
                 let height = dot(way, normal);
                 for i in (1..=Q / 2).filter(|&i| C[i] != [0; 3]) {
