@@ -183,17 +183,18 @@ fn pressure_valve() {
 }
 
 /// The coarse valve with a rigid ring opens at the pressure that lifts it off its ring, 10 %, and holds where fluid and spring balance,
-/// 2 %, while as much flows as the piston displaces, 1 %.
+/// 2 %, while as much flows as the piston displaces, 1 %. Before 12 ms the reservoir's pressure still swings, which
+/// takes up some of it.
 #[test]
 fn pressure_valve_with_a_rigid_ring() {
     let manifest = "examples/pressure-valve/rigid.toml";
-    let ran = run(manifest, &["--until", "12.5 ms", "--quiet"]).succeeded();
+    let ran = run(manifest, &["--until", "16 ms", "--quiet"]).succeeded();
     let signals = ran.signals();
     let lift = &signals["grains.valve.lift"];
     let opened = lift.iter().position(|lift| *lift > 0.48e-3).expect("the valve stays shut");
     let pressure = signals["fluid.reservoir_z_lower.pressure"][opened];
     assert!((pressure / 4.65e5 - 1.0).abs() < 0.1, "it opens at {pressure} Pa");
-    let late: Vec<usize> = (0..lift.len()).filter(|&k| signals["time"][k] > 11.5e-3).collect();
+    let late: Vec<usize> = (0..lift.len()).filter(|&k| signals["time"][k] > 15e-3).collect();
     let mean = |name: &str| late.iter().map(|&k| signals[name][k]).sum::<f64>() / late.len() as f64;
     let (fluid, spring) = (mean("grains.valve.fluid_force"), mean("grains.valve.spring_force"));
     assert!((fluid / -spring - 1.0).abs() < 0.02, "{fluid} N against {spring} N");

@@ -77,7 +77,8 @@ impl<T: Collides> Solver<T> {
         let mass = self.owners.fluid_cells as f64 + self.survey.excess;
         if collided {
             balance.body_force = self.relaxation.acceleration.map(|a| a * mass);
-            balance.symmetry = mirrors;
+            let unmirrored = self.exchange.unmirrored;
+            balance.symmetry = std::array::from_fn(|a| mirrors[a] - unmirrored[a]);
             for (number, exchange) in self.fixtures.iter().enumerate() {
                 if number < usize::from(Fixture::FACES) {
                     add_scaled(&mut balance.walls, exchange.force, -1.0);

@@ -1,13 +1,13 @@
 //! The static geometry of a scene in cells, checked.
 
 use crate::axes::Axes;
-use crate::cells::{Fixture, Sheet};
+use crate::cells::Fixture;
 use crate::grid::{Grid, Reach};
 use crate::lattice::{C, mirrored};
 use crate::leak::narrowest;
 use crate::places::Blocked;
 use crate::probes::samples;
-use crate::solids::{Centres, Solid, moving_surfaces, solids};
+use crate::solids::{Centres, Solid, moving_solids, moving_surfaces, solids};
 use crate::surroundings::sides;
 use crate::voxels::Voxels;
 use std::sync::Arc;
@@ -29,6 +29,8 @@ pub struct Ground {
     /// Orientation of a frame that is not turned in the world, a unit quaternion `(x, y, z, w)`.
     pub upright: [f64; 4],
     centres: Centres,
+    /// Number of links that surfaces cut between two cells of the fluid, at the start, and the names of what cuts them.
+    cut: (usize, Vec<String>),
 }
 
 impl Ground {
@@ -74,7 +76,8 @@ impl Ground {
         }
         let voxels = Voxels::new(&grid, &centres, &solids, &inside);
         let upright = axes.turn([0.0, 0.0, 0.0, 1.0]);
-        let own = Self { grid, solids, voxels, moving, upright, centres };
+        let cut = cut_links(&grid, &centres, &voxels, [&solids, &moving_solids(scene, cell)]);
+        let own = Self { grid, solids, voxels, moving, upright, centres, cut };
         for (k, at) in inside.iter().enumerate() {
             if !own.voxels.is_fluid(&own.grid, *at) {
                 problems.push(own.not_fluid(k, fluid.inside[k], *at));
@@ -190,7 +193,7 @@ impl Ground {
 
     /// What a user should know of the geometry; sentences.
     pub fn notes(&self) -> Vec<String> {
-        let Voxels { fluid, unreached, regions, obstacles } = &self.voxels;
+        let Voxels { fluid, unreached, regions, .. } = &self.voxels;
         let mut notes = Vec::new();
         if *fluid < self.grid.len() {
             let percent = 100.0 * *fluid as f64 / self.grid.len() as f64;
@@ -207,19 +210,38 @@ impl Ground {
                 regions.len() - 1
             ));
         }
-        if !obstacles.sheets.is_empty() {
-            let thin = |sheet: &Sheet| self.solids[usize::from(sheet.solid)].name.as_str();
-            let mut names: Vec<_> = obstacles.sheets.iter().map(thin).collect();
-            names.sort_unstable();
-            names.dedup();
+        let (cut, names) = &self.cut;
+        if *cut > 0 {
             notes.push(format!(
-                "{} links between cells pass through walls or edges thinner than a cell, of {}; they end there",
-                obstacles.sheets.len() / 2,
+                "{cut} links between cells pass through walls or edges thinner than a cell, of {}; they end there",
                 names.join(", ")
             ));
         }
         notes
     }
+}
+
+/// How many links solids cut between two cells of the fluid, those that stand still and those that move, and which do.
+fn cut_links(
+    grid: &Grid,
+    centres: &Centres,
+    voxels: &Voxels,
+    [still, moving]: [&[Solid]; 2],
+) -> (usize, Vec<String>) {
+    let of_moving =
+        if moving.is_empty() { Vec::new() } else { voxels.sheets_of(grid, centres, moving) };
+    let of_still = &voxels.obstacles.sheets;
+    let mut names: Vec<_> = [(still, of_still), (moving, &of_moving)]
+        .into_iter()
+        .flat_map(|(solids, sheets)| {
+            sheets.iter().map(|sheet| solids[usize::from(sheet.solid)].name.as_str())
+        })
+        .collect();
+    // Each link is there from both of its ends.
+    let count = names.len() / 2;
+    names.sort_unstable();
+    names.dedup();
+    (count, names.into_iter().map(String::from).collect())
 }
 
 /// The cell that holds a point, if it is in the domain.

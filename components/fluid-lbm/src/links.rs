@@ -74,6 +74,8 @@ pub struct Exchange {
     pub image: [f64; 3],
     /// The same for `swept`.
     pub image_swept: [f64; 3],
+    /// What mirrors are reckoned to have given to populations of links that are cut on their way through them.
+    pub unmirrored: [f64; 3],
     /// Mass that went to the fluid.
     pub mass: f64,
     /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; of parts, and
@@ -97,6 +99,7 @@ impl Exchange {
         add_scaled(&mut self.swept, other.swept, 1.0);
         add_scaled(&mut self.image, other.image, 1.0);
         add_scaled(&mut self.image_swept, other.image_swept, 1.0);
+        add_scaled(&mut self.unmirrored, other.unmirrored, 1.0);
         self.mass += other.mass;
         self.receded += other.receded;
         self.weight += other.weight;
@@ -171,6 +174,8 @@ pub struct After<'a, T: Real> {
     pub walls: Option<&'a WallDistances>,
     /// For each cell the declared gap that it may be frozen in; empty without such gaps.
     pub gap_of: &'a [u16],
+    /// Whether walls slip in such gaps.
+    pub slips: bool,
     /// Where what such gaps draw in leaves the fluid.
     pub intakes: &'a Intakes,
 }

@@ -13,7 +13,7 @@ pub const MEANINGS: &[(&str, &str)] = &[
     ("max_mach", "largest Mach number of the lattice"),
     ("min_pressure", "lowest gauge pressure without its hydrostatic part, 0 if all are above"),
     ("max_pressure", "highest gauge pressure without its hydrostatic part, 0 if all are below"),
-    ("links", "lattice links between fluid and bodies"),
+    ("links", "lattice links from the fluid into bodies"),
     ("fallback_links", "of these, those without a second fluid cell: walls half-way there"),
     ("isolated_cells", "cells that are frozen because no neighbour is fluid"),
     ("mass", "mass of the fluid"),

@@ -34,7 +34,7 @@ pub struct Diagnostics {
     pub isolated: usize,
     /// Cells now frozen in declared gaps and pockets.
     pub frozen: usize,
-    /// Links between fluid and bodies.
+    /// Links from the fluid into bodies.
     pub links: usize,
     /// Links on which a second fluid node was missing, so that they fell back to half-way
     /// reflection.

@@ -18,8 +18,10 @@ use crate::cover::{Cover, Layer, room_for};
 use crate::displaced::{Displaced, window};
 use crate::grid::Grid;
 use crate::lattice::dot;
+use crate::ridges::Ridges;
 use crate::shape::{Hit, NO_FACET, Shape};
 use crate::units::Units;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 use tremie_geometry::{Bounds, Endless, Frame, Row, Surface};
 use tremie_messages::SurfaceVertex;
@@ -57,6 +59,8 @@ pub struct PartBody {
     /// What a deformable surface has besides.
     pub shape: Option<Box<Shape>>,
     surface: Arc<Surface>,
+    /// Where links between two cells outside may pass through it.
+    ridges: Ridges,
     /// Edge of a cell [m].
     cell: f64,
     /// Volume.
@@ -165,6 +169,7 @@ impl PartBody {
         let cover = Cover::new(side, period);
         Self {
             index,
+            ridges: Ridges::of(&surface, cell),
             shape: None,
             volume: volume / (cell * cell * cell),
             centroid,
@@ -196,6 +201,7 @@ impl PartBody {
         let mut own = Self::new(index, Arc::new(surface), rounding, cell);
         (own.now, own.previous) = (Cover::new(side, [0; 3]), Cover::new(side, [0; 3]));
         own.shape = Some(Box::new(shape));
+        own.ridges = Ridges::default();
         own
     }
 
@@ -453,8 +459,31 @@ impl PartBody {
         facets.is_complete = self.surface.triangles_in(&bounds, MOST_FACETS, &mut facets.list);
     }
 
+    /// Calls `visit` with begin and direction of links between cells outside that it may cut, see [`Ridges::each_link`].
+    /// Cells that `skip` has are left out.
+    pub fn each_cut(
+        &self,
+        layers: RangeInclusive<i32>,
+        skip: impl Fn([i32; 3]) -> bool,
+        visit: impl FnMut([i32; 3], usize),
+    ) {
+        if !self.ridges.is_empty() {
+            self.ridges.each_link(&self.frame, self.cell, layers, skip, visit);
+        }
+    }
+
     /// As [`PartBody::meet`], among the facets near `from`.
     pub fn meet_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Meeting {
+        self.meets_among(facets, from, c).unwrap_or_else(|| {
+            let from = self.own(from);
+            let to = std::array::from_fn(|a| from[a] + c[a]);
+            let hit = self.hit_between(self.point(from), self.point(to));
+            Meeting { q: 0.5, slope: [0.0; 3], hit }
+        })
+    }
+
+    /// Where a link meets the surface first, among the facets near its beginning or its end; none if it does not.
+    pub fn meets_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Option<Meeting> {
         let from = self.own(from);
         let to = std::array::from_fn(|a| from[a] + c[a]);
         let (start, end) = (self.point(from), self.point(to));
@@ -462,10 +491,7 @@ impl PartBody {
             self.surface.first_crossing_among(&facets.list, start, end)
         } else {
             self.surface.first_crossing(start, end)
-        };
-        let Some(crossing) = crossing else {
-            return Meeting { q: 0.5, slope: [0.0; 3], hit: self.hit_between(start, end) };
-        };
+        }?;
         let hit = self.shape.as_ref().map_or(Hit::NONE, |_| {
             let point = |a: usize| start[a] + crossing.fraction * (end[a] - start[a]);
             Hit::on(self.surface.mesh(), crossing.triangle, std::array::from_fn(point))
@@ -474,11 +500,11 @@ impl PartBody {
         let c = c.map(f64::from);
         let along = dot(normal, c);
         let is_steep = along * along > GRAZING * GRAZING * dot(c, c);
-        Meeting {
+        Some(Meeting {
             q: crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0),
             slope: if is_steep { normal.map(|n| n / along) } else { [0.0; 3] },
             hit,
-        }
+        })
     }
 
     /// A cell's coordinates where its surface has been made: in the domain along axes on which it is endless.

@@ -11,6 +11,7 @@ use crate::batch::{Batch, Link};
 use crate::bodies::Bodies;
 use crate::body::Body;
 use crate::cells::NONE;
+use crate::cut_links::CutLinks;
 use crate::declared::{DeclaredGaps, NONE as NO_GAP};
 use crate::field::{Real, prefetch};
 use crate::gaps::{Beyond, GapLink, beyond};
@@ -68,6 +69,8 @@ pub struct Listed {
     /// For each link where it meets a surface that can deform; none for rigid parts.
     hits: Vec<Hit>,
     gaps: GapLinks,
+    /// Links between two cells outside that pass through it.
+    cuts: CutLinks,
     /// Lines that hold the cells of which densities are needed.
     lines: Vec<u32>,
 }
@@ -77,6 +80,7 @@ impl Listed {
         self.links.clear();
         self.hits.clear();
         self.gaps.clear();
+        self.cuts.clear();
         self.lines.clear();
     }
 
@@ -86,10 +90,13 @@ impl Listed {
         self.hits.reserve(self.hits.len() / 2);
         self.lines.reserve(self.lines.len() / 2 + 64);
         self.gaps.make_room();
+        self.cuts.make_room();
     }
 
     fn bytes(&self) -> usize {
-        size_of::<PartLink>() * self.links.capacity() + size_of::<Hit>() * self.hits.capacity()
+        size_of::<PartLink>() * self.links.capacity()
+            + size_of::<Hit>() * self.hits.capacity()
+            + self.cuts.bytes()
     }
 }
 
@@ -126,10 +133,13 @@ impl PartLinks {
                 self.find_row(site, part, body.shell_row(y, z));
             }
         }
+        let layer = |z: i32| body.shell_row(0, z)[1];
+        let own = layer(layers.start)..=layer(layers.end - 1);
+        self.now.cuts.find(site.layout, part, own, &mut self.facets);
         if let Some(walls) = site.walls.filter(|_| layers.start == 0) {
             site.gaps_at_walls(body, walls, &mut self.facets, &mut self.now.gaps);
         }
-        let Listed { links, gaps, lines, .. } = &mut self.now;
+        let Listed { links, gaps, cuts, lines, .. } = &mut self.now;
         let line = |cell: u32| cell / site.line as u32;
         for link in links {
             if lines.last() != Some(&line(link.slots.cell)) {
@@ -137,6 +147,7 @@ impl PartLinks {
             }
         }
         lines.extend(gaps.witnesses().map(line));
+        lines.extend(cuts.cells().map(line));
         lines.sort_unstable();
         lines.dedup();
         if is_first {
@@ -159,6 +170,16 @@ impl PartLinks {
     /// Lines that hold the cells of which densities are needed.
     pub fn lines(&self) -> &[u32] {
         &self.now.lines
+    }
+
+    /// Links between two cells outside that pass through it.
+    pub fn cuts(&self) -> &CutLinks {
+        &self.now.cuts
+    }
+
+    /// The same, to be read.
+    pub fn cuts_mut(&mut self) -> &mut CutLinks {
+        &mut self.now.cuts
     }
 
     /// Memory that they take [bytes].

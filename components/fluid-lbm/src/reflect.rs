@@ -32,9 +32,18 @@ impl<T: Collides> Solver<T> {
             nearest_wall: nearest_wall(self.tau),
             walls: self.feels_gaps().then_some(&self.walls),
             gap_of: &self.gap_of,
+            slips: self.slips,
             intakes: &self.intakes,
         };
         let bodies = &self.bodies;
+        let with_surface = bodies.items_with_surface();
+        let cut = &mut self.link_items[with_surface.clone()];
+        let any_cut = cut.iter().any(|item| !item.found.cuts().is_empty());
+        if any_cut {
+            self.team.for_each(cut, |_, item| {
+                after.read_cuts(&bodies.living[item.body], item.found.cuts_mut());
+            });
+        }
         if self.slips {
             self.slip.read(&after, bodies, &mut self.team);
         }
@@ -72,6 +81,13 @@ impl<T: Collides> Solver<T> {
         self.brought = Patches::brought(&self.fixed_items);
         if self.slips {
             self.slip.write(&after, references, &mut self.team);
+        }
+        if any_cut {
+            // One after the other: the first of several bodies has a link.
+            let items = self.link_items[with_surface.clone()].iter();
+            for (item, exchange) in items.zip(&mut self.exchanges[with_surface]) {
+                exchange.join(&after.write_cuts(&bodies.living[item.body], item.found.cuts()));
+            }
         }
     }
 

@@ -107,6 +107,12 @@ pub fn solids(scene: &Scene, cell: f64) -> Result<Vec<Solid>, Vec<Problem>> {
     Ok(solids)
 }
 
+/// The parts that move, where the scene has them; none that [`moving_surfaces`] refuses.
+pub fn moving_solids(scene: &Scene, cell: f64) -> Vec<Solid> {
+    let moving = scene.parts.iter().enumerate().filter(|(_, part)| part.motion != Motion::Fixed);
+    moving.filter_map(|(k, part)| Solid::of_part(k, part, &scene.domain, cell).ok()).collect()
+}
+
 /// Surfaces of the scene's parts that move, by index of the part.
 ///
 /// # Errors

@@ -58,6 +58,15 @@ impl Voxels {
         voxels
     }
 
+    /// Links that meet the surfaces of more solids, of which no link knows here: as `obstacles.sheets` has those of its own.
+    pub fn sheets_of(&self, grid: &Grid, centres: &Centres, more: &[Solid]) -> Vec<Sheet> {
+        let mut marks = self.obstacles.solid.clone();
+        for solid in more {
+            cover(grid, centres, solid, u16::MAX, &mut marks);
+        }
+        sheets(grid, centres, more, &marks)
+    }
+
     /// Whether a cell is fluid.
     pub fn is_fluid(&self, grid: &Grid, at: [i32; 3]) -> bool {
         self.obstacles.solid[grid.index(at)] == 0

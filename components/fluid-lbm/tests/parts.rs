@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use tremie_fluid_lbm::{Precision, Walls};
-use tremie_messages::scene::{Course, Face, Geometry, PartBoundary, Pose};
+use tremie_messages::scene::{Course, Face, Geometry, Motion, PartBoundary, Pose};
 use tremie_messages::{BodyState, Load};
 
 fn cuboid(size: [f64; 3]) -> Geometry {
@@ -173,6 +173,11 @@ fn a_thin_wall_is_a_wall() {
         "{:?}",
         resolution.notes
     );
+    scene.parts[0].motion = Motion::Prescribed(Vec::new());
+    let moving = case.parameters().resolve(&scene).unwrap().notes;
+    let about_foil = |notes: &[String]| notes.iter().find(|n| n.contains("of foil")).cloned();
+    assert_eq!(about_foil(&moving), about_foil(&resolution.notes), "as of a part that moves");
+    scene.parts[0].motion = Motion::Fixed;
     let mut fluid = case.fluid_of(&scene);
     fluid.set_state(|x| ([0.0; 3], if x[0] > 5.0 && x[0] < 12.0 { 1e-3 } else { 0.0 }));
     for _ in 0..100 {

@@ -81,7 +81,8 @@ fn plus(a: [f64; 3], b: [f64; 3], scale: f64) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + scale * b[k])
 }
 
-/// A surface that moves as a whole is the moving part of the same shape: same cells, same force to
+/// A surface that moves as a whole is the moving part of the same shape, if no edge of it is so sharp that it cuts links
+/// (which are not looked for at surfaces that deform): same cells, same force to
 /// 1e-12, same torque to 2 % of force times radius (a facet's load has a point near it, and no torque of its own); also where it turns
 /// at its place, and with forces that are averaged, buoyancy, and accounts of mass.
 #[test]
@@ -92,7 +93,9 @@ fn a_surface_moved_as_a_whole_is_a_moving_part() {
     case.refill = Refill::Mass;
     let mut scene = case.scene();
     let begin = [9.03, 10.61, 9.87];
-    let mut seal = Seal::new(&mut scene, &DISC, 23, begin);
+    let flat = |[radius, height]: [f64; 2]| [radius, 0.9 * height];
+    let round: Vec<_> = half_circle(4.9).into_iter().map(flat).collect();
+    let mut seal = Seal::new(&mut scene, &round, 36, begin);
     let mut text = String::new();
     for [x, y, z] in seal.turned.places(&seal.points) {
         writeln!(text, "v {x:?} {y:?} {z:?}").unwrap();
