@@ -261,7 +261,7 @@ fn a_file_that_cannot_grow_ends_the_run_with_window_path_and_reason() {
     ended_by_disk(run(1 << 16, "record = false", &[]), "signals.csv", WORDS);
     let rare = "record = false\nsignals = \"1 s\"";
     // The summary has to fit.
-    ended_by_disk(run(1 << 16, rare, &["--trace"]), "trace.json", WORDS);
+    ended_by_disk(run(3 << 14, rare, &["--trace"]), "trace.json", WORDS);
     ended_by_disk(run(1 << 17, "frames = \"0.1 ms\"\nsignals = \"1 s\"", &[]), "run.mcap", WORDS);
     let seen = home.path().join("seen.rrd");
     let options = ["--view", seen.to_str().unwrap()];
