@@ -22,7 +22,7 @@ use crate::solver::{Solver, before};
 const OPEN_LINKS: usize = 9;
 
 /// Steps from one mean to the next.
-const EVERY: u64 = 16;
+const EVERY: u64 = 64;
 
 /// A pinched cell.
 #[derive(Clone, Copy, Debug)]
@@ -55,12 +55,13 @@ impl Pinched {
         self.cells.reserve(cells);
     }
 
+    fn is_listed(&self, cell: u32) -> bool {
+        self.listed[cell as usize / 64] >> (cell % 64) & 1 == 1
+    }
+
     fn list(&mut self, cell: u32) {
-        let (word, bit) = (&mut self.listed[cell as usize / 64], 1 << (cell % 64));
-        if *word & bit == 0 {
-            *word |= bit;
-            self.cells.push(Cell { cell, j: [0.0; 3] });
-        }
+        self.listed[cell as usize / 64] |= 1 << (cell % 64);
+        self.cells.push(Cell { cell, j: [0.0; 3] });
     }
 
     /// Memory that the list takes [bytes].
@@ -90,7 +91,7 @@ impl<T: Collides> Solver<T> {
     }
 
     fn list_if_pinched(&mut self, cell: u32) {
-        if self.is_pinched(cell) {
+        if !self.pinched.is_listed(cell) && self.is_pinched(cell) {
             self.pinched.list(cell);
         }
     }
