@@ -1,17 +1,16 @@
 //! How thick parts are where they stand in the fluid, in cells.
 //!
 //! At points of its surface that the fluid reaches, a part is measured three ways: inward along the normal to where fluid is
-//! again, from half-way in across that, and from the middle of this way square to both; of all directions around the normal those
-//! count that give the largest outline. Sorted, these say what it is there: of
+//! again, and, half-way in, the shortest way across that and the way square to both. Sorted, these say what it is there: of
 //! a plate the first is small, of a rod the first two, of a ball all three. A flow around it is that of its outline if
 //! the second is resolved, as the diameter of a sphere has to be; a plate need only be seen. So an edge of a plate, or a
 //! part that others stand flush to, is not mistaken for a thin one. What is rare on a surface, a tip or a bevel, is not
-//! counted.
+//! counted. A part that stands free has its own widths besides: the faces of a tetrahedron are not opposite anywhere.
 
 use crate::ground::Ground;
 use crate::lattice::{cross, dot};
 use serde::{Deserialize, Serialize};
-use tremie_geometry::{Frame, Surface};
+use tremie_geometry::{Frame, Surface, principal};
 use tremie_messages::scene::{Motion, PartBoundary, Pose, Scene};
 
 /// What is thicker is not looked at [cells].
@@ -24,8 +23,11 @@ const POINTS: usize = 20_000;
 const SIDE: usize = 8;
 /// Directions across the normal that are tried, over half a turn.
 const AROUND: usize = 6;
-/// Two faces that are turned away from being opposite by more than this cosine make a wedge, not a wall.
-const OPPOSITE: f64 = 0.94;
+/// Two faces that are turned away from being opposite by more than this cosine make a wedge or a corner, not a wall. The
+/// sides of a pentagon are walls yet.
+const OPPOSITE: f64 = 0.8;
+/// Part of a surface in the fluid from which on a part stands free, and is no thicker than its own widths.
+const FREE: f64 = 0.95;
 
 /// How thick a part is where it stands in the fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,8 +92,11 @@ impl Placed<'_> {
         others: &[&Self],
         most: usize,
     ) -> Option<(f64, Option<f64>)> {
-        let samples = self.samples(ground, others, most);
+        let (samples, whole) = self.samples(ground, others, most);
         let all: f64 = samples.iter().map(|sample| sample.area).sum();
+        let stands_free = all > 0.0 && all >= FREE * whole;
+        let widths =
+            if stands_free { self.widths(ground.centres().cell) } else { [f64::INFINITY; 2] };
         let least = |k: usize| {
             let mut ways: Vec<(f64, f64)> =
                 samples.iter().map(|sample| (sample.ways[k], sample.area)).collect();
@@ -101,23 +106,43 @@ impl Placed<'_> {
                 seen += area;
                 seen >= RARE * all
             });
-            found.map(|(way, _)| way).filter(|way| way.is_finite())
+            let way = found.map_or(f64::INFINITY, |(way, _)| way).min(widths[k]);
+            (way <= REACH).then(|| rounded(way))
         };
         Some((least(0)?, least(1)))
     }
 
-    /// What points of its surface in the fluid see.
-    fn samples(&self, ground: &Ground, others: &[&Self], most: usize) -> Vec<Sample> {
+    /// The least and the middle one of its widths, along the axes of its frame or of its inertia [cells].
+    fn widths(&self, cell: f64) -> [f64; 2] {
+        let mesh = self.surface.mesh();
+        let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let (_, turned) = principal(mesh.moments().inertia);
+        let sorted = [own, turned].map(|axes| {
+            let mut widths = axes.map(|axis| {
+                let heights = mesh.vertices.iter().map(|&v| dot(axis, v));
+                let range = [f64::INFINITY, f64::NEG_INFINITY];
+                let [low, high] = heights.fold(range, |[l, h], x| [l.min(x), h.max(x)]);
+                (high - low) / cell
+            });
+            widths.sort_by(f64::total_cmp);
+            widths
+        });
+        std::array::from_fn(|k| sorted[0][k].min(sorted[1][k]))
+    }
+
+    /// What points of its surface in the fluid see, and the area of all its surface that was looked at [m²].
+    fn samples(&self, ground: &Ground, others: &[&Self], most: usize) -> (Vec<Sample>, f64) {
         let cell = ground.centres().cell;
         let mesh = self.surface.mesh();
         let count =
             (0..mesh.triangles.len()).take_while(|&t| self.surface.is_wall(t as u32)).count();
         let stride = count.div_ceil(most).max(1);
-        let mut samples = Vec::new();
+        let (mut samples, mut whole) = (Vec::new(), 0.0);
         for triangle in (0..count).step_by(stride) {
             let corners = mesh.corners(triangle);
             let [ab, ac] = [1, 2].map(|k| minus(corners[k], corners[0]));
             let area = 0.5 * length(cross(ab, ac));
+            whole += area;
             let longest = length(ab).max(length(ac)).max(length(minus(ab, ac)));
             let fits = ((most / count.div_ceil(stride)) as f64).sqrt() as usize;
             let n = ((longest / (4.0 * cell)).ceil() as usize).clamp(1, SIDE.min(fits.max(1)));
@@ -135,7 +160,7 @@ impl Placed<'_> {
                 }
             }
         }
-        samples
+        (samples, whole)
     }
 
     /// The three ways at a point of the surface, in its frame [cells], if there is fluid.
@@ -152,7 +177,8 @@ impl Placed<'_> {
             return None;
         }
         // A hair inward, not to meet the face itself.
-        let start = along(point, normal, -1e-6 * cell);
+        let hair = 1e-6 * cell;
+        let start = along(point, normal, -hair);
         let inward = normal.map(|n| -n);
         let reach = REACH * cell;
         let far = [f64::INFINITY; 3];
@@ -161,34 +187,27 @@ impl Placed<'_> {
             return Some(far);
         }
         let middle = along(start, inward, 0.5 * t);
-        // A way both ways from a point, and its middle.
-        let way = |from: [f64; 3], direction: [f64; 3]| {
+        let way = |direction: [f64; 3]| {
             let ends = [direction, direction.map(|x| -x)].map(|out| {
-                let (t, _) = self.exit(from, out, reach)?;
-                is_open(along(from, out, t), out).then_some(t)
+                let (t, face) = self.exit(middle, out, reach)?;
+                is_open(along(middle, out, t), out).then_some((t, face))
             });
-            match ends {
-                [Some(a), Some(b)] if a + b <= reach => {
-                    (a + b, along(from, direction, 0.5 * (a - b)))
-                }
-                _ => (f64::INFINITY, from),
-            }
+            let [Some((a, here)), Some((b, there))] = ends else { return f64::INFINITY };
+            let opposite = dot(here, there) <= -OPPOSITE;
+            if opposite && a + b <= reach { a + b } else { f64::INFINITY }
         };
         let (u, v) = across(normal);
         // Every 30 degrees.
         let high = 0.75f64.sqrt();
         let turns = [[1.0, 0.0], [high, 0.5], [0.5, high], [0.0, 1.0], [-0.5, high], [-high, 0.5]];
-        let direction = |[c, s]: [f64; 2]| std::array::from_fn(|a| c * u[a] + s * v[a]);
-        // Of the first way's middle, not to take the corner of a plate for its width.
-        let pair = |k: usize| {
-            let (first, middle) = way(middle, direction(turns[k]));
-            let (second, _) = way(middle, direction(turns[(k + AROUND / 2) % AROUND]));
-            [first, second]
+        let direction = |k: usize| {
+            let [c, s] = turns[k];
+            std::array::from_fn(|a| c * u[a] + s * v[a])
         };
-        let size = |pair: &[f64; 2]| pair[0].min(reach) * pair[1].min(reach);
-        let pairs = (0..AROUND).map(pair);
-        let [first, second] = pairs.max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        let mut ways = [t, first, second].map(|way| way / cell);
+        let found: Vec<f64> = (0..AROUND).map(|k| way(direction(k))).collect();
+        let best = (0..AROUND).fold(0, |b, k| if found[k] < found[b] { k } else { b });
+        let mut ways =
+            [t + hair, found[best], found[(best + AROUND / 2) % AROUND]].map(|way| way / cell);
         ways.sort_by(f64::total_cmp);
         Some(ways)
     }
@@ -208,6 +227,11 @@ impl Placed<'_> {
             ground.is_fluid_at(place) && others.iter().all(is_free)
         })
     }
+}
+
+/// A number of cells without the rounding of what it was found from: eight cells are not less than eight.
+pub fn rounded(cells: f64) -> f64 {
+    (cells * 1e6).round() / 1e6
 }
 
 /// Two directions square to a unit vector and to each other.
@@ -291,6 +315,15 @@ mod tests {
             let (through, across) = only(part(Geometry::Sphere { radius }, MIDDLE));
             assert!(near(Some(through), 2.0 * radius) && near(across, 2.0 * radius));
         }
+        // A flat disc is as wide as its diameter. A chord whose ends are no more than 37 degrees from opposite is a way
+        // across as well: no less than 0.948 of it.
+        let (through, across) = only(part(Geometry::Cylinder { radius: 5.0, length: 1.0 }, MIDDLE));
+        assert_eq!(through, 1.0);
+        assert!(across.is_some_and(|across| (9.48..=10.0).contains(&across)), "{across:?}");
+        // A tip has no faces that are opposite: 0.9 across its base, 0.9 high.
+        let profile = vec![[0.0, 0.0], [0.45, 0.0], [0.0, 0.9]];
+        let (through, across) = only(part(Geometry::Revolved { profile }, MIDDLE));
+        assert!(through < 0.95 && near(across, 0.9), "{through} {across:?}");
         // A moving one alike.
         let mut moving = part(Geometry::Sphere { radius: 0.4 }, MIDDLE);
         moving.motion = Motion::Prescribed(Vec::new());
@@ -307,6 +340,11 @@ mod tests {
         assert!(slices.iter().all(|slice| slice.through > 15.0), "{slices:?}");
         // A sheet on the floor: fluid is on one side only.
         assert_eq!(found(vec![cuboid([40.0, 0.8, 40.0], [20.0, 0.4, 20.0])]), []);
+        // A slab outside of the domain, one that is half in a wall, and a rib that stands on it.
+        assert_eq!(found(vec![cuboid([60.0, 0.8, 60.0], [20.0, -0.4, 20.0])]), []);
+        assert_eq!(found(vec![cuboid([60.0, 0.8, 60.0], [20.0, 0.0, 20.0])]), []);
+        let rib = found(vec![cuboid([30.0, 9.0, 30.0], [20.0, 0.0, 20.0])]);
+        assert!(rib.iter().all(|part| part.through > 8.0), "{rib:?}");
         // A pin that is thick in the domain, and thin beyond its face.
         let profile =
             vec![[0.0, -30.0], [0.3, -30.0], [0.3, -11.0], [9.0, -11.0], [9.0, 5.0], [0.0, 5.0]];

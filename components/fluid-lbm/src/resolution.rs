@@ -8,7 +8,7 @@ use crate::ground::Ground;
 use crate::lattice::{CS2, Q};
 use crate::narrow::{Narrow, narrowest};
 use crate::parameters::{Parameters, Precision};
-use crate::part_extent::{PartExtent, thin_parts};
+use crate::part_extent::{PartExtent, rounded, thin_parts};
 use crate::places;
 use crate::reservoir::{face_of, name, reservoirs_of};
 use crate::scene_check::check_scene;
@@ -119,7 +119,8 @@ impl Parameters {
             tau,
             expected_mach: fluid.expected_speed.map(|speed| self.mach_of(speed, time_step)),
             cells_per_smallest_sphere: smallest,
-            cells_per_thinnest_polyhedron: thinnest_width(scene).map(|width| width / self.cell.0),
+            cells_per_thinnest_polyhedron: thinnest_width(scene)
+                .map(|width| rounded(width / self.cell.0)),
             thin_parts: thin_parts(scene, &ground),
             memory_bytes,
             fluid_cells,
