@@ -191,6 +191,50 @@ fn a_wrong_number_is_called_wrong_once() {
     assert_eq!(output.status.code(), Some(1));
 }
 
+/// A wire, a ball and a sheet of 0.4 mm in cells of 0.5 mm; the sheet on the floor is the floor.
+#[test]
+fn parts_thinner_than_a_cell_are_told() {
+    let said = |shape: &str, height: &str| {
+        let text = format!(
+            r#"
+[run]
+until = "10 ms"
+[scene.domain]
+size = ["16 mm", "16 mm", "16 mm"]
+x = "periodic"
+y = "periodic"
+[scene.fluid]
+density = "1000 kg/m3"
+viscosity = "0.05 Pa s"
+expected_speed = "0.05 m/s"
+[[scene.parts]]
+name = "own"
+{shape}
+position = ["8.1 mm", "8 mm", "{height}"]
+[components]
+fluid = "fluid-lbm"
+[settings.fluid-lbm]
+cell = "0.5 mm"
+"#
+        );
+        check(&text, &[])
+    };
+    let wire = "box = { size = [\"0.4 mm\", \"20 mm\", \"0.4 mm\"] }";
+    for shape in [wire, "sphere = { radius = \"0.2 mm\" }"] {
+        let (code, plan) = said(shape, "8 mm");
+        assert_eq!(code, Some(1), "{plan:#}");
+        is_pointed_out(finding(&plan, "fluid", "cells across own"), 0.8);
+    }
+    let sheet = "box = { size = [\"20 mm\", \"20 mm\", \"0.4 mm\"] }";
+    let (code, plan) = said(sheet, "8 mm");
+    assert_eq!(code, Some(0), "{plan:#}");
+    is_pointed_out(finding(&plan, "fluid", "cells through own"), 0.8);
+    let (_, plan) = said(sheet, "0.2 mm");
+    let findings = plan["findings"].as_array().unwrap();
+    let about = |f: &&Value| f["quantity"].as_str().unwrap().ends_with(" own");
+    assert_eq!(findings.iter().find(about), None);
+}
+
 #[test]
 fn a_low_relaxation_time_with_few_cells_a_grain_is_doubted() {
     // At 0.51 the lattice itself is well damped; three cells a grain do not see the layer around it.
