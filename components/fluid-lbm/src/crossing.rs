@@ -20,7 +20,7 @@ use crate::field::Real;
 use crate::grid::{Reach, Side};
 use crate::lattice::{C, C_F64, OPPOSITE, Q, W, dot, mirrored};
 use crate::layout::Layout;
-use crate::owners::{BODY, Owners, SHARED};
+use crate::owners::Owners;
 use crate::refill::Before;
 
 /// A link across a side of the layer.
@@ -121,11 +121,7 @@ impl<T: Real> Sight<'_, T> {
 
     /// Velocity of the body that holds a cell, if one does; as seen in mirrors.
     fn velocity_in(&self, cell: u32, mirrors: u8) -> Option<[f64; 3]> {
-        let handle = match self.owners.of(cell) {
-            SHARED => self.owners.claimants(cell).next()?,
-            owner => owner.checked_sub(BODY)?,
-        };
-        let body = self.bodies.with_handle(handle);
+        let body = self.bodies.with_handle(self.owners.holder(cell)?);
         let layout = self.before.layout;
         let u = body.velocity_at(layout.grid.arm(body.position, layout.at(cell)));
         Some(std::array::from_fn(|a| if mirrors >> a & 1 == 1 { -u[a] } else { u[a] }))

@@ -175,29 +175,28 @@ impl CutLinks {
     }
 }
 
+/// Coordinates, or those of the image where they are beyond a mirror, and the axes of such.
+fn folded(grid: &Grid, mut at: [i32; 3]) -> ([i32; 3], u8) {
+    let mut mirrors = 0;
+    for (a, x) in at.iter_mut().enumerate() {
+        let mirror;
+        (*x, mirror) = grid.fold(a, *x);
+        mirrors |= mirror << a;
+    }
+    (at, mirrors)
+}
+
 /// A link as the half of it that is simulated: where it begins beyond a mirror, its image. None where it begins beyond
 /// another face that ends the fluid.
-fn in_box(grid: &Grid, mut at: [i32; 3], i: usize) -> Option<([i32; 3], usize)> {
-    let mut mirrors = 0;
-    for a in 0..3 {
-        let (folded, mirror) = grid.fold(a, at[a]);
-        (at[a], mirrors) = (folded, mirrors | mirror << a);
-        if !grid.periodic[a] && !(0..grid.n[a]).contains(&at[a]) {
-            return None;
-        }
-    }
-    Some((at, mirrored(i, mirrors)))
+fn in_box(grid: &Grid, at: [i32; 3], i: usize) -> Option<([i32; 3], usize)> {
+    let (at, mirrors) = folded(grid, at);
+    let ends = (0..3).any(|a| !grid.periodic[a] && !(0..grid.n[a]).contains(&at[a]));
+    (!ends).then(|| (at, mirrored(i, mirrors)))
 }
 
 /// Where a link ends, and its direction from there; the image where that is beyond a mirror, and the axes of such.
 fn other_end(grid: &Grid, at: [i32; 3], i: usize) -> ([i32; 3], usize, u8) {
-    let to: [i32; 3] = std::array::from_fn(|a| at[a] + C[i][a]);
-    let mut end = to;
-    let mut mirrors = 0;
-    for a in 0..3 {
-        let (folded, mirror) = grid.fold(a, to[a]);
-        (end[a], mirrors) = (folded, mirrors | mirror << a);
-    }
+    let (end, mirrors) = folded(grid, std::array::from_fn(|a| at[a] + C[i][a]));
     (end, OPPOSITE[mirrored(i, mirrors)], mirrors)
 }
 

@@ -151,62 +151,40 @@ impl Lattice<'_> {
         ))
     }
 
-    fn sphere(&self, cells: f64) -> Finding {
-        let diameter = cells * self.resolution.cell;
-        let remedy = format!("a cell of {} m makes it {RESOLVED}", short(diameter / RESOLVED));
-        Finding::new("cells across the smallest sphere", cells, "1")
+    /// Judges the cells across what the fluid goes around. `meaning` says what the number is, `what` begins the reasons.
+    fn across(&self, quantity: &str, cells: f64, [meaning, what]: [&str; 2]) -> Finding {
+        let width = cells * self.resolution.cell;
+        let remedy = format!("a cell of {} m makes it {RESOLVED}", short(width / RESOLVED));
+        Finding::new(quantity, cells, "1")
+            .because(meaning)
             .wrong_if(
                 cells < UNSEEN,
-                format!("below {UNSEEN} it may cover no cell at all and feel no fluid"),
+                format!("{what}below {UNSEEN} it may cover no cell at all and feel no fluid"),
                 &remedy,
             )
             .doubtful_if(
                 cells < RESOLVED,
-                format!("its drag is trusted to a few per cent from {RESOLVED} on"),
+                format!("{what}its drag is trusted to a few per cent from {RESOLVED} on"),
                 remedy,
             )
     }
 
+    fn sphere(&self, cells: f64) -> Finding {
+        self.across("cells across the smallest sphere", cells, ["", ""])
+    }
+
     /// A flake has the volume of a sphere that is many cells across, and none itself.
     fn polyhedron(&self, cells: f64) -> Finding {
-        let width = cells * self.resolution.cell;
-        let remedy = format!("a cell of {} m makes it {RESOLVED}", short(width / RESOLVED));
-        Finding::new("cells across the thinnest polyhedron", cells, "1")
-            .because("its least width between two planes")
-            .wrong_if(
-                cells < UNSEEN,
-                format!(
-                    "its least width; below {UNSEEN} it may cover no cell at all and feel no fluid"
-                ),
-                &remedy,
-            )
-            .doubtful_if(
-                cells < RESOLVED,
-                format!(
-                    "its least width; its drag is trusted to a few per cent from {RESOLVED} on"
-                ),
-                remedy,
-            )
+        let said = ["its least width between two planes", "its least width; "];
+        self.across("cells across the thinnest polyhedron", cells, said)
     }
 
     /// A part that is slim two ways is judged as a sphere of that diameter; a plate has to be seen at all.
     fn part(&self, part: &PartExtent) -> Vec<Finding> {
         let cell = self.resolution.cell;
         let across = part.across.map(|cells| {
-            let remedy =
-                format!("a cell of {} m makes it {RESOLVED}", short(cells * cell / RESOLVED));
-            Finding::new(format!("cells across {}", part.part), cells, "1")
-                .because("where the fluid goes around it")
-                .wrong_if(
-                    cells < UNSEEN,
-                    format!("below {UNSEEN} it may cover no cell at all and feel no fluid"),
-                    &remedy,
-                )
-                .doubtful_if(
-                    cells < RESOLVED,
-                    format!("its drag is trusted to a few per cent from {RESOLVED} on"),
-                    remedy,
-                )
+            let said = ["where the fluid goes around it", ""];
+            self.across(&format!("cells across {}", part.part), cells, said)
         });
         // What is unseen is told already.
         let is_seen = part.across.is_none_or(|cells| cells >= UNSEEN);

@@ -30,7 +30,6 @@
 use crate::kernel::Collides;
 use crate::lattice::Q;
 use crate::links::Exchange;
-use crate::owners::{BODY, SHARED};
 use crate::solver::Solver;
 
 /// Part of what is owed that a step pays. Between a body's surface and the last cells is volume whose
@@ -87,13 +86,9 @@ impl<T: Collides> Solver<T> {
     /// Handle of the body that covers a cell or cut it off from the fluid.
     pub(crate) fn holder_of(&self, cell: u32) -> Option<u32> {
         let (owners, layout) = (&self.owners, &self.layout);
-        let holder = |cell: u32| match owners.of(cell) {
-            SHARED => owners.claimants(cell).next(),
-            owner => owner.checked_sub(BODY),
-        };
-        let of_neighbours = || (1..Q).find_map(|i| holder(layout.neighbour(cell, i)?));
+        let of_neighbours = || (1..Q).find_map(|i| owners.holder(layout.neighbour(cell, i)?));
         let of_gaps = || self.declared.any_mover(&self.bodies);
-        holder(cell).or_else(of_neighbours).or_else(of_gaps)
+        owners.holder(cell).or_else(of_neighbours).or_else(of_gaps)
     }
 
     /// Charges a body for a cell that it covered or cut off from the fluid.

@@ -198,6 +198,14 @@ impl Owners {
         self.shared[first..].iter().take_while(move |&&(c, _)| c == cell).map(|&(_, handle)| handle)
     }
 
+    /// Handle of the body that holds a cell, of several the first.
+    pub fn holder(&self, cell: u32) -> Option<u32> {
+        match self.of(cell) {
+            SHARED => self.claimants(cell).next(),
+            owner => owner.checked_sub(BODY),
+        }
+    }
+
     fn set(&mut self, cell: usize, owner: Owner) {
         let was = self.of[cell];
         self.of[cell] = owner;

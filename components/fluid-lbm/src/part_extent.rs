@@ -9,6 +9,7 @@
 
 use crate::ground::Ground;
 use crate::lattice::{cross, dot};
+use crate::ridges::width_along;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Frame, Surface, principal};
 use tremie_messages::scene::{Motion, PartBoundary, Pose, Scene};
@@ -114,16 +115,10 @@ impl Placed<'_> {
 
     /// The least and the middle one of its widths, along the axes of its frame or of its inertia [cells].
     fn widths(&self, cell: f64) -> [f64; 2] {
-        let mesh = self.surface.mesh();
         let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (_, turned) = principal(mesh.moments().inertia);
+        let (_, turned) = principal(self.surface.mesh().moments().inertia);
         let sorted = [own, turned].map(|axes| {
-            let mut widths = axes.map(|axis| {
-                let heights = mesh.vertices.iter().map(|&v| dot(axis, v));
-                let range = [f64::INFINITY, f64::NEG_INFINITY];
-                let [low, high] = heights.fold(range, |[l, h], x| [l.min(x), h.max(x)]);
-                (high - low) / cell
-            });
+            let mut widths = axes.map(|axis| width_along(self.surface, axis) / cell);
             widths.sort_by(f64::total_cmp);
             widths
         });

@@ -62,7 +62,7 @@ impl Ridges {
                 }
             }
         }
-        let wide = |t: u32| width_behind(surface, surface.normal(t)) > LONGEST * cell;
+        let wide = |t: u32| width_along(surface, surface.normal(t)) > LONGEST * cell;
         let is_simple = mesh.triangles.len() <= FEW && is_convex(surface);
         if !is_simple || !(0..mesh.triangles.len() as u32).all(wide) {
             own.find_thin(surface, cell);
@@ -129,9 +129,9 @@ impl Ridges {
     }
 }
 
-/// How far the surface reaches behind its foremost point along a normal.
-fn width_behind(surface: &Surface, normal: [f64; 3]) -> f64 {
-    let heights = surface.mesh().vertices.iter().map(|&vertex| dot(vertex, normal));
+/// How far a surface reaches along a unit vector.
+pub fn width_along(surface: &Surface, direction: [f64; 3]) -> f64 {
+    let heights = surface.mesh().vertices.iter().map(|&vertex| dot(vertex, direction));
     let [low, high] =
         heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)]);
     high - low
