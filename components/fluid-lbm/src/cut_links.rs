@@ -16,6 +16,7 @@
 //! ```
 //!
 //! The force on the body, in which they count with opposite signs, stays the same, and so does a cube's Stokes drag to 3e-4.
+//! (Of solids at rest: `sheet_links`.)
 //!
 //! Of surfaces that deform they are not looked for. Diagnostics do not count them: there a link ends in a body.
 
@@ -243,7 +244,7 @@ impl<T: Real> After<'_, T> {
     }
 
     /// Whether links from a cell are cut: not where what slips there slips past edges, too.
-    fn is_cut(&self, cell: u32) -> bool {
+    pub fn is_cut(&self, cell: u32) -> bool {
         let in_gap = || self.gap_of.get(cell as usize).is_some_and(|&gap| gap != NO_GAP);
         self.owners.is_fluid(cell) && !(self.slips && in_gap())
     }

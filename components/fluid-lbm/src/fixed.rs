@@ -22,7 +22,8 @@
 //! f_0(x) -= sum over links to sliding faces (f_i' - g_i + 6 w_i rho_m (c_i.u))
 //! ```
 //!
-//! What interpolation makes or takes at walls is paid back over some hundred steps, see `wall_mass`.
+//! What interpolation makes or takes at walls is paid back over some hundred steps, see `wall_mass`; at once at links between
+//! two cells of the fluid, see `sheet_links`.
 //!
 //! All links of a cell are one unit of work: the place of a link's result is that of its own `g_i`
 //! (see `places`), which another link of the same cell may want to read before.
@@ -37,11 +38,17 @@ use crate::ledger::add_scaled;
 use crate::links::{After, Exchange, density};
 use crate::open::open_faces;
 use crate::places::{Blocked, Parity};
+use crate::sheet_links::SheetLinks;
 use crate::wall_mass::{Patch, Patches, WEIGHT};
 use std::ops::Range;
 
 /// Cells that are one item of work.
 const CELLS_PER_ITEM: usize = 1024;
+
+/// Bit of a link with `q < 1/2`: the other population is that of the cell behind.
+const NEAR: u8 = 1;
+/// Bit of a link that leads to another cell of the fluid, and keeps the mass with the one that comes from there (see `sheet_links`).
+const CUT: u8 = 2;
 
 /// A link. 12 bytes.
 #[derive(Clone, Copy, Debug)]
@@ -53,17 +60,27 @@ struct Link {
     own: f32,
     /// Direction.
     dir: u8,
-    /// Whether `q < 1/2`, so that the other population is that of the cell behind.
-    near: bool,
+    /// See `NEAR` and `CUT`.
+    kind: u8,
     /// Place of its fixture in the item's list.
     fixture: u16,
 }
 
 impl Link {
+    #[inline(always)]
+    fn is_near(&self) -> bool {
+        self.kind & NEAR != 0
+    }
+
+    #[inline(always)]
+    fn is_cut(&self) -> bool {
+        self.kind & CUT != 0
+    }
+
     /// Where it meets the surface, as a fraction of its length.
     fn q(&self) -> f64 {
         let own = f64::from(self.own);
-        if self.near { 0.5 * own } else { 0.5 / own }
+        if self.is_near() { 0.5 * own } else { 0.5 / own }
     }
 }
 
@@ -127,7 +144,7 @@ impl Met<'_> {
     /// What a link pays of what its patch of wall owes.
     #[inline(always)]
     fn pay(&mut self, link: &Link) -> f64 {
-        if !self.are_walls[usize::from(link.fixture)] {
+        if link.is_cut() || !self.are_walls[usize::from(link.fixture)] {
             return 0.0;
         }
         let weight = WEIGHT[usize::from(link.dir)];
@@ -149,10 +166,11 @@ impl Met<'_> {
 
 impl FixedLinks {
     /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are solid walls, and
-    /// `references` the point of each about which its torque counts.
+    /// `references` the point of each about which its torque counts; `sheets` are the links that keep the mass in pairs.
     pub fn new(
         layout: &Layout,
         references: &[[f64; 3]],
+        sheets: &SheetLinks,
         blocked: impl Iterator<Item = (Blocked, f64)>,
         is_wall: impl Fn(Fixture) -> bool,
     ) -> (Self, Vec<Item>, Patches) {
@@ -184,7 +202,7 @@ impl FixedLinks {
                 odd: layout.places.odd(cell, dir.into()) as u32,
                 own: (if q < 0.5 { 2.0 * q } else { 0.5 / q }) as f32,
                 dir,
-                near: q < 0.5,
+                kind: if q < 0.5 { NEAR } else { 0 } | if sheets.has(cell, dir) { CUT } else { 0 },
                 fixture: place as u16,
             });
         }
@@ -259,7 +277,7 @@ impl<T: Real> After<'_, T> {
         let own = OPPOSITE[i] * stride + cell as usize;
         let within = i * stride + cell as usize;
         let even = self.parity == Parity::Even;
-        (own, if even != link.near { within } else { link.odd as usize })
+        (own, if even != link.is_near() { within } else { link.odd as usize })
     }
 
     /// Asks memory for what a cell's links need.
@@ -290,7 +308,7 @@ impl<T: Real> After<'_, T> {
             let factor = f64::from(link.own);
             let f = if link.own == 1.0 {
                 g
-            } else if link.near && !all_fluid && !self.has_behind(cell, link.dir.into()) {
+            } else if link.is_near() && !all_fluid && !self.has_behind(cell, link.dir.into()) {
                 met.exchanges[usize::from(link.fixture)].1.fallbacks += 1;
                 g
             } else {
@@ -299,14 +317,15 @@ impl<T: Real> After<'_, T> {
             *value = (g, f + met.pay(link));
         }
         // Links of a cell mostly meet one fixture: its exchange is added once.
-        let (mut force, mut gain, mut count) = ([0.0; 3], 0.0, 0);
+        let (mut force, mut gain, mut unpaired, mut count) = ([0.0; 3], 0.0, 0.0, 0);
         for (k, (link, (g, f))) in links.iter().zip(values).enumerate() {
             let f = self.field.set(self.places_of(cell, link).0, f);
             add_scaled(&mut force, C_F64[usize::from(link.dir)], g + f);
             gain += f - g;
+            unpaired += if link.is_cut() { 0.0 } else { f - g };
             count += 1;
             if links.get(k + 1).is_none_or(|next| next.fixture != link.fixture) {
-                met.gain(link.fixture, gain);
+                met.gain(link.fixture, unpaired);
                 let (fixture, exchange) = &mut met.exchanges[usize::from(link.fixture)];
                 // The arm to the surface is that to the cell but for a part along the force.
                 let arm = self.layout.grid.arm(reference[usize::from(fixture.0)], at);
@@ -314,7 +333,7 @@ impl<T: Real> After<'_, T> {
                 add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
                 exchange.mass += gain;
                 exchange.links += count;
-                (force, gain, count) = ([0.0; 3], 0.0, 0);
+                (force, gain, unpaired, count) = ([0.0; 3], 0.0, 0.0, 0);
             }
         }
     }
@@ -346,7 +365,9 @@ impl<T: Real> After<'_, T> {
         for (link, (g, f)) in links.iter().zip(values) {
             let (i, c) = (link.dir as usize, C_F64[link.dir as usize]);
             let f = self.field.set(self.next_place(cell, OPPOSITE[i]), f);
-            met.gain(link.fixture, f - g);
+            if !link.is_cut() {
+                met.gain(link.fixture, f - g);
+            }
             let (fixture, exchange) = &mut met.exchanges[link.fixture as usize];
             let force = c.map(|c| (g + f) * c);
             add_scaled(&mut exchange.force, force, 1.0);

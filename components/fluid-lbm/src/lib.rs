@@ -97,6 +97,7 @@ mod row_ends;
 mod runs;
 mod scene_check;
 mod shape;
+mod sheet_links;
 mod shell;
 mod slip;
 mod slots;

@@ -153,6 +153,7 @@ impl<T: Collides> Solver<T> {
             + self.layout.places.bytes()
             + self.tally.bytes()
             + self.fixed.bytes()
+            + self.sheets.bytes()
             + self.blocks.iter().map(|block| block.halfway.bytes()).sum::<usize>()
             + self.walls.bytes()
             + self.open.bytes()

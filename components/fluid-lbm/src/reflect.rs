@@ -75,8 +75,13 @@ impl<T: Collides> Solver<T> {
             }
         }
         let (fixed, now, references) = (&self.fixed, &self.now, &self.surroundings.references);
+        let sheets = &self.sheets;
+        self.team.for_each(&mut self.sheet_items, |_, item| after.read_sheets(sheets, item));
         self.team.for_each(&mut self.fixed_items, |_, item| {
             after.reflect_fixed(fixed, now, references, item);
+        });
+        self.team.for_each(&mut self.sheet_items, |_, item| {
+            after.balance_sheets(sheets, references, item);
         });
         self.brought = Patches::brought(&self.fixed_items);
         if self.slips {
@@ -128,7 +133,8 @@ impl<T: Collides> Solver<T> {
         }
         let fixed = self.fixed_items.iter().flat_map(|item| &item.exchanges);
         let halfway = self.blocks.iter().flat_map(|block| &block.halfway.exchanges);
-        for (Fixture(number), exchange) in fixed.chain(halfway) {
+        let sheets = self.sheet_items.iter().flat_map(|item| &item.exchanges);
+        for (Fixture(number), exchange) in fixed.chain(sheets).chain(halfway) {
             self.fixtures[usize::from(*number)].join(exchange);
         }
         if self.slips {

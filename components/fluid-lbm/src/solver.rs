@@ -33,6 +33,7 @@ use crate::ports::PortFaces;
 use crate::probes::Probes;
 use crate::refill::Before;
 use crate::reservoir::ReservoirFace;
+use crate::sheet_links::{SheetItem, SheetLinks};
 use crate::slip::Slip;
 use crate::solids::Centres;
 use crate::surfaces::Soft;
@@ -119,6 +120,8 @@ pub struct Solver<T: Collides> {
     pub(crate) now: Vec<Now>,
     pub(crate) fixed: FixedLinks,
     pub(crate) fixed_items: Vec<fixed::Item>,
+    pub(crate) sheets: SheetLinks,
+    pub(crate) sheet_items: Vec<SheetItem>,
     pub(crate) patches: Patches,
     /// What links brought to the cells at each open face in the last step, `2 axis + side`.
     pub(crate) brought: [Brought; 6],
@@ -288,6 +291,8 @@ impl<T: Collides> Solver<T> {
             layout: built.layout,
             fixed: built.fixed,
             fixed_items: built.fixed_items,
+            sheets: built.sheets,
+            sheet_items: built.sheet_items,
             patches: built.patches,
             brought: Default::default(),
             open: built.open,

@@ -14,6 +14,7 @@ use crate::open_area::OpenAreas;
 use crate::parameters::{Parameters, Walls};
 use crate::places::{Blocked, Reflection};
 use crate::reservoir::{ReservoirFace, face_of};
+use crate::sheet_links::{SheetItem, SheetLinks};
 use crate::solids::Centres;
 use crate::units::Units;
 use crate::wall_distances::WallDistances;
@@ -53,6 +54,9 @@ pub struct Built {
     pub fixed: FixedLinks,
     /// Their items of work.
     pub fixed_items: Vec<fixed::Item>,
+    /// Those of them that solids cut between two cells of the fluid.
+    pub sheets: SheetLinks,
+    pub sheet_items: Vec<SheetItem>,
     /// The patches of wall that pay back what these links take.
     pub patches: Patches,
     /// Links at walls at rest that are met half-way, by cell.
@@ -172,6 +176,8 @@ impl Surroundings {
             (met, if self.halfway { 0.5 } else { q.max(self.nearest) })
         });
         let met: Vec<_> = met.collect();
+        let (sheets, sheet_items) =
+            SheetLinks::new(&layout, &met, |fixture| self.laws[usize::from(fixture.0)].clone());
         let areas = self.open_areas(&layout, &open, &met);
         let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open, &areas);
         let is_at_rest = |met: &Blocked| {
@@ -185,12 +191,14 @@ impl Surroundings {
             fixture.as_solid().is_some() && matches!(law, Some(Law::Wall { .. }))
         };
         let (fixed, fixed_items, patches) =
-            FixedLinks::new(&layout, &self.references, fixed.into_iter(), is_wall);
+            FixedLinks::new(&layout, &self.references, &sheets, fixed.into_iter(), is_wall);
         Built {
             layout,
             reflections: survey.reflections,
             fixed,
             fixed_items,
+            sheets,
+            sheet_items,
             patches,
             halfway,
             open,
