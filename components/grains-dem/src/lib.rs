@@ -125,6 +125,7 @@ mod probes;
 #[cfg(target_arch = "x86_64")]
 mod quad;
 mod random;
+mod reached;
 mod resolve;
 mod roll;
 mod rows;

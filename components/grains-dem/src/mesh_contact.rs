@@ -90,6 +90,14 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    pub const NONE: Self = Self { list: [Nearest::NONE; MOST], count: 0 };
+
+    /// The same with points from an origin that had the coordinates `x`.
+    pub fn moved_by(mut self, x: Vec3) -> Self {
+        self.list[..self.count].iter_mut().for_each(|near| near.point += x);
+        self
+    }
+
     pub fn contacts(&self) -> &[Nearest] {
         &self.list[..self.count]
     }
@@ -195,7 +203,7 @@ impl Candidates {
 
     /// Those that are contacts of a sphere.
     pub fn contacts(&self, radius: f64) -> Found {
-        let mut found = Found { list: [Nearest::NONE; MOST], count: 0 };
+        let mut found = Found::NONE;
         for near in &self.list[..self.count] {
             let hidden =
                 |other: &Nearest| (near.point - other.point).dot(&other.normal) <= OUT * radius;

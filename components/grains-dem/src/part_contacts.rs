@@ -16,7 +16,9 @@ use crate::{
     part_finder::{Found, Nearness, SOME},
     part_forces::{Near, Place},
     parts::PlacedPart,
+    reached::Reached,
     slider::Along,
+    surfaces::Surfaces,
     tally::Tally,
     wall_contacts::WallContacts,
     walls::Wall,
@@ -175,11 +177,35 @@ impl PartContacts {
         (memory.normal.dot(&-wall.normal) > SAME).then_some(memory)
     }
 
-    /// Evaluates the contacts; adds what each block saw to `tallies`, and sums the forces on the parts.
+    /// Finds what a body, by its place in memory, reaches of parts and walls.
+    pub fn reach(
+        &mut self,
+        body: u32,
+        (parts, walls): (&[PlacedPart], &[Wall]),
+        scenery: &Scenery<'_>,
+        reached: &mut Reached,
+    ) {
+        reached.clear();
+        let Ok(p) = self.bodies.binary_search(&body) else { return };
+        let own = self.start[p] as usize..self.start[p + 1] as usize;
+        let of_row = self.near[own.start] as usize..self.near[own.end] as usize;
+        let mut near = Near {
+            ends: &self.near[own.start..=own.end],
+            entries: &mut self.entries[own],
+            distances: &mut self.distances[of_row.clone()],
+            triangles: &self.triangles[of_row],
+        };
+        Place { body: body as usize, parts, walls, scenery }.reach(&mut near, reached);
+        reached.history = self.histories[p];
+    }
+
+    /// Evaluates the contacts, each body's together with what `surfaces` found that it reaches of them; adds what each block
+    /// saw to `tallies`, and sums the forces on the parts.
     pub fn evaluate(
         &mut self,
         team: &mut Team,
         (parts, walls): (&[PlacedPart], &[Wall]),
+        surfaces: &Surfaces,
         scenery: Scenery<'_>,
         tallies: &mut [Tally],
     ) {
@@ -212,7 +238,8 @@ impl PartContacts {
                 };
                 let body = bodies[p] as usize;
                 let place = Place { body, parts, walls, scenery: &scenery };
-                *wrench = place.evaluate(near, history, loads, &mut tally[0]);
+                let soft = surfaces.reached_by(bodies[p]);
+                *wrench = place.evaluate(near, soft, history, loads, &mut tally[0]);
             }
         });
         self.sum_blocks(loads_of(parts));

@@ -13,6 +13,7 @@ use crate::{
     periodic::PeriodicBox,
     polyhedra::SPHERE,
     skins::Skins,
+    surfaces::Surfaces,
     wall_contacts::{WallContacts, WallEntry},
     walls::{Wall, WallLaws},
 };
@@ -41,6 +42,8 @@ pub(crate) struct Nearness<'a> {
     pub wall_laws: &'a WallLaws,
     /// Whether bodies that are near several walls are listed also without a part.
     pub walls_lean: bool,
+    /// Surfaces that deform: bodies near them and near walls are listed also without a part.
+    pub surfaces: &'a Surfaces,
     pub laws: &'a Laws,
     /// Numbers of the parts' materials.
     pub materials: &'a [u16],
@@ -54,7 +57,15 @@ pub(crate) struct Nearness<'a> {
 impl Nearness<'_> {
     /// Whether any body may be listed.
     pub fn is_any(&self) -> bool {
-        !self.parts.is_empty() || self.walls_lean
+        !self.parts.is_empty() || self.walls_lean || !self.surfaces.held.is_empty()
+    }
+
+    /// Whether a body is near a surface that deforms, or may come near before the next list.
+    fn is_near_surface(&self, body: usize, bodies: &Bodies) -> bool {
+        let ball = &bodies.balls[body];
+        // Surfaces have lists of their own, which may be newer.
+        let reach = 2.0 * ball.radius + self.skins.gap(ball.radius);
+        self.surfaces.held.iter().any(|held| held.is_near(ball.x, reach))
     }
 }
 
@@ -74,12 +85,13 @@ impl Found {
             }
             let known = self.entries.len();
             self.find_parts(i, bodies, at);
-            let beside_parts = self.entries.len() > known;
+            let beside_parts = self.entries.len() > known || at.is_near_surface(i, bodies);
             if beside_parts || at.walls_lean {
                 self.find_walls(i, bodies, at);
             }
             // In corners of walls these do not share anything.
-            if beside_parts || self.entries.len() > known + 1 {
+            let least = if beside_parts { 1 } else { 2 };
+            if self.entries.len() >= known + least {
                 self.bodies.push(i as u32);
                 self.ends.push(self.entries.len() as u32);
                 self.histories.push(history(before, at.previous[i], at));

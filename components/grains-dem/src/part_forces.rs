@@ -3,12 +3,13 @@
 use crate::{
     Vec3,
     bodies::{Ball, Twist, Wrench},
-    contact::{self, Contact},
+    contact::{self, Contact, Memory},
     forces::Scenery,
     history::{History, Remembered},
-    mesh_contact::{self, Candidates, MOST, Nearest, Seeker, Triangle},
+    mesh_contact::{self, Candidates, Found, MOST, Nearest, Seeker, Triangle},
     part_contacts::{Entry, Met, PartLoad},
     parts::PlacedPart,
+    reached::{Reached, is_soft, together},
     shares::{of_one_region, shares},
     slider::Along,
     tally::{Other, Tally},
@@ -43,21 +44,51 @@ impl Near<'_> {
 }
 
 impl Place<'_> {
-    /// The force on the body; those on parts are added to `loads`.
+    /// Finds what the body reaches.
+    pub fn reach(&self, near: &mut Near<'_>, reached: &mut Reached) {
+        for contact in self.find(near).contacts() {
+            let entry = &near.entries[contact.owner as usize];
+            reached.add(*contact, (entry.law, entry.reduced));
+        }
+    }
+
+    /// The contacts, of parts and walls alone.
+    fn find(&self, near: &mut Near<'_>) -> Found {
+        let mut candidates = Candidates::NONE;
+        for e in 0..near.entries.len() {
+            self.look(e, near, &mut candidates);
+        }
+        candidates.contacts(self.scenery.bodies.balls[self.body].radius)
+    }
+
+    /// The contacts, and how much the spring of each counts; with those of `soft` surfaces, where there are any.
+    fn find_with(&self, near: &mut Near<'_>, soft: Option<&Reached>) -> (Found, [f64; MOST]) {
+        let radius = self.scenery.bodies.balls[self.body].radius;
+        match soft.filter(|soft| !soft.is_empty()) {
+            Some(soft) => {
+                let mut rigid = Reached::NONE;
+                self.reach(near, &mut rigid);
+                together(&rigid, soft, radius, self.scenery.laws)
+            }
+            None => {
+                let found = self.find(near);
+                (found, self.springs(found.contacts(), near.entries))
+            }
+        }
+    }
+
+    /// The force on the body, whose contacts with `soft` surfaces are evaluated elsewhere; those on parts are added to `loads`.
     pub fn evaluate(
         &self,
         mut near: Near<'_>,
+        soft: Option<&Reached>,
         history: &mut History,
         loads: &mut [PartLoad],
         tally: &mut Tally,
     ) -> Wrench {
         let ball = &self.scenery.bodies.balls[self.body];
-        let mut candidates = Candidates::NONE;
-        for e in 0..near.entries.len() {
-            near.entries[e].on_wall = Vec3::zeros();
-            self.look(e, &mut near, &mut candidates);
-        }
-        let found = candidates.contacts(ball.radius);
+        near.entries.iter_mut().for_each(|entry| entry.on_wall = Vec3::zeros());
+        let (found, springs) = self.find_with(&mut near, soft);
         let found = found.contacts();
         let mut on_body = Wrench::zero();
         if found.is_empty() {
@@ -66,13 +97,21 @@ impl Place<'_> {
         }
         let before = *history;
         history.clear();
-        let shares = self.shares(found, near.entries);
+        let shares = self.shares(found, springs);
         let mut regions = Regions::default();
-        for (contact, share) in found.iter().zip(shares) {
+        // Those of surfaces are counted there.
+        for (contact, share) in found.iter().zip(shares).filter(|(contact, _)| is_soft(contact)) {
+            if share.spring > 0.0 {
+                regions.is_new(contact.normal);
+            }
+        }
+        let memories = Memories { own: &before, of_surfaces: soft.map(|soft| &soft.history) };
+        let rigid = found.iter().zip(shares).filter(|(contact, _)| !is_soft(contact));
+        for (contact, share) in rigid {
             let e = contact.owner as usize;
             let met = Meeting { entry: &near.entries[e], contact, share };
             let home = ball.x + self.shift(&near, e);
-            let force = self.meet(&met, home, (&before, history), loads);
+            let force = self.meet(&met, home, (&memories, history), loads);
             on_body.force += force.force;
             on_body.torque += force.torque;
             let other = match met.entry.met {
@@ -151,19 +190,30 @@ impl Place<'_> {
         });
     }
 
-    /// How much of each contact counts.
-    fn shares(&self, found: &[Nearest], entries: &[Entry]) -> [Share; MOST] {
+    /// How much the spring of each contact counts.
+    fn springs(&self, found: &[Nearest], entries: &[Entry]) -> [f64; MOST] {
         let radius = self.scenery.bodies.balls[self.body].radius;
-        let springs = shares(found, |contact| {
+        shares(found, |contact| {
             let entry = &entries[contact.owner as usize];
             let overlap = (radius - contact.distance).max(0.0);
             let law = &self.scenery.laws[entry.law as usize];
             (2.0 * law.normal_energy(overlap, entry.reduced)).sqrt()
-        });
+        })
+    }
+
+    /// How much of each contact counts, of which springs count so much. No film is known of surfaces.
+    fn shares(&self, found: &[Nearest], springs: [f64; MOST]) -> [Share; MOST] {
+        let radius = self.scenery.bodies.balls[self.body].radius;
         let mut all = springs.map(|spring| Share { spring, film: 0.0 });
         if self.scenery.squeeze.is_some() {
             let reach = radius + self.scenery.reach();
-            let films = shares(found, |contact| reach - contact.distance);
+            let films =
+                shares(
+                    found,
+                    |contact| {
+                        if is_soft(contact) { 0.0 } else { reach - contact.distance }
+                    },
+                );
             all.iter_mut().zip(films).for_each(|(share, film)| share.film = film);
         }
         all
@@ -174,7 +224,7 @@ impl Place<'_> {
         &self,
         met: &Meeting<'_>,
         home: Vec3,
-        (before, history): (&History, &mut History),
+        (before, history): (&Memories<'_>, &mut History),
         loads: &mut [PartLoad],
     ) -> Wrench {
         let (scenery, entry) = (self.scenery, met.entry);
@@ -231,6 +281,18 @@ impl Place<'_> {
 struct Share {
     spring: f64,
     film: f64,
+}
+
+/// What the body's contacts remember: with parts and walls, and with surfaces that it touches as well.
+struct Memories<'a> {
+    own: &'a History,
+    of_surfaces: Option<&'a History>,
+}
+
+impl Memories<'_> {
+    fn heir(&self, n: Vec3) -> Option<Memory> {
+        self.own.heir(n).or_else(|| self.of_surfaces?.heir(n))
+    }
 }
 
 /// A contact with what is met there.

@@ -160,6 +160,7 @@ impl Search {
             walls,
             wall_laws: laws,
             walls_lean: around.walls_lean,
+            surfaces: &self.surfaces,
             laws: &around.laws,
             materials: &around.part_materials,
             bounds: &around.bounds,

@@ -22,7 +22,7 @@ use crate::{
     slider::SliderState,
     substeps::Progress,
     surface::{self, DeformableSurface, SurfaceState},
-    surfaces::Surfaces,
+    surfaces::{RigidWalls, Surfaces},
     surroundings::Surroundings,
     tally::Tally,
     wall_forces,
@@ -402,6 +402,7 @@ impl GrainsDem {
             wrapped |= part.advance(&step, &self.around.bounds);
         }
         self.steps += 1;
+        self.search.surfaces.follow_bodies();
         self.check_sliders()?;
         let limit = self.search.skins().least_slack();
         let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
@@ -429,7 +430,11 @@ impl GrainsDem {
         let walls = &self.around.walls;
         wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
         let parts = &self.around.parts;
-        search.parts.evaluate(team, (parts, walls), scenery, &mut self.tallies);
+        let near = self.around.near_surfaces(&self.bodies, search.cells.skins());
+        let rigid = RigidWalls { contacts: &mut search.parts, parts, walls };
+        search.surfaces.look(surfaces, (&scenery, &near), rigid)?;
+        let (rigid, soft) = (&mut search.parts, &search.surfaces);
+        rigid.evaluate(team, (parts, walls), soft, scenery, &mut self.tallies);
         let on_solids = search.solids.evaluate(
             team,
             &mut self.polyhedra,
@@ -437,9 +442,8 @@ impl GrainsDem {
             (walls, parts),
             (&mut search.parts.on_parts, &mut search.parts.pushes),
         );
-        let near = self.around.near_surfaces(&self.bodies, search.cells.skins());
         let mut on_surfaces = Tally::default();
-        search.surfaces.accept(surfaces, &scenery, &near, &mut on_surfaces)?;
+        search.surfaces.accept(surfaces, &scenery, &mut on_surfaces);
         self.push_sliders(surfaces);
         let forces =
             Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };

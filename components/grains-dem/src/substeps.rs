@@ -13,6 +13,7 @@ use crate::{
     contact::Steps,
     integrate::{self, Forces},
     surface::{FacetLoad, SurfaceState},
+    surfaces::RigidWalls,
 };
 use std::time::Instant;
 use tremie_messages::body::{BodyState, Load};
@@ -94,9 +95,12 @@ impl GrainsDem {
         }
         let steps = Steps { before: self.dt, after: self.dt };
         let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
-        let around = self.around.near_surfaces(&self.bodies, self.search.cells.skins());
+        let search = &mut self.search;
+        let around = self.around.near_surfaces(&self.bodies, search.cells.skins());
+        let (contacts, parts) = (&mut search.parts, &self.around.parts[..]);
+        let rigid = RigidWalls { contacts, parts, walls: &self.around.walls };
         let shape = (vertices, velocities);
-        self.search.surfaces.try_shape(surface, shape, &scenery, &around, loads)
+        search.surfaces.try_shape(surface, shape, (&scenery, &around), rigid, loads)
     }
 
     /// Evaluates all contact forces, with those on the accepted surfaces, one for each of the run, and

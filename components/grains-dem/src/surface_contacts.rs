@@ -9,7 +9,8 @@ use crate::{
     history::{History, Remembered},
     law::{Law, Reduced},
     laws::Laws,
-    mesh_contact::{self, Found, Looked, Nearest, Seeker, Triangle},
+    mesh_contact::{self, Found, Looked, MOST, Nearest, Seeker, Triangle},
+    reached::{Reached, of_surface, together},
     seat::{Seat, Seats},
     shares::shares,
     skins::Skins,
@@ -57,6 +58,10 @@ pub(crate) struct Held {
     looked: Vec<Looked>,
     distances: Vec<f32>,
     spare: Vec<Entry>,
+    /// Where each entry's body touches the shape that was taken last.
+    found: Vec<Found>,
+    /// A box around the surface when facets were listed.
+    bounds: Box3,
     groups: Vec<Box3>,
     pub seat: Seat,
     /// Loads on facets, where nobody asks for them.
@@ -96,6 +101,21 @@ impl Work for Take<'_> {
         }
         *self.farthest = farthest.into_iter().fold(0.0, f64::max);
     }
+}
+
+/// Where one sphere touches a surface, among other contacts that do not count here, and how much each counts.
+struct SurfaceContacts<'a> {
+    found: Found,
+    shares: [f64; MOST],
+    /// What contacts with rigid walls beside remember.
+    of_rigid: Option<&'a History>,
+}
+
+/// What bodies reach, by their places, of rigid walls and of all surfaces, of which this one has a number.
+pub(crate) struct Beside<'a> {
+    pub number: usize,
+    pub rigid: &'a [Reached],
+    pub soft: &'a [Reached],
 }
 
 /// So many facets, which lie together in most meshes, are looked at by one box.
@@ -152,11 +172,18 @@ impl Held {
             looked: Vec::new(),
             distances: Vec::new(),
             spare: Vec::new(),
+            found: Vec::new(),
+            bounds: Box3::of(surface.vertices.iter().map(|&x| x.into())),
             groups: Vec::new(),
             seat: Seat::new(surface),
             loads: Vec::new(),
             on_carrier: Vec3::zeros(),
         }
+    }
+
+    /// Whether a place was near when facets were listed.
+    pub fn is_near(&self, x: Vec3, reach: f64) -> bool {
+        self.bounds.is_near(x, reach)
     }
 
     /// Bodies changed their places in memory, or went far.
@@ -214,6 +241,7 @@ impl Held {
         let groups = self.triangles.chunks(GROUP);
         self.groups.extend(groups.map(|group| Box3::of(group.iter().flat_map(corner))));
         let all = Box3::of(vertices.iter().map(|&x| x.into()));
+        self.bounds = all;
         for (&id, &slot) in around.bodies.ids.iter().zip(&around.bodies.slot) {
             let (slot, bodies) = (slot as usize, around.bodies);
             let Ball { x, radius } = bodies.balls[slot];
@@ -231,6 +259,8 @@ impl Held {
         self.looked.resize(self.entries.len(), Looked::NEVER);
         self.distances.clear();
         self.distances.resize(self.facets.len(), 0.0);
+        self.found.clear();
+        self.found.resize(self.entries.len(), Found::NONE);
     }
 
     /// Adds the facets near a place.
@@ -263,41 +293,68 @@ impl Held {
         });
     }
 
-    /// Contacts of a shape as if it were accepted; adds what they do to facets.
+    /// Takes the facets to a shape, and finds where bodies touch it.
+    pub fn look(&mut self, vertices: &[[f64; 3]], scenery: &Scenery<'_>) {
+        self.take_shape(vertices);
+        for e in 0..self.entries.len() {
+            self.found[e] = self.find(e, scenery);
+        }
+    }
+
+    /// Adds what bodies reach of the shape that was looked at, and remember, to `reached` at their places; it is the surface
+    /// of a `number`. Nothing, where bodies changed their places in memory since.
+    pub fn give_reached(&self, number: usize, scenery: &Scenery<'_>, reached: &mut [Reached]) {
+        if self.stale {
+            return;
+        }
+        for (entry, found) in self.entries.iter().zip(&self.found) {
+            let reached = &mut reached[entry.place as usize];
+            let centre = scenery.bodies.balls[entry.body as usize].x;
+            for near in found.contacts() {
+                let near = Nearest { point: near.point - centre, ..*near };
+                reached.add(of_surface(near, number), (entry.law, entry.reduced));
+            }
+            if reached.history.held().is_empty() {
+                reached.history = entry.history;
+            }
+        }
+    }
+
+    /// Contacts of the shape that was looked at as if it were accepted; adds what they do to facets.
     pub fn try_shape(
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
+        beside: &Beside<'_>,
         scenery: &Scenery<'_>,
         out: &mut Vec<FacetLoad>,
     ) {
-        self.take_shape(state.0);
         for e in 0..self.entries.len() {
-            let found = self.find(e, scenery);
-            self.meet(&found, (e, None), state.1, scenery, &mut Tally::default(), out);
+            let contacts = self.contacts(e, beside, scenery);
+            self.meet(&contacts, (e, None), state.1, scenery, &mut Tally::default(), out);
         }
         self.seat.push(state.0, out);
     }
 
-    /// Contacts of the accepted shape: histories go on, forces on bodies are added to `wrench`.
+    /// Contacts of the shape that was looked at, which is accepted: histories go on, forces on bodies are added to `wrench`.
     pub fn accept(
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
+        beside: &Beside<'_>,
         scenery: &Scenery<'_>,
         wrench: &mut [Wrench],
         tally: &mut Tally,
     ) {
-        self.take_shape(state.0);
         let mut out = std::mem::take(&mut self.loads);
         out.clear();
         for e in 0..self.entries.len() {
-            let found = self.find(e, scenery);
-            if found.contacts().is_empty() {
+            let contacts = self.contacts(e, beside, scenery);
+            if contacts.found.contacts().is_empty() {
                 self.entries[e].history.clear();
                 continue;
             }
             let mut entry = Entry { history: History::NONE, ..self.entries[e] };
             let kept = Some(&mut entry);
-            let on_body = self.meet(&found, (e, kept), state.1, scenery, tally, &mut out);
+            let on_body = self.meet(&contacts, (e, kept), state.1, scenery, tally, &mut out);
             let sum = &mut wrench[entry.place as usize];
             sum.force += on_body.force;
             sum.torque += on_body.torque;
@@ -345,11 +402,40 @@ impl Held {
         found
     }
 
+    /// The contacts of one sphere where it was found to touch, and how much each counts.
+    fn contacts<'a>(
+        &self,
+        e: usize,
+        beside: &Beside<'a>,
+        scenery: &Scenery<'_>,
+    ) -> SurfaceContacts<'a> {
+        let entry = &self.entries[e];
+        let ball = &scenery.bodies.balls[entry.body as usize];
+        let rigid = &beside.rigid[entry.place as usize];
+        if !rigid.is_empty() && !self.found[e].contacts().is_empty() {
+            let soft = &beside.soft[entry.place as usize];
+            let (found, mut shares) = together(rigid, soft, ball.radius, scenery.laws);
+            let own = of_surface(Nearest::NONE, beside.number).owner;
+            for (near, share) in found.contacts().iter().zip(&mut shares) {
+                *share = if near.owner == own { *share } else { 0.0 };
+            }
+            let of_rigid = Some(&rigid.history);
+            return SurfaceContacts { found: found.moved_by(ball.x), shares, of_rigid };
+        }
+        let law = &scenery.laws[entry.law as usize];
+        let found = self.found[e];
+        let shares = shares(found.contacts(), |near| {
+            let overlap = (ball.radius - near.distance).max(0.0);
+            (2.0 * law.normal_energy(overlap, entry.reduced)).sqrt()
+        });
+        SurfaceContacts { found, shares, of_rigid: None }
+    }
+
     /// The contacts of one sphere where it was found to touch: the force on it, and in `kept`, which remembers none, what its
     /// entry remembers then.
     fn meet(
         &self,
-        found: &Found,
+        contacts: &SurfaceContacts<'_>,
         (e, mut kept): (usize, Option<&mut Entry>),
         velocities: &[[f64; 3]],
         scenery: &Scenery<'_>,
@@ -363,10 +449,9 @@ impl Held {
         let (reduced, steps) = (entry.reduced, scenery.steps);
         let mut on_body = Wrench::zero();
         let law = &scenery.laws[entry.law as usize];
-        let shares = shares(found.contacts(), |near| {
-            (2.0 * law.normal_energy((ball.radius - near.distance).max(0.0), reduced)).sqrt()
-        });
-        for (near, share) in found.contacts().iter().zip(shares).filter(|(_, share)| *share > 0.0) {
+        let SurfaceContacts { found, shares, of_rigid } = contacts;
+        let acting = found.contacts().iter().zip(*shares).filter(|(_, share)| *share > 0.0);
+        for (near, share) in acting {
             let facet = facets[near.triangle as usize];
             let n = -near.normal;
             let overlap = ball.radius - near.distance;
@@ -379,7 +464,7 @@ impl Held {
                 twist: 0.5 * twist.w.dot(&n),
                 rolling: twist.w,
             };
-            let heir = entry.history.heir(n);
+            let heir = entry.history.heir(n).or_else(|| of_rigid.as_ref()?.heir(n));
             let mut memory = heir.unwrap_or_default();
             let f = contact::force(law, reduced, &contact, &mut memory, heir.is_some(), steps);
             if let Some(kept) = &mut kept {

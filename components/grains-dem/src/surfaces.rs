@@ -6,10 +6,13 @@ use crate::{
     forces::Scenery,
     laws::Laws,
     pairs::BLOCK,
+    part_contacts::PartContacts,
     parts::PlacedPart,
+    reached::Reached,
     surface::{DeformableSurface, FacetLoad, SurfaceState},
-    surface_contacts::{Around, Held},
+    surface_contacts::{Around, Beside, Held},
     tally::Tally,
+    walls::Wall,
 };
 
 /// The surfaces of a run.
@@ -22,6 +25,18 @@ pub(crate) struct Surfaces {
     pub wrench: Vec<Wrench>,
     /// Which of `bodies` belong to each block of bodies.
     pub bounds: Vec<u32>,
+    /// What each of `bodies` reaches of rigid walls, and of surfaces.
+    rigid: Vec<Reached>,
+    soft: Vec<Reached>,
+    /// Whether bodies moved, or others are near, since rigid walls were looked at.
+    moved: bool,
+}
+
+/// Rigid walls: contacts with them, parts, and faces of the domain.
+pub(crate) struct RigidWalls<'a> {
+    pub contacts: &'a mut PartContacts,
+    pub parts: &'a [PlacedPart],
+    pub walls: &'a [Wall],
 }
 
 impl Surfaces {
@@ -43,6 +58,19 @@ impl Surfaces {
         }
     }
 
+    /// Bodies moved, and what they reach with them.
+    pub fn follow_bodies(&mut self) {
+        self.moved = true;
+    }
+
+    /// What a body, by its place in memory, reaches of the shapes that were looked at last.
+    pub fn reached_by(&self, body: u32) -> Option<&Reached> {
+        if self.bodies.is_empty() {
+            return None;
+        }
+        self.bodies.binary_search(&body).ok().and_then(|place| self.soft.get(place))
+    }
+
     /// Bodies changed their places in memory: what is near must be listed anew.
     pub fn spoil(&mut self) {
         self.held.iter_mut().for_each(Held::spoil);
@@ -61,9 +89,11 @@ impl Surfaces {
         }
         self.bounds.resize(previous.len().div_ceil(BLOCK) + 1, 0);
         self.give_bounds();
+        self.give_room();
     }
 
-    /// Tries a shape of a surface, without a trace; `out` is cleared and gets the loads on facets.
+    /// Tries a shape of a surface beside rigid walls, without a trace; `out` is cleared and gets the loads on facets. Other surfaces
+    /// are where they were looked at last.
     ///
     /// # Errors
     /// Shapes that do not fit the surface.
@@ -71,27 +101,28 @@ impl Surfaces {
         &mut self,
         surface: usize,
         state: (&[[f64; 3]], &[[f64; 3]]),
-        scenery: &Scenery<'_>,
-        around: &Around<'_>,
+        (scenery, around): (&Scenery<'_>, &Around<'_>),
+        walls: RigidWalls<'_>,
         out: &mut Vec<FacetLoad>,
     ) -> Result<(), GrainsError> {
         self.prepare(surface, state, around)?;
+        self.held[surface].look(state.0, scenery);
+        self.reach(walls, scenery);
         out.clear();
-        self.held[surface].try_shape(state, scenery, out);
+        let beside = Beside { number: surface, rigid: &self.rigid, soft: &self.soft };
+        self.held[surface].try_shape(state, &beside, scenery, out);
         Ok(())
     }
 
-    /// Takes the shapes of all surfaces as they are: forces on bodies are in `wrench`, and on carriers
-    /// with the surfaces.
+    /// Finds what bodies reach of the shapes of all surfaces, and of rigid walls beside them.
     ///
     /// # Errors
     /// Shapes that do not fit the surfaces.
-    pub fn accept(
+    pub fn look(
         &mut self,
         states: &[SurfaceState<'_>],
-        scenery: &Scenery<'_>,
-        around: &Around<'_>,
-        tally: &mut Tally,
+        (scenery, around): (&Scenery<'_>, &Around<'_>),
+        walls: RigidWalls<'_>,
     ) -> Result<(), GrainsError> {
         if states.len() != self.held.len() {
             let (found, expected) = (states.len(), self.held.len());
@@ -100,11 +131,41 @@ impl Surfaces {
         for (surface, state) in states.iter().enumerate() {
             self.prepare(surface, (state.vertices, state.velocities), around)?;
         }
-        self.wrench.fill(Wrench::zero());
         for (held, state) in self.held.iter_mut().zip(states) {
-            held.accept((state.vertices, state.velocities), scenery, &mut self.wrench, tally);
+            held.look(state.vertices, scenery);
         }
+        self.reach(walls, scenery);
         Ok(())
+    }
+
+    /// Takes the shapes that were looked at as they are: forces on bodies are in `wrench`, and on carriers
+    /// with the surfaces.
+    pub fn accept(
+        &mut self,
+        states: &[SurfaceState<'_>],
+        scenery: &Scenery<'_>,
+        tally: &mut Tally,
+    ) {
+        self.wrench.fill(Wrench::zero());
+        for (number, (held, state)) in self.held.iter_mut().zip(states).enumerate() {
+            let beside = Beside { number, rigid: &self.rigid, soft: &self.soft };
+            let shape = (state.vertices, state.velocities);
+            held.accept(shape, &beside, scenery, &mut self.wrench, tally);
+        }
+    }
+
+    /// What bodies reach of surfaces where they were looked at last, and of rigid walls.
+    fn reach(&mut self, walls: RigidWalls<'_>, scenery: &Scenery<'_>) {
+        self.soft.iter_mut().for_each(Reached::clear);
+        for (number, held) in self.held.iter().enumerate() {
+            held.give_reached(number, scenery, &mut self.soft);
+        }
+        if std::mem::replace(&mut self.moved, false) {
+            let RigidWalls { contacts, parts, walls } = walls;
+            for (&body, reached) in self.bodies.iter().zip(&mut self.rigid) {
+                contacts.reach(body, (parts, walls), scenery, reached);
+            }
+        }
     }
 
     /// Lists what is near a surface, where the lists at hand do not do.
@@ -137,6 +198,14 @@ impl Surfaces {
         self.wrench.clear();
         self.wrench.resize(self.bodies.len(), Wrench::zero());
         self.give_bounds();
+        self.give_room();
+    }
+
+    /// Room for what each body reaches.
+    fn give_room(&mut self) {
+        self.rigid.resize(self.bodies.len(), Reached::NONE);
+        self.soft.resize(self.bodies.len(), Reached::NONE);
+        self.moved = true;
     }
 
     fn give_bounds(&mut self) {
