@@ -1,6 +1,6 @@
 //! The memory that `check` tells is what the processes of a run take together.
 
-use crate::tremie::{root, tremie};
+use crate::tremie::{SMALL, root, tremie};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -43,7 +43,7 @@ record = false
 "#;
 
 /// Processes that descend from one, itself first.
-fn family(process: u32) -> Vec<u32> {
+pub fn family(process: u32) -> Vec<u32> {
     let mut all = vec![process];
     let mut next = 0;
     while let Some(&process) = all.get(next) {
@@ -88,6 +88,56 @@ fn told_and_taken(manifest: &Path, options: &[&str]) -> (f64, f64) {
     assert!(child.wait().unwrap().success());
     // What was seen between a fork and the program's start is no process of the run.
     (told, largest.values().filter(|&&bytes| bytes > 5e6).sum())
+}
+
+/// A ball of 3 mm about the origin in 239,000 triangles, as binary STL in mm.
+fn fine_ball() -> Vec<u8> {
+    const ROUNDS: u32 = 600;
+    const LAYERS: u32 = 200;
+    let at = |layer: u32, k: u32| {
+        let slope = std::f32::consts::PI * layer as f32 / LAYERS as f32;
+        let angle = std::f32::consts::TAU * (k % ROUNDS) as f32 / ROUNDS as f32;
+        let across = if layer.is_multiple_of(LAYERS) { 0.0 } else { slope.sin() };
+        [across * angle.cos(), across * angle.sin(), slope.cos()].map(|x| 1.5 * x)
+    };
+    let mut triangles = Vec::new();
+    for (layer, k) in (0..LAYERS).flat_map(|layer| (0..ROUNDS).map(move |k| (layer, k))) {
+        let [a, b] = [at(layer, k), at(layer + 1, k)];
+        let [c, d] = [at(layer + 1, k + 1), at(layer, k + 1)];
+        if layer + 1 < LAYERS {
+            triangles.push([a, b, c]);
+        }
+        if layer > 0 {
+            triangles.push([a, c, d]);
+        }
+    }
+    let mut file = vec![b' '; 80];
+    file.extend((triangles.len() as u32).to_le_bytes());
+    for triangle in triangles {
+        let numbers = [[0.0; 3]].into_iter().chain(triangle).flatten();
+        file.extend(numbers.flat_map(f32::to_le_bytes));
+        file.extend([0, 0]);
+    }
+    file
+}
+
+/// A part of many triangles takes memory in every component that meets it.
+#[test]
+fn the_memory_of_triangles_is_told() {
+    let home = tempfile::tempdir().unwrap();
+    fs::write(home.path().join("ball.stl"), fine_ball()).unwrap();
+    let manifest = home.path().join("manifest.toml");
+    for motion in ["fixed", "prescribed"] {
+        let part = format!(
+            "[[scene.parts]]\nname = \"ball\"\nfile = \"ball.stl\"\nunit = \"mm\"\nmotion = \"{motion}\"\n\
+             position = [\"9 mm\", \"3 mm\", \"3 mm\"]\n\n[[scene.contacts]]"
+        );
+        let text = SMALL.replace("0.02 s", "1 ms").replacen("[[scene.contacts]]", &part, 1);
+        fs::write(&manifest, text).unwrap();
+        let (told, taken) = told_and_taken(&manifest, &[]);
+        assert!(taken > 1.5e8, "{motion}: most of {taken} is not the part's");
+        assert!(told < 2.0 * taken && taken < 2.0 * told, "{motion}: {told} {taken}");
+    }
 }
 
 #[test]

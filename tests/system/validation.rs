@@ -1,6 +1,11 @@
 //! The short forms of the validation cases, as `tremie validate --short` runs them.
 
+use crate::resident::family;
+use crate::running::Running;
 use crate::tremie::tremie;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 #[test]
 fn short_forms_of_all_cases_are_within_their_tolerances() {
@@ -17,6 +22,32 @@ fn a_case_that_is_not_there_is_named() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!output.status.success());
     assert!(said.contains("settling-spere") && said.contains("settling-sphere"), "{said}");
+}
+
+/// What starts runs of its own takes them along, whoever ends it.
+#[test]
+fn a_validation_that_is_ended_leaves_no_run() {
+    for signal in ["-INT", "-TERM", "-KILL"] {
+        let mut command = tremie();
+        command.args(["validate", "cylinder"]).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut running = Running::start(&mut command);
+        let begin = Instant::now();
+        let wait = || {
+            assert!(begin.elapsed() < Duration::from_secs(60), "{signal}");
+            std::thread::sleep(Duration::from_millis(10));
+        };
+        // The run, and its component.
+        while family(running.id()).len() < 3 {
+            wait();
+        }
+        let all = family(running.id());
+        running.send(signal);
+        running.wait(Duration::from_secs(10));
+        let is_there = |id: &u32| Path::new(&format!("/proc/{id}")).exists();
+        while all.iter().any(is_there) {
+            wait();
+        }
+    }
 }
 
 /// One sphere that falls, dry.

@@ -76,7 +76,8 @@ impl Ground {
         }
         let voxels = Voxels::new(&grid, &centres, &solids, &inside);
         let upright = axes.turn([0.0, 0.0, 0.0, 1.0]);
-        let cut = cut_links(&grid, &centres, &voxels, [&solids, &moving_solids(scene, cell)]);
+        let of_moving = moving_solids(scene, cell, &moving);
+        let cut = cut_links(&grid, &centres, &voxels, [&solids, &of_moving]);
         let own = Self { grid, solids, voxels, moving, upright, centres, cut };
         for (k, at) in inside.iter().enumerate() {
             if !own.voxels.is_fluid(&own.grid, *at) {
@@ -150,6 +151,13 @@ impl Ground {
             )
             .help("close the gap in the geometry, or choose cells larger than it"),
         )
+    }
+
+    /// Number of triangles of all parts.
+    pub fn triangles(&self) -> u64 {
+        let still = self.solids.iter().filter_map(Solid::surface);
+        let moving = self.moving.iter().flatten().map(|surface| &**surface);
+        still.chain(moving).map(|surface| surface.mesh().triangles.len() as u64).sum()
     }
 
     /// The centres of its cells.
@@ -237,11 +245,14 @@ fn cut_links(
             sheets.iter().map(|sheet| solids[usize::from(sheet.solid)].name.as_str())
         })
         .collect();
-    // Each link is there from both of its ends.
-    let count = names.len() / 2;
     names.sort_unstable();
     names.dedup();
-    (count, names.into_iter().map(String::from).collect())
+    let mut ends: Vec<_> =
+        of_still.iter().chain(&of_moving).map(|sheet| (sheet.cell, sheet.dir)).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    // Each link is there from both of its ends.
+    (ends.len() / 2, names.into_iter().map(String::from).collect())
 }
 
 /// The cell that holds a point, if it is in the domain.

@@ -104,7 +104,8 @@ impl Parameters {
         }
         let ground = Ground::new(scene, Axes::WORLD, cells, self.cell.0)?;
         let fluid_cells = ground.voxels.fluid;
-        let of_bodies = body_memory::of_bodies(scene, self.cell.0);
+        let of_bodies =
+            body_memory::of_bodies(scene, self.cell.0) + ground.triangles() * OF_TRIANGLE;
         let memory_bytes = match self.memory(cells, fluid_cells as u64) {
             Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes + of_bodies,
             _ => return Err(vec![too_many(cells)]),
@@ -368,6 +369,9 @@ fn thinnest_width(scene: &Scene) -> Option<f64> {
     };
     scene.bodies.iter().filter_map(of).filter(|width| width.is_finite()).reduce(f64::min)
 }
+
+/// Memory of a triangle of a part, with what is kept to find it [bytes]; measured on x86-64.
+const OF_TRIANGLE: u64 = 340;
 
 /// What a user should know before trusting results; numbers with a verdict are in
 /// [`crate::findings`].

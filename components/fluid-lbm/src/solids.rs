@@ -24,7 +24,7 @@ pub struct Solid {
 /// Where a solid is.
 enum Shape {
     Part {
-        surface: Box<Surface>,
+        surface: Arc<Surface>,
         /// Where it is: itself first, then as it comes in again through periodic faces.
         images: Vec<Image>,
         /// Whether the space inside is free and that outside solid.
@@ -107,10 +107,14 @@ pub fn solids(scene: &Scene, cell: f64) -> Result<Vec<Solid>, Vec<Problem>> {
     Ok(solids)
 }
 
-/// The parts that move, where the scene has them; none that [`moving_surfaces`] refuses.
-pub fn moving_solids(scene: &Scene, cell: f64) -> Vec<Solid> {
-    let moving = scene.parts.iter().enumerate().filter(|(_, part)| part.motion != Motion::Fixed);
-    moving.filter_map(|(k, part)| Solid::of_part(k, part, &scene.domain, cell).ok()).collect()
+/// The parts that move, where the scene has them, of their `surfaces` by index of the part.
+pub fn moving_solids(scene: &Scene, cell: f64, surfaces: &[Option<Arc<Surface>>]) -> Vec<Solid> {
+    let parts = scene.parts.iter().zip(surfaces).enumerate();
+    let of = |(index, (part, surface)): (usize, (&Part, &Option<Arc<Surface>>))| {
+        let surface = surface.clone()?;
+        Some(Solid::of_surface(index, part, surface, &scene.domain, cell))
+    };
+    parts.filter_map(of).collect()
 }
 
 /// Surfaces of the scene's parts that move, by index of the part.
@@ -148,15 +152,29 @@ impl Solid {
     ) -> Result<Self, Vec<Problem>> {
         let key = format!("scene.parts[{index}].geometry");
         let surface = Surface::in_domain(part, domain).map_err(|error| error.problems(&key))?;
-        let surface = if part.cavity { surface.inside_out() } else { surface };
+        Ok(Self::of_surface(index, part, Arc::new(surface), domain, cell))
+    }
+
+    fn of_surface(
+        index: usize,
+        part: &Part,
+        surface: Arc<Surface>,
+        domain: &Domain,
+        cell: f64,
+    ) -> Self {
+        let surface = if part.cavity {
+            Arc::new(Arc::unwrap_or_clone(surface).inside_out())
+        } else {
+            surface
+        };
         let images = images(part, &surface, domain, cell);
-        Ok(Self {
+        Self {
             name: part.name.clone(),
             part: Some(index),
             boundary: part.boundary.clone(),
             reference: part.pose.position,
-            shape: Shape::Part { surface: Box::new(surface), images, cavity: part.cavity },
-        })
+            shape: Shape::Part { surface, images, cavity: part.cavity },
+        }
     }
 
     fn of_plane(index: usize, plane: &Plane) -> Self {

@@ -172,8 +172,9 @@ fn of_slider(slider: &SliderTimes, step: f64) -> Vec<Finding> {
 }
 
 fn memory_of_sphere(resolution: &Resolution) -> Option<Finding> {
-    let (spheres, memory) = (resolution.spheres as f64, resolution.memory as f64);
-    let [from, to] = resolution.memory_from_to.map(|bytes| short(bytes as f64 * 1e-6));
+    let [start, dense] = resolution.memory_from_to.map(|bytes| bytes as f64);
+    let (spheres, memory) = (resolution.spheres as f64, (start * dense).sqrt());
+    let [from, to] = [start, dense].map(|bytes| short(bytes * 1e-6));
     let why = if from == to {
         format!("{from} MB in all")
     } else {

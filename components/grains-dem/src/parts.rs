@@ -128,6 +128,11 @@ fn give_ranks(parts: &mut [PlacedPart]) {
 }
 
 impl PlacedPart {
+    /// Number of triangles of its surface.
+    pub fn triangles(&self) -> u64 {
+        self.surface.mesh().triangles.len() as u64
+    }
+
     fn new(part: &Part, surface: Surface, scene: &Scene) -> Self {
         let position = part.pose.position;
         let mirrors = mirrors::of_part(&scene.domain, position);

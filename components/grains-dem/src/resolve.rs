@@ -103,6 +103,9 @@ struct Limits {
 /// Steps per contact below which accuracy suffers visibly.
 const ACCURATE_STEPS: f64 = 15.0;
 
+/// Memory of a triangle of a part, with what is kept to find it [bytes]; measured on x86-64.
+const OF_TRIANGLE: u64 = 360;
+
 impl Parameters {
     /// Finds the time step, and everything that is wrong with scene and parameters except overlaps
     /// within packings, which are not made here.
@@ -139,6 +142,7 @@ impl Parameters {
         let room = ports::room(scene, self, population.bodies(), &parts);
         let capacity = room.capacity;
         let need = Need::of(scene, self, capacity);
+        let of_parts = parts.iter().map(|part| part.triangles()).sum::<u64>() * OF_TRIANGLE;
         let resolution = Resolution {
             time_step: given.or(finite(derived)),
             stable_time_step: finite(limits.dense),
@@ -148,7 +152,7 @@ impl Parameters {
             bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
             room: (!scene.inlets.is_empty()).then_some(room),
-            memory: need.middle() as u64,
+            memory: need.middle() as u64 + of_parts,
             memory_from_to: [need.start as u64, need.dense as u64],
             free_bodies: population.free(),
             smallest_diameter,

@@ -2,12 +2,13 @@
 
 use super::idle::WINDOW;
 use super::{Case, Measure, Quantity};
+use crate::launch::this_program;
 use crate::manifest;
 use crate::outputs::{self, Ending, RunFolder, Summary};
 use crate::run::{Execution, prepare};
 use crate::terminal::{Style, Terminal};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
@@ -129,7 +130,7 @@ fn valve(rig: &str, in_process: bool) -> Case {
 
 /// Calls this program.
 fn own(arguments: &[&str]) -> Result<(), String> {
-    let mut command = Command::new("/proc/self/exe");
+    let mut command = this_program();
     command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null());
     let told = command.output().map_err(|error| error.to_string())?;
     let said = String::from_utf8_lossy(&told.stderr);

@@ -3,9 +3,11 @@
 mod lines;
 mod peer;
 mod program;
+mod with_us;
 
 pub use peer::{Peer, end_all};
 pub use program::{MissingProgram, Program};
+pub use with_us::this_program;
 
 use crate::registry::built_in;
 use lines::{forward_log, forward_replies, write_requests};
@@ -17,6 +19,7 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use tremie_messages::start::{INTERFACE_VARIABLE, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Role};
 use tremie_sdk::Line;
+use with_us::{Signal, end_with_us};
 
 /// Something that a component said or did.
 #[derive(Debug)]
@@ -96,13 +99,7 @@ impl Launcher {
             .stderr(Stdio::piped())
             // Ctrl-C in a terminal goes to the orchestrator alone, which ends the run in order.
             .process_group(0);
-        // SAFETY: one system call, which is safe between fork and exec.
-        unsafe {
-            command.pre_exec(|| {
-                let kill = rustix::process::Signal::KILL;
-                Ok(rustix::process::set_parent_process_death_signal(Some(kill))?)
-            });
-        }
+        end_with_us(&mut command, Signal::KILL);
         let mut child = command.spawn().map_err(|e| format!("cannot start {shown}: {e}"))?;
         if let Some(output) = child.stdout.take() {
             let post = self.post.clone();

@@ -2,11 +2,12 @@
 
 use super::ValidationError;
 use super::case::{Case, CaseRun};
+use crate::launch::this_program;
 use crate::outputs;
 use crate::outputs::Signals;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 /// What a run left.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +32,7 @@ pub fn run(
 ) -> Result<Outcome, ValidationError> {
     let place = case.runs.iter().position(|other| other.name == run.name).unwrap_or(0);
     let out = scratch.join(format!("{}-{place}", case.name));
-    let mut command = Command::new("/proc/self/exe");
+    let mut command = this_program();
     command.arg("run").arg(case.folder.join(&run.manifest)).arg("--out").arg(&out);
     command.args(["--quiet", "--set", "outputs.record=false"]);
     let shortened = run.short.iter().filter(|_| short).flat_map(|form| &form.set);
