@@ -247,10 +247,10 @@ fn tell(lay: Lay, fluid: &mut FluidLbm, loads: Vec<Load>, told: &mut Told) {
         let populations = fluid.populations_at(cell);
         let along = |c: [i32; 3]| {
             let turned = lay.out(c);
-            let i = tremie_fluid_lbm::lattice::C.iter().position(|c| *c == turned).unwrap();
+            let i = tremie_fluid_lbm::d3q19::C.iter().position(|c| *c == turned).unwrap();
             populations[i]
         };
-        told.populations.extend(tremie_fluid_lbm::lattice::C.map(along));
+        told.populations.extend(tremie_fluid_lbm::d3q19::C.map(along));
     }
     // A cut along the second axis, cell by cell.
     let mut slice = Vec::new();

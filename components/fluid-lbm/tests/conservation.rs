@@ -15,7 +15,7 @@ fn measured(fluid: &FluidLbm) -> (f64, [f64; 3]) {
         mass += 1.0 + h.iter().sum::<f64>();
         for a in 0..3 {
             momentum[a] +=
-                (0..19).map(|i| h[i] * tremie_fluid_lbm::lattice::C_F64[i][a]).sum::<f64>();
+                (0..19).map(|i| h[i] * tremie_fluid_lbm::d3q19::C_F64[i][a]).sum::<f64>();
         }
     }
     (mass, momentum)

@@ -8,7 +8,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::lattice::{C, C_F64, OPPOSITE, Q, W, cross, dot, equilibrium, mirrored};
+use tremie_fluid_lbm::d3q19::{C, C_F64, OPPOSITE, Q, W, cross, dot, equilibrium, mirrored};
 use tremie_fluid_lbm::{Collision, FluidLbm, GapPressure};
 use tremie_messages::BodyState;
 

@@ -1,0 +1,233 @@
+//! The bodies in the fluid: who lives, where they are.
+
+use crate::bodies::body::{Body, UnionShare};
+use crate::bodies::body_shapes::Catalogue;
+use crate::bodies::events::check;
+use crate::bodies::mesh_body::PartBody;
+use crate::lattice::error::FluidError;
+use crate::lattice::grid::Grid;
+use crate::lattice::layout::Layout;
+use crate::lattice::units::Units;
+use crate::solver::deformable_surfaces::Soft;
+use tremie_messages::{BodyEvent, BodyState, SurfaceVertex};
+
+/// All bodies.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// The living, sorted by id.
+    pub living: Vec<Body>,
+    /// Those removed since the last step, whose cells are not fluid yet.
+    pub leaving: Vec<Body>,
+    /// Handles of those that came since the last step.
+    pub newcomers: Vec<u32>,
+    /// Handles that nobody has.
+    free: Vec<u32>,
+    /// For each handle, the place of its body among the living.
+    places: Vec<u32>,
+    /// Deformable surfaces, the last of the living; none before their first vertices came.
+    softs: Vec<Soft>,
+    /// Their vertices at the end of the coming step.
+    pub vertices: Vec<SurfaceVertex>,
+    /// Whether bodies were added or removed since the last step.
+    pub changed: bool,
+    /// What they can be besides spheres.
+    catalogue: Catalogue,
+    /// How many steps ahead velocities are taken.
+    lead: f64,
+    /// What bodies of the scene's sets displace, in the order in which they come, where that is not all of them; and how
+    /// many of each set have come.
+    shares: Vec<Vec<UnionShare>>,
+    came: Vec<usize>,
+}
+
+impl Bodies {
+    /// None, in a scene with a catalogue of what they can be; velocities of parts are taken `lead` steps
+    /// ahead.
+    pub fn of(catalogue: Catalogue, lead: f64) -> Self {
+        Self { catalogue, lead, ..Self::default() }
+    }
+
+    /// Tells what bodies of the scene's sets displace, in the order in which they come; nothing of a set whose bodies displace all
+    /// of their volume.
+    pub fn share_unions(&mut self, shares: Vec<Vec<UnionShare>>) {
+        self.came = vec![0; shares.len()];
+        self.shares = shares;
+    }
+
+    /// What the next body of a set displaces.
+    fn next_share(&mut self, event: &BodyEvent) -> Option<UnionShare> {
+        if event.shape == BodyEvent::PART {
+            return None;
+        }
+        let came = self.came.get_mut(event.set as usize)?;
+        *came += 1;
+        self.shares[event.set as usize].get(*came - 1).copied()
+    }
+
+    /// Adds deformable surfaces, once.
+    pub fn add_softs(&mut self, softs: Vec<Soft>, parts: Vec<PartBody>, grid: &Grid) {
+        let first = u64::MAX - softs.len() as u64;
+        for (k, mut part) in (1..).zip(parts) {
+            let handle = self.new_handle();
+            let position = grid.canonical(part.reference());
+            part.place(position, [0.0, 0.0, 0.0, 1.0]);
+            let (radius, part) = (part.radius(), Some(Box::new(part)));
+            let mut body = Body::new(grid, first + k, handle, radius, part);
+            body.position = position;
+            self.living.push(body);
+        }
+        self.softs = softs;
+        self.renumber();
+        self.changed = true;
+    }
+
+    /// Number of the living but for deformable surfaces.
+    pub fn rigid(&self) -> usize {
+        self.living.len() - self.softs.len()
+    }
+
+    /// A handle that nobody has.
+    fn new_handle(&mut self) -> u32 {
+        let handle = self.free.pop().unwrap_or(self.places.len() as u32);
+        if handle as usize == self.places.len() {
+            self.places.push(0);
+        }
+        handle
+    }
+
+    fn renumber(&mut self) {
+        for (place, body) in (0..).zip(&self.living) {
+            self.places[body.handle as usize] = place;
+        }
+    }
+
+    /// Place among the living of the body with a handle.
+    #[inline]
+    pub fn place_of(&self, handle: u32) -> usize {
+        self.places[handle as usize] as usize
+    }
+
+    /// The items of links of all bodies but spheres, from the first to the last, and those of spheres in between.
+    pub fn items_with_surface(&self) -> std::ops::Range<usize> {
+        let mut others = self.living.iter().filter(|body| body.part.is_some());
+        let Some(first) = others.next() else { return 0..0 };
+        let last = others.next_back().unwrap_or(first);
+        first.items.start..last.items.end
+    }
+
+    /// The living body with a handle.
+    #[inline]
+    pub fn with_handle(&self, handle: u32) -> &Body {
+        &self.living[self.place_of(handle)]
+    }
+
+    /// The body with a handle, if it lives.
+    pub fn living_with_handle(&mut self, handle: u32) -> Option<&mut Body> {
+        let place = *self.places.get(handle as usize)? as usize;
+        self.living.get_mut(place).filter(|body| body.handle == handle)
+    }
+
+    /// The body with a handle, living or leaving.
+    pub fn any_with_handle(&self, handle: u32) -> &Body {
+        match self.leaving.iter().find(|b| b.handle == handle) {
+            Some(body) => body,
+            None => self.with_handle(handle),
+        }
+    }
+
+    /// Adds and removes bodies; nothing is changed if any event is wrong.
+    ///
+    /// # Errors
+    /// See [`FluidError`].
+    pub fn apply(
+        &mut self,
+        events: &[BodyEvent],
+        units: &Units,
+        layout: &Layout,
+    ) -> Result<(), FluidError> {
+        let mut ids: Vec<u64> = self.living.iter().map(|b| b.id).collect();
+        for event in events {
+            check(event, &mut ids, units, &layout.grid, &self.catalogue)?;
+        }
+        for event in events {
+            let place = self.living.partition_point(|b| b.id < event.id);
+            if event.kind == BodyEvent::ADDED {
+                let handle = self.new_handle();
+                let part = self.catalogue.body(event, units.cell);
+                let radius = part.as_ref().map_or(event.size[0] / units.cell, |part| part.radius());
+                self.newcomers.push(handle);
+                let mut body = Body::new(&layout.grid, event.id, handle, radius, part);
+                body.share = self.next_share(event);
+                if event.motion == BodyEvent::FREE {
+                    body.mass = event.mass / units.mass();
+                }
+                self.living.insert(place, body);
+            } else {
+                let mut body = self.living.remove(place);
+                body.leave(layout);
+                self.leaving.push(body);
+            }
+        }
+        self.renumber();
+        self.changed |= !events.is_empty();
+        Ok(())
+    }
+
+    /// Checks that states are those of the living bodies, finite, and have a load each.
+    ///
+    /// # Errors
+    /// See [`FluidError`].
+    pub fn check(&self, states: &[BodyState], loads: usize) -> Result<(), FluidError> {
+        if loads != states.len() {
+            return Err(FluidError::Room { room: loads, bodies: states.len() });
+        }
+        let count = self.rigid();
+        let name = |id: Option<u64>| id.map_or("the end of the list".into(), |id| id.to_string());
+        for place in 0..count.max(states.len()) {
+            let expected = self.living[..count].get(place).map(|b| b.id);
+            let found = states.get(place).map(|s| s.id);
+            if expected != found {
+                let (expected, found) = (name(expected), name(found));
+                return Err(FluidError::Bodies { place, count, expected, found });
+            }
+        }
+        match states.iter().find(|s| !s.is_finite()) {
+            Some(state) => Err(FluidError::NonFiniteBody { id: state.id }),
+            None => Ok(()),
+        }
+    }
+
+    /// Takes over checked states; true if any body is elsewhere than before, or came or went.
+    pub fn take(&mut self, states: &[BodyState], units: &Units, grid: &Grid) -> bool {
+        let mut moved = std::mem::take(&mut self.changed);
+        for (body, state) in self.living.iter_mut().zip(states) {
+            moved |= body.take(state, self.lead, units, grid);
+        }
+        let first = self.rigid();
+        for (body, soft) in self.living[first..].iter_mut().zip(&self.softs) {
+            moved |= body.take_shape(&self.vertices[soft.vertices()], self.lead, units);
+        }
+        moved
+    }
+
+    /// Takes note of which bodies hold cells with others, whose handles these are.
+    pub fn note_sharing(&mut self, handles: impl Iterator<Item = u32>) {
+        for body in &mut self.living {
+            body.shares = false;
+        }
+        for handle in handles {
+            self.living[self.places[handle as usize] as usize].shares = true;
+        }
+    }
+
+    /// Whether a part has come, gone or moved by a step.
+    pub fn parts_moved(&self) -> bool {
+        self.living.iter().any(|body| body.moved && body.is_part())
+            || self.leaving.iter().any(Body::is_part)
+    }
+
+    /// Forgets the bodies that left, once nobody needs them.
+    pub fn forget_leaving(&mut self) {
+        self.free.extend(self.leaving.drain(..).map(|b| b.handle));
+    }
+}

@@ -1,0 +1,588 @@
+//! Which cells a moving part covers, and where links meet its surface.
+//!
+//! Both answers come from the part's surface, for the same points: cell centres taken into the
+//! part's frame row by row. Lengths in cells, but where the surface is asked.
+//!
+//! # Rounded poses
+//! A part moves by a small part of a cell in a step, and looking for its cells and links costs many
+//! times what the step does. So they are looked for at its pose rounded to multiples of `part_step`
+//! from its pose in the scene (`a`, the next power of two below): each coordinate to multiples of
+//! `a`, each component of the quaternion to multiples of `a / (4 r)`, `r` being the distance of the
+//! part's farthest point. They are found anew when the rounded pose changes. As long as it does not,
+//! wall distances follow the motion to first order (see `mesh_links`); which cells are covered is
+//! that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by turning.
+//! What is found depends on the pose alone, not on how the part came there. So what was found at the pose before the last
+//! is kept: a part that trembles about the border of two rounded poses costs no search.
+
+use crate::bodies::deformable_shape::{Hit, NO_FACET, Shape};
+use crate::bodies::mesh_raster::{Cover, Layer, room_for};
+use crate::bodies::ridges::Ridges;
+use crate::domain::displaced_volume::{Displaced, window};
+use crate::lattice::d3q19::dot;
+use crate::lattice::grid::Grid;
+use crate::lattice::units::Units;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+use tremie_geometry::{Bounds, Endless, Frame, Row, Surface};
+use tremie_messages::SurfaceVertex;
+use tremie_messages::scene::Pose;
+use tremie_team::Team;
+
+/// Links that meet the surface at a smaller cosine do not follow its motion: their end is not where
+/// a flat wall's would be.
+const GRAZING: f64 = 0.1;
+
+/// The poses at which a part's cells and links are found.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounding {
+    /// Position of the part in the scene [cells].
+    pub position: [f64; 3],
+    /// Its orientation there.
+    pub orientation: [f64; 4],
+    /// Edge of the grid of positions; 0 for poses as they are.
+    pub step: f64,
+}
+
+/// A position [cells] and an orientation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Placed {
+    position: [f64; 3],
+    orientation: [f64; 4],
+}
+
+/// A part, or a polyhedron, as a body in the fluid.
+#[derive(Clone, Debug)]
+pub struct PartBody {
+    /// Its index among the parts of the scene; a surface's comes after those of all parts; of a polyhedron
+    /// [`PartBody::NO_PART`].
+    pub index: usize,
+    /// What a deformable surface has besides.
+    pub shape: Option<Box<Shape>>,
+    surface: Arc<Surface>,
+    /// Where links between two cells outside may pass through it.
+    ridges: Ridges,
+    /// Edge of a cell [m].
+    cell: f64,
+    /// Volume.
+    pub volume: f64,
+    /// Centre of the volume in the part's frame [m].
+    centroid: [f64; 3],
+    orientation: [f64; 4],
+    rounding: Rounding,
+    /// Where its cells and links were found last; none before the first time.
+    found: Option<Placed>,
+    /// How often they were found.
+    searches: u64,
+    /// Of the cells it covers now and of those that it covered before its last move: where, and the number of the
+    /// search that found them.
+    known: [Option<(Placed, u64)>; 2],
+    /// From where they were found to where it is: shift of the origin, and the turn about it as a
+    /// small vector.
+    drift: [[f64; 3]; 2],
+    frame: Frame,
+    /// How it goes on through periodic faces.
+    endless: Endless,
+    now: Cover,
+    previous: Cover,
+}
+
+/// Where a link meets a part.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// As part of the link's length, in `(0, 1]`.
+    pub q: f64,
+    /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal; zero
+    /// where it is met at a grazing angle.
+    pub slope: [f64; 3],
+    /// Where on the surface that is, if that can deform.
+    pub hit: Hit,
+}
+
+/// Facets near a cell at most, to try each for each of its links; where there are more, the surface's
+/// tree is faster.
+const MOST_FACETS: usize = 16;
+
+/// Facets near a cell, for the links that begin there.
+#[derive(Clone, Debug, Default)]
+pub struct Facets {
+    list: Vec<u32>,
+    is_complete: bool,
+}
+
+impl Facets {
+    /// Room for as many as there may be.
+    pub fn make_room(&mut self) {
+        self.list.reserve((MOST_FACETS + 1).saturating_sub(self.list.len()));
+    }
+}
+
+impl Default for Rounding {
+    /// Poses as they are.
+    fn default() -> Self {
+        Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0], step: 0.0 }
+    }
+}
+
+impl Rounding {
+    /// The pose for a position and orientation, `radius` being the distance of the farthest point.
+    fn of(&self, position: [f64; 3], orientation: [f64; 4], radius: f64) -> Placed {
+        if self.step <= 0.0 {
+            return Placed { position, orientation };
+        }
+        let to = |x: f64, step: f64| (x / step).round() * step;
+        let away = std::array::from_fn(|a| {
+            self.position[a] + to(position[a] - self.position[a], self.step)
+        });
+        let [x, y, z, w] = self.orientation;
+        let turn = product(orientation, [-x, -y, -z, w]);
+        let fine = self.step / (4.0 * radius);
+        let turn = turn.map(|q| to(q, fine));
+        let length = turn.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let turn = turn.map(|q| q / length);
+        Placed { position: away, orientation: product(turn, self.orientation) }
+    }
+}
+
+/// The rotation `b`, then `a`.
+fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    let ([ax, ay, az, aw], [bx, by, bz, bw]) = (a, b);
+    [
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    ]
+}
+
+impl PartBody {
+    /// Index of what is no part of the scene.
+    pub const NO_PART: usize = usize::MAX;
+
+    /// A part with a surface; `cell` is the edge of a cell [m].
+    pub fn new(index: usize, surface: Arc<Surface>, rounding: Rounding, cell: f64) -> Self {
+        let (volume, centroid) = surface.volume_and_centroid();
+        let endless = surface.endless();
+        let side = (2.0 * surface.bounding_radius() / cell).ceil() as i32 + 2;
+        let period = std::array::from_fn(|a| {
+            if endless.axes[a] { (endless.period()[a] / cell).round() as i32 } else { 0 }
+        });
+        let cover = Cover::new(side, period);
+        Self {
+            index,
+            ridges: Ridges::of(&surface, cell),
+            shape: None,
+            volume: volume / (cell * cell * cell),
+            centroid,
+            endless,
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            rounding,
+            found: None,
+            searches: 0,
+            known: [None; 2],
+            drift: [[0.0; 3]; 2],
+            frame: Frame::of(&Pose::IDENTITY),
+            now: cover.clone(),
+            previous: cover,
+            surface,
+            cell,
+        }
+    }
+
+    /// A deformable surface, its mesh being seen from the reference that it is to be placed at.
+    pub fn deformable(
+        index: usize,
+        surface: Surface,
+        carrier: usize,
+        rounding: Rounding,
+        cell: f64,
+    ) -> Self {
+        let shape = Shape::new(surface.mesh(), carrier);
+        let side = side_of(&surface, cell);
+        let mut own = Self::new(index, Arc::new(surface), rounding, cell);
+        (own.now, own.previous) = (Cover::new(side, [0; 3]), Cover::new(side, [0; 3]));
+        own.shape = Some(Box::new(shape));
+        own.ridges = Ridges::default();
+        own
+    }
+
+    /// Takes over the vertices of a deformable surface; true if its cells and links must be found anew.
+    pub fn deform(&mut self, vertices: &[SurfaceVertex], lead: f64, units: &Units) -> bool {
+        let Some(shape) = &mut self.shape else { return false };
+        let position = self.rounding.position;
+        let reference = std::array::from_fn(|a| units.min[a] + position[a] * units.cell);
+        let far = (lead, self.rounding.step);
+        let moved = shape.take(vertices, reference, far, &self.surface, units);
+        moved || self.searches == 0
+    }
+
+    /// Takes a deformable surface to where its vertices are.
+    fn reshape(&mut self) {
+        let Some(shape) = &mut self.shape else { return };
+        shape.settle();
+        let surface = Arc::make_mut(&mut self.surface);
+        surface.reshape(&shape.now);
+        let moments = surface.mesh().moments();
+        self.volume = moments.volume / (self.cell * self.cell * self.cell);
+        self.centroid = moments.centroid;
+        let side = room_for(side_of(surface, self.cell), self.previous.size[0]);
+        if side > self.now.size[0] {
+            self.now = Cover::new(side, [0; 3]);
+        }
+    }
+
+    /// Where the reference of a deformable surface is in the scene.
+    pub fn reference(&self) -> [f64; 3] {
+        self.rounding.position
+    }
+
+    /// Where on a deformable surface the point nearest to `arm` is, seen from its reference.
+    pub fn hit_near(&self, arm: [f64; 3]) -> Hit {
+        let point = self.frame.turn_to_part(arm.map(|x| x * self.cell));
+        let closest = self.surface.closest(point);
+        Hit::on(self.surface.mesh(), closest.triangle, closest.point)
+    }
+
+    /// Distance of its farthest point from its origin.
+    pub fn radius(&self) -> f64 {
+        self.surface.bounding_radius() / self.cell
+    }
+
+    /// Takes over a pose; true if its cells and links must be found anew.
+    pub fn place(&mut self, position: [f64; 3], orientation: [f64; 4]) -> bool {
+        self.orientation = orientation;
+        let placed = self.rounding.of(position, orientation, self.radius());
+        let moved = self.found != Some(placed);
+        self.found = Some(placed);
+        let [x, y, z, w] = placed.orientation;
+        let turn = product(orientation, [-x, -y, -z, w]);
+        let twice = if turn[3] < 0.0 { -2.0 } else { 2.0 };
+        self.drift = [
+            std::array::from_fn(|a| position[a] - placed.position[a]),
+            [turn[0], turn[1], turn[2]].map(|q| twice * q),
+        ];
+        moved
+    }
+
+    /// As [`PartBody::drift_at`], of a place on a surface that may deform.
+    #[inline(always)]
+    pub fn drift_of(&self, hit: Hit, arm: [f64; 3]) -> [f64; 3] {
+        match &self.shape {
+            Some(shape) => shape.drift_at(hit),
+            None => self.drift_at(arm),
+        }
+    }
+
+    /// How far the point at `arm` from its origin is from where it was when links were found.
+    #[inline(always)]
+    pub fn drift_at(&self, arm: [f64; 3]) -> [f64; 3] {
+        let [d, t] = self.drift;
+        [
+            d[0] + (t[1] * arm[2] - t[2] * arm[1]),
+            d[1] + (t[2] * arm[0] - t[0] * arm[2]),
+            d[2] + (t[0] * arm[1] - t[1] * arm[0]),
+        ]
+    }
+
+    /// Where its surface is placed when its origin is at a position [m], in cells.
+    pub fn home(&self, position: [f64; 3], units: &Units, grid: &Grid) -> [f64; 3] {
+        let placed = units.position_to_lattice(self.endless.place(position));
+        let canonical = grid.canonical(placed);
+        std::array::from_fn(|a| if self.endless.axes[a] { placed[a] } else { canonical[a] })
+    }
+
+    /// Cells along each axis among which are all that it may cover.
+    pub fn size(&self) -> [i32; 3] {
+        self.now.size
+    }
+
+    /// The first and the last coordinate along an axis of cells in which links to it may begin. Along one on which it is
+    /// endless these are those of the domain, each once.
+    pub fn near(&self, axis: usize) -> [i32; 2] {
+        let (first, count) = (self.now.origin[axis], self.now.size[axis]);
+        let ring = i32::from(self.now.period[axis] == 0);
+        [first - ring, first + count - 1 + ring]
+    }
+
+    /// Moves the coordinates of its cells.
+    pub fn shift(&mut self, by: [i32; 3]) {
+        for a in 0..3 {
+            self.now.origin[a] += by[a];
+        }
+        self.known[0] = None;
+    }
+
+    /// Number of the search that found its cells; 0 before the first.
+    pub fn search(&self) -> u64 {
+        self.known[0].map_or(0, |(_, search)| search)
+    }
+
+    /// Finds the cells inside where it was placed; along faces that do not wrap around it is cut off.
+    pub fn cover(&mut self, grid: &Grid, team: &mut Team) {
+        let Some(placed) = self.found else { return };
+        std::mem::swap(&mut self.now, &mut self.previous);
+        self.known.swap(0, 1);
+        let Placed { position, orientation } = placed;
+        let pose = Pose { position: position.map(|x| x * self.cell), orientation };
+        self.frame = Frame::of(&pose);
+        if self.shape.is_none() && self.known[0].is_some_and(|(known, _)| known == placed) {
+            return;
+        }
+        self.searches += 1;
+        self.known[0] = Some((placed, self.searches));
+        self.reshape();
+        let [least, most] = self.cells_around(grid);
+        self.now.origin = least;
+        let mut layers = std::mem::take(&mut self.now.layers);
+        team.for_each(&mut layers, |k, layer| self.fill(most, k as i32, layer));
+        self.now.layers = layers;
+    }
+
+    /// First and last coordinate of cells that it may cover, in the box but along axes that wrap
+    /// around.
+    fn cells_around(&self, grid: &Grid) -> [[i32; 3]; 2] {
+        let vertices = self.surface.mesh().vertices.iter();
+        let bounds = Bounds::of(vertices.map(|&vertex| self.frame.to_world(vertex)));
+        let end = |a: usize, x: f64, low: i32, high: i32| {
+            let k = (x / self.cell).floor() as i32;
+            if grid.periodic[a] { k } else { k.clamp(low, high) }
+        };
+        // Beyond a face that does not wrap around, the last comes before the first.
+        let has_ends = |a: usize| !self.endless.axes[a];
+        let least =
+            std::array::from_fn(
+                |a| {
+                    if has_ends(a) { end(a, bounds.min[a], 0, grid.n[a]) } else { 0 }
+                },
+            );
+        let most = std::array::from_fn(|a| {
+            let last = grid.n[a] - 1;
+            if has_ends(a) { end(a, bounds.max[a], -1, last) } else { last }
+        });
+        [least, most]
+    }
+
+    /// Fills a layer up to the cells `most`.
+    fn fill(&self, most: [i32; 3], k: i32, layer: &mut Layer) {
+        let ([ox, oy, oz], [side, rows, _]) = (self.now.origin, self.now.size.map(|n| n as usize));
+        let wide = (most[0] - ox + 1).clamp(0, self.now.size[0]) as usize;
+        for j in 0..rows {
+            let (y, z) = (oy + j as i32, oz + k);
+            let cells = &mut layer.cells[j * side..(j + 1) * side];
+            if std::mem::take(&mut layer.rows[j]) {
+                cells.fill(false);
+            }
+            if y <= most[1] && z <= most[2] && wide > 0 {
+                let cells = &mut cells[..wide];
+                self.surface.fill_row(&self.frame_row(y, z), cells, &mut layer.scratch);
+                layer.rows[j] = cells.iter().any(|&inside| inside);
+            }
+        }
+    }
+
+    /// Leaves all cells.
+    pub fn leave(&mut self) {
+        std::mem::swap(&mut self.now, &mut self.previous);
+        self.known = [None; 2];
+        for layer in &mut self.now.layers {
+            layer.cells.fill(false);
+            layer.rows.fill(false);
+        }
+    }
+
+    /// Calls `left` and `entered` with the coordinates of cells that the last move changed.
+    pub fn changes(&self, left: impl FnMut([i32; 3]), entered: impl FnMut([i32; 3])) {
+        self.previous.minus(&self.now, left);
+        self.now.minus(&self.previous, entered);
+    }
+
+    /// Bits of the cells `first..=last` of a row that are inside.
+    #[inline]
+    pub fn inside(&self, y: i32, z: i32, first: i32, last: i32) -> u32 {
+        let Some(row) = self.now.row(y, z) else { return 0 };
+        let bits = (first..=last).enumerate();
+        bits.fold(0, |bits, (k, x)| {
+            let x = self.now.own(0, x) - self.now.origin[0];
+            let inside = x >= 0 && row.get(x as usize).copied().unwrap_or(false);
+            bits | u32::from(inside) << k
+        })
+    }
+
+    /// Whether a row holds any cell.
+    #[inline]
+    pub fn has_row(&self, y: i32, z: i32) -> bool {
+        self.now.row(y, z).is_some()
+    }
+
+    /// Where a link between the centres of cells meets the surface first, as part of its length, in
+    /// `(0, 1]`; half-way if it does not.
+    pub fn meet(&self, from: [i32; 3], c: [i32; 3]) -> f64 {
+        self.meet_facet(from, c).0
+    }
+
+    /// As [`PartBody::meet`], and the facet, if the surface can deform.
+    pub fn meet_facet(&self, from: [i32; 3], c: [i32; 3]) -> (f64, u32) {
+        let from = self.own(from);
+        let to = std::array::from_fn(|a| from[a] + c[a]);
+        let (start, end) = (self.point(from), self.point(to));
+        match self.surface.first_crossing(start, end) {
+            Some(crossing) => {
+                let facet = self.shape.as_ref().map_or(NO_FACET, |_| crossing.triangle);
+                (crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0), facet)
+            }
+            None => (0.5, self.hit_between(start, end).facet),
+        }
+    }
+
+    /// The place on a deformable surface nearest to the middle of a link that does not meet it.
+    fn hit_between(&self, start: [f64; 3], end: [f64; 3]) -> Hit {
+        if self.shape.is_none() {
+            return Hit::NONE;
+        }
+        let closest = self.surface.closest(std::array::from_fn(|a| 0.5 * (start[a] + end[a])));
+        Hit::on(self.surface.mesh(), closest.triangle, closest.point)
+    }
+
+    /// Finds the facets that links from a cell may meet.
+    pub fn facets_near(&self, at: [i32; 3], facets: &mut Facets) {
+        let reach: [f64; 3] = std::array::from_fn(|k| {
+            let along = |a: usize| {
+                let mut axis = [0.0; 3];
+                axis[a] = self.cell;
+                self.frame.turn_to_part(axis)[k].abs()
+            };
+            (along(0) + along(1) + along(2)) * (1.0 + 1e-9)
+        });
+        let centre = self.point(self.own(at));
+        let min = std::array::from_fn(|k| centre[k] - reach[k]);
+        let max = std::array::from_fn(|k| centre[k] + reach[k]);
+        let bounds = Bounds { min, max };
+        facets.is_complete = self.surface.triangles_in(&bounds, MOST_FACETS, &mut facets.list);
+    }
+
+    /// Calls `visit` with begin and direction of links between cells outside that it may cut, see [`Ridges::each_link`].
+    /// Cells that `skip` has are left out.
+    pub fn each_cut(
+        &self,
+        layers: RangeInclusive<i32>,
+        skip: impl Fn([i32; 3]) -> bool,
+        visit: impl FnMut([i32; 3], usize),
+    ) {
+        if !self.ridges.is_empty() {
+            self.ridges.each_link(&self.frame, self.cell, layers, skip, visit);
+        }
+    }
+
+    /// As [`PartBody::meet`], among the facets near `from`.
+    pub fn meet_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Meeting {
+        self.meets_among(facets, from, c).unwrap_or_else(|| {
+            let from = self.own(from);
+            let to = std::array::from_fn(|a| from[a] + c[a]);
+            let hit = self.hit_between(self.point(from), self.point(to));
+            Meeting { q: 0.5, slope: [0.0; 3], hit }
+        })
+    }
+
+    /// Where a link meets the surface first, among the facets near its beginning or its end; none if it does not.
+    pub fn meets_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Option<Meeting> {
+        let from = self.own(from);
+        let to = std::array::from_fn(|a| from[a] + c[a]);
+        let (start, end) = (self.point(from), self.point(to));
+        let crossing = if facets.is_complete {
+            self.surface.first_crossing_among(&facets.list, start, end)
+        } else {
+            self.surface.first_crossing(start, end)
+        }?;
+        let hit = self.shape.as_ref().map_or(Hit::NONE, |_| {
+            let point = |a: usize| start[a] + crossing.fraction * (end[a] - start[a]);
+            Hit::on(self.surface.mesh(), crossing.triangle, std::array::from_fn(point))
+        });
+        let normal = self.frame.turn_to_world(self.surface.normal(crossing.triangle));
+        let c = c.map(f64::from);
+        let along = dot(normal, c);
+        let is_steep = along * along > GRAZING * GRAZING * dot(c, c);
+        Some(Meeting {
+            q: crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0),
+            slope: if is_steep { normal.map(|n| n / along) } else { [0.0; 3] },
+            hit,
+        })
+    }
+
+    /// A cell's coordinates where its surface has been made: in the domain along axes on which it is endless.
+    #[inline(always)]
+    fn own(&self, at: [i32; 3]) -> [i32; 3] {
+        std::array::from_fn(|a| self.now.own(a, at[a]))
+    }
+
+    /// Centre of a cell in the part's frame [m]: the very point of which rows are asked.
+    fn point(&self, at: [i32; 3]) -> [f64; 3] {
+        let row = self.frame_row(at[1], at[2]);
+        let x = f64::from(at[0] - self.now.origin[0]);
+        std::array::from_fn(|a| row.start[a] + x * row.step[a])
+    }
+
+    /// Direction away from the part, at a point seen from its origin.
+    pub fn outward(&self, arm: [f64; 3]) -> [f64; 3] {
+        let point = self.frame.turn_to_part(arm.map(|x| x * self.cell));
+        self.frame.turn_to_world(self.surface.closest(point).normal)
+    }
+
+    /// The way from the centre of a cell to the nearest point of its surface, if it is no longer than
+    /// `reach`.
+    pub fn nearest(&self, grid: &Grid, at: [i32; 3], reach: f64) -> Option<[f64; 3]> {
+        let arm = grid.arm(self.found?.position, at).map(|x| x * self.cell);
+        let point = self.frame.turn_to_part(arm);
+        let closest = self.surface.closest_within(point, reach.max(0.0) * self.cell)?;
+        let way = std::array::from_fn(|a| closest.point[a] - point[a]);
+        Some(self.frame.turn_to_world(way).map(|x| x / self.cell))
+    }
+
+    /// From its origin to the centre of its volume.
+    pub fn middle(&self) -> [f64; 3] {
+        self.frame.turn_to_world(self.centroid).map(|x| x / self.cell)
+    }
+
+    /// What of it counts as displaced, with its origin at a position, and the first moments about that; `None` where that
+    /// is all of it.
+    pub fn displaced(
+        &self,
+        grid: &Grid,
+        position: [f64; 3],
+        mirrors: [bool; 3],
+    ) -> Option<Displaced> {
+        let radius = self.radius();
+        let place = |vertex| {
+            let arm = self.frame.turn_to_world(vertex);
+            std::array::from_fn(|a| position[a] + arm[a] / self.cell)
+        };
+        let has_ends = |a: usize| !self.endless.axes[a];
+        let is_short = |a: usize| !grid.periodic[a] || 2.0 * radius < f64::from(grid.n[a]);
+        let extent = if (0..3).filter(|&a| has_ends(a)).all(is_short) {
+            [2.0 * radius; 3]
+        } else {
+            Bounds::of(self.surface.mesh().vertices.iter().map(|&v| place(v))).size()
+        };
+        let extent = std::array::from_fn(|a| if has_ends(a) { extent[a] } else { f64::INFINITY });
+        let window = window(grid, ([0.0; 3], 1.0), extent, mirrors);
+        let is_in =
+            |a: usize| position[a] - radius > window.min[a] && position[a] + radius < window.max[a];
+        if (0..3).all(is_in) {
+            return None;
+        }
+        Some(Displaced::by(self.surface.mesh(), place, &window, position))
+    }
+
+    /// Centres of the cells of a row from the cover's origin on, in the part's frame [m].
+    fn frame_row(&self, y: i32, z: i32) -> Row {
+        let start = [self.now.origin[0], y, z].map(|k| (f64::from(k) + 0.5) * self.cell);
+        Row {
+            start: self.frame.to_part(start),
+            step: self.frame.turn_to_part([self.cell, 0.0, 0.0]),
+        }
+    }
+}
+
+/// Side of a cube of cells that holds a deformable surface.
+fn side_of(surface: &Surface, cell: f64) -> i32 {
+    let size = surface.bounds().size();
+    (size[0].max(size[1]).max(size[2]) / cell).ceil() as i32 + 3
+}

@@ -1,0 +1,15 @@
+//! What moves: poses, rasters of bodies, flags of cells.
+
+pub mod body;
+pub mod body_list;
+pub mod body_memory;
+pub mod body_shapes;
+pub mod cell_flags;
+pub mod change_blocks;
+pub mod deformable_shape;
+pub mod events;
+pub mod mesh_body;
+pub mod mesh_raster;
+pub mod near_cells;
+pub mod ridges;
+pub mod sphere_raster;

@@ -1,0 +1,255 @@
+//! What stands around the fluid: faces of the domain and static solids, and what they prescribe.
+
+use crate::boundary::open_area::OpenAreas;
+use crate::boundary::open_boundary::{self, OpenCells, open_faces};
+use crate::boundary::post_collision::nearest_wall;
+use crate::boundary::sheet_links::{SheetItem, SheetLinks};
+use crate::boundary::static_wall_links::{self, FixedLinks};
+use crate::boundary::virtual_piston::face::{ReservoirFace, face_of};
+use crate::boundary::wall_distances::WallDistances;
+use crate::boundary::wall_mass::Patches;
+use crate::domain::boundary_condition::Law;
+use crate::domain::displaced_volume::Displaced;
+use crate::domain::parameters::{Parameters, Walls};
+use crate::domain::solids::Centres;
+use crate::domain::static_geometry::Ground;
+use crate::lattice::aa_pattern::{Blocked, Reflection};
+use crate::lattice::cell_list::{Fixture, Obstacles};
+use crate::lattice::grid::Side;
+use crate::lattice::layout::Layout;
+use crate::lattice::units::Units;
+use crate::solver::loads::mirrors_of_part;
+use std::sync::Arc;
+use tremie_geometry::Surface;
+use tremie_messages::scene::{Face, Reservoir, Scene};
+
+/// Faces of the domain and static solids.
+pub struct Surroundings {
+    ground: Ground,
+    halfway: bool,
+    /// How near curved walls may be, see [`nearest_wall`].
+    nearest: f64,
+    /// Which faces let sound out, `2 axis + side`.
+    absorbing: [bool; 6],
+    /// Which faces have a reservoir, `2 axis + side`.
+    reservoirs: [Option<Reservoir>; 6],
+    units: Units,
+    /// Surfaces of the parts that move, by index of the part.
+    pub moving: Vec<Option<Arc<Surface>>>,
+    /// For each fixture what it prescribes; `None` for a face that prescribes nothing.
+    pub laws: Vec<Option<Law>>,
+    /// For each fixture the point about which its torque counts [cells].
+    pub references: Vec<[f64; 3]>,
+    /// For each fixture what it displaces, about that point [cells].
+    pub displaced: Vec<Displaced>,
+}
+
+/// What follows from the surroundings for cells in lines of a given length.
+pub struct Built {
+    /// Cells and places.
+    pub layout: Layout,
+    /// Links that need no work.
+    pub reflections: Vec<Reflection>,
+    /// Links that do.
+    pub fixed: FixedLinks,
+    /// Their items of work.
+    pub fixed_items: Vec<static_wall_links::Item>,
+    /// Those of them that solids cut between two cells of the fluid.
+    pub sheets: SheetLinks,
+    pub sheet_items: Vec<SheetItem>,
+    /// The patches of wall that pay back what these links take.
+    pub patches: Patches,
+    /// Links at walls at rest that are met half-way, by cell.
+    pub halfway: Vec<Blocked>,
+    /// Cells at open faces.
+    pub open: OpenCells,
+    /// Their items of work.
+    pub open_items: Vec<open_boundary::Item>,
+    /// Faces with a reservoir.
+    pub reservoirs: Vec<ReservoirFace>,
+}
+
+/// What faces are to the box of cells.
+pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
+    scene.domain.faces.each_ref().map(|faces| {
+        faces.each_ref().map(|face| match face {
+            Face::Periodic => Side::Periodic,
+            Face::Wall { .. } => Side::Wall,
+            Face::Symmetry => Side::Symmetry,
+            Face::Velocity(_) | Face::Pressure { .. } | Face::Reservoir(_) => Side::Open,
+        })
+    })
+}
+
+impl Surroundings {
+    /// Of a scene and its geometry in cells.
+    pub fn new(scene: &Scene, mut ground: Ground, parameters: &Parameters, units: &Units) -> Self {
+        let mut laws: Vec<_> =
+            scene.domain.faces.iter().flatten().map(|face| Law::of_face(face, units)).collect();
+        let mut references = vec![[0.0; 3]; laws.len()];
+        let mut displaced = vec![Displaced::default(); laws.len()];
+        let centres = Centres { cell: units.cell, min: units.min };
+        for solid in &ground.solids {
+            laws.push(Some(Law::of_part(&solid.boundary, units)));
+            let reference = units.position_to_lattice(solid.reference);
+            references.push(reference);
+            let mirrors = mirrors_of_part(&ground.grid, reference);
+            let Displaced { volume, moment } = solid.displaced(&ground.grid, &centres, mirrors);
+            let cube = units.cell * units.cell * units.cell;
+            displaced.push(Displaced {
+                volume: volume.map(|v| v / cube),
+                moment: moment.map(|moment| moment.map(|m| m / (cube * units.cell))),
+            });
+        }
+        // Cells to which no way leads count as one more solid, which no link meets.
+        laws.push(None);
+        references.push([0.0; 3]);
+        displaced.push(Displaced::default());
+        let moving = std::mem::take(&mut ground.moving);
+        let faces: Vec<_> = scene.domain.faces.iter().flatten().collect();
+        let absorbing =
+            std::array::from_fn(|k| matches!(faces[k], Face::Pressure { absorbing: true, .. }));
+        let reservoirs = std::array::from_fn(|k| match faces[k] {
+            Face::Reservoir(reservoir) => Some(reservoir.clone()),
+            _ => None,
+        });
+        let halfway = parameters.walls == Walls::Halfway;
+        let nu = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.viscosity / fluid.density);
+        let nearest = nearest_wall(parameters.tau_of(units.time_step, nu));
+        let units = *units;
+        Self {
+            ground,
+            halfway,
+            nearest,
+            absorbing,
+            reservoirs,
+            units,
+            moving,
+            laws,
+            references,
+            displaced,
+        }
+    }
+
+    /// The static geometry.
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
+    /// The parts that stand still: number of the fixture, and index into the scene's parts.
+    pub fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
+        let first = usize::from(Fixture::FACES);
+        let solids = self.ground.solids.iter().enumerate();
+        solids.filter_map(move |(k, solid)| Some((first + k, solid.part?)))
+    }
+
+    /// Whether a fixture's links need work besides reflection half-way.
+    fn is_special(&self, fixture: Fixture) -> bool {
+        let moves = |law: &Law| !law.is_at_rest();
+        fixture.as_solid().is_some()
+            || self.laws[usize::from(fixture.0)].as_ref().is_some_and(moves)
+    }
+
+    fn obstacles(&self) -> &Obstacles {
+        &self.ground.voxels.obstacles
+    }
+
+    /// Lays out the cells in lines of `line`.
+    pub fn build(&mut self, line: usize) -> Built {
+        let special = |fixture| self.is_special(fixture);
+        let (layout, survey) =
+            Layout::new(self.ground.grid.clone(), self.obstacles(), line, special);
+        let is_open = |fixture: Fixture| {
+            fixture.as_solid().is_none()
+                && !matches!(self.laws[usize::from(fixture.0)], Some(Law::Wall { .. }))
+        };
+        let (open, fixed): (Vec<_>, Vec<_>) =
+            survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
+        let reservoirs = self.reservoir_faces(&layout, &open);
+        let has_reservoir = |blocked: &Blocked| {
+            let face = face_of(&layout.grid, layout.at(blocked.cell));
+            face.is_some_and(|(axis, side)| self.reservoirs[2 * axis + side].is_some())
+        };
+        let open: Vec<_> = open.into_iter().filter(|blocked| !has_reservoir(blocked)).collect();
+        let met = fixed.iter().map(|blocked| {
+            let (met, q) = self.meet(&layout, blocked);
+            (met, if self.halfway { 0.5 } else { q.max(self.nearest) })
+        });
+        let met: Vec<_> = met.collect();
+        let (sheets, sheet_items) =
+            SheetLinks::new(&layout, &met, |fixture| self.laws[usize::from(fixture.0)].clone());
+        let areas = self.open_areas(&layout, &open, &met);
+        let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open, &areas);
+        let is_at_rest = |met: &Blocked| {
+            self.laws[usize::from(met.fixture.0)].as_ref().is_some_and(Law::is_at_rest)
+        };
+        let (halfway, fixed): (Vec<_>, Vec<_>) =
+            met.into_iter().partition(|(met, q)| *q == 0.5 && is_at_rest(met));
+        let halfway = halfway.into_iter().map(|(met, _)| met).collect();
+        let is_wall = |fixture: Fixture| {
+            let law = &self.laws[usize::from(fixture.0)];
+            fixture.as_solid().is_some() && matches!(law, Some(Law::Wall { .. }))
+        };
+        let (fixed, fixed_items, patches) =
+            FixedLinks::new(&layout, &self.references, &sheets, fixed.into_iter(), is_wall);
+        Built {
+            layout,
+            reflections: survey.reflections,
+            fixed,
+            fixed_items,
+            sheets,
+            sheet_items,
+            patches,
+            halfway,
+            open,
+            open_items,
+            reservoirs,
+        }
+    }
+
+    /// How much of the cells at faces that prescribe a velocity is open, by the links that open faces block, and those that
+    /// meet something that stands still. Walls half-way between cells cross none.
+    fn open_areas(&self, layout: &Layout, open: &[Blocked], met: &[(Blocked, f64)]) -> OpenAreas {
+        if self.halfway {
+            return OpenAreas::default();
+        }
+        let at_velocity = open.chunk_by(|a, b| a.cell == b.cell).filter_map(|links| {
+            let cell = links[0].cell;
+            let (axis, side) = open_faces(&layout.grid, layout.at(cell)).next()?;
+            let law = &self.laws[2 * axis + side];
+            matches!(law, Some(Law::Velocity { .. })).then_some((cell, axis))
+        });
+        OpenAreas::new(&self.ground, layout, at_velocity, met)
+    }
+
+    /// What a blocked link meets first, and where.
+    fn meet(&self, layout: &Layout, blocked: &Blocked) -> (Blocked, f64) {
+        match blocked.fixture.as_solid() {
+            None => (*blocked, 0.5),
+            Some(_) => self.ground.meet(layout.at(blocked.cell), blocked),
+        }
+    }
+
+    /// Where the links of cells to things that stand still meet them.
+    pub fn wall_distances(
+        &self,
+        layout: &Layout,
+        ends: impl Iterator<Item = (u32, u8)>,
+    ) -> WallDistances {
+        let solid = Fixture::solid(self.ground.solids.len() as u16);
+        let mut ends: Vec<_> = ends.collect();
+        ends.sort_unstable();
+        let links = ends.into_iter().map(|(cell, dir)| Blocked { cell, dir, fixture: solid });
+        WallDistances::new(links.map(|link| self.meet(layout, &link)))
+    }
+
+    /// The faces with a reservoir, of the links that open faces block.
+    fn reservoir_faces(&self, layout: &Layout, open: &[Blocked]) -> Vec<ReservoirFace> {
+        let faces = self.reservoirs.iter().enumerate();
+        let of = |(k, reservoir): (usize, &Option<Reservoir>)| {
+            let reservoir = reservoir.as_ref()?;
+            Some(ReservoirFace::new(layout, [k / 2, k % 2], reservoir, open, &self.units))
+        };
+        faces.filter_map(of).collect()
+    }
+}

@@ -1,0 +1,348 @@
+//! Faces beyond which a reservoir with a piston lies: its density, and a flow that follows.
+//!
+//! After streaming, when all else is done, with the sums over the directions along the face (0) and
+//! out of the fluid (-), `n` the normal into the fluid, and `rho` the density of the cylinder (see
+//! `cylinder`), each cell at the face gets
+//!
+//! ```text
+//! u_n = 1 - (S_0 + 2 S_-)/rho          that of a pressure face after Zou & He 1997
+//! u_n += r (mean of u_n over the face - u_n)
+//! f_i = feq_i(rho, u_n n)              for all i
+//! ```
+//!
+//! (Mutabaruka & Kamrin, Eq. 31; `u_n` does not depend on how the missing mass is divided among the
+//! directions that enter.) What a cell then holds more than before streaming brought the cylinder's
+//! fluid to it is what the cylinder loses, with what links to walls brought to these cells: cylinder and domain
+//! together keep their mass to rounding.
+//! Their `rho` from the velocity at the face instead has a mode of two steps that grows where the
+//! cylinder is short and the viscosity low.
+//!
+//! The full equilibrium has no viscous stress; the flow is straight at the face, `u_t = 0`. Cells that
+//! bodies cover are left out. A body that appears in the middle of a run gives back what it displaces
+//! (`displaced_fluid`); one that moves there does not.
+
+use crate::boundary::open_boundary::{CELLS_PER_ITEM, Next, open_faces};
+use crate::boundary::virtual_piston::cylinder::Cylinder;
+use crate::boundary::wall_mass::Brought;
+use crate::lattice::aa_pattern::Blocked;
+use crate::lattice::d3q19::{C, CS2, OPPOSITE, Q, equilibria};
+use crate::lattice::error::FluidError;
+use crate::lattice::grid::Grid;
+use crate::lattice::layout::Layout;
+use crate::lattice::populations::Real;
+use crate::lattice::units::Units;
+use std::ops::Range;
+use tremie_messages::scene::{Face, Reservoir, Scene};
+use tremie_team::Team;
+
+/// Largest velocity at a face [cells a step]; the lattice fails soon beyond it.
+pub const FASTEST: f64 = 0.1;
+
+/// A cell at the face.
+#[derive(Clone, Copy, Debug)]
+struct FaceCell {
+    cell: u32,
+    /// Bits of the directions that come from beyond an open face.
+    unknown: u32,
+}
+
+/// Cells that are one item of work, and what the last step found there.
+#[derive(Clone, Debug)]
+struct Item {
+    cells: Range<usize>,
+    /// Sum of the normal velocities.
+    sum: f64,
+    /// Largest normal velocity, by amount.
+    fastest: f64,
+    /// Cells that are fluid.
+    wet: usize,
+    /// Momentum that the fluid gained.
+    impulse: [f64; 3],
+    /// Mass that it gained.
+    mass: f64,
+}
+
+/// A face with the cylinder behind it.
+#[derive(Clone, Debug)]
+pub struct ReservoirFace {
+    axis: usize,
+    side: usize,
+    relaxation: f64,
+    /// Volume at time zero [m³].
+    volume: f64,
+    cells: Vec<FaceCell>,
+    items: Vec<Item>,
+    cylinder: Cylinder,
+    /// Mean of the normal velocities that the face has, without half the step's force.
+    mean: f64,
+}
+
+/// What a reservoir is like at the end of a step, SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReservoirState {
+    /// Axis of the face, 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// 0 for the lower, 1 for the upper face.
+    pub side: usize,
+    /// Density of the reservoir [kg/m³].
+    pub density: f64,
+    /// Its gauge pressure [Pa].
+    pub pressure: f64,
+    /// Volume between piston and face [m³], as the scene counts it.
+    pub volume: f64,
+    /// Velocity of the piston towards the domain [m/s].
+    pub piston: f64,
+    /// Mean velocity through the face into the domain [m/s].
+    pub velocity: f64,
+    /// Mass that has entered the domain [kg], as the balance of the fluid counts it.
+    pub entered: f64,
+    /// Mass in the reservoir [kg], counted alike.
+    pub mass: f64,
+}
+
+/// The reservoirs of a scene: axis, side, and what it is.
+pub fn reservoirs_of(scene: &Scene) -> impl Iterator<Item = (usize, usize, &Reservoir)> {
+    let faces = scene.domain.faces.iter().flatten().enumerate();
+    faces.filter_map(|(k, face)| match face {
+        Face::Reservoir(reservoir) => Some((k / 2, k % 2, reservoir)),
+        _ => None,
+    })
+}
+
+/// Name of a reservoir in signals and findings: `z_lower`.
+pub fn name(axis: usize, side: usize) -> String {
+    format!("{}_{}", ["x", "y", "z"][axis], ["lower", "upper"][side])
+}
+
+/// Signals of each reservoir, named `reservoir_z_lower.density`.
+const OF_RESERVOIRS: [(&str, &str); 6] = [
+    ("density", "kg/m3"),
+    ("pressure", "Pa"),
+    ("volume", "m3"),
+    ("piston_velocity", "m/s"),
+    ("velocity", "m/s"),
+    ("mass_entered", "kg"),
+];
+
+/// Names and units of what reservoirs tell, in the order of [`ReservoirState::values`].
+pub fn reservoir_signals(scene: &Scene) -> Vec<(String, &'static str)> {
+    let of = |(axis, side, _): (usize, usize, &Reservoir)| {
+        let name = name(axis, side);
+        OF_RESERVOIRS.map(|(value, unit)| (format!("reservoir_{name}.{value}"), unit))
+    };
+    reservoirs_of(scene).flat_map(of).collect()
+}
+
+impl ReservoirState {
+    /// The values of [`reservoir_signals`].
+    pub fn values(&self) -> [f64; 6] {
+        [self.density, self.pressure, self.volume, self.piston, self.velocity, self.entered]
+    }
+}
+
+/// The open face to which a cell belongs.
+pub fn face_of(grid: &Grid, at: [i32; 3]) -> Option<(usize, usize)> {
+    open_faces(grid, at).next()
+}
+
+impl ReservoirFace {
+    /// Of the links that open faces block, those of this face's cells.
+    pub fn new(
+        layout: &Layout,
+        [axis, side]: [usize; 2],
+        reservoir: &Reservoir,
+        blocked: &[Blocked],
+        units: &Units,
+    ) -> Self {
+        let own = |links: &&[Blocked]| {
+            face_of(&layout.grid, layout.at(links[0].cell)) == Some((axis, side))
+        };
+        let bits = |bits: u32, link: &Blocked| bits | 1 << OPPOSITE[usize::from(link.dir)];
+        let cells: Vec<_> = (blocked.chunk_by(|a, b| a.cell == b.cell).filter(own))
+            .map(|links| FaceCell { cell: links[0].cell, unknown: links.iter().fold(0, bits) })
+            .collect();
+        let items = (0..cells.len()).step_by(CELLS_PER_ITEM).map(|first| Item {
+            cells: first..(first + CELLS_PER_ITEM).min(cells.len()),
+            sum: 0.0,
+            fastest: 0.0,
+            wet: 0,
+            impulse: [0.0; 3],
+            mass: 0.0,
+        });
+        Self {
+            axis,
+            side,
+            relaxation: reservoir.relaxation,
+            volume: reservoir.volume,
+            items: items.collect(),
+            cylinder: Cylinder::new(reservoir, cells.len(), units),
+            cells,
+            mean: 0.0,
+        }
+    }
+
+    /// Memory that the table takes [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+
+    /// Cells at the face.
+    pub fn cells(&self) -> impl Iterator<Item = u32> {
+        self.cells.iter().map(|cell| cell.cell)
+    }
+
+    /// Momentum and mass that the fluid gained in the last step.
+    pub fn gained(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
+        self.items.iter().map(|item| (item.impulse, item.mass))
+    }
+
+    /// Puts the cylinder's fluid into the state of the face: density, less 1, and velocity into the
+    /// domain.
+    pub fn fill(&mut self, drho: f64, velocity: f64) {
+        self.cylinder.fill(drho);
+        self.mean = velocity;
+    }
+
+    /// 1 where the normal into the fluid points along the axis, else -1.
+    pub fn inward(&self) -> f64 {
+        [1.0, -1.0][self.side]
+    }
+
+    /// Distance of a place from the face [cells].
+    pub fn distance(&self, x: [f64; 3], grid: &Grid) -> f64 {
+        let face = [0.0, f64::from(grid.n[self.axis])][self.side];
+        (x[self.axis] - face).abs()
+    }
+
+    /// Takes back a mass from the domain.
+    pub fn take_back(&mut self, mass: f64) {
+        self.cylinder.drain(-mass);
+    }
+
+    /// Which axis the face is across.
+    pub fn axis(&self) -> usize {
+        self.axis
+    }
+
+    /// Moves the piston through the step that begins at a time [s].
+    ///
+    /// # Errors
+    /// A piston that comes too close to the face; nothing has changed then.
+    pub fn advance(&mut self, time: f64, units: &Units) -> Result<(), FluidError> {
+        if self.cylinder.advance(time, self.mean, units) {
+            return Ok(());
+        }
+        Err(FluidError::ReservoirSpent {
+            axis: self.axis,
+            side: self.side,
+            left: 100.0 * self.cylinder.part_left(),
+            volume: self.volume,
+            time,
+        })
+    }
+
+    /// Gives the cells at the face their populations, and lets the cylinder lose what they gained.
+    ///
+    /// # Errors
+    /// A flow through the face that is too fast for the lattice, or not finite.
+    pub fn apply<T: Real>(
+        &mut self,
+        next: &Next<'_, T>,
+        team: &mut Team,
+        units: &Units,
+        brought: &[Brought; 6],
+    ) -> Result<(), FluidError> {
+        let (cells, drho) = (&self.cells, self.cylinder.drho());
+        let [axis, side] = [self.axis, self.side];
+        let view = View { next, axis, inward: [1, -1][side], drho };
+        team.for_each(&mut self.items, |_, item| view.measure(&cells[item.cells.clone()], item));
+        // In the order of the items: the same bits on any number of threads.
+        let (mut sum, mut wet, mut fastest) = (0.0, 0, 0.0);
+        for item in &self.items {
+            (sum, wet) = (sum + item.sum, wet + item.wet);
+            fastest = f64::max(fastest, item.fastest);
+        }
+        let mean = if wet > 0 { sum / wet as f64 } else { 0.0 };
+        let relaxation = self.relaxation;
+        team.for_each(&mut self.items, |_, item| {
+            view.fill(&cells[item.cells.clone()], mean, relaxation, item);
+        });
+        self.mean = mean;
+        let at_walls = brought[2 * axis + side].total();
+        self.cylinder.drain(self.items.iter().map(|item| item.mass).sum::<f64>() + at_walls);
+        if fastest <= FASTEST && mean.is_finite() {
+            return Ok(());
+        }
+        Err(FluidError::ReservoirFlow {
+            axis,
+            side,
+            speed: fastest * units.velocity(),
+            limit: FASTEST * units.velocity(),
+            pressure: CS2 * drho * units.pressure(),
+        })
+    }
+
+    /// What the reservoir is like.
+    pub fn state(&self, acceleration: [f64; 3], units: &Units) -> ReservoirState {
+        let half = 0.5 * acceleration[self.axis] * self.inward();
+        ReservoirState {
+            axis: self.axis,
+            side: self.side,
+            density: (1.0 + self.cylinder.drho()) * units.density,
+            pressure: CS2 * self.cylinder.drho() * units.pressure(),
+            volume: self.volume * self.cylinder.part_left(),
+            piston: self.cylinder.piston * units.velocity(),
+            velocity: (self.mean + half) * units.velocity(),
+            entered: self.cylinder.entered * units.mass(),
+            mass: self.cylinder.mass() * units.mass(),
+        }
+    }
+}
+
+/// A face in a step.
+struct View<'a, T: Real> {
+    next: &'a Next<'a, T>,
+    axis: usize,
+    inward: i32,
+    /// Density minus 1 of the cylinder.
+    drho: f64,
+}
+
+impl<T: Real> View<'_, T> {
+    /// Velocity into the fluid that the density and the populations say.
+    fn normal_velocity(&self, h: &[f64; Q]) -> f64 {
+        // S_0 + 2 S_-, less what it is at rest, which is 1.
+        let mut s = 0.0;
+        for i in 0..Q {
+            match C[i][self.axis] * self.inward {
+                0 => s += h[i],
+                -1 => s += 2.0 * h[i],
+                _ => {}
+            }
+        }
+        (self.drho - s) / (1.0 + self.drho)
+    }
+
+    fn measure(&self, cells: &[FaceCell], item: &mut Item) {
+        (item.sum, item.fastest, item.wet) = (0.0, 0.0, 0);
+        for open in cells.iter().filter(|open| self.next.owners.is_fluid(open.cell)) {
+            let u = self.normal_velocity(&self.next.populations(open.cell));
+            item.sum += u;
+            item.fastest = item.fastest.max(u.abs());
+            item.wet += 1;
+        }
+    }
+
+    fn fill(&self, cells: &[FaceCell], mean: f64, relaxation: f64, item: &mut Item) {
+        (item.impulse, item.mass) = ([0.0; 3], 0.0);
+        for open in cells.iter().filter(|open| self.next.owners.is_fluid(open.cell)) {
+            let old = self.next.populations(open.cell);
+            let u = self.normal_velocity(&old);
+            let mut velocity = [0.0; 3];
+            velocity[self.axis] = f64::from(self.inward) * (u + relaxation * (mean - u));
+            let new = equilibria(self.drho, velocity);
+            let (impulse, mass) = (&mut item.impulse, &mut item.mass);
+            self.next.replace(open.cell, open.unknown, [&old, &new], impulse, mass);
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! The mass that curved walls at rest owe the fluid, and how it is paid.
+//!
+//! A link that meets a wall at `q` other than 1/2 reflects half-way what is not there: interpolation (see `static_wall_links`) makes
+//! or takes some mass in each step. Most of it comes and goes with the pressure at the wall, as the volume between the
+//! wall and the half-way plane fills and empties: about `(2q - 1) w_i` for each unit of density. What is left runs one
+//! way for as long as the fluid flows, and would empty a closed box or make the flow differ from one section of a pipe to the
+//! next.
+//!
+//! So each patch of wall, the cells at a solid in a cube of 8, keeps an account:
+//!
+//! ```text
+//! owed     -= sum over links (f_i' - g_i)                        in each step, with what is paid
+//! smoothed += 4 r (owed - smoothed)
+//! pay       = r smoothed / (sum over links 6 w_i)
+//! f_i'     += 6 w_i pay                                          at each link of the patch
+//! ```
+//!
+//! The fluid's mass and what is owed are together constant to rounding. In a steady flow a patch pays in each step what its links
+//! take, and owes 500 times that. Sound does not feel it: paid at once, what fills and empties the volume at the wall would be taken from
+//! each wave, and between walls a few cells apart that kills the wave, or drives it. The smoothing keeps what is paid a quarter
+//! of a period behind what is owed, which neither damps nor drives. The account is critically damped.
+//!
+//! A patch pays through its links as a wall does that breathes: on a closed surface the momentum of that is zero.
+//!
+//! Cells at open faces belong to no patch: the face replaces all that they hold (see `open_boundary`, `face`). What links
+//! brought them counts as come through the face.
+//!
+//! Cubes are counted from the reference of the solid that a cell meets first: a part has the same patches wherever it stands, and half
+//! of one at a symmetry plane those of the whole.
+
+use crate::boundary::open_boundary::open_faces;
+use crate::boundary::static_wall_links::Item;
+use crate::lattice::cell_list::Fixture;
+use crate::lattice::d3q19::{Q, W};
+use crate::lattice::grid::Grid;
+use std::collections::HashMap;
+
+/// Part of what is owed that a step pays, once smoothed.
+const RATE: f64 = 0.002;
+
+/// Cells along an edge of a patch's cube.
+const PATCH: f64 = 8.0;
+
+/// The share of a direction in what a patch pays: `6 w_i`.
+pub const WEIGHT: [f64; Q] = {
+    let mut weight = W;
+    let mut i = 0;
+    while i < Q {
+        weight[i] *= 6.0;
+        i += 1;
+    }
+    weight
+};
+
+/// What a patch belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Holder {
+    /// An account, by number.
+    Account(u32),
+    /// An open face, `2 axis + side`.
+    Face(u8),
+}
+
+/// The cells of a patch of wall in one item of work.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    holder: Holder,
+    /// What a link pays for each unit of `6 w_i`.
+    pub pay: f64,
+    /// What links to solid walls gave to the fluid in this step.
+    pub gained: f64,
+    /// What links to faces of the domain gave.
+    pub of_faces: f64,
+    /// Sum of the weights of links to solid walls.
+    pub weight: f64,
+}
+
+impl Patch {
+    const fn of(holder: Holder) -> Self {
+        Self { holder, pay: 0.0, gained: 0.0, of_faces: 0.0, weight: 0.0 }
+    }
+
+    /// Begins a step.
+    pub fn begin(&mut self) {
+        (self.gained, self.of_faces, self.weight) = (0.0, 0.0, 0.0);
+    }
+}
+
+/// Mass that links brought to the cells at an open face in a step: those to solid walls, and those to other faces.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Brought {
+    /// From solid walls.
+    pub by_parts: f64,
+    /// From faces that slide.
+    pub by_faces: f64,
+}
+
+impl Brought {
+    /// Both.
+    pub fn total(&self) -> f64 {
+        self.by_parts + self.by_faces
+    }
+}
+
+/// Number of a solid, and a cube of cells by its place from the solid's reference.
+type Cube = (u16, [i32; 3]);
+
+/// The cube of a cell at a solid with a reference [cells].
+fn cube(grid: &Grid, at: [i32; 3], fixture: Fixture, reference: [f64; 3]) -> Cube {
+    // A cell in line with the reference is on the same side of it wherever both are.
+    const HAIR: f64 = 1e-6;
+    let place = grid.arm(reference, at).map(|x| (x / PATCH + HAIR).floor() as i32);
+    (fixture.0, place)
+}
+
+/// What a patch of wall owes [cells at density 1].
+#[derive(Clone, Copy, Debug, Default)]
+struct PatchAccount {
+    owed: f64,
+    smoothed: f64,
+    gained: f64,
+    weight: f64,
+}
+
+impl PatchAccount {
+    /// Settles what the links gave; returns what a link pays for each unit of weight.
+    fn settle(&mut self) -> f64 {
+        self.owed -= self.gained;
+        self.smoothed += 4.0 * RATE * (self.owed - self.smoothed);
+        // Without links there is nothing to pay at: it stays owed.
+        if self.weight > 0.0 { RATE * self.smoothed / self.weight } else { 0.0 }
+    }
+}
+
+/// All patches.
+#[derive(Clone, Debug, Default)]
+pub struct Patches {
+    /// Number of the patch in each cube that has one.
+    numbers: HashMap<Cube, u32>,
+    accounts: Vec<PatchAccount>,
+}
+
+impl Patches {
+    /// Place of a cell's patch in the list of its item; the cell meets a fixture with a reference.
+    pub fn place(
+        &mut self,
+        grid: &Grid,
+        at: [i32; 3],
+        (fixture, reference): (Fixture, [f64; 3]),
+        of_item: &mut Vec<Patch>,
+    ) -> u16 {
+        let holder = match open_faces(grid, at).next() {
+            Some((axis, side)) => Holder::Face((2 * axis + side) as u8),
+            None => Holder::Account(self.number(cube(grid, at, fixture, reference))),
+        };
+        // Neighbours in the list are mostly of one patch.
+        let known = of_item.iter().rposition(|patch| patch.holder == holder);
+        let place = known.unwrap_or_else(|| {
+            of_item.push(Patch::of(holder));
+            of_item.len() - 1
+        });
+        place as u16
+    }
+
+    /// Number of the account of a cube.
+    fn number(&mut self, cube: Cube) -> u32 {
+        let new = self.numbers.len() as u32;
+        let number = *self.numbers.entry(cube).or_insert(new);
+        if number == new {
+            self.accounts.push(PatchAccount::default());
+        }
+        number
+    }
+
+    /// What links brought to the cells at each open face in this step, `2 axis + side`.
+    pub fn brought(items: &[Item]) -> [Brought; 6] {
+        let mut all = [Brought::default(); 6];
+        for patch in items.iter().flat_map(|item| &item.patches) {
+            if let Holder::Face(face) = patch.holder {
+                let brought = &mut all[usize::from(face)];
+                brought.by_parts += patch.gained;
+                brought.by_faces += patch.of_faces;
+            }
+        }
+        all
+    }
+
+    /// Settles all accounts at the end of a step, in the order of the items; returns what is owed.
+    pub fn settle(&mut self, items: &mut [Item]) -> f64 {
+        for account in &mut self.accounts {
+            (account.gained, account.weight) = (0.0, 0.0);
+        }
+        for patch in items.iter().flat_map(|item| &item.patches) {
+            if let Holder::Account(number) = patch.holder {
+                let account = &mut self.accounts[number as usize];
+                account.gained += patch.gained;
+                account.weight += patch.weight;
+            }
+        }
+        let mut owed = 0.0;
+        for account in &mut self.accounts {
+            // What it pays takes the place of what it gained.
+            account.gained = account.settle();
+            owed += account.owed;
+        }
+        for patch in items.iter_mut().flat_map(|item| &mut item.patches) {
+            if let Holder::Account(number) = patch.holder {
+                patch.pay = self.accounts[number as usize].gained;
+            }
+        }
+        owed
+    }
+
+    /// Forgets what is owed: the fluid begins anew.
+    pub fn forgive(&mut self, items: &mut [Item]) {
+        self.accounts.fill(PatchAccount::default());
+        for patch in items.iter_mut().flat_map(|item| &mut item.patches) {
+            *patch = Patch::of(patch.holder);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A steady loss is paid as it arises after some thousand steps; the account neither swings nor grows.
+    #[test]
+    fn a_steady_loss_is_paid() {
+        let mut account = PatchAccount { weight: 3.0, ..PatchAccount::default() };
+        let (mut pay, mut most) = (0.0, 0.0_f64);
+        for _ in 0..6000 {
+            account.gained = 3.0 * pay - 1e-6;
+            pay = account.settle();
+            most = most.max(account.owed);
+        }
+        assert!((3.0 * pay / 1e-6 - 1.0).abs() < 1e-6, "{pay}");
+        assert!((account.owed / (1e-6 / RATE) - 1.0).abs() < 1e-6 && most < 1.2e-6 / RATE);
+    }
+
+    /// Of what comes and goes within 50 steps less than 1e-4 is paid in phase, which would feed or damp it.
+    #[test]
+    fn sound_is_not_paid() {
+        let mut account = PatchAccount { weight: 1.0, ..PatchAccount::default() };
+        let turn = std::f64::consts::TAU / 50.0;
+        let (mut pay, mut in_phase) = (0.0, 0.0);
+        for step in 0..20_000 {
+            let angle = turn * f64::from(step);
+            account.gained = pay + angle.cos();
+            in_phase += if step >= 10_000 { pay * angle.sin() / 5000.0 } else { 0.0 };
+            pay = account.settle();
+        }
+        // What it owes is that sine, as large as 1 / turn.
+        assert!((in_phase * turn).abs() < 1e-4, "{in_phase}");
+    }
+}

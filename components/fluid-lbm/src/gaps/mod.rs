@@ -1,0 +1,5 @@
+//! Gaps that are modelled: declared gaps, pockets, walls that slip.
+
+pub mod modelled;
+pub mod pockets;
+pub mod specular_walls;

@@ -1,0 +1,168 @@
+//! Where what gaps draw in leaves the fluid.
+//!
+//! A gap that holds no fluid draws some in as it widens, and presses it out as it narrows. Pressure and flow belong
+//! together: what a gap does on the sound around is its pressure times what it draws in, and where the one is taken
+//! from another place than the other, a shut valve feeds some of that sound. So each probe that says a gap's pressure is
+//! an *intake*, and its share of what the gap draws in goes through the links of moving parts to which it is the nearest
+//! by way of the fluid: on its side of the gap. A gap without probes has none: its body pays for it all along
+//! its surface; and so it does where an intake has no links.
+
+use super::{Declared, NONE};
+use crate::bodies::cell_flags::Owners;
+use crate::boundary::post_collision::Item;
+use crate::gaps::pockets::faces;
+use crate::lattice::layout::Layout;
+use std::collections::{BTreeMap, VecDeque};
+
+/// Near no intake.
+const FAR: u16 = u16::MAX;
+
+/// The intakes of the gaps of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Intakes {
+    list: Vec<Intake>,
+    /// Of each gap those through which it draws in fluid, and the share of each.
+    shares: Vec<Vec<(u16, f64)>>,
+    /// Cells of the probes, by intake, until the nearest were looked for.
+    seeds: Vec<(u16, u32)>,
+    /// For each stored cell the intake nearest by way of the fluid, once it was looked for.
+    nearest: Vec<u16>,
+}
+
+/// Where a share of what gaps draw in leaves the fluid.
+#[derive(Clone, Copy, Debug, Default)]
+struct Intake {
+    /// Mass that it has still to take from the fluid.
+    due: f64,
+    /// Sum of `6 w_i rho` over its links in the last step, and what each gives for a unit of it.
+    weight: f64,
+    rate: f64,
+}
+
+/// What links gave to an intake.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Given {
+    /// Sum of `6 w_i rho` over them.
+    weight: f64,
+    /// Mass that they took from the fluid.
+    pub mass: f64,
+}
+
+impl Intakes {
+    /// Of gaps, in their order.
+    pub(super) fn new(gaps: &[Declared]) -> Self {
+        let mut own = Self::default();
+        let mut of_probes = BTreeMap::new();
+        for gap in gaps {
+            let weights: f64 = gap.probes.iter().map(|probe| probe.weight).sum();
+            let shares = gap.probes.iter().map(|probe| {
+                let intake = of_probes.entry(probe.number).or_insert_with(|| own.add(&probe.cells));
+                (*intake, probe.weight / weights)
+            });
+            let shares = shares.collect();
+            own.shares.push(shares);
+        }
+        own
+    }
+
+    /// Adds the intake of a probe's cells.
+    fn add(&mut self, cells: &[(u32, f64)]) -> u16 {
+        let number = self.list.len() as u16;
+        self.list.push(Intake::default());
+        self.seeds.extend(cells.iter().map(|&(cell, _)| (number, cell)));
+        number
+    }
+
+    /// Number of them.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first, then through what
+    /// bodies cover there now and may leave later, then into the gaps.
+    pub fn look(&mut self, in_gap: &[u16], owners: &Owners, layout: &Layout) {
+        if !self.nearest.is_empty() || self.list.is_empty() {
+            return;
+        }
+        self.nearest = vec![FAR; in_gap.len()];
+        let rank = |cell: u32| {
+            let is_in_gap = in_gap[cell as usize] != NONE;
+            2 * usize::from(is_in_gap) + usize::from(!owners.is_fluid(cell))
+        };
+        let mut reached = [const { VecDeque::new() }; 4];
+        for (intake, cell) in std::mem::take(&mut self.seeds) {
+            self.nearest[cell as usize] = intake;
+            reached[0].push_back(cell);
+        }
+        while let Some(cell) = reached.iter_mut().find_map(VecDeque::pop_front) {
+            for next in faces(layout, cell) {
+                if self.nearest[next as usize] == FAR {
+                    self.nearest[next as usize] = self.nearest[cell as usize];
+                    reached[rank(next)].push_back(next);
+                }
+            }
+        }
+    }
+
+    /// Memory that the table takes [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nearest.as_slice())
+    }
+
+    /// The intake of a link at a cell, and what it gives there for each unit of `6 w_i rho`.
+    #[inline]
+    pub fn at(&self, cell: u32) -> Option<(usize, f64)> {
+        let number = usize::from(*self.nearest.get(cell as usize)?);
+        Some((number, self.list.get(number)?.rate))
+    }
+
+    /// Takes over what a gap drew in, as far as there are links to take it, and returns that part.
+    pub fn draw(&mut self, gap: u16, mass: f64) -> f64 {
+        let mut part = 0.0;
+        for &(intake, share) in &self.shares[usize::from(gap)] {
+            let intake = &mut self.list[usize::from(intake)];
+            if intake.weight > 0.0 {
+                intake.due += share * mass;
+                part += share * mass;
+            }
+        }
+        part
+    }
+
+    /// Begins to settle a step: what the links of parts gave, these items, is due no more. Returns what nobody can
+    /// give, because the links of an intake have gone.
+    pub fn receive<'i>(&mut self, items: impl Iterator<Item = &'i Item>) -> f64 {
+        for intake in &mut self.list {
+            intake.weight = 0.0;
+        }
+        for item in items {
+            for (intake, given) in self.list.iter_mut().zip(&item.gaps.given) {
+                intake.weight += given.weight;
+                intake.due -= given.mass;
+            }
+        }
+        let gone = self.list.iter_mut().filter(|intake| intake.weight == 0.0);
+        gone.map(|intake| std::mem::take(&mut intake.due)).sum()
+    }
+
+    /// Decides what the coming step takes: all that is due.
+    pub fn decide(&mut self) {
+        for intake in &mut self.list {
+            intake.rate = if intake.weight > 0.0 { intake.due / intake.weight } else { 0.0 };
+        }
+    }
+
+    /// Mass that they have still to take.
+    pub fn due(&self) -> f64 {
+        self.list.iter().map(|intake| intake.due).sum()
+    }
+}
+
+impl Given {
+    /// A link of `6 w_i rho` gave at a rate.
+    #[inline]
+    pub fn add(&mut self, weight: f64, rate: f64) {
+        self.weight += weight;
+        self.mass += rate * weight;
+    }
+}

@@ -1,0 +1,145 @@
+//! Pockets: fluid cells that freezing cut off. See `modelled`.
+
+use crate::bodies::cell_flags::{FLUID, FROZEN, Owners, VACATED, Vacated};
+use crate::gaps::modelled::{DeclaredGaps, POCKET};
+use crate::lattice::d3q19::{C, Q};
+use crate::lattice::grid::Side;
+use crate::lattice::layout::Layout;
+use tremie_team::{Cut, Team};
+
+/// Cells that are asked together whether they are in a pocket.
+const SEEDS_PER_PIECE: usize = 8;
+
+/// Room for a pocket: the last cell that it may have brings its neighbours.
+const ROOM: usize = POCKET + 6;
+
+/// Cells that a fill reached, in their order.
+#[derive(Clone, Copy)]
+struct Fill {
+    cells: [u32; ROOM],
+    count: usize,
+    /// Whether they are a pocket.
+    is_closed: bool,
+}
+
+impl DeclaredGaps {
+    /// Freezes pockets and thaws those that got a way out, after [`Owners::settle`].
+    pub fn close_pockets(&mut self, owners: &mut Owners, layout: &Layout, team: &mut Team) {
+        // Which cells may have lost their way: neighbours of those that are fluid no more, and new ones.
+        self.seeds.clear();
+        let mut next = 0;
+        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
+        while next < owners.vacated.len() {
+            let Vacated { cell, handle } = owners.vacated[next];
+            for neighbour in faces(layout, cell) {
+                if owners.of(neighbour) == FROZEN && self.is_pocket(neighbour) {
+                    owners.thaw(Vacated { cell: neighbour, handle });
+                }
+            }
+            self.seeds.push(cell);
+            next += 1;
+        }
+        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
+        let gone = owners.covered.iter().chain(&owners.enclosed);
+        self.seeds.extend(gone.flat_map(|&cell| faces(layout, cell)));
+        self.seeds.sort_unstable();
+        self.seeds.dedup();
+        self.find_closed(owners, layout, team);
+        for (&seed, _) in self.seeds.iter().zip(&self.closed).filter(|(_, is_closed)| **is_closed) {
+            // Those of a pocket all say so, and the first freezes it.
+            if is_wet(owners, seed) {
+                for &cell in Fill::from(owners, layout, seed, &Fill::EMPTY).reached() {
+                    owners.freeze(cell);
+                    self.pockets.push(cell);
+                }
+            }
+        }
+        self.pockets.sort_unstable();
+        owners.forget_frozen_vacated();
+    }
+
+    /// Whether a frozen cell is one of a pocket.
+    pub fn is_pocket(&self, cell: u32) -> bool {
+        self.pockets.binary_search(&cell).is_ok()
+    }
+
+    /// Finds which of the seeds are in pockets. What one freezes has no way to the others, so that they may be
+    /// asked at the same time.
+    fn find_closed(&mut self, owners: &Owners, layout: &Layout, team: &mut Team) {
+        self.closed.clear();
+        self.closed.resize(self.seeds.len(), false);
+        let seeds = &self.seeds;
+        let pieces = Cut::every(&mut self.closed, SEEDS_PER_PIECE);
+        team.for_pieces(pieces, |number, piece: &mut [bool]| {
+            // Neighbours follow each other: mostly the next is where the last fill has been.
+            let mut open = Fill::EMPTY;
+            for (&seed, is_closed) in seeds[number * SEEDS_PER_PIECE..].iter().zip(piece) {
+                if is_wet(owners, seed) && !open.reached().contains(&seed) {
+                    let fill = Fill::from(owners, layout, seed, &open);
+                    *is_closed = fill.is_closed;
+                    if !fill.is_closed {
+                        open = fill;
+                    }
+                }
+            }
+        });
+    }
+}
+
+impl Fill {
+    const EMPTY: Self = Self { cells: [0; ROOM], count: 0, is_closed: false };
+
+    /// Goes from a fluid cell until it has been everywhere, or knows that it is in no pocket: at an open face, next to a
+    /// cell of `open_boundary`, all of which are in none, or when there are too many.
+    fn from(owners: &Owners, layout: &Layout, seed: u32, open: &Self) -> Self {
+        let mut fill = Self::EMPTY;
+        fill.add(seed);
+        let mut next = 0;
+        while next < fill.count {
+            let cell = fill.cells[next];
+            if fill.count >= POCKET || is_at_open_face(layout, cell) {
+                return fill;
+            }
+            for neighbour in faces(layout, cell).filter(|&cell| is_wet(owners, cell)) {
+                if open.reached().contains(&neighbour) {
+                    return fill;
+                }
+                fill.add(neighbour);
+            }
+            next += 1;
+        }
+        fill.is_closed = true;
+        fill
+    }
+
+    fn reached(&self) -> &[u32] {
+        &self.cells[..self.count]
+    }
+
+    fn add(&mut self, cell: u32) {
+        if !self.reached().contains(&cell) {
+            self.cells[self.count] = cell;
+            self.count += 1;
+        }
+    }
+}
+
+/// Whether a cell is fluid or becomes so.
+fn is_wet(owners: &Owners, cell: u32) -> bool {
+    matches!(owners.of(cell), FLUID | VACATED)
+}
+
+/// Stored cells that share a face with a cell.
+pub fn faces(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
+    let straight = (1..Q).filter(|&i| C[i].iter().map(|c| c.abs()).sum::<i32>() == 1);
+    straight.filter_map(move |i| layout.neighbour(cell, i)).filter(move |&n| n != cell)
+}
+
+/// Whether a cell is at an open face.
+fn is_at_open_face(layout: &Layout, cell: u32) -> bool {
+    let (at, grid) = (layout.at(cell), &layout.grid);
+    (0..3).any(|a| {
+        (at[a] == 0 && grid.sides[a][0] == Side::Open)
+            || (at[a] == grid.n[a] - 1 && grid.sides[a][1] == Side::Open)
+    })
+}

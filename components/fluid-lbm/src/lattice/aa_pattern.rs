@@ -1,0 +1,509 @@
+//! Where the populations of each cell are in even and in odd steps.
+//!
+//! The pattern "AA" of Bailey et al. 2009 on a list of cells. `A[i][x]` is plane `i` of the array at
+//! cell `x`; a *place* is one index into the array, `plane * stride + cell`. A collision reads `f_i`
+//! of a cell from its place of direction `i` and leaves `g_i` in the place of the opposite direction
+//! `i'`. In even steps these are the cell's own places, `A[i][x]`. In odd steps they depend on where
+//! the link from `x` against `i` comes from:
+//!
+//! ```text
+//! from a cell y = x - c_i, maybe through a periodic face:    A[i'][y]
+//! from a cell y through a mirror, m the mirrored direction:  A[m(i)'][y]
+//! from a wall or an open face:                               A[i][x]
+//! ```
+//!
+//! The third is reflection half-way: the next step finds `g_i'(x)` as `f_i(x)`. No other cell has a
+//! use for that place, because the one that would have (`x - c_i`) is not there. Everything else that
+//! may happen at such a link (a curved wall, a moving wall, an open face) works in place on that one
+//! number.
+//!
+//! Cells come in lines of 64 bytes. Where the odd places of a whole line are consecutive, one number
+//! says where they begin; else a list of pieces does.
+
+use crate::lattice::aa_rows::{RowEnd, Way};
+use crate::lattice::cell_list::{Cells, End, Fixture, Obstacles};
+use crate::lattice::d3q19::{OPPOSITE, Q, mirrored};
+use crate::lattice::grid::Grid;
+use crate::lattice::populations::prefetch;
+
+/// Which of the two in-place steps is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// Reads and writes within a cell.
+    Even,
+    /// Reads from and writes to the neighbours.
+    Odd,
+}
+
+impl Parity {
+    /// The other one.
+    #[inline]
+    pub fn flipped(self) -> Self {
+        match self {
+            Self::Even => Self::Odd,
+            Self::Odd => Self::Even,
+        }
+    }
+}
+
+/// Some cells of a line whose odd places are `place + lane`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Piece {
+    /// Place of the first lane of the line, whether it belongs to the piece or not.
+    pub place: u32,
+    /// Bits of the lanes.
+    pub lanes: u16,
+    /// Direction.
+    pub dir: u8,
+    /// Whether this is the last piece of its line and direction.
+    pub last: bool,
+}
+
+/// What a sweep asks of a line before anything else. Its pieces are first those of directions in two pieces, then of those in three, as almost all are, then
+/// others; so loops over them have no branch that is hard to foresee.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kind {
+    /// The first of its pieces.
+    pub first: u32,
+    /// Directions in two pieces.
+    pub two: u8,
+    /// Directions in three pieces.
+    pub three: u8,
+    /// Directions in other numbers of pieces.
+    pub others: u8,
+}
+
+impl Kind {
+    /// Whether a direction of the line is in pieces.
+    #[inline(always)]
+    pub fn is_in_pieces(self) -> bool {
+        self.two + self.three + self.others != 0
+    }
+}
+
+/// Reflecting links of one line and direction: those whose population `f_i`, once streamed, is in
+/// `place + lane` in either parity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reflection {
+    /// Place of the first lane of the line, whether it reflects or not.
+    pub place: u32,
+    /// Cell that holds the place of the first lane; another than the line's behind a mirror, where
+    /// it may be negative.
+    pub mirror_cell: i32,
+    /// Line.
+    pub line: u32,
+    /// Bits of the lanes.
+    pub lanes: u16,
+    /// Direction `i` of the reflected populations, into the fluid.
+    pub dir: u8,
+    /// Axes at which the link is mirrored; 0 at a wall.
+    pub mirrors: u8,
+    /// Whom the link meets; of no meaning for a mirror.
+    pub fixture: Fixture,
+}
+
+/// A link that ends at something that stands still and is not done by reflection half-way alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Blocked {
+    /// Cell where the link begins.
+    pub cell: u32,
+    /// Direction of the link, out of the fluid.
+    pub dir: u8,
+    /// Whom it meets.
+    pub fixture: Fixture,
+}
+
+/// The table of places.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// Numbers from one plane to the next.
+    stride: usize,
+    /// Cells in a line: 2 to this power. Division would cost more than the look-up.
+    line_bits: u32,
+    /// For each line: bits of the directions that are in pieces, then for each direction the odd
+    /// place of its first cell, or that of most of the line at an end of a row, or the first of its pieces.
+    lines: Vec<[u32; Q]>,
+    kinds: Vec<Kind>,
+    /// For each line, and as many after the last as a sweep looks ahead.
+    ways: Vec<Way>,
+    pieces: Vec<Piece>,
+}
+
+/// What comes of building the table besides.
+#[derive(Debug, Default)]
+pub struct Survey {
+    /// Reflecting links, by line.
+    pub reflections: Vec<Reflection>,
+    /// Links at fixtures for which `special` was true, by cell.
+    pub blocked: Vec<Blocked>,
+}
+
+/// Numbers from one plane to the next for `cell_list` cells in lines of `line`: planes start 3 cache
+/// lines apart modulo 4 KiB, so that the 19 streams of a step use different sets of the first-level
+/// cache.
+pub fn stride(cells: u64, line: u64) -> u64 {
+    let mut lines = cells.div_ceil(line).max(1);
+    lines += (67 - lines % 64) % 64;
+    lines * line
+}
+
+impl Places {
+    /// The table for stored cells in lines of `line`. `special` says which fixtures' links are listed
+    /// in [`Survey::blocked`] instead of [`Survey::reflections`].
+    pub fn new(
+        grid: &Grid,
+        cells: &Cells,
+        obstacles: &Obstacles,
+        line: usize,
+        special: impl Fn(Fixture) -> bool,
+    ) -> (Self, Survey) {
+        let stride = stride(cells.len() as u64, line as u64) as usize;
+        let count = cells.len().div_ceil(line);
+        let mut places = Self {
+            stride,
+            line_bits: line.trailing_zeros(),
+            lines: Vec::with_capacity(count),
+            kinds: Vec::with_capacity(count),
+            ways: Vec::with_capacity(count + Way::AHEAD),
+            pieces: Vec::new(),
+        };
+        debug_assert!(line.is_power_of_two());
+        let mut survey = Survey::default();
+        let mut ends = vec![[End::Cell { cell: 0, mirrors: 0 }; Q]; line];
+        let mut sheets = obstacles.sheets.as_slice();
+        for first in (0..cells.len()).step_by(line) {
+            let lanes = line.min(cells.len() - first);
+            for lane in 0..lanes {
+                let index = cells.index((first + lane) as u32);
+                let at = grid.at(index);
+                for i in 1..Q {
+                    ends[lane][i] = cells.end(grid, obstacles, at, i);
+                }
+                while let Some((sheet, rest)) = sheets.split_first() {
+                    if sheet.cell as usize > index {
+                        break;
+                    }
+                    if sheet.cell as usize == index {
+                        ends[lane][sheet.dir as usize] = End::Fixture(Fixture::solid(sheet.solid));
+                    }
+                    sheets = rest;
+                }
+            }
+            places.add_line(first, &ends[..lanes], &special, &mut survey);
+        }
+        places.ways.resize(count + Way::AHEAD, Way::default());
+        places.pieces.shrink_to_fit();
+        survey.blocked.sort_unstable_by_key(|b| (b.cell, b.dir));
+        (places, survey)
+    }
+
+    fn add_line(
+        &mut self,
+        first: usize,
+        ends: &[[End; Q]],
+        special: impl Fn(Fixture) -> bool,
+        survey: &mut Survey,
+    ) {
+        let all = (u32::MAX >> (32 - (1 << self.line_bits))) as u16;
+        let mut entry = [0u32; Q];
+        let first_piece = self.pieces.len();
+        for i in 1..Q {
+            let begin = self.pieces.len();
+            let found = survey.reflections.len();
+            for (lane, ends) in ends.iter().enumerate() {
+                let from = ends[OPPOSITE[i]];
+                let (plane, cell) = match from {
+                    End::Cell { cell, mirrors } => (OPPOSITE[mirrored(i, mirrors)], cell as usize),
+                    End::Fixture(_) => (i, first + lane),
+                };
+                let place = (plane * self.stride + cell - lane) as u32;
+                let piece = self.pieces[begin..].iter_mut().find(|p| p.place == place);
+                match piece {
+                    Some(piece) => piece.lanes |= 1 << lane,
+                    None => {
+                        let dir = i as u8;
+                        self.pieces.push(Piece { place, lanes: 1 << lane, dir, last: false });
+                    }
+                }
+                let (mirrors, fixture) = match from {
+                    End::Cell { mirrors: 0, .. } => continue,
+                    End::Cell { mirrors, .. } => (mirrors, Fixture(u16::MAX)),
+                    End::Fixture(fixture) if special(fixture) => {
+                        let (cell, dir) = ((first + lane) as u32, OPPOSITE[i] as u8);
+                        survey.blocked.push(Blocked { cell, dir, fixture });
+                        continue;
+                    }
+                    End::Fixture(fixture) => (0, fixture),
+                };
+                let same = |r: &&mut Reflection| {
+                    (r.place, r.mirrors, r.fixture) == (place, mirrors, fixture)
+                };
+                match survey.reflections[found..].iter_mut().find(same) {
+                    Some(reflection) => reflection.lanes |= 1 << lane,
+                    None => survey.reflections.push(Reflection {
+                        place,
+                        mirror_cell: cell as i32 - lane as i32,
+                        line: (first >> self.line_bits) as u32,
+                        lanes: 1 << lane,
+                        dir: i as u8,
+                        mirrors,
+                        fixture,
+                    }),
+                }
+            }
+            match self.pieces[begin..] {
+                [Piece { place, lanes, .. }] if lanes == all => {
+                    entry[i] = place;
+                    self.pieces.truncate(begin);
+                }
+                _ => {
+                    self.pieces.last_mut().expect("a line has a cell").last = true;
+                    entry[0] |= 1 << i;
+                }
+            }
+        }
+        let kind = self.sort_pieces(first_piece, &mut entry);
+        let row_end = RowEnd::of(&self.pieces[first_piece..], all);
+        if let Some(end) = row_end {
+            for (k, i) in end.directions().into_iter().enumerate() {
+                entry[i] = self.pieces[first_piece + 2 * k + end.others()].place;
+            }
+        }
+        let is_straight =
+            |entry: &[u32; Q], row_end: Option<RowEnd>| entry[0] == 0 || row_end.is_some();
+        let follows = is_straight(&entry, row_end)
+            && self.lines.last().zip(self.ways.last()).is_some_and(|(before, way)| {
+                let line = 1 << self.line_bits;
+                is_straight(before, way.row_end) && (1..Q).all(|i| entry[i] == before[i] + line)
+            });
+        self.lines.push(entry);
+        self.kinds.push(kind);
+        self.ways.push(Way { follows, row_end });
+    }
+
+    /// Brings the pieces of the last line, those from `first` on, into the order of [`Kind`], and writes to its
+    /// entry where those of each direction begin.
+    fn sort_pieces(&mut self, first: usize, entry: &mut [u32; Q]) -> Kind {
+        let unsorted = self.pieces.split_off(first);
+        let mut kind = Kind { first: first as u32, ..Kind::default() };
+        let is_of = |count: usize, wanted| {
+            if wanted == 4 { !(2..=3).contains(&count) } else { count == wanted }
+        };
+        for wanted in 2..=4 {
+            for own in
+                unsorted.chunk_by(|a, b| a.dir == b.dir).filter(|own| is_of(own.len(), wanted))
+            {
+                entry[usize::from(own[0].dir)] = self.pieces.len() as u32;
+                self.pieces.extend_from_slice(own);
+                match wanted {
+                    2 => kind.two += 1,
+                    3 => kind.three += 1,
+                    _ => kind.others += 1,
+                }
+            }
+        }
+        kind
+    }
+
+    /// Numbers from one plane to the next.
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The table, see [`Places`].
+    #[inline(always)]
+    pub fn lines(&self) -> &[[u32; Q]] {
+        &self.lines
+    }
+
+    /// See [`Kind`].
+    #[inline(always)]
+    pub fn kind(&self, line: usize) -> Kind {
+        self.kinds[line]
+    }
+
+    /// How a sweep comes to a line; [`Way::AHEAD`] lines after the last may be asked for, too.
+    #[inline(always)]
+    pub fn way(&self, line: usize) -> Way {
+        self.ways[line]
+    }
+
+    /// The end, up to `end`, of the run of lines from `first` on within which each line's odd places follow those of
+    /// the line before. `WITH_ENDS`: ends of rows may be among them.
+    #[inline(always)]
+    pub fn run_end<const WITH_ENDS: bool>(&self, first: usize, end: usize) -> usize {
+        prefetch(self.ways.as_ptr().wrapping_add(first + 256));
+        let goes_on = |way: &&Way| way.follows && (WITH_ENDS || way.row_end.is_none());
+        let ways = &self.ways[first..end];
+        if !WITH_ENDS && ways[0].row_end.is_some() {
+            return first + 1;
+        }
+        first + 1 + ways[1..].iter().take_while(goes_on).count()
+    }
+
+    /// The pieces to which the table's lines point.
+    #[inline(always)]
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Where the collision of a parity finds `f_i` of a cell. It leaves `g_i` in the place of the
+    /// opposite direction.
+    #[inline(always)]
+    pub fn of(&self, parity: Parity, cell: u32, i: usize) -> usize {
+        match parity {
+            Parity::Even => i * self.stride + cell as usize,
+            Parity::Odd => self.odd(cell, i),
+        }
+    }
+
+    /// The line of a cell, and its lane there.
+    #[inline(always)]
+    fn line_and_lane(&self, cell: usize) -> (usize, usize) {
+        (cell >> self.line_bits, cell & ((1 << self.line_bits) - 1))
+    }
+
+    /// [`Places::of`] in all directions.
+    #[inline(always)]
+    pub fn of_cell(&self, parity: Parity, cell: u32) -> [usize; Q] {
+        let cell = cell as usize;
+        if parity == Parity::Even {
+            return std::array::from_fn(|i| i * self.stride + cell);
+        }
+        let (line, lane) = self.line_and_lane(cell);
+        let entries = &self.lines[line];
+        let mut places = entries.map(|entry| entry as usize + lane);
+        places[0] = cell;
+        let mut mixed = entries[0];
+        while mixed != 0 {
+            let i = mixed.trailing_zeros() as usize;
+            mixed &= mixed - 1;
+            places[i] = self.in_pieces(line, i, lane);
+        }
+        places
+    }
+
+    /// [`Places::of`] in odd steps.
+    #[inline(always)]
+    pub fn odd(&self, cell: u32, i: usize) -> usize {
+        let cell = cell as usize;
+        let (line, lane) = self.line_and_lane(cell);
+        let entries = &self.lines[line];
+        if i == 0 {
+            return cell;
+        }
+        if entries[0] >> i & 1 == 0 {
+            return entries[i] as usize + lane;
+        }
+        self.in_pieces(line, i, lane)
+    }
+
+    /// [`Places::of`] of the first cell of a line, if those of the others follow it.
+    #[inline(always)]
+    pub fn of_line(&self, parity: Parity, line: usize, i: usize) -> Option<usize> {
+        let first = line << self.line_bits;
+        if parity == Parity::Even || i == 0 {
+            return Some(i * self.stride + first);
+        }
+        let entries = &self.lines[line];
+        (entries[0] >> i & 1 == 0).then(|| entries[i] as usize)
+    }
+
+    /// Gives [`Places::of`] of `count` cells of one line that follow each other, after the number of each among
+    /// them.
+    #[inline(always)]
+    pub fn each_of(
+        &self,
+        parity: Parity,
+        (first, count): (u32, usize),
+        i: usize,
+        mut give: impl FnMut(usize, usize),
+    ) {
+        let (line, lane) = self.line_and_lane(first as usize);
+        if let Some(place) = self.of_line(parity, line, i) {
+            (0..count).for_each(|k| give(k, place + lane + k));
+            return;
+        }
+        for piece in self.pieces_of(line, i) {
+            let mut lanes = u32::from(piece.lanes) >> lane & ((1 << count) - 1);
+            while lanes != 0 {
+                let k = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                give(k, piece.place as usize + lane + k);
+            }
+            if piece.last {
+                break;
+            }
+        }
+    }
+
+    /// Cells that follow each other in one line, as [`Places::each_of`] takes them: the first, and how many.
+    pub fn runs(&self, cells: &[u32]) -> impl Iterator<Item = (u32, usize)> {
+        let line = |cell: u32| cell >> self.line_bits;
+        let follow = move |a: &u32, b: &u32| *b == *a + 1 && line(*a) == line(*b);
+        cells.chunk_by(follow).map(|run| (run[0], run.len()))
+    }
+
+    /// Asks memory for what [`Places::odd`] reads for some cells in a row.
+    #[inline(always)]
+    pub fn prefetch(&self, first: u32, count: u32) {
+        let [begin, end] = [first, first + count].map(|cell| cell as usize >> self.line_bits);
+        let table = self.lines.as_ptr().cast::<u8>();
+        for byte in (begin * size_of::<[u32; Q]>()..(end + 1) * size_of::<[u32; Q]>()).step_by(64) {
+            prefetch(table.wrapping_add(byte));
+        }
+    }
+
+    /// The list that begins with the pieces of a direction of a line that is in pieces there.
+    #[inline(always)]
+    pub fn pieces_of(&self, line: usize, i: usize) -> &[Piece] {
+        let first = match self.ways[line].row_end {
+            Some(end) => self.kinds[line].first as usize + 2 * end.number_of(i),
+            None => self.lines[line][i] as usize,
+        };
+        &self.pieces[first..]
+    }
+
+    /// The odd place of a lane whose line is in pieces.
+    fn in_pieces(&self, line: usize, i: usize, lane: usize) -> usize {
+        let own = self.pieces_of(line, i).iter().find(|p| p.lanes >> lane & 1 == 1);
+        own.expect("every lane is in a piece").place as usize + lane
+    }
+
+    /// The cell to which the link along `i` leads, if it ends in a cell. A link that a mirror sends
+    /// back to the cell where it began counts as ended there.
+    #[inline]
+    pub fn neighbour(&self, cell: u32, i: usize) -> Option<u32> {
+        self.leads_to(cell, i, self.odd(cell, OPPOSITE[i]))
+    }
+
+    /// The cells to which the links of a cell lead, in the order of directions; see [`Places::neighbour`].
+    #[inline]
+    pub fn neighbours(&self, cell: u32) -> impl Iterator<Item = u32> {
+        let places = self.of_cell(Parity::Odd, cell);
+        (1..Q).filter_map(move |i| self.leads_to(cell, i, places[OPPOSITE[i]]))
+    }
+
+    /// Where the link `i` of a cell leads, given the odd place of the population that comes back along it.
+    #[inline(always)]
+    fn leads_to(&self, cell: u32, i: usize, place: usize) -> Option<u32> {
+        if place == OPPOSITE[i] * self.stride + cell as usize {
+            return None;
+        }
+        // Mostly the plane of the link itself; another behind a mirror.
+        let plain = place.wrapping_sub(i * self.stride);
+        Some(if plain < self.stride { plain } else { place % self.stride } as u32)
+    }
+
+    /// Memory that the table takes [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.lines.as_slice())
+            + size_of_val(self.kinds.as_slice())
+            + size_of_val(self.ways.as_slice())
+            + size_of_val(self.pieces.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests;

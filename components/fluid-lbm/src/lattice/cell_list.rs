@@ -1,0 +1,156 @@
+//! Which cells of the box are stored, and what stands around them.
+//!
+//! Only cells that no static solid covers are stored. They have numbers in the order of the box, x
+//! running fastest; everything that is kept for cells is an array over these numbers.
+
+use crate::lattice::d3q19::C;
+use crate::lattice::grid::{Grid, Reach};
+
+/// Number of a cell of the box that is not stored.
+pub const NONE: u32 = u32::MAX;
+
+/// Whom a link meets that leaves the fluid: a face of the domain or a static solid.
+///
+/// Faces come first, `2 axis + side`; then the solids of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Fixture(pub u16);
+
+impl Fixture {
+    /// Number of faces.
+    pub const FACES: u16 = 6;
+
+    /// A face of the domain.
+    pub fn face(axis: usize, side: usize) -> Self {
+        Self((2 * axis + side) as u16)
+    }
+
+    /// A static solid.
+    pub fn solid(number: u16) -> Self {
+        Self(Self::FACES + number)
+    }
+
+    /// Which solid, unless it is a face.
+    pub fn as_solid(self) -> Option<usize> {
+        self.0.checked_sub(Self::FACES).map(usize::from)
+    }
+}
+
+/// A thin solid between two cells of the fluid: the link `dir` of the cell `cell` of the box ends at
+/// it. Both cells have such a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Sheet {
+    /// Index of the cell in the box.
+    pub cell: u32,
+    /// Direction of the link.
+    pub dir: u8,
+    /// Which static solid.
+    pub solid: u16,
+}
+
+/// Static solids in a box.
+#[derive(Clone, Debug, Default)]
+pub struct Obstacles {
+    /// For each cell of the box, 0 for fluid, else 1 more than the number of the solid. Empty if
+    /// all is fluid.
+    pub solid: Vec<u16>,
+    /// Thin solids, sorted.
+    pub sheets: Vec<Sheet>,
+}
+
+/// Where a link from a stored cell ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// In a stored cell, through a mirror at the axes whose bits are set.
+    Cell {
+        /// Its number.
+        cell: u32,
+        /// Axes at which the way was mirrored.
+        mirrors: u8,
+    },
+    /// At something that stands still.
+    Fixture(Fixture),
+}
+
+/// Which of 32 consecutive cells of the box are stored.
+#[derive(Clone, Copy, Debug, Default)]
+struct Word {
+    bits: u32,
+    /// Stored cells before these.
+    before: u32,
+}
+
+/// The stored cells.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// Which cells of the box are stored, and so their numbers: the count of those before.
+    words: Vec<Word>,
+    /// For each stored cell its index in the box.
+    at: Vec<u32>,
+}
+
+impl Cells {
+    /// Numbers the cells that are not solid.
+    pub fn new(grid: &Grid, obstacles: &Obstacles) -> Self {
+        let boxed = grid.len();
+        let is_stored = |index: usize| obstacles.solid.get(index).is_none_or(|&s| s == 0);
+        let at: Vec<u32> = (0..boxed).filter(|&k| is_stored(k)).map(|k| k as u32).collect();
+        let mut words = vec![Word::default(); boxed.div_ceil(32)];
+        for &index in &at {
+            words[index as usize / 32].bits |= 1 << (index % 32);
+        }
+        let mut before = 0;
+        for word in &mut words {
+            word.before = before;
+            before += word.bits.count_ones();
+        }
+        Self { words, at }
+    }
+
+    /// How many are stored.
+    pub fn len(&self) -> usize {
+        self.at.len()
+    }
+
+    /// Number of the cell with an index in the box, or [`NONE`].
+    #[inline(always)]
+    pub fn number(&self, index: usize) -> u32 {
+        let word = self.words[index / 32];
+        let bit = 1 << (index % 32);
+        if word.bits & bit == 0 { NONE } else { word.before + (word.bits & (bit - 1)).count_ones() }
+    }
+
+    /// Number of a cell of the box, if it is stored.
+    #[inline]
+    pub fn at(&self, grid: &Grid, at: [i32; 3]) -> Option<u32> {
+        let number = self.number(grid.index(at));
+        (number != NONE).then_some(number)
+    }
+
+    /// Index in the box of a stored cell.
+    #[inline(always)]
+    pub fn index(&self, cell: u32) -> usize {
+        self.at[cell as usize] as usize
+    }
+
+    /// Coordinates of a stored cell.
+    #[inline]
+    pub fn coordinates(&self, grid: &Grid, cell: u32) -> [i32; 3] {
+        grid.at(self.index(cell))
+    }
+
+    /// Where the link along `i` from a cell at `at` leads, sheets not counted.
+    pub fn end(&self, grid: &Grid, obstacles: &Obstacles, at: [i32; 3], i: usize) -> End {
+        match grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
+            Reach::Face { axis, side } => End::Fixture(Fixture::face(axis, side)),
+            Reach::Cell { at, mirrors } => match self.at(grid, at) {
+                Some(cell) => End::Cell { cell, mirrors },
+                None => End::Fixture(Fixture::solid(obstacles.solid[grid.index(at)] - 1)),
+            },
+        }
+    }
+
+    /// Memory that the tables take [bytes].
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.words.as_slice()) + size_of_val(self.at.as_slice())
+    }
+}

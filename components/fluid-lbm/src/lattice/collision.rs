@@ -1,0 +1,411 @@
+//! The collision of D3Q19 with two relaxation times and a body force, for a vector of cells.
+//!
+//! With `h+- = (h_i +- h_i')/2` of each pair of opposite directions,
+//!
+//! ```text
+//! g+- = h+- - (h+- - heq+-)/tau+- + (1 - 1/(2 tau+-)) S+-
+//! S_i = w_i [3 (c_i - u) + 9 (c_i.u) c_i].F,   F = rho a,   rho u = sum_i h_i c_i + F/2
+//! ```
+//!
+//! (Ginzburg, Verhaeghe & d'Humieres 2008; forcing of Guo, Zheng & Shi 2002 split into its even and
+//! odd parts). Equal times give the BGK collision. Each step adds `F` to a cell's momentum.
+//!
+//! With Smagorinsky's closure `nu_t = (C dx)^2 |S|` the even time of each cell is
+//!
+//! ```text
+//! tau* = [tau + sqrt(tau^2 + 18 sqrt(2) C^2 P/rho)]/2,   P = sqrt(Pi_ab Pi_ab)
+//! Pi_ab = sum_i c_ia c_ib (h_i - heq_i) + (u_a F_b + F_a u_b)/2
+//! ```
+//!
+//! the fixed point of the closure with the strain of the second-order expansion, `Pi_ab = -2 rho cs^2
+//! tau* S_ab` (Hou et al. 1996; the force's share after Guo, Zheng & Shi 2002, eq. 18). The odd time
+//! is the same for BGK, or follows from `tau*` by the magic number.
+
+mod relaxation;
+
+use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
+use crate::lattice::populations::{Real, prefetch_early};
+use crate::lattice::simd::Lanes;
+pub use relaxation::relax;
+
+/// Constants of a collision.
+#[derive(Clone, Copy, Debug)]
+pub struct Relaxation {
+    /// `1/tau+`.
+    pub even: f64,
+    /// `1/tau-`.
+    pub odd: f64,
+    /// Acceleration `a` of the fluid.
+    pub acceleration: [f64; 3],
+    /// Smagorinsky's constant `C`; 0 for none.
+    pub smagorinsky: f64,
+    /// `(tau+ - 1/2)(tau- - 1/2)`, or `None` for one relaxation time.
+    pub magic: Option<f64>,
+}
+
+impl Relaxation {
+    /// From `tau+` and `(tau+ - 1/2)(tau- - 1/2)`.
+    pub fn with_magic(tau: f64, magic: f64, acceleration: [f64; 3]) -> Self {
+        Self {
+            even: 1.0 / tau,
+            odd: 1.0 / (0.5 + magic / (tau - 0.5)),
+            acceleration,
+            smagorinsky: 0.0,
+            magic: Some(magic),
+        }
+    }
+
+    /// One relaxation time for both parts.
+    pub fn single(tau: f64, acceleration: [f64; 3]) -> Self {
+        Self { even: 1.0 / tau, odd: 1.0 / tau, acceleration, smagorinsky: 0.0, magic: None }
+    }
+
+    /// With Smagorinsky's closure of constant `C`.
+    pub fn with_smagorinsky(self, constant: f64) -> Self {
+        Self { smagorinsky: constant, ..self }
+    }
+}
+
+/// What a collision needs in every lane. `w` is the weight of a diagonal direction; those along an axis have twice, the
+/// one at rest twelve times as much.
+#[derive(Clone, Copy)]
+pub struct Constants<V> {
+    half: V,
+    one: V,
+    one_and_half: V,
+    two: V,
+    twelve: V,
+    third: V,
+    two_thirds: V,
+    four_ninths: V,
+    w: V,
+    two_w: V,
+    w0: V,
+    /// The relaxation of all cells, without a closure.
+    pub rates: Rates<V>,
+    /// What populations keep, and what they take from their opposites.
+    keep: V,
+    swap: V,
+    /// `w_0/tau+` and `w/tau+`.
+    even: [V; 2],
+    /// `2 w/tau+` and `2 w/tau-`.
+    twice: [V; 2],
+    /// `3/4 a` and `3/2 a`.
+    lead: [V; 3],
+    pull: [V; 3],
+    /// `2 e a`, `6 w_i e (c_i.a)` and `3 w_i o (c_i.a)` of each pair, with `e = 1 - 1/(2 tau+)` and `o = 1 - 1/(2 tau-)` where
+    /// these are the same everywhere, else 1.
+    even_force: [V; 3],
+    even_pair: [V; 9],
+    odd_pair: [V; 9],
+    /// `tau+`, its square, and `12 sqrt(2) C^2`.
+    tau: V,
+    tau2: V,
+    closure: V,
+    magic: V,
+}
+
+impl<V: Lanes> Constants<V> {
+    /// The constants in vectors.
+    ///
+    /// # Safety
+    /// The processor has the variant's instructions.
+    #[inline(always)]
+    pub unsafe fn new(r: &Relaxation) -> Self {
+        // Products are rounded in f64 first: the same for every variant.
+        let a = r.acceleration;
+        // With the closure these factors differ from cell to cell and come in later.
+        let (e, o) =
+            if r.smagorinsky == 0.0 { (1.0 - 0.5 * r.even, 1.0 - 0.5 * r.odd) } else { (1.0, 1.0) };
+        let rounded = |x: f64| V::Scalar::from_f64(x).to_f64();
+        let w = W[4];
+        let (keep, swap) = (rounded(1.0 - 0.5 * (r.even + r.odd)), rounded(0.5 * (r.even - r.odd)));
+        let even = rounded(w * r.even);
+        // All weights together, so that rounding them loses no mass.
+        let even0 = 1.0 - (keep - swap) - 24.0 * even;
+        let tau = 1.0 / r.even;
+        // SAFETY: by contract.
+        unsafe {
+            let each = |a: [f64; 3], factor: f64| {
+                [V::splat(factor * a[0]), V::splat(factor * a[1]), V::splat(factor * a[2])]
+            };
+            let mut even_pair = [V::splat(0.0); 9];
+            let mut odd_pair = [V::splat(0.0); 9];
+            let mut n = 0;
+            while n < 9 {
+                let i = OPPOSITE[n + 1];
+                let wca = W[i] * dot(C_F64[i], a);
+                even_pair[n] = V::splat(6.0 * e * wca);
+                odd_pair[n] = V::splat(3.0 * o * wca);
+                n += 1;
+            }
+            let rates = Rates {
+                twice_tau: V::splat(2.0 * tau),
+                even: V::splat(r.even),
+                odd: V::splat(r.odd),
+            };
+            Self {
+                half: V::splat(0.5),
+                one: V::splat(1.0),
+                one_and_half: V::splat(1.5),
+                two: V::splat(2.0),
+                twelve: V::splat(12.0),
+                third: V::splat(1.0 / 3.0),
+                two_thirds: V::splat(2.0 / 3.0),
+                four_ninths: V::splat(4.0 / 9.0),
+                w: V::splat(w),
+                two_w: V::splat(2.0 * w),
+                w0: V::splat(W[0]),
+                rates,
+                keep: V::splat(keep),
+                swap: V::splat(swap),
+                even: [V::splat(even0), V::splat(even)],
+                twice: [V::splat(2.0 * even), V::splat(2.0 * w * r.odd)],
+                lead: each(a, 0.75),
+                pull: each(a, 1.5),
+                even_force: each(a, 2.0 * e),
+                even_pair,
+                odd_pair,
+                tau: V::splat(tau),
+                tau2: V::splat(tau * tau),
+                closure: V::splat(12.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky),
+                magic: V::splat(r.magic.unwrap_or(0.0)),
+            }
+        }
+    }
+}
+
+/// A vector of cells before their collision: what is measured of them, and what they relax to.
+#[derive(Clone, Copy)]
+pub struct Flow<V> {
+    /// Density minus 1.
+    pub drho: V,
+    /// `sum_i h_i c_i`.
+    pub j: [V; 3],
+    /// `9/4 u.u`.
+    pub v2: V,
+    /// What relaxes them.
+    pub target: Target<V>,
+    /// Their relaxation; of no meaning without the closure, where it is the same everywhere.
+    pub rates: Rates<V>,
+}
+
+impl<V: Lanes> Flow<V> {
+    /// The same with zeros in the lanes that `mask` lacks, in all that is summed up.
+    #[inline(always)]
+    pub fn keep(self, mask: V::Mask) -> Self {
+        Self {
+            drho: self.drho.keep(mask),
+            j: [self.j[0].keep(mask), self.j[1].keep(mask), self.j[2].keep(mask)],
+            v2: self.v2.keep(mask),
+            rates: Rates { twice_tau: self.rates.twice_tau.keep(mask), ..self.rates },
+            ..self
+        }
+    }
+}
+
+/// The equilibrium that a vector of cells relaxes to: `heq_i = w_i [rest + 2 rho (c_i.v) (1 + c_i.v)]`.
+#[derive(Clone, Copy)]
+pub struct Target<V> {
+    /// `v = 3/2 u`.
+    v: [V; 3],
+    /// Density.
+    rho: V,
+    /// `drho - 3/2 rho u.u`.
+    rest: V,
+}
+
+/// Where the populations of a vector of cells are.
+pub trait Populations<V: Lanes> {
+    /// Those of a direction.
+    ///
+    /// # Safety
+    /// The processor has the variant's instructions, and the populations are there.
+    unsafe fn load(&self, i: usize) -> V;
+    /// Replaces them.
+    ///
+    /// # Safety
+    /// As for `load`, and nobody else uses them.
+    unsafe fn store(&self, i: usize, value: V);
+}
+
+/// So many numbers after these places.
+pub struct After<'a, T>(pub &'a [*mut T; Q], pub usize);
+
+impl<V: Lanes> Populations<V> for After<'_, V::Scalar> {
+    #[inline(always)]
+    unsafe fn load(&self, i: usize) -> V {
+        // SAFETY: by contract.
+        unsafe { V::load(self.0[i].add(self.1)) }
+    }
+    #[inline(always)]
+    unsafe fn store(&self, i: usize, value: V) {
+        // SAFETY: by contract.
+        unsafe { value.store(self.0[i].add(self.1)) }
+    }
+}
+
+/// How many cache lines ahead of its use a place is fetched: a processor's window of instructions does not reach that
+/// far by itself.
+pub const AHEAD: usize = 16;
+
+/// Asks memory for the places that lie a while after those of a vector.
+#[inline(always)]
+pub fn ask_ahead<T: Real>(places: &[*mut T; Q], x: usize) {
+    let mut i = 0;
+    while i < Q {
+        prefetch_early(places[i].wrapping_add(x + AHEAD * T::LINE));
+        i += 1;
+    }
+}
+
+/// Measures a vector of cells with some populations.
+///
+/// `FORCED`: there is an acceleration; `LES`: there is a closure; `SINGLE`: both times are the same.
+///
+/// # Safety
+/// As for [`Populations::load`].
+#[inline(always)]
+pub unsafe fn measure<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+    populations: &impl Populations<V>,
+    k: &Constants<V>,
+) -> Flow<V> {
+    // Pair n is the directions n + 1 and n + 10: x, y, z, xy, x-y, xz, x-z, yz, y-z (positive one
+    // last).
+    macro_rules! at {
+        ($i:expr) => {
+            // SAFETY: by contract.
+            unsafe { populations.load($i) }
+        };
+    }
+    macro_rules! pair {
+        ($n:literal) => {{
+            let (forth, back) = (at!($n + 10), at!($n + 1));
+            (forth + back, forth - back)
+        }};
+    }
+    // Sums and differences of two diagonals of a plane: of their even and of their odd parts.
+    macro_rules! plane {
+        ($n:literal, $m:literal) => {{
+            let ((a, c), (b, d)) = (pair!($n), pair!($m));
+            (a + b, a - b, c + d, c - d)
+        }};
+    }
+    let (xy, shear_xy, j_xy, j_yx) = plane!(3, 4);
+    let (xz, shear_xz, j_xz, j_zx) = plane!(5, 6);
+    let (yz, shear_yz, j_yz, j_zy) = plane!(7, 8);
+    let ((xx, j_x), (yy, j_y), (zz, j_z)) = (pair!(0), pair!(1), pair!(2));
+    let j = [j_x + (j_xy + j_xz), j_y + (j_yx + j_yz), j_z + (j_zx + j_zy)];
+    // sum_i c_ia c_ia h_i
+    let normal = [xx + (xy + xz), yy + (xy + yz), zz + (xz + yz)];
+    let drho = at!(0) + (normal[0] + ((yy + zz) + yz));
+
+    let rho = k.one + drho;
+    // v = 3/2 u
+    let per_rho = k.one_and_half / rho;
+    let (v, v2, rest);
+    if FORCED {
+        let lead = &k.lead;
+        v = [
+            j[0].mul_add(per_rho, lead[0]),
+            j[1].mul_add(per_rho, lead[1]),
+            j[2].mul_add(per_rho, lead[2]),
+        ];
+        v2 = square(&v);
+        rest = (k.two_thirds * rho).mul_from(v2, drho);
+    } else {
+        v = [j[0] * per_rho, j[1] * per_rho, j[2] * per_rho];
+        // 3/2 rho u.u, without waiting for v
+        let kinetic = square(&j) * per_rho;
+        v2 = kinetic * per_rho;
+        rest = drho - kinetic;
+    }
+    let rates = if LES {
+        // 2/3 rho u
+        let momentum = if FORCED {
+            let factor = k.four_ninths * rho;
+            [factor * v[0], factor * v[1], factor * v[2]]
+        } else {
+            [k.two_thirds * j[0], k.two_thirds * j[1], k.two_thirds * j[2]]
+        };
+        let shear = [shear_xy, shear_xz, shear_yz];
+        let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &v, k);
+        closure::<V, SINGLE>(square, per_rho, k)
+    } else {
+        k.rates
+    };
+    Flow { drho, j, v2, target: Target { v, rho, rest }, rates }
+}
+
+/// `a.a`.
+#[inline(always)]
+fn square<V: Lanes>(a: &[V; 3]) -> V {
+    a[2].mul_add(a[2], a[1].mul_add(a[1], a[0] * a[0]))
+}
+
+/// Relaxation of a vector of cells.
+#[derive(Clone, Copy)]
+pub struct Rates<V> {
+    /// `2 tau+`.
+    pub twice_tau: V,
+    /// `1/tau+`.
+    even: V,
+    /// `1/tau-`.
+    odd: V,
+}
+
+/// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a u_b`; `momentum` is
+/// `2/3 rho u`.
+#[inline(always)]
+fn stress2<V: Lanes, const FORCED: bool>(
+    drho: V,
+    normal: [V; 3],
+    shear: [V; 3],
+    momentum: &[V; 3],
+    v: &[V; 3],
+    k: &Constants<V>,
+) -> V {
+    let mut normal = [
+        momentum[0].mul_from(v[0], k.third.mul_from(drho, normal[0])),
+        momentum[1].mul_from(v[1], k.third.mul_from(drho, normal[1])),
+        momentum[2].mul_from(v[2], k.third.mul_from(drho, normal[2])),
+    ];
+    // xy, xz, yz
+    let mut shear = [
+        momentum[0].mul_from(v[1], shear[0]),
+        momentum[0].mul_from(v[2], shear[1]),
+        momentum[1].mul_from(v[2], shear[2]),
+    ];
+    if FORCED {
+        let (pull, lead) = (&k.pull, &k.lead);
+        normal = [
+            momentum[0].mul_add(pull[0], normal[0]),
+            momentum[1].mul_add(pull[1], normal[1]),
+            momentum[2].mul_add(pull[2], normal[2]),
+        ];
+        shear = [
+            momentum[0].mul_add(lead[1], momentum[1].mul_add(lead[0], shear[0])),
+            momentum[0].mul_add(lead[2], momentum[2].mul_add(lead[0], shear[1])),
+            momentum[1].mul_add(lead[2], momentum[2].mul_add(lead[1], shear[2])),
+        ];
+    }
+    k.two.mul_add(square(&shear), square(&normal))
+}
+
+/// Rates by Smagorinsky's closure from `Pi_ab Pi_ab` and `3/(2 rho)`.
+#[inline(always)]
+fn closure<V: Lanes, const SINGLE: bool>(stress2: V, per_rho: V, k: &Constants<V>) -> Rates<V> {
+    let twice_tau = k.tau + (k.closure * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
+    let even = k.two / twice_tau;
+    let odd = if SINGLE {
+        even
+    } else {
+        // 1/tau- = 1/(1/2 + magic/(tau+ - 1/2))
+        let over = k.half * twice_tau - k.half;
+        over / k.half.mul_add(over, k.magic)
+    };
+    Rates { twice_tau, even, odd }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! One cell against the formulas.
+
+use super::*;
+use crate::lattice::d3q19::equilibrium;
+use crate::lattice::simd::Portable;
+
+type One = Portable<f64, 1>;
+
+/// Collides one cell.
+fn collided(h: &[f64; Q], r: &Relaxation, forced: bool) -> [f64; Q] {
+    fn collide<const FORCED: bool, const LES: bool, const SINGLE: bool>(
+        places: &[*mut f64; Q],
+        r: &Relaxation,
+    ) {
+        // SAFETY: plain arrays need no instructions; each pointer is to one number.
+        unsafe {
+            let k = Constants::<One>::new(r);
+            let flow = measure::<One, FORCED, LES, SINGLE>(&After(places, 0), &k);
+            let to = (&flow.target, &flow.rates);
+            relax::<One, FORCED, LES, SINGLE, false>(&After(places, 0), 1, to, &k);
+        }
+    }
+    let mut g = *h;
+    let first = g.as_mut_ptr();
+    let places = std::array::from_fn(|i| first.wrapping_add(i));
+    match (forced, r.smagorinsky != 0.0, r.magic.is_none()) {
+        (false, false, false) => collide::<false, false, false>(&places, r),
+        (false, false, true) => collide::<false, false, true>(&places, r),
+        (false, true, false) => collide::<false, true, false>(&places, r),
+        (false, true, true) => collide::<false, true, true>(&places, r),
+        (true, false, false) => collide::<true, false, false>(&places, r),
+        (true, false, true) => collide::<true, false, true>(&places, r),
+        (true, true, false) => collide::<true, true, false>(&places, r),
+        (true, true, true) => collide::<true, true, true>(&places, r),
+    }
+    std::array::from_fn(|i| g[OPPOSITE[i]])
+}
+
+fn some_state() -> [f64; Q] {
+    std::array::from_fn(|i| {
+        equilibrium(i, 0.01, [0.03, -0.05, 0.02]) + 1e-3 * ((i * 7 + 3) % 11) as f64 - 5e-3
+    })
+}
+
+fn moments(h: &[f64; Q]) -> (f64, [f64; 3]) {
+    let j = std::array::from_fn(|a| (0..Q).map(|i| h[i] * C_F64[i][a]).sum());
+    (h.iter().sum(), j)
+}
+
+#[test]
+fn mass_and_momentum_are_kept_without_a_force() {
+    let h = some_state();
+    for r in [Relaxation::single(0.7, [0.0; 3]), Relaxation::with_magic(0.7, 0.1875, [0.0; 3])] {
+        let g = collided(&h, &r, false);
+        let ((m0, j0), (m1, j1)) = (moments(&h), moments(&g));
+        assert!((m0 - m1).abs() < 1e-16);
+        for a in 0..3 {
+            assert!((j0[a] - j1[a]).abs() < 1e-16);
+        }
+    }
+}
+
+#[test]
+fn a_force_adds_rho_a_to_the_momentum_and_nothing_to_the_mass() {
+    let h = some_state();
+    let a = [1e-4, -3e-4, 2e-4];
+    for r in [Relaxation::single(0.7, a), Relaxation::with_magic(0.7, 0.1875, a)] {
+        let g = collided(&h, &r, true);
+        let ((m0, j0), (m1, j1)) = (moments(&h), moments(&g));
+        assert!((m0 - m1).abs() < 1e-16);
+        for k in 0..3 {
+            assert!((j1[k] - j0[k] - (1.0 + m0) * a[k]).abs() < 1e-16);
+        }
+    }
+}
+
+#[test]
+fn it_is_the_formula_of_the_single_relaxation_time() {
+    let h = some_state();
+    let (tau, a) = (0.8, [1e-3, -2e-3, 5e-4]);
+    let (drho, j) = moments(&h);
+    let u: [f64; 3] = std::array::from_fn(|k| j[k] / (1.0 + drho) + 0.5 * a[k]);
+    let g = collided(&h, &Relaxation::single(tau, a), true);
+    for i in 0..Q {
+        let c = C_F64[i];
+        let force = (0..3)
+            .map(|k| (3.0 * (c[k] - u[k]) + 9.0 * dot(c, u) * c[k]) * (1.0 + drho) * a[k])
+            .sum::<f64>();
+        let expected =
+            h[i] - (h[i] - equilibrium(i, drho, u)) / tau + (1.0 - 0.5 / tau) * W[i] * force;
+        assert!((g[i] - expected).abs() < 1e-16, "{i}: {} {expected}", g[i]);
+    }
+}
+
+#[test]
+fn the_equilibrium_is_a_fixed_point() {
+    let h: [f64; Q] = std::array::from_fn(|i| equilibrium(i, -0.02, [0.05, 0.02, -0.07]));
+    let g = collided(&h, &Relaxation::with_magic(0.6, 0.1875, [0.0; 3]), false);
+    for i in 0..Q {
+        assert!((g[i] - h[i]).abs() < 1e-16);
+    }
+}
+
+/// `tau*` by iteration of `tau* = tau + (C)^2 |S|/cs^2` with `S` from the stress out of
+/// equilibrium, itself dependent on `tau*`.
+fn iterated(h: &[f64; Q], tau: f64, constant: f64, a: [f64; 3]) -> f64 {
+    let (drho, j) = moments(h);
+    let rho = 1.0 + drho;
+    let u: [f64; 3] = std::array::from_fn(|k| j[k] / rho + 0.5 * a[k]);
+    let mut square = 0.0;
+    for x in 0..3 {
+        for y in 0..3 {
+            let stress: f64 =
+                (0..Q).map(|i| C_F64[i][x] * C_F64[i][y] * (h[i] - equilibrium(i, drho, u))).sum();
+            square += (stress + 0.5 * rho * (u[x] * a[y] + u[y] * a[x])).powi(2);
+        }
+    }
+    let mut found = tau;
+    for _ in 0..200 {
+        let strain = (2.0 * square).sqrt() / (2.0 * rho * found / 3.0);
+        found = tau + 3.0 * constant * constant * strain;
+    }
+    found
+}
+
+#[test]
+fn the_closure_is_the_fixed_point_of_smagorinskys_viscosity() {
+    let h = some_state();
+    for (tau, constant) in [(0.500004, 0.4), (0.51264, 0.4), (0.6, 0.17), (0.8, 0.1)] {
+        for a in [[0.0; 3], [1e-3, -2e-3, 5e-4]] {
+            let expected = iterated(&h, tau, constant, a);
+            assert!(expected > tau * 1.0001);
+            let forced = a != [0.0; 3];
+            let les = Relaxation::single(tau, a).with_smagorinsky(constant);
+            let plain = Relaxation::single(expected, a);
+            let (found, same) = (collided(&h, &les, forced), collided(&h, &plain, forced));
+            let trt = Relaxation::with_magic(tau, 0.1875, a).with_smagorinsky(constant);
+            let magic = Relaxation::with_magic(expected, 0.1875, a);
+            let (trt, magic) = (collided(&h, &trt, forced), collided(&h, &magic, forced));
+            for i in 0..Q {
+                assert!((found[i] - same[i]).abs() < 1e-15, "{i}: {} {}", found[i], same[i]);
+                assert!((trt[i] - magic[i]).abs() < 1e-15, "{i}: {} {}", trt[i], magic[i]);
+            }
+        }
+    }
+}

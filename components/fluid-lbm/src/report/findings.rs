@@ -1,0 +1,536 @@
+//! Numbers of the lattice, judged before the run.
+
+use crate::domain::parameters::{Parameters, Precision};
+use crate::lattice::d3q19::CS2;
+use crate::report::compression;
+use crate::report::gap_findings as gaps;
+use crate::report::gap_width_check::Narrow;
+use crate::report::grain_space_check::{DryRegion, Throat};
+use crate::report::part_extent::PartExtent;
+use crate::report::reservoir_findings as reservoirs;
+use crate::report::resolution::{Mended, Resolution};
+use tremie_messages::finding::short;
+use tremie_messages::scene::{Face, FluidMaterial, Motion, PartBoundary, Scene};
+use tremie_messages::{Finding, Limit};
+
+/// Cells across a sphere from which its drag is trusted to a few per cent.
+const RESOLVED: f64 = 8.0;
+/// Cells across a sphere below which it may cover no cell at all.
+const UNSEEN: f64 = 2.0;
+/// Cells in the boundary layer of a sphere, D/√Re thick, below which the layer is not resolved.
+const LAYER: f64 = 1.0;
+/// Cells across a gap from which the flow through it is trusted.
+const WIDE: f64 = 4.0;
+/// Cells across a gap below which it may hold no cell.
+const SHUT: f64 = 1.0;
+/// Part of a surface's triangles whose mending a user should look at.
+const MENDED: f64 = 0.05;
+/// Relaxation time below which rounding and waves are damped too little to be safe.
+const LOW_TAU: f64 = 0.505;
+/// Relaxation time above which the flow lags behind changes.
+const HIGH_TAU: f64 = 2.0;
+/// Mach number up to which the lattice's error, of its square, is about a per cent.
+const LOW_MACH: f64 = 0.1;
+/// Weight of the grains over the lattice's stiffness that is still small, and the one at which the
+/// fluid was measured to give way under the bed.
+const SOFT: [f64; 2] = [0.05, 0.1];
+
+/// What is known of a lattice before it runs, each number with a verdict.
+pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
+    let Some(fluid) = &scene.fluid else { return Vec::new() };
+    let lattice = Lattice { parameters, resolution, fluid, scene };
+    let mut findings = vec![lattice.relaxation_time(), lattice.speed()];
+    findings.extend(lattice.mach());
+    findings.extend(resolution.cells_per_smallest_sphere.map(|cells| lattice.sphere(cells)));
+    findings.extend(resolution.cells_per_smallest_sphere.and_then(|d| lattice.layer(d)));
+    findings
+        .extend(resolution.cells_per_thinnest_polyhedron.map(|cells| lattice.polyhedron(cells)));
+    findings.extend(resolution.thin_parts.iter().flat_map(|part| lattice.part(part)));
+    findings.extend(resolution.dry_regions.iter().map(DryRegion::finding));
+    findings.extend(resolution.throat.as_ref().map(Throat::finding));
+    findings.extend(resolution.narrowest_gap.as_ref().map(|gap| lattice.gap(gap)));
+    findings.extend(resolution.narrowest_gap_of_bodies.as_ref().map(|gap| lattice.film(gap)));
+    findings.extend(resolution.mended.iter().map(mended));
+    findings.extend(lattice.pressure_noise());
+    findings.extend(lattice.compression());
+    findings.extend(compression::of_flow(scene, lattice.stiffness(), resolution.time_step));
+    findings.extend(lattice.softness());
+    findings.extend(reservoirs::findings(scene, resolution));
+    findings.extend(gaps::findings(parameters, scene, resolution));
+    findings
+}
+
+/// Part of the fluid's mass that links may lose or make before it shows in pressures and rates of flow.
+const LOST: f64 = 1e-3;
+
+/// What signals are judged by once the run is over.
+pub fn limits() -> Vec<Limit> {
+    vec![Limit {
+        signal: "mass_lost_share".into(),
+        quantity: "mass that walls and bodies took or made over the fluid's".into(),
+        unit: "1".into(),
+        doubtful: LOST,
+        wrong: None,
+        why: "walls and bodies pay back what they take over some 500 steps, but with refill = \"eqneq\" moving bodies never do; \
+              meanwhile pressures in a closed box are off by that"
+            .into(),
+        remedy: "refill = \"mass\", which is the default; or a finer cell, in which bodies cross fewer cells in a step".into(),
+    }]
+}
+
+struct Lattice<'a> {
+    parameters: &'a Parameters,
+    resolution: &'a Resolution,
+    fluid: &'a FluidMaterial,
+    scene: &'a Scene,
+}
+
+impl Lattice<'_> {
+    /// Cell over time step [m/s].
+    fn unit_speed(&self) -> f64 {
+        self.resolution.cell / self.resolution.time_step
+    }
+
+    /// Gauge pressure of a relative change of density of one, `rho c_s^2` [Pa].
+    fn stiffness(&self) -> f64 {
+        self.fluid.density * CS2 * self.unit_speed() * self.unit_speed()
+    }
+
+    fn relaxation_time(&self) -> Finding {
+        let Resolution { tau, time_step, cell, .. } = *self.resolution;
+        let nu = self.fluid.viscosity / self.fluid.density;
+        // At the same lattice speed tau - 1/2 grows as 1/cell.
+        let finer = cell * (tau - 0.5) / (LOW_TAU - 0.5);
+        let mut remedy = format!(
+            "a cell of {} m (now {} m) at this lattice speed makes it {LOW_TAU}",
+            short(finer),
+            short(cell)
+        );
+        let step = self.parameters.time_step_of(LOW_TAU, nu);
+        let mach = self.fluid.expected_speed.map_or(0.0, |u| self.parameters.mach_of(u, step));
+        if mach <= LOW_MACH {
+            remedy +=
+                &format!(", so does a time step of {} s (now {} s)", short(step), short(time_step));
+        }
+        let why = if self.parameters.smagorinsky > 0.0 {
+            "only the turbulence model damps waves and rounding, where the flow is sheared: the viscosity itself does next \
+             to nothing, and still water rings"
+        } else {
+            remedy += "; or take a turbulence model, as smagorinsky = 0.1";
+            "the collision is all but reversible: waves and rounding are damped too little, and the run may blow up or ring"
+        };
+        Finding::new("relaxation time", tau, "1")
+            .doubtful_if(tau < LOW_TAU, format!("below {LOW_TAU} {why}"), remedy)
+            .doubtful_if(
+                tau > HIGH_TAU,
+                format!("above {HIGH_TAU} the flow lags behind changes"),
+                format!(
+                    "a time step of {} s gives 1",
+                    short(self.parameters.time_step_of(1.0, nu))
+                ),
+            )
+    }
+
+    fn speed(&self) -> Finding {
+        let speed = self.unit_speed();
+        let sound = speed * CS2.sqrt();
+        Finding::new("lattice speed", speed, "m/s")
+            .because(format!("a cell in a time step; sound travels at {} m/s", short(sound)))
+    }
+
+    fn mach(&self) -> Option<Finding> {
+        let mach = self.resolution.expected_mach?;
+        let finding = Finding::new("Mach number", mach, "1");
+        let step = self.resolution.time_step * LOW_MACH / mach;
+        Some(finding.because("at the expected speed").doubtful_if(
+            mach > LOW_MACH * (1.0 + 1e-9),
+            format!(
+                "above {LOW_MACH} the lattice's compressibility is more than a per cent of the flow"
+            ),
+            format!("a time step of {} s gives {LOW_MACH}", short(step)),
+        ))
+    }
+
+    /// Judges the cells across what the fluid goes around. `meaning` says what the number is, `what` begins the reasons.
+    fn across(&self, quantity: &str, cells: f64, [meaning, what]: [&str; 2]) -> Finding {
+        let width = cells * self.resolution.cell;
+        let remedy = format!("a cell of {} m makes it {RESOLVED}", short(width / RESOLVED));
+        Finding::new(quantity, cells, "1")
+            .because(meaning)
+            .wrong_if(
+                cells < UNSEEN,
+                format!("{what}below {UNSEEN} it may cover no cell at all and feel no fluid"),
+                &remedy,
+            )
+            .doubtful_if(
+                cells < RESOLVED,
+                format!("{what}its drag is trusted to a few per cent from {RESOLVED} on"),
+                remedy,
+            )
+    }
+
+    fn sphere(&self, cells: f64) -> Finding {
+        self.across("cells across the smallest sphere", cells, ["", ""])
+    }
+
+    /// A flake has the volume of a sphere that is many cells across, and none itself.
+    fn polyhedron(&self, cells: f64) -> Finding {
+        let said = ["its least width between two planes", "its least width; "];
+        self.across("cells across the thinnest polyhedron", cells, said)
+    }
+
+    /// A part that is slim two ways is judged as a sphere of that diameter; a plate has to be seen at all.
+    fn part(&self, part: &PartExtent) -> Vec<Finding> {
+        let cell = self.resolution.cell;
+        let across = part.across.map(|cells| {
+            let said = ["where the fluid goes around it", ""];
+            self.across(&format!("cells across {}", part.part), cells, said)
+        });
+        // What is unseen is told already.
+        let is_seen = part.across.is_none_or(|cells| cells >= UNSEEN);
+        let through = (is_seen && part.through < SHUT).then(|| {
+            let remedy = format!("a cell of {} m makes it {SHUT}", short(part.through * cell / SHUT));
+            Finding::new(format!("cells through {}", part.part), part.through, "1").doubtful_if(
+                true,
+                format!("its thickness; below {SHUT} no cell of it is sure to be covered, and one that moves may let fluid through"),
+                remedy,
+            )
+        });
+        across.into_iter().chain(through).collect()
+    }
+
+    /// A low relaxation time is a large Reynolds number of a cell: with few cells across, the layer in which a
+    /// sphere's drag is made is thinner than one.
+    fn layer(&self, cells: f64) -> Option<Finding> {
+        let speed = self.fluid.expected_speed.filter(|speed| *speed > 0.0)?;
+        let nu = self.fluid.viscosity / self.fluid.density;
+        let diameter = cells * self.resolution.cell;
+        let re = speed * diameter / nu;
+        let layer = cells / re.sqrt();
+        let finding =
+            Finding::new("cells in the boundary layer of the smallest sphere", layer, "1");
+        let at = format!(
+            "D over the root of its Reynolds number, {} if it met the expected speed",
+            short(re)
+        );
+        Some(finding.because(&at).doubtful_if(
+            layer < LAYER,
+            format!("{at}; below {LAYER} the layer that makes its drag is thinner than a cell"),
+            format!("a cell of {} m makes it {LAYER}; where spheres go along with the fluid this matters less", short(diameter / re.sqrt() / LAYER)),
+        ))
+    }
+
+    fn gap(&self, gap: &Narrow) -> Finding {
+        let remedy = format!(
+            "a cell of {} m makes it {WIDE}; or close it in the geometry, if nothing should flow there",
+            short(gap.cells * self.resolution.cell / WIDE)
+        );
+        Finding::new("cells across the narrowest gap", gap.cells, "1")
+            .because(place_of(gap))
+            .doubtful_if(
+                gap.cells < SHUT,
+                format!(
+                    "{}; below {SHUT} it may hold no cell: nothing flows there, and gap_pressure says what presses",
+                    place_of(gap)
+                ),
+                &remedy,
+            )
+            .doubtful_if(
+                gap.cells < WIDE,
+                format!("{}; the flow through it is trusted from {WIDE} on", place_of(gap)),
+                remedy,
+            )
+    }
+
+    fn film(&self, gap: &Narrow) -> Finding {
+        Finding::new("cells across the narrowest gap of a body", gap.cells, "1")
+            .because(format!("at the start, {}", place_of(gap)))
+            .doubtful_if(
+                gap.cells < SHUT,
+                format!(
+                    "at the start, {}; below {SHUT} no cell resolves the film between",
+                    place_of(gap)
+                ),
+                format!(
+                    "a cell of {} m makes it {SHUT}; or give the contact lubrication",
+                    short(gap.cells * self.resolution.cell / SHUT)
+                ),
+            )
+    }
+
+    /// Rounding of the pressure: populations hold deviations from rest, of the order of speed and
+    /// pressure, so their rounding is a part of that.
+    fn pressure_noise(&self) -> Option<Finding> {
+        let speed = self.fluid.expected_speed.unwrap_or(0.0);
+        let pressure = self.expected_pressure().max(self.fluid.density * speed * speed);
+        if pressure == 0.0 {
+            return None;
+        }
+        let rounding = match self.parameters.precision {
+            Precision::F64 => f64::EPSILON,
+            Precision::F32 => f64::from(f32::EPSILON),
+        };
+        let deviation = (speed / (CS2 * self.unit_speed())).max(pressure / self.stiffness());
+        let noise = rounding * deviation * self.stiffness();
+        let finding = Finding::new("pressure resolution", noise, "Pa");
+        Some(finding.because(format!("of {} Pa that are expected", short(pressure))).doubtful_if(
+            noise > 1e-3 * pressure,
+            format!(
+                "rounding is more than a thousandth of the {} Pa that are expected",
+                short(pressure)
+            ),
+            "precision = \"f64\", or a longer time step",
+        ))
+    }
+
+    fn compression(&self) -> Option<Finding> {
+        let step = self.resolution.time_step;
+        compression::finding(self.expected_pressure(), self.stiffness(), step, self.fluid.density)
+    }
+
+    /// The largest pressure that the scene gives [Pa].
+    fn expected_pressure(&self) -> f64 {
+        let faces = self.scene.domain.faces.iter().flatten().filter_map(|face| match face {
+            Face::Pressure { pressure, .. } => Some(*pressure),
+            _ => None,
+        });
+        let parts = self.scene.parts.iter().filter_map(|part| match part.boundary {
+            PartBoundary::Pressure { pressure, .. } => Some(pressure),
+            _ => None,
+        });
+        faces.chain(parts).chain([self.fluid.pressure]).fold(0.0, |most, p| most.max(p.abs()))
+    }
+
+    /// Excess weight of the free grains on the floor over the lattice's stiffness. The fluid carries
+    /// the grains; where its pressure is not small beside `rho c_s^2` it is compressed as a spring.
+    fn softness(&self) -> Option<Finding> {
+        let gravity = self.scene.gravity;
+        let down = (0..3).max_by(|a, b| gravity[*a].abs().total_cmp(&gravity[*b].abs()))?;
+        let size = self.scene.domain.size();
+        let floor: f64 = (0..3).filter(|a| *a != down).map(|a| size[a]).product();
+        let free = self.scene.bodies.iter().filter(|set| set.motion == Motion::Free);
+        let weight: f64 = free
+            .map(|set| {
+                (set.density - self.fluid.density).abs()
+                    * set.placement.sizes().volume()
+                    * gravity[down].abs()
+            })
+            .sum();
+        if weight == 0.0 || self.scene.domain.is_periodic(down) {
+            return None;
+        }
+        let pressure = weight / floor;
+        let softness = pressure / self.stiffness();
+        let [doubtful, wrong] = SOFT;
+        let step = self.resolution.time_step * (0.4 * doubtful / softness).sqrt();
+        let why = format!(
+            "the grains' excess weight is {} Pa on the floor, the lattice's stiffness {} Pa; above {doubtful} \
+             the grains bounce on the fluid, near {wrong} a bed was measured to fail",
+            short(pressure),
+            short(self.stiffness())
+        );
+        let remedy = format!(
+            "a time step of {} s makes it {:.2}; so does an expected speed {:.1} times as large, where that sets the step",
+            short(step),
+            0.4 * doubtful,
+            self.resolution.time_step / step
+        );
+        let finding = Finding::new("weight of the grains over lattice stiffness", softness, "1");
+        Some(finding.wrong_if(softness > wrong, &why, &remedy).doubtful_if(
+            softness > doubtful,
+            why,
+            remedy,
+        ))
+    }
+}
+
+/// Where a gap is.
+fn place_of(gap: &Narrow) -> String {
+    let [x, y, z] = gap.place.map(short);
+    let [one, other] = &gap.between;
+    format!("between {one} and {other} at ({x}, {y}, {z}) m")
+}
+
+/// What mending did to the surface of a part.
+fn mended(mended: &Mended) -> Finding {
+    let Mended { part, changes, triangles, what } = mended;
+    let all = format!("of {triangles} triangles: {what}");
+    Finding::new(format!("repairs of {part}"), *changes as f64, "1").because(&all).doubtful_if(
+        *changes as f64 > MENDED * *triangles as f64,
+        format!("{all}; so much is rarely an accident of the export"),
+        "look at the part in the viewer, or export it again as one closed solid",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::PI;
+    use tremie_messages::Verdict;
+    use tremie_messages::scene::{
+        BodySet, Domain, Geometry, Part, PartBoundary, Placement, Polyhedra, Polyhedron,
+        PolyhedronPlacement, Pose, Shape, Sphere,
+    };
+    use tremie_messages::units::Time;
+
+    fn scene(diameter: f64, gravity: f64) -> Scene {
+        let domain = Domain::new([0.0; 3], [0.012; 3], Face::WALLS);
+        let sphere = Sphere {
+            position: [0.006; 3],
+            diameter,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        };
+        Scene {
+            gravity: [0.0, 0.0, -gravity],
+            fluid: Some(FluidMaterial::at_rest(1000.0, 1e-3)),
+            bodies: vec![BodySet {
+                name: "grains".into(),
+                density: 2500.0,
+                material: "grains".into(),
+                motion: Motion::Free,
+                clump: None,
+                placement: Placement::Listed(vec![sphere]),
+            }],
+            ..Scene::empty(domain)
+        }
+    }
+
+    fn judge(scene: &Scene, cell: f64, step: f64, quantity: &str) -> Finding {
+        let own = Parameters { smagorinsky: 0.1, ..Parameters::with_cell(cell) };
+        let parameters = Parameters { time_step: Some(Time(step)), ..own };
+        let resolution = parameters.resolve(scene).unwrap();
+        let all = findings(&parameters, scene, &resolution);
+        all.into_iter().find(|finding| finding.quantity == quantity).unwrap()
+    }
+
+    #[test]
+    fn the_numbers_of_a_published_valve_are_doubted() {
+        let scene = scene(0.8e-3, 9.81);
+        let judge = |quantity: &str| judge(&scene, 3e-4, 1.2e-7, quantity);
+        let tau = judge("relaxation time");
+        assert_eq!(tau.verdict, Verdict::Doubtful);
+        assert!((tau.value - 0.500004).abs() < 1e-9);
+        assert!(tau.why.contains("only the turbulence model"), "{}", tau.why);
+        let cells = judge("cells across the smallest sphere");
+        assert_eq!(cells.verdict, Verdict::Doubtful);
+        assert!((cells.value - 8.0 / 3.0).abs() < 1e-9);
+        assert!(cells.remedy.contains("1e-4 m"), "{}", cells.remedy);
+        assert!((judge("lattice speed").value - 2500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_polyhedron_counts_as_the_sphere_of_its_volume() {
+        let cube = Polyhedron {
+            position: [0.006; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            diameter: 0.6e-3,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        };
+        let placement = PolyhedronPlacement::Listed(vec![cube]);
+        let mut scene = scene(0.8e-3, 9.81);
+        scene.bodies[0].placement =
+            Placement::Polyhedra(Polyhedra { shape: "cube".into(), placement });
+        let cells = judge(&scene, 3e-4, 1.2e-7, "cells across the smallest sphere");
+        assert!((cells.value - 2.0).abs() < 1e-9, "{}", cells.value);
+    }
+
+    /// A plate of 4 by 4 by 0.4 as large as a sphere of 2.3 cells' diameter, and a cube at the bounds.
+    #[test]
+    fn the_least_width_of_a_polyhedron_counts() {
+        let width = |scale: [f64; 3], diameter: f64| {
+            let mut scene = scene(0.8e-3, 9.81);
+            let corners = [-1.0, 1.0].map(|x| [-1.0, 1.0].map(|y| [-1.0, 1.0].map(|z| [x, y, z])));
+            let corners = corners.as_flattened().as_flattened().iter();
+            let vertices = corners.map(|v| std::array::from_fn(|a| v[a] * scale[a])).collect();
+            scene.shapes = vec![Shape { name: "own".into(), vertices }];
+            let own = Polyhedron {
+                position: [0.006; 3],
+                orientation: [0.0, 0.0, 0.0, 1.0],
+                diameter,
+                velocity: [0.0; 3],
+                angular_velocity: [0.0; 3],
+            };
+            let placement = PolyhedronPlacement::Listed(vec![own]);
+            scene.bodies[0].placement =
+                Placement::Polyhedra(Polyhedra { shape: "own".into(), placement });
+            judge(&scene, 3e-4, 1.2e-7, "cells across the thinnest polyhedron")
+        };
+        // The diameter of the sphere of a cube's volume.
+        let ball = (6.0 / PI).cbrt();
+        let flake = width([1.0, 1.0, 0.1], ball * 8.0 * 3e-4 * 0.1f64.cbrt());
+        assert!((flake.value - 0.8).abs() < 1e-6, "{flake:?}");
+        assert_eq!(flake.verdict, Verdict::Wrong);
+        for (edge, verdict) in [
+            (8.0, Verdict::Ok),
+            (7.9, Verdict::Doubtful),
+            (2.0, Verdict::Doubtful),
+            (1.9, Verdict::Wrong),
+        ] {
+            let cube = width([1.0; 3], ball * edge * 3e-4);
+            assert!((cube.value - edge).abs() < 1e-6 && cube.verdict == verdict, "{cube:?}");
+        }
+    }
+
+    #[test]
+    fn thin_parts_are_told_with_a_remedy() {
+        let about = |geometry: Geometry, position: [f64; 3], motion: Motion| {
+            let mut scene = scene(4e-3, 0.0);
+            scene.bodies.clear();
+            scene.parts = vec![Part {
+                name: "own".into(),
+                geometry,
+                pose: Pose { position, ..Pose::IDENTITY },
+                cavity: false,
+                material: "wall".into(),
+                motion,
+                boundary: PartBoundary::Wall,
+            }];
+            let parameters = Parameters::with_cell(5e-4);
+            let resolution = parameters.resolve(&scene).unwrap();
+            let all = findings(&parameters, &scene, &resolution).into_iter();
+            all.filter(|f| f.quantity.ends_with(" own")).collect::<Vec<_>>()
+        };
+        let middle = [6e-3, 6.1e-3, 6.2e-3];
+        let wire = Geometry::Box { size: [0.4e-3, 0.4e-3, 8e-3] };
+        for motion in [Motion::Fixed, Motion::Prescribed(Vec::new())] {
+            let found = about(wire.clone(), middle, motion);
+            let said: Vec<_> = found.iter().map(|f| (f.quantity.as_str(), f.verdict)).collect();
+            assert_eq!(said, [("cells across own", Verdict::Wrong)]);
+            assert!((found[0].value - 0.8).abs() < 1e-9, "{found:?}");
+            assert!(found[0].remedy.contains("a cell of 5e-5 m makes it 8"), "{found:?}");
+        }
+        let ball = about(Geometry::Sphere { radius: 1.5e-3 }, middle, Motion::Fixed);
+        assert_eq!(ball.iter().map(|f| f.verdict).collect::<Vec<_>>(), [Verdict::Doubtful]);
+        let plate = Geometry::Box { size: [9e-3, 0.4e-3, 9e-3] };
+        let found = about(plate, middle, Motion::Fixed);
+        assert_eq!(found.iter().map(|f| f.verdict).collect::<Vec<_>>(), [Verdict::Doubtful]);
+        assert_eq!(found[0].quantity, "cells through own");
+        assert!(found[0].remedy.contains("a cell of 4e-4 m makes it 1"), "{found:?}");
+        // A cell is enough for a wall; a sheet on the floor is the floor.
+        let wall = Geometry::Box { size: [9e-3, 0.5e-3, 9e-3] };
+        assert_eq!(about(wall, middle, Motion::Fixed), []);
+        let floor = Geometry::Box { size: [12e-3, 12e-3, 0.4e-3] };
+        assert_eq!(about(floor, [6e-3, 6e-3, 0.2e-3], Motion::Fixed), []);
+    }
+
+    #[test]
+    fn a_lattice_too_soft_for_its_grains_is_wrong() {
+        // The sphere's excess weight over the floor's area, over rho c_s^2, by hand.
+        let softness = 1500.0 * 9.81 * PI / 6.0 * 4e-3_f64.powi(3) / 1.44e-4;
+        let at = |speed: f64| {
+            let cell = 0.5e-3;
+            judge(
+                &scene(4e-3, 9.81),
+                cell,
+                cell / speed,
+                "weight of the grains over lattice stiffness",
+            )
+        };
+        let stiff = at(1.0);
+        assert!((stiff.value / (softness / (1000.0 / 3.0)) - 1.0).abs() < 1e-12);
+        assert_eq!(stiff.verdict, Verdict::Ok);
+        assert_eq!(at(0.25).verdict, Verdict::Wrong);
+    }
+}

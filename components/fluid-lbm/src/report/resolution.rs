@@ -1,0 +1,401 @@
+//! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
+
+use crate::bodies::body_memory;
+use crate::boundary::virtual_piston::face::{face_of, name, reservoirs_of};
+use crate::domain::lattice_orientation::Axes;
+use crate::domain::parameters::{Parameters, Precision};
+use crate::domain::static_geometry::Ground;
+use crate::lattice::aa_pattern;
+use crate::lattice::d3q19::{CS2, Q};
+use crate::lattice::populations::Field;
+use crate::report::gap_width_check::{Narrow, narrowest};
+use crate::report::grain_space_check::{DryRegion, Throat, dry_regions, throat};
+use crate::report::part_extent::{PartExtent, rounded, thin_parts};
+use crate::report::scene_check::check_scene;
+use serde::{Deserialize, Serialize};
+use tremie_geometry::{Convex, Surface};
+use tremie_messages::Problem;
+use tremie_messages::finding::short;
+use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Placement, Scene};
+
+/// What follows from parameters and scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// Cells along each axis.
+    pub cells: [usize; 3],
+    /// Edge of a cell [m].
+    pub cell: f64,
+    /// Time step [s]; a shorter one may be assigned.
+    pub time_step: f64,
+    /// Relaxation time [time steps].
+    pub tau: f64,
+    /// Mach number of the scene's expected speed.
+    pub expected_mach: Option<f64>,
+    /// Diameter of the smallest sphere of the scene [cells].
+    pub cells_per_smallest_sphere: Option<f64>,
+    /// The least width of the thinnest polyhedron of the scene [cells].
+    pub cells_per_thinnest_polyhedron: Option<f64>,
+    /// Parts that are thinner than 16 cells somewhere in the fluid.
+    pub thin_parts: Vec<PartExtent>,
+    /// Memory that the fluid will take [bytes].
+    pub memory_bytes: u64,
+    /// Cells that the fluid may fill.
+    pub fluid_cells: usize,
+    /// The narrowest gap between parts and walls of the domain, within 8 cells.
+    pub narrowest_gap: Option<Narrow>,
+    /// The narrowest gap between a listed body and anything at the start, within 8 cells.
+    pub narrowest_gap_of_bodies: Option<Narrow>,
+    /// Regions in which grains start or come, with space that no fluid reaches.
+    pub dry_regions: Vec<DryRegion>,
+    /// The narrowest place on the way of grains to where they leave.
+    pub throat: Option<Throat>,
+    /// Cells of the fluid at the faces that have a reservoir: axis, side, number.
+    pub reservoir_cells: Vec<(usize, usize, usize)>,
+    /// Parts whose files had to be mended.
+    pub mended: Vec<Mended>,
+    /// What the geometry looks like in cells; sentences.
+    pub notes: Vec<String>,
+    /// What a user should know before trusting results; sentences.
+    pub warnings: Vec<String>,
+}
+
+/// A part whose file had to be mended to make a closed surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mended {
+    /// Its name.
+    pub part: String,
+    /// Triangles and vertices that were changed.
+    pub changes: usize,
+    /// Triangles that it has now.
+    pub triangles: usize,
+    /// What was done, in words.
+    pub what: String,
+}
+
+impl Parameters {
+    /// Checks everything that can be known before the run and derives the resolution.
+    ///
+    /// # Errors
+    /// Every problem found, not only the first.
+    pub fn resolve(&self, scene: &Scene) -> Result<Resolution, Vec<Problem>> {
+        self.survey(scene).map(|(resolution, _)| resolution)
+    }
+
+    /// As [`Parameters::resolve`], with the geometry in cells.
+    pub(crate) fn survey(&self, scene: &Scene) -> Result<(Resolution, Ground), Vec<Problem>> {
+        let mut problems = Vec::new();
+        self.check_own(&mut problems);
+        check_scene(scene, &mut problems);
+        let fluid = match &scene.fluid {
+            Some(fluid) if problems.is_empty() => fluid,
+            _ => return Err(problems),
+        };
+        let cells = self.cells(&scene.domain, &mut problems);
+        let time_step = self.choose_time_step(fluid);
+        let tau = self.tau_of(time_step, fluid.viscosity / fluid.density);
+        self.check_step(fluid, time_step, &mut problems);
+        let boxed = cells.iter().try_fold(1_u64, |n, &k| n.checked_mul(k as u64));
+        // The map of the box alone; what is stored in it is counted once it is known.
+        if boxed.is_none_or(|boxed| boxed >= u64::from(u32::MAX)) {
+            problems.push(too_many(cells));
+        }
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let ground = Ground::new(scene, Axes::WORLD, cells, self.cell.0)?;
+        let fluid_cells = ground.voxels.fluid;
+        let of_bodies =
+            body_memory::of_bodies(scene, self.cell.0) + ground.triangles() * OF_TRIANGLE;
+        let memory_bytes = match self.memory(cells, fluid_cells as u64) {
+            Some(bytes) if bytes <= Self::MEMORY_LIMIT => bytes + of_bodies,
+            _ => return Err(vec![too_many(cells)]),
+        };
+        let reservoir_cells = reservoir_cells(scene, &ground)?;
+        let smallest = smallest_diameter(scene).map(|d| d / self.cell.0);
+        let [narrowest_gap, narrowest_gap_of_bodies] = narrowest(scene, &ground);
+        let resolution = Resolution {
+            cells,
+            cell: self.cell.0,
+            time_step,
+            tau,
+            expected_mach: fluid.expected_speed.map(|speed| self.mach_of(speed, time_step)),
+            cells_per_smallest_sphere: smallest,
+            cells_per_thinnest_polyhedron: thinnest_width(scene)
+                .map(|width| rounded(width / self.cell.0)),
+            thin_parts: thin_parts(scene, &ground),
+            memory_bytes,
+            fluid_cells,
+            narrowest_gap,
+            narrowest_gap_of_bodies,
+            dry_regions: dry_regions(scene, &ground),
+            throat: throat(scene, &ground),
+            reservoir_cells,
+            mended: mended(scene, &ground),
+            notes: ground.notes(),
+            warnings: warnings(memory_bytes),
+        };
+        Ok((resolution, ground))
+    }
+
+    /// Checks a time step [s] that was assigned: its relaxation time and Mach number.
+    pub(crate) fn check_step(
+        &self,
+        fluid: &FluidMaterial,
+        time_step: f64,
+        problems: &mut Vec<Problem>,
+    ) {
+        let nu = fluid.viscosity / fluid.density;
+        let tau = self.tau_of(time_step, nu);
+        let key = if self.relaxation_time.is_some() { "relaxation_time" } else { "time_step" };
+        if !(tau.is_finite() && tau >= self.smallest_tau()) {
+            let least = self.time_step_of(self.smallest_tau(), nu);
+            problems.push(
+                Problem::of_parameter(
+                    key,
+                    format!(
+                        "the time step {time_step:.4e} s makes the relaxation time {tau:.6}, \
+                         too close to the stability limit 1/2 (least {})",
+                        self.smallest_tau()
+                    ),
+                )
+                .help(format!(
+                    "take a time step of at least {least:.4e} s, or a smaller cell, or a turbulence model (smagorinsky)"
+                )),
+            );
+        }
+        let Some(speed) = fluid.expected_speed else {
+            return;
+        };
+        let mach = self.mach_of(speed, time_step);
+        // A time step chosen to meet the limit may exceed it by rounding.
+        if mach > self.mach_limit * (1.0 + 1e-9) {
+            let most = time_step * self.mach_limit / mach;
+            problems.push(
+                Problem::of_parameter(
+                    key,
+                    format!(
+                        "the expected speed {speed} m/s is Mach {mach:.3} with the time step {time_step:.4e} s, \
+                         over the limit {}",
+                        self.mach_limit
+                    ),
+                )
+                .help(format!("a time step of {most:.4e} s would do")),
+            );
+        }
+    }
+
+    /// What makes the time step as short as it is, in words.
+    pub fn step_limit(&self, fluid: &FluidMaterial) -> String {
+        let cell = short(self.cell.0);
+        let viscosity = short(fluid.viscosity / fluid.density);
+        let step = self.choose_time_step(fluid);
+        match (self.time_step, self.relaxation_time, fluid.expected_speed) {
+            (Some(_), ..) => "time_step in its settings".into(),
+            (None, Some(tau), _) => format!(
+                "relaxation_time {} in its settings, with a cell of {cell} m and {viscosity} m2/s",
+                short(tau)
+            ),
+            (None, None, Some(speed))
+                if self.tau_of(step, fluid.viscosity / fluid.density)
+                    < Self::DEFAULT_TAU * (1.0 - 1e-9) =>
+            {
+                format!(
+                    "Mach {} at expected_speed {} m/s, with a cell of {cell} m",
+                    short(self.mach_of(speed, step)),
+                    short(speed)
+                )
+            }
+            _ => format!(
+                "a relaxation time of {}, with a cell of {cell} m and a viscosity of {viscosity} m2/s",
+                Self::DEFAULT_TAU
+            ),
+        }
+    }
+
+    /// The time step [s] that parameters and scene ask for.
+    fn choose_time_step(&self, fluid: &FluidMaterial) -> f64 {
+        let nu = fluid.viscosity / fluid.density;
+        match (self.time_step, self.relaxation_time) {
+            (Some(time_step), _) => time_step.0,
+            (None, Some(tau)) => self.time_step_of(tau, nu),
+            (None, None) => {
+                let viscous = self.time_step_of(Self::DEFAULT_TAU, nu);
+                match fluid.expected_speed {
+                    Some(speed) if speed > 0.0 => {
+                        let mach = Self::DEFAULT_MACH.min(self.mach_limit);
+                        viscous.min(mach * CS2.sqrt() * self.cell.0 / speed)
+                    }
+                    _ => viscous,
+                }
+            }
+        }
+    }
+
+    /// Cells along each axis, with a problem for each edge that is not a whole number of cells.
+    fn cells(&self, domain: &Domain, problems: &mut Vec<Problem>) -> [usize; 3] {
+        let size = domain.size();
+        let common = common_cell(size, self.cell.0);
+        std::array::from_fn(|axis| {
+            let exact = size[axis] / self.cell.0;
+            let whole = exact.round().max(1.0);
+            if (exact - whole).abs() > 1e-6 * whole {
+                let below = size[axis] / exact.ceil().max(1.0);
+                let above = size[axis] / exact.floor().max(1.0);
+                problems.push(
+                    Problem::of_parameter(
+                        "cell",
+                        format!(
+                            "the domain is {} m along {}, {exact:.4} cells of {} m; it must be a whole number",
+                            size[axis],
+                            ["x", "y", "z"][axis],
+                            self.cell.0
+                        ),
+                    )
+                    .help(match common {
+                        Some(cell) => format!("a cell of {cell:.9e} m fits all edges"),
+                        None => format!(
+                            "the nearest cells that fit this edge are {below:.6e} m and {above:.6e} m"
+                        ),
+                    }),
+                );
+            }
+            // A lattice that cannot exist is refused by its memory; the cast saturates.
+            whole as usize
+        })
+    }
+
+    /// Memory of the lattice and its maps [bytes], if `stored` of the box's cells are stored; `None`
+    /// if there are more than can be numbered.
+    fn memory(&self, cells: [usize; 3], stored: u64) -> Option<u64> {
+        let boxed = cells.iter().try_fold(1_u64, |n, &k| n.checked_mul(k as u64))?;
+        if boxed >= u64::from(u32::MAX) {
+            return None;
+        }
+        let (line, bytes): (u64, fn(u64) -> u64) = match self.precision {
+            Precision::F64 => (8, Field::<f64>::bytes),
+            Precision::F32 => (16, Field::<f32>::bytes),
+        };
+        let stride = aa_pattern::stride(stored, line);
+        // Places are numbers of 32 bits.
+        if stride * Q as u64 > u64::from(u32::MAX) {
+            return None;
+        }
+        // Populations; which cells of the box are stored; index and owner of each; one bit a cell; the
+        // table of places.
+        Some(bytes(stride) + boxed / 4 + 8 * stored + stored / 8 + 4 * Q as u64 * stride / line)
+    }
+}
+
+/// Cells of the fluid at each face that has a reservoir.
+fn reservoir_cells(
+    scene: &Scene,
+    ground: &Ground,
+) -> Result<Vec<(usize, usize, usize)>, Vec<Problem>> {
+    let of = |(axis, side, _)| {
+        let own =
+            |index: &usize| face_of(&ground.grid, ground.grid.at(*index)) == Some((axis, side));
+        let solid = &ground.voxels.obstacles.solid;
+        let count = (0..ground.grid.len()).filter(|k| solid[*k] == 0).filter(own).count();
+        if count > 0 {
+            return Ok((axis, side, count));
+        }
+        let key = format!("scene.domain.faces.{}", name(axis, side));
+        let found = "the reservoir at this face reaches no fluid: solids cover all cells there";
+        Err(vec![Problem::new(key, found).help("let the bore end at the face of the domain")])
+    };
+    reservoirs_of(scene).map(of).collect()
+}
+
+/// Parts whose files had to be mended.
+fn mended(scene: &Scene, ground: &Ground) -> Vec<Mended> {
+    let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
+    let moving = ground.moving.iter().enumerate();
+    let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
+    let of = |(part, surface): (usize, &Surface)| {
+        let done = surface.repairs();
+        let changes = done.welded_near + done.dropped + done.turned + done.flipped;
+        (changes > 0 || done.offset > 0.0).then(|| Mended {
+            part: scene.parts[part].name.clone(),
+            changes,
+            triangles: surface.mesh().triangles.len(),
+            what: done.to_string(),
+        })
+    };
+    fixed.chain(moving).filter_map(of).collect()
+}
+
+/// The cell nearest to `wanted` of which all edges of a box are whole numbers, within a factor of
+/// two; `None` if there is none.
+fn common_cell(size: [f64; 3], wanted: f64) -> Option<f64> {
+    let shortest = size.into_iter().fold(f64::INFINITY, f64::min);
+    let (fewest, most) = (0.5 * shortest / wanted, 2.0 * shortest / wanted);
+    if most > 1e5 {
+        return None;
+    }
+    let fits = |cell: &f64| {
+        size.iter().all(|edge| {
+            let exact = edge / cell;
+            (exact - exact.round()).abs() <= 1e-9 * exact
+        })
+    };
+    let off = |cell: &f64| (cell / wanted).ln().abs();
+    ((fewest.ceil().max(1.0) as u32)..=(most as u32))
+        .map(|count| shortest / f64::from(count))
+        .filter(fits)
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+fn too_many(cells: [usize; 3]) -> Problem {
+    Problem::of_parameter("cell", format!("makes {cells:?} cells, more than fit in memory"))
+        .help("choose a larger cell or a smaller domain")
+}
+
+/// Diameter of the smallest sphere that the scene lists or may draw [m]; a polyhedron counts as the sphere
+/// of its volume.
+fn smallest_diameter(scene: &Scene) -> Option<f64> {
+    let sets = scene.bodies.iter().map(|set| set.placement.sizes().extremes()[0]);
+    let inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[0]);
+    sets.chain(inlets).filter(|d| d.is_finite()).reduce(f64::min)
+}
+
+/// The least width of the thinnest polyhedron that the scene lists or packs [m]: a flake may be as large as a ball, and no
+/// cell across.
+fn thinnest_width(scene: &Scene) -> Option<f64> {
+    let of = |set: &BodySet| {
+        let Placement::Polyhedra(own) = &set.placement else { return None };
+        let shape = scene.shapes.iter().find(|shape| shape.name == own.shape)?;
+        let width = Convex::hull(&shape.vertices).ok()?.unit().least_width();
+        Some(width * set.placement.sizes().extremes()[0])
+    };
+    scene.bodies.iter().filter_map(of).filter(|width| width.is_finite()).reduce(f64::min)
+}
+
+/// Memory of a triangle of a part, with what is kept to find it [bytes]; measured on x86-64.
+const OF_TRIANGLE: u64 = 340;
+
+/// What a user should know before trusting results; numbers with a verdict are in
+/// [`crate::findings`].
+fn warnings(memory_bytes: u64) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if memory_bytes > 16 << 30 {
+        warnings.push(format!(
+            "the fluid takes {:.1} GiB of memory",
+            memory_bytes as f64 / f64::from(1 << 30)
+        ));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_for_all_edges_is_the_nearest_that_fits_each() {
+        // 4 mm divides all edges, so do its parts: 4/7 and 4/6 mm are the nearest.
+        let found = common_cell([0.044, 0.028, 0.06], 0.6e-3).unwrap();
+        assert!((found - 4e-3 / 7.0).abs() < 1e-12, "{found}");
+        assert_eq!(common_cell([1.0, std::f64::consts::SQRT_2, 1.0], 0.1), None);
+        assert_eq!(common_cell([1.0, 1.0, 1e9], 1e-12), None);
+    }
+}

@@ -1,0 +1,17 @@
+//! The step: bodies, collision, reflection, loads, balance; and the fluid in SI units.
+
+pub mod bounce_back;
+pub mod deformable_surfaces;
+pub mod displaced_fluid;
+pub mod facet_loads;
+pub mod gap_pressure;
+pub mod lbm_fluid;
+pub mod lbm_solver;
+pub mod loads;
+pub mod lost_mass;
+pub mod mass_correction;
+pub mod moving_boundaries;
+pub mod pinched_cells;
+pub mod ports;
+pub mod probes;
+pub mod section_flux;
