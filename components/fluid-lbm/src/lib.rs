@@ -24,26 +24,27 @@
 mod bodies;
 mod boundary;
 mod domain;
+mod fluid;
 mod gaps;
 mod lattice;
 mod report;
 mod solver;
 
 #[cfg(feature = "component")]
-pub use report::component;
+pub use fluid::component;
 
 pub use boundary::virtual_piston::face::{ReservoirState, reservoir_signals};
 pub use domain::parameters::{
     Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls,
 };
+pub use fluid::lbm_fluid::FluidLbm;
 pub use lattice::d3q19;
 pub use lattice::error::FluidError;
 pub use lattice::ledger::Ledger;
-pub use report::diagnostics::{Diagnostics, SliceNode};
 pub use report::findings::{findings, limits};
 pub use report::gap_width_check::Narrow;
 pub use report::part_extent::PartExtent;
 pub use report::resolution::{Mended, Resolution};
-pub use solver::lbm_fluid::FluidLbm;
+pub use solver::diagnostics::{Diagnostics, SliceNode};
 pub use solver::probes::{probe_meanings, probe_signals};
 pub use tremie_team::Variant;

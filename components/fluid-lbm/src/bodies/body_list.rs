@@ -2,13 +2,13 @@
 
 use crate::bodies::body::{Body, UnionShare};
 use crate::bodies::body_shapes::Catalogue;
+use crate::bodies::deformable_surface::Soft;
 use crate::bodies::events::check;
 use crate::bodies::mesh_body::PartBody;
 use crate::lattice::error::FluidError;
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::units::Units;
-use crate::solver::deformable_surfaces::Soft;
 use tremie_messages::{BodyEvent, BodyState, SurfaceVertex};
 
 /// All bodies.

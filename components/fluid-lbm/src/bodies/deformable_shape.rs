@@ -6,9 +6,9 @@
 //! where links meet it follow their facets to first order. The wall's velocity at such a place is that of
 //! the facet's vertices, linearly in between.
 
+use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::units::Units;
-use crate::solver::facet_loads::{FACETS_PER_PIECE, OnFacet, Sums};
 use tremie_geometry::{Mesh, Surface};
 use tremie_messages::SurfaceVertex;
 
@@ -89,7 +89,7 @@ pub struct Shape {
     /// What averaging holds back of them.
     carried: Vec<OnFacet>,
     /// Room for sums over facets, by piece.
-    sums: Vec<Sums>,
+    sums: Vec<FacetSums>,
     has_velocity: bool,
 }
 
@@ -106,7 +106,7 @@ impl Shape {
             given: rest.clone(),
             drift: rest,
             carried: loads.clone(),
-            sums: vec![Sums::default(); loads.len().div_ceil(FACETS_PER_PIECE)],
+            sums: vec![FacetSums::default(); loads.len().div_ceil(FACETS_PER_PIECE)],
             loads,
             has_velocity: false,
         }
@@ -167,7 +167,7 @@ impl Shape {
     }
 
     /// Where the facets are; their loads, what averaging holds back of these, and room for sums over pieces.
-    pub fn parts(&mut self) -> (Facets<'_>, &mut [OnFacet], &mut [OnFacet], &mut [Sums]) {
+    pub fn parts(&mut self) -> (Facets<'_>, &mut [OnFacet], &mut [OnFacet], &mut [FacetSums]) {
         let facets = Facets { triangles: &self.triangles, now: &self.now };
         (facets, &mut self.loads, &mut self.carried, &mut self.sums)
     }

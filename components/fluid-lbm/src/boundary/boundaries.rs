@@ -10,15 +10,14 @@ use crate::boundary::wall_distances::WallDistances;
 use crate::boundary::wall_mass::Patches;
 use crate::domain::boundary_condition::Law;
 use crate::domain::displaced_volume::Displaced;
+use crate::domain::mirrors::mirrors_of_part;
 use crate::domain::parameters::{Parameters, Walls};
 use crate::domain::solids::Centres;
 use crate::domain::static_geometry::Ground;
 use crate::lattice::aa_pattern::{Blocked, Reflection};
 use crate::lattice::cell_list::{Fixture, Obstacles};
-use crate::lattice::grid::Side;
 use crate::lattice::layout::Layout;
 use crate::lattice::units::Units;
-use crate::solver::loads::mirrors_of_part;
 use std::sync::Arc;
 use tremie_geometry::Surface;
 use tremie_messages::scene::{Face, Reservoir, Scene};
@@ -67,18 +66,6 @@ pub struct Built {
     pub open_items: Vec<open_boundary::Item>,
     /// Faces with a reservoir.
     pub reservoirs: Vec<ReservoirFace>,
-}
-
-/// What faces are to the box of cells.
-pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
-    scene.domain.faces.each_ref().map(|faces| {
-        faces.each_ref().map(|face| match face {
-            Face::Periodic => Side::Periodic,
-            Face::Wall { .. } => Side::Wall,
-            Face::Symmetry => Side::Symmetry,
-            Face::Velocity(_) | Face::Pressure { .. } | Face::Reservoir(_) => Side::Open,
-        })
-    })
 }
 
 impl Surroundings {

@@ -21,16 +21,17 @@
 //! Of surfaces that deform they are not looked for. Diagnostics do not count them: there a link ends in a body.
 
 use crate::bodies::body::Body;
+use crate::bodies::body::late;
 use crate::bodies::deformable_shape::Hit;
 use crate::bodies::mesh_body::{Facets, PartBody};
-use crate::boundary::link_kernels::late;
+use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::population_addresses::Slots;
-use crate::boundary::post_collision::{After, Exchange};
-use crate::gaps::modelled::NONE as NO_GAP;
+use crate::boundary::post_collision::After;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, W, cross, dot, mirrored};
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::RangeInclusive;
 
@@ -273,8 +274,8 @@ impl<T: Real> After<'_, T> {
     }
 
     /// Writes the cut links of an item, after all links were reflected; returns what they exchanged.
-    pub fn write_cuts(&self, body: &Body, cuts: &CutLinks) -> Exchange {
-        let mut exchange = Exchange::default();
+    pub fn write_cuts(&self, body: &Body, cuts: &CutLinks) -> MomentumExchange {
+        let mut exchange = MomentumExchange::default();
         let Some(part) = &body.part else { return exchange };
         let nearest = if body.is_part() { 0.0 } else { self.nearest_wall };
         for (ends, read) in cuts.links.iter().zip(&cuts.read) {

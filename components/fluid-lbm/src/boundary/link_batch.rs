@@ -9,11 +9,12 @@ use crate::boundary::link_kernels::{
     AddUp, Eight, LANES, Lane, Locate, Paid, Pay, Stand, Sums, Surface,
 };
 use crate::boundary::population_addresses::Slots;
-use crate::boundary::post_collision::{After, Exchange};
+use crate::boundary::post_collision::After;
 use crate::boundary::sphere_links::SphereLinks;
 use crate::boundary::unresolved_gaps::Gaps;
 use crate::lattice::d3q19::{C_F64, Q, W};
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::{Real, prefetch};
 
 /// Links of a full batch: their cache lines, some three each, must fit in the first-level cache together
@@ -59,7 +60,7 @@ pub struct Batch {
     places: [[u32; 3]; LINKS],
     sums: Sums,
     paid: Paid,
-    exchange: Exchange,
+    exchange: MomentumExchange,
     /// Velocity of the wall and facet of each link, of a surface that can deform.
     walls: [([f64; 3], u32); LINKS],
     /// Gaps that the item found, and what facets felt.
@@ -75,7 +76,7 @@ impl Default for Batch {
             places: [[0; 3]; LINKS],
             sums: [[0.0; LANES]; 10],
             paid: [[0.0; LANES]; 2],
-            exchange: Exchange::default(),
+            exchange: MomentumExchange::default(),
             walls: [([0.0; 3], NO_FACET); LINKS],
             gaps: Gaps::default(),
         }
@@ -87,16 +88,16 @@ impl Batch {
     pub fn begin(&mut self) {
         self.sums = [[0.0; LANES]; 10];
         self.paid = [[0.0; LANES]; 2];
-        self.exchange = Exchange::default();
+        self.exchange = MomentumExchange::default();
     }
 
     /// What the item exchanged.
-    pub fn exchange(&self) -> Exchange {
+    pub fn exchange(&self) -> MomentumExchange {
         let total = |lane: &Lane| lane.iter().fold(0.0, |sum, x| sum + x);
         let sum = |k: usize| total(&self.sums[k]);
         let vector = |k: usize| [sum(k), sum(k + 1), sum(k + 2)];
         let [receded, weight] = self.paid.each_ref().map(total);
-        Exchange {
+        MomentumExchange {
             force: vector(0),
             torque: vector(3),
             swept: vector(6),

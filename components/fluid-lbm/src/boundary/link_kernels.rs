@@ -4,6 +4,7 @@
 //! Written once for plain arrays and compiled for each set of vector instructions; no operation here is
 //! fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
 
+use crate::bodies::body::late;
 use crate::lattice::d3q19::W;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
 use tremie_team::instructions::Work;
@@ -90,18 +91,6 @@ pub struct Surface {
     pub change: [f64; 3],
     /// Walls nearer than this count as that near, see [`crate::boundary::post_collision::nearest_wall`].
     pub nearest: f64,
-}
-
-/// How much later than half a step after its start a link that meets the wall at `q` is reflected, in steps: what
-/// comes back to the cell at the step's end met the wall at `1 - q` of the step, or at `q` where that is more.
-///
-/// The wall's velocity is that of this time. One and the same for all links would be late for all but those that meet
-/// the wall half-way, and as a force that is late it would feed the sound around the body: a plate on 30 cells of
-/// fluid swings by a factor of e more in some thousand steps. (A surface that deforms answers the force with a
-/// velocity, not with a change of it: taken further, that would swing from step to step.)
-#[inline(always)]
-pub fn late(q: f64) -> f64 {
-    (q - 0.5).abs()
 }
 
 /// Sums over links: force, torque, `gain u`, and `gain`.

@@ -9,17 +9,18 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::cell_flags::{BODY, FROZEN, SHARED};
 use crate::bodies::deformable_shape::Hit;
 use crate::bodies::mesh_body::{Facets, PartBody};
 use crate::boundary::cut_links::CutLinks;
+use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::link_batch::{Batch, Link};
 use crate::boundary::population_addresses::Slots;
 use crate::boundary::post_collision::After;
 use crate::boundary::unresolved_gaps::{Beyond, GapLink, beyond};
 use crate::boundary::unresolved_part_gaps::GapLinks;
 use crate::boundary::wall_distances::WallDistances;
-use crate::gaps::modelled::{DeclaredGaps, NONE as NO_GAP};
+use crate::lattice::cell_flags::{BODY, FROZEN, SHARED};
+use crate::lattice::cell_list::Fixture;
 use crate::lattice::cell_list::NONE;
 use crate::lattice::d3q19::{C, C_F64, Q, W, dot, mirrored};
 use crate::lattice::grid::Grid;
@@ -107,8 +108,8 @@ pub struct Site<'a> {
     pub layout: &'a Layout,
     /// The static geometry, if gaps press.
     pub walls: Option<&'a WallDistances>,
-    /// The gaps that the scene declares.
-    pub declared: &'a DeclaredGaps,
+    /// The declared gap between a part of the scene and something that stands still, at a point as lattice coordinates.
+    pub gap_between: &'a (dyn Fn(usize, Fixture, [f64; 3]) -> Option<u16> + Sync),
     /// Cells of a line.
     pub line: usize,
 }

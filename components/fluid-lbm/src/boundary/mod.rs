@@ -2,7 +2,7 @@
 
 pub mod boundaries;
 pub mod cut_links;
-pub mod halfway_bounce_back;
+pub mod gap_sinks;
 pub mod link_batch;
 pub mod link_kernels;
 pub mod mesh_links;

@@ -54,7 +54,6 @@
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
 //! faces, NEBB would lack equations and NEE takes its place.
 
-use crate::bodies::cell_flags::Owners;
 use crate::boundary::link_kernels::{LANES, Lane};
 use crate::boundary::nonequilibrium_extrapolation::{
     AddUp, Cells, Extrapolate, LookInside, gained,
@@ -65,6 +64,7 @@ use crate::boundary::wall_mass::Brought;
 use crate::domain::boundary_condition::{Law, Now};
 use crate::domain::parameters::OpenFaces;
 use crate::lattice::aa_pattern::{Blocked, Parity};
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::d3q19::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each};
 use crate::lattice::grid::{Grid, Side};
 use crate::lattice::layout::Layout;

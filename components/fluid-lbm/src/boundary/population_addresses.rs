@@ -1,7 +1,7 @@
 //! Where the populations of a link are.
 
-use crate::bodies::cell_flags::Owners;
 use crate::lattice::aa_pattern::Parity;
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::d3q19::OPPOSITE;
 use crate::lattice::layout::Layout;
 

@@ -25,20 +25,19 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::cell_flags::Owners;
 use crate::bodies::change_blocks::Bricks;
+use crate::boundary::gap_sinks::Intakes;
 use crate::boundary::link_batch::Batch;
 use crate::boundary::mesh_links::{PartLinks, Site, as_seen};
 use crate::boundary::sphere_links::SphereLinks;
 use crate::boundary::unresolved_gaps::Gaps;
 use crate::boundary::wall_distances::WallDistances;
-use crate::gaps::modelled::Intakes;
 use crate::lattice::aa_pattern::Parity;
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::d3q19::{C, OPPOSITE, Q, each};
 use crate::lattice::layout::Layout;
-use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::{Field, Real};
-use std::iter::Sum;
 use tremie_team::Variant;
 
 /// Rows of a body's shell that are one item of work.
@@ -58,64 +57,6 @@ pub struct Item {
     pub found: PartLinks,
     /// The links, of a sphere.
     pub of_sphere: SphereLinks,
-}
-
-/// What links exchanged in a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Exchange {
-    /// Force on the body.
-    pub force: [f64; 3],
-    /// Torque on the body about its centre.
-    pub torque: [f64; 3],
-    /// Momentum that went to the fluid besides: `(f_i' - g_i) u_w`.
-    pub swept: [f64; 3],
-    /// Of the force, what the mirrored half of the fluid gave: links through a mirror are reckoned
-    /// as those of the mirrored cell, whose force is the mirrored one.
-    pub image: [f64; 3],
-    /// The same for `swept`.
-    pub image_swept: [f64; 3],
-    /// What mirrors are reckoned to have given to populations of links that are cut on their way through them.
-    pub unmirrored: [f64; 3],
-    /// Mass that went to the fluid.
-    pub mass: f64,
-    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; of parts, and
-    /// where bodies keep accounts of mass.
-    pub receded: f64,
-    /// See `receded`.
-    pub weight: f64,
-    /// Volume by which it receded from gaps that hold no fluid.
-    pub drawn: f64,
-    /// Number of links.
-    pub links: usize,
-    /// Those without a second fluid cell where it was needed.
-    pub fallbacks: usize,
-}
-
-impl Exchange {
-    /// Adds another.
-    pub fn join(&mut self, other: &Self) {
-        add_scaled(&mut self.force, other.force, 1.0);
-        add_scaled(&mut self.torque, other.torque, 1.0);
-        add_scaled(&mut self.swept, other.swept, 1.0);
-        add_scaled(&mut self.image, other.image, 1.0);
-        add_scaled(&mut self.image_swept, other.image_swept, 1.0);
-        add_scaled(&mut self.unmirrored, other.unmirrored, 1.0);
-        self.mass += other.mass;
-        self.receded += other.receded;
-        self.weight += other.weight;
-        self.drawn += other.drawn;
-        self.links += other.links;
-        self.fallbacks += other.fallbacks;
-    }
-}
-
-impl<'a> Sum<&'a Self> for Exchange {
-    fn sum<I: Iterator<Item = &'a Self>>(all: I) -> Self {
-        all.fold(Self::default(), |mut sum, one| {
-            sum.join(one);
-            sum
-        })
-    }
 }
 
 /// The items of all bodies; those of parts that press count for so many declared gaps and intakes.
@@ -215,7 +156,7 @@ impl<T: Real> After<'_, T> {
     }
 
     /// Reflects the links of an item; returns what they exchanged.
-    pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) -> Exchange {
+    pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) -> MomentumExchange {
         let body = &bodies.living[item.body];
         batch.begin();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);

@@ -6,8 +6,8 @@
 //! densities instead would amplify noise in narrow gaps, where only one neighbour exists.
 
 use crate::bodies::body::Body;
-use crate::bodies::cell_flags::Owners;
 use crate::lattice::aa_pattern::Parity;
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::d3q19::{C, C_F64, Q, dot, equilibria, mirrored, moments};
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Field, Real};

@@ -15,7 +15,7 @@
 //! Not those that end at an open face, which replaces what its cells hold, nor those at what prescribes a pressure.
 
 use crate::boundary::open_boundary::open_faces;
-use crate::boundary::post_collision::{After, Exchange};
+use crate::boundary::post_collision::After;
 use crate::domain::boundary_condition::Law;
 use crate::lattice::aa_pattern::{Blocked, Parity};
 use crate::lattice::cell_list::Fixture;
@@ -23,6 +23,7 @@ use crate::lattice::d3q19::{C, C_F64, OPPOSITE, cross};
 use crate::lattice::grid::Reach;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::Range;
 
@@ -54,7 +55,7 @@ pub struct SheetItem {
     /// The populations `g` at both ends of each; none at an end that is no fluid.
     sent: Vec<[Option<f64>; 2]>,
     /// What each fixture exchanged that the ends by themselves did not.
-    pub exchanges: Vec<(Fixture, Exchange)>,
+    pub exchanges: Vec<(Fixture, MomentumExchange)>,
 }
 
 impl SheetLinks {
@@ -106,7 +107,7 @@ impl SheetLinks {
         let mut fixtures = self.fixtures[links.clone()].to_vec();
         fixtures.sort_unstable_by_key(|fixture| fixture.0);
         fixtures.dedup();
-        let exchanges = fixtures.into_iter().map(|fixture| (fixture, Exchange::default()));
+        let exchanges = fixtures.into_iter().map(|fixture| (fixture, MomentumExchange::default()));
         SheetItem { links, sent, exchanges: exchanges.collect() }
     }
 
@@ -153,7 +154,7 @@ impl<T: Real> After<'_, T> {
         item: &mut SheetItem,
     ) {
         for (_, exchange) in &mut item.exchanges {
-            *exchange = Exchange::default();
+            *exchange = MomentumExchange::default();
         }
         for (k, sent) in item.links.clone().zip(&item.sent) {
             let (ends, fixture) = (&links.links[k], links.fixtures[k]);

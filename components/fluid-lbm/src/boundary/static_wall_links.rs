@@ -29,7 +29,7 @@
 //! (see `aa_pattern`), which another link of the same cell may want to read before.
 
 use crate::boundary::open_boundary::open_faces;
-use crate::boundary::post_collision::{After, Exchange, density};
+use crate::boundary::post_collision::{After, density};
 use crate::boundary::sheet_links::SheetLinks;
 use crate::boundary::wall_mass::{Patch, Patches, WEIGHT};
 use crate::domain::boundary_condition::Now;
@@ -39,6 +39,7 @@ use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, cross, dot};
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::Range;
 
@@ -126,7 +127,7 @@ pub struct FixedLinks {
 pub struct Item {
     cells: Range<usize>,
     /// For each fixture that the item's links meet, their exchange.
-    pub exchanges: Vec<(Fixture, Exchange)>,
+    pub exchanges: Vec<(Fixture, MomentumExchange)>,
     /// For each of these, whether it is a solid wall, whose links have to keep the mass.
     are_walls: Vec<bool>,
     /// Patches of wall that the item's cells belong to.
@@ -135,7 +136,7 @@ pub struct Item {
 
 /// What the links of one cell meet.
 struct Met<'a> {
-    exchanges: &'a mut [(Fixture, Exchange)],
+    exchanges: &'a mut [(Fixture, MomentumExchange)],
     are_walls: &'a [bool],
     patch: &'a mut Patch,
 }
@@ -195,7 +196,7 @@ impl FixedLinks {
             let exchanges = &mut item.exchanges;
             let place = exchanges.iter().position(|e| e.0 == fixture).unwrap_or(exchanges.len());
             if place == exchanges.len() {
-                exchanges.push((fixture, Exchange::default()));
+                exchanges.push((fixture, MomentumExchange::default()));
                 item.are_walls.push(is_wall(fixture));
             }
             own.links.push(Link {
@@ -241,11 +242,12 @@ impl<T: Real> After<'_, T> {
         item: &mut Item,
     ) {
         for (_, exchange) in &mut item.exchanges {
-            *exchange = Exchange::default();
+            *exchange = MomentumExchange::default();
         }
         item.patches.iter_mut().for_each(Patch::begin);
-        let still =
-            |(fixture, _): &(Fixture, Exchange)| now[usize::from(fixture.0)] == Now::Wall([0.0; 3]);
+        let still = |(fixture, _): &(Fixture, MomentumExchange)| {
+            now[usize::from(fixture.0)] == Now::Wall([0.0; 3])
+        };
         let all_still = item.exchanges.iter().all(still);
         let mut row = RowCursor::default();
         for k in item.cells.clone() {
@@ -409,7 +411,7 @@ impl<T: Real> After<'_, T> {
         g: f64,
         u: [f64; 3],
         all: Option<&[f64; Q]>,
-        exchange: &mut Exchange,
+        exchange: &mut MomentumExchange,
     ) -> f64 {
         let (i, q) = (link.dir as usize, link.q());
         let push = all.map_or(0.0, |all| 6.0 * W[i] * density(all) * dot(C_F64[i], u));

@@ -25,19 +25,19 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::cell_flags::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
 use crate::bodies::deformable_shape::{Felt, NO_FACET};
 use crate::bodies::sphere_raster::{inside, wall_distance};
+use crate::boundary::gap_sinks::Given;
 use crate::boundary::post_collision::After;
 use crate::boundary::wall_distances::WallDistances;
-use crate::gaps::modelled::Given;
+use crate::domain::mirrors::mirrors_of_part;
+use crate::lattice::cell_flags::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
 use crate::lattice::cell_list::Fixture;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
 use crate::lattice::grid::{Grid, Reach, Side};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
-use crate::solver::loads::mirrors_of_part;
 
 /// Surfaces nearer than this part of a link are in contact.
 pub const CONTACT: f64 = 1e-3;

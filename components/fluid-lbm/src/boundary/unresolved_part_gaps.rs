@@ -158,7 +158,7 @@ impl Site<'_> {
             std::array::from_fn(|a| f64::from(at[a]) + 0.5 + meeting.q * f64::from(C[i][a]));
         let across = match across.as_fixture().map(|number| Fixture(number as u16)) {
             Some(fixture) => {
-                let gap = self.declared.between(part.index, fixture, place);
+                let gap = (self.gap_between)(part.index, fixture, place);
                 gap.map_or(across, Across::declared)
             }
             None => across,

@@ -13,7 +13,6 @@ use crate::domain::static_geometry::Ground;
 use crate::lattice::d3q19::{C, Q};
 use crate::lattice::grid::Grid;
 
-mod results;
 mod scene;
 
 /// Of the time that lines take with rows along x, what they may take at most with rows along another axis for the lattice

@@ -1,20 +1,19 @@
 //! The static geometry of a scene in cells, checked.
 
-use crate::boundary::boundaries::sides;
 use crate::domain::lattice_orientation::Axes;
 use crate::domain::leak::narrowest;
+use crate::domain::sampling::samples;
 use crate::domain::solids::{Centres, Solid, moving_solids, moving_surfaces, solids};
 use crate::domain::voxels::Voxels;
 use crate::lattice::aa_pattern::Blocked;
 use crate::lattice::cell_list::Fixture;
 use crate::lattice::d3q19::{C, mirrored};
-use crate::lattice::grid::{Grid, Reach};
-use crate::solver::probes::samples;
+use crate::lattice::grid::{Grid, Reach, Side};
 use std::sync::Arc;
 use tremie_geometry::Surface;
 use tremie_messages::Problem;
 use tremie_messages::finding::short;
-use tremie_messages::scene::Scene;
+use tremie_messages::scene::{Face, Scene};
 
 /// The static geometry of a scene in cells.
 pub struct Ground {
@@ -31,6 +30,18 @@ pub struct Ground {
     centres: Centres,
     /// Number of links that surfaces cut between two cells of the fluid, at the start, and the names of what cuts them.
     cut: (usize, Vec<String>),
+}
+
+/// What faces are to the box of cells.
+pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
+    scene.domain.faces.each_ref().map(|faces| {
+        faces.each_ref().map(|face| match face {
+            Face::Periodic => Side::Periodic,
+            Face::Wall { .. } => Side::Wall,
+            Face::Symmetry => Side::Symmetry,
+            Face::Velocity(_) | Face::Pressure { .. } | Face::Reservoir(_) => Side::Open,
+        })
+    })
 }
 
 impl Ground {

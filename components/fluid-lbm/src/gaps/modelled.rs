@@ -17,23 +17,22 @@
 //! around, or that of the gap. What a gap draws in as it widens leaves the fluid where its pressure is measured
 //! (see `intake`).
 
-mod intake;
 mod mouths;
 mod slipping;
 mod thickness;
 
-pub use self::intake::{Given, Intakes};
 use self::mouths::Mouths;
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::cell_flags::{FLUID, FROZEN, Owners, VACATED, Vacated};
 use crate::boundary::boundaries::Surroundings;
+use crate::boundary::gap_sinks::{Intakes, NO_GAP, SinkProbe};
 use crate::boundary::post_collision::{After, density};
+use crate::domain::sampling::samples;
 use crate::domain::solids::Centres;
+use crate::lattice::cell_flags::{FLUID, FROZEN, Owners, VACATED, Vacated};
 use crate::lattice::cell_list::Fixture;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
-use crate::solver::probes::samples;
 use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
 use tremie_team::{Cut, Team};
 
@@ -45,11 +44,8 @@ const CELLS_PER_ITEM: usize = 256;
 
 /// Steps by which the pressure of probes is extrapolated: it is as old as the beginning of its step, half a one; forces
 /// are averaged with those of the step before, half a one; and what the gap draws in is paid half a step after the
-/// side has moved. What comes late feeds the sound around, as a late wall does (see [`late`](crate::boundary::link_kernels::late)).
+/// side has moved. What comes late feeds the sound around, as a late wall does (see [`late`](crate::bodies::body::late)).
 const LEAD: f64 = 1.5;
-
-/// Of no gap.
-pub const NONE: u16 = u16::MAX;
 
 /// One side of a gap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +88,12 @@ struct Weighted {
     cells: Vec<(u32, f64)>,
     /// Density minus 1 when it was last measured, if it was.
     last: Option<f64>,
+}
+
+impl Weighted {
+    fn as_sink(&self) -> SinkProbe<'_> {
+        SinkProbe { number: self.number, weight: self.weight, cells: &self.cells }
+    }
 }
 
 /// A cell that may be in a gap.
@@ -146,7 +148,7 @@ impl DeclaredGaps {
         let mut own = Self {
             gaps: scene.gaps.iter().map(|gap| declared(gap, scene, surroundings, layout)).collect(),
             candidates: Vec::new(),
-            of: vec![NONE; count],
+            of: vec![NO_GAP; count],
             place: vec![u32::MAX; count],
             turning: Vec::new(),
             pockets: Vec::with_capacity(count / 16),
@@ -209,7 +211,7 @@ impl DeclaredGaps {
 
     /// The gap of a frozen cell.
     fn of(&self, cell: u32) -> Option<u16> {
-        self.of.get(cell as usize).copied().filter(|&gap| gap != NONE)
+        self.of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP)
     }
 
     /// The gap between a part of the scene and something that stands still, at a point as lattice
@@ -337,7 +339,8 @@ impl DeclaredGaps {
 
     /// The intakes of gaps.
     pub fn intakes(&self) -> Intakes {
-        Intakes::new(&self.gaps)
+        let gaps = self.gaps.iter();
+        Intakes::new(gaps.map(|gap| gap.probes.iter().map(Weighted::as_sink).collect()))
     }
 
     /// Settles the pressures of gaps whose rule is the nearest fluid; `found` gives for a gap the sum

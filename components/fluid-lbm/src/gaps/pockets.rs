@@ -1,10 +1,10 @@
 //! Pockets: fluid cells that freezing cut off. See `modelled`.
 
-use crate::bodies::cell_flags::{FLUID, FROZEN, Owners, VACATED, Vacated};
 use crate::gaps::modelled::{DeclaredGaps, POCKET};
-use crate::lattice::d3q19::{C, Q};
+use crate::lattice::cell_flags::{FLUID, FROZEN, Owners, VACATED, Vacated};
 use crate::lattice::grid::Side;
 use crate::lattice::layout::Layout;
+use crate::lattice::layout::faces;
 use tremie_team::{Cut, Team};
 
 /// Cells that are asked together whether they are in a pocket.
@@ -127,12 +127,6 @@ impl Fill {
 /// Whether a cell is fluid or becomes so.
 fn is_wet(owners: &Owners, cell: u32) -> bool {
     matches!(owners.of(cell), FLUID | VACATED)
-}
-
-/// Stored cells that share a face with a cell.
-pub fn faces(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
-    let straight = (1..Q).filter(|&i| C[i].iter().map(|c| c.abs()).sum::<i32>() == 1);
-    straight.filter_map(move |i| layout.neighbour(cell, i)).filter(move |&n| n != cell)
 }
 
 /// Whether a cell is at an open face.

@@ -20,16 +20,17 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::cell_flags::{BODY, Owner, Owners, SHARED};
 use crate::bodies::deformable_shape::{Felt, Hit, NO_FACET};
 use crate::boundary::mesh_links::as_seen;
-use crate::boundary::post_collision::{After, Exchange};
+use crate::boundary::post_collision::After;
 use crate::gaps::modelled::DeclaredGaps;
 use crate::lattice::aa_pattern::Parity;
+use crate::lattice::cell_flags::{BODY, Owner, Owners, SHARED};
 use crate::lattice::d3q19::{C, C_F64, MIRROR, OPPOSITE, Q, W, cross, mirrored};
 use crate::lattice::grid::{Reach, Side};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use tremie_team::Team;
 
@@ -88,7 +89,7 @@ struct Item {
     before: Vec<Link>,
     /// For each link how its wall moves in this step, if that is a body's.
     motions: Vec<Motion>,
-    exchanges: Vec<(Whose, Exchange)>,
+    exchanges: Vec<(Whose, MomentumExchange)>,
     /// What facets of deformable surfaces felt of it, with the handle of the body.
     felt: Vec<(u32, Felt)>,
 }
@@ -229,7 +230,7 @@ impl Slip {
                 let gain = after.field.set(place, link.value) - old;
                 let known = item.exchanges.iter().position(|(whose, _)| *whose == link.whose);
                 let known = known.unwrap_or_else(|| {
-                    item.exchanges.push((link.whose, Exchange::default()));
+                    item.exchanges.push((link.whose, MomentumExchange::default()));
                     item.exchanges.len() - 1
                 });
                 let exchange = &mut item.exchanges[known].1;
@@ -257,12 +258,12 @@ impl Slip {
     }
 
     /// What slipping adds to a body's exchange.
-    pub fn on_body(&self, handle: u32) -> Exchange {
+    pub fn on_body(&self, handle: u32) -> MomentumExchange {
         self.on(Whose::Body(handle))
     }
 
     /// What it adds to a fixture's.
-    pub fn on_fixture(&self, number: usize) -> Exchange {
+    pub fn on_fixture(&self, number: usize) -> MomentumExchange {
         self.on(Whose::Fixture(number as u16))
     }
 
@@ -272,7 +273,7 @@ impl Slip {
         all.filter(move |(whose, _)| *whose == handle).map(|(_, felt)| felt)
     }
 
-    fn on(&self, wanted: Whose) -> Exchange {
+    fn on(&self, wanted: Whose) -> MomentumExchange {
         let all = self.items.iter().flat_map(|item| &item.exchanges);
         all.filter(|(whose, _)| *whose == wanted).map(|(_, own)| own).sum()
     }
@@ -312,7 +313,13 @@ impl Link {
 
 /// Adds the Galilean-invariant exchange of a link whose reflected population grew by `gain`; returns the
 /// force.
-fn give(exchange: &mut Exchange, link: &Link, gain: f64, arm: [f64; 3], u: [f64; 3]) -> [f64; 3] {
+fn give(
+    exchange: &mut MomentumExchange,
+    link: &Link,
+    gain: f64,
+    arm: [f64; 3],
+    u: [f64; 3],
+) -> [f64; 3] {
     let c = C_F64[usize::from(link.seen)];
     let force: [f64; 3] = std::array::from_fn(|a| gain * (c[a] + u[a]));
     add_scaled(&mut exchange.force, force, 1.0);

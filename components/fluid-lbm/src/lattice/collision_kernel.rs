@@ -5,11 +5,11 @@
 //! other. A step reads and writes each number once: 19 of them a cell, and in odd steps 8 bytes for
 //! each line of 64 bytes and 76 bytes of the table of places for each run of lines.
 
-use crate::boundary::halfway_bounce_back::HalfwayLinks;
 use crate::lattice::aa_gather::{self, PIECES_AHEAD, Scratch};
 use crate::lattice::aa_pattern::{Parity, Places};
 use crate::lattice::collision::{Constants, Relaxation};
 use crate::lattice::contiguous_lines::{self, Run};
+use crate::lattice::halfway_bounce_back::HalfwayLinks;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::reductions::{Sums, Survey};
 use crate::lattice::reflection_impulse::Tally;

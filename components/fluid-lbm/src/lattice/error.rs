@@ -1,6 +1,6 @@
 //! What can go wrong while the fluid runs.
 
-use crate::boundary::virtual_piston::face::name;
+use crate::lattice::grid::face_name;
 use tremie_messages::finding::short;
 
 /// A fault of a running fluid.
@@ -145,7 +145,7 @@ pub enum FluidError {
     #[error(
         "the reservoir at {} is spent at {time} s: {left:.1} % of its {volume} m³ is left, and the piston may leave no \
          less than 5 %; a larger volume lasts longer, a stop before that time ends the stroke",
-        name(*axis, *side)
+        face_name(*axis, *side)
     )]
     ReservoirSpent {
         /// Axis of the face, 0, 1, 2 for x, y, z.
@@ -164,7 +164,7 @@ pub enum FluidError {
         "the fluid passes the reservoir's face {} at {speed:.4} m/s (limit {limit:.4} m/s, a tenth of a cell a step) \
          while the gauge pressure there is {pressure:.4e} Pa; a smaller time step raises the limit, a slower ramp of the \
          piston lowers the speed",
-        name(*axis, *side)
+        face_name(*axis, *side)
     )]
     ReservoirFlow {
         /// Axis of the face, 0, 1, 2 for x, y, z.

@@ -186,6 +186,11 @@ impl Grid {
     }
 }
 
+/// Name of a face of the domain in signals and findings: `z_lower`.
+pub fn face_name(axis: usize, side: usize) -> String {
+    format!("{}_{}", ["x", "y", "z"][axis], ["lower", "upper"][side])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,9 +1,6 @@
-//! Before a run and beside it: checks, findings, signals, the component.
+//! Before a run: what parameters and scene come to, what is wrong with them, and findings.
 
-#[cfg(feature = "component")]
-pub mod component;
 pub mod compression;
-pub mod diagnostics;
 pub mod findings;
 pub mod gap_findings;
 pub mod gap_width_check;
@@ -12,4 +9,3 @@ pub mod part_extent;
 pub mod reservoir_findings;
 pub mod resolution;
 pub mod scene_check;
-pub mod signal_meanings;

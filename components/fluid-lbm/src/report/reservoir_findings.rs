@@ -1,7 +1,8 @@
 //! What a reservoir's numbers mean on the lattice, before it runs.
 
 use crate::boundary::virtual_piston::cylinder::LEAST;
-use crate::boundary::virtual_piston::face::{FASTEST, name, reservoirs_of};
+use crate::boundary::virtual_piston::face::{FASTEST, reservoirs_of};
+use crate::lattice::grid::face_name;
 use crate::report::resolution::Resolution;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
@@ -14,7 +15,7 @@ const AREA: f64 = 0.01;
 pub fn findings(scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
     let cells = &resolution.reservoir_cells;
     let of = |((axis, side, reservoir), cells): ((usize, usize, &Reservoir), &(_, _, usize))| {
-        let name = name(axis, side);
+        let name = face_name(axis, side);
         let face = cells.2 as f64 * resolution.cell * resolution.cell;
         let area = area(scene, axis, &name, reservoir, face);
         [Some(area), Some(speed(&name, reservoir, resolution)), life(&name, reservoir)]

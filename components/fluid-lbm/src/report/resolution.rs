@@ -1,12 +1,13 @@
 //! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
 
 use crate::bodies::body_memory;
-use crate::boundary::virtual_piston::face::{face_of, name, reservoirs_of};
+use crate::boundary::virtual_piston::face::{face_of, reservoirs_of};
 use crate::domain::lattice_orientation::Axes;
 use crate::domain::parameters::{Parameters, Precision};
 use crate::domain::static_geometry::Ground;
 use crate::lattice::aa_pattern;
 use crate::lattice::d3q19::{CS2, Q};
+use crate::lattice::grid::face_name;
 use crate::lattice::populations::Field;
 use crate::report::gap_width_check::{Narrow, narrowest};
 use crate::report::grain_space_check::{DryRegion, Throat, dry_regions, throat};
@@ -299,7 +300,7 @@ fn reservoir_cells(
         if count > 0 {
             return Ok((axis, side, count));
         }
-        let key = format!("scene.domain.faces.{}", name(axis, side));
+        let key = format!("scene.domain.faces.{}", face_name(axis, side));
         let found = "the reservoir at this face reaches no fluid: solids cover all cells there";
         Err(vec![Problem::new(key, found).help("let the bore end at the face of the domain")])
     };

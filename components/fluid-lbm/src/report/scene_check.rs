@@ -1,6 +1,7 @@
 //! What this fluid cannot honour in a scene.
 
-use crate::boundary::virtual_piston::face::{name, reservoirs_of};
+use crate::boundary::virtual_piston::face::reservoirs_of;
+use crate::lattice::grid::face_name;
 use tremie_messages::Problem;
 use tremie_messages::scene::{
     Course, DeformableSurface, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion,
@@ -180,7 +181,7 @@ fn reservoir_numbers(reservoir: &Reservoir) -> [f64; 5] {
 /// Checks of what only makes sense within bounds.
 fn check_reservoirs(scene: &Scene, problems: &mut Vec<Problem>) {
     for (axis, side, reservoir) in reservoirs_of(scene) {
-        let key = format!("scene.domain.faces.{}", name(axis, side));
+        let key = format!("scene.domain.faces.{}", face_name(axis, side));
         for (what, value, unit) in
             [("area", reservoir.area, "m²"), ("volume", reservoir.volume, "m³")]
         {

@@ -2,11 +2,12 @@
 
 use crate::boundary::link_batch::Batch;
 use crate::boundary::open_boundary::Next;
-use crate::boundary::post_collision::{self, After, Exchange, nearest_wall};
+use crate::boundary::post_collision::{self, After, nearest_wall};
 use crate::boundary::wall_mass::Patches;
 use crate::lattice::cell_list::Fixture;
 use crate::lattice::collision_kernel::Collides;
 use crate::lattice::error::FluidError;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::solver::lbm_solver::Solver;
 use tremie_team::Cut;
 
@@ -51,7 +52,7 @@ impl<T: Collides> Solver<T> {
         let items = (Cut::every(&mut self.link_items, 1), Cut::every(&mut self.exchanges, 1));
         let reflect =
             |batch: &mut Batch,
-             (item, exchange): (&mut [post_collision::Item], &mut [Exchange])| {
+             (item, exchange): (&mut [post_collision::Item], &mut [MomentumExchange])| {
                 exchange[0] = after.reflect(bodies, &mut item[0], batch);
             };
         if after.walls.is_some() {
@@ -130,7 +131,8 @@ impl<T: Collides> Solver<T> {
             self.tally.share(number, &block.reflected, &mut mirrors, &mut self.impulses);
         }
         for (fixture, impulse) in self.fixtures.iter_mut().zip(&self.impulses) {
-            *fixture = Exchange { force: impulse.map(|x| -x), ..Exchange::default() };
+            *fixture =
+                MomentumExchange { force: impulse.map(|x| -x), ..MomentumExchange::default() };
         }
         let fixed = self.fixed_items.iter().flat_map(|item| &item.exchanges);
         let halfway = self.blocks.iter().flat_map(|block| &block.halfway.exchanges);

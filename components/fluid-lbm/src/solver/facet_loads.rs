@@ -1,33 +1,17 @@
 //! The loads on the facets of deformable surfaces: what they felt becomes force and place on each.
 
 use crate::bodies::deformable_shape::Shape;
-use crate::boundary::post_collision::Exchange;
+use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
+use crate::domain::mirrors::mirrors_of_part;
 use crate::lattice::collision_kernel::Collides;
 use crate::lattice::d3q19::{cross, dot};
 use crate::lattice::grid::Grid;
 use crate::lattice::ledger::{Ledger, add_scaled};
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::solver::gap_pressure::each_felt;
 use crate::solver::lbm_solver::Solver;
-use crate::solver::loads::mirrors_of_part;
 use tremie_messages::FacetLoad;
 use tremie_team::Cut;
-
-/// Facets that one thread finishes together; their sums are added up first.
-pub const FACETS_PER_PIECE: usize = 128;
-
-/// Force and torque about the surface's reference, on a facet.
-pub type OnFacet = [[f64; 3]; 2];
-
-/// Sums over facets of a piece.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sums {
-    /// Force with that of the mirrored half.
-    whole: [f64; 3],
-    /// Of that, what averaging holds back.
-    carried: [f64; 3],
-    delivered: [f64; 3],
-    buoyancy: [f64; 3],
-}
 
 /// What the loads of a surface's facets depend on besides what they felt.
 struct Finish<'a> {
@@ -52,7 +36,7 @@ impl Finish<'_> {
         corners: [[f64; 3]; 3],
         load: &mut OnFacet,
         carried: &mut OnFacet,
-        sums: &mut Sums,
+        sums: &mut FacetSums,
     ) {
         *load = load.map(|v| v.map(|x| x * self.copies));
         add_scaled(&mut sums.whole, load[0], 1.0);
@@ -73,7 +57,7 @@ impl Finish<'_> {
 
     /// Adds the hydrostatic pressure and the mean pressure gradient, which the lattice does not carry:
     /// their pressure is linear, zero at the middle of the surface's volume, and exact on flat facets.
-    fn raise(&self, corners: [[f64; 3]; 3], load: &mut OnFacet, sums: &mut Sums) {
+    fn raise(&self, corners: [[f64; 3]; 3], load: &mut OnFacet, sums: &mut FacetSums) {
         let corners = corners.map(|corner| corner.map(|x| x / self.cell));
         let centre = middle_of(corners);
         let is_beyond = (0..3).any(|a| {
@@ -94,7 +78,7 @@ impl Finish<'_> {
     }
 }
 
-impl Sums {
+impl FacetSums {
     /// Adds them to the balance.
     fn balance(&self, balance: &mut Ledger) {
         add_scaled(&mut balance.images, self.whole, 1.0);
@@ -109,7 +93,7 @@ impl<T: Collides> Solver<T> {
     pub(crate) fn load_facets(&mut self) {
         for place in self.bodies.rigid()..self.bodies.living.len() {
             let items = self.bodies.living[place].items.clone();
-            let mut exchange: Exchange = self.exchanges[items].iter().sum();
+            let mut exchange: MomentumExchange = self.exchanges[items].iter().sum();
             if self.slips {
                 exchange.join(&self.slip.on_body(self.bodies.living[place].handle));
             }
@@ -153,7 +137,7 @@ impl<T: Collides> Solver<T> {
     }
 
     /// Makes loads of what the facets felt, and balances them.
-    fn finish_facets(&mut self, place: usize, exchange: &Exchange, shape: &mut Shape) {
+    fn finish_facets(&mut self, place: usize, exchange: &MomentumExchange, shape: &mut Shape) {
         let body = &self.bodies.living[place];
         let mirrors = mirrors_of_part(&self.layout.grid, body.position);
         let finish = Finish {
@@ -173,7 +157,7 @@ impl<T: Collides> Solver<T> {
             Cut::every(sums, 1),
         );
         self.team.for_pieces(pieces, |piece, (loads, carried, sums)| {
-            sums[0] = Sums::default();
+            sums[0] = FacetSums::default();
             let all = (piece * FACETS_PER_PIECE..).zip(loads.iter_mut().zip(carried));
             for (facet, (load, carried)) in all {
                 finish.facet(facets.corners(facet), load, carried, &mut sums[0]);

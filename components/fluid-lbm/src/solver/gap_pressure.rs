@@ -1,11 +1,12 @@
 //! The pressure in gaps that hold no cell, and what it gives to bodies and what stands still; see `unresolved_gaps`.
 
 use crate::bodies::body_list::Bodies;
-use crate::boundary::post_collision::{Exchange, Item};
+use crate::boundary::post_collision::Item;
 use crate::boundary::unresolved_gaps::{Across, Gap, Gaps, ROOM};
 use crate::lattice::collision_kernel::Collides;
 use crate::lattice::d3q19::cross;
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::solver::lbm_solver::Solver;
 use tremie_team::Cut;
 
@@ -126,7 +127,7 @@ impl<T: Collides> Solver<T> {
         let seen = &self.seen;
         self.declared.settle_nearest(|gap| around(seen, |to| to == Across::declared(gap)));
         self.find_densities();
-        self.pressed.fill(Exchange::default());
+        self.pressed.fill(MomentumExchange::default());
         for place in 0..self.bodies.living.len() {
             let mut load = [[0.0; 3]; 2];
             let items = self.bodies.living[place].items.clone();

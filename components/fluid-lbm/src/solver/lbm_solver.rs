@@ -4,14 +4,14 @@ use crate::bodies::body::Body;
 use crate::bodies::body::UnionShare;
 use crate::bodies::body_list::Bodies;
 use crate::bodies::body_shapes::Catalogue;
-use crate::bodies::cell_flags::Owners;
 use crate::bodies::change_blocks::Bricks;
+use crate::bodies::deformable_surface::Soft;
 use crate::bodies::mesh_body::Rounding;
 use crate::boundary::boundaries::Surroundings;
-use crate::boundary::halfway_bounce_back::HalfwayLinks;
+use crate::boundary::gap_sinks::Intakes;
 use crate::boundary::link_batch::Batch;
 use crate::boundary::open_boundary::{self, OpenCells};
-use crate::boundary::post_collision::{self, Exchange};
+use crate::boundary::post_collision::{self};
 use crate::boundary::refill::Before;
 use crate::boundary::sheet_links::{SheetItem, SheetLinks};
 use crate::boundary::static_wall_links::{self, FixedLinks};
@@ -22,20 +22,22 @@ use crate::domain::boundary_condition::Now;
 use crate::domain::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::domain::solids::Centres;
 use crate::domain::static_geometry::Ground;
-use crate::gaps::modelled::{DeclaredGaps, Intakes};
+use crate::gaps::modelled::DeclaredGaps;
 use crate::gaps::specular_walls::Slip;
 use crate::lattice::aa_pattern::Parity;
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::collision::Relaxation;
 use crate::lattice::collision_kernel::{Block, Collides, Kernel, Sweep, Wanted};
 use crate::lattice::d3q19::CS2;
 use crate::lattice::error::FluidError;
+use crate::lattice::halfway_bounce_back::HalfwayLinks;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::Ledger;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Field;
 use crate::lattice::reductions::Survey;
 use crate::lattice::reflection_impulse::Tally;
 use crate::lattice::units::Units;
-use crate::solver::deformable_surfaces::Soft;
 use crate::solver::gap_pressure::{InGaps, Seen, UNKNOWN};
 use crate::solver::lost_mass::Lost;
 use crate::solver::moving_boundaries::Filled;
@@ -130,7 +132,7 @@ pub struct Solver<T: Collides> {
     pub(crate) reservoirs: Vec<ReservoirFace>,
     pub(crate) link_items: Vec<post_collision::Item>,
     /// What each item exchanged in the last step, and the gaps that it found, if gaps press.
-    pub(crate) exchanges: Vec<Exchange>,
+    pub(crate) exchanges: Vec<MomentumExchange>,
     pub(crate) seen: Vec<Seen>,
     pub(crate) pinched: Pinched,
     pub(crate) probes: Probes,
@@ -144,10 +146,10 @@ pub struct Solver<T: Collides> {
     /// What the last collision found, the sum of all bodies' exchange after it, and the exchange
     /// with each fixture.
     pub(crate) survey: Survey,
-    pub(crate) exchange: Exchange,
-    pub(crate) fixtures: Vec<Exchange>,
+    pub(crate) exchange: MomentumExchange,
+    pub(crate) fixtures: Vec<MomentumExchange>,
     /// What gaps without cells gave to each fixture.
-    pub(crate) pressed: Vec<Exchange>,
+    pub(crate) pressed: Vec<MomentumExchange>,
     /// Density minus 1 in the gaps of each item of links.
     pub(crate) in_gaps: Vec<InGaps>,
     /// Room for sums over fixtures.
@@ -309,9 +311,9 @@ impl<T: Collides> Solver<T> {
             ledger: Ledger::default(),
             lost: Lost::default(),
             survey: Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE },
-            exchange: Exchange::default(),
-            fixtures: vec![Exchange::default(); fixtures],
-            pressed: vec![Exchange::default(); fixtures],
+            exchange: MomentumExchange::default(),
+            fixtures: vec![MomentumExchange::default(); fixtures],
+            pressed: vec![MomentumExchange::default(); fixtures],
             in_gaps: Vec::new(),
             impulses: vec![[0.0; 3]; fixtures],
             mirrors: [[0.0; 3]; 6],
@@ -353,7 +355,7 @@ impl<T: Collides> Solver<T> {
         let counts = [self.declared.len(), self.intakes.len()];
         self.link_items = post_collision::items(&mut self.bodies, press, counts);
         let count = self.link_items.len();
-        self.exchanges = vec![Exchange::default(); count];
+        self.exchanges = vec![MomentumExchange::default(); count];
         self.seen = vec![Seen::NONE; if press { count } else { 0 }];
         self.in_gaps.resize(count, UNKNOWN);
         // A body's changes in a step are less than its shell's rows, see `Body::new`.
@@ -378,8 +380,8 @@ impl<T: Collides> Solver<T> {
         self.find_pinched();
         self.bodies.newcomers.clear();
         self.measure();
-        self.exchange = Exchange::default();
-        self.exchanges.fill(Exchange::default());
+        self.exchange = MomentumExchange::default();
+        self.exchanges.fill(MomentumExchange::default());
         self.seen.fill(Seen::NONE);
         self.link_items.iter_mut().for_each(|item| item.gaps.clear());
         self.give_loads(loads);

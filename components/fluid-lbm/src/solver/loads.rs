@@ -1,12 +1,13 @@
 //! Loads on the bodies and the balance of a step.
 
 use crate::bodies::body::Body;
-use crate::boundary::post_collision::Exchange;
 use crate::boundary::virtual_piston::face::ReservoirFace;
+use crate::domain::mirrors::{mirrors_of_part, near_mirrors, with_image};
 use crate::lattice::cell_list::Fixture;
 use crate::lattice::collision_kernel::Collides;
-use crate::lattice::grid::{Grid, Side};
+use crate::lattice::grid::Grid;
 use crate::lattice::ledger::{Ledger, add_scaled};
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::reductions::Survey;
 use crate::solver::lbm_solver::{Solver, before};
 use tremie_messages::Load;
@@ -24,12 +25,12 @@ impl<T: Collides> Solver<T> {
     /// Gives the bodies their loads, from what their links exchanged, and balances them.
     pub(crate) fn give_loads(&mut self, loads: &mut [Load]) {
         self.press();
-        self.exchange = Exchange::default();
+        self.exchange = MomentumExchange::default();
         self.load_facets();
         let (force_unit, torque_unit) = (self.units.force(), self.units.force() * self.units.cell);
         let (balance, grid) = (&mut self.balance, &self.layout.grid);
         for (body, load) in self.bodies.living.iter_mut().zip(loads) {
-            let mut exchange: Exchange = self.exchanges[body.items.clone()].iter().sum();
+            let mut exchange: MomentumExchange = self.exchanges[body.items.clone()].iter().sum();
             if self.slips && body.is_part() {
                 exchange.join(&self.slip.on_body(body.handle));
             }
@@ -160,34 +161,4 @@ fn mirrors_of(grid: &Grid, body: &Body) -> [bool; 3] {
         Some(_) => mirrors_of_part(grid, body.position),
         None => near_mirrors(grid, body.position, body.radius),
     }
-}
-
-/// Axes across which a symmetry plane cuts a part: it is its own image if its origin is on the plane;
-/// one whose origin is not just passes near.
-pub(crate) fn mirrors_of_part(grid: &Grid, origin: [f64; 3]) -> [bool; 3] {
-    near_mirrors(grid, origin, 1e-6)
-}
-
-fn near_mirrors(grid: &Grid, position: [f64; 3], reach: f64) -> [bool; 3] {
-    std::array::from_fn(|axis| {
-        let planes = [0.0, f64::from(grid.n[axis])];
-        (0..2).any(|side| {
-            grid.sides[axis][side] == Side::Symmetry
-                && (position[axis] - planes[side]).abs() < reach
-        })
-    })
-}
-
-/// Force and torque on a whole body, from those that the fluid of the box gives. A body that a
-/// symmetry plane cuts is its own mirror image: what is symmetric counts twice, what is not
-/// cancels.
-pub(crate) fn with_image(mirrors: [bool; 3], given: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
-    let [mut force, mut torque] = given;
-    for axis in (0..3).filter(|&axis| mirrors[axis]) {
-        for a in 0..3 {
-            (force[a], torque[a]) =
-                if a == axis { (0.0, 2.0 * torque[a]) } else { (2.0 * force[a], 0.0) };
-        }
-    }
-    [force, torque]
 }

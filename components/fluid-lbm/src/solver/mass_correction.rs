@@ -27,60 +27,10 @@
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
 
-use crate::boundary::post_collision::Exchange;
 use crate::lattice::collision_kernel::Collides;
 use crate::lattice::d3q19::Q;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::solver::lbm_solver::Solver;
-
-/// Part of what is owed that a step pays. Between a body's surface and the last cells is volume whose
-/// density follows the sound around: what is owed for that comes and goes by itself, and paid within a period
-/// it would feed the sound.
-const RATE: f64 = 0.002;
-
-/// The mass that one body owes the fluid [cells at density 1].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Account {
-    /// Whether the body was there in the last step: what it displaces when it appears is no debt.
-    is_open: bool,
-    took: f64,
-    space: f64,
-    /// What is owed.
-    pub owed: f64,
-    /// Of that, what gaps drew in since it could last be paid.
-    of_gaps: f64,
-    /// What the coming step pays to a link, for each unit of `6 w_i rho`.
-    pub pay: f64,
-}
-
-impl Account {
-    /// A cell that held `1 + drho` left the fluid.
-    fn cover(&mut self, drho: f64) {
-        self.took += 1.0 + drho;
-        self.space -= 1.0;
-    }
-
-    /// A cell that holds `1 + drho` joined the fluid.
-    fn uncover(&mut self, drho: f64) {
-        self.took -= 1.0 + drho;
-        self.space += 1.0;
-    }
-
-    /// Links gave what `exchange` says to the fluid, of which `drawn` is all that gaps drew in and `taken` the mass that
-    /// intakes will take for it; `mean` is the fluid's mean density.
-    fn settle(&mut self, exchange: &Exchange, mean: f64, taken: f64) {
-        let Exchange { mass, receded, drawn, weight, .. } = *exchange;
-        self.took += taken - mass;
-        self.space -= receded + drawn;
-        self.owed = self.took + mean * self.space;
-        self.of_gaps += taken - mean * drawn;
-        if weight > 0.0 {
-            self.pay = (self.of_gaps + RATE * (self.owed - self.of_gaps)) / weight;
-            self.of_gaps = 0.0;
-        } else {
-            self.pay = 0.0;
-        }
-    }
-}
 
 impl<T: Collides> Solver<T> {
     /// Handle of the body that covers a cell or cut it off from the fluid.
@@ -132,7 +82,7 @@ impl<T: Collides> Solver<T> {
         let of_parts = parts.flat_map(|body| &self.link_items[body.items.clone()]);
         let mut left = self.intakes.receive(of_parts);
         for body in &mut self.bodies.living {
-            let (mut all, mut taken) = (Exchange::default(), 0.0);
+            let (mut all, mut taken) = (MomentumExchange::default(), 0.0);
             for number in body.items.clone() {
                 all.join(&self.exchanges[number]);
                 // Grains draw nothing in, and give nothing.
@@ -157,51 +107,5 @@ impl<T: Collides> Solver<T> {
         }
         self.intakes.decide();
         owed - self.intakes.due()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A wall that recedes by a cell in ten steps owes nothing, whatever the density, if its links
-    /// take what they should and the new cell holds the same; less in the new cell is owed.
-    #[test]
-    fn a_piston_owes_nothing() {
-        let mut account = Account::default();
-        let links = |mass: f64, receded: f64, weight: f64| Exchange {
-            mass,
-            receded,
-            weight,
-            ..Exchange::default()
-        };
-        for _ in 0..10 {
-            account.settle(&links(-0.11, 0.1, 1.0), 1.1, 0.0);
-            assert!(account.owed.abs() < 1e-15);
-        }
-        account.uncover(0.1);
-        account.settle(&links(0.0, 0.0, 2.0), 1.1, 0.0);
-        assert!(account.owed.abs() < 1e-15 && account.pay.abs() < 1e-15);
-        account.uncover(0.0);
-        account.settle(&links(0.0, 0.0, 2.0), 1.1, 0.0);
-        assert!((account.owed - 0.1).abs() < 1e-15 && (account.pay - 0.05 * RATE).abs() < 1e-16);
-    }
-
-    /// What a gap draws in is paid in the next step, once there are links to pay at.
-    #[test]
-    fn a_gap_is_paid_at_once() {
-        let mut account = Account::default();
-        let mut step = |drawn: f64, weight: f64| {
-            let mass = account.pay * weight;
-            account.settle(&Exchange { drawn, mass, weight, ..Exchange::default() }, 1.0, 0.0);
-            (mass, account.owed)
-        };
-        assert_eq!(step(0.5, 4.0), (0.0, -0.5));
-        assert_eq!(step(0.25, 4.0), (-0.5, -0.25));
-        assert_eq!(step(0.5, 0.0), (0.0, -0.75), "no links");
-        step(0.0, 4.0);
-        // What was due when there were none is like any other debt.
-        let (paid, owed) = step(0.0, 4.0);
-        assert!((paid + 0.5).abs() < 1e-3 && (owed + 0.25).abs() < 1e-3, "{paid} {owed}");
     }
 }

@@ -2,15 +2,16 @@
 
 pub mod bounce_back;
 pub mod deformable_surfaces;
+pub mod diagnostics;
 pub mod displaced_fluid;
 pub mod facet_loads;
 pub mod gap_pressure;
-pub mod lbm_fluid;
 pub mod lbm_solver;
 pub mod loads;
 pub mod lost_mass;
 pub mod mass_correction;
 pub mod moving_boundaries;
+pub mod oriented_messages;
 pub mod pinched_cells;
 pub mod ports;
 pub mod probes;

@@ -1,8 +1,8 @@
 //! Bodies move: cells leave the fluid and join it, links are found.
 
-use crate::bodies::cell_flags::{Owners, Vacated};
 use crate::boundary::mesh_links::Site;
 use crate::boundary::refill::Content;
+use crate::lattice::cell_flags::{Owners, Vacated};
 use crate::lattice::collision_kernel::Collides;
 use crate::lattice::ledger::add_scaled;
 use crate::solver::lbm_solver::{Solver, before};
@@ -96,7 +96,8 @@ impl<T: Collides> Solver<T> {
     fn find_links(&mut self, all_want: bool) {
         let walls = self.feels_gaps().then_some(&self.walls);
         let layout = &self.layout;
-        let site = Site { layout, walls, declared: &self.declared, line: T::LINE };
+        let gap_between = |part, fixture, at| self.declared.between(part, fixture, at);
+        let site = Site { layout, walls, gap_between: &gap_between, line: T::LINE };
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);
         let items = &mut self.link_items[bodies.items_with_surface()];
         self.team.for_each(items, |_, item| {

@@ -15,9 +15,9 @@
 //! inside. Of walls that stand still those that slide along themselves are left out, but for faces of the domain.
 
 use crate::bodies::body_list::Bodies;
-use crate::bodies::cell_flags::Owners;
 use crate::boundary::refill::Before;
 use crate::domain::boundary_condition::Now;
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, dot, mirrored};
 use crate::lattice::grid::{Reach, Side};
 use crate::lattice::layout::Layout;

@@ -28,6 +28,7 @@ use crate::lattice::aa_pattern::Blocked;
 use crate::lattice::d3q19::{C, CS2, OPPOSITE, Q, equilibria};
 use crate::lattice::error::FluidError;
 use crate::lattice::grid::Grid;
+use crate::lattice::grid::face_name;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
@@ -109,11 +110,6 @@ pub fn reservoirs_of(scene: &Scene) -> impl Iterator<Item = (usize, usize, &Rese
     })
 }
 
-/// Name of a reservoir in signals and findings: `z_lower`.
-pub fn name(axis: usize, side: usize) -> String {
-    format!("{}_{}", ["x", "y", "z"][axis], ["lower", "upper"][side])
-}
-
 /// Signals of each reservoir, named `reservoir_z_lower.density`.
 const OF_RESERVOIRS: [(&str, &str); 6] = [
     ("density", "kg/m3"),
@@ -127,7 +123,7 @@ const OF_RESERVOIRS: [(&str, &str); 6] = [
 /// Names and units of what reservoirs tell, in the order of [`ReservoirState::values`].
 pub fn reservoir_signals(scene: &Scene) -> Vec<(String, &'static str)> {
     let of = |(axis, side, _): (usize, usize, &Reservoir)| {
-        let name = name(axis, side);
+        let name = face_name(axis, side);
         OF_RESERVOIRS.map(|(value, unit)| (format!("reservoir_{name}.{value}"), unit))
     };
     reservoirs_of(scene).flat_map(of).collect()

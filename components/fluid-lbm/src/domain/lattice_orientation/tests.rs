@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::domain::parameters::Parameters;
-use crate::solver::lbm_fluid::FluidLbm;
+use crate::fluid::lbm_fluid::FluidLbm;
 use crate::solver::lbm_solver::Solver;
 use tremie_geometry::Frame;
 use tremie_messages::scene::{

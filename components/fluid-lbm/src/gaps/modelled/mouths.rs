@@ -1,8 +1,9 @@
 //! The links from fluid cells into frozen ones: they are reflected half-way, and their cells are around the gap.
 
-use super::{DeclaredGaps, NONE};
-use crate::bodies::cell_flags::{FROZEN, Owners};
+use super::DeclaredGaps;
+use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::post_collision::{After, density};
+use crate::lattice::cell_flags::{FROZEN, Owners};
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
@@ -84,7 +85,7 @@ impl DeclaredGaps {
         let of_gaps = self.candidates.iter().map(|candidate| candidate.cell);
         for cell in of_gaps.chain(self.pockets.iter().copied()) {
             if owners.of(cell) == FROZEN {
-                let gap = if self.is_pocket(cell) { NONE } else { self.of[cell as usize] };
+                let gap = if self.is_pocket(cell) { NO_GAP } else { self.of[cell as usize] };
                 mouths.add(owners, layout, cell, gap);
             }
         }

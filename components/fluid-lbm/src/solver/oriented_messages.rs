@@ -1,11 +1,11 @@
 //! What the fluid is told of bodies, by the lattice's axes, and what it tells, by the world's.
 
-use super::Axes;
 use crate::boundary::virtual_piston::face::ReservoirState;
+use crate::domain::lattice_orientation::Axes;
 use crate::lattice::d3q19::{Q, each};
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
-use crate::report::diagnostics::SliceNode;
+use crate::solver::diagnostics::SliceNode;
 use crate::solver::probes::{count, first_velocity};
 use tremie_messages::scene::ProbeShape;
 use tremie_messages::{BodyState, FacetLoad, Load, PortState, SurfaceVertex};

@@ -5,13 +5,13 @@
 //! direction and fixture are added up together, directly after the block's collision: the sum of `g_i` and its first moments
 //! give force and torque.
 
-use crate::bodies::cell_flags::Owners;
-use crate::boundary::post_collision::Exchange;
 use crate::lattice::aa_pattern::Blocked;
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::cell_list::Fixture;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, cross};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::{Field, Real};
 use tremie_team::{Variant, instructions::Work};
 
@@ -23,7 +23,7 @@ const LANES: usize = 8;
 pub struct HalfwayLinks {
     runs: Vec<Run>,
     /// For each fixture that the links meet, its exchange.
-    pub exchanges: Vec<(Fixture, Exchange)>,
+    pub exchanges: Vec<(Fixture, MomentumExchange)>,
 }
 
 /// Links that share direction and fixture.
@@ -60,7 +60,7 @@ impl HalfwayLinks {
         for run in links.chunk_by(|a, b| (a.fixture, a.dir) == (b.fixture, b.dir)) {
             let fixture = run[0].fixture;
             if own.exchanges.last().is_none_or(|last| last.0 != fixture) {
-                own.exchanges.push((fixture, Exchange::default()));
+                own.exchanges.push((fixture, MomentumExchange::default()));
             }
             let reference = references[usize::from(fixture.0)];
             let arm = |cell: u32| layout.grid.arm(reference, layout.at(cell));
@@ -101,7 +101,7 @@ impl HalfwayLinks {
         owners: &Owners,
     ) {
         for (_, exchange) in &mut self.exchanges {
-            *exchange = Exchange::default();
+            *exchange = MomentumExchange::default();
         }
         let exchanges = &mut self.exchanges[..];
         for run in &self.runs {
@@ -145,7 +145,7 @@ struct Feel<'a, T: Real> {
     /// Where the first cell's populations of the direction are that the collision left.
     plane: usize,
     owners: &'a Owners,
-    exchange: &'a mut Exchange,
+    exchange: &'a mut MomentumExchange,
 }
 
 impl<T: Real> Work for Feel<'_, T> {

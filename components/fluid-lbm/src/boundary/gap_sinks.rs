@@ -7,12 +7,25 @@
 //! by way of the fluid: on its side of the gap. A gap without probes has none: its body pays for it all along
 //! its surface; and so it does where an intake has no links.
 
-use super::{Declared, NONE};
-use crate::bodies::cell_flags::Owners;
 use crate::boundary::post_collision::Item;
-use crate::gaps::pockets::faces;
+use crate::lattice::cell_flags::Owners;
 use crate::lattice::layout::Layout;
+use crate::lattice::layout::faces;
 use std::collections::{BTreeMap, VecDeque};
+
+/// What the table of cells has where no modelled gap is.
+pub const NO_GAP: u16 = u16::MAX;
+
+/// A probe that says a gap's pressure.
+#[derive(Clone, Copy, Debug)]
+pub struct SinkProbe<'a> {
+    /// Number among all probes.
+    pub number: usize,
+    /// Its weight in the gap's pressure.
+    pub weight: f64,
+    /// Its cells, with their weights.
+    pub cells: &'a [(u32, f64)],
+}
 
 /// Near no intake.
 const FAR: u16 = u16::MAX;
@@ -49,14 +62,14 @@ pub struct Given {
 }
 
 impl Intakes {
-    /// Of gaps, in their order.
-    pub(super) fn new(gaps: &[Declared]) -> Self {
+    /// Of gaps, in their order, each by the probes that say its pressure.
+    pub fn new<'p>(gaps: impl Iterator<Item = Vec<SinkProbe<'p>>>) -> Self {
         let mut own = Self::default();
         let mut of_probes = BTreeMap::new();
         for gap in gaps {
-            let weights: f64 = gap.probes.iter().map(|probe| probe.weight).sum();
-            let shares = gap.probes.iter().map(|probe| {
-                let intake = of_probes.entry(probe.number).or_insert_with(|| own.add(&probe.cells));
+            let weights: f64 = gap.iter().map(|probe| probe.weight).sum();
+            let shares = gap.iter().map(|probe| {
+                let intake = of_probes.entry(probe.number).or_insert_with(|| own.add(probe.cells));
                 (*intake, probe.weight / weights)
             });
             let shares = shares.collect();
@@ -86,7 +99,7 @@ impl Intakes {
         }
         self.nearest = vec![FAR; in_gap.len()];
         let rank = |cell: u32| {
-            let is_in_gap = in_gap[cell as usize] != NONE;
+            let is_in_gap = in_gap[cell as usize] != NO_GAP;
             2 * usize::from(is_in_gap) + usize::from(!owners.is_fluid(cell))
         };
         let mut reached = [const { VecDeque::new() }; 4];

@@ -1,8 +1,8 @@
 //! The lattice fluid as a component of a run.
 
-use crate::boundary::virtual_piston::face::name as face_name;
+use crate::fluid::signal_meanings::MEANINGS;
+use crate::lattice::grid::face_name;
 use crate::report::findings::{findings, limits};
-use crate::report::signal_meanings::MEANINGS;
 use crate::{
     FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_meanings, probe_signals,
     reservoir_signals,

@@ -3,13 +3,13 @@
 use crate::bodies::body::Body;
 use crate::boundary::post_collision::Item;
 use crate::boundary::virtual_piston::face::{ReservoirFace, ReservoirState};
+use crate::domain::mirrors::{mirrors_of_part, with_image};
 use crate::lattice::collision_kernel::Collides;
 use crate::lattice::d3q19::{CS2, Q, dot, equilibria};
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::populations::Field;
 use crate::solver::lbm_solver::{Solver, before};
-use crate::solver::loads::{mirrors_of_part, with_image};
 use tremie_messages::Load;
 
 /// A summary of the flow, SI units.

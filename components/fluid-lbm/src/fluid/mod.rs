@@ -1,0 +1,7 @@
+//! The fluid in SI units, and as a component of a run.
+
+#[cfg(feature = "component")]
+pub mod component;
+pub mod lbm_fluid;
+#[cfg(feature = "component")]
+pub mod signal_meanings;

@@ -1,0 +1,62 @@
+//! Momentum exchange at links: what populations that ran into a wall or a body gave to it (Ladd 1994; Wen et al. 2014).
+
+use crate::lattice::ledger::add_scaled;
+use std::iter::Sum;
+
+/// What links exchanged in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MomentumExchange {
+    /// Force on the body.
+    pub force: [f64; 3],
+    /// Torque on the body about its centre.
+    pub torque: [f64; 3],
+    /// Momentum that went to the fluid besides: `(f_i' - g_i) u_w`.
+    pub swept: [f64; 3],
+    /// Of the force, what the mirrored half of the fluid gave: links through a mirror are reckoned
+    /// as those of the mirrored cell, whose force is the mirrored one.
+    pub image: [f64; 3],
+    /// The same for `swept`.
+    pub image_swept: [f64; 3],
+    /// What mirrors are reckoned to have given to populations of links that are cut on their way through them.
+    pub unmirrored: [f64; 3],
+    /// Mass that went to the fluid.
+    pub mass: f64,
+    /// Volume by which the wall receded, the sum of `6 w_i (c_i.u_w)`, and the sum of `6 w_i`; of parts, and
+    /// where bodies keep accounts of mass.
+    pub receded: f64,
+    /// See `receded`.
+    pub weight: f64,
+    /// Volume by which it receded from gaps that hold no fluid.
+    pub drawn: f64,
+    /// Number of links.
+    pub links: usize,
+    /// Those without a second fluid cell where it was needed.
+    pub fallbacks: usize,
+}
+
+impl MomentumExchange {
+    /// Adds another.
+    pub fn join(&mut self, other: &Self) {
+        add_scaled(&mut self.force, other.force, 1.0);
+        add_scaled(&mut self.torque, other.torque, 1.0);
+        add_scaled(&mut self.swept, other.swept, 1.0);
+        add_scaled(&mut self.image, other.image, 1.0);
+        add_scaled(&mut self.image_swept, other.image_swept, 1.0);
+        add_scaled(&mut self.unmirrored, other.unmirrored, 1.0);
+        self.mass += other.mass;
+        self.receded += other.receded;
+        self.weight += other.weight;
+        self.drawn += other.drawn;
+        self.links += other.links;
+        self.fallbacks += other.fallbacks;
+    }
+}
+
+impl<'a> Sum<&'a Self> for MomentumExchange {
+    fn sum<I: Iterator<Item = &'a Self>>(all: I) -> Self {
+        all.fold(Self::default(), |mut sum, one| {
+            sum.join(one);
+            sum
+        })
+    }
+}
