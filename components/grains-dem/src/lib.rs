@@ -59,116 +59,37 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-mod acting;
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 mod bodies;
-#[cfg(feature = "component")]
-mod carried;
-mod cells;
-mod check;
-mod check_clumps;
-mod check_law;
-mod check_packing;
-mod check_polyhedra;
-mod check_ports;
-mod check_sizes;
-mod check_slider;
-mod clumps;
-mod collect;
-#[cfg(feature = "component")]
-pub mod component;
 mod contact;
-mod damping;
-mod diagnostics;
-mod driven;
-mod encounters;
-mod error;
-mod events;
-mod exchange;
-mod fetch;
-mod findings;
-#[cfg(feature = "component")]
-mod followed;
 mod forces;
-mod four;
-mod history;
-mod integrate;
-mod lanes;
-mod law;
-mod laws;
-mod linear;
-mod loads;
-mod lubrication;
-#[cfg(feature = "component")]
-mod meanings;
-mod memory;
-mod mesh_contact;
-mod mirrors;
-mod motion;
-mod overlaps;
+mod grains;
+mod math;
+mod neighbours;
 mod packing;
-mod pairs;
-mod pairs_maker;
-mod parameters;
-mod part_contacts;
-mod part_finder;
-mod part_forces;
-mod parts;
-mod periodic;
-mod placement;
 mod polyhedra;
-mod ports;
-mod probes;
-#[cfg(target_arch = "x86_64")]
-mod quad;
-mod random;
-mod reached;
-mod resolve;
-mod roll;
-mod rows;
-mod search;
-mod seat;
-mod shares;
-mod side_by_side;
-mod skins;
-mod slider;
-mod slider_times;
-mod softness;
+mod setup;
 mod solver;
-mod springs;
-mod stability;
-mod step_limit;
-pub mod stuck;
-mod substeps;
-mod surface;
-mod surface_contacts;
-mod surfaces;
-mod surroundings;
-mod tally;
-mod wall_contacts;
-mod wall_forces;
 mod walls;
-#[cfg(target_arch = "x86_64")]
-mod wide;
 
-pub use check_clumps::ClumpOverlap;
-pub use damping::{damping_ratio, restitution};
-pub use diagnostics::Diagnostics;
-pub use error::GrainsError;
-pub use exchange::AddedSphere;
-pub use findings::{findings, limits};
-pub use parameters::{Lubrication, Parameters};
-pub use ports::{InletState, OutletState, Room};
-pub use probes::probe_signals;
-pub use resolve::{PairDamping, Resolution};
-pub use slider::SliderState;
-pub use slider_times::SliderTimes;
-pub use softness::{Overlap, Softness};
-pub use solver::GrainsDem;
-pub use surface::{DeformableSurface, FacetLoad, SurfaceState};
+#[cfg(feature = "component")]
+pub use grains::component;
+
+pub use bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
+pub use bodies::slider::SliderState;
+pub use grains::findings::{findings, limits};
+pub use math::damping::{damping_ratio, restitution};
+pub use math::debris;
+pub use math::error::GrainsError;
+pub use math::parameters::{Lubrication, Parameters};
+pub use setup::check_clumps::ClumpOverlap;
+pub use setup::resolution::{PairDamping, Resolution};
+pub use setup::slider_times::SliderTimes;
+pub use setup::softness::{Overlap, Softness};
+pub use solver::dem_solver::GrainsDem;
+pub use solver::diagnostics::Diagnostics;
+pub use solver::exchange::AddedSphere;
+pub use solver::ports::{InletState, OutletState, Room};
+pub use solver::probes::probe_signals;
 
 /// A vector in the world frame.
 type Vec3 = nalgebra::Vector3<f64>;

@@ -8,7 +8,7 @@
 //!   last tenth of what the run simulates, after it has reseated;
 //! * its flow coefficient is `Kv = Q sqrt((rho/1000 kg/m³) (1 bar/drop))`, `Q` in m³/h (IEC 60534-1);
 //! * grains stuck in a ring probe are counted by their projected area over the ring's (NASP), and by the debris
-//!   that they leave, see [`tremie_grains_dem::stuck`].
+//!   that they leave, see [`tremie_grains_dem::debris`].
 
 mod watched;
 
@@ -17,7 +17,7 @@ pub use watched::{Asked, Watched};
 use crate::outputs::Signals;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use tremie_grains_dem::stuck;
+use tremie_grains_dem::debris;
 
 /// What of the scene a run's table of signals does not say.
 #[derive(Clone, Debug, PartialEq)]
@@ -246,7 +246,7 @@ fn all_stuck(signals: &Signals, site: &Site, lift: f64) -> Vec<Stuck> {
     let of_ring = |(probe, area): (&String, &f64)| {
         let values = signals.columns.get(&format!("grains.{probe}.area_fraction"))?;
         let area_fraction = *values.iter().rfind(|value| value.is_finite())?;
-        let debris = site.diameter.map(|d| stuck::debris(lift, *area, area_fraction, d));
+        let debris = site.diameter.map(|d| debris::debris(lift, *area, area_fraction, d));
         Some(Stuck { probe: probe.clone(), area_fraction, debris })
     };
     site.rings.iter().filter_map(of_ring).collect()

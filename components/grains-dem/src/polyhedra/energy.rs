@@ -18,7 +18,8 @@ use super::{
     surfaces::{Bench, Beside, Owner},
     touch::square,
 };
-use crate::{Vec3, law::Reduced};
+use crate::Vec3;
+use crate::contact::contact_law::Reduced;
 
 /// Adds up `h^2/2 m.n` over the pieces of a polygon.
 struct Half<'a> {

@@ -7,16 +7,14 @@ use super::{
     surfaces::{Bench, Owner},
     touch,
 };
-use crate::{
-    Vec3,
-    bodies::Wrench,
-    contact::{self, Contact},
-    forces::Scenery,
-    law::{Law, Reduced},
-    parts::PlacedPart,
-    tally::{Other, Tally},
-    walls::Wall,
-};
+use crate::Vec3;
+use crate::bodies::body_arrays::Wrench;
+use crate::bodies::placed_parts::PlacedPart;
+use crate::contact::contact_force::{self, Contact};
+use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::plane_walls::Wall;
+use crate::forces::pair_forces::Scenery;
+use crate::math::tally::{Other, Tally};
 
 /// Most contacts with walls and parts: directions in which they press.
 pub(super) const MOST: usize = 8;
@@ -164,7 +162,7 @@ impl Entry {
             twist: 0.5 * (a.w + b.w).dot(&n),
             rolling: a.w - b.w,
         };
-        let mut plain = contact::Memory {
+        let mut plain = contact_force::Memory {
             xi: memory.xi,
             rolling: memory.rolling,
             normal: memory.normal,
@@ -173,7 +171,7 @@ impl Entry {
         let law = &around.scenery.laws[self.law as usize];
         let reduced = Reduced { root_mass: self.root_mass, radius };
         let steps = around.scenery.steps;
-        let f = contact::force(law, reduced, &contact, &mut plain, touched, steps);
+        let f = contact_force::force(law, reduced, &contact, &mut plain, touched, steps);
         *memory = Memory {
             xi: plain.xi,
             rolling: plain.rolling,

@@ -5,10 +5,8 @@
 //! one way, the one of the lower rank counts; where they face each other neither does.
 
 use super::{press::clip, shape::Solid};
-use crate::{
-    Vec3,
-    mesh_contact::{SAME, Triangle},
-};
+use crate::Vec3;
+use crate::bodies::mesh_contact::{SAME, Triangle};
 
 /// Surfaces that are closer to each other than this, over the largest sphere in the body, coincide: more than corners of
 /// triangles are off by when a file rounds them.

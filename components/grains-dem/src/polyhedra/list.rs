@@ -9,21 +9,19 @@ use super::{
     respond::Memory,
     surfaces::{Bench, Owner},
 };
-use crate::{
-    Vec3,
-    bodies::{Bodies, Mobility, Wrench},
-    forces::Scenery,
-    laws::Laws,
-    mesh_contact::distance,
-    pairs::BLOCK,
-    part_contacts::Met,
-    parts::PlacedPart,
-    periodic::PeriodicBox,
-    skins::Skins,
-    slider::Along,
-    tally::Tally,
-    walls::{Wall, WallLaws},
-};
+use crate::Vec3;
+use crate::bodies::body_arrays::{Bodies, Mobility, Wrench};
+use crate::bodies::mesh_contact::distance;
+use crate::bodies::placed_parts::PlacedPart;
+use crate::bodies::slider::Along;
+use crate::contact::material_laws::Laws;
+use crate::contact::plane_walls::{Wall, WallLaws};
+use crate::forces::pair_forces::Scenery;
+use crate::math::periodic::PeriodicBox;
+use crate::math::tally::Tally;
+use crate::neighbours::neighbour_list::BLOCK;
+use crate::neighbours::size_classes::Skins;
+use crate::walls::part_contacts::Met;
 use tremie_team::{Cut, Team};
 
 /// Entries that are one item of work.
@@ -54,7 +52,7 @@ pub(crate) struct PolyContacts {
     pub bodies: Vec<u32>,
     /// Sum of the loads on each.
     pub wrench: Vec<Wrench>,
-    /// Which of `bodies` belong to each block of bodies.
+    /// Which of `body_arrays` belong to each block of bodies.
     pub bounds: Vec<u32>,
     /// `places[start[p]..start[p + 1]]` are the entries of `bodies[p]`: twice the entry, and one more where
     /// the body is the other.

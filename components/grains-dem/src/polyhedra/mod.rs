@@ -22,10 +22,8 @@ pub(crate) use press::Room;
 pub(crate) use shape::{Shape, to_world, turned_axes};
 pub(crate) use turn::Inertia;
 
-use crate::{
-    Vec3,
-    bodies::{Bodies, PlacedSphere},
-};
+use crate::Vec3;
+use crate::bodies::body_arrays::{Bodies, PlacedSphere};
 use shape::Solid;
 use tremie_messages::scene::Scene;
 use tremie_team::{Cut, Team};

@@ -6,7 +6,9 @@ use super::{
     shape::Solid,
     touch,
 };
-use crate::{Vec3, bodies::Ball, parts::PlacedPart};
+use crate::Vec3;
+use crate::bodies::body_arrays::Ball;
+use crate::bodies::placed_parts::PlacedPart;
 
 /// Overlap of two bodies [m], the second `way` from the first, by the numbers of their polyhedra; and the
 /// length that it is measured by. None without a polyhedron.

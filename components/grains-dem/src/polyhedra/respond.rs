@@ -19,18 +19,16 @@
 //! way no energy is made (see [`Law::at`]). For a face that stays whole this is a linear spring.
 
 use super::press::Press;
-use crate::{
-    Vec3,
-    bodies::Wrench,
-    contact::{self, Steps},
-    law::Law,
-};
+use crate::Vec3;
+use crate::bodies::body_arrays::Wrench;
+use crate::contact::contact_force::{self, Steps};
+use crate::contact::contact_law::Law;
 use tremie_messages::scene::Spring;
 
 /// What a contact of a polyhedron remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Memory {
-    /// Tangential displacement [m]; see [`contact::Memory::xi`].
+    /// Tangential displacement [m]; see [`contact_force::Memory::xi`].
     pub xi: Vec3,
     /// Angle about the normal [rad], likewise.
     pub turn: f64,
@@ -117,7 +115,7 @@ pub(crate) struct Relative {
     pub both: Vec3,
 }
 
-/// What acts on the body; what `memory` held counts only if it was `touching`.
+/// What acts on the body; what `memory_need` held counts only if it was `touching`.
 pub(crate) fn load(
     law: &Law,
     pair: Pair,
@@ -166,13 +164,13 @@ pub(crate) fn load(
         let since = if touching {
             0.0
         } else {
-            contact::time_since_touch(press.deepest, along, steps.before)
+            contact_force::time_since_touch(press.deepest, along, steps.before)
         };
         let across = velocity - n * along;
         let mut xi = if touching {
             let before = memory.xi * kept(memory.k_t, k_t);
             let angle = 0.5 * relative.both.dot(&n) * steps.before;
-            contact::turned(before, old, n, angle) + across * (0.5 * steps.before)
+            contact_force::turned(before, old, n, angle) + across * (0.5 * steps.before)
         } else {
             across * since
         };

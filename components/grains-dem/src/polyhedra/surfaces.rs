@@ -12,13 +12,11 @@ use super::{
     shape::Solid,
     touch,
 };
-use crate::{
-    Vec3,
-    bodies::{Twist, Wrench},
-    mesh_contact::{SAME, Triangle},
-    part_contacts::Met,
-    tally::{Other, Tally},
-};
+use crate::Vec3;
+use crate::bodies::body_arrays::{Twist, Wrench};
+use crate::bodies::mesh_contact::{SAME, Triangle};
+use crate::math::tally::{Other, Tally};
+use crate::walls::part_contacts::Met;
 
 /// A wall or part near a polyhedron.
 #[derive(Clone, Copy, Debug)]

@@ -4,10 +4,8 @@ use super::{
     press::{Planes, Press, Room, Sum},
     shape::Solid,
 };
-use crate::{
-    Vec3,
-    mesh_contact::{Grooves, Triangle},
-};
+use crate::Vec3;
+use crate::bodies::mesh_contact::{Grooves, Triangle};
 
 /// What b, `way` from a, presses on a: all vectors from a's centroid.
 pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut Room) -> Press {
@@ -123,7 +121,7 @@ pub(crate) fn closest(a: Solid<'_>, centre: Vec3) -> Closest {
             let corners = [corner(corners[0]), corner(pair[0]), corner(pair[1])];
             let (normal, grooves) = (a.normals[face], Grooves::NONE);
             let triangle = Triangle { corners, normal, grooves };
-            let point = crate::mesh_contact::closest_point(centre, &triangle);
+            let point = crate::bodies::mesh_contact::closest_point(centre, &triangle);
             let square = (centre - point).norm_squared();
             if square < best.0 {
                 best = (square, point);

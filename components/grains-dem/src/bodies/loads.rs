@@ -1,0 +1,64 @@
+//! Loads of the fluid, taken in the order of ids into the order of memory.
+
+use crate::bodies::body_arrays::{Bodies, Wrench};
+use crate::bodies::message_order::Roll;
+use crate::neighbours::neighbour_list::BLOCK;
+use crate::{GrainsError, Vec3};
+use tremie_messages::body::Load;
+use tremie_team::{Cut, Team};
+
+/// What one block of loads came to: the sum of the forces on free bodies, or the first load that
+/// cannot be taken.
+type Sum = Result<Vec3, GrainsError>;
+
+/// Takes the loads of a window, one for each body of `message_order`, and gives the sum of the forces on free spheres
+/// [N]. `sums` is room to work in.
+///
+/// # Errors
+/// Loads that do not match the bodies or are not finite.
+pub(crate) fn take(
+    team: &mut Team,
+    bodies: &mut Bodies,
+    loads: &[Load],
+    roll: Roll,
+    sums: &mut Vec<Sum>,
+) -> Result<Vec3, GrainsError> {
+    let expected = roll.bodies(bodies);
+    if loads.len() != expected {
+        return Err(GrainsError::LoadCount { found: loads.len(), expected });
+    }
+    sums.clear();
+    sums.resize_with(loads.len().div_ceil(BLOCK), || Ok(Vec3::zeros()));
+    let (slot, mobility, all) = (&bodies.slot, &bodies.mobility, &*bodies);
+    team.for_each(sums, |b, sum| {
+        *sum = (b * BLOCK..loads.len().min((b + 1) * BLOCK)).try_fold(Vec3::zeros(), |sum, k| {
+            check(k, &loads[k], roll.id(k, all))?;
+            let slot = roll.rank(k).map(|rank| slot[rank] as usize);
+            let free = slot.is_some_and(|slot| mobility[slot].is_free());
+            Ok(if free { sum + Vec3::from(loads[k].force) } else { sum })
+        });
+    });
+    let mut force = Vec3::zeros();
+    for sum in sums.drain(..) {
+        force += sum?;
+    }
+    let rank = &bodies.rank;
+    team.for_pieces(Cut::every(&mut bodies.load, BLOCK), |b, own: &mut [Wrench]| {
+        for (own, &rank) in own.iter_mut().zip(&rank[b * BLOCK..]) {
+            let load = &loads[roll.place(rank as usize)];
+            *own = Wrench { force: load.force.into(), torque: load.torque.into() };
+        }
+    });
+    Ok(force)
+}
+
+fn check(index: usize, load: &Load, expected: u64) -> Result<(), GrainsError> {
+    let found = load.id;
+    if found != expected {
+        return Err(GrainsError::LoadOrder { index, found, expected });
+    }
+    if !load.is_finite() {
+        return Err(GrainsError::LoadNotFinite { id: found });
+    }
+    Ok(())
+}

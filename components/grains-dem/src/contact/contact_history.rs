@@ -1,0 +1,73 @@
+//! What a body's contacts with walls remember.
+
+use crate::Vec3;
+use crate::bodies::mesh_contact::MOST;
+use crate::contact::contact_force::Memory;
+use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::region_shares::of_one_region;
+
+/// A contact at the last evaluation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Remembered {
+    pub memory: Memory,
+    /// How much of it counts.
+    pub share: f64,
+    pub law: u16,
+    pub reduced: Reduced,
+}
+
+/// The contacts of a body at the last evaluation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct History {
+    list: [Remembered; MOST],
+    count: usize,
+}
+
+impl History {
+    pub const NONE: Self = Self {
+        list: [Remembered {
+            memory: Memory {
+                xi: Vec3::new(0.0, 0.0, 0.0),
+                rolling: Vec3::new(0.0, 0.0, 0.0),
+                normal: Vec3::new(0.0, 0.0, 0.0),
+                overlap: 0.0,
+            },
+            share: 0.0,
+            law: 0,
+            reduced: Reduced { root_mass: 0.0, radius: 0.0 },
+        }; MOST],
+        count: 0,
+    };
+
+    pub fn held(&self) -> &[Remembered] {
+        &self.list[..self.count]
+    }
+
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Adds a contact, as long as there is room: for so many as are ever found.
+    pub fn add(&mut self, held: Remembered) {
+        if let Some(place) = self.list.get_mut(self.count) {
+            *place = held;
+            self.count += 1;
+        }
+    }
+
+    /// What a contact with the normal `n` goes on with: the memory of the contact that turned least, if it is of
+    /// one region with it. Of several faces of a region each goes on with the history of all.
+    pub fn heir(&self, n: Vec3) -> Option<Memory> {
+        let along = |held: &&Remembered| held.memory.normal.dot(&n);
+        let best = self.held().iter().max_by(|a, b| along(a).total_cmp(&along(b)))?;
+        of_one_region(best.memory.normal, n).then_some(best.memory)
+    }
+
+    /// Energy in the springs [J], tangential ones at the displacement that they will have half a step later.
+    pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
+        let of = |held: &Remembered| {
+            held.share * laws[held.law as usize].remembered_energy(&held.memory, held.reduced)
+        };
+        self.held().iter().map(of).sum()
+    }
+}

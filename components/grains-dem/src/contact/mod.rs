@@ -1,0 +1,11 @@
+//! The law of one contact: spring, dashpot, friction, rolling, lubrication, and what a contact remembers.
+
+pub mod contact_force;
+pub mod contact_history;
+pub mod contact_law;
+pub mod linear_contact;
+pub mod lubrication;
+pub mod material_laws;
+pub mod plane_walls;
+pub mod region_shares;
+pub mod stability;

@@ -1,0 +1,323 @@
+//! Contacts of one linear law, eight at once in registers of AVX-512.
+//!
+//! The formula is that of [`LinearLaw::forces`], whose bits it gives; what is here reads the bodies and
+//! histories of eight contacts, each in few pieces, and turns rows into lanes and back.
+
+use crate::Vec3;
+use crate::contact::contact_force::Steps;
+use crate::contact::contact_law::Reduced;
+use crate::contact::linear_contact::{Batch, LinearLaw};
+use crate::forces::pair_forces::Block;
+use crate::math::periodic::SELF_IMAGE;
+use crate::math::simd::avx512_wide::{Wide, columns, rows, transposed};
+use crate::math::simd::lanes::{LANES, Lane3};
+use crate::math::simd::prefetch::{fetch, fetch_lines, fetch_value};
+use crate::math::tally::{DEEP, Other};
+use crate::neighbours::neighbour_list::{ACTING, BLOCK, Record, TOUCHING};
+use core::arch::x86_64::*;
+
+/// So many entries are looked at before those that act are evaluated: few enough to stay close.
+const TOGETHER: usize = 128;
+
+/// So many entries ahead bodies are fetched.
+const AHEAD: usize = 32;
+
+/// So many entries ahead what is read one after the other is fetched.
+const STREAM: usize = 96;
+
+/// Room for the entries that act, those that wait for company, and a whole register at the end.
+const ROOM: usize = TOGETHER + 2 * LANES;
+
+/// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them looks, also
+/// of what stands behind the last.
+struct Hits {
+    count: usize,
+    k: [u32; ROOM],
+    i: [u32; ROOM],
+    j: [u32; ROOM],
+    /// From centre to centre, radii, 1 where they touched before, `sqrt(m*)`.
+    numbers: [[f64; ROOM]; 7],
+}
+
+impl Block<'_> {
+    /// Evaluates the contacts of the block.
+    pub fn in_registers(&mut self, law: LinearLaw) {
+        // SAFETY: a variant is chosen only where it is available.
+        unsafe { evaluate(self, law) }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
+    let mut hits =
+        Hits { count: 0, k: [0; ROOM], i: [0; ROOM], j: [0; ROOM], numbers: [[0.0; ROOM]; 7] };
+    let entries = block.entries.len();
+    assert!(entries <= block.records.len() && entries <= block.xi.len());
+    for begin in (0..entries).step_by(TOGETHER) {
+        let end = entries.min(begin + TOGETHER);
+        let waiting = hits.count;
+        for k in (begin..end).step_by(LANES) {
+            find(block, k, &mut hits);
+        }
+        for &j in &hits.j[waiting..hits.count] {
+            fetch_value(&block.scenery.bodies.predicted, j as usize);
+        }
+        // Whole batches at once; the rest waits for company.
+        let ready = if end == entries { hits.count } else { hits.count / LANES * LANES };
+        for at in (0..ready).step_by(LANES) {
+            batch(block, &law, &hits, at, LANES.min(ready - at));
+        }
+        hits.forget(ready);
+    }
+}
+
+impl Hits {
+    /// Forgets the first `count`.
+    #[inline(always)]
+    fn forget(&mut self, count: usize) {
+        assert!(self.count <= count + LANES && count + LANES <= ROOM);
+        // Fewer than a register wait; a whole one is moved at once.
+        to_front(&mut self.k, count);
+        to_front(&mut self.i, count);
+        to_front(&mut self.j, count);
+        self.numbers.iter_mut().for_each(|n| to_front(n, count));
+        self.count -= count;
+    }
+}
+
+/// Copies the numbers from `at` on, as many as a register holds, to the front.
+#[inline(always)]
+fn to_front<T: Copy + Default>(numbers: &mut [T; ROOM], at: usize) {
+    let mut some = [T::default(); LANES];
+    some.copy_from_slice(&numbers[at..at + LANES]);
+    numbers[..LANES].copy_from_slice(&some);
+}
+
+/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other; the
+/// others forget that they touched.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
+    let bodies = block.scenery.bodies;
+    let balls = &bodies.balls[..];
+    let some = &block.entries[k..block.entries.len().min(k + LANES)];
+    let valid = (0xff >> (LANES - some.len())) as u8;
+    if let Some(ahead) = block.entries.get(k + AHEAD..k + AHEAD + LANES) {
+        ahead.iter().for_each(|entry| fetch(balls, entry.other as usize));
+    }
+    fetch_lines::<_, LANES>(block.entries, k + STREAM);
+    fetch_lines::<_, LANES>(block.reduced, k + STREAM);
+    fetch_lines::<_, LANES>(block.xi, k + STREAM);
+    fetch_lines::<_, LANES>(block.records, k + STREAM);
+    // SAFETY: an entry is two numbers of 32 bits; no more are read than `some` holds.
+    let entries = unsafe { _mm512_maskz_loadu_epi64(valid, some.as_ptr().cast()) };
+    let other = _mm512_cvtepi64_epi32(entries);
+    let tags = _mm512_cvtepi64_epi32(_mm512_srli_epi64::<32>(entries));
+    let place = _mm256_and_si256(tags, _mm256_set1_epi32(BLOCK as i32 - 1));
+    let body = _mm256_add_epi32(_mm256_set1_epi32(block.first as i32), place);
+    let count = _mm256_set1_epi32(balls.len() as i32);
+    let exist = _mm256_cmplt_epu32_mask(_mm256_max_epu32(other, body), count);
+    assert!(exist == 0xff, "entries of bodies that are there");
+    let (mut of_i, mut of_j) = ([0_u32; LANES], [0_u32; LANES]);
+    // SAFETY: both have room for a register of 32 bytes.
+    unsafe {
+        _mm256_storeu_si256(of_i.as_mut_ptr().cast(), body);
+        _mm256_storeu_si256(of_j.as_mut_ptr().cast(), other);
+    }
+    let mut rows = [_mm512_setzero_pd(); LANES];
+    for l in 0..LANES {
+        // SAFETY: the bodies exist, and a ball is four numbers.
+        rows[l] = unsafe {
+            let i = _mm256_loadu_pd(balls.as_ptr().add(of_i[l] as usize).cast());
+            let j = _mm256_loadu_pd(balls.as_ptr().add(of_j[l] as usize).cast());
+            _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(i), j)
+        };
+    }
+    let [x_i, y_i, z_i, r_i, x_j, y_j, z_j, r_j] = transposed(rows);
+    let images = _mm256_and_si256(_mm256_srli_epi32::<9>(tags), _mm256_set1_epi32(31));
+    let shift = displacements(block.scenery.shifts, valid, images);
+    let d = Lane3 {
+        x: Wide(_mm512_add_pd(_mm512_sub_pd(x_j, x_i), shift[0])),
+        y: Wide(_mm512_add_pd(_mm512_sub_pd(y_j, y_i), shift[1])),
+        z: Wide(_mm512_add_pd(_mm512_sub_pd(z_j, z_i), shift[2])),
+    };
+    let reach = _mm512_add_pd(_mm512_add_pd(r_i, r_j), _mm512_set1_pd(block.scenery.reach()));
+    let touches = valid & _mm512_cmp_pd_mask::<_CMP_LT_OQ>(d.dot(d).0, _mm512_mul_pd(reach, reach));
+
+    let state = &mut block.state[k..k + some.len()];
+    let mut before = [0; LANES];
+    let after = _mm_maskz_set1_epi8(u16::from(touches), (ACTING | TOUCHING) as i8);
+    let after = _mm_cvtsi128_si64(after).to_le_bytes();
+    // Whole registers without a mask, which makes stores slow.
+    if let Ok(state) = <&mut [u8; LANES]>::try_from(&mut *state) {
+        before = std::mem::replace(state, after);
+    } else {
+        before[..state.len()].copy_from_slice(state);
+        state.copy_from_slice(&after[..some.len()]);
+    }
+    let before = _mm_cvtsi64_si128(i64::from_le_bytes(before));
+    let touched = _mm_test_epi8_mask(before, _mm_set1_epi8(TOUCHING as i8)) as u8;
+    let mut changes = touches ^ _mm_test_epi8_mask(before, _mm_set1_epi8(ACTING as i8)) as u8;
+    while changes != 0 {
+        let l = changes.trailing_zeros() as usize;
+        block.changed.note(of_i[l] as usize, of_j[l] as usize);
+        changes &= changes - 1;
+    }
+    let pairs = block.reduced[k..k + some.len()].as_ptr().cast::<f64>();
+    let twice = twice(valid);
+    const { assert!(size_of::<Reduced>() == 16 && core::mem::offset_of!(Reduced, root_mass) == 0) };
+    // SAFETY: a pair is two numbers; no more are read than the slice holds.
+    let root_mass = unsafe {
+        let low = _mm512_maskz_loadu_pd(twice as u8, pairs);
+        let high = _mm512_maskz_loadu_pd((twice >> 8) as u8, pairs.wrapping_add(LANES));
+        _mm512_permutex2var_pd(low, _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14), high)
+    };
+
+    let at = hits.count;
+    assert!(at + LANES <= ROOM);
+    let numbers =
+        _mm256_add_epi32(_mm256_set1_epi32(k as i32), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    let touched = _mm512_maskz_mov_pd(touched, _mm512_set1_pd(1.0));
+    // SAFETY: there is room for a register from `at` on in each array.
+    unsafe {
+        for (to, from) in [(&mut hits.k, numbers), (&mut hits.i, body), (&mut hits.j, other)] {
+            let packed = _mm256_maskz_compress_epi32(touches, from);
+            _mm256_storeu_si256(to.as_mut_ptr().add(at).cast(), packed);
+        }
+        let all = [d.x.0, d.y.0, d.z.0, r_i, r_j, touched, root_mass];
+        for (to, from) in hits.numbers.iter_mut().zip(all) {
+            _mm512_storeu_pd(to.as_mut_ptr().add(at), _mm512_maskz_compress_pd(touches, from));
+        }
+    }
+    hits.count += touches.count_ones() as usize;
+}
+
+/// Each bit twice.
+#[inline(always)]
+fn twice(bits: u8) -> u16 {
+    let mut b = u16::from(bits);
+    b = (b | b << 4) & 0x0f0f;
+    b = (b | b << 2) & 0x3333;
+    b = (b | b << 1) & 0x5555;
+    b | b << 1
+}
+
+/// Displacements of the images through which the others are seen; none in lanes that hold no entry.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn displacements(shifts: &[Vec3; 27], valid: __mmask8, images: __m256i) -> [__m512d; 3] {
+    let own = _mm256_set1_epi32(SELF_IMAGE as i32);
+    let images = _mm256_mask_mov_epi32(own, valid, images);
+    if _mm256_cmpeq_epi32_mask(images, own) == 0xff {
+        return [_mm512_setzero_pd(); 3];
+    }
+    let mut numbers = [0_u32; LANES];
+    // SAFETY: there is room for a register of 32 bytes.
+    unsafe { _mm256_storeu_si256(numbers.as_mut_ptr().cast(), images) };
+    let shifts = numbers.map(|image| shifts[image as usize]);
+    let lane = |a: usize| shifts.map(|shift| shift[a]);
+    // SAFETY: an array of eight numbers is read.
+    [0, 1, 2].map(|a| unsafe { _mm512_loadu_pd(lane(a).as_ptr()) })
+}
+
+/// Evaluates `count` contacts from `at` on.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: usize) {
+    let steps: Steps = block.scenery.steps;
+    let predicted = &block.scenery.bodies.predicted[..];
+    let some = at..at + LANES;
+    let (of_k, of_i, of_j) = (&hits.k[some.clone()], &hits.i[some.clone()], &hits.j[some]);
+    // Lanes beyond the last hit hold what was there before, or nought; nobody takes them.
+    let mut motion = [_mm512_setzero_pd(); LANES];
+    let mut rest = motion;
+    let mut normals = [_mm256_setzero_pd(); LANES];
+    for l in 0..LANES {
+        let (k, i, j) = (of_k[l] as usize, of_i[l] as usize, of_j[l] as usize);
+        debug_assert!(i < predicted.len() && j < predicted.len() && k < block.records.len());
+        // SAFETY: the bodies exist, and a twist is six numbers; the entry does, and `evaluate` looked
+        // that each has a record and a displacement; no more is read than these have.
+        unsafe {
+            let (record, xi) = (block.records.get_unchecked(k), block.xi.get_unchecked(k));
+            let i = _mm512_maskz_loadu_pd(0x3f, predicted.as_ptr().add(i).cast());
+            let j = predicted.as_ptr().add(j).cast::<f64>();
+            let relative = _mm512_mask_sub_pd(i, 7, i, _mm512_maskz_loadu_pd(7, j));
+            motion[l] = relative;
+            let w_j = _mm256_maskz_loadu_pd(7, j.add(3));
+            let xi = _mm256_maskz_loadu_pd(7, xi.as_ptr());
+            rest[l] = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(w_j), xi);
+            normals[l] = _mm256_loadu_pd(std::ptr::from_ref(record).cast());
+        }
+    }
+    let [v_x, v_y, v_z, w_x, w_y, w_z, _, _] = transposed(motion).map(Wide);
+    let [u_x, u_y, u_z, _, xi_x, xi_y, xi_z, _] = transposed(rest).map(Wide);
+    let [n_x, n_y, n_z] = columns(normals).map(Wide);
+    let number = |which: usize| {
+        // SAFETY: there is room for a register from each place that `at` can be.
+        Wide(unsafe { _mm512_loadu_pd(hits.numbers[which][at..at + LANES].as_ptr()) })
+    };
+    let xi = Lane3 { x: xi_x, y: xi_y, z: xi_z };
+    let input = Batch {
+        d: Lane3 { x: number(0), y: number(1), z: number(2) },
+        radius_i: number(3),
+        radius_j: number(4),
+        v: Lane3 { x: v_x, y: v_y, z: v_z },
+        w_i: Lane3 { x: w_x, y: w_y, z: w_z },
+        w_j: Lane3 { x: u_x, y: u_y, z: u_z },
+        xi,
+        old: Lane3 { x: n_x, y: n_y, z: n_z },
+        touching: number(5),
+        root_mass: number(6),
+    };
+    let out = law.forces(&input, steps);
+
+    // Rounding: where the distance was a hair less than the reach they do not touch after all.
+    let valid = (0xff >> (LANES - count)) as u8;
+    let overlap = out.overlap.0;
+    let touches = valid & _mm512_cmp_pd_mask::<_CMP_GT_OQ>(overlap, _mm512_setzero_pd());
+    let keep = |value: Wide| _mm512_maskz_mov_pd(touches, value.0);
+    let (n, t) = (out.normal, out.tangential);
+    let records = transposed([
+        n.x.0,
+        n.y.0,
+        n.z.0,
+        keep(t.x),
+        keep(t.y),
+        keep(t.z),
+        keep(out.force),
+        overlap,
+    ]);
+    let changed = |new: Wide, old: Wide| _mm512_mask_mov_pd(old.0, touches, new.0);
+    let xi = rows([changed(out.xi.x, xi.x), changed(out.xi.y, xi.y), changed(out.xi.z, xi.z)]);
+    for l in 0..LANES {
+        if l < count {
+            let k = of_k[l] as usize;
+            // SAFETY: as above; a record is a register of eight numbers, a displacement three.
+            unsafe {
+                let record = block.records.get_unchecked_mut(k);
+                let to = block.xi.get_unchecked_mut(k);
+                _mm512_store_pd(std::ptr::from_mut::<Record>(record).cast(), records[l]);
+                let to = to.as_mut_ptr();
+                _mm_storeu_pd(to, _mm256_castpd256_pd128(xi[l]));
+                _mm_store_sd(to.add(2), _mm256_extractf128_pd::<1>(xi[l]));
+            }
+        }
+    }
+    if touches != valid {
+        for l in (0..count).filter(|l| touches >> l & 1 == 0) {
+            block.state[of_k[l] as usize] = ACTING;
+        }
+    }
+    let above =
+        |bound: f64| touches & _mm512_cmp_pd_mask::<_CMP_GT_OQ>(out.ratio.0, _mm512_set1_pd(bound));
+    block.tally.count(touches.count_ones(), above(DEEP).count_ones());
+    let deepest = above(block.tally.deepest.ratio);
+    if deepest != 0 {
+        let mut ratio = [0.0; LANES];
+        // SAFETY: there is room for a register.
+        unsafe { _mm512_storeu_pd(ratio.as_mut_ptr(), out.ratio.0) };
+        for l in (0..count).filter(|l| deepest >> l & 1 == 1) {
+            block.tally.deepen(ratio[l], of_i[l], Other::Body(of_j[l]));
+        }
+    }
+}

@@ -1,0 +1,431 @@
+//! The discrete elements as a component of a run.
+
+use crate::contact::plane_walls;
+use crate::grains::findings::{findings, limits};
+use crate::grains::followed::{self, FLUID, Follow, MOTION, push_motion};
+use crate::grains::signal_meanings::MEANINGS;
+use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
+use crate::{GrainsDem, Parameters, Resolution, probe_signals};
+use std::collections::BTreeMap;
+use tremie_sdk::messages::scene::{Motion, Scene};
+use tremie_sdk::messages::start::{Description, Signal};
+use tremie_sdk::messages::{
+    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
+};
+use tremie_sdk::{Grains, Setup, SolverError};
+
+/// Soft spheres behind the sdk's interface.
+pub struct SoftSpheres {
+    grains: GrainsDem,
+    /// Room for the states of all bodies, where spheres are so few that their paths are signals.
+    tracked: Vec<BodyState>,
+    /// How many spheres these are.
+    few: usize,
+    carried: Carried,
+    /// Bodies, clumps and parts whose motion are signals.
+    follow: Follow,
+    /// Axis and side of the faces of the domain that hold grains.
+    faces: Vec<(usize, usize)>,
+}
+
+/// So few bodies are followed one by one.
+const FEW: usize = 4;
+
+/// Signals of all bodies together, in the order in which they are pushed.
+const SIGNALS: [(&str, &str); 12] = [
+    ("max_speed", "m/s"),
+    ("mean_height", "m"),
+    ("kinetic_energy", "J"),
+    ("rotational_energy", "J"),
+    ("potential_energy", "J"),
+    ("elastic_energy", "J"),
+    ("momentum_x", "kg m/s"),
+    ("momentum_y", "kg m/s"),
+    ("momentum_z", "kg m/s"),
+    ("contacts", "1"),
+    ("max_overlap_ratio", "1"),
+    ("list_rebuilds", "1"),
+];
+
+/// Signals of each followed body.
+const PATH: [(&str, &str); 6] =
+    [("x", "m"), ("y", "m"), ("z", "m"), ("vx", "m/s"), ("vy", "m/s"), ("vz", "m/s")];
+
+/// Signals of each face of the domain that holds grains, named `x_lower.value`.
+const FACE: [(&str, &str); 3] =
+    [("wall_force_x", "N"), ("wall_force_y", "N"), ("wall_force_z", "N")];
+
+/// Signals of each part: force of the grains, and torque about its reference point.
+const PART: [(&str, &str); 6] = [
+    ("force_x", "N"),
+    ("force_y", "N"),
+    ("force_z", "N"),
+    ("torque_x", "N m"),
+    ("torque_y", "N m"),
+    ("torque_z", "N m"),
+];
+
+/// Signals of each slider: forces are along its axis, on the whole part. Those of the deformable surfaces
+/// that it carries are by themselves: of contacts, and of what else acts on them.
+const SLIDER: [(&str, &str); 8] = [
+    ("lift", "m"),
+    ("velocity", "m/s"),
+    ("spring_force", "N"),
+    ("contact_force", "N"),
+    ("stop_force", "N"),
+    ("fluid_force", "N"),
+    ("surface_force", "N"),
+    ("carrier_force", "N"),
+];
+
+/// Signals of each inlet, and of each outlet: since the start.
+const INLET: [(&str, &str); 3] = [("inserted", "1"), ("deficit", "m3"), ("mass_inserted", "kg")];
+const OUTLET: [(&str, &str); 2] = [("removed", "1"), ("mass_removed", "kg")];
+
+impl Grains for SoftSpheres {
+    const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
+    const TAKES_SURFACES: bool = true;
+    const TAKES_PORTS: bool = true;
+    const TAKES_POLYHEDRA: bool = true;
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let resolution = parameters.resolve(&setup.hello.scene)?;
+        let surfaces = surfaces(&setup.hello.scene)?;
+        check_start(&setup.hello.scene, &surfaces)?;
+        Ok(Description {
+            step: resolution.time_step,
+            step_limit: resolution.step_limit.clone(),
+            bodies: resolution.bodies as u64,
+            signals: signals(&setup.hello.scene, resolution.spheres),
+            work: "grain steps".into(),
+            work_per_step: resolution.spheres as f64,
+            limits: limits(),
+            memory: resolution.memory,
+            notes: notes(&setup.hello.scene, &resolution),
+            findings: findings(&setup.hello.scene, &parameters, &resolution),
+            warnings: resolution.warnings.clone(),
+            resolution: numbers(&resolution),
+            ..Description::default()
+        })
+    }
+
+    fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
+        let parameters: Parameters = setup.parameters()?;
+        let (scene, step) = (&setup.hello.scene, setup.assigned()?.step);
+        let threads = setup.hello.threads.max(1) as usize;
+        let surfaces = surfaces(scene)?;
+        let mut grains = GrainsDem::with_surfaces(scene, &parameters, step, threads, &surfaces)
+            .map_err(in_scene)?;
+        grains.choose_threads();
+        let spheres = grains.radii().len();
+        let few = if is_followed(scene, spheres) { spheres } else { 0 };
+        // All states are asked for at once, those of parts too.
+        let tracked =
+            vec![BodyState::at_rest(0, [0.0; 3]); if few > 0 { grains.body_count() } else { 0 }];
+        let follow = Follow::new(scene, grains.events());
+        let (carried, faces) = (Carried::new(&surfaces), plane_walls::faces(scene).collect());
+        Ok(Self { grains, tracked, few, carried, follow, faces })
+    }
+
+    fn events(&self) -> &[BodyEvent] {
+        self.grains.events()
+    }
+
+    fn count(&self) -> usize {
+        self.grains.body_count()
+    }
+
+    fn state(&self, bodies: &mut [BodyState]) {
+        self.grains.write_state(bodies);
+    }
+
+    fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
+        self.grains.advance(substeps, loads).map_err(SolverError::from_error)?;
+        self.tell_threads();
+        Ok(())
+    }
+
+    fn carriers(&self, carriers: &mut [BodyState]) -> Result<(), SolverError> {
+        for (surface, out) in carriers.iter_mut().enumerate() {
+            let state = self.grains.carrier_state(surface);
+            *out = state.ok_or_else(|| SolverError(format!("there is no surface {surface}")))?;
+        }
+        Ok(())
+    }
+
+    fn begin_window(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError> {
+        self.grains.begin_window(substeps, loads).map_err(SolverError::from_error)
+    }
+
+    fn begin_substep(&mut self) -> Result<(), SolverError> {
+        self.grains.begin_substep().map_err(SolverError::from_error)
+    }
+
+    fn contacts(
+        &mut self,
+        vertices: &[SurfaceVertex],
+        loads: &mut Vec<FacetLoad>,
+    ) -> Result<(), SolverError> {
+        let Self { carried, grains, .. } = self;
+        carried.contacts(grains, vertices, loads).map_err(SolverError::from_error)
+    }
+
+    fn finish_substep(
+        &mut self,
+        vertices: &[SurfaceVertex],
+        resultants: &[Load],
+    ) -> Result<(), SolverError> {
+        let Self { carried, grains, .. } = self;
+        carried.finish(grains, vertices, resultants).map_err(SolverError::from_error)
+    }
+
+    fn end_window(&mut self) -> Result<(), SolverError> {
+        self.grains.end_window().map_err(SolverError::from_error)?;
+        self.tell_threads();
+        Ok(())
+    }
+
+    fn ports(&mut self, ports: &[PortState]) -> Result<(), SolverError> {
+        let velocity = |port: &PortState| (port.axis as usize, port.side as usize, port.vector());
+        self.grains.set_port_velocities(ports.iter().map(velocity)).map_err(SolverError::from_error)
+    }
+
+    fn signals(&mut self, values: &mut Vec<f64>) {
+        let d = self.grains.diagnostics();
+        values.extend([
+            d.max_speed,
+            d.mean_height,
+            d.kinetic_energy,
+            d.rotational_energy,
+            d.potential_energy,
+            d.elastic_energy,
+        ]);
+        values.extend(d.momentum);
+        values.extend([d.contacts as f64, d.max_overlap_ratio, d.list_rebuilds as f64]);
+        if !self.tracked.is_empty() {
+            self.grains.write_state(&mut self.tracked);
+        }
+        for body in &self.tracked[..self.few] {
+            values.extend(body.position);
+            values.extend(body.velocity);
+        }
+        self.follow.push(&self.grains, values);
+        let on_faces = self.grains.face_forces();
+        values.extend(self.faces.iter().flat_map(|&(axis, side)| on_faces[axis][side]));
+        let mut sliders = self.grains.sliders().peekable();
+        for (part, (force, torque)) in self.grains.part_loads().enumerate() {
+            values.extend(force);
+            values.extend(torque);
+            if let Some(state) = self.grains.part(part).filter(|_| self.follow.moves(part)) {
+                push_motion(&state, values);
+            }
+            if let Some(s) = sliders.next_if(|slider| slider.part == part) {
+                let forces = [s.spring_force, s.contact_force, s.stop_force, s.fluid_force];
+                values.extend([s.lift, s.velocity]);
+                values.extend(forces);
+                values.extend([s.surface_force, s.carrier_force]);
+            }
+        }
+        drop(sliders);
+        for inlet in self.grains.inlets() {
+            values.extend([inlet.inserted as f64, inlet.deficit, inlet.mass_inserted]);
+        }
+        for outlet in self.grains.outlets() {
+            values.extend([outlet.removed as f64, outlet.mass_removed]);
+        }
+        if self.grains.inlets().len() + self.grains.outlets().len() > 0 {
+            values.push(self.grains.radii().len() as f64);
+        }
+        self.grains.read_probes(values);
+    }
+
+    fn row_kept(&mut self) {
+        self.grains.restart_means();
+    }
+}
+
+impl SoftSpheres {
+    /// Says in the log how many threads substeps get, when that was found.
+    fn tell_threads(&mut self) {
+        if let Some(found) = self.grains.take_found() {
+            tremie_sdk::log_line(format_args!("a substep {found}"));
+        }
+    }
+}
+
+/// Whether the paths of spheres are signals: they are few, and the same all the time.
+fn is_followed(scene: &Scene, spheres: usize) -> bool {
+    spheres <= FEW && scene.inlets.is_empty() && scene.outlets.is_empty()
+}
+
+fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
+    let signal = |name: String, unit: &str| Signal::new(name, unit, MEANINGS);
+    let mut all: Vec<_> =
+        SIGNALS.iter().map(|(name, unit)| signal((*name).to_string(), unit)).collect();
+    if is_followed(scene, spheres) {
+        for body in 0..spheres {
+            all.extend(PATH.iter().map(|(name, unit)| Signal {
+                name: format!("body{body}_{name}"),
+                ..signal((*name).to_string(), unit)
+            }));
+        }
+    }
+    for (followed, _) in followed::of_scene(scene) {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{followed}.{name}"), unit);
+        all.extend(MOTION.iter().map(of));
+        if scene.fluid.is_some() {
+            all.extend(FLUID.iter().map(of));
+        }
+    }
+    for (axis, side) in plane_walls::faces(scene) {
+        let face = format!("{}_{}", ["x", "y", "z"][axis], ["lower", "upper"][side]);
+        let of = |(name, unit): &(&str, &str)| signal(format!("{face}.{name}"), unit);
+        all.extend(FACE.iter().map(of));
+    }
+    for part in &scene.parts {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", part.name), unit);
+        all.extend(PART.iter().map(of));
+        if part.motion != Motion::Fixed {
+            all.extend(MOTION.iter().map(of));
+        }
+        if matches!(part.motion, Motion::Slider(_)) {
+            all.extend(SLIDER.iter().map(of));
+        }
+    }
+    for inlet in &scene.inlets {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", inlet.name), unit);
+        all.extend(INLET.iter().map(of));
+    }
+    for outlet in &scene.outlets {
+        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", outlet.name), unit);
+        all.extend(OUTLET.iter().map(of));
+    }
+    if !scene.inlets.is_empty() || !scene.outlets.is_empty() {
+        all.push(signal("bodies".into(), "1"));
+    }
+    all.extend(probe_signals(scene).into_iter().map(|(name, unit)| {
+        let is_mean = name.ends_with(".mass_flow_rate");
+        let own = signal(name, unit);
+        if is_mean { own.sampled() } else { own }
+    }));
+    all
+}
+
+fn notes(scene: &Scene, resolution: &Resolution) -> Vec<String> {
+    let what = if scene.has_polyhedra() { "bodies as large as spheres" } else { "spheres" };
+    let Resolution { spheres, smallest_diameter, largest_diameter, .. } = resolution;
+    let mut notes = vec![if *spheres == 0 {
+        "no spheres".into()
+    } else if smallest_diameter == largest_diameter {
+        format!("{spheres} {what} of {smallest_diameter:.4e} m")
+    } else {
+        format!("{spheres} {what} of {smallest_diameter:.4e} to {largest_diameter:.4e} m")
+    }];
+    let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    let held = |(axis, side): (usize, usize)| {
+        scene.domain.faces[axis][side].is_open() && !scene.is_way_out(axis, side)
+    };
+    if sides.into_iter().any(held) && resolution.free_bodies > 0 {
+        notes.push("open faces without an outlet are walls to grains: none goes there".into());
+    }
+    if resolution.time_step.is_some() && resolution.time_step == resolution.stable_time_step {
+        notes.push(
+            "stability in a dense packing, not the steps in a collision, sets the time step".into(),
+        );
+    }
+    if resolution.hertz {
+        notes.push(format!(
+            "collisions under Hertz's law are resolved up to {:.3e} m/s",
+            resolution.expected_speed
+        ));
+    }
+    for pair in &resolution.pairs {
+        notes.push(format!(
+            "{}: restitution {:.3}, damping ratio {:.3}, collision of {:.3e} s",
+            pair.pair, pair.restitution, pair.damping_ratio, pair.contact_time
+        ));
+    }
+    notes
+}
+
+fn numbers(resolution: &Resolution) -> BTreeMap<String, f64> {
+    let mut numbers = BTreeMap::from([("bodies".to_string(), resolution.bodies as f64)]);
+    if let (Some(contact), Some(step)) = (resolution.contact_time, resolution.time_step) {
+        numbers.insert("steps in the shortest collision".into(), contact / step);
+    }
+    numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_sdk::messages::scene::{
+        BodySet, ContactLaw, Damping, Domain, Face, PairLaw, Placement, Sphere, Spring,
+    };
+
+    /// A sphere at rest on the floor, between periodic faces along y.
+    fn resting() -> Scene {
+        let spring = Spring::Linear { normal_stiffness: 1e3, tangential_stiffness: 8e2 };
+        let law = ContactLaw {
+            spring,
+            friction: 0.3,
+            rolling_friction: 0.0,
+            damping: Damping::Restitution(0.2),
+            tension: false,
+        };
+        let pair =
+            |other: &str| PairLaw { between: ["stone".into(), other.into()], law: law.clone() };
+        let sphere = Sphere {
+            position: [5e-3, 5e-3, 1e-3],
+            diameter: 2e-3,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        };
+        let set = BodySet {
+            name: "stones".into(),
+            density: 2500.0,
+            material: "stone".into(),
+            motion: Motion::Free,
+            clump: None,
+            placement: Placement::Listed(vec![sphere]),
+        };
+        let faces =
+            [Face::WALLS[0].clone(), [Face::Periodic, Face::Periodic], Face::WALLS[2].clone()];
+        let domain = Domain::new([0.0; 3], [10e-3; 3], faces);
+        Scene {
+            gravity: [0.0, 0.0, -9.81],
+            contacts: vec![pair("stone"), pair("wall")],
+            bodies: vec![set],
+            ..Scene::empty(domain)
+        }
+    }
+
+    #[test]
+    fn the_weight_on_the_floor_is_a_signal() {
+        let scene = resting();
+        let grains = GrainsDem::new(&scene, &Parameters::default(), 1e-5, 1).unwrap();
+        let mut spheres = SoftSpheres {
+            tracked: vec![BodyState::at_rest(0, [0.0; 3]); grains.body_count()],
+            few: 1,
+            carried: Carried::new(&[]),
+            follow: Follow::new(&scene, grains.events()),
+            faces: plane_walls::faces(&scene).collect(),
+            grains,
+        };
+        spheres.advance(20_000, &[]).unwrap();
+        let (names, mut values) = (signals(&scene, 1), Vec::new());
+        spheres.signals(&mut values);
+        assert_eq!(names.len(), values.len());
+        let of = |name: &str| {
+            let place = names.iter().position(|signal| signal.name == name);
+            place.map(|k| (values[k], names[k].meaning.clone()))
+        };
+        let (force, meaning) = of("z_lower.wall_force_z").unwrap();
+        let weight = 2500.0 * std::f64::consts::PI / 6.0 * 8e-9 * 9.81;
+        assert!((force / -weight - 1.0).abs() < 1e-6, "{force} {weight}");
+        assert!(meaning.contains("face of the domain"), "{meaning}");
+        assert_eq!(of("x_upper.wall_force_x").map(|(force, _)| force), Some(0.0));
+        assert_eq!(of("y_lower.wall_force_y"), None);
+    }
+}

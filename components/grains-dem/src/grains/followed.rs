@@ -1,0 +1,277 @@
+//! Bodies, clumps and parts whose motion, and what the fluid does to them, are signals.
+//!
+//! Of bodies those are: the body of a set that lists one, and each clump, as long as there are no more than
+//! [`BY_THEMSELVES`] of these in all; and the bodies of sets, and the clumps, that the scene asks for. Parts that move always are.
+
+use crate::GrainsDem;
+use crate::bodies::placed_parts::PlacedPart;
+use crate::solver::clumps;
+use std::collections::BTreeSet;
+use tremie_messages::scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene};
+use tremie_messages::{BodyEvent, BodyState, Load};
+
+/// Up to so many single bodies and clumps are followed without being asked for.
+pub(crate) const BY_THEMSELVES: usize = 16;
+
+/// Signals of the motion of each.
+pub(crate) const MOTION: [(&str, &str); 13] = [
+    ("x", "m"),
+    ("y", "m"),
+    ("z", "m"),
+    ("qx", "1"),
+    ("qy", "1"),
+    ("qz", "1"),
+    ("qw", "1"),
+    ("vx", "m/s"),
+    ("vy", "m/s"),
+    ("vz", "m/s"),
+    ("wx", "rad/s"),
+    ("wy", "rad/s"),
+    ("wz", "rad/s"),
+];
+
+/// Signals of what the fluid does to each body and clump; of parts the fluid itself tells.
+pub(crate) const FLUID: [(&str, &str); 6] = [
+    ("fluid_force_x", "N"),
+    ("fluid_force_y", "N"),
+    ("fluid_force_z", "N"),
+    ("fluid_torque_x", "N m"),
+    ("fluid_torque_y", "N m"),
+    ("fluid_torque_z", "N m"),
+];
+
+/// What is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Followed {
+    /// A body of a set, by the set's index and its place in it.
+    Body { set: usize, place: usize },
+    /// A clump, by its number.
+    Clump(usize),
+}
+
+/// Who is followed in a scene, and by which names.
+pub(crate) fn of_scene(scene: &Scene) -> Vec<(String, Followed)> {
+    let (numbers, _) = clumps::numbers(scene);
+    let asked = |name: &str| scene.followed.iter().any(|followed| followed == name);
+    let (mut singles, mut wanted) = (Vec::new(), Vec::new());
+    let mut seen = BTreeSet::new();
+    for (set, bodies) in scene.bodies.iter().enumerate() {
+        let one = |name: &str, followed: Followed| (name.to_string(), followed);
+        match (&bodies.clump, numbers[set]) {
+            (Some(name), Some(number)) => {
+                if seen.insert(number) {
+                    let to = if asked(name) { &mut wanted } else { &mut singles };
+                    to.push(one(name, Followed::Clump(number as usize)));
+                }
+            }
+            _ => {
+                let count = listed(bodies).unwrap_or(0);
+                let fed = scene.inlets.iter().any(|inlet| inlet.bodies == bodies.name);
+                if asked(&bodies.name) && count > 1 {
+                    wanted.extend((0..count).map(|place| {
+                        (format!("{}{place}", bodies.name), Followed::Body { set, place })
+                    }));
+                } else if count == 1 && (asked(&bodies.name) || !fed) {
+                    let to = if asked(&bodies.name) { &mut wanted } else { &mut singles };
+                    to.push(one(&bodies.name, Followed::Body { set, place: 0 }));
+                }
+            }
+        }
+    }
+    if singles.len() > BY_THEMSELVES {
+        singles.clear();
+    }
+    singles.extend(wanted);
+    named(scene, singles)
+}
+
+/// Number of bodies that a set lists.
+fn listed(set: &BodySet) -> Option<usize> {
+    match &set.placement {
+        Placement::Listed(list) => Some(list.len()),
+        Placement::Packed(_) => None,
+        Placement::Polyhedra(own) => match &own.placement {
+            PolyhedronPlacement::Listed(list) => Some(list.len()),
+            PolyhedronPlacement::Packed(_) => None,
+        },
+    }
+}
+
+/// With names that can be those of signals and that nobody else has.
+fn named(scene: &Scene, mut all: Vec<(String, Followed)>) -> Vec<(String, Followed)> {
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    taken.extend(scene.parts.iter().map(|part| part.name.clone()));
+    taken.extend(scene.inlets.iter().map(|inlet| inlet.name.clone()));
+    taken.extend(scene.outlets.iter().map(|outlet| outlet.name.clone()));
+    taken.extend(scene.probes.iter().map(|probe| probe.name.clone()));
+    for (name, followed) in &mut all {
+        let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+        *name = name.chars().map(plain).collect();
+        let what = if matches!(followed, Followed::Clump(_)) { "clump" } else { "body" };
+        while !taken.insert(name.clone()) {
+            *name = format!("{what}_{name}");
+        }
+    }
+    all
+}
+
+/// Those of a run, by id.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Follow {
+    all: Vec<Target>,
+    parts: Vec<bool>,
+    has_fluid: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Target {
+    Body(u64),
+    Clump(usize),
+}
+
+impl Follow {
+    /// Of a scene whose bodies came with these events.
+    pub fn new(scene: &Scene, events: &[BodyEvent]) -> Self {
+        let id_of = |set: usize, place: usize| {
+            let own =
+                |event: &&BodyEvent| event.shape != BodyEvent::PART && event.set as usize == set;
+            events.iter().filter(own).nth(place).map(|event| event.id)
+        };
+        let target = |(_, followed): (String, Followed)| match followed {
+            // Nobody has the last id.
+            Followed::Body { set, place } => Target::Body(id_of(set, place).unwrap_or(u64::MAX)),
+            Followed::Clump(number) => Target::Clump(number),
+        };
+        Self {
+            all: of_scene(scene).into_iter().map(target).collect(),
+            parts: scene.parts.iter().map(|part| part.motion != Motion::Fixed).collect(),
+            has_fluid: scene.fluid.is_some(),
+        }
+    }
+
+    /// Pushes the values of bodies and clumps; no numbers of one that has left.
+    pub fn push(&self, grains: &GrainsDem, values: &mut Vec<f64>) {
+        for target in &self.all {
+            let found = match *target {
+                Target::Body(id) => grains.body(id),
+                Target::Clump(number) => grains.clump(number),
+            };
+            let Some((state, load)) = found else {
+                let count = MOTION.len() + if self.has_fluid { FLUID.len() } else { 0 };
+                values.extend(std::iter::repeat_n(f64::NAN, count));
+                continue;
+            };
+            push_motion(&state, values);
+            if self.has_fluid {
+                values.extend(load.force);
+                values.extend(load.torque);
+            }
+        }
+    }
+
+    /// Whether a part moves, whose motion then follows with [`push_motion`].
+    pub fn moves(&self, part: usize) -> bool {
+        self.parts[part]
+    }
+}
+
+/// Pushes the values of [`MOTION`].
+pub(crate) fn push_motion(state: &BodyState, values: &mut Vec<f64>) {
+    values.extend(state.position);
+    values.extend(state.orientation);
+    values.extend(state.velocity);
+    values.extend(state.angular_velocity);
+}
+
+impl GrainsDem {
+    /// A sphere or polyhedron that lives, as it is at the end of the last substep, and the load of the fluid under which it
+    /// went through the last window; no load in a dry run.
+    pub fn body(&self, id: u64) -> Option<(BodyState, Load)> {
+        let bodies = &self.bodies;
+        let rank = bodies.ids.binary_search(&id).ok()?;
+        let slot = bodies.slot[rank] as usize;
+        let twist = &bodies.twists[slot];
+        let state = BodyState {
+            id,
+            position: bodies.balls[slot].x.into(),
+            orientation: bodies.orientation[slot],
+            velocity: twist.v.into(),
+            angular_velocity: twist.w.into(),
+        };
+        let mut load = Load { id, ..Load::default() };
+        if self.loaded {
+            let own = &bodies.load[slot];
+            (load.force, load.torque) = (own.force.into(), own.torque.into());
+        }
+        Some((state, load))
+    }
+
+    /// The same of a clump, by its number: of its centroid, and about it. Its orientation is that from the start.
+    pub fn clump(&self, number: usize) -> Option<(BodyState, Load)> {
+        let clump = self.clumps.all().get(number)?;
+        let mut load = Load { id: number as u64, ..Load::default() };
+        if self.loaded {
+            let own = clump.load(&self.bodies);
+            (load.force, load.torque) = (own.force.into(), own.torque.into());
+        }
+        let mut state = clump.state(&self.bodies);
+        state.position = self.around.bounds.wrap(state.position.into()).into();
+        Some((state, load))
+    }
+
+    /// A part of the scene as it is at the end of the last substep.
+    pub fn part(&self, part: usize) -> Option<BodyState> {
+        self.around.parts.get(part).map(|placed: &PlacedPart| placed.state(part as u64))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tremie_messages::scene::{Domain, Face, Sphere};
+
+    fn set(name: &str, count: usize, clump: Option<&str>) -> BodySet {
+        let sphere = |k: usize| Sphere {
+            position: [k as f64, 0.5, 0.5],
+            diameter: 0.1,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+        };
+        BodySet {
+            name: name.into(),
+            density: 1.0,
+            material: "stone".into(),
+            motion: Motion::Free,
+            clump: clump.map(str::to_string),
+            placement: Placement::Listed((0..count).map(sphere).collect()),
+        }
+    }
+
+    fn names(bodies: Vec<BodySet>, followed: &[&str]) -> Vec<String> {
+        let followed = followed.iter().map(|name| (*name).to_string()).collect();
+        let domain = Domain::new([0.0; 3], [1.0; 3], Face::WALLS);
+        let scene = Scene { bodies, followed, ..Scene::empty(domain) };
+        of_scene(&scene).into_iter().map(|(name, _)| name).collect()
+    }
+
+    #[test]
+    fn single_bodies_and_clumps_are_followed_and_others_where_asked_for() {
+        let sets = || {
+            vec![
+                set("ball", 1, None),
+                set("sand", 3, None),
+                set("head", 1, Some("hammer")),
+                set("handle", 5, Some("hammer")),
+                set("my rock!", 1, None),
+            ]
+        };
+        assert_eq!(names(sets(), &[]), ["ball", "hammer", "my_rock_"]);
+        let asked = names(sets(), &["sand", "hammer"]);
+        assert_eq!(asked, ["ball", "my_rock_", "sand0", "sand1", "sand2", "hammer"]);
+        let many = (0..20).map(|k| set(&format!("b{k}"), 1, None)).collect();
+        assert_eq!(names(many, &["b7"]), ["b7"]);
+        // Names that are taken.
+        let twice = vec![set("a", 2, None), set("a0", 1, None)];
+        assert_eq!(names(twice, &["a"]), ["a0", "body_a0", "a1"]);
+    }
+}

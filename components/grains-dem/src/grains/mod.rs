@@ -1,0 +1,11 @@
+//! The grains as a component of a run: findings, signals, messages.
+
+#[cfg(feature = "component")]
+pub mod component;
+pub mod findings;
+#[cfg(feature = "component")]
+pub mod followed;
+#[cfg(feature = "component")]
+pub mod signal_meanings;
+#[cfg(feature = "component")]
+pub mod surface_messages;

@@ -1,0 +1,10 @@
+//! Numbers: vectors of several lanes, the periodic box, random numbers, errors.
+
+pub mod damping;
+pub mod debris;
+pub mod error;
+pub mod parameters;
+pub mod periodic;
+pub mod random;
+pub mod simd;
+pub mod tally;

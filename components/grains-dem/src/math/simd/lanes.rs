@@ -1,0 +1,360 @@
+//! Numbers of several contacts side by side: what one formula does to all of them at once.
+//!
+//! A formula is written once over [`Lane`]: plain arrays, and loops over them that compilers turn into
+//! vector instructions where the function around them is compiled with these, or registers. Every
+//! operation is rounded once, as on single numbers, and nothing is summed across lanes: so contacts side
+//! by side give the bits that they give one by one.
+
+use crate::Vec3;
+use core::ops::{Add, Mul, Neg, Sub};
+
+/// Contacts side by side.
+pub(crate) const LANES: usize = 8;
+
+/// A number of each contact.
+pub(crate) trait Lane:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// `value` of each contact, in the manner of `self`.
+    fn all(self, value: f64) -> Self;
+    fn sqrt(self) -> Self;
+    fn over(self, other: Self) -> Self;
+    /// The number where it is positive, else 0.
+    fn positive(self) -> Self;
+    /// `yes` where this is less than `other`, else `no`.
+    fn less(self, other: Self, yes: Self, no: Self) -> Self;
+    /// `yes` where this is no more than `other`, else `no`.
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self;
+}
+
+/// A vector of each contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lane3<L> {
+    pub x: L,
+    pub y: L,
+    pub z: L,
+}
+
+/// Numbers in a plain array.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plain(pub [f64; LANES]);
+
+/// Implements an operation lane by lane, without a closure, which would not inherit the instructions
+/// that the function around it may use.
+macro_rules! by_lane {
+    ($l:ident => $value:expr) => {{
+        let mut out = [0.0; LANES];
+        let mut $l = 0;
+        while $l < LANES {
+            out[$l] = $value;
+            $l += 1;
+        }
+        Plain(out)
+    }};
+}
+
+impl Plain {
+    pub const ZERO: Self = Self([0.0; LANES]);
+}
+
+impl Lane for Plain {
+    #[inline(always)]
+    fn all(self, value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        by_lane!(l => self.0[l].sqrt())
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] / other.0[l])
+    }
+
+    #[inline(always)]
+    fn positive(self) -> Self {
+        by_lane!(l => if self.0[l] > 0.0 { self.0[l] } else { 0.0 })
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self, yes: Self, no: Self) -> Self {
+        by_lane!(l => if self.0[l] < other.0[l] { yes.0[l] } else { no.0[l] })
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+        by_lane!(l => if self.0[l] <= other.0[l] { yes.0[l] } else { no.0[l] })
+    }
+}
+
+impl Add for Plain {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] + other.0[l])
+    }
+}
+
+impl Sub for Plain {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] - other.0[l])
+    }
+}
+
+impl Mul for Plain {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        by_lane!(l => self.0[l] * other.0[l])
+    }
+}
+
+impl Neg for Plain {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        by_lane!(l => -self.0[l])
+    }
+}
+
+/// Numbers of twice as many contacts: where one half waits for a root or a quotient, the other goes on.
+#[cfg(target_arch = "x86_64")]
+#[derive(Clone, Copy)]
+pub(crate) struct Both<L>(pub L, pub L);
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Lane for Both<L> {
+    #[inline(always)]
+    fn all(self, value: f64) -> Self {
+        Self(self.0.all(value), self.1.all(value))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self(self.0.over(other.0), self.1.over(other.1))
+    }
+    #[inline(always)]
+    fn positive(self) -> Self {
+        Self(self.0.positive(), self.1.positive())
+    }
+    #[inline(always)]
+    fn less(self, other: Self, yes: Self, no: Self) -> Self {
+        Self(self.0.less(other.0, yes.0, no.0), self.1.less(other.1, yes.1, no.1))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+        Self(self.0.at_most(other.0, yes.0, no.0), self.1.at_most(other.1, yes.1, no.1))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Add for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0, self.1 + other.1)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Sub for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0, self.1 - other.1)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Mul for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0 * other.0, self.1 * other.1)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L: Lane> Neg for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
+    }
+}
+
+/// Implements [`Lane`] for a wrapped register by one intrinsic for each operation. Values of it exist only where
+/// the processor has the instructions.
+#[cfg(target_arch = "x86_64")]
+macro_rules! lane_of_register {
+    ($name:ident, $all:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $max:ident,
+     negated($a:ident) $negated:expr,
+     less($b:ident, $c:ident, $yes:ident, $no:ident) $less:expr,
+     at_most($d:ident, $e:ident, $yeah:ident, $nay:ident) $at_most:expr
+    ) => {
+        impl $crate::math::simd::lanes::Lane for $name {
+            #[inline(always)]
+            fn all(self, value: f64) -> Self {
+                // SAFETY: `self` exists, so the instructions do.
+                Self(unsafe { $all(value) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn over(self, other: Self) -> Self {
+                // SAFETY: as above.
+                Self(unsafe { $div(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn positive(self) -> Self {
+                // The second operand where the first is not larger.
+                // SAFETY: as above.
+                Self(unsafe { $max(self.0, $all(0.0)) })
+            }
+            #[inline(always)]
+            fn less(self, other: Self, yes: Self, no: Self) -> Self {
+                let ($b, $c, $yes, $no) = (self.0, other.0, yes.0, no.0);
+                // SAFETY: as above.
+                Self(unsafe { $less })
+            }
+            #[inline(always)]
+            fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+                let ($d, $e, $yeah, $nay) = (self.0, other.0, yes.0, no.0);
+                // SAFETY: as above.
+                Self(unsafe { $at_most })
+            }
+        }
+        impl core::ops::Neg for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                let $a = self.0;
+                // SAFETY: as above.
+                Self(unsafe { $negated })
+            }
+        }
+        $crate::math::simd::lanes::lane_of_register!(Add::add, $name, $add);
+        $crate::math::simd::lanes::lane_of_register!(Sub::sub, $name, $sub);
+        $crate::math::simd::lanes::lane_of_register!(Mul::mul, $name, $mul);
+    };
+    ($trait:ident :: $method:ident, $name:ident, $intrinsic:ident) => {
+        impl core::ops::$trait for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: the values exist, so the instructions do.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+pub(crate) use lane_of_register;
+
+impl Lane3<Plain> {
+    pub const ZERO: Self = Self { x: Plain::ZERO, y: Plain::ZERO, z: Plain::ZERO };
+
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, v: &Vec3) {
+        (self.x.0[lane], self.y.0[lane], self.z.0[lane]) = (v.x, v.y, v.z);
+    }
+
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L> Lane3<L> {
+    /// Vectors of these contacts, and of others.
+    #[inline(always)]
+    pub fn beside(self, other: Self) -> Lane3<Both<L>> {
+        let (a, b) = (self, other);
+        Lane3 { x: Both(a.x, b.x), y: Both(a.y, b.y), z: Both(a.z, b.z) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<L> Lane3<Both<L>> {
+    /// Those of either half.
+    #[inline(always)]
+    pub fn halves(self) -> [Lane3<L>; 2] {
+        let Self { x, y, z } = self;
+        [Lane3 { x: x.0, y: y.0, z: z.0 }, Lane3 { x: x.1, y: y.1, z: z.1 }]
+    }
+}
+
+impl<L: Lane> Lane3<L> {
+    /// The same vector of each contact, from three numbers.
+    #[inline(always)]
+    pub fn repeat(value: L) -> Self {
+        Self { x: value, y: value, z: value }
+    }
+
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> L {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    /// `yes` where `a` is no more than `b`, else `no`.
+    #[inline(always)]
+    pub fn at_most(a: L, b: L, yes: Self, no: Self) -> Self {
+        Self {
+            x: a.at_most(b, yes.x, no.x),
+            y: a.at_most(b, yes.y, no.y),
+            z: a.at_most(b, yes.z, no.z),
+        }
+    }
+}
+
+impl<L: Lane> Add for Lane3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl<L: Lane> Sub for Lane3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl<L: Lane> Mul<L> for Lane3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: L) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+impl<L: Lane> Neg for Lane3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+}

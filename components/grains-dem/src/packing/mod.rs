@@ -1,0 +1,3 @@
+//! Bodies placed at random.
+
+pub mod random_packing;

@@ -1,0 +1,160 @@
+//! What can be wrong with polyhedra.
+
+use crate::bodies::body_arrays::PlacedSphere;
+use crate::contact::{material_laws, plane_walls};
+use crate::math::periodic::PeriodicBox;
+use crate::polyhedra::{Polyhedra, Shape};
+use crate::setup::check::{all_finite, is_positive, not_positive};
+use crate::setup::check_packing;
+use crate::solver::overlaps::TOUCHING;
+use crate::{Parameters, Vec3};
+use tremie_messages::{
+    Problem,
+    scene::{
+        BodySet, Motion, Packing, Placement, Polyhedra as Set, Polyhedron, PolyhedronPlacement,
+        Scene, Spring,
+    },
+};
+
+/// Solid fraction that the spheres around packed polyhedra can reach: spheres at random do not more.
+const DENSEST: f64 = 0.6;
+
+/// The shapes of a scene, and what else polyhedra need from it.
+pub(crate) fn shapes(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
+    for (i, shape) in scene.shapes.iter().enumerate() {
+        if let Err(error) = Shape::of(shape) {
+            let message = format!("makes no shape of polyhedra: {error}");
+            problems.push(Problem::new(format!("scene.shapes[{i}].vertices"), message));
+        }
+    }
+    if !scene.has_polyhedra() {
+        return;
+    }
+    let ports = [("inlets", scene.inlets.len()), ("outlets", scene.outlets.len())];
+    for (key, _) in ports.iter().filter(|(_, count)| *count > 0) {
+        let message = "is there, but polyhedra do not come and go yet";
+        let help = "take spheres, or a run without inlets and outlets";
+        problems.push(Problem::new(format!("scene.{key}[0]"), message).help(help));
+    }
+    if !scene.surfaces.is_empty() {
+        let message = "is there, but polyhedra do not feel surfaces that deform yet";
+        let help = "take spheres, or leave out the surface and the rubber";
+        problems.push(Problem::new("scene.surfaces[0]", message).help(help));
+    }
+    if parameters.lubrication.is_some() {
+        let message = "is set, but it is a law for spheres, and there are polyhedra";
+        problems.push(Problem::of_parameter("lubrication", message).help("leave it unset"));
+    }
+    for (i, pair) in scene.contacts.iter().enumerate() {
+        let met = |set: &&BodySet| {
+            matches!(set.placement, Placement::Polyhedra(_)) && pair.between.contains(&set.material)
+        };
+        if let (Some(set), Spring::Hertz { .. }) = (scene.bodies.iter().find(met), &pair.law.spring)
+        {
+            let message = format!(
+                "is Hertz's law, which is that of spheres, but \"{}\" are polyhedra",
+                set.name
+            );
+            let help = "give a normal and a tangential stiffness";
+            problems
+                .push(Problem::new(format!("scene.contacts[{i}].law.spring"), message).help(help));
+        }
+    }
+}
+
+/// A set of polyhedra, but not where they are.
+pub(crate) fn set(key: &str, set: &BodySet, own: &Set, scene: &Scene, problems: &mut Vec<Problem>) {
+    let shape = scene.shapes.iter().find(|shape| shape.name == own.shape);
+    let Some(shape) = shape else {
+        let message = format!("is \"{}\", expected the name of one of scene.shapes", own.shape);
+        problems.push(Problem::new(format!("{key}.placement.polyhedra.shape"), message));
+        return;
+    };
+    let key = format!("{key}.placement.polyhedra.placement");
+    match &own.placement {
+        PolyhedronPlacement::Listed(list) => {
+            for (k, body) in list.iter().enumerate() {
+                listed(&format!("{key}.listed[{k}]"), set, body, problems);
+            }
+        }
+        PolyhedronPlacement::Packed(packing) => {
+            let key = format!("{key}.packed");
+            let Ok(shape) = Shape::of(shape) else { return };
+            let around = 2.0 * shape.circumradius;
+            let most = DENSEST / (around * around * around);
+            if packing.fraction > most {
+                let message = format!(
+                    "is {}, expected at most {most:.3}: packed polyhedra lie in spheres that do not overlap",
+                    packing.fraction
+                );
+                let help = "lower it, and let them settle";
+                problems.push(Problem::new(format!("{key}.fraction"), message).help(help));
+            }
+            let scaled = Packing { fraction: packing.fraction.min(most), ..packing.clone() };
+            check_packing::packing(&key, &scaled, around, &scene.domain, problems);
+        }
+    }
+}
+
+fn listed(key: &str, set: &BodySet, body: &Polyhedron, problems: &mut Vec<Problem>) {
+    if !is_positive(body.diameter) {
+        problems.push(not_positive(format!("{key}.diameter"), body.diameter));
+    }
+    for (name, vector) in [
+        ("position", &body.position),
+        ("velocity", &body.velocity),
+        ("angular_velocity", &body.angular_velocity),
+    ] {
+        if !all_finite(vector) {
+            problems.push(Problem::new(format!("{key}.{name}"), "is not finite"));
+        }
+    }
+    let square: f64 = body.orientation.iter().map(|c| c * c).sum();
+    if (square - 1.0).abs().is_nan() || (square - 1.0).abs() > 1e-6 {
+        let message = format!("is {:?}, expected a unit quaternion", body.orientation);
+        problems.push(Problem::new(format!("{key}.orientation"), message));
+    }
+    if set.motion == Motion::Fixed && (body.velocity, body.angular_velocity) != ([0.0; 3], [0.0; 3])
+    {
+        let help = "use the motion \"prescribed\" to keep a velocity";
+        let problem = Problem::new(format!("{key}.velocity"), "is that of a fixed body");
+        problems.push(problem.help(help));
+    }
+}
+
+/// Checks that centroids lie in the domain, and all of a free polyhedron on the right side of walls.
+pub(crate) fn inside(
+    scene: &Scene,
+    placed: &[PlacedSphere],
+    polyhedra: &Polyhedra,
+) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    let (bounds, walls) = (PeriodicBox::new(&scene.domain), plane_walls::of_scene(scene));
+    let surfaces = material_laws::surfaces(scene);
+    for (number, grain) in polyhedra.grains().iter().enumerate() {
+        let body = &placed[grain.id as usize];
+        let name = &scene.bodies[body.set].name;
+        let mut problem = |message: String| {
+            let key = format!("scene.bodies[{}].placement", body.set);
+            problems.push(Problem::new(key, message));
+        };
+        let x: Vec3 = body.ball.x;
+        if !bounds.contains(x) {
+            problem(format!("puts body {} (of \"{name}\") outside the domain", grain.id));
+            continue;
+        }
+        let solid = polyhedra.solid(number);
+        for (wall, surface) in walls.iter().zip(&surfaces) {
+            let depth = solid.support(-wall.normal) - (x.dot(&wall.normal) - wall.offset);
+            if body.motion == Motion::Free && depth > TOUCHING * solid.inradius() {
+                let into = &surface.name;
+                problem(format!(
+                    "puts body {} (of \"{name}\") {depth:.3e} m into {into}",
+                    grain.id
+                ));
+            }
+        }
+    }
+    problems.truncate(20);
+    problems
+}

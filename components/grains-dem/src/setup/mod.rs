@@ -1,0 +1,16 @@
+//! Before a run: checks, time step, memory.
+
+pub mod check;
+pub mod check_clumps;
+pub mod check_law;
+pub mod check_packing;
+pub mod check_polyhedra;
+pub mod check_ports;
+pub mod check_sizes;
+pub mod check_slider;
+pub mod material_pairs;
+pub mod memory_need;
+pub mod resolution;
+pub mod slider_times;
+pub mod softness;
+pub mod step_limit;

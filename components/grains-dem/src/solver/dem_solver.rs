@@ -1,0 +1,532 @@
+//! The solver: bodies, lists and laws, advanced substep by substep.
+
+use crate::bodies::body_arrays::{Bodies, PlacedSphere, SphereSet};
+use crate::bodies::deformable_surface::{self, DeformableSurface, SurfaceState};
+use crate::bodies::message_order::Roll;
+use crate::bodies::placed_parts::{self, PlacedPart, Step};
+use crate::bodies::prescribed_spheres::Driven;
+use crate::bodies::slider::SliderState;
+use crate::bodies::{events, loads};
+use crate::contact::contact_force::Steps;
+use crate::forces::pair_forces;
+use crate::math::tally::Tally;
+use crate::neighbours::neighbour_list::BLOCK;
+use crate::neighbours::size_classes::Skins;
+use crate::polyhedra::Polyhedra;
+use crate::solver::clumps::Clumps;
+use crate::solver::diagnostics::{Seen, Survey};
+use crate::solver::integrate::{self, Forces, Reach, Wandered};
+use crate::solver::interaction_context::Surroundings;
+use crate::solver::neighbour_search::Search;
+use crate::solver::ports::Ports;
+use crate::solver::probes::Probes;
+use crate::solver::substeps::Progress;
+use crate::solver::{overlaps, placement};
+use crate::walls::deformable_surfaces::{RigidWalls, Surfaces};
+use crate::walls::wall_forces;
+use crate::{Diagnostics, GrainsError, Parameters, Vec3};
+use tremie_messages::{
+    Problem,
+    body::{BodyEvent, BodyState, Load},
+    scene::{Domain, Scene},
+};
+use tremie_team::{Choice, Found, Team};
+
+/// Overlap over the smaller radius that ends a run.
+const TOO_DEEP: f64 = 0.5;
+
+/// Spheres, convex polyhedra and clumps of them in a box, in contact with each other and with walls.
+pub struct GrainsDem {
+    domain: Domain,
+    pub(crate) around: Surroundings,
+    pub(crate) gravity: Vec3,
+    pub(crate) dt: f64,
+    pub(crate) bodies: Bodies,
+    pub(crate) polyhedra: Polyhedra,
+    pub(crate) clumps: Clumps,
+    pub(crate) events: Vec<BodyEvent>,
+    pub(crate) roll: Roll,
+    /// The id of the next body that comes.
+    pub(crate) next_id: u64,
+    pub(crate) search: Search,
+    pub(crate) team: Team,
+    /// Whether a substep is faster on one thread, where that is to be found, and what was found.
+    pub(crate) choice: Option<Choice>,
+    pub(crate) found: Option<Found>,
+    pub(crate) driven: Driven,
+    /// Substeps since the start.
+    pub(crate) steps: u64,
+    pub(crate) loaded: bool,
+    pub(crate) crossed: bool,
+    /// What each block of bodies saw at the last evaluation, and how far it went.
+    pub(crate) tallies: Vec<Tally>,
+    pub(crate) reaches: Vec<Reach>,
+    wandered: Wandered,
+    tally: Tally,
+    max_overlap_ratio: f64,
+    deep_overlaps: u64,
+    fluid_impulse: Vec3,
+    load_sums: Vec<Result<Vec3, GrainsError>>,
+    survey: Survey,
+    pub(crate) probes: Probes,
+    /// What spheres of each set of the scene are.
+    pub(crate) sets: Vec<SphereSet>,
+    /// Diameter of the largest sphere that lists are made for [m].
+    pub(crate) largest: f64,
+    /// Where spheres come from and go to.
+    pub(crate) ports: Ports,
+    /// How far the window has come.
+    pub(crate) progress: Progress,
+}
+
+impl GrainsDem {
+    /// Makes the bodies of `scene`, packings included, ready to advance by `time_step` [s] on
+    /// `threads` threads, whose number has no effect on any result.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the scene, the parameters or the time step.
+    pub fn new(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        threads: usize,
+    ) -> Result<Self, Vec<Problem>> {
+        Self::with_surfaces(scene, parameters, time_step, threads, &[])
+    }
+
+    /// The same, with surfaces that deform on its sliders. Packings do not keep clear of them.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and surfaces that are none or do not fit the scene.
+    pub fn with_surfaces(
+        scene: &Scene,
+        parameters: &Parameters,
+        time_step: f64,
+        threads: usize,
+        surfaces: &[DeformableSurface],
+    ) -> Result<Self, Vec<Problem>> {
+        let resolution = parameters.resolve(scene)?;
+        resolution.check_time_step(time_step).map_err(|problem| vec![problem])?;
+        let problems = deformable_surface::check(scene, surfaces, time_step);
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let parts = placed_parts::load(scene)?;
+        let spheres = placement::place(scene, &parts)?;
+        let mut team = Team::new("grains", threads).map_err(|error| {
+            let message = format!("the system does not give {threads} threads: {error}");
+            vec![Problem::new("threads", message)]
+        })?;
+        overlaps::check(scene, &spheres, &parts, &mut team)?;
+        let placed = (&spheres[..], parts, surfaces);
+        let mut solver = Self::of_bodies(scene, parameters, time_step, placed, team);
+        // Their room is needed for the lists.
+        drop(spheres);
+        solver.rebuild_lists();
+        let still = surfaces.iter().map(|s| vec![[0.0; 3]; s.vertices.len()]).collect::<Vec<_>>();
+        let states = surfaces.iter().zip(&still).map(|(surface, velocities)| SurfaceState {
+            vertices: &surface.vertices,
+            velocities,
+            carrier_force: [0.0; 3],
+        });
+        let begun = solver.evaluate_forces(0.0, &states.collect::<Vec<_>>());
+        begun
+            .and_then(|()| if surfaces.is_empty() { Ok(()) } else { solver.check_overlap() })
+            .map_err(|error| vec![Problem::new("surfaces", error.to_string())])?;
+        Ok(solver)
+    }
+
+    fn of_bodies(
+        scene: &Scene,
+        parameters: &Parameters,
+        dt: f64,
+        (spheres, parts, surfaces): (&[PlacedSphere], Vec<PlacedPart>, &[DeformableSurface]),
+        mut team: Team,
+    ) -> Self {
+        let around = Surroundings::of_scene(scene, parameters, parts, surfaces);
+        let laws = &around.laws;
+        let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
+        let polyhedra = Polyhedra::new(scene, spheres, &mut team);
+        for ball in &mut bodies.balls {
+            ball.x = around.bounds.wrap(ball.x);
+        }
+        let skins = skins_of(scene, parameters, spheres);
+        let clumps = Clumps::of_placed(scene, spheres);
+        clumps.end(&mut bodies);
+        let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
+        bodies.reserve(ports.capacity);
+        let sets = SphereSet::of_scene(scene, laws);
+        let probes = Probes::new(&scene.probes, &scene.domain, spheres, &bodies);
+        let blocks = spheres.len().div_ceil(BLOCK);
+        let events = events::initial(spheres, &around.parts);
+        let bodies_of_run = events.len();
+        let roll = Roll::new(spheres.len(), bodies_of_run - spheres.len());
+        let surfaces = Surfaces::new(surfaces, &around.laws, &around.parts, spheres.len());
+        let bounds = around.bounds.clone();
+        let driven = Driven::of_scene(scene, spheres);
+        driven.end(&mut bodies, 0.0);
+        Self {
+            domain: scene.domain.clone(),
+            gravity: scene.gravity.into(),
+            dt,
+            events,
+            roll,
+            next_id: roll.first_free(),
+            search: Search::new(bounds, skins, ports.capacity, surfaces),
+            around,
+            bodies,
+            polyhedra,
+            clumps,
+            team,
+            choice: None,
+            found: None,
+            driven,
+            steps: 0,
+            loaded: false,
+            crossed: false,
+            tallies: vec![Tally::default(); blocks],
+            reaches: vec![Reach::default(); blocks],
+            wandered: Wandered::none(blocks),
+            tally: Tally::default(),
+            max_overlap_ratio: 0.0,
+            deep_overlaps: 0,
+            fluid_impulse: Vec3::zeros(),
+            load_sums: Vec::with_capacity(bodies_of_run.div_ceil(BLOCK)),
+            survey: Survey::default(),
+            probes,
+            sets,
+            ports,
+            largest: largest(scene, spheres),
+            progress: Progress::default(),
+        }
+    }
+
+    /// Who came and went at the end of the last window, those that went first, by ascending id; before
+    /// the first window all bodies.
+    pub fn events(&self) -> &[BodyEvent] {
+        &self.events
+    }
+
+    /// Number of living bodies: spheres, and parts that move.
+    pub fn body_count(&self) -> usize {
+        self.roll.bodies(&self.bodies)
+    }
+
+    /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
+    /// of the last substep. A part whose origin lies on a symmetry plane is cut by it: the load is
+    /// that on the whole.
+    pub fn part_loads(&self) -> impl ExactSizeIterator<Item = ([f64; 3], [f64; 3])> + '_ {
+        let parts = self.around.parts.iter().zip(&self.search.parts.on_parts);
+        parts.map(|(part, wrench)| {
+            let whole = part.whole(wrench);
+            (whole.force.into(), whole.torque.into())
+        })
+    }
+
+    /// Force of the grains on each face of the domain that holds them, mirrors too, at the end of the last substep [N]: by
+    /// axis, lower before upper, contacts and lubrication; no fluid, no surfaces that deform. Zero at other faces. Of
+    /// grains on a face and a part at once, where these make up one wall, a face has what is due to it.
+    pub fn face_forces(&self) -> [[[f64; 3]; 2]; 3] {
+        let mut sums = Vec::new();
+        self.search.wall_forces(self.around.walls.len(), &mut sums);
+        let mut forces = [[[0.0; 3]; 2]; 3];
+        for (&(axis, side), force) in self.around.faces.iter().zip(sums) {
+            forces[axis][side] = force.into();
+        }
+        forces
+    }
+
+    /// The sliders, in the order of the scene's parts, at the end of the last substep.
+    pub fn sliders(&self) -> impl Iterator<Item = SliderState> + '_ {
+        let parts = self.around.parts.iter().enumerate();
+        parts.filter_map(|(part, placed)| Some(SliderState::of(part, placed.slider()?)))
+    }
+
+    /// Radii of the spheres, and of those around polyhedra [m], by ascending id.
+    pub fn radii(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        self.bodies.slot.iter().map(|&slot| self.bodies.balls[slot as usize].radius)
+    }
+
+    /// Finds out from now on whether substeps are faster on all threads or on one, and goes on with that: either is
+    /// tried for some substeps, anew when there are half as many bodies again, or two thirds. Results do not depend on it.
+    pub fn choose_threads(&mut self) {
+        self.choice = Some(Choice::new(self.team.threads()));
+    }
+
+    /// What was found of threads since this was asked last.
+    pub fn take_found(&mut self) -> Option<Found> {
+        self.found.take()
+    }
+
+    /// Length of a substep [s].
+    pub fn time_step(&self) -> f64 {
+        self.dt
+    }
+
+    pub(crate) fn time(&self) -> f64 {
+        self.time_after(0)
+    }
+
+    fn time_after(&self, steps: u64) -> f64 {
+        (self.steps + steps) as f64 * self.dt
+    }
+
+    /// Writes pose and velocity of each body, by ascending id; positions lie in the domain.
+    ///
+    /// # Panics
+    /// If `out` does not have [`body_count`](Self::body_count) entries.
+    pub fn write_state(&self, out: &mut [BodyState]) {
+        assert_eq!(out.len(), self.body_count(), "one state for each body");
+        let places = self.roll.places_of_parts();
+        let moving = self.around.parts.iter().filter(|part| part.moves());
+        for ((id, state), part) in
+            (self.roll.first_part..).zip(&mut out[places.clone()]).zip(moving)
+        {
+            *state = part.state(id);
+        }
+        let (early, late) = out.split_at_mut(places.start);
+        let spheres = early.iter_mut().chain(&mut late[places.len()..]);
+        for ((&id, state), &slot) in self.bodies.ids.iter().zip(spheres).zip(&self.bodies.slot) {
+            let slot = slot as usize;
+            let twist = &self.bodies.twists[slot];
+            *state = BodyState {
+                id,
+                position: self.bodies.balls[slot].x.into(),
+                orientation: self.bodies.orientation[slot],
+                velocity: twist.v.into(),
+                angular_velocity: twist.w.into(),
+            };
+        }
+    }
+
+    /// Advances by `substeps` steps under constant `loads`, one for each body in the order of the
+    /// state; none at all for a dry run. Weight is applied besides, in full. A run with surfaces
+    /// that deform goes [substep by substep](Self::begin_substep).
+    ///
+    /// # Errors
+    /// Loads that do not match the bodies, and motions that the contact law cannot describe.
+    pub fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
+        self.begin_window(substeps, loads)?;
+        for _ in 0..substeps {
+            self.begin_substep()?;
+            self.finish_substep(&[])?;
+        }
+        self.end_window()
+    }
+
+    /// Energies, momentum, contacts.
+    pub fn diagnostics(&mut self) -> Diagnostics {
+        let steps = Steps { before: self.dt, after: self.dt };
+        let seen = Seen {
+            scenery: self.around.scenery(&self.bodies, self.crossed, steps),
+            contacts: self.search.contacts(),
+            walls: &self.around.walls,
+            domain: &self.domain,
+            gravity: self.gravity,
+            parts: &self.around.parts,
+            polyhedra: &self.polyhedra,
+            clumps: &self.clumps,
+        };
+        let sums = self.survey.sums(&mut self.team, &seen);
+        Diagnostics {
+            contacts: self.tally.contacts,
+            max_overlap_ratio: self.max_overlap_ratio,
+            deep_overlaps: self.deep_overlaps,
+            list_rebuilds: self.search.rebuilds,
+            fluid_impulse: self.fluid_impulse.into(),
+            ..sums
+        }
+    }
+
+    /// Appends the values of the scene's probes, in the order of [`probe_signals`](crate::probe_signals):
+    /// flow rates are means since [`restart_means`](Self::restart_means), or since the start, crossings and masses
+    /// that passed are sums since the start, all else is of the end of the last [`advance`](Self::advance).
+    pub fn read_probes(&mut self, out: &mut Vec<f64>) {
+        self.probes.read(&mut self.team, &self.bodies, &self.around.bounds, out);
+    }
+
+    /// Begins the means over time that probes tell anew.
+    pub fn restart_means(&mut self) {
+        self.probes.restart_means();
+    }
+
+    pub(crate) fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
+        self.loaded = !loads.is_empty();
+        if self.loaded {
+            let (bodies, sums) = (&mut self.bodies, &mut self.load_sums);
+            let force = loads::take(&mut self.team, bodies, loads, self.roll, sums)?;
+            self.fluid_impulse += force * (f64::from(substeps) * self.dt);
+        }
+        let of_parts = loads.get(self.roll.places_of_parts()).unwrap_or_default();
+        let mut of_parts = of_parts.iter();
+        for part in self.around.parts.iter_mut().filter(|part| part.moves()) {
+            let load = of_parts.next();
+            if let Some(slider) = part.slider_mut() {
+                slider.take(load);
+                let force = slider.axis * slider.pushes.fluid;
+                self.fluid_impulse += force * (f64::from(substeps) * self.dt);
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the bodies to the end of a substep, and lists neighbours anew where they moved far.
+    pub(crate) fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
+        let (from, to) = (self.time(), self.time_after(1));
+        self.driven.begin(&mut self.bodies, from, to);
+        let forces =
+            Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };
+        let (team, bodies) = (&mut self.team, &mut self.bodies);
+        let bounds = &self.around.bounds;
+        let step = (self.dt, finish);
+        self.clumps.begin(bodies, forces, step);
+        let leash = self.search.leash();
+        integrate::first_half(team, bodies, (bounds, leash), forces, step, &mut self.reaches);
+        let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
+        if reach.crossed {
+            self.crossed = true;
+            let blocks = (0..).zip(&self.reaches).filter(|(_, reach)| reach.crossed);
+            self.search.pairs.follow(&self.bodies.crossed, blocks.map(|(b, _)| b));
+        }
+        self.wandered.extend(&self.reaches);
+        self.driven.end(&mut self.bodies, to);
+        self.around.slide(to);
+        self.clumps.end(&mut self.bodies);
+        let (bodies, team) = (&mut self.bodies, &mut self.team);
+        self.polyhedra.first_half(team, bodies, self.loaded, (self.dt, finish));
+        let mut wrapped = false;
+        let step = Step { from, to, dt: self.dt, finish };
+        for part in &mut self.around.parts {
+            wrapped |= part.advance(&step, &self.around.bounds);
+        }
+        self.steps += 1;
+        self.search.surfaces.follow_bodies();
+        self.check_sliders()?;
+        let limit = self.search.skins().least_slack();
+        let far = wrapped || self.around.parts.iter().any(|part| part.moved >= limit);
+        if far || reach.due {
+            self.check_inside()?;
+            self.rebuild_lists();
+        }
+        Ok(())
+    }
+
+    /// Contact forces at the predicted velocities, `before` after the last evaluation, with those on
+    /// `deformable_surfaces` as they are accepted.
+    pub(crate) fn evaluate_forces(
+        &mut self,
+        before: f64,
+        surfaces: &[SurfaceState<'_>],
+    ) -> Result<(), GrainsError> {
+        self.tallies.fill(Tally::default());
+        self.search.evaluated = true;
+        let steps = Steps { before, after: self.dt };
+        let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
+        let (team, search) = (&mut self.team, &mut self.search);
+        let (wandered, tallies) = (&self.wandered, &mut self.tallies[..]);
+        pair_forces::between_bodies(team, &mut search.pairs, scenery, wandered, tallies);
+        let walls = &self.around.walls;
+        wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
+        let parts = &self.around.parts;
+        let near = self.around.near_surfaces(&self.bodies, search.cells.skins());
+        let rigid = RigidWalls { contacts: &mut search.parts, parts, walls };
+        search.surfaces.look(surfaces, (&scenery, &near), rigid)?;
+        let (rigid, soft) = (&mut search.parts, &search.surfaces);
+        rigid.evaluate(team, (parts, walls), soft, scenery, &mut self.tallies);
+        let on_solids = search.solids.evaluate(
+            team,
+            &mut self.polyhedra,
+            scenery,
+            (walls, parts),
+            (&mut search.parts.on_parts, &mut search.parts.pushes),
+        );
+        let mut on_surfaces = Tally::default();
+        search.surfaces.accept(surfaces, &scenery, &mut on_surfaces);
+        self.push_sliders(surfaces);
+        let forces =
+            Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };
+        self.clumps.evaluate(&self.bodies, forces);
+        self.tally = Tally::sum(&[Tally::sum(&self.tallies), on_surfaces, on_solids]);
+        self.deep_overlaps += self.tally.deep;
+        self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);
+        Ok(())
+    }
+
+    /// Gives the sliders the forces of this evaluation.
+    fn push_sliders(&mut self, surfaces: &[SurfaceState<'_>]) {
+        let parts = &mut self.around.parts;
+        for (part, push) in parts.iter_mut().zip(&self.search.parts.pushes) {
+            if let Some(slider) = part.slider_mut() {
+                slider.evaluate(push.force());
+            }
+        }
+        for (held, state) in self.search.surfaces.held.iter().zip(surfaces) {
+            if let Some(slider) = parts[held.carrier].slider_mut() {
+                slider.carry(held.on_carrier, state.carrier_force.into());
+            }
+        }
+    }
+
+    pub(crate) fn rebuild_lists(&mut self) {
+        let Self { search, team, bodies, polyhedra, around, .. } = self;
+        search.rebuild(team, bodies, polyhedra, around);
+        self.crossed = false;
+        self.wandered.begin(self.bodies.len().div_ceil(BLOCK));
+    }
+
+    pub(crate) fn check_overlap(&self) -> Result<(), GrainsError> {
+        let deepest = self.tally.deepest;
+        if deepest.ratio <= TOO_DEEP {
+            return Ok(());
+        }
+        let id = |slot: u32| self.bodies.id_at(slot as usize);
+        let (id, other) = self.around.name(id(deepest.body), deepest.other, id);
+        let percent = 100.0 * deepest.ratio;
+        Err(GrainsError::Overlap { id, other, percent })
+    }
+
+    /// A slider must be somewhere.
+    fn check_sliders(&self) -> Result<(), GrainsError> {
+        let lost = |slider: &SliderState| !slider.lift.is_finite();
+        match self.sliders().find(lost) {
+            None => Ok(()),
+            Some(slider) => Err(GrainsError::SliderLost { part: slider.part }),
+        }
+    }
+
+    /// Every centre must lie inside the domain, or beyond a face through which spheres leave.
+    fn check_inside(&self) -> Result<(), GrainsError> {
+        let outside = |&&slot: &&u32| {
+            let x = self.bodies.balls[slot as usize].x;
+            !self.around.bounds.contains_but_for(self.around.ways_out, x)
+        };
+        match self.bodies.slot.iter().find(outside) {
+            None => Ok(()),
+            Some(&slot) => {
+                let [x, y, z] = self.bodies.balls[slot as usize].x.into();
+                let id = self.bodies.id_at(slot as usize);
+                Err(GrainsError::LeftDomain { id, x, y, z })
+            }
+        }
+    }
+}
+
+/// Diameter of the largest body that may come up, in a run that starts with these [m].
+fn largest(scene: &Scene, spheres: &[PlacedSphere]) -> f64 {
+    spans(scene, spheres).fold(0.0, |largest, [_, most]| largest.max(most))
+}
+
+/// The classes of sizes of a run that starts with these bodies.
+fn skins_of(scene: &Scene, parameters: &Parameters, spheres: &[PlacedSphere]) -> Skins {
+    let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    Skins::new(spans(scene, spheres), parameters.skin_fraction(), reach)
+}
+
+/// Diameters of the bodies at the start and of those that inlets feed, as smallest and largest [m].
+fn spans<'a>(
+    scene: &'a Scene,
+    spheres: &'a [PlacedSphere],
+) -> impl Iterator<Item = [f64; 2]> + Clone + 'a {
+    let of_body = |sphere: &PlacedSphere| [2.0 * sphere.ball.radius; 2];
+    spheres.iter().map(of_body).chain(scene.inlets.iter().map(|inlet| inlet.diameters.extremes()))
+}

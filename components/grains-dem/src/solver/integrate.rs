@@ -1,0 +1,263 @@
+//! Velocity Verlet with predicted velocities.
+//!
+//! ```text
+//! v_h = v + dt/2 a        x += dt v_h        v_p = v_h + dt/2 a      forces see x and v_p
+//! a = F(x, v_p, w_p)/m + g                   v = v_h + dt/2 a
+//! ```
+//!
+//! and the same for the angular velocity. Forces at the half-step velocity would leave the scheme
+//! first order, because dashpots depend on it (the prediction is that of Groot & Warren, *J. Chem. Phys.* 107,
+//! 1997, with lambda = 1).
+
+use crate::Vec3;
+use crate::bodies::body_arrays::{Ball, Bodies, Mobility, Twist, Wrench};
+use crate::math::periodic::PeriodicBox;
+use crate::math::simd::vec4::Four;
+use crate::neighbours::neighbour_list::BLOCK;
+use crate::neighbours::size_classes::Leash;
+use crate::solver::force_sum::Collector;
+use crate::solver::neighbour_search::Contacts;
+use tremie_team::{Cut, Team, Variant, instructions::Work};
+
+/// What moves bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Forces<'a> {
+    pub contacts: Contacts<'a>,
+    /// Whether the fluid loads of the bodies are anything but zero.
+    pub loaded: bool,
+    /// Acceleration of weight [m/s²].
+    pub gravity: Vec3,
+}
+
+/// How far bodies went.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Reach {
+    /// Square of the largest distance of a body from its reference position [m²]; NaN if any is.
+    pub farthest: f64,
+    /// Whether any body crossed a periodic face.
+    pub crossed: bool,
+    /// Whether any body went as far as it may until neighbours are listed anew.
+    pub due: bool,
+}
+
+impl Reach {
+    /// The farther of two.
+    pub fn and(self, other: Self) -> Self {
+        let farther = other.farthest > self.farthest || other.farthest.is_nan();
+        Self {
+            farthest: if farther { other.farthest } else { self.farthest },
+            crossed: self.crossed || other.crossed,
+            due: self.due || other.due,
+        }
+    }
+}
+
+/// How far the bodies of each block have gone at most since neighbours were listed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wandered {
+    blocks: Vec<f64>,
+    all: f64,
+}
+
+impl Wandered {
+    /// Of `blocks` blocks, none of which has moved.
+    pub fn none(blocks: usize) -> Self {
+        Self { blocks: vec![0.0; blocks], all: 0.0 }
+    }
+
+    /// Distances of so many blocks count from here on.
+    pub fn begin(&mut self, blocks: usize) {
+        self.blocks.clear();
+        self.blocks.resize(blocks, 0.0);
+        self.all = 0.0;
+    }
+
+    /// Takes in how far the bodies of each block are away from where they were.
+    pub fn extend(&mut self, reaches: &[Reach]) {
+        for (block, reach) in self.blocks.iter_mut().zip(reaches) {
+            *block = block.max(reach.farthest.sqrt());
+            self.all = self.all.max(*block);
+        }
+    }
+
+    /// Gap that a body of block `b` and any other can have closed [m], with room for rounding.
+    pub fn limit(&self, b: usize) -> f64 {
+        (self.blocks[b] + self.all) * (1.0 + 1e-6)
+    }
+}
+
+/// Acceleration and angular acceleration of a body under contact forces, loads and weight; none of one that
+/// goes with a clump.
+#[inline(always)]
+fn acceleration(
+    contact: Wrench,
+    load: Option<&Wrench>,
+    mobility: Mobility,
+    gravity: Vec3,
+) -> Twist {
+    if mobility.is_joined() {
+        return Twist::zero();
+    }
+    let gravity = if mobility.is_free() { gravity } else { Vec3::zeros() };
+    let Wrench { mut force, mut torque } = contact;
+    if let Some(load) = load {
+        force += load.force;
+        torque += load.torque;
+    }
+    Twist { v: force * mobility.inverse_mass + gravity, w: torque * mobility.inverse_inertia }
+}
+
+impl Twist {
+    #[inline(always)]
+    fn kick(&mut self, a: &Twist, dt: f64) {
+        self.v += a.v * dt;
+        self.w += a.w * dt;
+    }
+}
+
+/// First half of a substep: half kick, drift, prediction. With `finish` the half kick that ends the
+/// substep before comes first, so that bodies are visited once a substep. `reaches` has one entry
+/// for each block of bodies.
+pub(crate) fn first_half(
+    team: &mut Team,
+    bodies: &mut Bodies,
+    (bounds, leash): (&PeriodicBox, Leash<'_>),
+    forces: Forces<'_>,
+    (dt, finish): (f64, bool),
+    reaches: &mut [Reach],
+) {
+    let pieces = (
+        Cut::every(&mut bodies.balls, BLOCK),
+        Cut::every(&mut bodies.twists, BLOCK),
+        Cut::every(&mut bodies.predicted, BLOCK),
+        Cut::every(&mut bodies.orientation, BLOCK),
+        Cut::every(&mut bodies.reference, BLOCK),
+        Cut::every(&mut bodies.crossed, BLOCK),
+        Cut::every(reaches, 1),
+    );
+    let (load, mobility) = (&bodies.load, &bodies.mobility);
+    team.for_pieces(pieces, |b, arrays| {
+        let variant = Variant::widest();
+        let step = (dt, finish);
+        variant.run(FirstHalf { b, arrays, load, mobility, bounds, leash, forces, step, variant });
+    });
+}
+
+/// The changing arrays of a block.
+type Arrays<'a> = (
+    &'a mut [Ball],
+    &'a mut [Twist],
+    &'a mut [Twist],
+    &'a mut [[f64; 4]],
+    &'a mut [Vec3],
+    &'a mut [i32],
+    &'a mut [Reach],
+);
+
+/// First half of a substep of a block.
+struct FirstHalf<'a> {
+    b: usize,
+    arrays: Arrays<'a>,
+    load: &'a [Wrench],
+    mobility: &'a [Mobility],
+    bounds: &'a PeriodicBox,
+    leash: Leash<'a>,
+    forces: Forces<'a>,
+    step: (f64, bool),
+    variant: Variant,
+}
+
+impl Work for FirstHalf<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { b, arrays, load, mobility, bounds, leash, forces, step, variant } = self;
+        let (dt, finish) = step;
+        let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
+        let (first, half) = (b * BLOCK, 0.5 * dt);
+        let own = first..first + balls.len();
+        let mut collector = Collector::new(forces.contacts, b, own).with(variant);
+        let (mut farthest, mut any_crossed) = (0.0, false);
+        // Slices of equal length spare the loop its bounds checks.
+        let n = balls.len();
+        let (twists, predicted) = (&mut twists[..n], &mut predicted[..n]);
+        let (orientation, reference) = (&mut orientation[..n], &mut reference[..n]);
+        let (load, mobility) = (&load[first..first + n], &mobility[first..first + n]);
+        for i in 0..n {
+            let contact = collector.on(first + i, balls[i].radius);
+            let load = forces.loaded.then_some(&load[i]);
+            let a = acceleration(contact, load, mobility[i], forces.gravity);
+            let mut twist = twists[i];
+            if finish {
+                twist.kick(&a, half);
+            }
+            twist.kick(&a, half);
+            twists[i] = twist;
+            predicted[i] = twist;
+            predicted[i].kick(&a, half);
+            let mut x = balls[i].x + twist.v * dt;
+            if let Some((inside, shift, code)) = bounds.cross(x) {
+                x = inside;
+                reference[i] += shift;
+                crossed[i] += code;
+                any_crossed |= code != 0;
+            }
+            balls[i].x = x;
+            let square = (x - reference[i]).norm_squared();
+            if square > farthest || square.is_nan() {
+                farthest = square;
+            }
+            orientation[i] = turned(orientation[i], twist.w * half);
+        }
+        let squares = balls.iter().zip(&*reference).map(|(ball, x)| (ball.x - x).norm_squared());
+        let due = leash.is_due(farthest, first, squares);
+        reach[0] = Reach { farthest, crossed: any_crossed, due };
+    }
+}
+
+/// Second half of a substep: half kick with the new forces.
+pub(crate) fn second_half(team: &mut Team, bodies: &mut Bodies, forces: Forces<'_>, dt: f64) {
+    let (balls, load, mobility) = (&bodies.balls, &bodies.load, &bodies.mobility);
+    team.for_pieces(Cut::every(&mut bodies.twists, BLOCK), |b, twists: &mut [Twist]| {
+        let own = b * BLOCK..b * BLOCK + twists.len();
+        let mut collector = Collector::new(forces.contacts, b, own);
+        for (i, twist) in (b * BLOCK..).zip(twists) {
+            let contact = collector.on(i, balls[i].radius);
+            let load = forces.loaded.then_some(&load[i]);
+            twist.kick(&acceleration(contact, load, mobility[i], forces.gravity), 0.5 * dt);
+        }
+    });
+}
+
+/// The orientation `q` turned by a small rotation, given as half its angle along its axis in the
+/// world frame: `q + (h, 0) q`, renormalised, is exact to second order in the angle.
+#[inline(always)]
+fn turned(q: [f64; 4], h: Vec3) -> [f64; 4] {
+    // x + h.x w + h.y z - h.z y, and likewise y and z;  w - h.x x - h.y y - h.z z
+    let (q, h, last) = (Four(q), Four::of(&h), Four([1.0, 1.0, 1.0, -1.0]));
+    let turned = q
+        + h.at::<0, 1, 2, 0>() * last * q.at::<3, 3, 3, 0>()
+        + h.at::<1, 2, 0, 1>() * last * q.at::<2, 0, 1, 1>()
+        - h.at::<2, 0, 1, 2>() * q.at::<1, 2, 0, 2>();
+    // One step of Newton's for the inverse root, from 1: `q` was a unit quaternion, so that the
+    // square differs from 1 by that of `h` alone.
+    let [x, y, z, w] = (turned * turned).0;
+    (turned * (1.5 - 0.5 * (x + y + z + w))).0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orientation_follows_a_steady_rotation() {
+        let w = Vec3::new(0.3, -0.4, 1.2);
+        let steps = 2000;
+        let mut q = [0.0, 0.0, 0.0, 1.0];
+        for _ in 0..steps {
+            q = turned(q, w * (0.5 / f64::from(steps)));
+        }
+        let exact = nalgebra::UnitQuaternion::from_scaled_axis(w);
+        let error = (0..4).map(|a| (q[a] - exact.coords[a]).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-7, "{error}");
+    }
+}

@@ -1,0 +1,15 @@
+//! The step: neighbour search, forces, velocity Verlet, inlets, probes.
+
+pub mod clumps;
+pub mod dem_solver;
+pub mod diagnostics;
+pub mod exchange;
+pub mod force_sum;
+pub mod integrate;
+pub mod interaction_context;
+pub mod neighbour_search;
+pub mod overlaps;
+pub mod placement;
+pub mod ports;
+pub mod probes;
+pub mod substeps;

@@ -1,0 +1,203 @@
+//! The search for contacts: linked cells and the lists made from them.
+
+use crate::Vec3;
+use crate::bodies::body_arrays::{Ball, Bodies};
+use crate::bodies::placed_parts::PlacedPart;
+use crate::math::periodic::PeriodicBox;
+use crate::neighbours::linked_cells::Cells;
+use crate::neighbours::neighbour_list::{BLOCK, Pairs};
+use crate::neighbours::neighbour_list_build::{Nearness, PairsMaker};
+use crate::neighbours::size_classes::{Leash, Skins};
+use crate::polyhedra::{self, PolyContacts, Polyhedra};
+use crate::solver::interaction_context::Surroundings;
+use crate::walls::deformable_surfaces::Surfaces;
+use crate::walls::part_contacts::PartContacts;
+use crate::walls::part_finder;
+use crate::walls::wall_contacts::{self, WallContacts};
+use tremie_team::{Cut, Team};
+
+/// Bodies are put in order of space at every so many lists: in between they move by a diameter or
+/// two.
+const LISTS_PER_ORDER: u64 = 16;
+
+/// Neighbour lists and what it takes to make them.
+pub(crate) struct Search {
+    /// Bodies by size and place.
+    pub cells: Cells,
+    /// Contacts between bodies.
+    pub pairs: Pairs,
+    /// Contacts of bodies with walls.
+    pub walls: WallContacts,
+    /// Contacts of bodies with parts.
+    pub parts: PartContacts,
+    /// Surfaces that deform, and bodies near them.
+    pub surfaces: Surfaces,
+    /// Contacts of polyhedra.
+    pub solids: PolyContacts,
+    /// How often lists were made.
+    pub rebuilds: u64,
+    /// Forces on the walls at the last evaluation before the lists were made [N].
+    on_walls: Vec<Vec3>,
+    /// Whether contacts were evaluated since then.
+    pub evaluated: bool,
+    maker: PairsMaker,
+    spare_walls: WallContacts,
+    spare_parts: PartContacts,
+    found_walls: Vec<wall_contacts::Found>,
+    found_parts: Vec<part_finder::Found>,
+    order: Vec<u32>,
+    keys: Vec<(u64, u32)>,
+    /// Where bodies stood in memory when lists were made, if any came or went since.
+    pub moved: Option<Vec<u32>>,
+}
+
+/// The contacts of all bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Contacts<'a> {
+    pub pairs: &'a Pairs,
+    pub walls: &'a WallContacts,
+    pub parts: &'a PartContacts,
+    pub surfaces: &'a Surfaces,
+    pub solids: &'a PolyContacts,
+}
+
+impl Search {
+    /// For up to so many bodies of classes of sizes, and surfaces that deform.
+    pub fn new(bounds: PeriodicBox, skins: Skins, bodies: usize, surfaces: Surfaces) -> Self {
+        Self {
+            cells: Cells::new(bounds, skins),
+            pairs: Pairs::default(),
+            walls: WallContacts::default(),
+            parts: PartContacts::default(),
+            surfaces,
+            solids: PolyContacts::default(),
+            rebuilds: 0,
+            on_walls: Vec::new(),
+            evaluated: false,
+            maker: PairsMaker::default(),
+            spare_walls: WallContacts::default(),
+            spare_parts: PartContacts::default(),
+            found_walls: Vec::new(),
+            found_parts: Vec::new(),
+            order: Vec::with_capacity(bodies),
+            keys: Vec::with_capacity(bodies),
+            moved: None,
+        }
+    }
+
+    /// Classes of sizes, and their skins.
+    pub fn skins(&self) -> &Skins {
+        self.cells.skins()
+    }
+
+    /// How far bodies may go until lists are due.
+    pub fn leash(&self) -> Leash<'_> {
+        Leash::new(self.cells.skins(), self.cells.classes())
+    }
+
+    /// The lists.
+    pub fn contacts(&self) -> Contacts<'_> {
+        let Self { pairs, walls, parts, surfaces, solids, .. } = self;
+        Contacts { pairs, walls, parts, surfaces, solids }
+    }
+
+    /// Forces on all walls, so many, at the last evaluation [N].
+    pub fn wall_forces(&self, walls: usize, out: &mut Vec<Vec3>) {
+        out.clear();
+        if self.evaluated {
+            out.resize(walls, Vec3::zeros());
+            self.walls.add_forces(out);
+            self.parts.add_wall_forces(out);
+            self.solids.add_wall_forces(out);
+        } else {
+            out.extend(&self.on_walls);
+            out.resize(walls, Vec3::zeros());
+        }
+    }
+
+    /// Makes the lists anew; contacts keep their history.
+    pub fn rebuild(
+        &mut self,
+        team: &mut Team,
+        bodies: &mut Bodies,
+        polyhedra: &mut Polyhedra,
+        around: &mut Surroundings,
+    ) {
+        let mut on_walls = std::mem::take(&mut self.on_walls);
+        if self.evaluated {
+            self.wall_forces(around.walls.len(), &mut on_walls);
+        }
+        (self.on_walls, self.evaluated) = (on_walls, false);
+        self.cells.sort(&bodies.balls);
+        if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
+            self.cells.curve(&bodies.balls, &mut self.keys, &mut self.order);
+            bodies.reorder(&self.order);
+            self.cells.sort(&bodies.balls);
+        } else {
+            self.order.clear();
+            self.order.extend(0..bodies.len() as u32);
+        }
+        let moved = self.moved.take();
+        if let Some(moved) = &moved {
+            self.order.iter_mut().for_each(|place| *place = moved[*place as usize]);
+        }
+        start_anew(team, bodies);
+        let near = Nearness {
+            cells: &self.cells,
+            shifts: &around.bounds.shifts,
+            laws: &around.laws,
+            previous: &self.order,
+        };
+        self.maker.make(&mut self.pairs, team, bodies, &near);
+        let skins = self.cells.skins();
+        std::mem::swap(&mut self.walls, &mut self.spare_walls);
+        std::mem::swap(&mut self.parts, &mut self.spare_parts);
+        let (walls, laws) = (&around.walls[..], &around.wall_laws);
+        let near = part_finder::Nearness {
+            parts: &around.parts,
+            walls,
+            wall_laws: laws,
+            walls_lean: around.walls_lean,
+            surfaces: &self.surfaces,
+            laws: &around.laws,
+            materials: &around.part_materials,
+            bounds: &around.bounds,
+            skins,
+            previous: &self.order,
+        };
+        let before = (&self.spare_parts, &self.spare_walls);
+        self.parts.make(before, &mut self.found_parts, team, bodies, &near);
+        let near = wall_contacts::Nearness { walls, laws, skins, previous: &self.order };
+        let (before, found) = ((&self.spare_walls, &self.spare_parts), &mut self.found_walls);
+        self.walls.make(before, &self.parts, found, team, bodies, &near);
+        let near = polyhedra::Nearness {
+            walls,
+            wall_laws: laws,
+            parts: &around.parts,
+            part_materials: &around.part_materials,
+            laws: &around.laws,
+            bounds: &around.bounds,
+            skins,
+        };
+        self.solids.make(self.maker.solids(), polyhedra, bodies, &near);
+        if moved.is_some() {
+            self.surfaces.follow(&self.order, &bodies.ids);
+        }
+        self.surfaces.spoil();
+        around.parts.iter_mut().for_each(PlacedPart::begin_list);
+        self.rebuilds += 1;
+    }
+}
+
+/// Distances and crossings count from here on.
+fn start_anew(team: &mut Team, bodies: &mut Bodies) {
+    let pieces = (Cut::every(&mut bodies.reference, BLOCK), Cut::every(&mut bodies.crossed, BLOCK));
+    let balls = &bodies.balls;
+    team.for_pieces(pieces, |b, (reference, crossed): (&mut [Vec3], &mut [i32])| {
+        crossed.fill(0);
+        let balls: &[Ball] = &balls[b * BLOCK..b * BLOCK + reference.len()];
+        for (reference, ball) in reference.iter_mut().zip(balls) {
+            *reference = ball.x;
+        }
+    });
+}

@@ -1,0 +1,81 @@
+//! Boxes: how much of them the spheres fill, and how these move.
+
+use crate::Vec3;
+use crate::bodies::body_arrays::Bodies;
+use crate::math::periodic::PeriodicBox;
+use crate::neighbours::neighbour_list::BLOCK;
+use tremie_team::{Cut, Team};
+
+/// A box [m].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Region {
+    pub min: Vec3,
+    pub max: Vec3,
+}
+
+/// What a block of ids has in a region.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sum {
+    /// Volume of spheres in it [m³].
+    volume: f64,
+    /// That times their velocities [m⁴/s].
+    flow: Vec3,
+    /// Centres in it.
+    number: u64,
+}
+
+/// Sums over blocks of ids; `placed_parts` of the volumes count, by rank, or all of them. `sums` has one entry for each region and block.
+pub(super) fn look(
+    regions: &[Region],
+    sums: &mut [Sum],
+    team: &mut Team,
+    (bodies, parts): (&Bodies, &[f64]),
+    bounds: &PeriodicBox,
+) {
+    if regions.is_empty() {
+        return;
+    }
+    team.for_pieces(Cut::every(sums, regions.len()), |b, sums: &mut [Sum]| {
+        sums.fill(Sum::default());
+        let own = b * BLOCK..bodies.len().min((b + 1) * BLOCK);
+        for (rank, &slot) in own.clone().zip(&bodies.slot[own]) {
+            let part = parts.get(rank).copied().unwrap_or(1.0);
+            let (ball, twist) = (&bodies.balls[slot as usize], &bodies.twists[slot as usize]);
+            let radius = bodies.equal_radius(slot as usize);
+            for (region, sum) in regions.iter().zip(&mut *sums) {
+                for shift in bounds.images() {
+                    let volume = part * region.volume_of(ball.x + shift, radius);
+                    sum.volume += volume;
+                    sum.flow += twist.v * volume;
+                }
+                sum.number += u64::from(region.holds(ball.x));
+            }
+        }
+    });
+}
+
+impl Region {
+    /// Volume of a sphere in the region [m³].
+    fn volume_of(&self, x: Vec3, radius: f64) -> f64 {
+        super::volume_in_box(radius, x, self.min, self.max)
+    }
+
+    /// Whether a centre lies in it; regions side by side never share one.
+    fn holds(&self, x: Vec3) -> bool {
+        (0..3).all(|a| x[a] >= self.min[a] && x[a] < self.max[a])
+    }
+
+    /// Solid fraction, number of centres, mean velocity of the volume filled: 0 where there is none.
+    pub fn values<'a>(&self, sums: impl Iterator<Item = &'a Sum>) -> [f64; 5] {
+        let mut all = Sum::default();
+        for sum in sums {
+            all.volume += sum.volume;
+            all.flow += sum.flow;
+            all.number += sum.number;
+        }
+        let size = self.max - self.min;
+        let mean = if all.volume > 0.0 { all.flow / all.volume } else { Vec3::zeros() };
+        let fraction = all.volume / (size.x * size.y * size.z);
+        [fraction, all.number as f64, mean.x, mean.y, mean.z]
+    }
+}

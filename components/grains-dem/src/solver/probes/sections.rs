@@ -1,0 +1,112 @@
+//! Rectangles across an axis: which spheres pass through.
+
+use crate::Vec3;
+use crate::bodies::body_arrays::Bodies;
+use crate::math::periodic::PeriodicBox;
+use crate::neighbours::neighbour_list::BLOCK;
+use tremie_team::{Cut, Team};
+
+/// A rectangle across an axis, and what has passed it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Section {
+    axis: usize,
+    position: f64,
+    min: [f64; 3],
+    max: [f64; 3],
+    /// In the last window.
+    last: Sum,
+    /// Since the start.
+    passed: Sum,
+    /// Mass that had passed when the mean over time began, and how long ago that was [kg, s].
+    mean_from: f64,
+    mean_over: f64,
+}
+
+/// Centres that passed along the axis, less those that passed against it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sum {
+    number: i64,
+    /// Their mass [kg].
+    mass: f64,
+}
+
+impl Section {
+    /// Across an axis at a position, between two corners [m].
+    pub fn new(axis: usize, position: f64, min: [f64; 3], max: [f64; 3]) -> Self {
+        let none = Sum::default();
+        Self { axis, position, min, max, last: none, passed: none, mean_from: 0.0, mean_over: 0.0 }
+    }
+
+    /// Ends a window [s].
+    pub fn end(&mut self, duration: f64) {
+        self.passed.number += self.last.number;
+        self.passed.mass += self.last.mass;
+        self.mean_over += duration;
+    }
+
+    /// Begins the mean over time anew.
+    pub fn restart_mean(&mut self) {
+        (self.mean_from, self.mean_over) = (self.passed.mass, 0.0);
+    }
+
+    /// Mass flow rate, a mean over the time since it was begun; crossings and mass passed since the start.
+    pub fn values(&self) -> [f64; 3] {
+        let passed = self.passed.mass - self.mean_from;
+        let rate = if self.mean_over > 0.0 { passed / self.mean_over } else { 0.0 };
+        [rate, self.passed.number as f64, self.passed.mass]
+    }
+
+    /// Times that a straight way `d` from `x` leads through: 1 along the axis, -1 against it.
+    fn crossed(&self, x: Vec3, d: Vec3, bounds: &PeriodicBox) -> i64 {
+        let a = self.axis;
+        let length = if bounds.periodic[a] { bounds.size[a] } else { 0.0 };
+        // Across a periodic face the section is met again, one domain length further.
+        let images = if length > 0.0 { &[-1.0, 0.0, 1.0][..] } else { &[0.0] };
+        let mut crossed = 0;
+        for image in images {
+            let ahead = self.position + image * length - x[a];
+            let sign =
+                i64::from(ahead > 0.0 && d[a] >= ahead) - i64::from(ahead <= 0.0 && d[a] < ahead);
+            if sign != 0 {
+                let at = bounds.wrap(x + d * (ahead / d[a]));
+                let inside = |b: usize| b == a || (at[b] >= self.min[b] && at[b] <= self.max[b]);
+                crossed += if (0..3).all(inside) { sign } else { 0 };
+            }
+        }
+        crossed
+    }
+}
+
+/// Sums what passed since positions were `before`, by rank, and takes the new ones. Ways are straight,
+/// and along periodic axes shorter than half the domain.
+pub(super) fn pass(
+    sections: &mut [Section],
+    before: &mut [Vec3],
+    sums: &mut [Sum],
+    team: &mut Team,
+    (bodies, mass, bounds): (&Bodies, &[f64], &PeriodicBox),
+) {
+    let seen = &*sections;
+    let pieces = (Cut::every(before, BLOCK), Cut::every(sums, sections.len()));
+    team.for_pieces(pieces, |b, (before, sums): (&mut [Vec3], &mut [Sum])| {
+        sums.fill(Sum::default());
+        for (rank, before) in (b * BLOCK..).zip(before) {
+            let x = bodies.balls[bodies.slot[rank] as usize].x;
+            let from = std::mem::replace(before, x);
+            let way = bounds.shortest(x - from);
+            for (section, sum) in seen.iter().zip(&mut *sums) {
+                let crossed = section.crossed(from, way, bounds);
+                sum.number += crossed;
+                sum.mass += crossed as f64 * mass[rank];
+            }
+        }
+    });
+    let count = sections.len();
+    for (k, section) in sections.iter_mut().enumerate() {
+        section.last = Sum::default();
+        for sum in sums.iter().skip(k).step_by(count) {
+            section.last.number += sum.number;
+            section.last.mass += sum.mass;
+        }
+    }
+}

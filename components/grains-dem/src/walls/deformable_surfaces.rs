@@ -1,0 +1,215 @@
+//! All surfaces that deform, and the bodies near any of them.
+
+use crate::bodies::body_arrays::Wrench;
+use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
+use crate::bodies::placed_parts::PlacedPart;
+use crate::contact::material_laws::Laws;
+use crate::contact::plane_walls::Wall;
+use crate::forces::pair_forces::Scenery;
+use crate::math::error::GrainsError;
+use crate::math::tally::Tally;
+use crate::neighbours::neighbour_list::BLOCK;
+use crate::walls::part_contacts::PartContacts;
+use crate::walls::reached_walls::Reached;
+use crate::walls::surface_contacts::{Around, Beside, Held};
+
+/// The surfaces of a run.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surfaces {
+    pub held: Vec<Held>,
+    /// Indices of the bodies near any, ascending.
+    pub bodies: Vec<u32>,
+    /// Sum of the surfaces' forces on each.
+    pub wrench: Vec<Wrench>,
+    /// Which of `body_arrays` belong to each block of bodies.
+    pub bounds: Vec<u32>,
+    /// What each of `body_arrays` reaches of rigid walls, and of surfaces.
+    rigid: Vec<Reached>,
+    soft: Vec<Reached>,
+    /// Whether bodies moved, or others are near, since rigid walls were looked at.
+    moved: bool,
+}
+
+/// Rigid walls: contacts with them, parts, and faces of the domain.
+pub(crate) struct RigidWalls<'a> {
+    pub contacts: &'a mut PartContacts,
+    pub parts: &'a [PlacedPart],
+    pub walls: &'a [Wall],
+}
+
+impl Surfaces {
+    /// Surfaces that are right, and the number of all bodies.
+    pub fn new(
+        surfaces: &[DeformableSurface],
+        laws: &Laws,
+        parts: &[PlacedPart],
+        bodies: usize,
+    ) -> Self {
+        let hold = |surface: &DeformableSurface| {
+            let whole = parts[surface.carrier].slider().map_or(1.0, |slider| slider.whole);
+            Held::new(surface, laws.material(&surface.material), whole)
+        };
+        Self {
+            held: surfaces.iter().map(hold).collect(),
+            bounds: vec![0; bodies.div_ceil(BLOCK) + 1],
+            ..Self::default()
+        }
+    }
+
+    /// Bodies moved, and what they reach with them.
+    pub fn follow_bodies(&mut self) {
+        self.moved = true;
+    }
+
+    /// What a body, by its place in memory, reaches of the shapes that were looked at last.
+    pub fn reached_by(&self, body: u32) -> Option<&Reached> {
+        if self.bodies.is_empty() {
+            return None;
+        }
+        self.bodies.binary_search(&body).ok().and_then(|place| self.soft.get(place))
+    }
+
+    /// Bodies changed their places in memory: what is near must be listed anew.
+    pub fn spoil(&mut self) {
+        self.held.iter_mut().for_each(Held::spoil);
+    }
+
+    /// Bodies came and went: `previous` tells where in memory each stood, `ids` who they are. Forces
+    /// stay as they are until the next shape.
+    pub fn follow(&mut self, previous: &[u32], ids: &[u64]) {
+        self.held.iter_mut().for_each(|held| held.forget(ids));
+        let (old, wrench) = (std::mem::take(&mut self.bodies), std::mem::take(&mut self.wrench));
+        for (body, before) in (0..).zip(previous) {
+            if let Ok(place) = old.binary_search(before) {
+                self.bodies.push(body);
+                self.wrench.push(wrench[place]);
+            }
+        }
+        self.bounds.resize(previous.len().div_ceil(BLOCK) + 1, 0);
+        self.give_bounds();
+        self.give_room();
+    }
+
+    /// Tries a shape of a surface beside rigid walls, without a trace; `out` is cleared and gets the loads on facets. Other surfaces
+    /// are where they were looked at last.
+    ///
+    /// # Errors
+    /// Shapes that do not fit the surface.
+    pub fn try_shape(
+        &mut self,
+        surface: usize,
+        state: (&[[f64; 3]], &[[f64; 3]]),
+        (scenery, around): (&Scenery<'_>, &Around<'_>),
+        walls: RigidWalls<'_>,
+        out: &mut Vec<FacetLoad>,
+    ) -> Result<(), GrainsError> {
+        self.prepare(surface, state, around)?;
+        self.held[surface].look(state.0, scenery);
+        self.reach(walls, scenery);
+        out.clear();
+        let beside = Beside { number: surface, rigid: &self.rigid, soft: &self.soft };
+        self.held[surface].try_shape(state, &beside, scenery, out);
+        Ok(())
+    }
+
+    /// Finds what bodies reach of the shapes of all surfaces, and of rigid walls beside them.
+    ///
+    /// # Errors
+    /// Shapes that do not fit the surfaces.
+    pub fn look(
+        &mut self,
+        states: &[SurfaceState<'_>],
+        (scenery, around): (&Scenery<'_>, &Around<'_>),
+        walls: RigidWalls<'_>,
+    ) -> Result<(), GrainsError> {
+        if states.len() != self.held.len() {
+            let (found, expected) = (states.len(), self.held.len());
+            return Err(GrainsError::SurfaceCount { found, expected });
+        }
+        for (surface, state) in states.iter().enumerate() {
+            self.prepare(surface, (state.vertices, state.velocities), around)?;
+        }
+        for (held, state) in self.held.iter_mut().zip(states) {
+            held.look(state.vertices, scenery);
+        }
+        self.reach(walls, scenery);
+        Ok(())
+    }
+
+    /// Takes the shapes that were looked at as they are: forces on bodies are in `wrench`, and on carriers
+    /// with the surfaces.
+    pub fn accept(
+        &mut self,
+        states: &[SurfaceState<'_>],
+        scenery: &Scenery<'_>,
+        tally: &mut Tally,
+    ) {
+        self.wrench.fill(Wrench::zero());
+        for (number, (held, state)) in self.held.iter_mut().zip(states).enumerate() {
+            let beside = Beside { number, rigid: &self.rigid, soft: &self.soft };
+            let shape = (state.vertices, state.velocities);
+            held.accept(shape, &beside, scenery, &mut self.wrench, tally);
+        }
+    }
+
+    /// What bodies reach of surfaces where they were looked at last, and of rigid walls.
+    fn reach(&mut self, walls: RigidWalls<'_>, scenery: &Scenery<'_>) {
+        self.soft.iter_mut().for_each(Reached::clear);
+        for (number, held) in self.held.iter().enumerate() {
+            held.give_reached(number, scenery, &mut self.soft);
+        }
+        if std::mem::replace(&mut self.moved, false) {
+            let RigidWalls { contacts, parts, walls } = walls;
+            for (&body, reached) in self.bodies.iter().zip(&mut self.rigid) {
+                contacts.reach(body, (parts, walls), scenery, reached);
+            }
+        }
+    }
+
+    /// Lists what is near a surface, where the lists at hand do not do.
+    fn prepare(
+        &mut self,
+        surface: usize,
+        (vertices, velocities): (&[[f64; 3]], &[[f64; 3]]),
+        around: &Around<'_>,
+    ) -> Result<(), GrainsError> {
+        let held = &mut self.held[surface];
+        if held.needs_list(surface, vertices, velocities)? {
+            held.list(vertices, around);
+            self.give_places();
+        }
+        Ok(())
+    }
+
+    /// Gives each body near any surface one place.
+    fn give_places(&mut self) {
+        self.bodies.clear();
+        for held in &self.held {
+            self.bodies.extend(held.entries.iter().map(|entry| entry.body));
+        }
+        self.bodies.sort_unstable();
+        self.bodies.dedup();
+        for entry in self.held.iter_mut().flat_map(|held| &mut held.entries) {
+            // Every body of an entry is among them.
+            entry.place = self.bodies.partition_point(|&body| body < entry.body) as u32;
+        }
+        self.wrench.clear();
+        self.wrench.resize(self.bodies.len(), Wrench::zero());
+        self.give_bounds();
+        self.give_room();
+    }
+
+    /// Room for what each body reaches.
+    fn give_room(&mut self) {
+        self.rigid.resize(self.bodies.len(), Reached::NONE);
+        self.soft.resize(self.bodies.len(), Reached::NONE);
+        self.moved = true;
+    }
+
+    fn give_bounds(&mut self) {
+        for (b, bound) in self.bounds.iter_mut().enumerate() {
+            let first = (b * BLOCK) as u32;
+            *bound = self.bodies.partition_point(|&body| body < first) as u32;
+        }
+    }
+}

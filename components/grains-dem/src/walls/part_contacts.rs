@@ -1,0 +1,283 @@
+//! Bodies near parts, and near walls beside these, with what each contact remembers and the sum of the parts' forces.
+//!
+//! All that a body meets here is looked at together, so that walls that are cut into several parts, or into parts and faces of
+//! the domain, are one. Bodies that meet nothing but walls in corners, and mirrors, are with
+//! [`WallContacts`].
+
+use crate::Vec3;
+use crate::bodies::body_arrays::{Bodies, Wrench};
+use crate::bodies::mesh_contact::{Looked, SAME};
+use crate::bodies::placed_parts::PlacedPart;
+use crate::bodies::slider::Along;
+use crate::contact::contact_force::Memory;
+use crate::contact::contact_history::History;
+use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::plane_walls::Wall;
+use crate::forces::pair_forces::Scenery;
+use crate::math::tally::Tally;
+use crate::neighbours::neighbour_list::BLOCK;
+use crate::walls::deformable_surfaces::Surfaces;
+use crate::walls::part_finder::{Found, Nearness, SOME};
+use crate::walls::part_forces::{Near, Place};
+use crate::walls::reached_walls::Reached;
+use crate::walls::wall_contacts::WallContacts;
+use tremie_team::{Cut, Team};
+
+/// What a body is near to, by number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Met {
+    Part(u32),
+    Wall(u32),
+}
+
+/// A body near a part or a wall.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    pub met: Met,
+    pub law: u16,
+    /// Reduced mass, that of a head-on collision along the axis of a slider; the body's radius.
+    pub reduced: Reduced,
+    /// Where the body was, as the part sees it, when it looked at all triangles near it.
+    pub looked: Looked,
+    /// Force on a wall at the last evaluation [N].
+    pub on_wall: Vec3,
+}
+
+/// Rows of entries, one for each body here, in the order of memory.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PartContacts {
+    /// Indices of the bodies.
+    pub bodies: Vec<u32>,
+    /// Sum of the forces on each.
+    pub wrench: Vec<Wrench>,
+    /// Which of `body_arrays` belong to each block of bodies.
+    pub bounds: Vec<u32>,
+    histories: Vec<History>,
+    /// `start[p]..start[p + 1]` are the entries of `bodies[p]`.
+    start: Vec<u32>,
+    entries: Vec<Entry>,
+    entry_bounds: Vec<u32>,
+    /// `near[e]..near[e + 1]` are the triangles of entry e, with the images that see them.
+    near: Vec<u32>,
+    triangles: Vec<(u32, u32)>,
+    /// How far each was when the body looked at all.
+    distances: Vec<f32>,
+    triangle_bounds: Vec<u32>,
+    /// Forces on the parts and torques about their reference points, at the last evaluation.
+    pub on_parts: Vec<Wrench>,
+    /// Forces along the axes of sliders, by part; others have none.
+    pub pushes: Vec<Along>,
+    /// Both block by block.
+    loads: Vec<PartLoad>,
+}
+
+/// Load on a part, and along its axis, if it is a slider.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartLoad {
+    pub wrench: Wrench,
+    pub push: Along,
+}
+
+impl PartContacts {
+    /// Makes the list anew from those before; `found` is room to work in.
+    pub fn make(
+        &mut self,
+        (before, walls): (&Self, &WallContacts),
+        found: &mut Vec<Found>,
+        team: &mut Team,
+        bodies: &Bodies,
+        at: &Nearness,
+    ) {
+        self.clear();
+        found.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
+        if at.is_any() {
+            self.bodies.reserve(SOME);
+            self.histories.reserve(SOME);
+            self.start.reserve(SOME);
+            self.entries.reserve(SOME);
+            self.near.reserve(SOME);
+            self.triangles.reserve(8 * SOME);
+            self.wrench.reserve(SOME);
+            team.for_each(found, |b, found| found.find(b, (before, walls), bodies, at));
+            for found in found {
+                let (first, triangles) = (self.entries.len() as u32, self.triangles.len() as u32);
+                self.bodies.extend(&found.bodies);
+                self.histories.extend(&found.histories);
+                self.start.extend(found.ends.iter().map(|end| first + end));
+                self.entries.extend(&found.entries);
+                self.near.extend(found.near.iter().map(|end| triangles + end));
+                self.triangles.extend(&found.triangles);
+                self.end_block();
+            }
+        } else {
+            found.iter().for_each(|_| self.end_block());
+        }
+        self.distances.clear();
+        self.distances.resize(self.triangles.len(), 0.0);
+        let previous = |&body: &u32| {
+            let (parts, walls) = (
+                before.force_on(at.previous[body as usize]),
+                walls.force_on(at.previous[body as usize]),
+            );
+            Wrench { force: parts.force + walls.force, torque: parts.torque + walls.torque }
+        };
+        self.wrench.clear();
+        self.wrench.extend(self.bodies.iter().map(previous));
+        self.on_parts.clear();
+        self.on_parts.extend(&before.on_parts);
+        self.pushes.clear();
+        self.pushes.extend(&before.pushes);
+        self.on_parts.resize(at.parts.len(), Wrench::zero());
+        self.pushes.resize(at.parts.len(), Along::default());
+        let blocks = self.bounds.len() - 1;
+        self.loads.resize(blocks * loads_of(at.parts), PartLoad::NONE);
+    }
+
+    fn clear(&mut self) {
+        self.bodies.clear();
+        self.histories.clear();
+        self.start.clear();
+        self.start.push(0);
+        self.entries.clear();
+        self.bounds.clear();
+        self.entry_bounds.clear();
+        self.near.clear();
+        self.near.push(0);
+        self.triangles.clear();
+        self.triangle_bounds.clear();
+        self.end_block();
+    }
+
+    fn end_block(&mut self) {
+        self.bounds.push(self.bodies.len() as u32);
+        self.entry_bounds.push(self.entries.len() as u32);
+        self.triangle_bounds.push(self.triangles.len() as u32);
+    }
+
+    /// Whether a body is here, by its place in memory.
+    pub fn has(&self, body: u32) -> bool {
+        self.bodies.binary_search(&body).is_ok()
+    }
+
+    /// The force on a body, by its place in memory.
+    pub fn force_on(&self, body: u32) -> Wrench {
+        self.bodies.binary_search(&body).map_or(Wrench::zero(), |p| self.wrench[p])
+    }
+
+    /// The contacts of a body, by its place in memory.
+    pub fn history(&self, body: u32) -> Option<&History> {
+        self.bodies.binary_search(&body).ok().map(|p| &self.histories[p])
+    }
+
+    /// What the contact of a body, by its place in memory, with a wall remembers, if it touched.
+    pub fn of_wall(&self, body: u32, wall: &Wall) -> Option<Memory> {
+        let memory = self.history(body)?.heir(-wall.normal)?;
+        (memory.normal.dot(&-wall.normal) > SAME).then_some(memory)
+    }
+
+    /// Finds what a body, by its place in memory, reaches of parts and walls.
+    pub fn reach(
+        &mut self,
+        body: u32,
+        (parts, walls): (&[PlacedPart], &[Wall]),
+        scenery: &Scenery<'_>,
+        reached: &mut Reached,
+    ) {
+        reached.clear();
+        let Ok(p) = self.bodies.binary_search(&body) else { return };
+        let own = self.start[p] as usize..self.start[p + 1] as usize;
+        let of_row = self.near[own.start] as usize..self.near[own.end] as usize;
+        let mut near = Near {
+            ends: &self.near[own.start..=own.end],
+            entries: &mut self.entries[own],
+            distances: &mut self.distances[of_row.clone()],
+            triangles: &self.triangles[of_row],
+        };
+        Place { body: body as usize, parts, walls, scenery }.reach(&mut near, reached);
+        reached.history = self.histories[p];
+    }
+
+    /// Evaluates the contacts, each body's together with what `deformable_surfaces` found that it reaches of them; adds what each block
+    /// saw to `tallies`, and sums the forces on the parts.
+    pub fn evaluate(
+        &mut self,
+        team: &mut Team,
+        (parts, walls): (&[PlacedPart], &[Wall]),
+        surfaces: &Surfaces,
+        scenery: Scenery<'_>,
+        tallies: &mut [Tally],
+    ) {
+        if tallies.is_empty() || (parts.is_empty() && self.bodies.is_empty()) {
+            return;
+        }
+        let pieces = (
+            Cut::at(&mut self.entries, &self.entry_bounds),
+            Cut::at(&mut self.distances, &self.triangle_bounds),
+            Cut::at(&mut self.histories, &self.bounds),
+            Cut::at(&mut self.wrench, &self.bounds),
+            Cut::every(&mut self.loads, loads_of(parts)),
+            Cut::every(tallies, 1),
+        );
+        let (bodies, start, bounds) = (&self.bodies, &self.start, &self.bounds);
+        let (near, triangles, first) = (&self.near, &self.triangles, &self.entry_bounds);
+        let of_block = &self.triangle_bounds;
+        team.for_pieces(pieces, |b, (entries, distances, histories, wrench, loads, tally)| {
+            loads.fill(PartLoad::NONE);
+            let rows = (bounds[b] as usize..).zip(wrench).zip(histories);
+            for ((p, wrench), history) in rows {
+                let own = start[p] as usize..start[p + 1] as usize;
+                let of_row = near[own.start] as usize..near[own.end] as usize;
+                let (entry, begin) = (first[b] as usize, of_block[b] as usize);
+                let near = Near {
+                    entries: &mut entries[own.start - entry..own.end - entry],
+                    ends: &near[own.start..=own.end],
+                    distances: &mut distances[of_row.start - begin..of_row.end - begin],
+                    triangles: &triangles[of_row],
+                };
+                let body = bodies[p] as usize;
+                let place = Place { body, parts, walls, scenery: &scenery };
+                let soft = surfaces.reached_by(bodies[p]);
+                *wrench = place.evaluate(near, soft, history, loads, &mut tally[0]);
+            }
+        });
+        self.sum_blocks(loads_of(parts));
+    }
+
+    fn sum_blocks(&mut self, parts: usize) {
+        self.on_parts.fill(Wrench::zero());
+        self.pushes.fill(Along::default());
+        for block in self.loads.chunks(parts) {
+            for ((sum, push), load) in self.on_parts.iter_mut().zip(&mut self.pushes).zip(block) {
+                sum.force += load.wrench.force;
+                sum.torque += load.wrench.torque;
+                push.add(load.push);
+            }
+        }
+    }
+
+    /// Adds the forces on walls, by their numbers.
+    pub fn add_wall_forces(&self, sums: &mut [Vec3]) {
+        for entry in &self.entries {
+            if let Met::Wall(wall) = entry.met {
+                sums[wall as usize] += entry.on_wall;
+            }
+        }
+    }
+
+    /// Energy in the springs of the contacts of a body, by its place in this list [J].
+    pub fn elastic_energy(&self, p: usize, laws: &[Law]) -> f64 {
+        self.histories[p].elastic_energy(laws)
+    }
+}
+
+impl PartLoad {
+    const NONE: Self = Self {
+        wrench: Wrench { force: Vec3::new(0.0, 0.0, 0.0), torque: Vec3::new(0.0, 0.0, 0.0) },
+        push: Along::NONE,
+    };
+}
+
+/// Loads of a block: one for each part, and one where there is none.
+fn loads_of(parts: &[PlacedPart]) -> usize {
+    parts.len().max(1)
+}

@@ -1,0 +1,182 @@
+//! Which bodies are near which triangles of parts, and near walls that they may touch together with these.
+
+use crate::Vec3;
+use crate::bodies::body_arrays::{Bodies, Mobility};
+use crate::bodies::mesh_contact::{Looked, distance};
+use crate::bodies::placed_parts::PlacedPart;
+use crate::contact::contact_history::{History, Remembered};
+use crate::contact::contact_law::Reduced;
+use crate::contact::material_laws::Laws;
+use crate::contact::plane_walls::{Wall, WallLaws};
+use crate::math::periodic::PeriodicBox;
+use crate::neighbours::neighbour_list::BLOCK;
+use crate::neighbours::size_classes::Skins;
+use crate::polyhedra::SPHERE;
+use crate::walls::deformable_surfaces::Surfaces;
+use crate::walls::part_contacts::{Entry, Met, PartContacts};
+use crate::walls::wall_contacts::{WallContacts, WallEntry};
+
+/// Room for so many of what a block finds is there from the beginning.
+pub(crate) const SOME: usize = 128;
+
+/// What one block of bodies found.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    pub bodies: Vec<u32>,
+    pub histories: Vec<History>,
+    /// Number of entries at the end of each body's row.
+    pub ends: Vec<u32>,
+    pub entries: Vec<Entry>,
+    /// Number of triangles at the end of each entry.
+    pub near: Vec<u32>,
+    pub triangles: Vec<(u32, u32)>,
+    room: Vec<u32>,
+}
+
+/// What bodies may meet, as a list is made from it.
+pub(crate) struct Nearness<'a> {
+    pub parts: &'a [PlacedPart],
+    pub walls: &'a [Wall],
+    pub wall_laws: &'a WallLaws,
+    /// Whether bodies that are near several walls are listed also without a part.
+    pub walls_lean: bool,
+    /// Surfaces that deform: bodies near them and near walls are listed also without a part.
+    pub surfaces: &'a Surfaces,
+    pub laws: &'a Laws,
+    /// Numbers of the parts' materials.
+    pub materials: &'a [u16],
+    pub bounds: &'a PeriodicBox,
+    /// How far beyond touching contacts are listed.
+    pub skins: &'a Skins,
+    /// Where in memory each body stood when the list before was made.
+    pub previous: &'a [u32],
+}
+
+impl Nearness<'_> {
+    /// Whether any body may be listed.
+    pub fn is_any(&self) -> bool {
+        !self.parts.is_empty() || self.walls_lean || !self.surfaces.held.is_empty()
+    }
+
+    /// Whether a body is near a surface that deforms, or may come near before the next list.
+    fn is_near_surface(&self, body: usize, bodies: &Bodies) -> bool {
+        let ball = &bodies.balls[body];
+        // Surfaces have lists of their own, which may be newer.
+        let reach = 2.0 * ball.radius + self.skins.gap(ball.radius);
+        self.surfaces.held.iter().any(|held| held.is_near(ball.x, reach))
+    }
+}
+
+impl Found {
+    /// Finds what is near the bodies of block `b`.
+    pub fn find(
+        &mut self,
+        b: usize,
+        before: (&PartContacts, &WallContacts),
+        bodies: &Bodies,
+        at: &Nearness,
+    ) {
+        self.clear();
+        for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
+            if !bodies.mobility[i].is_free() || bodies.poly[i] != SPHERE {
+                continue;
+            }
+            let known = self.entries.len();
+            self.find_parts(i, bodies, at);
+            let beside_parts = self.entries.len() > known || at.is_near_surface(i, bodies);
+            if beside_parts || at.walls_lean {
+                self.find_walls(i, bodies, at);
+            }
+            // In corners of walls these do not share anything.
+            let least = if beside_parts { 1 } else { 2 };
+            if self.entries.len() >= known + least {
+                self.bodies.push(i as u32);
+                self.ends.push(self.entries.len() as u32);
+                self.histories.push(history(before, at.previous[i], at));
+            } else {
+                self.entries.truncate(known);
+                self.near.truncate(known);
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        self.bodies.clear();
+        self.histories.clear();
+        self.ends.clear();
+        self.entries.clear();
+        self.near.clear();
+        self.triangles.clear();
+        // Short lists vary by large factors: what they may come to is there from the beginning.
+        self.bodies.reserve(SOME);
+        self.histories.reserve(SOME);
+        self.ends.reserve(SOME);
+        self.entries.reserve(SOME);
+        self.near.reserve(SOME);
+        self.triangles.reserve(8 * SOME);
+    }
+
+    fn find_parts(&mut self, i: usize, bodies: &Bodies, at: &Nearness) {
+        for (part, placed) in at.parts.iter().enumerate() {
+            let found = self.triangles.len();
+            let ball = &bodies.balls[i];
+            self.look(placed, ball.x, ball.radius + at.skins.gap(ball.radius), at.bounds);
+            if self.triangles.len() > found {
+                let root_mass = bodies.mobility[i].root_reduced_mass(placed.mobility());
+                let law = at.laws.between(at.materials[part], bodies.material[i]);
+                self.enter(Met::Part(part as u32), law, root_mass, ball.radius);
+            }
+        }
+    }
+
+    fn find_walls(&mut self, i: usize, bodies: &Bodies, at: &Nearness) {
+        let ball = &bodies.balls[i];
+        for (wall, plane) in at.walls.iter().enumerate() {
+            if !plane.mirror && plane.overlap(ball) > -at.skins.gap(ball.radius) {
+                let root_mass = bodies.mobility[i].root_reduced_mass(Mobility::NONE);
+                let law = at.wall_laws[wall][bodies.material[i] as usize];
+                self.enter(Met::Wall(wall as u32), law, root_mass, ball.radius);
+            }
+        }
+    }
+
+    fn enter(&mut self, met: Met, law: u16, root_mass: f64, radius: f64) {
+        let reduced = Reduced { root_mass, radius };
+        self.near.push(self.triangles.len() as u32);
+        self.entries.push(Entry {
+            met,
+            law,
+            reduced,
+            looked: Looked::NEVER,
+            on_wall: Vec3::zeros(),
+        });
+    }
+
+    /// Adds the triangles of a part near a place, through all images.
+    fn look(&mut self, part: &PlacedPart, x: Vec3, reach: f64, bounds: &PeriodicBox) {
+        for (image, shift) in bounds.numbered_images().filter(|(_, shift)| part.is_seen(*shift)) {
+            let x = part.to_part(x + shift);
+            part.triangles_near(x, reach, &mut self.room);
+            // Long triangles have boxes that are near much that they are not.
+            let near = |triangle: &&u32| distance(x, part.triangle(**triangle).corners) < reach;
+            let near = self.room.iter().filter(near);
+            self.triangles.extend(near.map(|&triangle| (triangle, image)));
+        }
+    }
+}
+
+/// What the contacts of a body, by its place in memory, remember of their last evaluation.
+fn history(
+    (parts, walls): (&PartContacts, &WallContacts),
+    body: u32,
+    at: &Nearness<'_>,
+) -> History {
+    let mut history = parts.history(body).copied().unwrap_or(History::NONE);
+    for entry in walls.of(body).iter().filter(|entry| entry.touching) {
+        if !at.walls[entry.wall as usize].mirror {
+            let WallEntry { memory, law, reduced, .. } = *entry;
+            history.add(Remembered { memory, share: 1.0, law, reduced });
+        }
+    }
+    history
+}

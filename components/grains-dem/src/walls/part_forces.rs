@@ -1,0 +1,319 @@
+//! Contact forces of all parts and walls near one body.
+
+use crate::Vec3;
+use crate::bodies::body_arrays::{Ball, Twist, Wrench};
+use crate::bodies::mesh_contact::{self, Candidates, Found, MOST, Nearest, Seeker, Triangle};
+use crate::bodies::placed_parts::PlacedPart;
+use crate::bodies::slider::Along;
+use crate::contact::contact_force::{self, Contact, Memory};
+use crate::contact::contact_history::{History, Remembered};
+use crate::contact::plane_walls::Wall;
+use crate::contact::region_shares::{of_one_region, shares};
+use crate::forces::pair_forces::Scenery;
+use crate::math::tally::{Other, Tally};
+use crate::walls::part_contacts::{Entry, Met, PartLoad};
+use crate::walls::reached_walls::{Reached, is_soft, together};
+
+/// A body beside parts and walls.
+pub(crate) struct Place<'a> {
+    pub body: usize,
+    pub parts: &'a [PlacedPart],
+    pub walls: &'a [Wall],
+    pub scenery: &'a Scenery<'a>,
+}
+
+/// What it is near to.
+pub(crate) struct Near<'a> {
+    pub entries: &'a mut [Entry],
+    /// `ends[e]..ends[e + 1]`, less `ends[0]`, are the triangles of entry e.
+    pub ends: &'a [u32],
+    /// How far each was when the body looked at all.
+    pub distances: &'a mut [f32],
+    /// The triangles, with the images that see them.
+    pub triangles: &'a [(u32, u32)],
+}
+
+impl Near<'_> {
+    /// Which triangles are those of an entry.
+    fn own(&self, e: usize) -> core::ops::Range<usize> {
+        let place = |e: usize| (self.ends[e] - self.ends[0]) as usize;
+        place(e)..place(e + 1)
+    }
+}
+
+impl Place<'_> {
+    /// Finds what the body reaches.
+    pub fn reach(&self, near: &mut Near<'_>, reached: &mut Reached) {
+        for contact in self.find(near).contacts() {
+            let entry = &near.entries[contact.owner as usize];
+            reached.add(*contact, (entry.law, entry.reduced));
+        }
+    }
+
+    /// The contacts, of parts and walls alone.
+    fn find(&self, near: &mut Near<'_>) -> Found {
+        let mut candidates = Candidates::NONE;
+        for e in 0..near.entries.len() {
+            self.look(e, near, &mut candidates);
+        }
+        candidates.contacts(self.scenery.bodies.balls[self.body].radius)
+    }
+
+    /// The contacts, and how much the spring of each counts; with those of `soft` surfaces, where there are any.
+    fn find_with(&self, near: &mut Near<'_>, soft: Option<&Reached>) -> (Found, [f64; MOST]) {
+        let radius = self.scenery.bodies.balls[self.body].radius;
+        match soft.filter(|soft| !soft.is_empty()) {
+            Some(soft) => {
+                let mut rigid = Reached::NONE;
+                self.reach(near, &mut rigid);
+                together(&rigid, soft, radius, self.scenery.laws)
+            }
+            None => {
+                let found = self.find(near);
+                (found, self.springs(found.contacts(), near.entries))
+            }
+        }
+    }
+
+    /// The force on the body, whose contacts with `soft` surfaces are evaluated elsewhere; those on parts are added to `loads`.
+    pub fn evaluate(
+        &self,
+        mut near: Near<'_>,
+        soft: Option<&Reached>,
+        history: &mut History,
+        loads: &mut [PartLoad],
+        tally: &mut Tally,
+    ) -> Wrench {
+        let ball = &self.scenery.bodies.balls[self.body];
+        near.entries.iter_mut().for_each(|entry| entry.on_wall = Vec3::zeros());
+        let (found, springs) = self.find_with(&mut near, soft);
+        let found = found.contacts();
+        let mut on_body = Wrench::zero();
+        if found.is_empty() {
+            history.clear();
+            return on_body;
+        }
+        let before = *history;
+        history.clear();
+        let shares = self.shares(found, springs);
+        let mut regions = Regions::default();
+        // Those of surfaces are counted there.
+        for (contact, share) in found.iter().zip(shares).filter(|(contact, _)| is_soft(contact)) {
+            if share.spring > 0.0 {
+                regions.is_new(contact.normal);
+            }
+        }
+        let memories = Memories { own: &before, of_surfaces: soft.map(|soft| &soft.history) };
+        let rigid = found.iter().zip(shares).filter(|(contact, _)| !is_soft(contact));
+        for (contact, share) in rigid {
+            let e = contact.owner as usize;
+            let met = Meeting { entry: &near.entries[e], contact, share };
+            let home = ball.x + self.shift(&near, e);
+            let force = self.meet(&met, home, (&memories, history), loads);
+            on_body.force += force.force;
+            on_body.torque += force.torque;
+            let other = match met.entry.met {
+                Met::Part(part) => Other::Part(part),
+                Met::Wall(wall) => {
+                    near.entries[e].on_wall -= force.force;
+                    Other::Wall(wall)
+                }
+            };
+            if share.spring > 0.0 {
+                let ratio = 1.0 - contact.distance / ball.radius;
+                if regions.is_new(contact.normal) {
+                    tally.add(ratio, self.body as u32, other);
+                } else {
+                    tally.deepen(ratio, self.body as u32, other);
+                }
+            }
+        }
+        on_body
+    }
+
+    /// From the body to the image of it that an entry's part sees.
+    fn shift(&self, near: &Near<'_>, e: usize) -> Vec3 {
+        let first = near.triangles[near.own(e)].first();
+        first.map_or(Vec3::zeros(), |&(_, image)| self.scenery.shifts[self.image(image)])
+    }
+
+    /// The image that was `seen` when neighbours were listed, as it is now.
+    fn image(&self, seen: u32) -> usize {
+        let bodies = self.scenery.bodies;
+        let crossed = if self.scenery.crossed { bodies.crossed[self.body] } else { 0 };
+        (seen as i32 + crossed) as usize
+    }
+
+    /// Adds the points of an entry that are in reach, with the body's centre as their origin.
+    fn look(&self, e: usize, near: &mut Near<'_>, candidates: &mut Candidates) {
+        let Ball { x, radius } = self.scenery.bodies.balls[self.body];
+        let reach = radius + self.scenery.reach();
+        let number = match near.entries[e].met {
+            Met::Part(number) => number as usize,
+            Met::Wall(number) => {
+                let wall = &self.walls[number as usize];
+                let distance = x.dot(&wall.normal) - wall.offset;
+                if distance < reach {
+                    // Parts come before walls.
+                    let rank = self.parts.len() as u32 + number;
+                    let point = Nearest::of_plane(wall.normal, distance);
+                    candidates.take(Nearest { owner: e as u32, rank, ..point });
+                }
+                return;
+            }
+        };
+        let part = &self.parts[number];
+        let own = near.own(e);
+        let triangles = &near.triangles[own.clone()];
+        // Almost always there is one image; then all triangles are seen together, as they must be.
+        let Some(&(_, seen)) = triangles.first() else { return };
+        let shift = |image: u32| self.scenery.shifts[self.image(image)];
+        let triangle = |k: usize| -> Triangle {
+            let (triangle, other) = triangles[k];
+            let mut triangle = part.triangle(triangle);
+            if other != seen {
+                // The surface as this image sees it, moved to where the first one does.
+                let apart = part.to_part(shift(seen) - shift(other)) - part.to_part(Vec3::zeros());
+                triangle.corners = triangle.corners.map(|corner| corner + apart);
+            }
+            triangle
+        };
+        let sphere = Seeker { centre: part.to_part(x + shift(seen)), radius, reach };
+        let looked = (&mut near.entries[e].looked, &mut near.distances[own]);
+        // As the part sees it, only the body moves.
+        mesh_contact::look(sphere, 0.0, looked, triangle, |found| {
+            let normal = part.to_world(found.normal);
+            let point = normal * -found.distance;
+            candidates.take(Nearest { normal, point, owner: e as u32, rank: part.rank, ..found });
+        });
+    }
+
+    /// How much the spring of each contact counts.
+    fn springs(&self, found: &[Nearest], entries: &[Entry]) -> [f64; MOST] {
+        let radius = self.scenery.bodies.balls[self.body].radius;
+        shares(found, |contact| {
+            let entry = &entries[contact.owner as usize];
+            let overlap = (radius - contact.distance).max(0.0);
+            let law = &self.scenery.laws[entry.law as usize];
+            (2.0 * law.normal_energy(overlap, entry.reduced)).sqrt()
+        })
+    }
+
+    /// How much of each contact counts, of which springs count so much. No film is known of surfaces.
+    fn shares(&self, found: &[Nearest], springs: [f64; MOST]) -> [Share; MOST] {
+        let radius = self.scenery.bodies.balls[self.body].radius;
+        let mut all = springs.map(|spring| Share { spring, film: 0.0 });
+        if self.scenery.squeeze.is_some() {
+            let reach = radius + self.scenery.reach();
+            let films =
+                shares(
+                    found,
+                    |contact| {
+                        if is_soft(contact) { 0.0 } else { reach - contact.distance }
+                    },
+                );
+            all.iter_mut().zip(films).for_each(|(share, film)| share.film = film);
+        }
+        all
+    }
+
+    /// One contact: the force on the body. That on a part is added to `loads`.
+    fn meet(
+        &self,
+        met: &Meeting<'_>,
+        home: Vec3,
+        (before, history): (&Memories<'_>, &mut History),
+        loads: &mut [PartLoad],
+    ) -> Wrench {
+        let (scenery, entry) = (self.scenery, met.entry);
+        let n = -met.contact.normal;
+        let radius = scenery.bodies.balls[self.body].radius;
+        let overlap = radius - met.contact.distance;
+        let arm = radius - 0.5 * overlap;
+        let twist = &scenery.bodies.predicted[self.body];
+        let place = home + n * arm;
+        let other = match entry.met {
+            Met::Part(part) => {
+                let part = &self.parts[part as usize];
+                Twist { v: part.velocity_at(place), w: part.twist.w }
+            }
+            Met::Wall(wall) => Twist { v: self.walls[wall as usize].velocity, w: Vec3::zeros() },
+        };
+        let contact = Contact {
+            normal: n,
+            overlap,
+            velocity: (twist.v - other.v) + twist.w.cross(&n) * arm,
+            twist: 0.5 * (twist.w + other.w).dot(&n),
+            rolling: twist.w - other.w,
+        };
+        let squeezed = scenery.lubrication(&contact, entry.reduced) * met.share.film;
+        let mut on_body = Wrench { force: n * -squeezed, torque: Vec3::zeros() };
+        let mut rolling = Vec3::zeros();
+        let share = met.share.spring;
+        if overlap > 0.0 && share > 0.0 {
+            let law = &scenery.laws[entry.law as usize];
+            let heir = before.heir(n);
+            let mut memory = heir.unwrap_or_default();
+            let (touched, steps) = (heir.is_some(), scenery.steps);
+            let f = contact_force::force(law, entry.reduced, &contact, &mut memory, touched, steps);
+            history.add(Remembered { memory, share, law: entry.law, reduced: entry.reduced });
+            rolling = f.rolling * share;
+            on_body.force += (f.tangential - n * f.normal) * share;
+            on_body.torque = n.cross(&f.tangential) * (arm * share) + rolling;
+        }
+        if let Met::Part(number) = entry.met {
+            let (part, load) = (&self.parts[number as usize], &mut loads[number as usize]);
+            let lever = place - Vec3::from(part.pose.position);
+            load.wrench.force -= on_body.force;
+            load.wrench.torque -= lever.cross(&on_body.force) + rolling;
+            if let Some(slider) = part.slider() {
+                load.push.add(Along::of(-on_body.force.dot(&slider.axis)));
+            }
+        }
+        on_body
+    }
+}
+
+/// How much of a contact counts: of its springs, and of the fluid in its gap.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    spring: f64,
+    film: f64,
+}
+
+/// What the body's contacts remember: with parts and walls, and with surfaces that it touches as well.
+struct Memories<'a> {
+    own: &'a History,
+    of_surfaces: Option<&'a History>,
+}
+
+impl Memories<'_> {
+    fn heir(&self, n: Vec3) -> Option<Memory> {
+        self.own.heir(n).or_else(|| self.of_surfaces?.heir(n))
+    }
+}
+
+/// A contact with what is met there.
+struct Meeting<'a> {
+    entry: &'a Entry,
+    contact: &'a Nearest,
+    share: Share,
+}
+
+/// Directions of the regions that a body touches, for these are what is counted as contacts.
+#[derive(Default)]
+struct Regions {
+    normals: [Vec3; MOST],
+    count: usize,
+}
+
+impl Regions {
+    fn is_new(&mut self, normal: Vec3) -> bool {
+        if self.normals[..self.count].iter().any(|&known| of_one_region(known, normal)) {
+            return false;
+        }
+        self.normals[self.count] = normal;
+        self.count += 1;
+        true
+    }
+}

@@ -1,0 +1,95 @@
+//! What a sphere reaches of rigid walls, and of surfaces that deform, for the other of both.
+//!
+//! Contacts with rigid walls are evaluated with [`crate::part_contacts`], those with surfaces that deform with
+//! [`crate::surface_contacts`], at shapes that are only tried as well. A wall is one wall also where rubber stands flush with
+//! metal: so where a sphere reaches both, either side looks at the points of both together, finds which of these
+//! are contacts and how much each counts, and evaluates its own.
+
+use crate::bodies::mesh_contact::{Candidates, Found, MOST, Nearest};
+use crate::contact::contact_history::History;
+use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::region_shares::shares;
+
+/// Owners from this one on are surfaces that deform, by number; those before it are rigid.
+const SOFT: u32 = 1 << 31;
+
+/// A point of a wall within reach, and the law of a contact there.
+#[derive(Clone, Copy, Debug)]
+struct ReachedPoint {
+    near: Nearest,
+    law: u16,
+    reduced: Reduced,
+}
+
+/// The points that a sphere reaches, which is their origin; and what its contacts with their walls remember.
+#[derive(Clone, Debug)]
+pub(crate) struct Reached {
+    points: [ReachedPoint; MOST],
+    count: usize,
+    pub history: History,
+}
+
+/// A point of the surface that deforms of a number.
+pub(crate) fn of_surface(near: Nearest, surface: usize) -> Nearest {
+    Nearest { owner: SOFT + surface as u32, rank: SOFT, ..near }
+}
+
+/// Whether a point is one of any surface that deforms.
+pub(crate) fn is_soft(near: &Nearest) -> bool {
+    near.owner >= SOFT
+}
+
+impl Reached {
+    pub const NONE: Self = Self {
+        points: [ReachedPoint {
+            near: Nearest::NONE,
+            law: 0,
+            reduced: Reduced { root_mass: 0.0, radius: 0.0 },
+        }; MOST],
+        count: 0,
+        history: History::NONE,
+    };
+
+    fn points(&self) -> &[ReachedPoint] {
+        &self.points[..self.count]
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.count = 0;
+        self.history.clear();
+    }
+
+    /// Adds a point with the law of its contact, as long as there is room: for so many as are ever found.
+    pub fn add(&mut self, near: Nearest, (law, reduced): (u16, Reduced)) {
+        if let Some(place) = self.points.get_mut(self.count) {
+            *place = ReachedPoint { near, law, reduced };
+            self.count += 1;
+        }
+    }
+}
+
+/// Contacts of a sphere with rigid walls and surfaces that deform, and how much the spring of each counts.
+pub(crate) fn together(
+    rigid: &Reached,
+    soft: &Reached,
+    radius: f64,
+    laws: &[Law],
+) -> (Found, [f64; MOST]) {
+    let points = || rigid.points().iter().chain(soft.points());
+    let mut candidates = Candidates::NONE;
+    points().for_each(|point| candidates.take(point.near));
+    let found = candidates.contacts(radius);
+    let shares = shares(found.contacts(), |contact| {
+        let overlap = (radius - contact.distance).max(0.0);
+        let point = points().find(|point| point.near.owner == contact.owner);
+        point.map_or(0.0, |ReachedPoint { law, reduced, .. }| {
+            (2.0 * laws[usize::from(*law)].normal_energy(overlap, *reduced)).sqrt()
+        })
+    });
+    (found, shares)
+}

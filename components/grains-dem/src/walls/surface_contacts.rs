@@ -1,0 +1,501 @@
+//! Spheres on surfaces that deform, and the seats of these: lists, trials and what contacts remember.
+
+use crate::Vec3;
+use crate::bodies::body_arrays::{Ball, Bodies, Mobility, Wrench};
+use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, mean_edge};
+use crate::bodies::mesh_contact::{self, Found, Looked, MOST, Nearest, Seeker, Triangle};
+use crate::contact::contact_force::{self, Contact, Steps};
+use crate::contact::contact_history::{History, Remembered};
+use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::material_laws::Laws;
+use crate::contact::region_shares::shares;
+use crate::forces::pair_forces::Scenery;
+use crate::math::error::GrainsError;
+use crate::math::tally::{Other, Tally};
+use crate::neighbours::size_classes::Skins;
+use crate::walls::reached_walls::{Reached, of_surface, together};
+use crate::walls::rigid_seat_contact::{Seat, Seats};
+use tremie_team::{Variant, instructions::Work};
+
+/// A sphere near a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// Id of the body, and where it stands in memory.
+    id: u64,
+    pub body: u32,
+    /// Where its force is added up.
+    pub place: u32,
+    law: u16,
+    reduced: Reduced,
+    /// The contacts at the last accepted shape.
+    history: History,
+}
+
+/// A surface with the bodies near it.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    triangles: Vec<[u32; 3]>,
+    vertices: usize,
+    /// Index of the part that carries it, and how many times the whole is what spheres meet.
+    pub carrier: usize,
+    whole: f64,
+    material: u16,
+    /// How far vertices may go before bodies and seats near them are listed anew [m].
+    skin: f64,
+    /// Vertices when they were, and whether that was in vain.
+    listed: Vec<[f64; 3]>,
+    stale: bool,
+    /// Vertices of the last shape that was looked at, and how far any of them can have come since facets were listed [m].
+    shape: Vec<[f64; 3]>,
+    travel: f64,
+    /// By the id of the body; `start[e]..start[e + 1]` are the places of entry e's facets.
+    pub entries: Vec<Entry>,
+    start: Vec<u32>,
+    facets: Vec<u32>,
+    /// For each entry where it looked at all its facets last, and for each of these how far it was then.
+    looked: Vec<Looked>,
+    distances: Vec<f32>,
+    spare: Vec<Entry>,
+    /// Where each entry's body touches the shape that was taken last.
+    found: Vec<Found>,
+    /// A box around the surface when facets were listed.
+    bounds: Box3,
+    groups: Vec<Box3>,
+    pub seat: Seat,
+    /// Loads on facets, where nobody asks for them.
+    loads: Vec<FacetLoad>,
+    /// Force on the carrier at the last accepted shape [N].
+    pub on_carrier: Vec3,
+}
+
+/// What is listed near a surface.
+#[derive(Clone, Copy)]
+pub(crate) struct Around<'a> {
+    pub bodies: &'a Bodies,
+    pub laws: &'a Laws,
+    pub seats: Seats<'a>,
+    /// How much bodies may have closed in while their lists are used.
+    pub skins: &'a Skins,
+}
+
+/// Takes over coordinates, none of which is no number, and finds the largest change of any.
+struct Take<'a> {
+    now: &'a [f64],
+    before: &'a mut [f64],
+    farthest: &'a mut f64,
+}
+
+impl Work for Take<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut farthest = [0.0; 16];
+        for (now, before) in self.now.chunks(16).zip(self.before.chunks_mut(16)) {
+            for (farthest, (now, before)) in farthest.iter_mut().zip(now.iter().zip(before)) {
+                let change = (now - *before).abs();
+                // Without a branch, which vectors have not.
+                *farthest = if change > *farthest { change } else { *farthest };
+                *before = *now;
+            }
+        }
+        *self.farthest = farthest.into_iter().fold(0.0, f64::max);
+    }
+}
+
+/// Where one sphere touches a surface, among other contacts that do not count here, and how much each counts.
+struct SurfaceContacts<'a> {
+    found: Found,
+    shares: [f64; MOST],
+    /// What contacts with rigid walls beside remember.
+    of_rigid: Option<&'a History>,
+}
+
+/// What bodies reach, by their places, of rigid walls and of all surfaces, of which this one has a number.
+pub(crate) struct Beside<'a> {
+    pub number: usize,
+    pub rigid: &'a [Reached],
+    pub soft: &'a [Reached],
+}
+
+/// So many facets, which lie together in most meshes, are looked at by one box.
+const GROUP: usize = 32;
+
+/// How fast the normal force of a contact falls as the surface retreats through a substep [N/m]: the spring's
+/// slope, and the dashpot over the substep; not at all where the contact pushes no more.
+fn retreat(law: &Law, pair: Reduced, overlap: f64, normal: f64, steps: Steps) -> f64 {
+    if normal == 0.0 {
+        return 0.0;
+    }
+    let dashpot = law.at(overlap, overlap, pair).gamma_n;
+    law.normal_slope(overlap, pair) + dashpot / steps.after
+}
+
+/// An upright box.
+#[derive(Clone, Copy, Debug)]
+struct Box3 {
+    min: Vec3,
+    max: Vec3,
+}
+
+impl Box3 {
+    fn of(points: impl Iterator<Item = Vec3>) -> Self {
+        let none = Self { min: Vec3::repeat(f64::INFINITY), max: Vec3::repeat(f64::NEG_INFINITY) };
+        points.fold(none, |all, x| Self { min: all.min.inf(&x), max: all.max.sup(&x) })
+    }
+
+    fn is_near(&self, x: Vec3, reach: f64) -> bool {
+        (0..3).all(|a| x[a] > self.min[a] - reach && x[a] < self.max[a] + reach)
+    }
+}
+
+/// Vertices are listed anew when one has gone by this part of the mean edge.
+const SKIN: f64 = 0.1;
+
+impl Held {
+    /// Of a surface that is right.
+    pub fn new(surface: &DeformableSurface, material: u16, whole: f64) -> Self {
+        Self {
+            triangles: surface.triangles.clone(),
+            vertices: surface.vertices.len(),
+            carrier: surface.carrier,
+            whole,
+            material,
+            skin: SKIN * mean_edge(surface),
+            listed: surface.vertices.clone(),
+            stale: true,
+            shape: surface.vertices.clone(),
+            travel: 0.0,
+            entries: Vec::new(),
+            start: vec![0],
+            facets: Vec::new(),
+            looked: Vec::new(),
+            distances: Vec::new(),
+            spare: Vec::new(),
+            found: Vec::new(),
+            bounds: Box3::of(surface.vertices.iter().map(|&x| x.into())),
+            groups: Vec::new(),
+            seat: Seat::new(surface),
+            loads: Vec::new(),
+            on_carrier: Vec3::zeros(),
+        }
+    }
+
+    /// Whether a place was near when facets were listed.
+    pub fn is_near(&self, x: Vec3, reach: f64) -> bool {
+        self.bounds.is_near(x, reach)
+    }
+
+    /// Bodies changed their places in memory, or went far.
+    pub fn spoil(&mut self) {
+        self.stale = true;
+    }
+
+    /// Forgets the bodies that are not among `ids`, which ascend.
+    pub fn forget(&mut self, ids: &[u64]) {
+        self.entries.retain(|entry| ids.binary_search(&entry.id).is_ok());
+    }
+
+    /// Whether a shape needs other lists than those at hand.
+    ///
+    /// # Errors
+    /// Arrays of another length than the surface has vertices, or numbers that are no points.
+    pub fn needs_list(
+        &self,
+        surface: usize,
+        vertices: &[[f64; 3]],
+        velocities: &[[f64; 3]],
+    ) -> Result<bool, GrainsError> {
+        let expected = self.vertices;
+        for found in [vertices.len(), velocities.len()] {
+            if found != expected {
+                return Err(GrainsError::SurfaceVertices { surface, found, expected });
+            }
+        }
+        // Each coordinate by itself, without a branch, and so that what is no number counts as far.
+        let limit = self.skin / 3f64.sqrt();
+        let (now, then) = (vertices.as_flattened(), self.listed.as_flattened());
+        let within = |all: bool, (a, b): (&f64, &f64)| all & ((a - b).abs() <= limit);
+        if now.iter().zip(then).fold(true, within) {
+            return Ok(self.stale);
+        }
+        match vertices.iter().position(|x| x.iter().any(|c| !c.is_finite())) {
+            Some(vertex) => Err(GrainsError::SurfaceNotFinite { surface, vertex }),
+            None => Ok(true),
+        }
+    }
+
+    /// Lists what is near; contacts keep their history.
+    pub fn list(&mut self, vertices: &[[f64; 3]], around: &Around<'_>) {
+        self.listed.copy_from_slice(vertices);
+        self.shape.copy_from_slice(vertices);
+        self.travel = 0.0;
+        self.stale = false;
+        self.seat.list(vertices, self.skin, around.seats);
+        std::mem::swap(&mut self.entries, &mut self.spare);
+        self.entries.clear();
+        self.facets.clear();
+        self.start.truncate(1);
+        let corner = |triangle: &[u32; 3]| triangle.map(|v| Vec3::from(vertices[v as usize]));
+        self.groups.clear();
+        let groups = self.triangles.chunks(GROUP);
+        self.groups.extend(groups.map(|group| Box3::of(group.iter().flat_map(corner))));
+        let all = Box3::of(vertices.iter().map(|&x| x.into()));
+        self.bounds = all;
+        for (&id, &slot) in around.bodies.ids.iter().zip(&around.bodies.slot) {
+            let (slot, bodies) = (slot as usize, around.bodies);
+            let Ball { x, radius } = bodies.balls[slot];
+            // The list of bodies may be half spent when this one begins.
+            let gap = around.skins.of(radius) + self.skin;
+            if bodies.mobility[slot].is_free() && all.is_near(x, radius + gap) {
+                self.list_facets(x, radius + gap, corner);
+                if self.facets.len() > self.start[self.start.len() - 1] as usize {
+                    self.start.push(self.facets.len() as u32);
+                    self.enter(id, slot, around);
+                }
+            }
+        }
+        self.looked.clear();
+        self.looked.resize(self.entries.len(), Looked::NEVER);
+        self.distances.clear();
+        self.distances.resize(self.facets.len(), 0.0);
+        self.found.clear();
+        self.found.resize(self.entries.len(), Found::NONE);
+    }
+
+    /// Adds the facets near a place.
+    fn list_facets(&mut self, x: Vec3, reach: f64, corner: impl Fn(&[u32; 3]) -> [Vec3; 3]) {
+        for (g, _) in self.groups.iter().enumerate().filter(|(_, group)| group.is_near(x, reach)) {
+            let first = g * GROUP;
+            let end = self.triangles.len().min(first + GROUP);
+            for (facet, triangle) in (first..).zip(&self.triangles[first..end]) {
+                if mesh_contact::distance(x, corner(triangle)) < reach {
+                    self.facets.push(facet as u32);
+                }
+            }
+        }
+    }
+
+    fn enter(&mut self, id: u64, slot: usize, around: &Around<'_>) {
+        let bodies = around.bodies;
+        let known = self.spare.binary_search_by_key(&id, |entry| entry.id).ok();
+        let history = known.map_or(History::NONE, |e| self.spare[e].history);
+        self.entries.push(Entry {
+            id,
+            body: slot as u32,
+            place: 0,
+            law: around.laws.between(self.material, bodies.material[slot]),
+            reduced: Reduced {
+                root_mass: bodies.mobility[slot].root_reduced_mass(Mobility::NONE),
+                radius: bodies.balls[slot].radius,
+            },
+            history,
+        });
+    }
+
+    /// Takes the facets to a shape, and finds where bodies touch it.
+    pub fn look(&mut self, vertices: &[[f64; 3]], scenery: &Scenery<'_>) {
+        self.take_shape(vertices);
+        for e in 0..self.entries.len() {
+            self.found[e] = self.find(e, scenery);
+        }
+    }
+
+    /// Adds what bodies reach of the shape that was looked at, and remember, to `reached_walls` at their places; it is the surface
+    /// of a `number`. Nothing, where bodies changed their places in memory since.
+    pub fn give_reached(&self, number: usize, scenery: &Scenery<'_>, reached: &mut [Reached]) {
+        if self.stale {
+            return;
+        }
+        for (entry, found) in self.entries.iter().zip(&self.found) {
+            let reached = &mut reached[entry.place as usize];
+            let centre = scenery.bodies.balls[entry.body as usize].x;
+            for near in found.contacts() {
+                let near = Nearest { point: near.point - centre, ..*near };
+                reached.add(of_surface(near, number), (entry.law, entry.reduced));
+            }
+            if reached.history.held().is_empty() {
+                reached.history = entry.history;
+            }
+        }
+    }
+
+    /// Contacts of the shape that was looked at as if it were accepted; adds what they do to facets.
+    pub fn try_shape(
+        &mut self,
+        state: (&[[f64; 3]], &[[f64; 3]]),
+        beside: &Beside<'_>,
+        scenery: &Scenery<'_>,
+        out: &mut Vec<FacetLoad>,
+    ) {
+        for e in 0..self.entries.len() {
+            let contacts = self.contacts(e, beside, scenery);
+            self.meet(&contacts, (e, None), state.1, scenery, &mut Tally::default(), out);
+        }
+        self.seat.push(state.0, out);
+    }
+
+    /// Contacts of the shape that was looked at, which is accepted: histories go on, forces on bodies are added to `wrench`.
+    pub fn accept(
+        &mut self,
+        state: (&[[f64; 3]], &[[f64; 3]]),
+        beside: &Beside<'_>,
+        scenery: &Scenery<'_>,
+        wrench: &mut [Wrench],
+        tally: &mut Tally,
+    ) {
+        let mut out = std::mem::take(&mut self.loads);
+        out.clear();
+        for e in 0..self.entries.len() {
+            let contacts = self.contacts(e, beside, scenery);
+            if contacts.found.contacts().is_empty() {
+                self.entries[e].history.clear();
+                continue;
+            }
+            let mut entry = Entry { history: History::NONE, ..self.entries[e] };
+            let kept = Some(&mut entry);
+            let on_body = self.meet(&contacts, (e, kept), state.1, scenery, tally, &mut out);
+            let sum = &mut wrench[entry.place as usize];
+            sum.force += on_body.force;
+            sum.torque += on_body.torque;
+            self.entries[e] = entry;
+        }
+        self.seat.energy = self.seat.push(state.0, &mut out);
+        let sum = |all: Vec3, load: &FacetLoad| all + Vec3::from(load.force);
+        self.on_carrier = out.iter().fold(Vec3::zeros(), sum);
+        self.loads = out;
+    }
+
+    /// Takes the facets to a shape.
+    fn take_shape(&mut self, vertices: &[[f64; 3]]) {
+        if self.entries.is_empty() {
+            return;
+        }
+        let mut farthest = 0.0;
+        let (now, before) = (vertices.as_flattened(), self.shape.as_flattened_mut());
+        Variant::widest().run(Take { now, before, farthest: &mut farthest });
+        self.travel += 3f64.sqrt() * farthest * (1.0 + 1e-9);
+    }
+
+    /// A facet as it is in the shape that was taken.
+    fn triangle(&self, facet: u32) -> Triangle {
+        Triangle::of(self.triangles[facet as usize].map(|v| self.shape[v as usize].into()))
+    }
+
+    /// The places where one sphere touches.
+    fn find(&mut self, e: usize, scenery: &Scenery<'_>) -> Found {
+        let Ball { x: centre, radius } = scenery.bodies.balls[self.entries[e].body as usize];
+        let own = self.start[e] as usize..self.start[e + 1] as usize;
+        let sphere = Seeker { centre, radius, reach: radius };
+        let mut looked = self.looked[e];
+        // Apart from the rest, which the triangles are made from.
+        let mut distances = std::mem::take(&mut self.distances);
+        let triangle = |k: usize| self.triangle(self.facets[own.start + k]);
+        let found = mesh_contact::find(
+            sphere,
+            self.travel,
+            &mut looked,
+            &mut distances[own.clone()],
+            triangle,
+        );
+        (self.distances, self.looked[e]) = (distances, looked);
+        found
+    }
+
+    /// The contacts of one sphere where it was found to touch, and how much each counts.
+    fn contacts<'a>(
+        &self,
+        e: usize,
+        beside: &Beside<'a>,
+        scenery: &Scenery<'_>,
+    ) -> SurfaceContacts<'a> {
+        let entry = &self.entries[e];
+        let ball = &scenery.bodies.balls[entry.body as usize];
+        let rigid = &beside.rigid[entry.place as usize];
+        if !rigid.is_empty() && !self.found[e].contacts().is_empty() {
+            let soft = &beside.soft[entry.place as usize];
+            let (found, mut shares) = together(rigid, soft, ball.radius, scenery.laws);
+            let own = of_surface(Nearest::NONE, beside.number).owner;
+            for (near, share) in found.contacts().iter().zip(&mut shares) {
+                *share = if near.owner == own { *share } else { 0.0 };
+            }
+            let of_rigid = Some(&rigid.history);
+            return SurfaceContacts { found: found.moved_by(ball.x), shares, of_rigid };
+        }
+        let law = &scenery.laws[entry.law as usize];
+        let found = self.found[e];
+        let shares = shares(found.contacts(), |near| {
+            let overlap = (ball.radius - near.distance).max(0.0);
+            (2.0 * law.normal_energy(overlap, entry.reduced)).sqrt()
+        });
+        SurfaceContacts { found, shares, of_rigid: None }
+    }
+
+    /// The contacts of one sphere where it was found to touch: the force on it, and in `kept`, which remembers none, what its
+    /// entry remembers then.
+    fn meet(
+        &self,
+        contacts: &SurfaceContacts<'_>,
+        (e, mut kept): (usize, Option<&mut Entry>),
+        velocities: &[[f64; 3]],
+        scenery: &Scenery<'_>,
+        tally: &mut Tally,
+        out: &mut Vec<FacetLoad>,
+    ) -> Wrench {
+        let entry = &self.entries[e];
+        let body = entry.body as usize;
+        let (ball, twist) = (&scenery.bodies.balls[body], &scenery.bodies.predicted[body]);
+        let facets = &self.facets[self.start[e] as usize..self.start[e + 1] as usize];
+        let (reduced, steps) = (entry.reduced, scenery.steps);
+        let mut on_body = Wrench::zero();
+        let law = &scenery.laws[entry.law as usize];
+        let SurfaceContacts { found, shares, of_rigid } = contacts;
+        let acting = found.contacts().iter().zip(*shares).filter(|(_, share)| *share > 0.0);
+        for (near, share) in acting {
+            let facet = facets[near.triangle as usize];
+            let n = -near.normal;
+            let overlap = ball.radius - near.distance;
+            let arm = ball.radius - 0.5 * overlap;
+            let surface = self.velocity(facet, near, velocities);
+            let contact = Contact {
+                normal: n,
+                overlap,
+                velocity: (twist.v - surface) + twist.w.cross(&n) * arm,
+                twist: 0.5 * twist.w.dot(&n),
+                rolling: twist.w,
+            };
+            let heir = entry.history.heir(n).or_else(|| of_rigid.as_ref()?.heir(n));
+            let mut memory = heir.unwrap_or_default();
+            let f =
+                contact_force::force(law, reduced, &contact, &mut memory, heir.is_some(), steps);
+            if let Some(kept) = &mut kept {
+                kept.history.add(Remembered { memory, share, law: entry.law, reduced });
+            }
+            let force = (f.tangential - n * f.normal) * share;
+            on_body.force += force;
+            on_body.torque += (n.cross(&f.tangential) * arm + f.rolling) * share;
+            let point = (ball.x + n * arm).into();
+            let stiffness = self.whole * share * retreat(law, reduced, overlap, f.normal, steps);
+            out.push(FacetLoad { facet, force: (force * -self.whole).into(), point, stiffness });
+            tally.add(overlap / ball.radius, entry.body, Other::Surface(self.carrier as u32));
+        }
+        on_body
+    }
+
+    /// Velocity of the surface at a point of a facet: that of its corners in the point's shares.
+    fn velocity(&self, facet: u32, near: &Nearest, velocities: &[[f64; 3]]) -> Vec3 {
+        let vertices = self.triangles[facet as usize];
+        let [u, v, w] = vertices.map(|vertex| Vec3::from(velocities[vertex as usize]));
+        let [a, b, c] = vertices.map(|vertex| Vec3::from(self.shape[vertex as usize]));
+        let (ab, ac, ap) = (b - a, c - a, near.point - a);
+        let (bb, bc, cc) = (ab.dot(&ab), ab.dot(&ac), ac.dot(&ac));
+        let (pb, pc) = (ap.dot(&ab), ap.dot(&ac));
+        let scale = 1.0 / (bb * cc - bc * bc);
+        let (s, t) = ((cc * pb - bc * pc) * scale, (bb * pc - bc * pb) * scale);
+        u + (v - u) * s + (w - u) * t
+    }
+
+    /// Energy in the springs of spheres' contacts and of the seat, of which the domain has a share [J].
+    pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
+        let of = |entry: &Entry| entry.history.elastic_energy(laws);
+        self.entries.iter().map(of).sum::<f64>() + self.seat.energy / self.whole
+    }
+}
