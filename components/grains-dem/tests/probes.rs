@@ -3,7 +3,7 @@
 mod common;
 use common::*;
 use std::f64::consts::PI;
-use tremie_grains_dem::{GrainsDem, Parameters, probe_signals, debris::normalised_area};
+use tremie_grains_dem::{GrainsDem, Parameters, debris::normalised_area, probe_signals};
 use tremie_messages::scene::{Damping, Face, Motion, Probe, ProbeShape, Ring, Scene};
 
 const D: f64 = 1e-3;

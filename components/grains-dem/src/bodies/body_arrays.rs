@@ -7,8 +7,6 @@
 //! them as ids do and is a place in dense arrays.
 
 use crate::Vec3;
-use crate::contact::material_laws::Laws;
-use crate::polyhedra::{PlacedSolid, SPHERE};
 use tremie_geometry::Share;
 use tremie_messages::scene::{BodySet, Motion, Scene};
 
@@ -96,6 +94,20 @@ impl Mobility {
     }
 }
 
+/// Marks a body that is a sphere.
+pub(crate) const SPHERE: u32 = u32::MAX;
+
+/// A polyhedron as it is placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlacedSolid {
+    /// Index of the shape in the scene.
+    pub shape: u32,
+    /// Diameter of a sphere of equal volume [m].
+    pub size: f64,
+    /// Unit quaternion from body to world.
+    pub orientation: [f64; 4],
+}
+
 /// A body as it is placed at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlacedSphere {
@@ -163,16 +175,19 @@ pub(crate) struct SphereSet {
 }
 
 impl SphereSet {
-    /// Those of a scene, in its order.
-    pub fn of_scene(scene: &Scene, laws: &Laws) -> Vec<Self> {
+    /// Those of a scene, in its order, with the numbers of materials.
+    pub fn of_scene(scene: &Scene, number_of: impl Fn(&str) -> u16) -> Vec<Self> {
         let of = |set: &BodySet| Self {
             density: set.density,
-            material: laws.material(&set.material),
+            material: number_of(&set.material),
             free: set.motion == Motion::Free && set.clump.is_none(),
         };
         scene.bodies.iter().map(of).collect()
     }
 }
+
+/// Bodies that are one item of work.
+pub(crate) const BLOCK: usize = 512;
 
 /// All bodies. Every array but `ids` and `slot` has one entry a body, in the order of memory.
 #[derive(Clone, Debug)]

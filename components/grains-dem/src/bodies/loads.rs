@@ -1,8 +1,8 @@
 //! Loads of the fluid, taken in the order of ids into the order of memory.
 
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, Wrench};
 use crate::bodies::message_order::Roll;
-use crate::neighbours::neighbour_list::BLOCK;
 use crate::{GrainsError, Vec3};
 use tremie_messages::body::Load;
 use tremie_team::{Cut, Team};

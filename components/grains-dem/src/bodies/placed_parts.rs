@@ -7,8 +7,8 @@ use crate::bodies::mesh_contact::{Grooves, Triangle};
 use crate::bodies::mirrors;
 use crate::bodies::prescribed_motion::{Path, turn};
 use crate::bodies::slider::Slider;
+use crate::bodies::slider::{ROOM, across_mirrors};
 use crate::math::periodic::PeriodicBox;
-use crate::setup::check_slider;
 use tremie_geometry::{Bounds, EdgeKind, Endless, Frame, Surface, motion_problem};
 use tremie_messages::{
     Problem,
@@ -169,12 +169,12 @@ impl PlacedPart {
     fn mirror_problem(&self, key: &str, part: &Part, scene: &Scene) -> Option<Problem> {
         let Motion::Slider(slider) = &part.motion else { return None };
         let bounds = self.surface.mesh().placed(&self.pose).bounds();
-        let (domain, room) = (&scene.domain, check_slider::ROOM * self.bounding_radius());
+        let (domain, room) = (&scene.domain, ROOM * self.bounding_radius());
         let across = |a: usize, side: usize| {
             let plane = [domain.min, domain.max][side][a];
             bounds.min[a] < plane - room && bounds.max[a] > plane + room
         };
-        check_slider::across_mirrors(key, slider, domain, self.mirrors, across)
+        across_mirrors(key, slider, domain, self.mirrors, across)
     }
 
     /// Whether it is a body of the run.

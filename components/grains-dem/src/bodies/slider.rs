@@ -3,6 +3,8 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::Twist;
 use crate::bodies::springs::{SpringLaw, StopLaw};
+use tremie_messages::Problem;
+use tremie_messages::scene::{Domain, Face};
 use tremie_messages::{body::Load, scene};
 
 /// Force of contacts along an axis, added up in fixed point: whole numbers have the same sum in any
@@ -235,4 +237,41 @@ impl SliderState {
 pub(crate) fn unit(direction: [f64; 3]) -> Vec3 {
     let direction = Vec3::from(direction);
     direction / direction.norm_squared().sqrt()
+}
+
+/// Component of an axis across a mirror that counts as along it.
+const ACROSS: f64 = 1e-9;
+
+/// How far a surface reaches beyond a plane at least, over its size, to be cut by it.
+pub(crate) const ROOM: f64 = 1e-6;
+
+/// Checks how a slider lies to the mirrors of the domain: `mirrors` are the axes across which they
+/// cut it, `reaches` tells whether its surface is on both sides of a face.
+pub(crate) fn across_mirrors(
+    key: &str,
+    slider: &scene::Slider,
+    domain: &Domain,
+    mirrors: [bool; 3],
+    reaches: impl Fn(usize, usize) -> bool,
+) -> Option<Problem> {
+    for (a, name) in ["x", "y", "z"].into_iter().enumerate() {
+        if mirrors[a] && unit(slider.axis)[a].abs() > ACROSS {
+            let message = format!(
+                "has a component along {name}, across the symmetry plane that cuts the part: its image would \
+                 move the other way"
+            );
+            let help = format!("make {name} of the axis 0, or move the part off the plane");
+            return Some(Problem::new(format!("{key}.motion.slider.axis"), message).help(help));
+        }
+        let cut_beside = |side: usize| domain.faces[a][side] == Face::Symmetry && reaches(a, side);
+        if !mirrors[a] && (0..2).any(cut_beside) {
+            let message = format!(
+                "puts the slider across a symmetry plane in {name}, but not its origin on it: loads would \
+                 count for the half alone"
+            );
+            let help = "put the origin of the part's frame on the plane, which makes it a whole";
+            return Some(Problem::new(format!("{key}.position"), message).help(help));
+        }
+    }
+    None
 }

@@ -23,6 +23,7 @@
 //! than the dashpot's; their sliding branch and Eq. 1 fix `v = v_i - v_j`, hence the minus.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::Twist;
 use crate::contact::contact_law::{Law, Reduced, Stiffness};
 
 /// Geometry and kinematics of a contact at the end of a step.
@@ -178,6 +179,29 @@ pub(crate) fn turned(xi: Vec3, old: Vec3, n: Vec3, angle: f64) -> Vec3 {
     let t = 0.5 * angle;
     let cross = n.cross(&xi);
     xi + (cross - xi * t) * (2.0 * t / (1.0 + t * t))
+}
+
+/// The contact of two spheres with centres `d` apart. Its point lies half way between the two
+/// surfaces; the overlap is negative where they do not touch.
+#[inline(always)]
+pub(crate) fn touch_of_balls(
+    d: Vec3,
+    radius_i: f64,
+    radius_j: f64,
+    i: &Twist,
+    j: &Twist,
+) -> Contact {
+    let distance = d.norm_squared().sqrt();
+    let normal = d * (1.0 / distance);
+    let overlap = radius_i + radius_j - distance;
+    let (arm_i, arm_j) = (radius_i - 0.5 * overlap, radius_j - 0.5 * overlap);
+    Contact {
+        normal,
+        overlap,
+        velocity: (i.v - j.v) + (i.w * arm_i + j.w * arm_j).cross(&normal),
+        twist: 0.5 * (i.w + j.w).dot(&normal),
+        rolling: i.w - j.w,
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! Contact forces of all bodies: blocks of bodies at once, each contact once.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::{Bodies, Twist};
+use crate::bodies::body_arrays::BLOCK;
+use crate::bodies::body_arrays::Bodies;
+use crate::contact::contact_force::touch_of_balls;
 use crate::contact::contact_force::{self, Contact, Steps};
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::linear_contact::LinearLaw;
@@ -10,33 +12,10 @@ use crate::math::simd::lanes::LANES;
 use crate::math::simd::prefetch::fetch;
 use crate::math::tally::{Other, Tally};
 use crate::neighbours::active_contacts::Changed;
-use crate::neighbours::neighbour_list::{ACTING, BLOCK, Entry, Pairs, Record, Rolling, TOUCHING};
-use crate::solver::integrate::Wandered;
+use crate::neighbours::displacement::MaxDisplacement;
+use crate::neighbours::neighbour_list::{ACTING, Entry, Pairs, Record, Rolling, TOUCHING};
 use core::ops::Range;
 use tremie_team::{Cut, Team, Variant};
-
-/// The contact of two spheres with centres `d` apart. Its point lies half way between the two
-/// surfaces; the overlap is negative where they do not touch.
-#[inline(always)]
-pub(crate) fn touch_of_balls(
-    d: Vec3,
-    radius_i: f64,
-    radius_j: f64,
-    i: &Twist,
-    j: &Twist,
-) -> Contact {
-    let distance = d.norm_squared().sqrt();
-    let normal = d * (1.0 / distance);
-    let overlap = radius_i + radius_j - distance;
-    let (arm_i, arm_j) = (radius_i - 0.5 * overlap, radius_j - 0.5 * overlap);
-    Contact {
-        normal,
-        overlap,
-        velocity: (i.v - j.v) + (i.w * arm_i + j.w * arm_j).cross(&normal),
-        twist: 0.5 * (i.w + j.w).dot(&normal),
-        rolling: i.w - j.w,
-    }
-}
 
 /// What the forces between bodies are made from, besides the list.
 #[derive(Clone, Copy)]
@@ -94,7 +73,7 @@ pub(crate) fn between_bodies(
     team: &mut Team,
     pairs: &mut Pairs,
     scenery: Scenery<'_>,
-    wandered: &Wandered,
+    wandered: &MaxDisplacement,
     tallies: &mut [Tally],
 ) {
     let bounds = &pairs.bounds;

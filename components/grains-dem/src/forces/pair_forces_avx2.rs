@@ -5,6 +5,7 @@
 //! registers of twice the length is `avx512`, which has other instructions to pack and to mask.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Ball;
 use crate::contact::linear_contact::{Batch, LinearLaw, Outcome};
 use crate::forces::pair_forces::Block;
@@ -13,7 +14,7 @@ use crate::math::simd::avx2_quad::{QUAD, Quad, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
 use crate::math::simd::prefetch::{fetch_ahead, fetch_lines, fetch_value};
 use crate::math::tally::{DEEP, Other};
-use crate::neighbours::neighbour_list::{ACTING, BLOCK, Entry, Record, TOUCHING};
+use crate::neighbours::neighbour_list::{ACTING, Entry, Record, TOUCHING};
 use core::arch::x86_64::*;
 
 /// So many entries are looked at before those that act are evaluated: few enough to stay close.

@@ -4,6 +4,7 @@
 //! histories of eight contacts, each in few pieces, and turns rows into lanes and back.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::contact::contact_force::Steps;
 use crate::contact::contact_law::Reduced;
 use crate::contact::linear_contact::{Batch, LinearLaw};
@@ -13,7 +14,7 @@ use crate::math::simd::avx512_wide::{Wide, columns, rows, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
 use crate::math::simd::prefetch::{fetch, fetch_lines, fetch_value};
 use crate::math::tally::{DEEP, Other};
-use crate::neighbours::neighbour_list::{ACTING, BLOCK, Record, TOUCHING};
+use crate::neighbours::neighbour_list::{ACTING, Record, TOUCHING};
 use core::arch::x86_64::*;
 
 /// So many entries are looked at before those that act are evaluated: few enough to stay close.

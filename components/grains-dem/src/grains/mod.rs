@@ -5,6 +5,7 @@ pub mod component;
 pub mod findings;
 #[cfg(feature = "component")]
 pub mod followed;
+pub mod from_scene;
 #[cfg(feature = "component")]
 pub mod signal_meanings;
 #[cfg(feature = "component")]

@@ -3,6 +3,7 @@
 pub mod damping;
 pub mod debris;
 pub mod error;
+pub mod numbers;
 pub mod parameters;
 pub mod periodic;
 pub mod random;

@@ -1,6 +1,7 @@
 //! Which contacts of each body act: few begin or end in a step, so that it is noted rather than looked up.
 
-use crate::neighbours::neighbour_list::{ACTING, BLOCK};
+use crate::bodies::body_arrays::BLOCK;
+use crate::neighbours::neighbour_list::ACTING;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use tremie_team::{Cut, Team};
 

@@ -2,6 +2,7 @@
 
 pub mod active_contacts;
 pub mod cell_pairs;
+pub mod displacement;
 pub mod linked_cells;
 pub mod neighbour_list;
 pub mod neighbour_list_build;

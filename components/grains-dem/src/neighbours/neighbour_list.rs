@@ -10,13 +10,11 @@
 //! list only, and what contacts remember lies close together.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{NEW, Wrench};
 use crate::contact::contact_force::{Contact, Memory};
 use crate::contact::contact_law::Reduced;
 use crate::neighbours::active_contacts::Acting;
-
-/// Bodies that are one item of work.
-pub(crate) const BLOCK: usize = 512;
 
 /// A possible contact.
 #[derive(Clone, Copy, Debug, Default)]

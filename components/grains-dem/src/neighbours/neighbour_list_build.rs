@@ -1,14 +1,19 @@
 //! Makes the list of pairs, block by block, on all threads.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Bodies;
+use crate::bodies::body_arrays::SPHERE;
 use crate::contact::contact_law::Reduced;
 use crate::contact::material_laws::Laws;
 use crate::neighbours::cell_pairs::near;
 use crate::neighbours::linked_cells::Cells;
-use crate::neighbours::neighbour_list::{BLOCK, Entry, Pairs, Record, Rolling};
-use crate::polyhedra::{self, SPHERE};
+use crate::neighbours::neighbour_list::{Entry, Pairs, Record, Rolling};
 use tremie_team::{Cut, Team};
+
+/// Pairs of bodies of which one is a polyhedron, as a block finds them: places in memory, and the image
+/// through which the first sees the second.
+pub(crate) type SolidPair = (u32, u32, u32);
 
 /// What it takes to make a list: buffers that are kept.
 #[derive(Debug, Default)]
@@ -33,7 +38,7 @@ struct Found {
     /// Entries whose other body belongs to another block.
     outside: Vec<(u32, u32)>,
     /// Pairs with polyhedra, which have a list of their own.
-    solids: Vec<polyhedra::Found>,
+    solids: Vec<SolidPair>,
 }
 
 /// What the list is made from.
@@ -64,7 +69,7 @@ impl PairsMaker {
     }
 
     /// Pairs of which one is a polyhedron, as the list was last made.
-    pub fn solids(&self) -> impl Iterator<Item = polyhedra::Found> + '_ {
+    pub fn solids(&self) -> impl Iterator<Item = SolidPair> + '_ {
         self.blocks.iter().flat_map(|block| block.solids.iter().copied())
     }
 

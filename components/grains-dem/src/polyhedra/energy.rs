@@ -11,7 +11,6 @@
 //! `(m_i - m_j).n h^2/2`, with n towards j.
 
 use super::{
-    SPHERE,
     entries::{Around, Entry, Kind, stiffness},
     press::{Pieces, Planes, Room, clip},
     shape::Solid,
@@ -19,6 +18,7 @@ use super::{
     touch::square,
 };
 use crate::Vec3;
+use crate::bodies::body_arrays::SPHERE;
 use crate::contact::contact_law::Reduced;
 
 /// Adds up `h^2/2 m.n` over the pieces of a polygon.

@@ -1,13 +1,14 @@
 //! One possible contact of a polyhedron, and its evaluation.
 
 use super::{
-    Polyhedra, SPHERE,
+    Polyhedra,
     press::Room,
     respond::{self, Memory, Pair, Relative},
     surfaces::{Bench, Owner},
     touch,
 };
 use crate::Vec3;
+use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::Wrench;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_force::{self, Contact};

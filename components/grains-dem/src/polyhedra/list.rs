@@ -4,12 +4,14 @@
 //! the list was made, or on threads.
 
 use super::{
-    Polyhedra, SPHERE,
+    Polyhedra,
     entries::{Around, Entry, Kind},
     respond::Memory,
     surfaces::{Bench, Owner},
 };
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
+use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility, Wrench};
 use crate::bodies::mesh_contact::distance;
 use crate::bodies::placed_parts::PlacedPart;
@@ -19,7 +21,7 @@ use crate::contact::plane_walls::{Wall, WallLaws};
 use crate::forces::pair_forces::Scenery;
 use crate::math::periodic::PeriodicBox;
 use crate::math::tally::Tally;
-use crate::neighbours::neighbour_list::BLOCK;
+use crate::neighbours::neighbour_list_build::SolidPair;
 use crate::neighbours::size_classes::Skins;
 use crate::walls::part_contacts::Met;
 use tremie_team::{Cut, Team};
@@ -27,13 +29,10 @@ use tremie_team::{Cut, Team};
 /// Entries that are one item of work.
 const TOGETHER: usize = 8;
 
-/// Pairs of bodies of which one is a polyhedron, as a block finds them: places in memory, and the image
-/// through which the first sees the second.
-pub(crate) type Found = (u32, u32, u32);
-
 /// Memory of a pair of which one is a polyhedron, in the list before and in that which is used [bytes].
-pub(crate) const OF_PAIR: usize =
-    2 * (size_of::<Entry>() + size_of::<Memory>()) + 2 * size_of::<Found>() + 4 * size_of::<u32>();
+pub(crate) const OF_PAIR: usize = 2 * (size_of::<Entry>() + size_of::<Memory>())
+    + 2 * size_of::<SolidPair>()
+    + 4 * size_of::<u32>();
 
 /// The list.
 #[derive(Debug, Default)]
@@ -81,7 +80,7 @@ impl PolyContacts {
     /// Makes the list anew; contacts that it knew keep their history and their loads.
     pub fn make(
         &mut self,
-        pairs: impl Iterator<Item = Found>,
+        pairs: impl Iterator<Item = SolidPair>,
         polyhedra: &mut Polyhedra,
         bodies: &Bodies,
         at: &Nearness<'_>,
@@ -345,7 +344,7 @@ impl PolyContacts {
 }
 
 /// The entry of a pair of bodies, the smaller id first.
-fn of_pair((i, j, image): Found, polyhedra: &Polyhedra, bodies: &Bodies, laws: &Laws) -> Entry {
+fn of_pair((i, j, image): SolidPair, polyhedra: &Polyhedra, bodies: &Bodies, laws: &Laws) -> Entry {
     let id = |slot: u32| bodies.id_at(slot as usize);
     // What is one image up for the one is one image down for the other.
     let (i, j, image) = if id(i) < id(j) { (i, j, image) } else { (j, i, 26 - image) };

@@ -16,20 +16,18 @@ mod surfaces;
 mod touch;
 mod turn;
 
-pub(crate) use list::{Found, Nearness, OF_PAIR, PolyContacts};
+pub(crate) use list::{Nearness, OF_PAIR, PolyContacts};
 pub(crate) use overlap::{of_bodies, with_part};
 pub(crate) use press::Room;
 pub(crate) use shape::{Shape, to_world, turned_axes};
 pub(crate) use turn::Inertia;
 
 use crate::Vec3;
+use crate::bodies::body_arrays::PlacedSolid;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere};
 use shape::Solid;
 use tremie_messages::scene::Scene;
 use tremie_team::{Cut, Team};
-
-/// Marks a body that is a sphere.
-pub(crate) const SPHERE: u32 = u32::MAX;
 
 /// Memory of a polyhedron besides that of a body, with the corners and faces of a dodecahedron [bytes].
 pub(crate) const OF_BODY: usize =
@@ -37,17 +35,6 @@ pub(crate) const OF_BODY: usize =
 
 /// Polyhedra that are one item of work.
 const TOGETHER: usize = 16;
-
-/// A polyhedron as it is placed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PlacedSolid {
-    /// Index of the shape in the scene.
-    pub shape: u32,
-    /// Diameter of a sphere of equal volume [m].
-    pub size: f64,
-    /// Unit quaternion from body to world.
-    pub orientation: [f64; 4],
-}
 
 /// A polyhedron of the run.
 #[derive(Clone, Debug)]

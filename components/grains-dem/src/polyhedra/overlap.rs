@@ -1,13 +1,14 @@
 //! How deep bodies overlap of which one is a polyhedron, at the start.
 
 use super::{
-    Polyhedra, SPHERE,
+    Polyhedra,
     press::{Press, Room},
     shape::Solid,
     touch,
 };
 use crate::Vec3;
 use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::placed_parts::PlacedPart;
 
 /// Overlap of two bodies [m], the second `way` from the first, by the numbers of their polyhedra; and the

@@ -2,6 +2,7 @@
 
 use crate::bodies::body_arrays::Ball;
 use crate::contact::{material_laws, plane_walls};
+use crate::math::numbers::is_positive;
 use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self};
 use crate::setup::material_pairs::Population;
@@ -267,10 +268,6 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
             problems.push(Problem::new("scene.domain", message).help(help));
         }
     }
-}
-
-pub(crate) fn is_positive(x: f64) -> bool {
-    x > 0.0 && x.is_finite()
 }
 
 pub(crate) fn all_finite(v: &[f64; 3]) -> bool {

@@ -1,6 +1,7 @@
 //! What can be wrong with the law of a contact.
 
-use crate::setup::check::{is_positive, not_positive};
+use crate::math::numbers::is_positive;
+use crate::setup::check::not_positive;
 use tremie_messages::{
     Problem,
     scene::{ContactLaw, Damping, Spring},

@@ -1,13 +1,10 @@
 //! What can be wrong with polyhedra.
 
-use crate::bodies::body_arrays::PlacedSphere;
-use crate::contact::{material_laws, plane_walls};
-use crate::math::periodic::PeriodicBox;
-use crate::polyhedra::{Polyhedra, Shape};
-use crate::setup::check::{all_finite, is_positive, not_positive};
+use crate::Parameters;
+use crate::math::numbers::is_positive;
+use crate::polyhedra::Shape;
+use crate::setup::check::{all_finite, not_positive};
 use crate::setup::check_packing;
-use crate::solver::overlaps::TOUCHING;
-use crate::{Parameters, Vec3};
 use tremie_messages::{
     Problem,
     scene::{
@@ -120,41 +117,4 @@ fn listed(key: &str, set: &BodySet, body: &Polyhedron, problems: &mut Vec<Proble
         let problem = Problem::new(format!("{key}.velocity"), "is that of a fixed body");
         problems.push(problem.help(help));
     }
-}
-
-/// Checks that centroids lie in the domain, and all of a free polyhedron on the right side of walls.
-pub(crate) fn inside(
-    scene: &Scene,
-    placed: &[PlacedSphere],
-    polyhedra: &Polyhedra,
-) -> Vec<Problem> {
-    let mut problems = Vec::new();
-    let (bounds, walls) = (PeriodicBox::new(&scene.domain), plane_walls::of_scene(scene));
-    let surfaces = material_laws::surfaces(scene);
-    for (number, grain) in polyhedra.grains().iter().enumerate() {
-        let body = &placed[grain.id as usize];
-        let name = &scene.bodies[body.set].name;
-        let mut problem = |message: String| {
-            let key = format!("scene.bodies[{}].placement", body.set);
-            problems.push(Problem::new(key, message));
-        };
-        let x: Vec3 = body.ball.x;
-        if !bounds.contains(x) {
-            problem(format!("puts body {} (of \"{name}\") outside the domain", grain.id));
-            continue;
-        }
-        let solid = polyhedra.solid(number);
-        for (wall, surface) in walls.iter().zip(&surfaces) {
-            let depth = solid.support(-wall.normal) - (x.dot(&wall.normal) - wall.offset);
-            if body.motion == Motion::Free && depth > TOUCHING * solid.inradius() {
-                let into = &surface.name;
-                problem(format!(
-                    "puts body {} (of \"{name}\") {depth:.3e} m into {into}",
-                    grain.id
-                ));
-            }
-        }
-    }
-    problems.truncate(20);
-    problems
 }

@@ -2,6 +2,7 @@
 
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::plane_walls;
+use crate::math::numbers::is_positive;
 use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self, Feeding};
 use crate::setup::check::{self, AXES};
@@ -84,7 +85,7 @@ fn inlet(key: &str, inlet: &Inlet, scene: &Scene, problems: &mut Vec<Problem>) {
         problems.push(Problem::new(format!("{key}.fraction"), message).help(help));
     }
     for (name, time) in [("every", inlet.every), ("until", inlet.until)] {
-        if let Some(time) = time.filter(|time| !check::is_positive(*time)) {
+        if let Some(time) = time.filter(|time| !is_positive(*time)) {
             problems.push(check::not_positive(format!("{key}.{name}"), time));
         }
     }

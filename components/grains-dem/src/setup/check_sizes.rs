@@ -1,7 +1,8 @@
 //! What can be wrong with a distribution of diameters.
 
+use crate::math::numbers::is_positive;
 use crate::packing::random_packing::{LEAST_PART, Sizes};
-use crate::setup::check::{is_positive, not_positive};
+use crate::setup::check::not_positive;
 use tremie_messages::{
     Problem,
     scene::{Diameters, SievePoint},

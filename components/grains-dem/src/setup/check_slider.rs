@@ -1,17 +1,10 @@
 //! What can be wrong with a slider.
 
-use crate::bodies::slider::unit;
-use crate::setup::check::is_positive;
+use crate::math::numbers::is_positive;
 use tremie_messages::{
     Problem,
-    scene::{Domain, Face, Slider, SliderSpring, Stops},
+    scene::{Slider, SliderSpring, Stops},
 };
-
-/// Component of an axis across a mirror that counts as along it.
-const ACROSS: f64 = 1e-9;
-
-/// How far a surface reaches beyond a plane at least, over its size, to be cut by it.
-pub(crate) const ROOM: f64 = 1e-6;
 
 /// Checks the numbers of a slider at `key`, that of the part's motion.
 pub(crate) fn slider(key: &str, slider: &Slider, problems: &mut Vec<Problem>) {
@@ -169,35 +162,4 @@ fn table(points: &[[f64; 2]], ends: Option<(f64, f64)>, add: &mut dyn FnMut(Stri
         ),
         Some(_) => {}
     }
-}
-
-/// Checks how a slider lies to the mirrors of the domain: `mirrors` are the axes across which they
-/// cut it, `reaches` tells whether its surface is on both sides of a face.
-pub(crate) fn across_mirrors(
-    key: &str,
-    slider: &Slider,
-    domain: &Domain,
-    mirrors: [bool; 3],
-    reaches: impl Fn(usize, usize) -> bool,
-) -> Option<Problem> {
-    for (a, name) in ["x", "y", "z"].into_iter().enumerate() {
-        if mirrors[a] && unit(slider.axis)[a].abs() > ACROSS {
-            let message = format!(
-                "has a component along {name}, across the symmetry plane that cuts the part: its image would \
-                 move the other way"
-            );
-            let help = format!("make {name} of the axis 0, or move the part off the plane");
-            return Some(Problem::new(format!("{key}.motion.slider.axis"), message).help(help));
-        }
-        let cut_beside = |side: usize| domain.faces[a][side] == Face::Symmetry && reaches(a, side);
-        if !mirrors[a] && (0..2).any(cut_beside) {
-            let message = format!(
-                "puts the slider across a symmetry plane in {name}, but not its origin on it: loads would \
-                 count for the half alone"
-            );
-            let help = "put the origin of the part's frame on the plane, which makes it a whole";
-            return Some(Problem::new(format!("{key}.position"), message).help(help));
-        }
-    }
-    None
 }

@@ -1,32 +1,31 @@
 //! The solver: bodies, lists and laws, advanced substep by substep.
 
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, SphereSet};
-use crate::bodies::deformable_surface::{self, DeformableSurface, SurfaceState};
+use crate::bodies::deformable_surface::{DeformableSurface, SurfaceState};
 use crate::bodies::message_order::Roll;
-use crate::bodies::placed_parts::{self, PlacedPart, Step};
+use crate::bodies::placed_parts::{PlacedPart, Step};
 use crate::bodies::prescribed_spheres::Driven;
 use crate::bodies::slider::SliderState;
 use crate::bodies::{events, loads};
 use crate::contact::contact_force::Steps;
 use crate::forces::pair_forces;
 use crate::math::tally::Tally;
-use crate::neighbours::neighbour_list::BLOCK;
+use crate::neighbours::displacement::MaxDisplacement;
 use crate::neighbours::size_classes::Skins;
 use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::Clumps;
 use crate::solver::diagnostics::{Seen, Survey};
-use crate::solver::integrate::{self, Forces, Reach, Wandered};
+use crate::solver::integrate::{self, Forces, Reach};
 use crate::solver::interaction_context::Surroundings;
 use crate::solver::neighbour_search::Search;
 use crate::solver::ports::Ports;
 use crate::solver::probes::Probes;
 use crate::solver::substeps::Progress;
-use crate::solver::{overlaps, placement};
 use crate::walls::deformable_surfaces::{RigidWalls, Surfaces};
 use crate::walls::wall_forces;
 use crate::{Diagnostics, GrainsError, Parameters, Vec3};
 use tremie_messages::{
-    Problem,
     body::{BodyEvent, BodyState, Load},
     scene::{Domain, Scene},
 };
@@ -61,7 +60,7 @@ pub struct GrainsDem {
     /// What each block of bodies saw at the last evaluation, and how far it went.
     pub(crate) tallies: Vec<Tally>,
     pub(crate) reaches: Vec<Reach>,
-    wandered: Wandered,
+    wandered: MaxDisplacement,
     tally: Tally,
     max_overlap_ratio: f64,
     deep_overlaps: u64,
@@ -80,63 +79,8 @@ pub struct GrainsDem {
 }
 
 impl GrainsDem {
-    /// Makes the bodies of `scene`, packings included, ready to advance by `time_step` [s] on
-    /// `threads` threads, whose number has no effect on any result.
-    ///
-    /// # Errors
-    /// Everything that is wrong with the scene, the parameters or the time step.
-    pub fn new(
-        scene: &Scene,
-        parameters: &Parameters,
-        time_step: f64,
-        threads: usize,
-    ) -> Result<Self, Vec<Problem>> {
-        Self::with_surfaces(scene, parameters, time_step, threads, &[])
-    }
-
-    /// The same, with surfaces that deform on its sliders. Packings do not keep clear of them.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new), and surfaces that are none or do not fit the scene.
-    pub fn with_surfaces(
-        scene: &Scene,
-        parameters: &Parameters,
-        time_step: f64,
-        threads: usize,
-        surfaces: &[DeformableSurface],
-    ) -> Result<Self, Vec<Problem>> {
-        let resolution = parameters.resolve(scene)?;
-        resolution.check_time_step(time_step).map_err(|problem| vec![problem])?;
-        let problems = deformable_surface::check(scene, surfaces, time_step);
-        if !problems.is_empty() {
-            return Err(problems);
-        }
-        let parts = placed_parts::load(scene)?;
-        let spheres = placement::place(scene, &parts)?;
-        let mut team = Team::new("grains", threads).map_err(|error| {
-            let message = format!("the system does not give {threads} threads: {error}");
-            vec![Problem::new("threads", message)]
-        })?;
-        overlaps::check(scene, &spheres, &parts, &mut team)?;
-        let placed = (&spheres[..], parts, surfaces);
-        let mut solver = Self::of_bodies(scene, parameters, time_step, placed, team);
-        // Their room is needed for the lists.
-        drop(spheres);
-        solver.rebuild_lists();
-        let still = surfaces.iter().map(|s| vec![[0.0; 3]; s.vertices.len()]).collect::<Vec<_>>();
-        let states = surfaces.iter().zip(&still).map(|(surface, velocities)| SurfaceState {
-            vertices: &surface.vertices,
-            velocities,
-            carrier_force: [0.0; 3],
-        });
-        let begun = solver.evaluate_forces(0.0, &states.collect::<Vec<_>>());
-        begun
-            .and_then(|()| if surfaces.is_empty() { Ok(()) } else { solver.check_overlap() })
-            .map_err(|error| vec![Problem::new("surfaces", error.to_string())])?;
-        Ok(solver)
-    }
-
-    fn of_bodies(
+    /// Of bodies that were placed and checked.
+    pub(crate) fn of_bodies(
         scene: &Scene,
         parameters: &Parameters,
         dt: f64,
@@ -155,7 +99,7 @@ impl GrainsDem {
         clumps.end(&mut bodies);
         let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
         bodies.reserve(ports.capacity);
-        let sets = SphereSet::of_scene(scene, laws);
+        let sets = SphereSet::of_scene(scene, |material| laws.material(material));
         let probes = Probes::new(&scene.probes, &scene.domain, spheres, &bodies);
         let blocks = spheres.len().div_ceil(BLOCK);
         let events = events::initial(spheres, &around.parts);
@@ -186,7 +130,7 @@ impl GrainsDem {
             crossed: false,
             tallies: vec![Tally::default(); blocks],
             reaches: vec![Reach::default(); blocks],
-            wandered: Wandered::none(blocks),
+            wandered: MaxDisplacement::none(blocks),
             tally: Tally::default(),
             max_overlap_ratio: 0.0,
             deep_overlaps: 0,
@@ -388,7 +332,7 @@ impl GrainsDem {
             let blocks = (0..).zip(&self.reaches).filter(|(_, reach)| reach.crossed);
             self.search.pairs.follow(&self.bodies.crossed, blocks.map(|(b, _)| b));
         }
-        self.wandered.extend(&self.reaches);
+        self.wandered.extend(self.reaches.iter().map(|reach| reach.farthest.sqrt()));
         self.driven.end(&mut self.bodies, to);
         self.around.slide(to);
         self.clumps.end(&mut self.bodies);

@@ -1,14 +1,16 @@
 //! What the grains as a whole are doing.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Bodies;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Slider;
+use crate::contact::contact_force::touch_of_balls;
 use crate::contact::contact_force::{Contact, Memory};
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::plane_walls::Wall;
-use crate::forces::pair_forces::{Scenery, touch_of_balls};
-use crate::neighbours::neighbour_list::{BLOCK, Pairs, TOUCHING};
+use crate::forces::pair_forces::Scenery;
+use crate::neighbours::neighbour_list::{Pairs, TOUCHING};
 use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::{Clump, Clumps};
 use crate::solver::neighbour_search::Contacts;

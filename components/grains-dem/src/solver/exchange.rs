@@ -1,11 +1,11 @@
 //! Bodies that come and go between windows.
 
+use crate::bodies::body_arrays::BLOCK;
+use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Ball, NEW, PlacedSphere, Twist};
 use crate::bodies::events;
+use crate::math::numbers::is_positive;
 use crate::math::tally::Tally;
-use crate::neighbours::neighbour_list::BLOCK;
-use crate::polyhedra::SPHERE;
-use crate::setup::check;
 use crate::solver::integrate::Reach;
 use crate::solver::placement;
 use crate::{GrainsDem, GrainsError, Vec3};
@@ -119,7 +119,7 @@ impl GrainsDem {
                 _ if !self.around.bounds.contains(sphere.position.into()) => {
                     "its centre lies outside the domain"
                 }
-                _ if !check::is_positive(sphere.diameter) => "its diameter is not positive",
+                _ if !is_positive(sphere.diameter) => "its diameter is not positive",
                 _ if sphere.diameter > self.largest => {
                     "it is larger than any sphere that the run is made for"
                 }

@@ -1,10 +1,11 @@
 //! The sum of contact forces on a body.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Wrench;
 use crate::math::simd::prefetch::fetch_ahead;
 use crate::math::simd::vec4::Four;
-use crate::neighbours::neighbour_list::{BLOCK, Pairs, Record};
+use crate::neighbours::neighbour_list::{Pairs, Record};
 use crate::solver::neighbour_search::Contacts;
 use tremie_team::Variant;
 

@@ -10,10 +10,10 @@
 //! 1997, with lambda = 1).
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Ball, Bodies, Mobility, Twist, Wrench};
 use crate::math::periodic::PeriodicBox;
 use crate::math::simd::vec4::Four;
-use crate::neighbours::neighbour_list::BLOCK;
 use crate::neighbours::size_classes::Leash;
 use crate::solver::force_sum::Collector;
 use crate::solver::neighbour_search::Contacts;
@@ -49,40 +49,6 @@ impl Reach {
             crossed: self.crossed || other.crossed,
             due: self.due || other.due,
         }
-    }
-}
-
-/// How far the bodies of each block have gone at most since neighbours were listed.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Wandered {
-    blocks: Vec<f64>,
-    all: f64,
-}
-
-impl Wandered {
-    /// Of `blocks` blocks, none of which has moved.
-    pub fn none(blocks: usize) -> Self {
-        Self { blocks: vec![0.0; blocks], all: 0.0 }
-    }
-
-    /// Distances of so many blocks count from here on.
-    pub fn begin(&mut self, blocks: usize) {
-        self.blocks.clear();
-        self.blocks.resize(blocks, 0.0);
-        self.all = 0.0;
-    }
-
-    /// Takes in how far the bodies of each block are away from where they were.
-    pub fn extend(&mut self, reaches: &[Reach]) {
-        for (block, reach) in self.blocks.iter_mut().zip(reaches) {
-            *block = block.max(reach.farthest.sqrt());
-            self.all = self.all.max(*block);
-        }
-    }
-
-    /// Gap that a body of block `b` and any other can have closed [m], with room for rounding.
-    pub fn limit(&self, b: usize) -> f64 {
-        (self.blocks[b] + self.all) * (1.0 + 1e-6)
     }
 }
 

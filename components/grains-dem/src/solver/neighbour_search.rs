@@ -1,11 +1,12 @@
 //! The search for contacts: linked cells and the lists made from them.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Ball, Bodies};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::math::periodic::PeriodicBox;
 use crate::neighbours::linked_cells::Cells;
-use crate::neighbours::neighbour_list::{BLOCK, Pairs};
+use crate::neighbours::neighbour_list::Pairs;
 use crate::neighbours::neighbour_list_build::{Nearness, PairsMaker};
 use crate::neighbours::size_classes::{Leash, Skins};
 use crate::polyhedra::{self, PolyContacts, Polyhedra};

@@ -1,14 +1,16 @@
 //! Bodies that overlap at the start.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Ball, Mobility, PlacedSphere};
 use crate::bodies::placed_parts::PlacedPart;
+use crate::contact::{material_laws, plane_walls};
 use crate::math::periodic::PeriodicBox;
 use crate::neighbours::cell_pairs::Rows;
 use crate::neighbours::linked_cells::Cells;
 use crate::neighbours::size_classes::Skins;
-use crate::polyhedra::{self, Polyhedra, Room, SPHERE};
-use crate::setup::check_polyhedra;
+use crate::polyhedra::{self, Polyhedra, Room};
+use tremie_messages::scene::Motion;
 use tremie_messages::{
     Problem,
     scene::{Domain, Scene},
@@ -27,7 +29,7 @@ pub(crate) fn check(
     team: &mut Team,
 ) -> Result<(), Vec<Problem>> {
     let polyhedra = Polyhedra::new(scene, spheres, team);
-    let problems = check_polyhedra::inside(scene, spheres, &polyhedra);
+    let problems = inside(scene, spheres, &polyhedra);
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -144,4 +146,37 @@ fn numbers(bodies: &[PlacedSphere]) -> Vec<u32> {
     let mut next = 0..;
     let number = |body: &PlacedSphere| body.solid.and_then(|_| next.next()).unwrap_or(SPHERE);
     bodies.iter().map(number).collect()
+}
+
+/// Checks that centroids lie in the domain, and all of a free polyhedron on the right side of walls.
+fn inside(scene: &Scene, placed: &[PlacedSphere], polyhedra: &Polyhedra) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    let (bounds, walls) = (PeriodicBox::new(&scene.domain), plane_walls::of_scene(scene));
+    let surfaces = material_laws::surfaces(scene);
+    for (number, grain) in polyhedra.grains().iter().enumerate() {
+        let body = &placed[grain.id as usize];
+        let name = &scene.bodies[body.set].name;
+        let mut problem = |message: String| {
+            let key = format!("scene.bodies[{}].placement", body.set);
+            problems.push(Problem::new(key, message));
+        };
+        let x: Vec3 = body.ball.x;
+        if !bounds.contains(x) {
+            problem(format!("puts body {} (of \"{name}\") outside the domain", grain.id));
+            continue;
+        }
+        let solid = polyhedra.solid(number);
+        for (wall, surface) in walls.iter().zip(&surfaces) {
+            let depth = solid.support(-wall.normal) - (x.dot(&wall.normal) - wall.offset);
+            if body.motion == Motion::Free && depth > TOUCHING * solid.inradius() {
+                let into = &surface.name;
+                problem(format!(
+                    "puts body {} (of \"{name}\") {depth:.3e} m into {into}",
+                    grain.id
+                ));
+            }
+        }
+    }
+    problems.truncate(20);
+    problems
 }

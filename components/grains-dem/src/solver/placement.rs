@@ -1,12 +1,13 @@
 //! The bodies of a scene, placed.
 
+use crate::bodies::body_arrays::PlacedSolid;
 use crate::bodies::body_arrays::{Ball, Joined, PlacedSphere, Twist};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::plane_walls::Wall;
 use crate::math::periodic::PeriodicBox;
 use crate::math::random::Random;
 use crate::packing::random_packing::{self, Surroundings};
-use crate::polyhedra::{PlacedSolid, Shape};
+use crate::polyhedra::Shape;
 use crate::solver::clumps::{self, Whole};
 use core::f64::consts::{PI, TAU};
 use tremie_geometry::{ClumpPiece, clump};

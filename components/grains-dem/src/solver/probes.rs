@@ -9,9 +9,9 @@ mod rings;
 mod sections;
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, take_out};
 use crate::math::periodic::PeriodicBox;
-use crate::neighbours::neighbour_list::BLOCK;
 use regions::Region;
 use rings::Annulus;
 use sections::Section;

@@ -1,5 +1,6 @@
 //! All surfaces that deform, and the bodies near any of them.
 
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Wrench;
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
 use crate::bodies::placed_parts::PlacedPart;
@@ -8,7 +9,6 @@ use crate::contact::plane_walls::Wall;
 use crate::forces::pair_forces::Scenery;
 use crate::math::error::GrainsError;
 use crate::math::tally::Tally;
-use crate::neighbours::neighbour_list::BLOCK;
 use crate::walls::part_contacts::PartContacts;
 use crate::walls::reached_walls::Reached;
 use crate::walls::surface_contacts::{Around, Beside, Held};

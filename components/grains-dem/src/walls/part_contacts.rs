@@ -5,6 +5,7 @@
 //! [`WallContacts`].
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, Wrench};
 use crate::bodies::mesh_contact::{Looked, SAME};
 use crate::bodies::placed_parts::PlacedPart;
@@ -15,7 +16,6 @@ use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::plane_walls::Wall;
 use crate::forces::pair_forces::Scenery;
 use crate::math::tally::Tally;
-use crate::neighbours::neighbour_list::BLOCK;
 use crate::walls::deformable_surfaces::Surfaces;
 use crate::walls::part_finder::{Found, Nearness, SOME};
 use crate::walls::part_forces::{Near, Place};

@@ -1,6 +1,8 @@
 //! Which bodies are near which triangles of parts, and near walls that they may touch together with these.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
+use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility};
 use crate::bodies::mesh_contact::{Looked, distance};
 use crate::bodies::placed_parts::PlacedPart;
@@ -9,9 +11,7 @@ use crate::contact::contact_law::Reduced;
 use crate::contact::material_laws::Laws;
 use crate::contact::plane_walls::{Wall, WallLaws};
 use crate::math::periodic::PeriodicBox;
-use crate::neighbours::neighbour_list::BLOCK;
 use crate::neighbours::size_classes::Skins;
-use crate::polyhedra::SPHERE;
 use crate::walls::deformable_surfaces::Surfaces;
 use crate::walls::part_contacts::{Entry, Met, PartContacts};
 use crate::walls::wall_contacts::{WallContacts, WallEntry};

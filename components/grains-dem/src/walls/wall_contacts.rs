@@ -2,13 +2,13 @@
 //! walls there, see [`PartContacts`], and here nothing but mirrors.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
+use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility, Wrench};
 use crate::contact::contact_force::Memory;
 use crate::contact::contact_law::Reduced;
 use crate::contact::plane_walls::{Wall, WallLaws};
-use crate::neighbours::neighbour_list::BLOCK;
 use crate::neighbours::size_classes::Skins;
-use crate::polyhedra::SPHERE;
 use crate::walls::part_contacts::PartContacts;
 use tremie_team::Team;
 

@@ -1,9 +1,9 @@
 //! Boxes: how much of them the spheres fill, and how these move.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Bodies;
 use crate::math::periodic::PeriodicBox;
-use crate::neighbours::neighbour_list::BLOCK;
 use tremie_team::{Cut, Team};
 
 /// A box [m].

@@ -1,10 +1,10 @@
 //! Rings: how many spheres lie in one, and how much of its cross-section they hide along its axis.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Bodies;
 use crate::math::debris;
 use crate::math::periodic::PeriodicBox;
-use crate::neighbours::neighbour_list::BLOCK;
 use tremie_messages::scene::{Domain, Ring};
 use tremie_team::{Cut, Team};
 

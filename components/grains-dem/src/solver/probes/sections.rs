@@ -1,9 +1,9 @@
 //! Rectangles across an axis: which spheres pass through.
 
 use crate::Vec3;
+use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Bodies;
 use crate::math::periodic::PeriodicBox;
-use crate::neighbours::neighbour_list::BLOCK;
 use tremie_team::{Cut, Team};
 
 /// A rectangle across an axis, and what has passed it.
