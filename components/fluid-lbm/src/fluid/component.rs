@@ -1,12 +1,14 @@
 //! The lattice fluid as a component of a run.
 
+use crate::boundary::virtual_piston::face::{ReservoirState, reservoir_signals};
+use crate::domain::parameters::Parameters;
+use crate::fluid::lbm_fluid::FluidLbm;
 use crate::fluid::signal_meanings::MEANINGS;
 use crate::lattice::grid::face_name;
+use crate::lattice::ledger::Ledger;
 use crate::report::findings::{findings, limits};
-use crate::{
-    FluidLbm, Ledger, Parameters, ReservoirState, SliceNode, probe_meanings, probe_signals,
-    reservoir_signals,
-};
+use crate::solver::diagnostics::SliceNode;
+use crate::solver::probes::{probe_meanings, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
 use tremie_sdk::messages::scene::{DeformableSurface, Face, Motion, Placement, Scene};

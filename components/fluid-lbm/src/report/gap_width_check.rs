@@ -322,7 +322,7 @@ fn length(v: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Parameters;
+    use crate::domain::parameters::Parameters;
     use tremie_messages::scene::{
         BodySet, Domain, FluidMaterial, Geometry, Part, PartBoundary, Pose, Sphere,
     };

@@ -138,7 +138,7 @@ impl Throat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Parameters;
+    use crate::domain::parameters::Parameters;
     use tremie_messages::Verdict;
     use tremie_messages::scene::{
         Diameters, Domain, Face, FluidMaterial, Geometry, Outlet, Packing, Part, PartBoundary, Pose,

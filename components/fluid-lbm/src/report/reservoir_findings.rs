@@ -72,7 +72,7 @@ fn life(name: &str, reservoir: &Reservoir) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Parameters;
+    use crate::domain::parameters::Parameters;
     use tremie_messages::Verdict;
     use tremie_messages::scene::{Domain, FluidMaterial};
 

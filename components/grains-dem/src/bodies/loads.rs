@@ -1,9 +1,10 @@
 //! Loads of the fluid, taken in the order of ids into the order of memory.
 
+use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, Wrench};
 use crate::bodies::message_order::Roll;
-use crate::{GrainsError, Vec3};
+use crate::math::error::GrainsError;
 use tremie_messages::body::Load;
 use tremie_team::{Cut, Team};
 

@@ -209,7 +209,8 @@ impl Batch<Plain> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GrainsDem, Parameters};
+    use crate::math::parameters::Parameters;
+    use crate::solver::dem_solver::GrainsDem;
     use tremie_messages::{
         body::BodyState,
         scene::{

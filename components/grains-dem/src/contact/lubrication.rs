@@ -15,7 +15,7 @@
 //!
 //! Each way through the gap costs `ln(h_c/h_r)` of the Stokes number `m* v/(6 pi eta R*^2)`.
 
-use crate::Parameters;
+use crate::math::parameters::Parameters;
 use core::f64::consts::PI;
 use tremie_messages::scene::Scene;
 

@@ -1,9 +1,12 @@
 //! Numbers of the contacts, judged before the run.
 
+use crate::math::parameters::{Lubrication, Parameters};
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
+use crate::setup::check_clumps::ClumpOverlap;
 use crate::setup::resolution::Resolution;
+use crate::setup::slider_times::SliderTimes;
 use crate::setup::softness::SMALL;
-use crate::{ClumpOverlap, Lubrication, Parameters, Room, SliderTimes};
+use crate::solver::ports::Room;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Damping, Scene};
 use tremie_messages::{Finding, Limit};

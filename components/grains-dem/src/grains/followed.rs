@@ -3,9 +3,9 @@
 //! Of bodies those are: the body of a set that lists one, and each clump, as long as there are no more than
 //! [`BY_THEMSELVES`] of these in all; and the bodies of sets, and the clumps, that the scene asks for. Parts that move always are.
 
-use crate::GrainsDem;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::solver::clumps;
+use crate::solver::dem_solver::GrainsDem;
 use std::collections::BTreeSet;
 use tremie_messages::scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load};

@@ -1,9 +1,12 @@
 //! The deformable surfaces of a scene, between messages and solver.
 
+use crate::Vec3;
 use crate::bodies::deformable_surface::mean_edge;
+use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
 use crate::bodies::placed_parts;
 use crate::contact::plane_walls;
-use crate::{DeformableSurface, FacetLoad, GrainsDem, GrainsError, SurfaceState, Vec3};
+use crate::math::error::GrainsError;
+use crate::solver::dem_solver::GrainsDem;
 use core::ops::Range;
 use tremie_geometry::{Frame, Turned};
 use tremie_sdk::messages::scene::{self, Motion, Scene};

@@ -1,8 +1,10 @@
 //! Everything that can be wrong with a scene, as the grains see it.
 
+use crate::Vec3;
 use crate::bodies::body_arrays::Ball;
 use crate::contact::{material_laws, plane_walls};
 use crate::math::numbers::is_positive;
+use crate::math::parameters::{Lubrication, Parameters};
 use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self};
 use crate::setup::material_pairs::Population;
@@ -11,7 +13,6 @@ use crate::setup::{
 };
 use crate::solver::overlaps::TOUCHING;
 use crate::solver::placement;
-use crate::{Lubrication, Parameters, Vec3};
 use tremie_messages::{
     Problem,
     scene::{BodySet, Domain, Motion, Placement, Plane, Scene, Sphere, TimedMotion},

@@ -1,7 +1,7 @@
 //! What can be wrong with polyhedra.
 
-use crate::Parameters;
 use crate::math::numbers::is_positive;
+use crate::math::parameters::Parameters;
 use crate::polyhedra::Shape;
 use crate::setup::check::{all_finite, not_positive};
 use crate::setup::check_packing;

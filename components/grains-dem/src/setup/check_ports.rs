@@ -1,14 +1,15 @@
 //! What can be wrong with inlets and outlets.
 
+use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::plane_walls;
 use crate::math::numbers::is_positive;
+use crate::math::parameters::Parameters;
 use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self, Feeding};
 use crate::setup::check::{self, AXES};
 use crate::setup::check_packing;
 use crate::solver::{placement, ports};
-use crate::{Parameters, Vec3};
 use core::f64::consts::PI;
 use tremie_messages::{
     Problem,

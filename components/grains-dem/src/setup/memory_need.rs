@@ -3,14 +3,15 @@
 //! How many pairs there are depends on how close bodies lie: a cloud that falls has few, the bed that it becomes has many.
 //! How many bodies there are depends on what inlets bring. Both ends are told, and their geometric mean stands for the run.
 
+use crate::Vec3;
 use crate::bodies::body_arrays::{Ball, Mobility, Twist, Wrench};
 use crate::contact::contact_law::Reduced;
+use crate::math::parameters::Parameters;
 use crate::neighbours::neighbour_list::{Entry, Record, Rolling};
 use crate::neighbours::size_classes::Skins;
 use crate::packing::random_packing::{self, Sizes};
 use crate::polyhedra::{self, OF_PAIR};
 use crate::solver::placement;
-use crate::{Parameters, Vec3};
 use core::f64::consts::PI;
 use tremie_messages::{
     body::BodyEvent,

@@ -1,11 +1,11 @@
 //! From a scene and parameters to a time step and what the contacts will be like.
 
-use crate::Parameters;
 use crate::bodies::placed_parts;
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::lubrication::Squeeze;
 use crate::contact::stability::Stability;
 use crate::math::damping::restitution;
+use crate::math::parameters::Parameters;
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
 use crate::setup::check_clumps::{self, ClumpOverlap};
 use crate::setup::material_pairs::{

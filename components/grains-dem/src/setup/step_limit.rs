@@ -1,8 +1,9 @@
 //! What keeps the time step short, in words.
 
+use crate::math::parameters::Parameters;
 use crate::packing::random_packing;
 use crate::setup::material_pairs::Encounter;
-use crate::{Parameters, SliderTimes};
+use crate::setup::slider_times::SliderTimes;
 use tremie_messages::{
     finding::short,
     scene::{BodySizes, Scene, Spring},

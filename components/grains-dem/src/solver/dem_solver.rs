@@ -1,5 +1,6 @@
 //! The solver: bodies, lists and laws, advanced substep by substep.
 
+use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, SphereSet};
 use crate::bodies::deformable_surface::{DeformableSurface, SurfaceState};
@@ -10,11 +11,14 @@ use crate::bodies::slider::SliderState;
 use crate::bodies::{events, loads};
 use crate::contact::contact_force::Steps;
 use crate::forces::pair_forces;
+use crate::math::error::GrainsError;
+use crate::math::parameters::Parameters;
 use crate::math::tally::Tally;
 use crate::neighbours::displacement::MaxDisplacement;
 use crate::neighbours::size_classes::Skins;
 use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::Clumps;
+use crate::solver::diagnostics::Diagnostics;
 use crate::solver::diagnostics::{Seen, Survey};
 use crate::solver::integrate::{self, Forces, Reach};
 use crate::solver::interaction_context::Surroundings;
@@ -24,7 +28,6 @@ use crate::solver::probes::Probes;
 use crate::solver::substeps::Progress;
 use crate::walls::deformable_surfaces::{RigidWalls, Surfaces};
 use crate::walls::wall_forces;
-use crate::{Diagnostics, GrainsError, Parameters, Vec3};
 use tremie_messages::{
     body::{BodyEvent, BodyState, Load},
     scene::{Domain, Scene},

@@ -1,14 +1,16 @@
 //! Bodies that come and go between windows.
 
+use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Ball, NEW, PlacedSphere, Twist};
 use crate::bodies::events;
+use crate::math::error::GrainsError;
 use crate::math::numbers::is_positive;
 use crate::math::tally::Tally;
+use crate::solver::dem_solver::GrainsDem;
 use crate::solver::integrate::Reach;
 use crate::solver::placement;
-use crate::{GrainsDem, GrainsError, Vec3};
 use tremie_messages::scene::Motion;
 
 /// A free sphere that comes into a run.

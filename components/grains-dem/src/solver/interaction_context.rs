@@ -1,6 +1,5 @@
 //! What bodies may touch, and how.
 
-use crate::Parameters;
 use crate::bodies::body_arrays::Bodies;
 use crate::bodies::deformable_surface::DeformableSurface;
 use crate::bodies::placed_parts::PlacedPart;
@@ -10,6 +9,7 @@ use crate::contact::lubrication::Squeeze;
 use crate::contact::material_laws::{self, Laws};
 use crate::contact::plane_walls::{self, Sliding, Wall, WallLaws};
 use crate::forces::pair_forces::Scenery;
+use crate::math::parameters::Parameters;
 use crate::math::periodic::PeriodicBox;
 use crate::math::tally::Other;
 use crate::neighbours::size_classes::Skins;

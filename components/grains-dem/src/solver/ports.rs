@@ -3,14 +3,18 @@
 mod filled;
 mod inlet;
 
+use crate::Vec3;
 use crate::bodies::body_arrays::Ball;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::plane_walls::Wall;
+use crate::math::error::GrainsError;
+use crate::math::parameters::Parameters;
 use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self, Feeding, Sizes};
+use crate::solver::dem_solver::GrainsDem;
+use crate::solver::exchange::AddedSphere;
 use crate::solver::interaction_context::Surroundings;
 use crate::solver::placement;
-use crate::{AddedSphere, GrainsDem, GrainsError, Parameters, Vec3};
 use inlet::Feeder;
 pub(crate) use inlet::region;
 use serde::Serialize;

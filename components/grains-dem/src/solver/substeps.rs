@@ -10,9 +10,10 @@
 
 use crate::bodies::deformable_surface::{FacetLoad, SurfaceState};
 use crate::contact::contact_force::Steps;
+use crate::math::error::GrainsError;
+use crate::solver::dem_solver::GrainsDem;
 use crate::solver::integrate::{self, Forces};
 use crate::walls::deformable_surfaces::RigidWalls;
-use crate::{GrainsDem, GrainsError};
 use std::time::Instant;
 use tremie_messages::body::{BodyState, Load};
 use tremie_team::Choice;

@@ -1,0 +1,177 @@
+//! Rooms of a crate: a folder of sources imports only folders below it, and within a folder few files import each other
+//! in circles. ARCHITECTURE.md says what each room is for.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Rooms from the lowest floor up.
+const FLUID: [&str; 8] =
+    ["lattice", "domain", "bodies", "boundary", "gaps", "solver", "report", "fluid"];
+const GRAINS: [&str; 11] = [
+    "math",
+    "bodies",
+    "contact",
+    "neighbours",
+    "forces",
+    "walls",
+    "polyhedra",
+    "packing",
+    "solver",
+    "setup",
+    "grains",
+];
+
+/// Most files of a room that may import each other in a circle.
+const LARGEST_CIRCLE: usize = 8;
+
+/// A source file: its path below `src`, and what it imports of its crate outside of tests, `room::file`.
+struct Source {
+    path: PathBuf,
+    imports: BTreeSet<[String; 2]>,
+}
+
+impl Source {
+    /// Its room, and its file or folder in there.
+    fn place(&self) -> [String; 2] {
+        let mut parts = self.path.components().map(|part| {
+            let part = part.as_os_str().to_string_lossy();
+            part.strip_suffix(".rs").unwrap_or(&part).to_string()
+        });
+        [parts.next().unwrap_or_default(), parts.next().unwrap_or_default()]
+    }
+}
+
+/// All files in rooms of a component's sources.
+fn sources(component: &str) -> Vec<Source> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../components").join(component);
+    let src = src.join("src");
+    let mut folders = vec![src.clone()];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "rs") && folder != src {
+                let is_tests = path.file_stem().is_some_and(|name| name == "tests");
+                let text = fs::read_to_string(&path).unwrap();
+                let imports = if is_tests { BTreeSet::new() } else { imports(&text) };
+                let path = path.strip_prefix(&src).unwrap().to_path_buf();
+                found.push(Source { path, imports });
+            }
+        }
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found
+}
+
+/// What a text names as `crate::room::file`, up to its tests.
+fn imports(text: &str) -> BTreeSet<[String; 2]> {
+    let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+    let code: String = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .collect::<Vec<_>>()
+        .join("\n");
+    assert!(!code.contains("use crate::{"), "imports name a room each: {code:.300}");
+    let word = |text: &str| -> String {
+        text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+    };
+    let mut found = BTreeSet::new();
+    for named in code.split("crate::").skip(1) {
+        let room = word(named);
+        let Some(rest) = named[room.len()..].strip_prefix("::") else { continue };
+        match rest.strip_prefix('{') {
+            Some(list) => {
+                for item in items(list) {
+                    found.insert([room.clone(), word(item)]);
+                }
+            }
+            None => {
+                found.insert([room, word(rest)]);
+            }
+        }
+    }
+    found
+}
+
+/// The items of a list up to its closing brace.
+fn items(list: &str) -> Vec<&str> {
+    let (mut depth, mut begin, mut found) = (0, 0, Vec::new());
+    for (at, c) in list.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth > 0 => depth -= 1,
+            ',' | '}' if depth == 0 => {
+                found.push(list[begin..at].trim());
+                begin = at + 1;
+                if c == '}' {
+                    break;
+                }
+            }
+            _ => {}
+        }
+    }
+    found.retain(|item| !item.is_empty());
+    found
+}
+
+/// Everything that files of a room reach by imports within it.
+fn reached(of: &BTreeMap<String, BTreeSet<String>>, from: &str) -> BTreeSet<String> {
+    let (mut all, mut next) = (BTreeSet::new(), vec![from.to_string()]);
+    while let Some(file) = next.pop() {
+        for other in of.get(&file).into_iter().flatten() {
+            if all.insert(other.clone()) {
+                next.push(other.clone());
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn rooms_import_only_rooms_below() {
+    for (component, floors) in [("fluid-lbm", &FLUID[..]), ("grains-dem", &GRAINS[..])] {
+        let floor = |room: &str| floors.iter().position(|other| *other == room);
+        let mut wrong = Vec::new();
+        for source in sources(component) {
+            let [room, _] = source.place();
+            let own = floor(&room).unwrap_or_else(|| panic!("{component}: {room} is on no floor"));
+            for [other, file] in &source.imports {
+                if floor(other).is_some_and(|other| other > own) {
+                    wrong.push(format!(
+                        "{component}: {} imports {other}::{file}",
+                        source.path.display()
+                    ));
+                }
+            }
+        }
+        assert!(wrong.is_empty(), "imports go down, from floor to floor:\n{}", wrong.join("\n"));
+    }
+}
+
+#[test]
+fn circles_of_imports_stay_small() {
+    for component in ["fluid-lbm", "grains-dem"] {
+        let mut rooms: BTreeMap<String, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+        for source in sources(component) {
+            let [room, file] = source.place();
+            let own = rooms.entry(room.clone()).or_default().entry(file.clone()).or_default();
+            let inside = source.imports.into_iter().filter(|[other, _]| *other == room);
+            own.extend(inside.map(|[_, other]| other).filter(|other| *other != file));
+        }
+        for (room, files) in rooms {
+            for file in files.keys() {
+                let ahead = reached(&files, file);
+                let is_in_circle = |other: &&String| reached(&files, other).contains(file);
+                let circle: Vec<_> = ahead.iter().filter(is_in_circle).collect();
+                assert!(
+                    circle.len() <= LARGEST_CIRCLE,
+                    "{component}, {room}: {} files import each other: {circle:?}",
+                    circle.len()
+                );
+            }
+        }
+    }
+}
