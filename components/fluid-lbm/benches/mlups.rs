@@ -4,7 +4,7 @@
 //! cases whose names have all the words.
 
 use std::time::Instant;
-use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision, Variant, Walls};
+use tremie_fluid_lbm::{Collision, LbmFluid, Parameters, Precision, Variant, Walls};
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
 };
@@ -28,18 +28,18 @@ fn fluid(
     variant: Variant,
     acceleration: f64,
     smagorinsky: f64,
-) -> FluidLbm {
+) -> LbmFluid {
     let mut scene = scene(n, face);
     scene.fluid.as_mut().unwrap().acceleration[0] = acceleration;
     let parameters = Parameters { collision, precision, smagorinsky, ..Parameters::with_cell(1.0) };
     let time_step = parameters.resolve(&scene).unwrap().time_step;
-    FluidLbm::with_variant(&scene, &parameters, time_step, threads, variant).unwrap()
+    LbmFluid::with_variant(&scene, &parameters, time_step, threads, variant).unwrap()
 }
 
 /// Seconds of the fastest of a few pairs of steps, halved: of the processor for one thread, else of
 /// the clock.
 fn seconds_per_step(
-    fluid: &mut FluidLbm,
+    fluid: &mut LbmFluid,
     bodies: &mut [BodyState],
     motion: f64,
     threads: usize,
@@ -135,7 +135,7 @@ fn bore(n: usize) {
                         ..Parameters::with_cell(1.0)
                     };
                     let time_step = parameters.resolve(&scene).unwrap().time_step;
-                    let mut fluid = FluidLbm::new(&scene, &parameters, time_step, threads).unwrap();
+                    let mut fluid = LbmFluid::new(&scene, &parameters, time_step, threads).unwrap();
                     let seconds = seconds_per_step(&mut fluid, &mut [], 0.0, threads);
                     let cells = fluid.diagnostics().fluid_cells as f64;
                     println!(

@@ -3,7 +3,7 @@
 //! `cargo bench -p tremie-fluid-lbm --no-default-features --bench moving_part [-- CELLS_PER_MM]`
 
 use std::time::Instant;
-use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision};
+use tremie_fluid_lbm::{Collision, LbmFluid, Parameters, Precision};
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
 };
@@ -67,7 +67,7 @@ fn measure(scale: f64, speed: Option<f64>, threads: usize) {
         precision: Precision::F32,
         ..Parameters::with_cell(1.0)
     };
-    let mut fluid = FluidLbm::new(&scene, &parameters, 1.0, threads).unwrap();
+    let mut fluid = LbmFluid::new(&scene, &parameters, 1.0, threads).unwrap();
     let mut bodies = Vec::new();
     if let Some(speed) = speed {
         let event = BodyEvent {

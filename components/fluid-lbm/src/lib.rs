@@ -1,7 +1,7 @@
 //! Lattice-Boltzmann fluid of Tremie: D3Q19 in place on a list of cells, moving spheres, walls,
 //! mirrors, open and periodic faces.
 //!
-//! [`Parameters::resolve`] checks the user's choices against a scene; [`FluidLbm`] runs it. The
+//! [`Parameters::resolve`] checks the user's choices against a scene; [`LbmFluid`] runs it. The
 //! library knows no transport: give it the bodies' states, take the loads.
 //!
 //! # A step
@@ -37,7 +37,7 @@ pub use boundary::virtual_piston::face::{ReservoirState, reservoir_signals};
 pub use domain::parameters::{
     Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls,
 };
-pub use fluid::lbm_fluid::FluidLbm;
+pub use fluid::lbm_fluid::LbmFluid;
 pub use lattice::d3q19;
 pub use lattice::error::FluidError;
 pub use lattice::ledger::Ledger;

@@ -4,7 +4,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{FluidError, FluidLbm, Ledger, ReservoirState, SliceNode};
+use tremie_fluid_lbm::{FluidError, LbmFluid, Ledger, ReservoirState, SliceNode};
 use tremie_geometry::Turned;
 use tremie_messages::scene::{
     Course, DeformableSurface, Diameters, Face, FacetKind, FluidMaterial, Gap, GapRegion, GapRule,
@@ -202,7 +202,7 @@ fn run(lay: Lay, steps: usize) -> Told {
     told
 }
 
-fn tell(lay: Lay, fluid: &mut FluidLbm, loads: Vec<Load>, told: &mut Told) {
+fn tell(lay: Lay, fluid: &mut LbmFluid, loads: Vec<Load>, told: &mut Told) {
     let load = |load: &Load| Load {
         id: load.id,
         force: lay.back(load.force),

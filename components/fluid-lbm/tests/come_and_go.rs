@@ -3,18 +3,18 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{FluidLbm, Refill};
+use tremie_fluid_lbm::{LbmFluid, Refill};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Face, Reservoir};
 
-fn reservoirs_mass(fluid: &FluidLbm) -> Vec<f64> {
+fn reservoirs_mass(fluid: &LbmFluid) -> Vec<f64> {
     let mut states = Vec::new();
     fluid.reservoirs(&mut states);
     states.iter().map(|state| state.mass).collect()
 }
 
 /// A tube between two reservoirs whose pistons stand still.
-fn tube(refill: Refill) -> FluidLbm {
+fn tube(refill: Refill) -> LbmFluid {
     let mut case = Case::new([36, 14, 14], [WALL, WALL, WALL], 0.6);
     case.refill = refill;
     let mut scene = case.scene();
@@ -39,7 +39,7 @@ fn displaced_fluid_goes_back_to_the_near_reservoir() {
         fluid.start(&bodies, &mut loads_of(&bodies)).unwrap();
         assert_eq!(before, reservoirs_mass(&fluid), "bodies of the start were always there");
         let total =
-            |fluid: &FluidLbm| reservoirs_mass(fluid).iter().sum::<f64>() + fluid.ledger().mass;
+            |fluid: &LbmFluid| reservoirs_mass(fluid).iter().sum::<f64>() + fluid.ledger().mass;
         let mut whole = total(&fluid);
         for step in 0..60 {
             let mut displaced = 0.0;

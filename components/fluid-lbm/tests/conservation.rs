@@ -3,12 +3,12 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{FluidLbm, Precision};
+use tremie_fluid_lbm::{LbmFluid, Precision};
 use tremie_messages::BodyState;
 
 /// Mass and momentum by adding up all fluid cells (cells of 1 m, density 1), without half the
 /// step's force.
-fn measured(fluid: &FluidLbm) -> (f64, [f64; 3]) {
+fn measured(fluid: &LbmFluid) -> (f64, [f64; 3]) {
     let (mut mass, mut momentum) = (0.0, [0.0; 3]);
     for cell in cells(fluid).filter(|&c| !fluid.node(c).solid) {
         let h = fluid.populations_at(cell);
@@ -22,7 +22,7 @@ fn measured(fluid: &FluidLbm) -> (f64, [f64; 3]) {
 }
 
 /// A flow with shear and sound in it.
-fn stir(fluid: &mut FluidLbm) {
+fn stir(fluid: &mut LbmFluid) {
     let n = fluid.cells().map(|n| n as f64);
     fluid.set_state(|x| {
         let k: [f64; 3] = std::array::from_fn(|a| std::f64::consts::TAU * x[a] / n[a]);

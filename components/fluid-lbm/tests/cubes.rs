@@ -6,7 +6,7 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::{FluidLbm, Ledger, Parameters};
+use tremie_fluid_lbm::{LbmFluid, Ledger, Parameters};
 use tremie_messages::scene::{Course, Geometry, Motion, Part, PartBoundary, Scene, Shape};
 use tremie_messages::{BodyEvent, BodyState};
 
@@ -72,7 +72,7 @@ impl Held {
         let parameters = Parameters { part_step: self.part_step, ..self.case.parameters() };
         let (threads, variant) = (self.case.threads, self.case.variant);
         let scene = self.scene(kind);
-        let mut fluid = FluidLbm::with_variant(&scene, &parameters, 1.0, threads, variant).unwrap();
+        let mut fluid = LbmFluid::with_variant(&scene, &parameters, 1.0, threads, variant).unwrap();
         let Part { pose, geometry, .. } = &self.part;
         let mut bodies = Vec::new();
         if kind != As::Fixed {

@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::{FluidLbm, Refill, Walls};
+use tremie_fluid_lbm::{LbmFluid, Refill, Walls};
 use tremie_messages::scene::{
     Course, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Geometry, Motion, Part, Probe,
     ProbeShape, Scene,
@@ -43,7 +43,7 @@ fn channel(gap: Option<Gap>) -> (Case, Scene) {
 }
 
 /// Load and the rate of flow through the slot after `steps`, the plate locked at a height.
-fn locked(gap: Option<Gap>, height: f64, steps: usize) -> (FluidLbm, Load, f64) {
+fn locked(gap: Option<Gap>, height: f64, steps: usize) -> (LbmFluid, Load, f64) {
     let (case, scene) = channel(gap);
     let mut fluid = case.fluid_of(&scene);
     let body = [BodyState::at_rest(1, [16.0, 2.0, height + 8.0])];

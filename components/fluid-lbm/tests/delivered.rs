@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::{FluidLbm, OpenFaces, Walls};
+use tremie_fluid_lbm::{LbmFluid, OpenFaces, Walls};
 use tremie_messages::scene::{
     Course, Face, Geometry, OpenVelocity, Probe, ProbeShape, Profile, Scene, Sine,
 };
@@ -20,7 +20,7 @@ const OUTLET: Face =
     Face::Pressure { pressure: 0.0, course: Course::Points(Vec::new()), absorbing: false };
 
 /// Volume that passes the middle of the channel in a step.
-fn rate(fluid: &FluidLbm, axis: usize) -> f64 {
+fn rate(fluid: &LbmFluid, axis: usize) -> f64 {
     let middle = cells(fluid).filter(|cell| cell[axis] == LENGTH / 2);
     middle.map(|cell| fluid.velocity_at(cell)[axis]).sum()
 }

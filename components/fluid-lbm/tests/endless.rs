@@ -5,7 +5,7 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::FluidLbm;
+use tremie_fluid_lbm::LbmFluid;
 use tremie_messages::scene::{Course, Geometry, Motion, Pose, Scene, TimedMotion};
 use tremie_messages::{BodyState, Load};
 
@@ -23,7 +23,7 @@ fn moving(mut scene: Scene, geometry: Geometry, position: [f64; 3]) -> Scene {
 }
 
 /// A fluid with the scene's moving parts as bodies 0, 1, .. at the places of the scene.
-fn started(case: &Case, scene: &Scene) -> (FluidLbm, Vec<BodyState>, Vec<Load>) {
+fn started(case: &Case, scene: &Scene) -> (LbmFluid, Vec<BodyState>, Vec<Load>) {
     let mut fluid = case.fluid_of(scene);
     let movers = scene.parts.iter().enumerate().filter(|(_, part)| part.motion != Motion::Fixed);
     let (events, bodies): (Vec<_>, Vec<_>) = (0..)

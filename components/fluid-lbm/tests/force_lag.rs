@@ -4,7 +4,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Refill};
+use tremie_fluid_lbm::{Collision, LbmFluid, Parameters, Refill};
 use tremie_messages::scene::{Geometry, Motion};
 use tremie_messages::{BodyEvent, BodyState, Load};
 
@@ -20,7 +20,7 @@ fn energies(velocity_lead: f64, average_force: bool, offset: f64, refill: Refill
     piston.motion = Motion::Prescribed(Vec::new());
     scene.parts.push(piston);
     let parameters = Parameters { velocity_lead, average_force, ..case.parameters() };
-    let mut fluid = FluidLbm::with_variant(&scene, &parameters, 1.0, 1, case.variant).unwrap();
+    let mut fluid = LbmFluid::with_variant(&scene, &parameters, 1.0, 1, case.variant).unwrap();
     let mut body = [BodyState::at_rest(1, [1.5, 1.5, home])];
     fluid.apply_events(&[added_part(1, 0)]).unwrap();
     let mut loads = loads_of(&body);
@@ -100,7 +100,7 @@ fn energy_in_a_slit(velocity_lead: f64) -> f64 {
     case.smagorinsky = 0.4;
     let parameters = Parameters { velocity_lead, average_force: true, ..case.parameters() };
     let mut fluid =
-        FluidLbm::with_variant(&case.scene(), &parameters, 1.0, 1, case.variant).unwrap();
+        LbmFluid::with_variant(&case.scene(), &parameters, 1.0, 1, case.variant).unwrap();
     let (mass, stiffness) = (23.0, 0.01);
     let home = [7.1, 6.8, 2.0];
     let mut body = [BodyState::at_rest(1, home)];
@@ -139,7 +139,7 @@ fn loads_under_jolts(velocity_lead: f64, motion: u32, jolt: f64) -> Vec<Load> {
     let case = Case::new([12; 3], [WALL; 3], 0.8);
     let parameters = Parameters { velocity_lead, average_force: true, ..case.parameters() };
     let mut fluid =
-        FluidLbm::with_variant(&case.scene(), &parameters, 1.0, 1, case.variant).unwrap();
+        LbmFluid::with_variant(&case.scene(), &parameters, 1.0, 1, case.variant).unwrap();
     let mut body = [BodyState::at_rest(1, [6.0; 3])];
     fluid.apply_events(&[BodyEvent { motion, mass: 1e9, ..added(1, 2.0) }]).unwrap();
     let mut loads = loads_of(&body);

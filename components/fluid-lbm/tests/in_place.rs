@@ -9,7 +9,7 @@ mod common;
 
 use common::*;
 use tremie_fluid_lbm::d3q19::{C, C_F64, OPPOSITE, Q, W, cross, dot, equilibrium, mirrored};
-use tremie_fluid_lbm::{Collision, FluidLbm, GapPressure};
+use tremie_fluid_lbm::{Collision, GapPressure, LbmFluid};
 use tremie_messages::BodyState;
 
 struct Sphere {
@@ -209,7 +209,7 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
     // Two that overlap, so that they share cells.
     spheres[5].state.position = spheres[4].state.position.map(|x| x + 0.9);
 
-    let mut fluid: FluidLbm = case.fluid();
+    let mut fluid: LbmFluid = case.fluid();
     let events: Vec<_> = spheres.iter().map(|s| added(s.state.id, s.radius)).collect();
     let states: Vec<_> = spheres.iter().map(|s| s.state).collect();
     let mut loads = loads_of(&states);

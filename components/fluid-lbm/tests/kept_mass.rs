@@ -3,14 +3,14 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Collision, FluidLbm, Precision, Refill, Walls};
+use tremie_fluid_lbm::{Collision, LbmFluid, Precision, Refill, Walls};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{
     Course, Face, Geometry, Motion, PartBoundary, Probe, ProbeShape, Scene,
 };
 
 /// Share of the mass that a fluid without bodies gains in so many steps; what it says to have lost is that.
-fn gain(fluid: &mut FluidLbm, steps: usize) -> f64 {
+fn gain(fluid: &mut LbmFluid, steps: usize) -> f64 {
     let first = fluid.ledger();
     let mass = first.mass + first.mass_lost;
     for step in 0..steps {
@@ -236,7 +236,7 @@ fn what_bodies_lose_is_told() {
             (1..4).zip(at).map(|(id, at)| BodyState::at_rest(id, at)).collect();
         let mut loads = loads_of(&bodies);
         fluid.start(&bodies, &mut loads).unwrap();
-        let cells = |fluid: &FluidLbm| fluid.diagnostics().fluid_cells as f64;
+        let cells = |fluid: &LbmFluid| fluid.diagnostics().fluid_cells as f64;
         let (mass, first) = (fluid.ledger().mass, cells(&fluid));
         bodies[1].angular_velocity = [0.0, 2e-3, 0.0];
         let (mut most, mut apart) = (0.0_f64, 0.0_f64);

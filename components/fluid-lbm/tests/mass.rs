@@ -3,13 +3,13 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{FluidLbm, Refill};
+use tremie_fluid_lbm::{LbmFluid, Refill};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Geometry, Motion};
 
 /// A closed box under pressure with a sphere of 9 cells across and a bar that turns, both moving to
 /// and fro.
-fn closed_box(refill: Refill) -> (FluidLbm, [BodyState; 2]) {
+fn closed_box(refill: Refill) -> (LbmFluid, [BodyState; 2]) {
     let mut case = Case::new([40, 24, 30], [PERIODIC, WALL, WALL], 0.6);
     case.refill = refill;
     let mut scene = case.scene();
@@ -34,7 +34,7 @@ fn closed_box(refill: Refill) -> (FluidLbm, [BodyState; 2]) {
 fn drift(refill: Refill, steps: u32) -> f64 {
     let (mut fluid, mut bodies) = closed_box(refill);
     let mut loads = loads_of(&bodies);
-    let cells = |fluid: &FluidLbm| fluid.diagnostics().fluid_cells as f64;
+    let cells = |fluid: &LbmFluid| fluid.diagnostics().fluid_cells as f64;
     let (mass, first) = (fluid.ledger().mass, cells(&fluid));
     let mut drift = 0.0;
     for step in 0..steps {

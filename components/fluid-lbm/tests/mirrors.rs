@@ -79,7 +79,7 @@ fn half_a_channel_is_the_channel() {
     }
 }
 
-fn cells_of(fluid: &tremie_fluid_lbm::FluidLbm) -> Vec<[usize; 3]> {
+fn cells_of(fluid: &tremie_fluid_lbm::LbmFluid) -> Vec<[usize; 3]> {
     cells(fluid).collect()
 }
 

@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::{FluidError, FluidLbm};
+use tremie_fluid_lbm::{FluidError, LbmFluid};
 use tremie_messages::scene::{Geometry, Motion, Scene};
 use tremie_messages::{BodyState, Load};
 
@@ -32,7 +32,7 @@ fn turn(body: &mut BodyState) {
 }
 
 /// Runs a body across cells, turning, through a periodic face; forces of each step.
-fn run(mut fluid: FluidLbm, event: tremie_messages::BodyEvent) -> (Vec<Load>, FluidLbm) {
+fn run(mut fluid: LbmFluid, event: tremie_messages::BodyEvent) -> (Vec<Load>, LbmFluid) {
     let mut bodies = [BodyState::at_rest(7, [4.1, 9.9, 10.3])];
     bodies[0].velocity = [-0.03, 0.004, 0.002];
     bodies[0].angular_velocity = [0.002, 0.0, -0.003];

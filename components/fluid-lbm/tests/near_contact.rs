@@ -4,7 +4,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::FluidLbm;
+use tremie_fluid_lbm::LbmFluid;
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Geometry, Motion};
 
@@ -52,7 +52,7 @@ fn each_link_belongs_to_one_body() {
     scene.parts.push(plate);
     let parameters = tremie_fluid_lbm::Parameters { part_step: 0.2, ..case.parameters() };
     let mut fluid =
-        FluidLbm::with_variant(&scene, &parameters, 1.0, case.threads, case.variant).unwrap();
+        LbmFluid::with_variant(&scene, &parameters, 1.0, case.threads, case.variant).unwrap();
     let mut bodies: Vec<BodyState> = (0..40)
         .map(|id| {
             let height = [7.8, 12.8][id as usize % 2] + dice.between(-1.0, 1.0);
@@ -75,7 +75,7 @@ fn each_link_belongs_to_one_body() {
 }
 
 /// Links from fluid cells into others, in a box that is periodic along x, mirrored along y and walled along z.
-fn links_into_bodies(fluid: &FluidLbm) -> usize {
+fn links_into_bodies(fluid: &LbmFluid) -> usize {
     let n = fluid.cells().map(|n| n as i32);
     let is_solid = |at: [usize; 3]| fluid.node(at).solid;
     let mut links = 0;

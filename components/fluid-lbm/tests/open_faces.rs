@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{FluidLbm, OpenFaces};
+use tremie_fluid_lbm::{LbmFluid, OpenFaces};
 use tremie_messages::scene::{Course, Face, OpenVelocity, Profile, Scene};
 
 const SCHEMES: [OpenFaces; 2] = [OpenFaces::Nee, OpenFaces::Nebb];
@@ -28,7 +28,7 @@ fn channel(axis: usize, height: usize, length: usize, ends: [Face; 2]) -> (Case,
 }
 
 /// Checks that the balance of momentum and mass closes to 1e-12.
-fn closes(fluid: &FluidLbm) {
+fn closes(fluid: &LbmFluid) {
     let ledger = fluid.ledger();
     let terms = ledger.momentum_terms();
     for a in 0..3 {

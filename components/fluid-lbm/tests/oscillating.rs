@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::FluidLbm;
+use tremie_fluid_lbm::LbmFluid;
 use tremie_messages::scene::{Course, Face, Scene, Sine};
 
 const SPEED: f64 = 0.01;
@@ -20,7 +20,7 @@ fn layer(axis: usize, height: usize, tau: f64, course: Course) -> (Case, Scene) 
     (case, scene)
 }
 
-fn profile(fluid: &FluidLbm, axis: usize) -> Vec<f64> {
+fn profile(fluid: &LbmFluid, axis: usize) -> Vec<f64> {
     let height = fluid.cells()[axis];
     let at = |k: usize| {
         let mut cell = [1; 3];

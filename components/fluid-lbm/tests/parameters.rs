@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Collision, FluidError, FluidLbm, Parameters, Precision, findings};
+use tremie_fluid_lbm::{Collision, FluidError, LbmFluid, Parameters, Precision, findings};
 use tremie_messages::scene::{BodySet, Geometry, Motion, Placement, Plane, Scene, Sphere};
 use tremie_messages::units::Time;
 use tremie_messages::{BodyEvent, BodyState, Problem, Verdict};
@@ -161,11 +161,11 @@ fn small_spheres_are_found() {
 fn an_assigned_step_may_be_shorter_but_not_too_short() {
     let parameters = Parameters::with_cell(0.5e-3);
     let step = parameters.resolve(&water()).unwrap().time_step;
-    let fluid = FluidLbm::new(&water(), &parameters, 0.5 * step, 1).unwrap();
+    let fluid = LbmFluid::new(&water(), &parameters, 0.5 * step, 1).unwrap();
     assert!((fluid.tau() - 0.65).abs() < 1e-12);
     assert_eq!(fluid.time_step(), 0.5 * step);
     for wrong in [1e-6 * step, 0.0, -step, f64::NAN] {
-        assert!(FluidLbm::new(&water(), &parameters, wrong, 1).is_err());
+        assert!(LbmFluid::new(&water(), &parameters, wrong, 1).is_err());
     }
 }
 
@@ -203,7 +203,7 @@ fn wrong_events_and_states_are_refused_and_change_nothing() {
         assert!(expected(&error), "{error}");
     }
     let body = BodyState::at_rest(4, [8.0; 3]);
-    let step = |fluid: &mut FluidLbm, bodies: &[BodyState]| {
+    let step = |fluid: &mut LbmFluid, bodies: &[BodyState]| {
         fluid.step(bodies, &mut loads_of(bodies)).map_err(|e| e.to_string())
     };
     assert!(step(&mut fluid, &[]).unwrap_err().contains("found the end of the list"));

@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use std::f64::consts::PI;
-use tremie_fluid_lbm::{FluidLbm, Refill};
+use tremie_fluid_lbm::{LbmFluid, Refill};
 use tremie_messages::scene::{Geometry, Motion, Scene};
 use tremie_messages::{BodyState, Load};
 
@@ -25,14 +25,14 @@ fn case() -> Case {
     case
 }
 
-fn fluid(case: &Case, part_step: f64) -> FluidLbm {
+fn fluid(case: &Case, part_step: f64) -> LbmFluid {
     let parameters = tremie_fluid_lbm::Parameters { part_step, ..case.parameters() };
-    FluidLbm::with_variant(&scene(case), &parameters, 1.0, case.threads, case.variant).unwrap()
+    LbmFluid::with_variant(&scene(case), &parameters, 1.0, case.threads, case.variant).unwrap()
 }
 
 /// The disc rises by 3 cells in 300 steps, after half a cosine, and turns a little about x if it
 /// should. `each` is called after each step.
-fn run(fluid: &mut FluidLbm, turns: bool, mut each: impl FnMut(&mut FluidLbm, usize, &Load)) {
+fn run(fluid: &mut LbmFluid, turns: bool, mut each: impl FnMut(&mut LbmFluid, usize, &Load)) {
     let mut body = [BodyState::at_rest(1, [12.0, 12.0, 11.3])];
     fluid.apply_events(&[added_part(1, 0)]).unwrap();
     let mut loads = loads_of(&body);
@@ -122,7 +122,7 @@ fn walls_are_where_they_are_between_rounded_poses() {
         block.motion = Motion::Prescribed(Vec::new());
         scene.parts.push(block);
         let parameters = tremie_fluid_lbm::Parameters { part_step, ..case.parameters() };
-        let mut fluid = FluidLbm::with_variant(&scene, &parameters, 1.0, 2, case.variant).unwrap();
+        let mut fluid = LbmFluid::with_variant(&scene, &parameters, 1.0, 2, case.variant).unwrap();
         let body = [BodyState::at_rest(1, [12.0, 8.0, 5.9 + lift])];
         fluid.apply_events(&[added_part(1, 0)]).unwrap();
         let mut loads = loads_of(&body);

@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::FluidLbm;
+use tremie_fluid_lbm::LbmFluid;
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Geometry, Scene};
 
@@ -12,7 +12,7 @@ const BOX: [usize; 3] = [29, 27, 31];
 const RADIUS: f64 = 4.0;
 
 /// Largest and median speed of the fluid.
-fn speeds(fluid: &FluidLbm) -> [f64; 2] {
+fn speeds(fluid: &LbmFluid) -> [f64; 2] {
     let fluid_cells = cells(fluid).filter(|&at| !fluid.node(at).solid);
     let speed = |at| fluid.velocity_at(at).iter().map(|u| u * u).sum::<f64>().sqrt();
     let mut all: Vec<f64> = fluid_cells.map(speed).collect();

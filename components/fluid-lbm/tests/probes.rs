@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{FluidLbm, probe_signals};
+use tremie_fluid_lbm::{LbmFluid, probe_signals};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Probe, ProbeShape, Ring, Scene};
 
@@ -151,7 +151,7 @@ fn a_probe_outside_the_fluid_is_refused() {
 }
 
 /// What crosses a section, mean over the last steps, in cells at density 1.
-fn crossing(fluid: &mut FluidLbm, steps: usize, mut step: impl FnMut(&mut FluidLbm)) -> f64 {
+fn crossing(fluid: &mut LbmFluid, steps: usize, mut step: impl FnMut(&mut LbmFluid)) -> f64 {
     fluid.restart_means();
     (0..steps).for_each(|_| step(fluid));
     let mut found = Vec::new();

@@ -4,7 +4,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Collision, FluidError, FluidLbm, ReservoirState};
+use tremie_fluid_lbm::{Collision, FluidError, LbmFluid, ReservoirState};
 use tremie_messages::scene::{Course, Face, Geometry, Reservoir, ReservoirMode, Scene};
 
 /// A tube of `length` cells and one across, with a reservoir of `cells` cells at one end of the axis.
@@ -35,7 +35,7 @@ impl Tube {
     }
 
     /// With a reservoir that is `length` cells long at the start.
-    fn fluid(&self, length: f64, choose: impl Fn(&mut Reservoir)) -> FluidLbm {
+    fn fluid(&self, length: f64, choose: impl Fn(&mut Reservoir)) -> LbmFluid {
         let (mut case, mut scene) = self.case();
         let area = (self.width * self.width) as f64;
         let mut reservoir = Reservoir::new(area, area * length, 0.0);
@@ -49,14 +49,14 @@ impl Tube {
     }
 }
 
-fn state(fluid: &FluidLbm) -> ReservoirState {
+fn state(fluid: &LbmFluid) -> ReservoirState {
     let mut states = Vec::new();
     fluid.reservoirs(&mut states);
     assert_eq!(states.len(), 1);
     states[0]
 }
 
-fn step(fluid: &mut FluidLbm) -> Result<ReservoirState, FluidError> {
+fn step(fluid: &mut LbmFluid) -> Result<ReservoirState, FluidError> {
     fluid.step(&[], &mut [])?;
     Ok(state(fluid))
 }
@@ -73,7 +73,7 @@ fn nothing_is_lost_between_piston_and_domain() {
     let mut fluid = tube.fluid(30.0, |r| {
         (r.piston, r.course) = (2e-4, ramp(1000.0));
     });
-    let total = |fluid: &FluidLbm| fluid.ledger().mass + state(fluid).mass;
+    let total = |fluid: &LbmFluid| fluid.ledger().mass + state(fluid).mass;
     let before = total(&fluid);
     for _ in 0..10_000 {
         fluid.step(&[], &mut []).unwrap();

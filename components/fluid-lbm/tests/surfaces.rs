@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use std::f64::consts::PI;
 use std::fmt::Write;
-use tremie_fluid_lbm::{FluidError, FluidLbm, Refill};
+use tremie_fluid_lbm::{FluidError, LbmFluid, Refill};
 use tremie_geometry::Turned;
 use tremie_messages::scene::{
     DeformableSurface, FacetKind, Gap, GapRule, GapSide, Geometry, Motion, Pose, Scene, Section,
@@ -59,7 +59,7 @@ impl Seal {
         places.map(|position| SurfaceVertex { position, velocity: velocity(position) }).collect()
     }
 
-    fn loads(&mut self, fluid: &mut FluidLbm) -> [[f64; 3]; 2] {
+    fn loads(&mut self, fluid: &mut LbmFluid) -> [[f64; 3]; 2] {
         fluid.surface_loads(&mut self.loads);
         let mut sum = [[0.0; 3]; 2];
         for load in &self.loads {
@@ -111,7 +111,7 @@ fn a_surface_moved_as_a_whole_is_a_moving_part() {
     rigid.parts.push(mover);
 
     let parameters = tremie_fluid_lbm::Parameters { part_step: 0.0, ..case.parameters() };
-    let build = |scene: &Scene| FluidLbm::new(scene, &parameters, 1.0, 2).unwrap();
+    let build = |scene: &Scene| LbmFluid::new(scene, &parameters, 1.0, 2).unwrap();
     let (mut soft, mut hard) = (build(&scene), build(&rigid));
     hard.apply_events(&[added_part(1, 0)]).unwrap();
     let mut body = [BodyState::at_rest(1, begin)];
@@ -217,7 +217,7 @@ fn half_circle(radius: f64) -> Vec<[f64; 2]> {
 /// A sphere in a closed box that breathes.
 struct Breathing {
     seal: Seal,
-    fluid: FluidLbm,
+    fluid: LbmFluid,
 }
 
 impl Breathing {
@@ -276,7 +276,7 @@ fn a_sphere_that_grows_keeps_the_mass() {
     case.fluid.set_surfaces(&vertices).unwrap();
     case.fluid.start(&[], &mut []).unwrap();
     case.fluid.step(&[], &mut []).unwrap();
-    let density = |fluid: &FluidLbm| {
+    let density = |fluid: &LbmFluid| {
         let free = cells(fluid).filter(|&cell| !fluid.node(cell).solid).count();
         fluid.ledger().mass / free as f64
     };
@@ -387,7 +387,7 @@ fn wrong_surfaces_are_refused() {
     let refused = |change: fn(&mut DeformableSurface), key: &str| {
         let mut scene = scene.clone();
         change(&mut scene.surfaces[0]);
-        match FluidLbm::new(&scene, &case.parameters(), 1.0, 1) {
+        match LbmFluid::new(&scene, &case.parameters(), 1.0, 1) {
             Ok(_) => panic!("{key} is taken"),
             Err(problems) => assert!(problems[0].key.ends_with(key), "{problems:?}"),
         }

@@ -1,7 +1,7 @@
 //! Bodies that are pieces of a union displace their shares of it.
 
 use std::f64::consts::PI;
-use tremie_fluid_lbm::{FluidLbm, Parameters};
+use tremie_fluid_lbm::{LbmFluid, Parameters};
 use tremie_geometry::clump;
 use tremie_messages::scene::{
     BodySet, Domain, Face, FluidMaterial, Motion, Placement, Scene, Sphere,
@@ -41,7 +41,7 @@ fn scene(long: usize, unions: &[&str]) -> Scene {
 
 /// Loads at rest on both, turned by an angle about z.
 fn loads(scene: &Scene, angle: f64) -> (Vec<BodyState>, Vec<Load>) {
-    let mut fluid = FluidLbm::new(scene, &Parameters::with_cell(1e-3), 1e-4, 1).unwrap();
+    let mut fluid = LbmFluid::new(scene, &Parameters::with_cell(1e-3), 1e-4, 1).unwrap();
     let event = |id: u64, radius: f64| BodyEvent {
         id,
         kind: BodyEvent::ADDED,

@@ -4,7 +4,7 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Collision, FluidLbm, Refill};
+use tremie_fluid_lbm::{Collision, LbmFluid, Refill};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{Course, Face, Geometry, Motion, Reservoir, Scene};
 
@@ -49,7 +49,7 @@ fn tube(interface: usize, sides: Face) -> (Case, Scene) {
 }
 
 /// Mean velocity along the tube and mean pressure, 5 to 10 cells behind the interface.
-fn seen(fluid: &FluidLbm, interface: usize) -> [f64; 2] {
+fn seen(fluid: &LbmFluid, interface: usize) -> [f64; 2] {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for cell in cells(fluid).filter(|c| (interface + 5..interface + 10).contains(&c[0])) {
         sum[0] += fluid.velocity_at(cell)[0];

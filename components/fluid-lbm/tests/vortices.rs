@@ -3,10 +3,10 @@
 mod common;
 
 use common::*;
-use tremie_fluid_lbm::{Collision, FluidLbm};
+use tremie_fluid_lbm::{Collision, LbmFluid};
 
 /// A vortex on `n` cubed cells at a speed, and its kinetic energy after each tenth of a time `n/speed`.
-fn energies(n: usize, speed: f64, viscosity: f64, smagorinsky: f64) -> (Vec<f64>, FluidLbm) {
+fn energies(n: usize, speed: f64, viscosity: f64, smagorinsky: f64) -> (Vec<f64>, LbmFluid) {
     let mut case = Case::new([n; 3], [PERIODIC; 3], 0.5 + 3.0 * viscosity);
     case.collision = Collision::Bgk;
     case.smagorinsky = smagorinsky;
@@ -19,7 +19,7 @@ fn energies(n: usize, speed: f64, viscosity: f64, smagorinsky: f64) -> (Vec<f64>
             speed * speed / 16.0 * ((2.0 * a).cos() + (2.0 * b).cos()) * ((2.0 * c).cos() + 2.0);
         ([speed * a.sin() * b.cos() * c.cos(), -speed * a.cos() * b.sin() * c.cos(), 0.0], pressure)
     });
-    let energy = |fluid: &FluidLbm| {
+    let energy = |fluid: &LbmFluid| {
         let square = |c| norm(fluid.velocity_at(c)).powi(2);
         cells(fluid).map(square).sum::<f64>() / (n * n * n) as f64 / (speed * speed)
     };

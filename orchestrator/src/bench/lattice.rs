@@ -2,7 +2,7 @@
 
 use super::{Asked, Case, Measure, Quantity};
 use std::time::Instant;
-use tremie_fluid_lbm::{Collision, FluidLbm, Parameters, Precision, Walls};
+use tremie_fluid_lbm::{Collision, LbmFluid, Parameters, Precision, Walls};
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
 };
@@ -68,17 +68,17 @@ fn scene(edge: usize, face: Face) -> Scene {
     Scene { fluid: Some(fluid), ..Scene::empty(domain) }
 }
 
-fn fluid(scene: &Scene, parameters: &Parameters, threads: usize) -> Result<FluidLbm, String> {
+fn fluid(scene: &Scene, parameters: &Parameters, threads: usize) -> Result<LbmFluid, String> {
     let said = |problems: Vec<tremie_messages::Problem>| {
         problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
     };
     let time_step = parameters.resolve(scene).map_err(said)?.time_step;
-    FluidLbm::new(scene, parameters, time_step, threads).map_err(said)
+    LbmFluid::new(scene, parameters, time_step, threads).map_err(said)
 }
 
 /// Seconds of a step: the mean over as many pairs as take about `seconds`.
 fn seconds_per_step(
-    fluid: &mut FluidLbm,
+    fluid: &mut LbmFluid,
     bodies: &mut [BodyState],
     loads: &mut [Load],
     motion: f64,
@@ -97,7 +97,7 @@ fn seconds_per_step(
     Ok(start.elapsed().as_secs_f64() / f64::from(steps))
 }
 
-fn started(mut fluid: FluidLbm) -> Result<FluidLbm, String> {
+fn started(mut fluid: LbmFluid) -> Result<LbmFluid, String> {
     fluid.start(&[], &mut []).map_err(|error| error.to_string())?;
     Ok(fluid)
 }

@@ -2,9 +2,9 @@
 
 use crate::bodies::deformable_shape::Hit;
 use crate::bodies::mass_account::MassAccount;
-use crate::bodies::mesh_body::PartBody;
-use crate::bodies::near_cells::{Near, Shell};
-use crate::bodies::sphere_raster::{Spans, wall_distance};
+use crate::bodies::mesh_body::MeshBody;
+use crate::bodies::near_cells::{Near, NearCells};
+use crate::bodies::sphere_raster::{RowSpans, wall_distance};
 use crate::domain::displaced_volume::Displaced;
 use crate::lattice::d3q19::{C, C_F64, cross};
 use crate::lattice::grid::Grid;
@@ -24,7 +24,7 @@ pub struct Body {
     /// Radius of a sphere; of a part the distance of its farthest point from its origin.
     pub radius: f64,
     /// Its surface, unless it is a sphere.
-    pub part: Option<Box<PartBody>>,
+    pub part: Option<Box<MeshBody>>,
     /// Centre or origin, in the box along periodic axes.
     pub position: [f64; 3],
     /// Mass of one that moves under the fluid's force alone and contacts; infinite of others.
@@ -41,11 +41,11 @@ pub struct Body {
     /// [`crate::bodies::body::late`].
     pub change: [f64; 3],
     /// Cells inside.
-    pub spans: Spans,
+    pub spans: RowSpans,
     /// Cells inside one step before.
-    previous: Spans,
+    previous: RowSpans,
     /// The cells around a sphere.
-    pub shell: Shell,
+    pub shell: NearCells,
     /// Lines in which links to a sphere can begin.
     lines: Vec<u32>,
     /// Its items of links among those of all bodies.
@@ -125,11 +125,11 @@ impl Body {
         id: u64,
         handle: u32,
         radius: f64,
-        part: Option<Box<PartBody>>,
+        part: Option<Box<MeshBody>>,
     ) -> Self {
-        let spans = Spans::empty(if part.is_some() { 0.0 } else { radius });
+        let spans = RowSpans::empty(if part.is_some() { 0.0 } else { radius });
         let side = (2.0 * radius).ceil() as usize + 4;
-        let shell = Shell::new(grid, if part.is_some() { 0 } else { spans.shell_side() });
+        let shell = NearCells::new(grid, if part.is_some() { 0 } else { spans.shell_side() });
         // A row's cells that are not covered lie in two lines, or at the end of one more.
         let lines = if part.is_some() { 0 } else { (side + 1) * (side + 1) * (2 + side / 8) };
         // A move by less than a cell changes less than this; a jump may allocate.
@@ -173,7 +173,7 @@ impl Body {
 
     /// Whether it is a part of the scene or a surface that deforms, no sphere or polyhedron.
     pub fn is_part(&self) -> bool {
-        self.part.as_ref().is_some_and(|part| part.index != PartBody::NO_PART)
+        self.part.as_ref().is_some_and(|part| part.index != MeshBody::NO_PART)
     }
 
     /// Squared radius.

@@ -1,10 +1,10 @@
 //! The bodies in the fluid: who lives, where they are.
 
 use crate::bodies::body::{Body, UnionShare};
-use crate::bodies::body_shapes::Catalogue;
-use crate::bodies::deformable_surface::Soft;
+use crate::bodies::body_shapes::BodyShapes;
+use crate::bodies::deformable_surface::SoftSurface;
 use crate::bodies::events::check;
-use crate::bodies::mesh_body::PartBody;
+use crate::bodies::mesh_body::MeshBody;
 use crate::lattice::error::FluidError;
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
@@ -25,13 +25,13 @@ pub struct Bodies {
     /// For each handle, the place of its body among the living.
     places: Vec<u32>,
     /// Deformable surfaces, the last of the living; none before their first vertices came.
-    softs: Vec<Soft>,
+    softs: Vec<SoftSurface>,
     /// Their vertices at the end of the coming step.
     pub vertices: Vec<SurfaceVertex>,
     /// Whether bodies were added or removed since the last step.
     pub changed: bool,
     /// What they can be besides spheres.
-    catalogue: Catalogue,
+    catalogue: BodyShapes,
     /// How many steps ahead velocities are taken.
     lead: f64,
     /// What bodies of the scene's sets displace, in the order in which they come, where that is not all of them; and how
@@ -43,7 +43,7 @@ pub struct Bodies {
 impl Bodies {
     /// None, in a scene with a catalogue of what they can be; velocities of parts are taken `lead` steps
     /// ahead.
-    pub fn of(catalogue: Catalogue, lead: f64) -> Self {
+    pub fn of(catalogue: BodyShapes, lead: f64) -> Self {
         Self { catalogue, lead, ..Self::default() }
     }
 
@@ -65,7 +65,7 @@ impl Bodies {
     }
 
     /// Adds deformable surfaces, once.
-    pub fn add_softs(&mut self, softs: Vec<Soft>, parts: Vec<PartBody>, grid: &Grid) {
+    pub fn add_softs(&mut self, softs: Vec<SoftSurface>, parts: Vec<MeshBody>, grid: &Grid) {
         let first = u64::MAX - softs.len() as u64;
         for (k, mut part) in (1..).zip(parts) {
             let handle = self.new_handle();

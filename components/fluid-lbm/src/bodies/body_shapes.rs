@@ -1,7 +1,7 @@
 //! The surfaces of bodies that are no spheres: those of the scene's parts that move, and its shapes of
 //! polyhedra, at the size of each.
 
-use crate::bodies::mesh_body::{PartBody, Rounding};
+use crate::bodies::mesh_body::{MeshBody, Rounding};
 use crate::lattice::error::FluidError;
 use std::sync::Arc;
 use tremie_geometry::{Convex, Surface};
@@ -10,7 +10,7 @@ use tremie_messages::scene::Scene;
 
 /// What bodies can be besides spheres.
 #[derive(Clone, Debug, Default)]
-pub struct Catalogue {
+pub struct BodyShapes {
     /// Surfaces of the parts that move, by index of the part, and how exactly they are followed.
     parts: Vec<Option<Arc<Surface>>>,
     roundings: Vec<Rounding>,
@@ -20,7 +20,7 @@ pub struct Catalogue {
     of_polyhedra: Rounding,
 }
 
-impl Catalogue {
+impl BodyShapes {
     /// Of a scene, whose moving parts have the given surfaces and roundings; polyhedra are found at
     /// positions `step` apart [cells], and turned by small steps from `upright`.
     pub fn new(
@@ -68,12 +68,12 @@ impl Catalogue {
     }
 
     /// The body that an event adds, which was checked; none for a sphere. `cell` is the edge of one [m].
-    pub fn body(&self, event: &BodyEvent, cell: f64) -> Option<Box<PartBody>> {
+    pub fn body(&self, event: &BodyEvent, cell: f64) -> Option<Box<MeshBody>> {
         let surface = self.surface(event).ok()??;
         let (index, rounding) = match event.shape {
             BodyEvent::PART => (event.table as usize, self.roundings[event.table as usize]),
-            _ => (PartBody::NO_PART, self.of_polyhedra),
+            _ => (MeshBody::NO_PART, self.of_polyhedra),
         };
-        Some(Box::new(PartBody::new(index, surface, rounding, cell)))
+        Some(Box::new(MeshBody::new(index, surface, rounding, cell)))
     }
 }

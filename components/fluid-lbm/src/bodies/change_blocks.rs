@@ -11,7 +11,7 @@ const EDGE_BITS: u32 = 3;
 
 /// The bricks of a box.
 #[derive(Clone, Debug, Default)]
-pub struct Bricks {
+pub struct ChangeBlocks {
     /// Number along each axis.
     count: [usize; 3],
     /// For each brick, x running fastest, the step in which a cell changed last.
@@ -20,7 +20,7 @@ pub struct Bricks {
     step: u64,
 }
 
-impl Bricks {
+impl ChangeBlocks {
     /// Those of a box.
     pub fn new(grid: &Grid) -> Self {
         let count = grid.n.map(|n| (n as usize >> EDGE_BITS) + 1);
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn bricks_of_cells_through_a_face_are_told_of_changes() {
         let layout = Layout::open(Grid::walled([20, 10, 8], [true; 3]));
-        let mut bricks = Bricks::new(&layout.grid);
+        let mut bricks = ChangeBlocks::new(&layout.grid);
         let mut list = Vec::new();
         // From x = 15 through the face to 3: the last brick, half as long, lies between.
         bricks.list(&layout.grid, [15, 2, -1], [23, 5, 3], &mut list);

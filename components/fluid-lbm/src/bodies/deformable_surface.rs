@@ -1,6 +1,6 @@
 //! Deformable surfaces of a scene.
 
-use crate::bodies::mesh_body::{PartBody, Rounding};
+use crate::bodies::mesh_body::{MeshBody, Rounding};
 use crate::lattice::error::FluidError;
 use crate::lattice::units::Units;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use tremie_messages::scene::Scene;
 
 /// A deformable surface of the scene.
 #[derive(Clone, Debug)]
-pub struct Soft {
+pub struct SoftSurface {
     pub name: String,
     /// Index of the part that carries it.
     pub carrier: usize,
@@ -22,7 +22,7 @@ pub struct Soft {
     pub reference: [f64; 3],
 }
 
-impl Soft {
+impl SoftSurface {
     /// Those of a scene that was checked.
     pub fn all(scene: &Scene) -> Vec<Self> {
         let mut first_vertex = 0;
@@ -57,7 +57,7 @@ impl Soft {
         vertices: &[SurfaceVertex],
         step: f64,
         units: &Units,
-    ) -> Result<PartBody, FluidError> {
+    ) -> Result<MeshBody, FluidError> {
         let position = units.position_to_lattice(self.reference);
         let reference: [f64; 3] = std::array::from_fn(|a| units.min[a] + position[a] * units.cell);
         let place =
@@ -69,6 +69,6 @@ impl Soft {
             reason: error.to_string(),
         })?;
         let rounding = Rounding { position, orientation: [0.0, 0.0, 0.0, 1.0], step };
-        Ok(PartBody::deformable(index, surface, self.carrier, rounding, units.cell))
+        Ok(MeshBody::deformable(index, surface, self.carrier, rounding, units.cell))
     }
 }

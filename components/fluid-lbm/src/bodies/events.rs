@@ -1,6 +1,6 @@
 //! Events of bodies, checked before they are applied.
 
-use crate::bodies::body_shapes::Catalogue;
+use crate::bodies::body_shapes::BodyShapes;
 use crate::lattice::error::FluidError;
 use crate::lattice::grid::Grid;
 use crate::lattice::units::Units;
@@ -12,7 +12,7 @@ pub fn check(
     ids: &mut Vec<u64>,
     units: &Units,
     grid: &Grid,
-    catalogue: &Catalogue,
+    catalogue: &BodyShapes,
 ) -> Result<(), FluidError> {
     let id = event.id;
     match (event.kind, ids.binary_search(&id)) {

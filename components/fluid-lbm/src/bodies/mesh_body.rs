@@ -52,9 +52,9 @@ struct Placed {
 
 /// A part, or a polyhedron, as a body in the fluid.
 #[derive(Clone, Debug)]
-pub struct PartBody {
+pub struct MeshBody {
     /// Its index among the parts of the scene; a surface's comes after those of all parts; of a polyhedron
-    /// [`PartBody::NO_PART`].
+    /// [`MeshBody::NO_PART`].
     pub index: usize,
     /// What a deformable surface has besides.
     pub shape: Option<Box<Shape>>,
@@ -154,7 +154,7 @@ fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-impl PartBody {
+impl MeshBody {
     /// Index of what is no part of the scene.
     pub const NO_PART: usize = usize::MAX;
 
@@ -263,7 +263,7 @@ impl PartBody {
         moved
     }
 
-    /// As [`PartBody::drift_at`], of a place on a surface that may deform.
+    /// As [`MeshBody::drift_at`], of a place on a surface that may deform.
     #[inline(always)]
     pub fn drift_of(&self, hit: Hit, arm: [f64; 3]) -> [f64; 3] {
         match &self.shape {
@@ -419,7 +419,7 @@ impl PartBody {
         self.meet_facet(from, c).0
     }
 
-    /// As [`PartBody::meet`], and the facet, if the surface can deform.
+    /// As [`MeshBody::meet`], and the facet, if the surface can deform.
     pub fn meet_facet(&self, from: [i32; 3], c: [i32; 3]) -> (f64, u32) {
         let from = self.own(from);
         let to = std::array::from_fn(|a| from[a] + c[a]);
@@ -472,7 +472,7 @@ impl PartBody {
         }
     }
 
-    /// As [`PartBody::meet`], among the facets near `from`.
+    /// As [`MeshBody::meet`], among the facets near `from`.
     pub fn meet_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Meeting {
         self.meets_among(facets, from, c).unwrap_or_else(|| {
             let from = self.own(from);

@@ -4,7 +4,7 @@
 //! bit operations find all links of a direction in it. It is read from the lattice's tables when the sphere's first
 //! cell is another one; which cells are covered is noted when that has changed.
 
-use crate::bodies::sphere_raster::{Span, Spans};
+use crate::bodies::sphere_raster::{RowSpans, Span};
 use crate::lattice::d3q19::C;
 use crate::lattice::grid::{Grid, Side};
 use crate::lattice::layout::Layout;
@@ -54,7 +54,7 @@ pub struct Near {
 
 /// The cells around a sphere.
 #[derive(Clone, Debug, Default)]
-pub struct Shell {
+pub struct NearCells {
     /// The first, as seen from the sphere; none before the first fit.
     origin: Option<[i32; 3]>,
     /// Along each axis.
@@ -70,7 +70,7 @@ pub struct Shell {
     fits: u64,
 }
 
-impl Shell {
+impl NearCells {
     /// Of `side` cells along each axis of a box.
     pub fn new(grid: &Grid, side: i32) -> Self {
         // Faces cut where the axis wraps around: every `n` cells, wherever the first cell is.
@@ -106,7 +106,7 @@ impl Shell {
     }
 
     /// Takes note of the cells that the sphere covers.
-    pub fn cover(&mut self, grid: &Grid, sphere: &Spans) {
+    pub fn cover(&mut self, grid: &Grid, sphere: &RowSpans) {
         self.fits += 1;
         let (windows, side) = (self.windows.len(), self.side);
         self.covered.clear();
@@ -299,7 +299,7 @@ mod tests {
 
     /// Every bit and number is what the layout says of the cell.
     fn check(layout: &Layout, origin: [i32; 3], side: i32) {
-        let mut shell = Shell::new(&layout.grid, side);
+        let mut shell = NearCells::new(&layout.grid, side);
         let room = shell.windows.capacity();
         shell.fit(layout, origin);
         assert_eq!(shell.windows.capacity(), room);

@@ -70,7 +70,7 @@ impl Span {
 /// The cells inside a body, row by row. Coordinates may lie outside the box along periodic axes;
 /// along walled axes the body is cut off at the faces.
 #[derive(Clone, Debug)]
-pub struct Spans {
+pub struct RowSpans {
     /// Coordinates `(y, z)` of the first row.
     origin: [i32; 2],
     /// Rows along y and along z.
@@ -82,7 +82,7 @@ pub struct Spans {
     slack: f64,
 }
 
-/// Slack of a sphere at most: a row beyond [`Spans::side`] is half a cell away from it, and more.
+/// Slack of a sphere at most: a row beyond [`RowSpans::side`] is half a cell away from it, and more.
 const MOST_SLACK: f64 = 0.4;
 
 /// By how much the squared distance of a cell to the centre of a sphere differs from the squared radius: the least
@@ -114,7 +114,7 @@ impl Margins {
     }
 }
 
-impl Spans {
+impl RowSpans {
     /// Of no cell, with room for a sphere of the given radius.
     pub fn empty(radius: f64) -> Self {
         let side = (2.0 * radius).ceil() as i32 + 2;
@@ -123,7 +123,7 @@ impl Spans {
     }
 
     /// Becomes the cells inside the sphere; none if it is beyond a wall. The radius is at most that
-    /// of [`Spans::empty`].
+    /// of [`RowSpans::empty`].
     pub fn fit(&mut self, grid: &Grid, centre: [f64; 3], radius: f64) {
         let beyond =
             |a: usize| centre[a] + radius < 0.0 || centre[a] - radius > f64::from(grid.n[a]);
@@ -255,7 +255,7 @@ mod tests {
             centre in prop::array::uniform3(4.0..8.0_f64), radius in 0.1..4.0_f64,
         ) {
             let grid = Grid::walled([12, 12, 12], [true; 3]);
-            let mut spans = Spans::empty(radius);
+            let mut spans = RowSpans::empty(radius);
             spans.fit(&grid, centre, radius);
             for z in -1..13 {
                 for y in -1..13 {
@@ -274,11 +274,11 @@ mod tests {
             by in prop::array::uniform3(-0.15..0.15_f64), scale in 0.0..1.0_f64,
         ) {
             let grid = Grid::walled([12, 12, 12], [true, true, false]);
-            let mut before = Spans::empty(radius);
+            let mut before = RowSpans::empty(radius);
             before.fit(&grid, centre, radius);
             // Small steps too, or hardly any would be within the slack.
             let moved = std::array::from_fn(|a| centre[a] + scale * scale * scale * by[a]);
-            let mut after = Spans::empty(radius);
+            let mut after = RowSpans::empty(radius);
             after.fit(&grid, moved, radius);
             if before.hold_at(moved) {
                 for (y, z) in (-8..20).flat_map(|y| (-8..20).map(move |z| (y, z))) {

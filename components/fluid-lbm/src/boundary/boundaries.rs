@@ -4,18 +4,18 @@ use crate::boundary::open_area::OpenAreas;
 use crate::boundary::open_boundary::{self, OpenCells, open_faces};
 use crate::boundary::post_collision::nearest_wall;
 use crate::boundary::sheet_links::{SheetItem, SheetLinks};
-use crate::boundary::static_wall_links::{self, FixedLinks};
+use crate::boundary::static_wall_links::{self, StaticWallLinks};
 use crate::boundary::virtual_piston::face::{ReservoirFace, face_of};
 use crate::boundary::wall_distances::WallDistances;
 use crate::boundary::wall_mass::Patches;
-use crate::domain::boundary_condition::Law;
+use crate::domain::boundary_condition::BoundaryCondition;
 use crate::domain::displaced_volume::Displaced;
 use crate::domain::mirrors::mirrors_of_part;
 use crate::domain::parameters::{Parameters, Walls};
 use crate::domain::solids::Centres;
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern::{Blocked, Reflection};
-use crate::lattice::cell_list::{Fixture, Obstacles};
+use crate::lattice::cell_list::{BoundaryId, Obstacles};
 use crate::lattice::layout::Layout;
 use crate::lattice::units::Units;
 use std::sync::Arc;
@@ -23,8 +23,8 @@ use tremie_geometry::Surface;
 use tremie_messages::scene::{Face, Reservoir, Scene};
 
 /// Faces of the domain and static solids.
-pub struct Surroundings {
-    ground: Ground,
+pub struct Boundaries {
+    ground: StaticGeometry,
     halfway: bool,
     /// How near curved walls may be, see [`nearest_wall`].
     nearest: f64,
@@ -36,7 +36,7 @@ pub struct Surroundings {
     /// Surfaces of the parts that move, by index of the part.
     pub moving: Vec<Option<Arc<Surface>>>,
     /// For each fixture what it prescribes; `None` for a face that prescribes nothing.
-    pub laws: Vec<Option<Law>>,
+    pub laws: Vec<Option<BoundaryCondition>>,
     /// For each fixture the point about which its torque counts [cells].
     pub references: Vec<[f64; 3]>,
     /// For each fixture what it displaces, about that point [cells].
@@ -50,7 +50,7 @@ pub struct Built {
     /// Links that need no work.
     pub reflections: Vec<Reflection>,
     /// Links that do.
-    pub fixed: FixedLinks,
+    pub fixed: StaticWallLinks,
     /// Their items of work.
     pub fixed_items: Vec<static_wall_links::Item>,
     /// Those of them that solids cut between two cells of the fluid.
@@ -68,16 +68,26 @@ pub struct Built {
     pub reservoirs: Vec<ReservoirFace>,
 }
 
-impl Surroundings {
+impl Boundaries {
     /// Of a scene and its geometry in cells.
-    pub fn new(scene: &Scene, mut ground: Ground, parameters: &Parameters, units: &Units) -> Self {
-        let mut laws: Vec<_> =
-            scene.domain.faces.iter().flatten().map(|face| Law::of_face(face, units)).collect();
+    pub fn new(
+        scene: &Scene,
+        mut ground: StaticGeometry,
+        parameters: &Parameters,
+        units: &Units,
+    ) -> Self {
+        let mut laws: Vec<_> = scene
+            .domain
+            .faces
+            .iter()
+            .flatten()
+            .map(|face| BoundaryCondition::of_face(face, units))
+            .collect();
         let mut references = vec![[0.0; 3]; laws.len()];
         let mut displaced = vec![Displaced::default(); laws.len()];
         let centres = Centres { cell: units.cell, min: units.min };
         for solid in &ground.solids {
-            laws.push(Some(Law::of_part(&solid.boundary, units)));
+            laws.push(Some(BoundaryCondition::of_part(&solid.boundary, units)));
             let reference = units.position_to_lattice(solid.reference);
             references.push(reference);
             let mirrors = mirrors_of_part(&ground.grid, reference);
@@ -119,20 +129,20 @@ impl Surroundings {
     }
 
     /// The static geometry.
-    pub fn ground(&self) -> &Ground {
+    pub fn ground(&self) -> &StaticGeometry {
         &self.ground
     }
 
     /// The parts that stand still: number of the fixture, and index into the scene's parts.
     pub fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
-        let first = usize::from(Fixture::FACES);
+        let first = usize::from(BoundaryId::FACES);
         let solids = self.ground.solids.iter().enumerate();
         solids.filter_map(move |(k, solid)| Some((first + k, solid.part?)))
     }
 
     /// Whether a fixture's links need work besides reflection half-way.
-    fn is_special(&self, fixture: Fixture) -> bool {
-        let moves = |law: &Law| !law.is_at_rest();
+    fn is_special(&self, fixture: BoundaryId) -> bool {
+        let moves = |law: &BoundaryCondition| !law.is_at_rest();
         fixture.as_solid().is_some()
             || self.laws[usize::from(fixture.0)].as_ref().is_some_and(moves)
     }
@@ -146,9 +156,12 @@ impl Surroundings {
         let special = |fixture| self.is_special(fixture);
         let (layout, survey) =
             Layout::new(self.ground.grid.clone(), self.obstacles(), line, special);
-        let is_open = |fixture: Fixture| {
+        let is_open = |fixture: BoundaryId| {
             fixture.as_solid().is_none()
-                && !matches!(self.laws[usize::from(fixture.0)], Some(Law::Wall { .. }))
+                && !matches!(
+                    self.laws[usize::from(fixture.0)],
+                    Some(BoundaryCondition::Wall { .. })
+                )
         };
         let (open, fixed): (Vec<_>, Vec<_>) =
             survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
@@ -168,17 +181,19 @@ impl Surroundings {
         let areas = self.open_areas(&layout, &open, &met);
         let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open, &areas);
         let is_at_rest = |met: &Blocked| {
-            self.laws[usize::from(met.fixture.0)].as_ref().is_some_and(Law::is_at_rest)
+            self.laws[usize::from(met.fixture.0)]
+                .as_ref()
+                .is_some_and(BoundaryCondition::is_at_rest)
         };
         let (halfway, fixed): (Vec<_>, Vec<_>) =
             met.into_iter().partition(|(met, q)| *q == 0.5 && is_at_rest(met));
         let halfway = halfway.into_iter().map(|(met, _)| met).collect();
-        let is_wall = |fixture: Fixture| {
+        let is_wall = |fixture: BoundaryId| {
             let law = &self.laws[usize::from(fixture.0)];
-            fixture.as_solid().is_some() && matches!(law, Some(Law::Wall { .. }))
+            fixture.as_solid().is_some() && matches!(law, Some(BoundaryCondition::Wall { .. }))
         };
         let (fixed, fixed_items, patches) =
-            FixedLinks::new(&layout, &self.references, &sheets, fixed.into_iter(), is_wall);
+            StaticWallLinks::new(&layout, &self.references, &sheets, fixed.into_iter(), is_wall);
         Built {
             layout,
             reflections: survey.reflections,
@@ -204,7 +219,7 @@ impl Surroundings {
             let cell = links[0].cell;
             let (axis, side) = open_faces(&layout.grid, layout.at(cell)).next()?;
             let law = &self.laws[2 * axis + side];
-            matches!(law, Some(Law::Velocity { .. })).then_some((cell, axis))
+            matches!(law, Some(BoundaryCondition::Velocity { .. })).then_some((cell, axis))
         });
         OpenAreas::new(&self.ground, layout, at_velocity, met)
     }
@@ -223,7 +238,7 @@ impl Surroundings {
         layout: &Layout,
         ends: impl Iterator<Item = (u32, u8)>,
     ) -> WallDistances {
-        let solid = Fixture::solid(self.ground.solids.len() as u16);
+        let solid = BoundaryId::solid(self.ground.solids.len() as u16);
         let mut ends: Vec<_> = ends.collect();
         ends.sort_unstable();
         let links = ends.into_iter().map(|(cell, dir)| Blocked { cell, dir, fixture: solid });

@@ -23,10 +23,10 @@
 use crate::bodies::body::Body;
 use crate::bodies::body::late;
 use crate::bodies::deformable_shape::Hit;
-use crate::bodies::mesh_body::{Facets, PartBody};
+use crate::bodies::mesh_body::{Facets, MeshBody};
 use crate::boundary::gap_sinks::NO_GAP;
-use crate::boundary::population_addresses::Slots;
-use crate::boundary::post_collision::After;
+use crate::boundary::population_addresses::PopulationAddresses;
+use crate::boundary::post_collision::PostCollision;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, W, cross, dot, mirrored};
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
@@ -38,7 +38,7 @@ use std::ops::RangeInclusive;
 /// One end of a cut link.
 #[derive(Clone, Copy, Debug)]
 struct End {
-    slots: Slots,
+    slots: PopulationAddresses,
     /// The cell as seen from the body, and the direction.
     at: [i32; 3],
     dir: u8,
@@ -106,7 +106,7 @@ impl CutLinks {
     pub fn find(
         &mut self,
         layout: &Layout,
-        part: &PartBody,
+        part: &MeshBody,
         layers: RangeInclusive<i32>,
         facets: &mut Facets,
     ) {
@@ -157,7 +157,7 @@ impl CutLinks {
                 continue;
             }
             let one = |cell: u32, at: [i32; 3], i: usize, (q, slope): (f64, [f32; 3])| End {
-                slots: Slots::new(layout, cell, i),
+                slots: PopulationAddresses::new(layout, cell, i),
                 at,
                 dir: i as u8,
                 mirrors,
@@ -215,7 +215,7 @@ fn balanced(ends: [Read; 2]) -> [Read; 2] {
 
 impl End {
     /// From the body to the cell, and where the link meets the surface now.
-    fn now(&self, body: &Body, part: &PartBody, nearest: f64) -> ([f64; 3], f64) {
+    fn now(&self, body: &Body, part: &MeshBody, nearest: f64) -> ([f64; 3], f64) {
         let arm: [f64; 3] = std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a]);
         let q = self.q + dot(self.slope.map(f64::from), part.drift_of(Hit::NONE, arm));
         (arm, q.clamp(f64::MIN_POSITIVE, 1.0).max(nearest))
@@ -229,7 +229,7 @@ impl End {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Reads the cut links of an item, before any link is reflected.
     pub fn read_cuts(&self, body: &Body, cuts: &mut CutLinks) {
         let Some(part) = &body.part else { return };
@@ -250,7 +250,7 @@ impl<T: Real> After<'_, T> {
         self.owners.is_fluid(cell) && !(self.slips && in_gap())
     }
 
-    fn read_end(&self, body: &Body, part: &PartBody, end: &End, nearest: f64) -> Read {
+    fn read_end(&self, body: &Body, part: &MeshBody, end: &End, nearest: f64) -> Read {
         let (arm, q) = end.now(body, part, nearest);
         let (_, u) = end.wall(body, arm, q);
         let i = usize::from(end.dir);

@@ -8,7 +8,7 @@
 //! its surface; and so it does where an intake has no links.
 
 use crate::boundary::post_collision::Item;
-use crate::lattice::cell_flags::Owners;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
 use std::collections::{BTreeMap, VecDeque};
@@ -32,7 +32,7 @@ const FAR: u16 = u16::MAX;
 
 /// The intakes of the gaps of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct Intakes {
+pub struct GapSinks {
     list: Vec<Intake>,
     /// Of each gap those through which it draws in fluid, and the share of each.
     shares: Vec<Vec<(u16, f64)>>,
@@ -61,7 +61,7 @@ pub struct Given {
     pub mass: f64,
 }
 
-impl Intakes {
+impl GapSinks {
     /// Of gaps, in their order, each by the probes that say its pressure.
     pub fn new<'p>(gaps: impl Iterator<Item = Vec<SinkProbe<'p>>>) -> Self {
         let mut own = Self::default();
@@ -93,7 +93,7 @@ impl Intakes {
 
     /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first, then through what
     /// bodies cover there now and may leave later, then into the gaps.
-    pub fn look(&mut self, in_gap: &[u16], owners: &Owners, layout: &Layout) {
+    pub fn look(&mut self, in_gap: &[u16], owners: &CellFlags, layout: &Layout) {
         if !self.nearest.is_empty() || self.list.is_empty() {
             return;
         }

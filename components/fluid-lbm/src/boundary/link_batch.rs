@@ -6,10 +6,11 @@
 use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::{Felt, NO_FACET};
 use crate::boundary::link_kernels::{
-    AddUp, Eight, LANES, Lane, Locate, Paid, Pay, Stand, Sums, Surface,
+    CorrectMass, InterpolateBouzidi, LANES, Lane, LinkBlock, Paid, PlaceLinks, SumMomentumExchange,
+    Sums, Surface,
 };
-use crate::boundary::population_addresses::Slots;
-use crate::boundary::post_collision::After;
+use crate::boundary::population_addresses::PopulationAddresses;
+use crate::boundary::post_collision::PostCollision;
 use crate::boundary::sphere_links::SphereLinks;
 use crate::boundary::unresolved_gaps::Gaps;
 use crate::lattice::d3q19::{C_F64, Q, W};
@@ -30,7 +31,7 @@ const NOWHERE: usize = u32::MAX as usize;
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
     /// Where its populations are.
-    pub slots: Slots,
+    pub slots: PopulationAddresses,
     /// Its direction as seen by the body: mirrored if the link goes through a mirror.
     pub seen: u8,
     /// Axes at which it is mirrored.
@@ -45,16 +46,16 @@ pub struct Link {
 #[derive(Clone, Copy)]
 struct Known<'a> {
     /// Where their populations are.
-    slots: &'a [Slots],
+    slots: &'a [PopulationAddresses],
     /// Axes at which each is mirrored; none if no link is.
     mirrors: &'a [u8],
 }
 
 /// Links that wait to be reflected.
 pub struct Batch {
-    eights: Box<[Eight]>,
+    eights: Box<[LinkBlock]>,
     /// Of links that wait.
-    slots: Vec<Slots>,
+    slots: Vec<PopulationAddresses>,
     mirrors: Vec<u8>,
     /// Places of `g_i`, of the other population, and of the result.
     places: [[u32; 3]; LINKS],
@@ -70,7 +71,7 @@ pub struct Batch {
 impl Default for Batch {
     fn default() -> Self {
         Self {
-            eights: vec![Eight::NONE; LINKS / LANES].into(),
+            eights: vec![LinkBlock::NONE; LINKS / LANES].into(),
             slots: Vec::with_capacity(LINKS),
             mirrors: Vec::with_capacity(LINKS),
             places: [[0; 3]; LINKS],
@@ -115,7 +116,7 @@ impl Batch {
 
     /// Makes room for the links of a cell, if there is not enough.
     #[inline]
-    pub fn make_room<T: Real>(&mut self, after: &After<T>, body: &Body) {
+    pub fn make_room<T: Real>(&mut self, after: &PostCollision<T>, body: &Body) {
         if self.slots.len() + MOST > LINKS {
             self.flush(after, body);
         }
@@ -149,7 +150,7 @@ impl Batch {
     }
 
     /// Reflects all links that wait.
-    pub fn flush<T: Real>(&mut self, after: &After<T>, body: &Body) {
+    pub fn flush<T: Real>(&mut self, after: &PostCollision<T>, body: &Body) {
         let (mut slots, mut mirrors) =
             (std::mem::take(&mut self.slots), std::mem::take(&mut self.mirrors));
         self.work(after, body, Known { slots: &slots, mirrors: &mirrors });
@@ -159,7 +160,12 @@ impl Batch {
     }
 
     /// Reflects the links of a sphere.
-    pub fn reflect_sphere<T: Real>(&mut self, after: &After<T>, body: &Body, links: &SphereLinks) {
+    pub fn reflect_sphere<T: Real>(
+        &mut self,
+        after: &PostCollision<T>,
+        body: &Body,
+        links: &SphereLinks,
+    ) {
         let origin = body.shell.origin();
         for (number, slots) in links.slots.chunks(LINKS).enumerate() {
             let first = number * LINKS;
@@ -167,14 +173,14 @@ impl Batch {
             prefetch_all(slots);
             let standing = &links.standing[first / LANES..][..full];
             let (position, eights) = (body.position, &mut self.eights[..full]);
-            after.variant.run(Stand { standing, origin, position, links: eights });
+            after.variant.run(PlaceLinks { standing, origin, position, links: eights });
             let mirrors = links.mirrors.get(first..first + slots.len()).unwrap_or_default();
             self.work(after, body, Known { slots, mirrors });
         }
     }
 
     /// Reflects the links whose geometry is in the columns.
-    fn work<T: Real>(&mut self, after: &After<T>, body: &Body, known: Known) {
+    fn work<T: Real>(&mut self, after: &PostCollision<T>, body: &Body, known: Known) {
         let links = known.slots.len();
         if links == 0 {
             return;
@@ -185,7 +191,7 @@ impl Batch {
         let nearest = if body.is_part() { 0.0 } else { after.nearest_wall };
         let (velocity, spin, change) = (body.velocity, body.spin, body.change);
         let surface = Surface { r2, velocity, spin, change, nearest };
-        after.variant.run(Locate { links: &mut self.eights[..full], body: surface });
+        after.variant.run(InterpolateBouzidi { links: &mut self.eights[..full], body: surface });
         let is_soft = body.part.as_ref().is_some_and(|part| part.shape.is_some());
         if is_soft {
             self.move_walls(links);
@@ -199,7 +205,9 @@ impl Batch {
             let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
             (eight.sum[lane], eight.gain[lane]) = (0.0, 0.0);
         }
-        after.variant.run(AddUp { links: &self.eights[..full], sums: &mut self.sums });
+        after
+            .variant
+            .run(SumMomentumExchange { links: &self.eights[..full], sums: &mut self.sums });
         self.add_images(known);
         if is_soft {
             self.feel(links);
@@ -248,18 +256,18 @@ impl Batch {
 
     /// Adds up by how much the wall recedes, and adds what the body pays to what its motion pushes;
     /// see `mass_correction`.
-    fn pay<T: Real>(&mut self, after: &After<T>, body: &Body, known: Known) {
+    fn pay<T: Real>(&mut self, after: &PostCollision<T>, body: &Body, known: Known) {
         let full = known.slots.len().div_ceil(LANES);
         let (links, rate) = (&mut self.eights[..full], body.account.pay);
-        after.variant.run(Pay { links, rate, sums: &mut self.paid });
+        after.variant.run(CorrectMass { links, rate, sums: &mut self.paid });
         if after.keeps_mass && body.is_part() && !self.gaps.given.is_empty() {
             self.give(after, known);
         }
     }
 
     /// Adds what links give to the intakes of gaps; see `modelled`.
-    fn give<T: Real>(&mut self, after: &After<T>, known: Known) {
-        for (k, &Slots { cell, .. }) in known.slots.iter().enumerate() {
+    fn give<T: Real>(&mut self, after: &PostCollision<T>, known: Known) {
+        for (k, &PopulationAddresses { cell, .. }) in known.slots.iter().enumerate() {
             if let Some((intake, rate)) = after.intakes.at(cell) {
                 let (s, l) = (&mut self.eights[k / LANES], k % LANES);
                 s.push[l] += rate * s.weight[l];
@@ -270,7 +278,7 @@ impl Batch {
     }
 
     /// Finds the places of each link and asks memory for them.
-    fn ask<T: Real>(&mut self, after: &After<T>, known: Known) {
+    fn ask<T: Real>(&mut self, after: &PostCollision<T>, known: Known) {
         let parity = after.parity;
         for (k, slots) in known.slots.iter().enumerate() {
             // A link that meets the body in its first half needs the population of the cell behind. Without a branch:
@@ -289,7 +297,7 @@ impl Batch {
     }
 
     /// Reads, interpolates and writes populations.
-    fn reflect<T: Real>(&mut self, after: &After<T>, known: Known) {
+    fn reflect<T: Real>(&mut self, after: &PostCollision<T>, known: Known) {
         for (k, slots) in known.slots.iter().enumerate() {
             let [own, other, result] = self.places[k].map(|place| place as usize);
             let (s, l) = (&mut self.eights[k / LANES], k % LANES);

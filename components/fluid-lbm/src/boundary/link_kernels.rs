@@ -18,7 +18,7 @@ pub type Lane = [f64; LANES];
 /// Eight links, in columns.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub struct Eight {
+pub struct LinkBlock {
     /// From the body's centre to the cell's; then to where the link meets the surface.
     pub arm: [Lane; 3],
     /// Direction as seen by the body.
@@ -43,7 +43,7 @@ pub struct Eight {
     pub gain: Lane,
 }
 
-impl Eight {
+impl LinkBlock {
     /// Links of no direction.
     pub const NONE: Self = Self {
         arm: [[0.0; LANES]; 3],
@@ -100,7 +100,7 @@ pub type Sums = [Lane; 10];
 pub type Paid = [Lane; 2];
 
 /// Puts links where they stand around a body.
-pub struct Stand<'a> {
+pub struct PlaceLinks<'a> {
     /// How they stand.
     pub standing: &'a [Standing],
     /// The first cell around the body.
@@ -108,10 +108,10 @@ pub struct Stand<'a> {
     /// Where the body is.
     pub position: [f64; 3],
     /// Get their arms, directions and weights.
-    pub links: &'a mut [Eight],
+    pub links: &'a mut [LinkBlock],
 }
 
-impl Work for Stand<'_> {
+impl Work for PlaceLinks<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { standing, origin, position, links } = self;
@@ -141,14 +141,14 @@ impl Work for Stand<'_> {
 }
 
 /// Finds where links meet the body and what follows from that.
-pub struct Locate<'a> {
+pub struct InterpolateBouzidi<'a> {
     /// Links that stand around it.
-    pub links: &'a mut [Eight],
+    pub links: &'a mut [LinkBlock],
     /// The body.
     pub body: Surface,
 }
 
-impl Work for Locate<'_> {
+impl Work for InterpolateBouzidi<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { links, body } = self;
@@ -186,7 +186,7 @@ impl Work for Locate<'_> {
 
 /// As `sphere::wall_distance`, in the same order of operations.
 #[inline(always)]
-fn meet_sphere(eight: &mut Eight, r2: f64) {
+fn meet_sphere(eight: &mut LinkBlock, r2: f64) {
     for k in 0..LANES {
         let d = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
         let c = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
@@ -198,16 +198,16 @@ fn meet_sphere(eight: &mut Eight, r2: f64) {
 }
 
 /// Adds what bodies pay to what their motion pushes, and up by how much their walls recede; see `mass_correction`.
-pub struct Pay<'a> {
+pub struct CorrectMass<'a> {
     /// Links that are located.
-    pub links: &'a mut [Eight],
+    pub links: &'a mut [LinkBlock],
     /// What the body pays.
     pub rate: f64,
     /// Grows by what walls recede.
     pub sums: &'a mut Paid,
 }
 
-impl Work for Pay<'_> {
+impl Work for CorrectMass<'_> {
     #[inline(always)]
     fn run(self) {
         let mut own = *self.sums;
@@ -225,14 +225,14 @@ impl Work for Pay<'_> {
 }
 
 /// Adds what links exchanged to sums.
-pub struct AddUp<'a> {
+pub struct SumMomentumExchange<'a> {
     /// Links that are reflected.
-    pub links: &'a [Eight],
+    pub links: &'a [LinkBlock],
     /// Grow by what they exchanged.
     pub sums: &'a mut Sums,
 }
 
-impl Work for AddUp<'_> {
+impl Work for SumMomentumExchange<'_> {
     #[inline(always)]
     fn run(self) {
         let mut own = *self.sums;

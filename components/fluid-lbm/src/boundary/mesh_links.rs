@@ -10,17 +10,17 @@
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_shape::Hit;
-use crate::bodies::mesh_body::{Facets, PartBody};
+use crate::bodies::mesh_body::{Facets, MeshBody};
 use crate::boundary::cut_links::CutLinks;
 use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::link_batch::{Batch, Link};
-use crate::boundary::population_addresses::Slots;
-use crate::boundary::post_collision::After;
+use crate::boundary::population_addresses::PopulationAddresses;
+use crate::boundary::post_collision::PostCollision;
 use crate::boundary::unresolved_gaps::{Beyond, GapLink, beyond};
 use crate::boundary::unresolved_part_gaps::GapLinks;
 use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::cell_flags::{BODY, FROZEN, SHARED};
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::cell_list::NONE;
 use crate::lattice::d3q19::{C, C_F64, Q, W, dot, mirrored};
 use crate::lattice::grid::Grid;
@@ -34,7 +34,7 @@ const AHEAD: usize = 24;
 #[derive(Clone, Copy, Debug)]
 pub struct PartLink {
     /// Where its populations are.
-    slots: Slots,
+    slots: PopulationAddresses,
     /// The cell where it ends.
     end: u32,
     /// Its direction.
@@ -109,7 +109,7 @@ pub struct Site<'a> {
     /// The static geometry, if gaps press.
     pub walls: Option<&'a WallDistances>,
     /// The declared gap between a part of the scene and something that stands still, at a point as lattice coordinates.
-    pub gap_between: &'a (dyn Fn(usize, Fixture, [f64; 3]) -> Option<u16> + Sync),
+    pub gap_between: &'a (dyn Fn(usize, BoundaryId, [f64; 3]) -> Option<u16> + Sync),
     /// Cells of a line.
     pub line: usize,
 }
@@ -194,7 +194,7 @@ impl PartLinks {
         if hits.is_empty() { 0 } else { links.len() + gaps.len() }
     }
 
-    fn find_row(&mut self, site: &Site, part: &PartBody, [y, z]: [i32; 2]) {
+    fn find_row(&mut self, site: &Site, part: &MeshBody, [y, z]: [i32; 2]) {
         let grid = &site.layout.grid;
         let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
         if !grid.contains([0, real_y, real_z]) {
@@ -243,7 +243,7 @@ impl PartLinks {
     fn find_links(
         &mut self,
         site: &Site,
-        part: &PartBody,
+        part: &MeshBody,
         cell: u32,
         at: [i32; 3],
         found: &[(usize, u8)],
@@ -261,7 +261,7 @@ impl PartLinks {
                 self.now.hits.push(meeting.hit);
             }
             self.now.links.push(PartLink {
-                slots: Slots::new(site.layout, cell, i),
+                slots: PopulationAddresses::new(site.layout, cell, i),
                 end,
                 dir: i as u8,
                 seen: seen as u8,
@@ -274,7 +274,7 @@ impl PartLinks {
         }
     }
 
-    fn find_gaps(&mut self, site: &Site, part: &PartBody, at: [i32; 3], found: &[(usize, u8)]) {
+    fn find_gaps(&mut self, site: &Site, part: &MeshBody, at: [i32; 3], found: &[(usize, u8)]) {
         let Some(walls) = site.walls else { return };
         let mut near = None;
         for &(i, mirrors) in found {
@@ -298,7 +298,7 @@ fn rims(layout: &Layout, cell: u32, i: usize) -> u8 {
     let at = layout.at(cell);
     let stands = |by: [i32; 3]| {
         let at = std::array::from_fn(|a| at[a] + by[a]);
-        matches!(beyond(layout, at), Beyond::Fixture(_))
+        matches!(beyond(layout, at), Beyond::BoundaryId(_))
     };
     let sides = (1..Q).map(|k| C[k]).filter(|e| {
         e.iter().map(|c| c.abs()).sum::<i32>() == 1 && (0..3).all(|a| e[a] * C[i][a] == 0)
@@ -317,13 +317,13 @@ pub fn as_seen(grid: &Grid, mut at: [i32; 3], i: usize, mirrors: u8) -> ([i32; 3
     (at, mirrored(i, mirrors))
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Reflects the links of an item of a part.
     pub fn reflect_part(
         &self,
         bodies: &Bodies,
         body: &Body,
-        part: &PartBody,
+        part: &MeshBody,
         list: &PartLinks,
         batch: &mut Batch,
     ) {
@@ -380,7 +380,7 @@ impl<T: Real> After<'_, T> {
     /// nobody if it is frozen.
     fn gaps_of_run(
         &self,
-        (bodies, body, part): (&Bodies, &Body, &PartBody),
+        (bodies, body, part): (&Bodies, &Body, &MeshBody),
         (run, hits): (&[PartLink], &[Hit]),
         batch: &mut Batch,
     ) {
@@ -429,7 +429,7 @@ pub fn recession(link: &Link, velocity: [f64; 3]) -> f64 {
 impl PartLink {
     /// The link as it is now.
     #[inline(always)]
-    fn now(&self, body: &Body, part: &PartBody, hit: Hit) -> Link {
+    fn now(&self, body: &Body, part: &MeshBody, hit: Hit) -> Link {
         let arm: [f64; 3] = std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a]);
         let drift = part.drift_of(hit, arm);
         let s = self.slope.map(f64::from);

@@ -4,7 +4,7 @@
 //! open of a cell whose own centre is solid goes to its neighbours in the face that are fluid, in equal parts: so the areas of all
 //! cells add up to the open area of the face.
 
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern::Blocked;
 use crate::lattice::grid::{Grid, Reach};
 use crate::lattice::layout::Layout;
@@ -24,7 +24,7 @@ impl OpenAreas {
     /// Of cells, each with the axis across its face; `walls` are the links of all cells that meet something that stands
     /// still, by cell.
     pub fn new(
-        ground: &Ground,
+        ground: &StaticGeometry,
         layout: &Layout,
         cells: impl Iterator<Item = (u32, usize)>,
         walls: &[(Blocked, f64)],
@@ -49,7 +49,7 @@ impl OpenAreas {
     }
 
     /// Gives what is open of a solid cell to its neighbours.
-    fn share(&mut self, ground: &Ground, layout: &Layout, at: [i32; 3], axis: usize) {
+    fn share(&mut self, ground: &StaticGeometry, layout: &Layout, at: [i32; 3], axis: usize) {
         let neighbours = beside(&ground.grid, at, axis);
         let fluid: Vec<u32> = neighbours.filter_map(|at| layout.cell(at)).collect();
         let open = open_part(ground, at, axis);
@@ -79,13 +79,13 @@ fn beside(grid: &Grid, at: [i32; 3], axis: usize) -> impl Iterator<Item = [i32; 
 }
 
 /// Whether the centre of a cell is in a solid.
-fn is_solid(ground: &Ground, at: [i32; 3]) -> bool {
+fn is_solid(ground: &StaticGeometry, at: [i32; 3]) -> bool {
     let centre = ground.centres().of(at);
     ground.solids.iter().any(|solid| solid.holds(centre))
 }
 
 /// Part of a cell that no solid covers, in the plane of its centre across an axis.
-fn open_part(ground: &Ground, at: [i32; 3], axis: usize) -> f64 {
+fn open_part(ground: &StaticGeometry, at: [i32; 3], axis: usize) -> f64 {
     let centres = ground.centres();
     let middle = centres.of(at);
     let along = |k: i32| (f64::from(2 * k + 1) / f64::from(2 * POINTS) - 0.5) * centres.cell;

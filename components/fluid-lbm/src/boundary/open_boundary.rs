@@ -61,10 +61,10 @@ use crate::boundary::nonequilibrium_extrapolation::{
 use crate::boundary::open_area::OpenAreas;
 use crate::boundary::refill::Content;
 use crate::boundary::wall_mass::Brought;
-use crate::domain::boundary_condition::{Law, Now};
+use crate::domain::boundary_condition::{BoundaryCondition, BoundaryValue};
 use crate::domain::parameters::OpenFaces;
 use crate::lattice::aa_pattern::{Blocked, Parity};
-use crate::lattice::cell_flags::Owners;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each};
 use crate::lattice::grid::{Grid, Side};
 use crate::lattice::layout::Layout;
@@ -148,19 +148,19 @@ pub struct Item {
 
 /// The fluid as the next collision will find it.
 #[derive(Clone, Copy)]
-pub struct Next<'a, T: Real> {
+pub struct PostStreaming<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
     /// Where they are.
     pub layout: &'a Layout,
     /// Which cells are fluid.
-    pub owners: &'a Owners,
+    pub owners: &'a CellFlags,
     /// Parity of the next collision.
     pub parity: Parity,
     /// Acceleration of the fluid.
     pub acceleration: [f64; 3],
     /// What the faces prescribe, by number.
-    pub now: &'a [Now],
+    pub now: &'a [BoundaryValue],
     /// Which scheme.
     pub scheme: OpenFaces,
     /// Which vector instructions.
@@ -193,7 +193,7 @@ impl OpenCells {
     /// Of the links that open faces block. `absorbing` says it of each face; `areas` how much of each cell is open.
     pub fn new(
         layout: &Layout,
-        laws: &[Option<Law>],
+        laws: &[Option<BoundaryCondition>],
         absorbing: [bool; 6],
         blocked: &[Blocked],
         areas: &OpenAreas,
@@ -212,7 +212,9 @@ impl OpenCells {
             let across: u32 =
                 (0..Q).filter(|&i| C[i][axis] == [1, -1][side]).fold(0, |bits, i| bits | 1 << i);
             let [profile, mean] = match &laws[2 * axis + side] {
-                Some(Law::Velocity { profile: Profile::Parabolic, .. }) => parabola(grid, axis, at),
+                Some(BoundaryCondition::Velocity { profile: Profile::Parabolic, .. }) => {
+                    parabola(grid, axis, at)
+                }
                 _ => [1.0; 2],
             };
             own.cells.push(OpenCell {
@@ -259,10 +261,16 @@ impl OpenCells {
 
     /// Compares what entered through faces with a velocity in a step, and what links brought to their cells, with what was to, in a
     /// fluid of a mean density. Sums are in the order of the items.
-    pub fn steer(&mut self, items: &[Item], now: &[Now], density: f64, brought: &[Brought; 6]) {
+    pub fn steer(
+        &mut self,
+        items: &[Item],
+        now: &[BoundaryValue],
+        density: f64,
+        brought: &[Brought; 6],
+    ) {
         for of_face in items.chunk_by(|a, b| a.face == b.face) {
             let face = of_face[0].face;
-            let Now::Wall(velocity) = now[face] else { continue };
+            let BoundaryValue::Wall(velocity) = now[face] else { continue };
             let inward = velocity[face / 2] * [1.0, -1.0][face % 2];
             let (mut mass, mut share) = (brought[face].total(), 0.0);
             for item in of_face {
@@ -304,7 +312,7 @@ fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> [f64; 2] {
     factors
 }
 
-impl<T: Real> Next<'_, T> {
+impl<T: Real> PostStreaming<'_, T> {
     /// Gives an item's cells their populations and records what entered.
     pub fn open(&self, cells: &OpenCells, item: &mut Item) {
         (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
@@ -361,7 +369,7 @@ impl<T: Real> Next<'_, T> {
     fn bounce_cell(&self, open: &OpenCell, more: f64, item: &mut Item) {
         let old = self.populations(open.cell);
         let inner = self.inner(open).map(|cell| self.populations(cell));
-        let new = self.bounce(open, more, (&old, inner.as_ref()), item);
+        let new = self.zou_he(open, more, (&old, inner.as_ref()), item);
         self.replace(open.cell, open.unknown, [&old, &new], &mut item.impulse, &mut item.mass);
     }
 
@@ -490,16 +498,16 @@ impl<T: Real> Next<'_, T> {
         item: &mut Item,
     ) -> (f64, [f64; 3]) {
         match self.now[open.face as usize] {
-            Now::Wall(given) => (drho, given.map(|v| v * (open.profile * (1.0 + more)))),
-            Now::Density(given) if open.relax > 0.0 => {
+            BoundaryValue::Wall(given) => (drho, given.map(|v| v * (open.profile * (1.0 + more)))),
+            BoundaryValue::Density(given) if open.relax > 0.0 => {
                 let (drho, u) = self.absorb(open, &mut item.means[number], given, drho, u);
                 (drho, self.limited(open, u, item))
             }
-            Now::Density(given) => (given, self.limited(open, u, item)),
+            BoundaryValue::Density(given) => (given, self.limited(open, u, item)),
         }
     }
 
-    fn bounce(
+    fn zou_he(
         &self,
         open: &OpenCell,
         more: f64,
@@ -520,12 +528,12 @@ impl<T: Real> Next<'_, T> {
         }
         // `u` is the momentum over the density: without half the step's force.
         let (drho, u) = match self.now[open.face as usize] {
-            Now::Wall(given) => {
+            BoundaryValue::Wall(given) => {
                 let u: [f64; 3] =
                     std::array::from_fn(|a| given[a] * (open.profile * (1.0 + more)) - half[a]);
                 ((s + u[axis] * n) / (1.0 - u[axis] * n), u)
             }
-            Now::Density(drho) => {
+            BoundaryValue::Density(drho) => {
                 let along = inner.map_or([0.0; 3], |h| Content::of(h).velocity(self.acceleration));
                 let mut u = along;
                 u[axis] = n * (drho - s) / (1.0 + drho) + half[axis];

@@ -1,7 +1,7 @@
 //! Where the populations of a link are.
 
 use crate::lattice::aa_pattern::Parity;
-use crate::lattice::cell_flags::Owners;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::OPPOSITE;
 use crate::lattice::layout::Layout;
 
@@ -10,7 +10,7 @@ const NONE: u32 = u32::MAX;
 
 /// Where the populations of a link `i` from a cell `x` are, `i'` being the opposite direction; see `aa_pattern`.
 #[derive(Clone, Copy, Debug)]
-pub struct Slots {
+pub struct PopulationAddresses {
     /// The cell where it begins.
     pub cell: u32,
     /// The cell behind, against the link; the cell itself where the link sees itself in a mirror.
@@ -21,7 +21,7 @@ pub struct Slots {
     along: [u32; 2],
 }
 
-impl Slots {
+impl PopulationAddresses {
     /// Of a link that begins in no stored cell.
     pub const NONE: Self = Self { cell: NONE, behind: NONE, back: [NONE; 2], along: [NONE; 2] };
 
@@ -54,7 +54,7 @@ impl Slots {
 
     /// Whether there is a cell behind, and fluid.
     #[inline(always)]
-    pub fn is_behind_fluid(&self, owners: &Owners) -> bool {
+    pub fn is_behind_fluid(&self, owners: &CellFlags) -> bool {
         let is_there = self.behind != NONE;
         // Any cell in its place spares a branch.
         owners.is_fluid(if is_there { self.behind } else { self.cell }) & is_there

@@ -25,15 +25,15 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::change_blocks::Bricks;
-use crate::boundary::gap_sinks::Intakes;
+use crate::bodies::change_blocks::ChangeBlocks;
+use crate::boundary::gap_sinks::GapSinks;
 use crate::boundary::link_batch::Batch;
 use crate::boundary::mesh_links::{PartLinks, Site, as_seen};
 use crate::boundary::sphere_links::SphereLinks;
 use crate::boundary::unresolved_gaps::Gaps;
 use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::aa_pattern::Parity;
-use crate::lattice::cell_flags::Owners;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, OPPOSITE, Q, each};
 use crate::lattice::layout::Layout;
 use crate::lattice::momentum_exchange::MomentumExchange;
@@ -90,15 +90,15 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<I
 
 /// The fluid after a collision, before its links are reflected.
 #[derive(Clone, Copy)]
-pub struct After<'a, T: Real> {
+pub struct PostCollision<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
     /// Where they are.
     pub layout: &'a Layout,
     /// Who owns which cell.
-    pub owners: &'a Owners,
+    pub owners: &'a CellFlags,
     /// Where cells joined the fluid or left it.
-    pub bricks: &'a Bricks,
+    pub bricks: &'a ChangeBlocks,
     /// Parity of the collision just done.
     pub parity: Parity,
     /// Densities of the lines near bodies.
@@ -118,7 +118,7 @@ pub struct After<'a, T: Real> {
     /// Whether walls slip in such gaps.
     pub slips: bool,
     /// Where what such gaps draw in leaves the fluid.
-    pub intakes: &'a Intakes,
+    pub intakes: &'a GapSinks,
 }
 
 impl Item {
@@ -141,7 +141,7 @@ impl Item {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Post-collision population `g_i` of a cell.
     #[inline(always)]
     pub fn post_one(&self, cell: u32, i: usize) -> f64 {
@@ -197,7 +197,7 @@ impl<T: Real> After<'_, T> {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Where the link `i` of a cell, at `arm` from a body, meets another body that holds its end.
     pub fn distance(&self, body: &Body, other: &Body, arm: [f64; 3], i: usize) -> f64 {
         // From the other body to the cell, by the shortest way.

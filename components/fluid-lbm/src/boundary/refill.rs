@@ -7,14 +7,14 @@
 
 use crate::bodies::body::Body;
 use crate::lattice::aa_pattern::Parity;
-use crate::lattice::cell_flags::Owners;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, C_F64, Q, dot, equilibria, mirrored, moments};
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Field, Real};
 
 /// The fluid as it is before a collision.
 #[derive(Clone, Copy)]
-pub struct Before<'a, T: Real> {
+pub struct PreCollision<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
     /// Where they are.
@@ -51,7 +51,7 @@ impl Content {
     }
 }
 
-impl<T: Real> Before<'_, T> {
+impl<T: Real> PreCollision<'_, T> {
     /// Populations that the collision will find in a cell.
     #[inline(always)]
     pub fn populations(&self, cell: u32) -> [f64; Q] {
@@ -99,7 +99,7 @@ impl<T: Real> Before<'_, T> {
 
     /// Fills a cell that `body` uncovered, from cells that were fluid before, or with the density `1 +
     /// alone` if there are none near. Returns what the cell now holds.
-    pub fn refill(&self, owners: &Owners, cell: u32, body: &Body, alone: f64) -> Content {
+    pub fn refill(&self, owners: &CellFlags, cell: u32, body: &Body, alone: f64) -> Content {
         let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
         // Inside a body that was removed fluid is as far away as its surface.
         let farthest = body.radius.ceil() as i32 + 2;
@@ -121,7 +121,7 @@ impl<T: Real> Before<'_, T> {
     /// Mean deviation of the density over fluid cells: lattice neighbours for `reach` 1, the cube
     /// of cells up to `reach` away beyond. `None` if there is no
     /// fluid.
-    fn mean_around(&self, owners: &Owners, cell: u32, reach: i32) -> Option<f64> {
+    fn mean_around(&self, owners: &CellFlags, cell: u32, reach: i32) -> Option<f64> {
         let is_fluid = |neighbour: u32| neighbour != cell && owners.is_fluid(neighbour);
         let (mut sum, mut count) = (0.0, 0);
         if reach == 1 {
@@ -152,7 +152,7 @@ impl<T: Real> Before<'_, T> {
 
     /// Populations of the neighbour in the direction closest to `normal`, if it is fluid; mirrored,
     /// if it is seen in a mirror.
-    fn donor(&self, owners: &Owners, cell: u32, normal: [f64; 3]) -> Option<[f64; Q]> {
+    fn donor(&self, owners: &CellFlags, cell: u32, normal: [f64; 3]) -> Option<[f64; Q]> {
         let (mut best, mut cosine) = (None, 0.0);
         for i in 1..Q {
             let c = dot(C_F64[i], normal) / dot(C_F64[i], C_F64[i]).sqrt();

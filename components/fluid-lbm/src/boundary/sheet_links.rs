@@ -15,10 +15,10 @@
 //! Not those that end at an open face, which replaces what its cells hold, nor those at what prescribes a pressure.
 
 use crate::boundary::open_boundary::open_faces;
-use crate::boundary::post_collision::After;
-use crate::domain::boundary_condition::Law;
+use crate::boundary::post_collision::PostCollision;
+use crate::domain::boundary_condition::BoundaryCondition;
 use crate::lattice::aa_pattern::{Blocked, Parity};
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, cross};
 use crate::lattice::grid::Reach;
 use crate::lattice::layout::Layout;
@@ -43,7 +43,7 @@ struct SheetEnd {
 #[derive(Clone, Debug, Default)]
 pub struct SheetLinks {
     links: Vec<[SheetEnd; 2]>,
-    fixtures: Vec<Fixture>,
+    fixtures: Vec<BoundaryId>,
     /// Cell and direction of both ends of each, sorted.
     ends: Vec<(u32, u8)>,
 }
@@ -55,7 +55,7 @@ pub struct SheetItem {
     /// The populations `g` at both ends of each; none at an end that is no fluid.
     sent: Vec<[Option<f64>; 2]>,
     /// What each fixture exchanged that the ends by themselves did not.
-    pub exchanges: Vec<(Fixture, MomentumExchange)>,
+    pub exchanges: Vec<(BoundaryId, MomentumExchange)>,
 }
 
 impl SheetLinks {
@@ -63,7 +63,7 @@ impl SheetLinks {
     pub fn new(
         layout: &Layout,
         blocked: &[(Blocked, f64)],
-        law_of: impl Fn(Fixture) -> Option<Law>,
+        law_of: impl Fn(BoundaryId) -> Option<BoundaryCondition>,
     ) -> (Self, Vec<SheetItem>) {
         let mut own = Self::default();
         let end = |cell: u32, dir: u8| {
@@ -74,7 +74,9 @@ impl SheetLinks {
         let candidates =
             blocked.iter().filter(|(met, _)| is_first(met.dir) && layout.is_at_sheet(met.cell));
         for &(Blocked { cell, dir, fixture }, q) in candidates {
-            let Some(law @ (Law::Wall { .. } | Law::Velocity { .. })) = law_of(fixture) else {
+            let Some(law @ (BoundaryCondition::Wall { .. } | BoundaryCondition::Velocity { .. })) =
+                law_of(fixture)
+            else {
                 continue;
             };
             let Some(other) = other_end(layout, cell, dir) else { continue };
@@ -137,7 +139,7 @@ fn other_end(layout: &Layout, cell: u32, dir: u8) -> Option<(u32, u8)> {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Reads what the ends of an item's links send, before any is reflected.
     pub fn read_sheets(&self, links: &SheetLinks, item: &mut SheetItem) {
         for (ends, sent) in links.links[item.links.clone()].iter().zip(&mut item.sent) {

@@ -7,12 +7,12 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::change_blocks::Bricks;
-use crate::bodies::near_cells::{Near, Shell};
+use crate::bodies::change_blocks::ChangeBlocks;
+use crate::bodies::near_cells::{Near, NearCells};
 use crate::boundary::link_kernels::{LANES, Standing};
 use crate::boundary::mesh_links::as_seen;
-use crate::boundary::population_addresses::Slots;
-use crate::boundary::post_collision::After;
+use crate::boundary::population_addresses::PopulationAddresses;
+use crate::boundary::post_collision::PostCollision;
 use crate::boundary::unresolved_gaps::{GapLink, Gaps, Met};
 use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::d3q19::{C, Q};
@@ -45,7 +45,7 @@ pub struct SphereLinks {
     /// Cells and directions as seen from the sphere, in eights.
     pub standing: Vec<Standing>,
     /// Where populations are.
-    pub slots: Vec<Slots>,
+    pub slots: Vec<PopulationAddresses>,
     /// Axes at which each is mirrored; none if no link is.
     pub mirrors: Vec<u8>,
     /// Links that may be gap links, and the fluid cells next to their ends; see `unresolved_gaps`.
@@ -67,7 +67,7 @@ impl SphereLinks {
         // Where a sphere touches others, a few of its links.
         let gaps = if gaps_press { links / 4 } else { 0 };
         Self {
-            bricks: Vec::with_capacity(Bricks::most(side)),
+            bricks: Vec::with_capacity(ChangeBlocks::most(side)),
             fluid: Vec::with_capacity(rows(layers + 2 * BEYOND)),
             standing: Vec::with_capacity(links / LANES + 1),
             slots: Vec::with_capacity(links),
@@ -83,7 +83,7 @@ impl SphereLinks {
         size_of::<u32>() * self.bricks.capacity()
             + size_of::<u64>() * self.fluid.capacity()
             + size_of::<Standing>() * self.standing.capacity()
-            + size_of::<Slots>() * self.slots.capacity()
+            + size_of::<PopulationAddresses>() * self.slots.capacity()
             + self.mirrors.capacity()
             + size_of::<(GapLink, Met, Witnesses)>() * self.gaps.capacity()
             + size_of::<u32>() * self.witnesses.capacity()
@@ -100,7 +100,13 @@ impl SphereLinks {
 
     /// Takes a link, given as seen from the sphere.
     #[inline(always)]
-    fn push(&mut self, slots: Slots, seen: usize, mirrors: u8, from_origin: [i32; 3]) {
+    fn push(
+        &mut self,
+        slots: PopulationAddresses,
+        seen: usize,
+        mirrors: u8,
+        from_origin: [i32; 3],
+    ) {
         let lane = self.slots.len() % LANES;
         if lane == 0 {
             self.standing.push(Standing::NONE);
@@ -119,7 +125,7 @@ impl SphereLinks {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Brings the links of some layers of a sphere's shell up to date.
     pub fn find_sphere(
         &self,
@@ -215,7 +221,7 @@ impl<T: Real> After<'_, T> {
     /// Lists the link `i` of cell `k` of a row.
     #[inline(always)]
     fn take(&self, row: &Row, k: i32, i: usize, cell: u32, links: &mut SphereLinks) {
-        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[Shell::to(i)]);
+        let (grid, mut mirrors) = (&self.layout.grid, row.mirrors[NearCells::to(i)]);
         let x = row.first + k;
         let end = x + C[i][0];
         if !grid.periodic[0] && (end < 0 || end >= grid.n[0]) {
@@ -229,7 +235,7 @@ impl<T: Real> After<'_, T> {
         }
         let origin = row.body.shell.origin();
         let from_origin = std::array::from_fn(|a| at[a] - origin[a]);
-        links.push(Slots::new(self.layout, cell, i), seen, mirrors, from_origin);
+        links.push(PopulationAddresses::new(self.layout, cell, i), seen, mirrors, from_origin);
     }
 
     /// Whether a link ends at no thin solid, and no other body holds its end and is met before.
@@ -305,7 +311,12 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    fn new<T: Real>(after: &After<T>, bodies: &'a Bodies, body: &'a Body, near: &Near) -> Self {
+    fn new<T: Real>(
+        after: &PostCollision<T>,
+        bodies: &'a Bodies,
+        body: &'a Body,
+        near: &Near,
+    ) -> Self {
         let (grid, shell) = (&after.layout.grid, &body.shell);
         let [y, z] = shell.coordinates(near.row);
         let to_y = [-1, 0, 1].map(|d| grid.fold(1, y + d).1);
@@ -320,20 +331,20 @@ impl<'a> Row<'a> {
             cells: near.cells,
             doubtful: if body.shares { u64::MAX } else { near.at_sheets },
             mirrors: std::array::from_fn(|n| to_y[n % 3] << 1 | to_z[n / 3] << 2),
-            into: std::array::from_fn(|i| ends[Shell::to(i)] >> (1 + C[i][0])),
+            into: std::array::from_fn(|i| ends[NearCells::to(i)] >> (1 + C[i][0])),
         }
     }
 
     /// The cells from which a link of a direction ends inside without meeting a mirror along y or z.
     fn gaps(&self, i: usize) -> u64 {
-        if self.mirrors[Shell::to(i)] == 0 { self.into[i] } else { 0 }
+        if self.mirrors[NearCells::to(i)] == 0 { self.into[i] } else { 0 }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use crate::domain::parameters::{Parameters, Refill};
-    use crate::solver::lbm_solver::Solver;
+    use crate::solver::lbm_solver::LbmSolver;
     use tremie_messages::scene::{Domain, Face, FluidMaterial, Scene};
     use tremie_messages::units::Time;
     use tremie_messages::{BodyEvent, BodyState, Load};
@@ -370,7 +381,7 @@ mod tests {
             ..Parameters::with_cell(1.0)
         };
         let variant = Variant::widest();
-        let mut solver = Solver::<f64>::new(&scene, &parameters, 1.0, 2, variant).unwrap();
+        let mut solver = LbmSolver::<f64>::new(&scene, &parameters, 1.0, 2, variant).unwrap();
         let places = [
             ([69.2, 12.1, 13.3], 2.4, [0.02, 0.0, 0.004]),
             ([20.3, 9.2, 12.4], 8.6, [0.004, 0.0, 0.0]),

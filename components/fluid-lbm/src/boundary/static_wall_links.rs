@@ -29,12 +29,12 @@
 //! (see `aa_pattern`), which another link of the same cell may want to read before.
 
 use crate::boundary::open_boundary::open_faces;
-use crate::boundary::post_collision::{After, density};
+use crate::boundary::post_collision::{PostCollision, density};
 use crate::boundary::sheet_links::SheetLinks;
 use crate::boundary::wall_mass::{Patch, Patches, WEIGHT};
-use crate::domain::boundary_condition::Now;
+use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::aa_pattern::{Blocked, Parity};
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, cross, dot};
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
@@ -113,7 +113,7 @@ impl RowCursor {
 
 /// All such links, by cell.
 #[derive(Clone, Debug, Default)]
-pub struct FixedLinks {
+pub struct StaticWallLinks {
     cells: Vec<u32>,
     /// First link of each cell, and the end.
     first: Vec<u32>,
@@ -127,7 +127,7 @@ pub struct FixedLinks {
 pub struct Item {
     cells: Range<usize>,
     /// For each fixture that the item's links meet, their exchange.
-    pub exchanges: Vec<(Fixture, MomentumExchange)>,
+    pub exchanges: Vec<(BoundaryId, MomentumExchange)>,
     /// For each of these, whether it is a solid wall, whose links have to keep the mass.
     are_walls: Vec<bool>,
     /// Patches of wall that the item's cells belong to.
@@ -136,7 +136,7 @@ pub struct Item {
 
 /// What the links of one cell meet.
 struct Met<'a> {
-    exchanges: &'a mut [(Fixture, MomentumExchange)],
+    exchanges: &'a mut [(BoundaryId, MomentumExchange)],
     are_walls: &'a [bool],
     patch: &'a mut Patch,
 }
@@ -165,7 +165,7 @@ impl Met<'_> {
     }
 }
 
-impl FixedLinks {
+impl StaticWallLinks {
     /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are solid walls, and
     /// `references` the point of each about which its torque counts; `sheets` are the links that keep the mass in pairs.
     pub fn new(
@@ -173,7 +173,7 @@ impl FixedLinks {
         references: &[[f64; 3]],
         sheets: &SheetLinks,
         blocked: impl Iterator<Item = (Blocked, f64)>,
-        is_wall: impl Fn(Fixture) -> bool,
+        is_wall: impl Fn(BoundaryId) -> bool,
     ) -> (Self, Vec<Item>, Patches) {
         let mut own = Self::default();
         let mut items: Vec<Item> = Vec::new();
@@ -231,13 +231,13 @@ impl FixedLinks {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Reflects the links of an item. `now` says for each fixture what it prescribes, `reference`
     /// the point about which its torque counts.
     pub fn reflect_fixed(
         &self,
-        links: &FixedLinks,
-        now: &[Now],
+        links: &StaticWallLinks,
+        now: &[BoundaryValue],
         reference: &[[f64; 3]],
         item: &mut Item,
     ) {
@@ -245,8 +245,8 @@ impl<T: Real> After<'_, T> {
             *exchange = MomentumExchange::default();
         }
         item.patches.iter_mut().for_each(Patch::begin);
-        let still = |(fixture, _): &(Fixture, MomentumExchange)| {
-            now[usize::from(fixture.0)] == Now::Wall([0.0; 3])
+        let still = |(fixture, _): &(BoundaryId, MomentumExchange)| {
+            now[usize::from(fixture.0)] == BoundaryValue::Wall([0.0; 3])
         };
         let all_still = item.exchanges.iter().all(still);
         let mut row = RowCursor::default();
@@ -345,12 +345,12 @@ impl<T: Real> After<'_, T> {
         cell: u32,
         at: [i32; 3],
         links: &[Link],
-        now: &[Now],
+        now: &[BoundaryValue],
         reference: &[[f64; 3]],
         mut met: Met,
     ) {
         let still = |link: &Link| {
-            now[met.exchanges[link.fixture as usize].0.0 as usize] == Now::Wall([0.0; 3])
+            now[met.exchanges[link.fixture as usize].0.0 as usize] == BoundaryValue::Wall([0.0; 3])
         };
         let all = if links.iter().all(still) { None } else { Some(self.post(cell)) };
         let mut values = [(0.0, 0.0); Q];
@@ -358,8 +358,8 @@ impl<T: Real> After<'_, T> {
             let (fixture, exchange) = &mut met.exchanges[link.fixture as usize];
             let g = self.post_one(cell, link.dir.into());
             let f = match now[fixture.0 as usize] {
-                Now::Wall(u) => self.at_wall(cell, link, g, u, all.as_ref(), exchange),
-                Now::Density(drho) => at_density(link, g, drho, all.as_ref()),
+                BoundaryValue::Wall(u) => self.at_wall(cell, link, g, u, all.as_ref(), exchange),
+                BoundaryValue::Density(drho) => at_density(link, g, drho, all.as_ref()),
             };
             *value = (g, f + met.pay(link));
         }
@@ -380,7 +380,7 @@ impl<T: Real> After<'_, T> {
             exchange.links += 1;
             if fixture.as_solid().is_none() {
                 brought += f - g;
-                if let Now::Wall(u) = now[fixture.0 as usize] {
+                if let BoundaryValue::Wall(u) = now[fixture.0 as usize] {
                     slid += 6.0 * W[i] * dot(c, u);
                 }
             }

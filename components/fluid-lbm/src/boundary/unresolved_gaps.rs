@@ -28,11 +28,11 @@ use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_shape::{Felt, NO_FACET};
 use crate::bodies::sphere_raster::{inside, wall_distance};
 use crate::boundary::gap_sinks::Given;
-use crate::boundary::post_collision::After;
+use crate::boundary::post_collision::PostCollision;
 use crate::boundary::wall_distances::WallDistances;
 use crate::domain::mirrors::mirrors_of_part;
 use crate::lattice::cell_flags::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
 use crate::lattice::grid::{Grid, Reach, Side};
 use crate::lattice::layout::Layout;
@@ -45,12 +45,12 @@ pub const CONTACT: f64 = 1e-3;
 /// Gaps of an item at most; those beyond count as the last.
 pub const ROOM: usize = 24;
 
-/// What is on the other side of a gap: a fixture, a body's handle beyond [`Across::BODIES`], or a
+/// What is on the other side of a gap: a fixture, a body's handle beyond [`OtherSide::BODIES`], or a
 /// frozen cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Across(u32);
+pub struct OtherSide(u32);
 
-impl Across {
+impl OtherSide {
     const BODIES: u32 = 1 << 31;
     /// A frozen cell.
     pub const FROZEN: Self = Self(1 << 30);
@@ -68,7 +68,7 @@ impl Across {
         Self::body(handle, self.0 & Self::IMAGE != 0)
     }
 
-    fn fixture(Fixture(number): Fixture) -> Self {
+    fn fixture(BoundaryId(number): BoundaryId) -> Self {
         Self(number.into())
     }
 
@@ -125,7 +125,7 @@ pub struct Met {
 #[derive(Clone, Copy, Debug)]
 enum Begin {
     /// What stands still, and how far its surface is from the covered cell.
-    Still { across: Across, distance: f64 },
+    Still { across: OtherSide, distance: f64 },
     /// A stored cell, through a mirror at some axes.
     Stored { cell: u32, mirrors: u8 },
 }
@@ -146,7 +146,7 @@ impl Met {
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
     /// What is on its other side.
-    pub across: Across,
+    pub across: OtherSide,
     /// Sum over the fluid cells next to it of the density minus 1, and their number.
     pub drho: f64,
     /// See there.
@@ -169,9 +169,9 @@ pub struct Gaps {
 
 impl Gap {
     /// One that nothing was found of.
-    pub const NONE: Self = Self::new(Across::FROZEN);
+    pub const NONE: Self = Self::new(OtherSide::FROZEN);
 
-    const fn new(across: Across) -> Self {
+    const fn new(across: OtherSide) -> Self {
         Self { across, drho: 0.0, cells: 0.0, load: [[0.0; 3]; 2] }
     }
 }
@@ -199,7 +199,7 @@ impl Gaps {
     /// there being `facet` if it can deform. Returns the gap.
     pub fn add(
         &mut self,
-        across: Across,
+        across: OtherSide,
         arm: [f64; 3],
         (i, q): (usize, f64),
         facet: u32,
@@ -222,7 +222,7 @@ impl Gaps {
     }
 
     /// Place of the gap to something.
-    fn place(&mut self, across: Across) -> usize {
+    fn place(&mut self, across: OtherSide) -> usize {
         let place = self.list.iter().position(|gap| gap.across == across);
         place.unwrap_or_else(|| {
             if self.list.len() < ROOM {
@@ -233,7 +233,7 @@ impl Gaps {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Finds the gap links between a body and what is in mirrors, and, for a sphere, the walls of the
     /// domain.
     pub fn gaps_at_faces(
@@ -256,7 +256,7 @@ impl<T: Real> After<'_, T> {
             let is_known = body.part.is_some()
                 && match beyond(self.layout, at) {
                     Beyond::Stored { cell, .. } => self.owners.of(cell) == FROZEN,
-                    Beyond::Fixture(_) | Beyond::Open => true,
+                    Beyond::BoundaryId(_) | Beyond::Open => true,
                 };
             if !is_known {
                 self.gap(bodies, body, walls, at, i, gaps);
@@ -324,7 +324,7 @@ impl<T: Real> After<'_, T> {
         let cell = grid.contains(own).then(|| self.layout.cell(own)).flatten()?;
         let begin = match beyond(self.layout, at) {
             Beyond::Open => return None,
-            Beyond::Fixture(face) => {
+            Beyond::BoundaryId(face) => {
                 let (across, distance) = fixture(walls, face, cell, i)?;
                 Begin::Still { across, distance }
             }
@@ -365,7 +365,7 @@ impl<T: Real> After<'_, T> {
         body: &Body,
         link: &GapLink,
         met: &mut Met,
-    ) -> Option<(Across, f64)> {
+    ) -> Option<(OtherSide, f64)> {
         let GapLink { at, cell, .. } = *link;
         let (grid, i) = (&self.layout.grid, usize::from(link.dir));
         let back = OPPOSITE[i];
@@ -391,13 +391,13 @@ impl<T: Real> After<'_, T> {
             let (other, back) = (bodies.with_handle(handle), mirrored(back, mirrors));
             let distance =
                 if both { 0.0 } else { met.of(other, || self.distance(body, other, arm, back)) };
-            (Across::body(handle, is_image), distance)
+            (OtherSide::body(handle, is_image), distance)
         };
         // A surface is bonded to the part that carries it.
         let is_apart = |handle: u32| !body.is_bonded_to(bodies.with_handle(handle));
         match self.owners.of(other) {
             FLUID | VACATED => None,
-            ISOLATED | FROZEN => Some((Across::FROZEN, 1.0)),
+            ISOLATED | FROZEN => Some((OtherSide::FROZEN, 1.0)),
             SHARED => {
                 let all = self.owners.claimants(other);
                 let all = all.filter(|&handle| is_image || handle != body.handle);
@@ -412,7 +412,7 @@ impl<T: Real> After<'_, T> {
 /// What a cell that may lie beyond a face is.
 pub enum Beyond {
     /// A wall of the domain or, without one, a static solid.
-    Fixture(Option<Fixture>),
+    BoundaryId(Option<BoundaryId>),
     /// A stored cell, through a mirror at some axes.
     Stored { cell: u32, mirrors: u8 },
     /// Beyond an open face.
@@ -422,12 +422,12 @@ pub enum Beyond {
 pub fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
     match layout.grid.reach(at) {
         Reach::Face { axis, side } if layout.grid.sides[axis][side] == Side::Wall => {
-            Beyond::Fixture(Some(Fixture::face(axis, side)))
+            Beyond::BoundaryId(Some(BoundaryId::face(axis, side)))
         }
         Reach::Face { .. } => Beyond::Open,
         Reach::Cell { at, mirrors } => match layout.cell(at) {
             Some(cell) => Beyond::Stored { cell, mirrors },
-            None => Beyond::Fixture(None),
+            None => Beyond::BoundaryId(None),
         },
     }
 }
@@ -436,15 +436,15 @@ pub fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
 /// there: a face, or the solid that is met.
 pub fn fixture(
     walls: &WallDistances,
-    face: Option<Fixture>,
+    face: Option<BoundaryId>,
     cell: u32,
     i: usize,
-) -> Option<(Across, f64)> {
+) -> Option<(OtherSide, f64)> {
     if let Some(face) = face {
-        return Some((Across::fixture(face), 0.5));
+        return Some((OtherSide::fixture(face), 0.5));
     }
     let (met, distance) = walls.meet(cell, OPPOSITE[i])?;
-    Some((Across::fixture(met), distance))
+    Some((OtherSide::fixture(met), distance))
 }
 
 /// Calls `visit` with each cell beyond a wanted face that is next to one that a body covers, and the

@@ -3,16 +3,16 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::Hit;
-use crate::bodies::mesh_body::{Facets, PartBody};
+use crate::bodies::mesh_body::{Facets, MeshBody};
 use crate::boundary::link_batch::Link;
 use crate::boundary::mesh_links::{Site, recession, wall_velocity};
-use crate::boundary::population_addresses::Slots;
-use crate::boundary::post_collision::After;
+use crate::boundary::population_addresses::PopulationAddresses;
+use crate::boundary::post_collision::PostCollision;
 use crate::boundary::unresolved_gaps::{
-    Across, Beyond, CONTACT, Gaps, beyond, each_beyond, fixture,
+    Beyond, CONTACT, Gaps, OtherSide, beyond, each_beyond, fixture,
 };
 use crate::boundary::wall_distances::WallDistances;
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, Q, dot};
 use crate::lattice::grid::Side;
 use crate::lattice::populations::Real;
@@ -20,7 +20,7 @@ use crate::lattice::populations::Real;
 /// A gap link between a moving part and what stands still, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
 struct GapLink {
-    across: Across,
+    across: OtherSide,
     dir: u8,
     /// The cell where it begins, as seen from the body.
     at: [i32; 3],
@@ -68,15 +68,15 @@ impl GapLinks {
     }
 }
 
-impl<T: Real> After<'_, T> {
+impl<T: Real> PostCollision<'_, T> {
     /// Records a part's link into a frozen cell of a declared gap.
     pub fn press_frozen(&self, gap: u16, link: &Link, facet: u32, gaps: &mut Gaps) {
-        gaps.add(Across::declared(gap), link.arm, (link.seen.into(), link.q), facet);
+        gaps.add(OtherSide::declared(gap), link.arm, (link.seen.into(), link.q), facet);
     }
 
     /// Records the gap links between a part and what stands still, and the volume by which the
     /// part recedes from declared gaps, as far as it is not in contact: there is no fluid to draw in or to press out.
-    pub fn press_on(&self, body: &Body, part: &PartBody, list: &GapLinks, gaps: &mut Gaps) {
+    pub fn press_on(&self, body: &Body, part: &MeshBody, list: &GapLinks, gaps: &mut Gaps) {
         let mut first = 0;
         for (k, link) in list.links.iter().enumerate() {
             let hit = list.hits.get(k).copied().unwrap_or(Hit::NONE);
@@ -87,7 +87,7 @@ impl<T: Real> After<'_, T> {
             let width = link.width + by;
             if let Some(gap) = link.across.as_declared() {
                 let (dir, q) = (link.dir, link.q + by);
-                let now = Link { slots: Slots::NONE, seen: dir, mirrors: 0, arm, q };
+                let now = Link { slots: PopulationAddresses::NONE, seen: dir, mirrors: 0, arm, q };
                 let velocity = wall_velocity(body, &now, hit);
                 let wider = dot(link.slope.map(f64::from), velocity);
                 gaps.draw(gap, recession(&now, velocity) * part_apart(width, wider));
@@ -139,7 +139,7 @@ impl Site<'_> {
     /// still; `facets` are those near `at`.
     pub fn static_gap(
         &self,
-        part: &PartBody,
+        part: &MeshBody,
         facets: &Facets,
         walls: &WallDistances,
         at: [i32; 3],
@@ -151,15 +151,15 @@ impl Site<'_> {
         let Some(cell) = grid.contains(own).then(|| self.layout.cell(own)).flatten() else {
             return;
         };
-        let Beyond::Fixture(face) = beyond(self.layout, at) else { return };
+        let Beyond::BoundaryId(face) = beyond(self.layout, at) else { return };
         let Some((across, far)) = fixture(walls, face, cell, i) else { return };
         let meeting = part.meet_among(facets, at, C[i]);
         let place =
             std::array::from_fn(|a| f64::from(at[a]) + 0.5 + meeting.q * f64::from(C[i][a]));
-        let across = match across.as_fixture().map(|number| Fixture(number as u16)) {
+        let across = match across.as_fixture().map(|number| BoundaryId(number as u16)) {
             Some(fixture) => {
                 let gap = (self.gap_between)(part.index, fixture, place);
-                gap.map_or(across, Across::declared)
+                gap.map_or(across, OtherSide::declared)
             }
             None => across,
         };

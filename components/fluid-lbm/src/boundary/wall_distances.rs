@@ -2,7 +2,7 @@
 //! there in any step.
 
 use crate::lattice::aa_pattern::Blocked;
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 
 /// Where one link meets a solid. 8 bytes.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ impl WallDistances {
     /// Of blocked links in the order of cells, with the `q` of each.
     pub fn new(blocked: impl Iterator<Item = (Blocked, f64)>) -> Self {
         let mut own = Self::default();
-        for (Blocked { cell, dir, fixture: Fixture(fixture) }, q) in blocked {
+        for (Blocked { cell, dir, fixture: BoundaryId(fixture) }, q) in blocked {
             if own.cells.last() != Some(&cell) {
                 own.cells.push(cell);
                 own.first.push(own.meetings.len() as u32);
@@ -44,11 +44,11 @@ impl WallDistances {
     }
 
     /// What stands still that the link `i` of a cell meets first, and where.
-    pub fn meet(&self, cell: u32, i: usize) -> Option<(Fixture, f64)> {
+    pub fn meet(&self, cell: u32, i: usize) -> Option<(BoundaryId, f64)> {
         let place = self.cells.binary_search(&cell).ok()?;
         let [first, end] = [self.first[place] as usize, self.first[place + 1] as usize];
         let own = self.meetings[first..end].iter().find(|own| usize::from(own.dir) == i)?;
-        Some((Fixture(own.fixture), own.q.into()))
+        Some((BoundaryId(own.fixture), own.q.into()))
     }
 
     /// Memory that they take [bytes].
@@ -65,11 +65,11 @@ mod tests {
 
     #[test]
     fn a_link_finds_its_own_wall() {
-        let link = |cell, dir, solid| Blocked { cell, dir, fixture: Fixture::solid(solid) };
+        let link = |cell, dir, solid| Blocked { cell, dir, fixture: BoundaryId::solid(solid) };
         let all = [(link(3, 1, 0), 0.25), (link(3, 7, 1), 0.5), (link(9, 1, 1), 0.75)];
         let walls = WallDistances::new(all.into_iter());
-        assert_eq!(walls.meet(3, 7), Some((Fixture::solid(1), 0.5)));
-        assert_eq!(walls.meet(9, 1), Some((Fixture::solid(1), 0.75)));
+        assert_eq!(walls.meet(3, 7), Some((BoundaryId::solid(1), 0.5)));
+        assert_eq!(walls.meet(9, 1), Some((BoundaryId::solid(1), 0.75)));
         assert_eq!((walls.meet(9, 7), walls.meet(4, 1)), (None, None));
     }
 }

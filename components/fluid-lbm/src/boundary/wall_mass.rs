@@ -30,7 +30,7 @@
 
 use crate::boundary::open_boundary::open_faces;
 use crate::boundary::static_wall_links::Item;
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{Q, W};
 use crate::lattice::grid::Grid;
 use std::collections::HashMap;
@@ -106,7 +106,7 @@ impl Brought {
 type Cube = (u16, [i32; 3]);
 
 /// The cube of a cell at a solid with a reference [cells].
-fn cube(grid: &Grid, at: [i32; 3], fixture: Fixture, reference: [f64; 3]) -> Cube {
+fn cube(grid: &Grid, at: [i32; 3], fixture: BoundaryId, reference: [f64; 3]) -> Cube {
     // A cell in line with the reference is on the same side of it wherever both are.
     const HAIR: f64 = 1e-6;
     let place = grid.arm(reference, at).map(|x| (x / PATCH + HAIR).floor() as i32);
@@ -146,7 +146,7 @@ impl Patches {
         &mut self,
         grid: &Grid,
         at: [i32; 3],
-        (fixture, reference): (Fixture, [f64; 3]),
+        (fixture, reference): (BoundaryId, [f64; 3]),
         of_item: &mut Vec<Patch>,
     ) -> u16 {
         let holder = match open_faces(grid, at).next() {

@@ -6,7 +6,7 @@ use tremie_messages::scene::{Course, Face, PartBoundary, Profile};
 
 /// What a boundary prescribes.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Law {
+pub enum BoundaryCondition {
     /// No slip at a wall.
     Wall {
         /// Its velocity.
@@ -34,7 +34,7 @@ pub enum Law {
     Reservoir,
 }
 
-impl Law {
+impl BoundaryCondition {
     /// A wall that never moves.
     pub const AT_REST: Self = Self::Wall { velocity: [0.0; 3], course: Course::CONSTANT };
 
@@ -82,17 +82,17 @@ impl Law {
 
     /// What holds in a step that ends at a time [s] and took so long [s]; `None` where that depends on the flow. What
     /// walls throw back meets them in the middle of the step; cells at open faces are set at its end.
-    pub fn in_step(&self, end: f64, step: f64) -> Option<Now> {
+    pub fn in_step(&self, end: f64, step: f64) -> Option<BoundaryValue> {
         Some(match self {
             Self::Wall { velocity, course } => {
                 let factor = course.at(end - 0.5 * step);
-                Now::Wall(velocity.map(|v| v * factor))
+                BoundaryValue::Wall(velocity.map(|v| v * factor))
             }
             Self::Velocity { velocity, course, .. } => {
                 let factor = course.at(end);
-                Now::Wall(velocity.map(|v| v * factor))
+                BoundaryValue::Wall(velocity.map(|v| v * factor))
             }
-            Self::Density { drho, course } => Now::Density(drho * course.at(end)),
+            Self::Density { drho, course } => BoundaryValue::Density(drho * course.at(end)),
             Self::Reservoir => return None,
         })
     }
@@ -100,7 +100,7 @@ impl Law {
 
 /// What a boundary prescribes now.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Now {
+pub enum BoundaryValue {
     /// This velocity.
     Wall([f64; 3]),
     /// This density, less 1.

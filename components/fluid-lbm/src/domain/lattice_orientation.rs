@@ -3,13 +3,13 @@
 //! Cells are stored in rows along the lattice's first axis. A row that ends inside a line of the memory leaves that line in
 //! pieces, which costs several times what a whole line does. So the lattice is turned until few lines are in pieces: of a
 //! bore, until rows lie along its axis.
-//! [`crate::FluidLbm`] turns what it is given and turns back what it tells; nothing else knows of it. The turns
+//! [`crate::LbmFluid`] turns what it is given and turns back what it tells; nothing else knows of it. The turns
 //! are the three even ones, about the diagonal, which keep right hands right.
 //!
 //! Vectors are put in another order, which changes no bit of them. Frames of parts keep their own axes, so that their poses
 //! are turned by a quaternion.
 
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::d3q19::{C, Q};
 use crate::lattice::grid::Grid;
 
@@ -25,17 +25,17 @@ const PIECES: f64 = 1.4;
 
 /// Which axes of the world the lattice's are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Axes {
+pub struct LatticeOrientation {
     /// The world's axis along which rows lie; the others follow in cyclic order.
     first: usize,
 }
 
-impl Axes {
+impl LatticeOrientation {
     /// The world's own.
     pub const WORLD: Self = Self { first: 0 };
 
     /// Those by which the fewest lines of `line` cells are in pieces; the world's own, unless others are much better.
-    pub fn with_whole_lines(ground: &Ground, line: usize) -> Self {
+    pub fn with_whole_lines(ground: &StaticGeometry, line: usize) -> Self {
         let solid = &ground.voxels.obstacles.solid;
         let of = |first| {
             let [lines, in_pieces] = Self { first }.lines(&ground.grid, solid, line);

@@ -1,12 +1,12 @@
 //! The static geometry of a scene in cells, checked.
 
-use crate::domain::lattice_orientation::Axes;
+use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::domain::leak::narrowest;
 use crate::domain::sampling::samples;
 use crate::domain::solids::{Centres, Solid, moving_solids, moving_surfaces, solids};
 use crate::domain::voxels::Voxels;
 use crate::lattice::aa_pattern::Blocked;
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, mirrored};
 use crate::lattice::grid::{Grid, Reach, Side};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, Scene};
 
 /// The static geometry of a scene in cells.
-pub struct Ground {
+pub struct StaticGeometry {
     /// The box.
     pub grid: Grid,
     /// Its solids.
@@ -44,14 +44,14 @@ pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
     })
 }
 
-impl Ground {
+impl StaticGeometry {
     /// Of a scene in a box of `cell_list` cells with edges of `cell` [m], both by the given axes.
     ///
     /// # Errors
     /// Surfaces that cannot be had, points inside that are not in the fluid, leaks.
     pub fn new(
         scene: &Scene,
-        axes: Axes,
+        axes: LatticeOrientation,
         cells: [usize; 3],
         cell: f64,
     ) -> Result<Self, Vec<Problem>> {
@@ -203,7 +203,7 @@ impl Ground {
                 if let Some(q) = solid.crossing(&self.centres, from, to)
                     && q < first.1
                 {
-                    first = (Blocked { fixture: Fixture::solid(number as u16), ..*blocked }, q);
+                    first = (Blocked { fixture: BoundaryId::solid(number as u16), ..*blocked }, q);
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::boundary::virtual_piston::face::{ReservoirState, reservoir_signals};
 use crate::domain::parameters::Parameters;
-use crate::fluid::lbm_fluid::FluidLbm;
+use crate::fluid::lbm_fluid::LbmFluid;
 use crate::fluid::signal_meanings::MEANINGS;
 use crate::lattice::grid::face_name;
 use crate::lattice::ledger::Ledger;
@@ -19,8 +19,8 @@ use tremie_sdk::messages::{
 use tremie_sdk::{Fluid, Setup, SolverError};
 
 /// The lattice fluid behind the sdk's interface.
-pub struct LatticeFluid {
-    fluid: FluidLbm,
+pub struct LbmComponent {
+    fluid: LbmFluid,
     cut: Cut,
     cells: u64,
     /// Edge of a cell [m].
@@ -154,7 +154,7 @@ impl Cut {
     }
 }
 
-impl Fluid for LatticeFluid {
+impl Fluid for LbmComponent {
     const PROGRAM: &'static str = concat!("fluid-lbm ", env!("CARGO_PKG_VERSION"));
     const TAKES_SURFACES: bool = true;
     const TAKES_POLYHEDRA: bool = true;
@@ -217,7 +217,7 @@ impl Fluid for LatticeFluid {
         let scene = &setup.hello.scene;
         let step = setup.assigned()?.step;
         let threads = setup.hello.threads.max(1) as usize;
-        let mut fluid = FluidLbm::new(scene, &parameters, step, threads)?;
+        let mut fluid = LbmFluid::new(scene, &parameters, step, threads)?;
         fluid.choose_threads();
         let facets = scene.surfaces.iter().map(DeformableSurface::facet_count).sum();
         let cells = fluid.diagnostics().fluid_cells as u64;
@@ -384,7 +384,7 @@ fn shown(node: &SliceNode) -> frame::SliceNode {
     }
 }
 
-impl LatticeFluid {
+impl LbmComponent {
     /// Keeps the loads on parts that move, for the signals.
     fn note_loads(&mut self, loads: &[Load]) {
         for part in &mut self.parts {

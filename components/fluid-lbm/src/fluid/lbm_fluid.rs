@@ -2,15 +2,15 @@
 
 use crate::bodies::body::UnionShare;
 use crate::boundary::virtual_piston::face::ReservoirState;
-use crate::domain::lattice_orientation::Axes;
+use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::domain::parameters::{Parameters, Precision};
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::populations::Real;
 use crate::report::resolution::Resolution;
 use crate::solver::diagnostics::{Diagnostics, SliceNode};
-use crate::solver::lbm_solver::Solver;
+use crate::solver::lbm_solver::LbmSolver;
 use std::borrow::Cow;
 use tremie_geometry::clump;
 use tremie_messages::scene::{ProbeShape, Scene};
@@ -21,10 +21,10 @@ use tremie_team::{Found, Variant};
 ///
 /// Everything here is by the world's axes. The lattice inside may lie along others, so that the rows of its cells are
 /// long: how fast it is does not depend on how the scene lies.
-pub struct FluidLbm {
+pub struct LbmFluid {
     solver: Either,
     /// Those of the lattice.
-    axes: Axes,
+    axes: LatticeOrientation,
     /// Room for what is turned into the lattice's axes, or back.
     states: Vec<BodyState>,
     vertices: Vec<SurfaceVertex>,
@@ -34,7 +34,7 @@ pub struct FluidLbm {
 }
 
 /// What bodies of each set displace, of clumps that are unions; nothing for other sets.
-fn union_shares(scene: &Scene, axes: Axes, cell: f64) -> Vec<Vec<UnionShare>> {
+fn union_shares(scene: &Scene, axes: LatticeOrientation, cell: f64) -> Vec<Vec<UnionShare>> {
     let mut all = vec![Vec::new(); scene.bodies.len()];
     for piece in scene.unions.iter().flat_map(|name| clump(scene, name)) {
         let share = piece.share;
@@ -50,8 +50,8 @@ fn union_shares(scene: &Scene, axes: Axes, cell: f64) -> Vec<Vec<UnionShare>> {
 
 /// The solver in the precision that was chosen.
 enum Either {
-    F64(Box<Solver<f64>>),
-    F32(Box<Solver<f32>>),
+    F64(Box<LbmSolver<f64>>),
+    F32(Box<LbmSolver<f32>>),
 }
 
 /// Calls a method of whichever solver is inside.
@@ -64,7 +64,7 @@ macro_rules! solver {
     };
 }
 
-impl FluidLbm {
+impl LbmFluid {
     /// A fluid at the scene's initial velocity, without bodies, on `threads` threads (the caller's
     /// included).
     ///
@@ -81,7 +81,7 @@ impl FluidLbm {
         Self::with_variant(scene, parameters, time_step, threads, Variant::widest())
     }
 
-    /// As [`FluidLbm::new`], with the given vector instructions; every variant computes the same
+    /// As [`LbmFluid::new`], with the given vector instructions; every variant computes the same
     /// bits.
     ///
     /// # Errors
@@ -103,10 +103,10 @@ impl FluidLbm {
         };
         let (axes, own, ground) = turned(scene, &resolution, ground, line);
         let mut solver = match parameters.precision {
-            Precision::F64 => Either::F64(Box::new(Solver::on(
+            Precision::F64 => Either::F64(Box::new(LbmSolver::on(
                 ground, &own, parameters, time_step, threads, variant,
             )?)),
-            Precision::F32 => Either::F32(Box::new(Solver::on(
+            Precision::F32 => Either::F32(Box::new(LbmSolver::on(
                 ground, &own, parameters, time_step, threads, variant,
             )?)),
         };
@@ -174,7 +174,7 @@ impl FluidLbm {
 
     /// The deformable surfaces as they are at the end of the next step: all vertices of all surfaces of
     /// the scene, in their order, numbered as [`tremie_geometry::Turned`] does it. Needed before
-    /// [`FluidLbm::start`] in a scene that has some; what was said last holds on.
+    /// [`LbmFluid::start`] in a scene that has some; what was said last holds on.
     ///
     /// # Errors
     /// As many vertices as there are not, numbers that are not finite, and first vertices between which
@@ -339,17 +339,17 @@ impl FluidLbm {
 fn turned<'a>(
     scene: &'a Scene,
     resolution: &Resolution,
-    ground: Ground,
+    ground: StaticGeometry,
     line: usize,
-) -> (Axes, Cow<'a, Scene>, Ground) {
-    let axes = Axes::with_whole_lines(&ground, line);
-    if axes != Axes::WORLD {
+) -> (LatticeOrientation, Cow<'a, Scene>, StaticGeometry) {
+    let axes = LatticeOrientation::with_whole_lines(&ground, line);
+    if axes != LatticeOrientation::WORLD {
         let turned = axes.scene(scene);
         let cells = axes.to_lattice(&resolution.cells);
         // Where a surface passes through the centres of cells, rounding may have them be others, and then what was found fit may not be.
-        if let Ok(ground) = Ground::new(&turned, axes, cells, resolution.cell) {
+        if let Ok(ground) = StaticGeometry::new(&turned, axes, cells, resolution.cell) {
             return (axes, Cow::Owned(turned), ground);
         }
     }
-    (Axes::WORLD, Cow::Borrowed(scene), ground)
+    (LatticeOrientation::WORLD, Cow::Borrowed(scene), ground)
 }

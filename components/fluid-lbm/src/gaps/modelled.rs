@@ -24,13 +24,13 @@ mod thickness;
 use self::mouths::Mouths;
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
-use crate::boundary::boundaries::Surroundings;
-use crate::boundary::gap_sinks::{Intakes, NO_GAP, SinkProbe};
-use crate::boundary::post_collision::{After, density};
+use crate::boundary::boundaries::Boundaries;
+use crate::boundary::gap_sinks::{GapSinks, NO_GAP, SinkProbe};
+use crate::boundary::post_collision::{PostCollision, density};
 use crate::domain::sampling::samples;
 use crate::domain::solids::Centres;
-use crate::lattice::cell_flags::{FLUID, FROZEN, Owners, VACATED, Vacated};
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_flags::{CellFlags, FLUID, FROZEN, VACATED, Vacated};
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
@@ -111,7 +111,7 @@ struct Candidate {
 
 /// The gaps of a scene, and their cells.
 #[derive(Clone, Debug, Default)]
-pub struct DeclaredGaps {
+pub struct ModelledGaps {
     gaps: Vec<Declared>,
     candidates: Vec<Candidate>,
     /// For each stored cell its gap, and its place among the candidates.
@@ -133,11 +133,11 @@ pub struct DeclaredGaps {
     is_measured: bool,
 }
 
-impl DeclaredGaps {
+impl ModelledGaps {
     /// Of a scene that was checked.
     pub fn new(
         scene: &Scene,
-        surroundings: &Surroundings,
+        surroundings: &Boundaries,
         layout: &Layout,
         centres: Centres,
     ) -> Self {
@@ -216,7 +216,7 @@ impl DeclaredGaps {
 
     /// The gap between a part of the scene and something that stands still, at a point as lattice
     /// coordinates.
-    pub fn between(&self, part: usize, fixture: Fixture, at: [f64; 3]) -> Option<u16> {
+    pub fn between(&self, part: usize, fixture: BoundaryId, at: [f64; 3]) -> Option<u16> {
         let still = match fixture.as_solid() {
             Some(number) => Wall::Solid(number),
             None => {
@@ -236,8 +236,8 @@ impl DeclaredGaps {
     /// The side that stands still of a gap, if there is one.
     pub fn still_side(&self, gap: u16) -> Option<usize> {
         self.gaps[usize::from(gap)].sides.iter().find_map(|side| match *side {
-            Wall::Face { axis, side } => Some(usize::from(Fixture::face(axis, side).0)),
-            Wall::Solid(number) => Some(usize::from(Fixture::solid(number as u16).0)),
+            Wall::Face { axis, side } => Some(usize::from(BoundaryId::face(axis, side).0)),
+            Wall::Solid(number) => Some(usize::from(BoundaryId::solid(number as u16).0)),
             Wall::Part(_) => None,
         })
     }
@@ -288,8 +288,8 @@ impl DeclaredGaps {
         &rest[..rest.len().min(CELLS_PER_ITEM)]
     }
 
-    /// Freezes and thaws cells, between the bodies' claims and [`Owners::settle`].
-    pub fn freeze(&mut self, owners: &mut Owners, bodies: &Bodies, team: &mut Team) {
+    /// Freezes and thaws cells, between the bodies' claims and [`CellFlags::settle`].
+    pub fn freeze(&mut self, owners: &mut CellFlags, bodies: &Bodies, team: &mut Team) {
         let mut turning = std::mem::take(&mut self.turning);
         team.for_each(&mut turning, |number, turning| {
             let turns = self.item(number).iter().filter(|candidate| self.turns(owners, candidate));
@@ -310,7 +310,7 @@ impl DeclaredGaps {
     }
 
     /// Whether a cell freezes or thaws.
-    fn turns(&self, owners: &Owners, candidate: &Candidate) -> bool {
+    fn turns(&self, owners: &CellFlags, candidate: &Candidate) -> bool {
         let &Candidate { cell, thickness, gap, .. } = candidate;
         let gap = &self.gaps[usize::from(gap)];
         match owners.of(cell) {
@@ -322,7 +322,7 @@ impl DeclaredGaps {
     }
 
     /// Reflects the links into frozen cells half-way, and finds the pressure by probes.
-    pub fn reflect<T: Real>(&mut self, after: &After<T>) {
+    pub fn reflect<T: Real>(&mut self, after: &PostCollision<T>) {
         for gap in &mut self.gaps {
             gap.around = [0.0; 2];
             let (mut sum, mut weights) = (0.0, 0.0);
@@ -338,9 +338,9 @@ impl DeclaredGaps {
     }
 
     /// The intakes of gaps.
-    pub fn intakes(&self) -> Intakes {
+    pub fn intakes(&self) -> GapSinks {
         let gaps = self.gaps.iter();
-        Intakes::new(gaps.map(|gap| gap.probes.iter().map(Weighted::as_sink).collect()))
+        GapSinks::new(gaps.map(|gap| gap.probes.iter().map(Weighted::as_sink).collect()))
     }
 
     /// Settles the pressures of gaps whose rule is the nearest fluid; `found` gives for a gap the sum
@@ -359,7 +359,7 @@ impl DeclaredGaps {
 impl Weighted {
     /// Density minus 1 at the time when it acts, see [`LEAD`]; what it was where no cell of the probe is fluid. `None`
     /// before it was measured.
-    fn measure<T: Real>(&mut self, after: &After<T>) -> Option<f64> {
+    fn measure<T: Real>(&mut self, after: &PostCollision<T>) -> Option<f64> {
         let (mut drho, mut all) = (0.0, 0.0);
         for &(cell, part) in self.cells.iter().filter(|(cell, _)| after.owners.is_fluid(*cell)) {
             drho += part * (density(&after.post(cell)) - 1.0);
@@ -389,7 +389,7 @@ fn body_of(bodies: &Bodies, index: usize) -> Option<&Body> {
     bodies.living.iter().find(|body| body.part.as_ref().is_some_and(|part| part.index == index))
 }
 
-fn declared(gap: &Gap, scene: &Scene, surroundings: &Surroundings, layout: &Layout) -> Declared {
+fn declared(gap: &Gap, scene: &Scene, surroundings: &Boundaries, layout: &Layout) -> Declared {
     let centres = surroundings.ground().centres();
     let side = |side: &GapSide| match side {
         GapSide::Face { axis, side } => Wall::Face { axis: *axis, side: *side },

@@ -1,7 +1,7 @@
 //! Pockets: fluid cells that freezing cut off. See `modelled`.
 
-use crate::gaps::modelled::{DeclaredGaps, POCKET};
-use crate::lattice::cell_flags::{FLUID, FROZEN, Owners, VACATED, Vacated};
+use crate::gaps::modelled::{ModelledGaps, POCKET};
+use crate::lattice::cell_flags::{CellFlags, FLUID, FROZEN, VACATED, Vacated};
 use crate::lattice::grid::Side;
 use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
@@ -22,9 +22,9 @@ struct Fill {
     is_closed: bool,
 }
 
-impl DeclaredGaps {
-    /// Freezes pockets and thaws those that got a way out, after [`Owners::settle`].
-    pub fn close_pockets(&mut self, owners: &mut Owners, layout: &Layout, team: &mut Team) {
+impl ModelledGaps {
+    /// Freezes pockets and thaws those that got a way out, after [`CellFlags::settle`].
+    pub fn close_pockets(&mut self, owners: &mut CellFlags, layout: &Layout, team: &mut Team) {
         // Which cells may have lost their way: neighbours of those that are fluid no more, and new ones.
         self.seeds.clear();
         let mut next = 0;
@@ -65,7 +65,7 @@ impl DeclaredGaps {
 
     /// Finds which of the seeds are in pockets. What one freezes has no way to the others, so that they may be
     /// asked at the same time.
-    fn find_closed(&mut self, owners: &Owners, layout: &Layout, team: &mut Team) {
+    fn find_closed(&mut self, owners: &CellFlags, layout: &Layout, team: &mut Team) {
         self.closed.clear();
         self.closed.resize(self.seeds.len(), false);
         let seeds = &self.seeds;
@@ -91,7 +91,7 @@ impl Fill {
 
     /// Goes from a fluid cell until it has been everywhere, or knows that it is in no pocket: at an open face, next to a
     /// cell of `open_boundary`, all of which are in none, or when there are too many.
-    fn from(owners: &Owners, layout: &Layout, seed: u32, open: &Self) -> Self {
+    fn from(owners: &CellFlags, layout: &Layout, seed: u32, open: &Self) -> Self {
         let mut fill = Self::EMPTY;
         fill.add(seed);
         let mut next = 0;
@@ -125,7 +125,7 @@ impl Fill {
 }
 
 /// Whether a cell is fluid or becomes so.
-fn is_wet(owners: &Owners, cell: u32) -> bool {
+fn is_wet(owners: &CellFlags, cell: u32) -> bool {
     matches!(owners.of(cell), FLUID | VACATED)
 }
 

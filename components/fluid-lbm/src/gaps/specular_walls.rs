@@ -22,10 +22,10 @@ use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_shape::{Felt, Hit, NO_FACET};
 use crate::boundary::mesh_links::as_seen;
-use crate::boundary::post_collision::After;
-use crate::gaps::modelled::DeclaredGaps;
+use crate::boundary::post_collision::PostCollision;
+use crate::gaps::modelled::ModelledGaps;
 use crate::lattice::aa_pattern::Parity;
-use crate::lattice::cell_flags::{BODY, Owner, Owners, SHARED};
+use crate::lattice::cell_flags::{BODY, CellFlags, Owner, SHARED};
 use crate::lattice::d3q19::{C, C_F64, MIRROR, OPPOSITE, Q, W, cross, mirrored};
 use crate::lattice::grid::{Reach, Side};
 use crate::lattice::layout::Layout;
@@ -96,7 +96,7 @@ struct Item {
 
 /// All links that slip, in items as the cells of gaps.
 #[derive(Clone, Debug, Default)]
-pub struct Slip {
+pub struct SpecularWalls {
     items: Vec<Item>,
     /// By cell, whether links depend on whose it is.
     matters: Vec<bool>,
@@ -107,9 +107,9 @@ pub struct Slip {
     is_found: bool,
 }
 
-impl Slip {
+impl SpecularWalls {
     /// None yet, in the cells that may be in gaps.
-    pub fn in_gaps(gaps: &DeclaredGaps, layout: &Layout) -> Self {
+    pub fn in_gaps(gaps: &ModelledGaps, layout: &Layout) -> Self {
         let cells = layout.cells.len();
         let mut matters = vec![false; cells];
         for cell in gaps.items().enumerate().flat_map(|(item, _)| gaps.cells_of(item)) {
@@ -134,9 +134,9 @@ impl Slip {
     /// Finds the links: of all cells if parts have moved, else of those around which cells changed hands.
     pub fn find(
         &mut self,
-        gaps: &DeclaredGaps,
+        gaps: &ModelledGaps,
         bodies: &Bodies,
-        owners: &Owners,
+        owners: &CellFlags,
         layout: &Layout,
         team: &mut Team,
     ) {
@@ -182,7 +182,7 @@ impl Slip {
     }
 
     /// Marks the cells whose links may differ since cells changed hands: those around them.
-    fn mark(&mut self, owners: &Owners, layout: &Layout) {
+    fn mark(&mut self, owners: &CellFlags, layout: &Layout) {
         for &cell in owners.changed().iter().filter(|&&cell| self.matters[cell as usize]) {
             for near in around(layout, cell) {
                 if !std::mem::replace(&mut self.is_stale[near as usize], true) {
@@ -193,7 +193,7 @@ impl Slip {
     }
 
     /// Reads what slips, before anything is reflected.
-    pub fn read<T: Real>(&mut self, after: &After<T>, bodies: &Bodies, team: &mut Team) {
+    pub fn read<T: Real>(&mut self, after: &PostCollision<T>, bodies: &Bodies, team: &mut Team) {
         team.for_each(&mut self.items, |_, item| {
             item.motions.clear();
             for link in &mut item.links {
@@ -220,7 +220,12 @@ impl Slip {
     }
 
     /// Puts it where it belongs, after everything is reflected.
-    pub fn write<T: Real>(&mut self, after: &After<T>, references: &[[f64; 3]], team: &mut Team) {
+    pub fn write<T: Real>(
+        &mut self,
+        after: &PostCollision<T>,
+        references: &[[f64; 3]],
+        team: &mut Team,
+    ) {
         team.for_each(&mut self.items, |_, item| {
             item.exchanges.clear();
             item.felt.clear();
@@ -335,9 +340,9 @@ fn give(
 /// What links are looked for in.
 #[derive(Clone, Copy)]
 struct Site<'a> {
-    gaps: &'a DeclaredGaps,
+    gaps: &'a ModelledGaps,
     bodies: &'a Bodies,
-    owners: &'a Owners,
+    owners: &'a CellFlags,
     layout: &'a Layout,
     /// A cell of the gap in question, and the number of its first link.
     inside: u32,

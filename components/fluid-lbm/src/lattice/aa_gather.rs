@@ -5,7 +5,7 @@ use crate::lattice::collision_kernel::{Sweep, all_lanes};
 use crate::lattice::contiguous_lines::Run;
 use crate::lattice::d3q19::Q;
 use crate::lattice::populations::{Real, prefetch, prefetch_early};
-use crate::lattice::simd::Lanes;
+use crate::lattice::simd::SimdVector;
 
 /// Lines after a run whose pieces are asked for before it. Whole lines need no such help: the lines before ask
 /// for what follows their own places.
@@ -65,7 +65,11 @@ impl<T: Real> Scratch<T> {
     /// # Safety
     /// As for [`crate::lattice::collision_kernel::Kernel`]; the line is one of the sweep.
     #[inline(always)]
-    pub unsafe fn gather<V: Lanes<Scalar = T>>(&mut self, sweep: &Sweep<T>, line: usize) -> Run<T> {
+    pub unsafe fn gather<V: SimdVector<Scalar = T>>(
+        &mut self,
+        sweep: &Sweep<T>,
+        line: usize,
+    ) -> Run<T> {
         let base = sweep.field.base();
         let mut run = Run::collected(sweep, line);
         of_pieces!(sweep, line, |pieces| {
@@ -98,7 +102,7 @@ impl<T: Real> Scratch<T> {
     /// # Safety
     /// As for [`Scratch::gather`].
     #[inline(always)]
-    pub unsafe fn scatter<V: Lanes<Scalar = T>>(&self, sweep: &Sweep<T>, line: usize) {
+    pub unsafe fn scatter<V: SimdVector<Scalar = T>>(&self, sweep: &Sweep<T>, line: usize) {
         let base = sweep.field.base();
         of_pieces!(sweep, line, |pieces| {
             let i = usize::from(pieces[0].dir);

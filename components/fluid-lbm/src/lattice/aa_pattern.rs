@@ -21,7 +21,7 @@
 //! says where they begin; else a list of pieces does.
 
 use crate::lattice::aa_rows::{RowEnd, Way};
-use crate::lattice::cell_list::{Cells, End, Fixture, Obstacles};
+use crate::lattice::cell_list::{BoundaryId, Cells, End, Obstacles};
 use crate::lattice::d3q19::{OPPOSITE, Q, mirrored};
 use crate::lattice::grid::Grid;
 use crate::lattice::populations::prefetch;
@@ -99,7 +99,7 @@ pub struct Reflection {
     /// Axes at which the link is mirrored; 0 at a wall.
     pub mirrors: u8,
     /// Whom the link meets; of no meaning for a mirror.
-    pub fixture: Fixture,
+    pub fixture: BoundaryId,
 }
 
 /// A link that ends at something that stands still and is not done by reflection half-way alone.
@@ -110,12 +110,12 @@ pub struct Blocked {
     /// Direction of the link, out of the fluid.
     pub dir: u8,
     /// Whom it meets.
-    pub fixture: Fixture,
+    pub fixture: BoundaryId,
 }
 
 /// The table of places.
 #[derive(Clone, Debug)]
-pub struct Places {
+pub struct AaPattern {
     /// Numbers from one plane to the next.
     stride: usize,
     /// Cells in a line: 2 to this power. Division would cost more than the look-up.
@@ -131,7 +131,7 @@ pub struct Places {
 
 /// What comes of building the table besides.
 #[derive(Debug, Default)]
-pub struct Survey {
+pub struct BlockedLinks {
     /// Reflecting links, by line.
     pub reflections: Vec<Reflection>,
     /// Links at fixtures for which `special` was true, by cell.
@@ -147,16 +147,16 @@ pub fn stride(cells: u64, line: u64) -> u64 {
     lines * line
 }
 
-impl Places {
+impl AaPattern {
     /// The table for stored cells in lines of `line`. `special` says which fixtures' links are listed
-    /// in [`Survey::blocked`] instead of [`Survey::reflections`].
+    /// in [`BlockedLinks::blocked`] instead of [`BlockedLinks::reflections`].
     pub fn new(
         grid: &Grid,
         cells: &Cells,
         obstacles: &Obstacles,
         line: usize,
-        special: impl Fn(Fixture) -> bool,
-    ) -> (Self, Survey) {
+        special: impl Fn(BoundaryId) -> bool,
+    ) -> (Self, BlockedLinks) {
         let stride = stride(cells.len() as u64, line as u64) as usize;
         let count = cells.len().div_ceil(line);
         let mut places = Self {
@@ -168,7 +168,7 @@ impl Places {
             pieces: Vec::new(),
         };
         debug_assert!(line.is_power_of_two());
-        let mut survey = Survey::default();
+        let mut survey = BlockedLinks::default();
         let mut ends = vec![[End::Cell { cell: 0, mirrors: 0 }; Q]; line];
         let mut sheets = obstacles.sheets.as_slice();
         for first in (0..cells.len()).step_by(line) {
@@ -184,7 +184,8 @@ impl Places {
                         break;
                     }
                     if sheet.cell as usize == index {
-                        ends[lane][sheet.dir as usize] = End::Fixture(Fixture::solid(sheet.solid));
+                        ends[lane][sheet.dir as usize] =
+                            End::BoundaryId(BoundaryId::solid(sheet.solid));
                     }
                     sheets = rest;
                 }
@@ -201,8 +202,8 @@ impl Places {
         &mut self,
         first: usize,
         ends: &[[End; Q]],
-        special: impl Fn(Fixture) -> bool,
-        survey: &mut Survey,
+        special: impl Fn(BoundaryId) -> bool,
+        survey: &mut BlockedLinks,
     ) {
         let all = (u32::MAX >> (32 - (1 << self.line_bits))) as u16;
         let mut entry = [0u32; Q];
@@ -214,7 +215,7 @@ impl Places {
                 let from = ends[OPPOSITE[i]];
                 let (plane, cell) = match from {
                     End::Cell { cell, mirrors } => (OPPOSITE[mirrored(i, mirrors)], cell as usize),
-                    End::Fixture(_) => (i, first + lane),
+                    End::BoundaryId(_) => (i, first + lane),
                 };
                 let place = (plane * self.stride + cell - lane) as u32;
                 let piece = self.pieces[begin..].iter_mut().find(|p| p.place == place);
@@ -227,13 +228,13 @@ impl Places {
                 }
                 let (mirrors, fixture) = match from {
                     End::Cell { mirrors: 0, .. } => continue,
-                    End::Cell { mirrors, .. } => (mirrors, Fixture(u16::MAX)),
-                    End::Fixture(fixture) if special(fixture) => {
+                    End::Cell { mirrors, .. } => (mirrors, BoundaryId(u16::MAX)),
+                    End::BoundaryId(fixture) if special(fixture) => {
                         let (cell, dir) = ((first + lane) as u32, OPPOSITE[i] as u8);
                         survey.blocked.push(Blocked { cell, dir, fixture });
                         continue;
                     }
-                    End::Fixture(fixture) => (0, fixture),
+                    End::BoundaryId(fixture) => (0, fixture),
                 };
                 let same = |r: &&mut Reflection| {
                     (r.place, r.mirrors, r.fixture) == (place, mirrors, fixture)
@@ -311,7 +312,7 @@ impl Places {
         self.stride
     }
 
-    /// The table, see [`Places`].
+    /// The table, see [`AaPattern`].
     #[inline(always)]
     pub fn lines(&self) -> &[[u32; Q]] {
         &self.lines
@@ -364,7 +365,7 @@ impl Places {
         (cell >> self.line_bits, cell & ((1 << self.line_bits) - 1))
     }
 
-    /// [`Places::of`] in all directions.
+    /// [`AaPattern::of`] in all directions.
     #[inline(always)]
     pub fn of_cell(&self, parity: Parity, cell: u32) -> [usize; Q] {
         let cell = cell as usize;
@@ -384,7 +385,7 @@ impl Places {
         places
     }
 
-    /// [`Places::of`] in odd steps.
+    /// [`AaPattern::of`] in odd steps.
     #[inline(always)]
     pub fn odd(&self, cell: u32, i: usize) -> usize {
         let cell = cell as usize;
@@ -399,7 +400,7 @@ impl Places {
         self.in_pieces(line, i, lane)
     }
 
-    /// [`Places::of`] of the first cell of a line, if those of the others follow it.
+    /// [`AaPattern::of`] of the first cell of a line, if those of the others follow it.
     #[inline(always)]
     pub fn of_line(&self, parity: Parity, line: usize, i: usize) -> Option<usize> {
         let first = line << self.line_bits;
@@ -410,7 +411,7 @@ impl Places {
         (entries[0] >> i & 1 == 0).then(|| entries[i] as usize)
     }
 
-    /// Gives [`Places::of`] of `count` cells of one line that follow each other, after the number of each among
+    /// Gives [`AaPattern::of`] of `count` cells of one line that follow each other, after the number of each among
     /// them.
     #[inline(always)]
     pub fn each_of(
@@ -438,14 +439,14 @@ impl Places {
         }
     }
 
-    /// Cells that follow each other in one line, as [`Places::each_of`] takes them: the first, and how many.
+    /// Cells that follow each other in one line, as [`AaPattern::each_of`] takes them: the first, and how many.
     pub fn runs(&self, cells: &[u32]) -> impl Iterator<Item = (u32, usize)> {
         let line = |cell: u32| cell >> self.line_bits;
         let follow = move |a: &u32, b: &u32| *b == *a + 1 && line(*a) == line(*b);
         cells.chunk_by(follow).map(|run| (run[0], run.len()))
     }
 
-    /// Asks memory for what [`Places::odd`] reads for some cells in a row.
+    /// Asks memory for what [`AaPattern::odd`] reads for some cells in a row.
     #[inline(always)]
     pub fn prefetch(&self, first: u32, count: u32) {
         let [begin, end] = [first, first + count].map(|cell| cell as usize >> self.line_bits);
@@ -478,7 +479,7 @@ impl Places {
         self.leads_to(cell, i, self.odd(cell, OPPOSITE[i]))
     }
 
-    /// The cells to which the links of a cell lead, in the order of directions; see [`Places::neighbour`].
+    /// The cells to which the links of a cell lead, in the order of directions; see [`AaPattern::neighbour`].
     #[inline]
     pub fn neighbours(&self, cell: u32) -> impl Iterator<Item = u32> {
         let places = self.of_cell(Parity::Odd, cell);

@@ -7,10 +7,10 @@ use crate::lattice::collision::{After, Populations};
 use crate::lattice::collision_kernel::{Sweep, all_lanes};
 use crate::lattice::d3q19::C;
 use crate::lattice::populations::{Real, prefetch};
-use crate::lattice::simd::Lanes;
+use crate::lattice::simd::SimdVector;
 
 /// The populations of a line at an end of a row, the upper or the lower one.
-pub struct AtEnd<'a, V: Lanes, const UPPER: bool> {
+pub struct AtEnd<'a, V: SimdVector, const UPPER: bool> {
     /// Where the line is, but for the cell at the end in directions that come from beyond.
     line: After<'a, V::Scalar>,
     /// Where that cell is in these, if the other lanes lay beside it.
@@ -41,7 +41,7 @@ pub fn ask<T: Real>(sweep: &Sweep<T>, line: usize) {
     }
 }
 
-impl<'a, V: Lanes, const UPPER: bool> AtEnd<'a, V, UPPER> {
+impl<'a, V: SimdVector, const UPPER: bool> AtEnd<'a, V, UPPER> {
     const END: RowEnd = if UPPER { RowEnd::Upper } else { RowEnd::Lower };
     /// Bits of the cell's lane and of the others.
     const LANES: [u32; 2] = {
@@ -75,7 +75,7 @@ const fn is_from_beyond<const UPPER: bool>(i: usize) -> bool {
     C[i][0] == if UPPER { -1 } else { 1 }
 }
 
-impl<V: Lanes, const UPPER: bool> Populations<V> for AtEnd<'_, V, UPPER> {
+impl<V: SimdVector, const UPPER: bool> Populations<V> for AtEnd<'_, V, UPPER> {
     #[inline(always)]
     unsafe fn load(&self, i: usize) -> V {
         // SAFETY: by contract.

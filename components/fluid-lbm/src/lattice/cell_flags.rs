@@ -1,7 +1,7 @@
 //! The map of stored cells: which are fluid, which belong to bodies.
 //!
 //! Bodies move by releasing cells and claiming others, all releases before all claims, one thread,
-//! in the order of the bodies. [`Owners::settle`] then says which cells joined the fluid, which
+//! in the order of the bodies. [`CellFlags::settle`] then says which cells joined the fluid, which
 //! left it, and which fluid cells have no fluid neighbour left; those are frozen as solid until a
 //! neighbour becomes fluid again.
 
@@ -35,7 +35,7 @@ pub struct Vacated {
 
 /// The map.
 #[derive(Clone, Debug)]
-pub struct Owners {
+pub struct CellFlags {
     of: Vec<Owner>,
     /// One bit a cell: whether it is fluid.
     fluid: Vec<u8>,
@@ -65,7 +65,7 @@ struct Changes {
     is_listed: Vec<bool>,
 }
 
-impl Owners {
+impl CellFlags {
     /// All of `cell_list` cells fluid.
     pub fn new(cells: usize) -> Self {
         let mut fluid = vec![0xff; cells / 8];
@@ -309,7 +309,7 @@ impl Owners {
     }
 
     /// After all releases and claims: decides which cells are isolated. Afterwards `vacated`,
-    /// `covered` and `enclosed` are complete; vacated cells become fluid with [`Owners::admit`].
+    /// `covered` and `enclosed` are complete; vacated cells become fluid with [`CellFlags::admit`].
     pub fn settle(&mut self, layout: &Layout) {
         let mut vacated = std::mem::take(&mut self.vacated);
         vacated.retain(|v| {
@@ -360,9 +360,9 @@ mod tests {
     use super::*;
     use crate::lattice::grid::Grid;
 
-    fn setup() -> (Layout, Owners, impl Fn([i32; 3]) -> u32) {
+    fn setup() -> (Layout, CellFlags, impl Fn([i32; 3]) -> u32) {
         let layout = Layout::open(Grid::walled([6, 6, 6], [true; 3]));
-        let owners = Owners::new(layout.cells.len());
+        let owners = CellFlags::new(layout.cells.len());
         let place = {
             let layout = layout.clone();
             move |at| layout.cell(at).unwrap()

@@ -13,9 +13,9 @@ pub const NONE: u32 = u32::MAX;
 ///
 /// Faces come first, `2 axis + side`; then the solids of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Fixture(pub u16);
+pub struct BoundaryId(pub u16);
 
-impl Fixture {
+impl BoundaryId {
     /// Number of faces.
     pub const FACES: u16 = 6;
 
@@ -68,7 +68,7 @@ pub enum End {
         mirrors: u8,
     },
     /// At something that stands still.
-    Fixture(Fixture),
+    BoundaryId(BoundaryId),
 }
 
 /// Which of 32 consecutive cells of the box are stored.
@@ -141,10 +141,10 @@ impl Cells {
     /// Where the link along `i` from a cell at `at` leads, sheets not counted.
     pub fn end(&self, grid: &Grid, obstacles: &Obstacles, at: [i32; 3], i: usize) -> End {
         match grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
-            Reach::Face { axis, side } => End::Fixture(Fixture::face(axis, side)),
+            Reach::Face { axis, side } => End::BoundaryId(BoundaryId::face(axis, side)),
             Reach::Cell { at, mirrors } => match self.at(grid, at) {
                 Some(cell) => End::Cell { cell, mirrors },
-                None => End::Fixture(Fixture::solid(obstacles.solid[grid.index(at)] - 1)),
+                None => End::BoundaryId(BoundaryId::solid(obstacles.solid[grid.index(at)] - 1)),
             },
         }
     }

@@ -25,7 +25,7 @@ mod relaxation;
 
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
 use crate::lattice::populations::{Real, prefetch_early};
-use crate::lattice::simd::Lanes;
+use crate::lattice::simd::SimdVector;
 pub use relaxation::relax;
 
 /// Constants of a collision.
@@ -82,7 +82,7 @@ pub struct Constants<V> {
     two_w: V,
     w0: V,
     /// The relaxation of all cells, without a closure.
-    pub rates: Rates<V>,
+    pub rates: RelaxationRates<V>,
     /// What populations keep, and what they take from their opposites.
     keep: V,
     swap: V,
@@ -101,11 +101,11 @@ pub struct Constants<V> {
     /// `tau+`, its square, and `12 sqrt(2) C^2`.
     tau: V,
     tau2: V,
-    closure: V,
+    smagorinsky_rates: V,
     magic: V,
 }
 
-impl<V: Lanes> Constants<V> {
+impl<V: SimdVector> Constants<V> {
     /// The constants in vectors.
     ///
     /// # Safety
@@ -139,7 +139,7 @@ impl<V: Lanes> Constants<V> {
                 odd_pair[n] = V::splat(3.0 * o * wca);
                 n += 1;
             }
-            let rates = Rates {
+            let rates = RelaxationRates {
                 twice_tau: V::splat(2.0 * tau),
                 even: V::splat(r.even),
                 odd: V::splat(r.odd),
@@ -168,7 +168,9 @@ impl<V: Lanes> Constants<V> {
                 odd_pair,
                 tau: V::splat(tau),
                 tau2: V::splat(tau * tau),
-                closure: V::splat(12.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky),
+                smagorinsky_rates: V::splat(
+                    12.0 * std::f64::consts::SQRT_2 * r.smagorinsky * r.smagorinsky,
+                ),
                 magic: V::splat(r.magic.unwrap_or(0.0)),
             }
         }
@@ -177,7 +179,7 @@ impl<V: Lanes> Constants<V> {
 
 /// A vector of cells before their collision: what is measured of them, and what they relax to.
 #[derive(Clone, Copy)]
-pub struct Flow<V> {
+pub struct Moments<V> {
     /// Density minus 1.
     pub drho: V,
     /// `sum_i h_i c_i`.
@@ -185,12 +187,12 @@ pub struct Flow<V> {
     /// `9/4 u.u`.
     pub v2: V,
     /// What relaxes them.
-    pub target: Target<V>,
+    pub target: Equilibrium<V>,
     /// Their relaxation; of no meaning without the closure, where it is the same everywhere.
-    pub rates: Rates<V>,
+    pub rates: RelaxationRates<V>,
 }
 
-impl<V: Lanes> Flow<V> {
+impl<V: SimdVector> Moments<V> {
     /// The same with zeros in the lanes that `mask` lacks, in all that is summed up.
     #[inline(always)]
     pub fn keep(self, mask: V::Mask) -> Self {
@@ -198,7 +200,7 @@ impl<V: Lanes> Flow<V> {
             drho: self.drho.keep(mask),
             j: [self.j[0].keep(mask), self.j[1].keep(mask), self.j[2].keep(mask)],
             v2: self.v2.keep(mask),
-            rates: Rates { twice_tau: self.rates.twice_tau.keep(mask), ..self.rates },
+            rates: RelaxationRates { twice_tau: self.rates.twice_tau.keep(mask), ..self.rates },
             ..self
         }
     }
@@ -206,7 +208,7 @@ impl<V: Lanes> Flow<V> {
 
 /// The equilibrium that a vector of cells relaxes to: `heq_i = w_i [rest + 2 rho (c_i.v) (1 + c_i.v)]`.
 #[derive(Clone, Copy)]
-pub struct Target<V> {
+pub struct Equilibrium<V> {
     /// `v = 3/2 u`.
     v: [V; 3],
     /// Density.
@@ -216,7 +218,7 @@ pub struct Target<V> {
 }
 
 /// Where the populations of a vector of cells are.
-pub trait Populations<V: Lanes> {
+pub trait Populations<V: SimdVector> {
     /// Those of a direction.
     ///
     /// # Safety
@@ -232,7 +234,7 @@ pub trait Populations<V: Lanes> {
 /// So many numbers after these places.
 pub struct After<'a, T>(pub &'a [*mut T; Q], pub usize);
 
-impl<V: Lanes> Populations<V> for After<'_, V::Scalar> {
+impl<V: SimdVector> Populations<V> for After<'_, V::Scalar> {
     #[inline(always)]
     unsafe fn load(&self, i: usize) -> V {
         // SAFETY: by contract.
@@ -266,10 +268,10 @@ pub fn ask_ahead<T: Real>(places: &[*mut T; Q], x: usize) {
 /// # Safety
 /// As for [`Populations::load`].
 #[inline(always)]
-pub unsafe fn measure<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+pub unsafe fn measure<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     populations: &impl Populations<V>,
     k: &Constants<V>,
-) -> Flow<V> {
+) -> Moments<V> {
     // Pair n is the directions n + 1 and n + 10: x, y, z, xy, x-y, xz, x-z, yz, y-z (positive one
     // last).
     macro_rules! at {
@@ -330,22 +332,22 @@ pub unsafe fn measure<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
         };
         let shear = [shear_xy, shear_xz, shear_yz];
         let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &v, k);
-        closure::<V, SINGLE>(square, per_rho, k)
+        smagorinsky_rates::<V, SINGLE>(square, per_rho, k)
     } else {
         k.rates
     };
-    Flow { drho, j, v2, target: Target { v, rho, rest }, rates }
+    Moments { drho, j, v2, target: Equilibrium { v, rho, rest }, rates }
 }
 
 /// `a.a`.
 #[inline(always)]
-fn square<V: Lanes>(a: &[V; 3]) -> V {
+fn square<V: SimdVector>(a: &[V; 3]) -> V {
     a[2].mul_add(a[2], a[1].mul_add(a[1], a[0] * a[0]))
 }
 
 /// Relaxation of a vector of cells.
 #[derive(Clone, Copy)]
-pub struct Rates<V> {
+pub struct RelaxationRates<V> {
     /// `2 tau+`.
     pub twice_tau: V,
     /// `1/tau+`.
@@ -357,7 +359,7 @@ pub struct Rates<V> {
 /// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a u_b`; `momentum` is
 /// `2/3 rho u`.
 #[inline(always)]
-fn stress2<V: Lanes, const FORCED: bool>(
+fn stress2<V: SimdVector, const FORCED: bool>(
     drho: V,
     normal: [V; 3],
     shear: [V; 3],
@@ -394,8 +396,12 @@ fn stress2<V: Lanes, const FORCED: bool>(
 
 /// Rates by Smagorinsky's closure from `Pi_ab Pi_ab` and `3/(2 rho)`.
 #[inline(always)]
-fn closure<V: Lanes, const SINGLE: bool>(stress2: V, per_rho: V, k: &Constants<V>) -> Rates<V> {
-    let twice_tau = k.tau + (k.closure * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
+fn smagorinsky_rates<V: SimdVector, const SINGLE: bool>(
+    stress2: V,
+    per_rho: V,
+    k: &Constants<V>,
+) -> RelaxationRates<V> {
+    let twice_tau = k.tau + (k.smagorinsky_rates * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
     let even = k.two / twice_tau;
     let odd = if SINGLE {
         even
@@ -404,7 +410,7 @@ fn closure<V: Lanes, const SINGLE: bool>(stress2: V, per_rho: V, k: &Constants<V
         let over = k.half * twice_tau - k.half;
         over / k.half.mul_add(over, k.magic)
     };
-    Rates { twice_tau, even, odd }
+    RelaxationRates { twice_tau, even, odd }
 }
 
 #[cfg(test)]

@@ -6,27 +6,27 @@
 //! each line of 64 bytes and 76 bytes of the table of places for each run of lines.
 
 use crate::lattice::aa_gather::{self, PIECES_AHEAD, Scratch};
-use crate::lattice::aa_pattern::{Parity, Places};
+use crate::lattice::aa_pattern::{AaPattern, Parity};
 use crate::lattice::collision::{Constants, Relaxation};
 use crate::lattice::contiguous_lines::{self, Run};
 use crate::lattice::halfway_bounce_back::HalfwayLinks;
 use crate::lattice::populations::{Field, Real};
-use crate::lattice::reductions::{Sums, Survey};
-use crate::lattice::reflection_impulse::Tally;
+use crate::lattice::reductions::{CellStatistics, Sums};
+use crate::lattice::reflection_impulse::ReflectionImpulse;
 #[cfg(target_arch = "x86_64")]
 use crate::lattice::simd::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
-use crate::lattice::simd::{Lanes, Portable};
+use crate::lattice::simd::{Portable, SimdVector};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_team::Variant;
 
 /// Consecutive lines that are one item of work, and what their collision found.
 #[derive(Clone, Debug)]
-pub struct Block {
+pub struct CellBlock {
     /// The lines.
     pub lines: Range<usize>,
     /// Sums over their cells.
-    pub survey: Survey,
+    pub survey: CellStatistics,
     /// For each of the block's runs of reflecting links, the sum of the reflected populations.
     pub reflected: Vec<f64>,
     /// Links at walls at rest, and what these felt.
@@ -39,7 +39,7 @@ pub struct Sweep<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
     /// Where they are.
-    pub places: &'a Places,
+    pub places: &'a AaPattern,
     /// One bit for each stored cell: whether it is fluid. Zero in padding.
     pub fluid: &'a [u8],
     /// Which step.
@@ -47,13 +47,13 @@ pub struct Sweep<'a, T: Real> {
     /// Constants of the collision.
     pub relaxation: &'a Relaxation,
     /// Reflecting links.
-    pub tally: &'a Tally,
+    pub tally: &'a ReflectionImpulse,
     /// Lines whose densities somebody wants to know, and room for these.
-    pub wanted: &'a Wanted<T>,
+    pub wanted: &'a DensityRequests<T>,
 }
 
 /// Densities that the links of bodies will need.
-pub struct Wanted<T: Real> {
+pub struct DensityRequests<T: Real> {
     /// For each line whether it is wanted; empty if none is.
     pub lines: Vec<AtomicU8>,
     /// Steps until it is asked anew which are.
@@ -65,7 +65,7 @@ pub struct Wanted<T: Real> {
 /// So many steps a line stays wanted at least.
 const WANTED_FOR: u32 = 64;
 
-impl<T: Real> Wanted<T> {
+impl<T: Real> DensityRequests<T> {
     /// Begins a step. True if everybody is to say which lines are wanted; else whoever wants others than in the step
     /// before, and what was wanted may still be: a density that nobody asks for costs next to nothing.
     pub fn begin(&mut self) -> bool {
@@ -99,10 +99,10 @@ impl<T: Real> Wanted<T> {
 /// # Safety
 /// The processor has the variant's instructions; no other thread uses the places of the block's
 /// cells at the same time; field, places, bits and tally were made for the same cells.
-pub type Kernel<T> = unsafe fn(&Sweep<T>, usize, &mut Block);
+pub type Kernel<T> = unsafe fn(&Sweep<T>, usize, &mut CellBlock);
 
 /// A number that has kernels.
-pub trait Collides: Real {
+pub trait CollisionKernel: Real {
     /// The kernel of a variant.
     ///
     /// # Panics
@@ -113,19 +113,19 @@ pub trait Collides: Real {
 /// Collides a run of lines, see [`contiguous_lines::collide`]; one function for each variant, with and without an acceleration,
 /// with and without a closure, and for one and two times.
 type RunKernel<V> = unsafe fn(
-    &Sweep<<V as Lanes>::Scalar>,
-    &Run<<V as Lanes>::Scalar>,
+    &Sweep<<V as SimdVector>::Scalar>,
+    &Run<<V as SimdVector>::Scalar>,
     &Constants<V>,
     &mut Sums<V>,
 );
 
 macro_rules! kernels {
     ($real:ty, $portable:ty, $avx2:ty, $avx512:ty) => {
-        impl Collides for $real {
+        impl CollisionKernel for $real {
             fn kernel(variant: Variant) -> Kernel<Self> {
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx2,fma")]
-                unsafe fn avx2(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
+                unsafe fn avx2(sweep: &Sweep<$real>, number: usize, block: &mut CellBlock) {
                     kernels!(run, $avx2, #[target_feature(enable = "avx2,fma")]);
                     let run = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
@@ -133,13 +133,13 @@ macro_rules! kernels {
                 }
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx512f,avx512vl")]
-                unsafe fn avx512(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
+                unsafe fn avx512(sweep: &Sweep<$real>, number: usize, block: &mut CellBlock) {
                     kernels!(run, $avx512, #[target_feature(enable = "avx512f,avx512vl")]);
                     let run = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
                     unsafe { work::<$avx512>(sweep, number, block, run) }
                 }
-                unsafe fn portable(sweep: &Sweep<$real>, number: usize, block: &mut Block) {
+                unsafe fn portable(sweep: &Sweep<$real>, number: usize, block: &mut CellBlock) {
                     kernels!(run, $portable, #[inline(never)]);
                     let run = kernels!(choose, sweep.relaxation);
                     // SAFETY: by contract.
@@ -159,8 +159,8 @@ macro_rules! kernels {
     (run, $lanes:ty, #[$($feature:tt)*]) => {
         #[$($feature)*]
         unsafe fn run<const FORCED: bool, const LES: bool, const SINGLE: bool>(
-            sweep: &Sweep<<$lanes as Lanes>::Scalar>,
-            run: &Run<<$lanes as Lanes>::Scalar>,
+            sweep: &Sweep<<$lanes as SimdVector>::Scalar>,
+            run: &Run<<$lanes as SimdVector>::Scalar>,
             constants: &Constants<$lanes>,
             sums: &mut Sums<$lanes>,
         ) {
@@ -186,10 +186,10 @@ kernels!(f32, Portable<f32, 4>, Avx2F32, Avx512F32);
 
 /// The body of every kernel. See [`Kernel`] for the contract.
 #[inline(always)]
-unsafe fn work<V: Lanes>(
+unsafe fn work<V: SimdVector>(
     sweep: &Sweep<V::Scalar>,
     number: usize,
-    block: &mut Block,
+    block: &mut CellBlock,
     run: RunKernel<V>,
 ) {
     // SAFETY: by contract.
@@ -201,11 +201,11 @@ unsafe fn work<V: Lanes>(
 
 /// Collides and streams lines, in runs within which the places of a line follow those of the line before.
 #[inline(always)]
-unsafe fn sweep_lines<V: Lanes>(
+unsafe fn sweep_lines<V: SimdVector>(
     sweep: &Sweep<V::Scalar>,
     lines: Range<usize>,
     run: RunKernel<V>,
-) -> Survey {
+) -> CellStatistics {
     // SAFETY: by contract.
     let constants = unsafe { Constants::<V>::new(sweep.relaxation) };
     // SAFETY: by contract.
@@ -245,7 +245,7 @@ unsafe fn sweep_lines<V: Lanes>(
 }
 
 /// The bits of all lanes of a vector.
-pub const fn all_lanes<V: Lanes>() -> u32 {
+pub const fn all_lanes<V: SimdVector>() -> u32 {
     u32::MAX >> (32 - V::N)
 }
 
@@ -254,7 +254,7 @@ pub const fn all_lanes<V: Lanes>() -> u32 {
 /// # Safety
 /// The line has bits.
 #[inline(always)]
-pub unsafe fn line_bits<V: Lanes>(fluid: &[u8], line: usize) -> u32 {
+pub unsafe fn line_bits<V: SimdVector>(fluid: &[u8], line: usize) -> u32 {
     debug_assert!((line + 1) * V::Scalar::LINE <= 8 * fluid.len());
     // SAFETY: by contract.
     unsafe {

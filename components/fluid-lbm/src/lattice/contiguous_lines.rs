@@ -3,13 +3,13 @@
 use crate::lattice::aa_row_ends::{self, AtEnd};
 use crate::lattice::aa_rows::{RowEnd, Way};
 use crate::lattice::collision::{
-    After, Constants, Flow, Populations, Rates, Target, ask_ahead, measure, relax,
+    After, Constants, Equilibrium, Moments, Populations, RelaxationRates, ask_ahead, measure, relax,
 };
 use crate::lattice::collision_kernel::{Sweep, all_lanes, line_bits};
 use crate::lattice::d3q19::Q;
 use crate::lattice::populations::Real;
 use crate::lattice::reductions::{Held, Sums};
-use crate::lattice::simd::Lanes;
+use crate::lattice::simd::SimdVector;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
@@ -64,7 +64,7 @@ impl<T: Real> Run<T> {
 /// As for [`crate::lattice::collision_kernel::Kernel`]; so many lines of numbers may be read and written from each place on, and in lanes of
 /// cells these belong to the line.
 #[inline(always)]
-pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+pub unsafe fn collide<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &Run<V::Scalar>,
     k: &Constants<V>,
@@ -137,7 +137,12 @@ pub unsafe fn collide<V: Lanes, const FORCED: bool, const LES: bool, const SINGL
 /// # Safety
 /// As for [`collide`].
 #[inline(always)]
-pub unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+pub unsafe fn collide_line<
+    V: SimdVector,
+    const FORCED: bool,
+    const LES: bool,
+    const SINGLE: bool,
+>(
     sweep: &Sweep<V::Scalar>,
     (line, lanes): (usize, u32),
     populations: &impl Populations<V>,
@@ -158,13 +163,13 @@ pub unsafe fn collide_line<V: Lanes, const FORCED: bool, const LES: bool, const 
 
 /// Measures the vector `x` cells from the beginning of a line, with fluid in some lanes.
 #[inline(always)]
-unsafe fn measure_vector<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn measure_vector<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
     (line, x, lanes): (usize, usize, u32),
     populations: &impl Populations<V>,
     k: &Constants<V>,
     held: &mut Held<V>,
-) -> Flow<V> {
+) -> Moments<V> {
     // SAFETY: by contract of [`collide`].
     unsafe {
         let mut flow = measure::<V, FORCED, LES, SINGLE>(populations, k);
@@ -182,10 +187,10 @@ unsafe fn measure_vector<V: Lanes, const FORCED: bool, const LES: bool, const SI
 
 /// Relaxes a vector with fluid in some lanes.
 #[inline(always)]
-unsafe fn relax_vector<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn relax_vector<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     lanes: u32,
     populations: &impl Populations<V>,
-    to: (&Target<V>, &Rates<V>),
+    to: (&Equilibrium<V>, &RelaxationRates<V>),
     k: &Constants<V>,
 ) {
     // SAFETY: by contract of [`collide`].
@@ -210,11 +215,11 @@ const VECTORS: usize = 16;
 
 /// What vectors relax to, and how fast those do that have rates of their own.
 struct Measured<V> {
-    targets: [MaybeUninit<Target<V>>; VECTORS],
-    rates: [MaybeUninit<Rates<V>>; VECTORS],
+    targets: [MaybeUninit<Equilibrium<V>>; VECTORS],
+    rates: [MaybeUninit<RelaxationRates<V>>; VECTORS],
 }
 
-impl<V: Lanes> Measured<V> {
+impl<V: SimdVector> Measured<V> {
     fn new() -> Self {
         const { assert!(LINES_TOGETHER * V::Scalar::LINE <= VECTORS * V::N) };
         Self { targets: [MaybeUninit::uninit(); VECTORS], rates: [MaybeUninit::uninit(); VECTORS] }
@@ -223,7 +228,7 @@ impl<V: Lanes> Measured<V> {
 
 /// Measures lines of a run, see [`collide`].
 #[inline(always)]
-unsafe fn measure_lines<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn measure_lines<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &Run<V::Scalar>,
     lines: Range<usize>,
@@ -270,7 +275,7 @@ unsafe fn measure_lines<V: Lanes, const FORCED: bool, const LES: bool, const SIN
 
 /// Relaxes lines of a run that were measured, see [`collide`].
 #[inline(always)]
-unsafe fn relax_lines<V: Lanes, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn relax_lines<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &Run<V::Scalar>,
     lines: Range<usize>,

@@ -6,8 +6,8 @@
 //! give force and torque.
 
 use crate::lattice::aa_pattern::Blocked;
-use crate::lattice::cell_flags::Owners;
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_flags::CellFlags;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, cross};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
@@ -23,7 +23,7 @@ const LANES: usize = 8;
 pub struct HalfwayLinks {
     runs: Vec<Run>,
     /// For each fixture that the links meet, its exchange.
-    pub exchanges: Vec<(Fixture, MomentumExchange)>,
+    pub exchanges: Vec<(BoundaryId, MomentumExchange)>,
 }
 
 /// Links that share direction and fixture.
@@ -98,7 +98,7 @@ impl HalfwayLinks {
         variant: Variant,
         field: &Field<T>,
         stride: usize,
-        owners: &Owners,
+        owners: &CellFlags,
     ) {
         for (_, exchange) in &mut self.exchanges {
             *exchange = MomentumExchange::default();
@@ -144,7 +144,7 @@ struct Feel<'a, T: Real> {
     field: &'a Field<T>,
     /// Where the first cell's populations of the direction are that the collision left.
     plane: usize,
-    owners: &'a Owners,
+    owners: &'a CellFlags,
     exchange: &'a mut MomentumExchange,
 }
 

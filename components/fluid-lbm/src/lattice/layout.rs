@@ -1,6 +1,6 @@
 //! Box, stored cells and places of populations, together.
 
-use crate::lattice::aa_pattern::{Parity, Places, Survey};
+use crate::lattice::aa_pattern::{AaPattern, BlockedLinks, Parity};
 use crate::lattice::cell_list::{Cells, Obstacles};
 use crate::lattice::d3q19::{C, OPPOSITE, Q};
 use crate::lattice::grid::{Grid, Reach, Side};
@@ -14,7 +14,7 @@ pub struct Layout {
     /// The cells that no static solid covers.
     pub cells: Cells,
     /// Where their populations are.
-    pub places: Places,
+    pub places: AaPattern,
     /// Stored cells from which links end at thin solids between cells, sorted.
     at_sheets: Vec<u32>,
 }
@@ -26,10 +26,10 @@ impl Layout {
         grid: Grid,
         obstacles: &Obstacles,
         line: usize,
-        special: impl Fn(crate::lattice::cell_list::Fixture) -> bool,
-    ) -> (Self, Survey) {
+        special: impl Fn(crate::lattice::cell_list::BoundaryId) -> bool,
+    ) -> (Self, BlockedLinks) {
         let cells = Cells::new(&grid, obstacles);
-        let (places, survey) = Places::new(&grid, &cells, obstacles, line, special);
+        let (places, survey) = AaPattern::new(&grid, &cells, obstacles, line, special);
         let numbers = obstacles.sheets.iter().map(|sheet| cells.number(sheet.cell as usize));
         let mut at_sheets: Vec<_> = numbers.collect();
         at_sheets.dedup();

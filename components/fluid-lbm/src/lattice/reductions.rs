@@ -1,12 +1,12 @@
 //! Sums and extremes over cells, taken while they collide.
 
-use crate::lattice::collision::Flow;
+use crate::lattice::collision::Moments;
 use crate::lattice::populations::Real;
-use crate::lattice::simd::Lanes;
+use crate::lattice::simd::SimdVector;
 
 /// Sums over the fluid cells of a block of lines, before their collision.
 #[derive(Clone, Copy, Debug)]
-pub struct Survey {
+pub struct CellStatistics {
     /// Sum of the densities minus 1.
     pub excess: f64,
     /// Sum of `h_i c_i` (without the half force of a step).
@@ -21,7 +21,7 @@ pub struct Survey {
     pub max_tau: f64,
 }
 
-impl Survey {
+impl CellStatistics {
     /// Of no cells.
     pub const NONE: Self = Self {
         excess: 0.0,
@@ -75,7 +75,7 @@ pub struct Held<V> {
     max_twice_tau: V,
 }
 
-impl<V: Lanes> Held<V> {
+impl<V: SimdVector> Held<V> {
     /// The same without what no line has.
     #[inline(always)]
     fn lines(&self) -> Self {
@@ -94,7 +94,7 @@ impl<V: Lanes> Held<V> {
 
     /// Adds the vector at lane `lane` of a line.
     #[inline(always)]
-    pub fn add<const LES: bool>(&mut self, lane: usize, flow: &Flow<V>) {
+    pub fn add<const LES: bool>(&mut self, lane: usize, flow: &Moments<V>) {
         const { assert!(V::N * VECTORS >= V::Scalar::LINE) };
         // Of no effect; the compiler sees that the vector is there.
         let vector = (lane / V::N) % VECTORS;
@@ -112,7 +112,7 @@ impl<V: Lanes> Held<V> {
     }
 }
 
-impl<V: Lanes> Sums<V> {
+impl<V: SimdVector> Sums<V> {
     /// Of no cells.
     ///
     /// # Safety
@@ -193,10 +193,10 @@ impl<V: Lanes> Sums<V> {
     /// # Safety
     /// The processor has the variant's instructions.
     #[inline(always)]
-    pub unsafe fn survey(mut self) -> Survey {
+    pub unsafe fn survey(mut self) -> CellStatistics {
         let mut held = self.held;
         self.widen(&mut held);
-        let mut survey = Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE };
+        let mut survey = CellStatistics { min_drho: 0.0, max_drho: 0.0, ..CellStatistics::NONE };
         let mut k = 0;
         while k < V::Scalar::LINE {
             survey.excess += self.sums[0][k];

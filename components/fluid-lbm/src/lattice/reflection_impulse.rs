@@ -7,18 +7,18 @@
 //! all blocks are done.
 
 use crate::lattice::aa_pattern::Reflection;
-use crate::lattice::cell_list::Fixture;
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, mirrored};
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::{Field, Real};
-use crate::lattice::simd::Lanes;
+use crate::lattice::simd::SimdVector;
 use std::ops::Range;
 
 /// Reflecting links of a block that share direction and fixture.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Whom they meet.
-    pub fixture: Fixture,
+    pub fixture: BoundaryId,
     /// Whether it is a mirror.
     pub is_mirror: bool,
     /// Whether another block's collision may leave what is reflected.
@@ -40,14 +40,14 @@ struct Item {
 
 /// All reflecting links, by block.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct ReflectionImpulse {
     items: Vec<Item>,
     runs: Vec<Run>,
     /// For each block its runs.
     blocks: Vec<Range<usize>>,
 }
 
-impl Tally {
+impl ReflectionImpulse {
     /// Of links sorted by line, for blocks of lines of `line` cells.
     pub fn new(reflections: &[Reflection], blocks: &[Range<usize>], line: usize) -> Self {
         let mut tally = Self::default();
@@ -108,7 +108,7 @@ impl Tally {
     /// The processor has the variant's instructions; field and bits are those of the cells that the
     /// tally was made for; no other thread writes to the places.
     #[inline(always)]
-    pub unsafe fn sum<V: Lanes>(
+    pub unsafe fn sum<V: SimdVector>(
         &self,
         field: &Field<V::Scalar>,
         fluid: &[u8],

@@ -1,6 +1,6 @@
 //! Vectors of numbers: one interface over AVX-512, AVX2 and plain arrays.
 //!
-//! A kernel is written once over [`Lanes`] and compiled for each variant inside a function with
+//! A kernel is written once over [`SimdVector`] and compiled for each variant inside a function with
 //! that variant's `#[target_feature]`. Only additions, subtractions, multiplications, divisions, fused
 //! multiply-adds, square roots, minima and maxima exist here, each rounded once as IEEE 754 says, and the
 //! compiler fuses nothing by itself: so every variant yields the same bits. A processor without fused
@@ -15,7 +15,7 @@ use crate::lattice::populations::Real;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A vector of `N` numbers.
-pub trait Lanes:
+pub trait SimdVector:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// The number.
@@ -146,7 +146,7 @@ macro_rules! portable {
         operator!([const N: usize] Portable<$real, N>, Mul::mul(a, b) => by_lane!(a, b, x, y => x * y));
         operator!([const N: usize] Portable<$real, N>, Div::div(a, b) => by_lane!(a, b, x, y => x / y));
 
-        impl<const N: usize> Lanes for Portable<$real, N> {
+        impl<const N: usize> SimdVector for Portable<$real, N> {
             type Scalar = $real;
             type Mask = u32;
             const N: usize = N;
@@ -258,7 +258,7 @@ mod x86 {
     use super::*;
     use core::arch::x86_64::*;
 
-    /// Implements [`Lanes`] for a wrapped register by one intrinsic for each operation.
+    /// Implements [`SimdVector`] for a wrapped register by one intrinsic for each operation.
     macro_rules! register {
         ($(#[$doc:meta])* $name:ident($register:ty), $real:ty, $n:literal, $mask:ty,
          $splat:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident
@@ -290,7 +290,7 @@ mod x86 {
                 Self(unsafe { $div(a.0, b.0) })
             });
 
-            impl Lanes for $name {
+            impl SimdVector for $name {
                 type Scalar = $real;
                 type Mask = $mask;
                 const N: usize = $n;

@@ -1,7 +1,7 @@
 //! The narrowest gaps of a scene as it starts: between parts, walls, and listed bodies.
 
 use crate::domain::solids::Centres;
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::d3q19::cross;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Bounds, Frame, Surface};
@@ -68,7 +68,7 @@ impl Search {
 
 /// The narrowest gap between parts and walls of the domain, and that between listed bodies and
 /// anything, if there are any within 8 cells. What touches or overlaps has no gap.
-pub fn narrowest(scene: &Scene, ground: &Ground) -> [Option<Narrow>; 2] {
+pub fn narrowest(scene: &Scene, ground: &StaticGeometry) -> [Option<Narrow>; 2] {
     let Centres { cell, .. } = ground.centres();
     let (parts, walls) = (placed(scene, ground), walls(scene));
     let domain = Bounds::of([scene.domain.min, scene.domain.max]);
@@ -133,7 +133,7 @@ impl Search {
 }
 
 /// The parts where they are at the start.
-fn placed<'a>(scene: &'a Scene, ground: &'a Ground) -> Vec<Placed<'a>> {
+fn placed<'a>(scene: &'a Scene, ground: &'a StaticGeometry) -> Vec<Placed<'a>> {
     let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
     let moving = ground.moving.iter().enumerate();
     let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
@@ -213,7 +213,7 @@ fn middle([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
 const NEAR: i32 = 2;
 
 /// Whether there is fluid at a place, or within two cells of it: a narrow gap holds no cell itself.
-fn is_reached(ground: &Ground, place: [f64; 3]) -> bool {
+fn is_reached(ground: &StaticGeometry, place: [f64; 3]) -> bool {
     let Centres { cell, min } = ground.centres();
     let at: [i32; 3] = std::array::from_fn(|a| ((place[a] - min[a]) / cell).floor() as i32);
     let around = || -NEAR..=NEAR;

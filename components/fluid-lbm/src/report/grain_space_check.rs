@@ -2,7 +2,7 @@
 
 use crate::domain::leak::narrowest;
 use crate::domain::solids::Centres;
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::domain::voxels::unreached;
 use serde::{Deserialize, Serialize};
 use tremie_messages::Finding;
@@ -45,7 +45,7 @@ fn regions(scene: &Scene) -> Vec<(&str, [[f64; 3]; 2])> {
 }
 
 /// Cells whose centres lie in a box, by index.
-fn cells_in(ground: &Ground, [min, max]: [[f64; 3]; 2]) -> impl Iterator<Item = usize> {
+fn cells_in(ground: &StaticGeometry, [min, max]: [[f64; 3]; 2]) -> impl Iterator<Item = usize> {
     let Centres { cell, min: origin } = ground.centres();
     let (grid, n) = (&ground.grid, ground.grid.n);
     let range = move |a: usize| {
@@ -58,7 +58,7 @@ fn cells_in(ground: &Ground, [min, max]: [[f64; 3]; 2]) -> impl Iterator<Item = 
 }
 
 /// Regions with more than a trace of space that no fluid reaches.
-pub fn dry_regions(scene: &Scene, ground: &Ground) -> Vec<DryRegion> {
+pub fn dry_regions(scene: &Scene, ground: &StaticGeometry) -> Vec<DryRegion> {
     let (solid, no_way) = (&ground.voxels.obstacles.solid, unreached(&ground.solids) + 1);
     let share = |corners| {
         let (mut wet, mut dry) = (0_usize, 0_usize);
@@ -75,7 +75,7 @@ pub fn dry_regions(scene: &Scene, ground: &Ground) -> Vec<DryRegion> {
 }
 
 /// The throat between regions in which grains start and the outlets, if grains leave at all.
-pub fn throat(scene: &Scene, ground: &Ground) -> Option<Throat> {
+pub fn throat(scene: &Scene, ground: &StaticGeometry) -> Option<Throat> {
     let largest = largest_diameter(scene).filter(|_| !scene.outlets.is_empty())?;
     let centres = ground.centres();
     let solid = &ground.voxels.obstacles.solid;
@@ -180,7 +180,7 @@ mod tests {
         }
     }
 
-    fn ground(scene: &Scene) -> Ground {
+    fn ground(scene: &Scene) -> StaticGeometry {
         Parameters::with_cell(1.0).survey(scene).unwrap().1
     }
 

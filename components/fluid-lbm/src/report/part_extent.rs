@@ -8,7 +8,7 @@
 //! counted. A part that stands free has its own widths besides: the faces of a tetrahedron are not opposite anywhere.
 
 use crate::bodies::ridges::width_along;
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::d3q19::{cross, dot};
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Frame, Surface, principal};
@@ -56,7 +56,7 @@ struct Sample {
 
 /// The parts that are thinner somewhere than is looked at, by their place in the scene. Cavities have no thickness, and what
 /// lets fluid in or out no outline.
-pub fn thin_parts(scene: &Scene, ground: &Ground) -> Vec<PartExtent> {
+pub fn thin_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<PartExtent> {
     let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
     let moving = ground.moving.iter().enumerate();
     let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
@@ -89,7 +89,7 @@ impl Placed<'_> {
     /// Its thickness, and what it is across, in cells.
     fn measured(
         &self,
-        ground: &Ground,
+        ground: &StaticGeometry,
         others: &[&Self],
         most: usize,
     ) -> Option<(f64, Option<f64>)> {
@@ -126,7 +126,12 @@ impl Placed<'_> {
     }
 
     /// What points of its surface in the fluid see, and the area of all its surface that was looked at [m²].
-    fn samples(&self, ground: &Ground, others: &[&Self], most: usize) -> (Vec<Sample>, f64) {
+    fn samples(
+        &self,
+        ground: &StaticGeometry,
+        others: &[&Self],
+        most: usize,
+    ) -> (Vec<Sample>, f64) {
         let cell = ground.centres().cell;
         let mesh = self.surface.mesh();
         let count =
@@ -161,7 +166,7 @@ impl Placed<'_> {
     /// The three ways at a point of the surface, in its frame [cells], if there is fluid.
     fn ways(
         &self,
-        ground: &Ground,
+        ground: &StaticGeometry,
         others: &[&Self],
         point: [f64; 3],
         normal: [f64; 3],
@@ -214,7 +219,13 @@ impl Placed<'_> {
     }
 
     /// Whether fluid is beyond a point of the surface, in its frame, half a cell or a whole one away.
-    fn is_open(&self, ground: &Ground, others: &[&Self], at: [f64; 3], out: [f64; 3]) -> bool {
+    fn is_open(
+        &self,
+        ground: &StaticGeometry,
+        others: &[&Self],
+        at: [f64; 3],
+        out: [f64; 3],
+    ) -> bool {
         let cell = ground.centres().cell;
         [0.5, 1.0].into_iter().any(|step| {
             let place = self.frame.to_world(along(at, out, step * cell));

@@ -2,9 +2,9 @@
 
 use crate::bodies::body_memory;
 use crate::boundary::virtual_piston::face::{face_of, reservoirs_of};
-use crate::domain::lattice_orientation::Axes;
+use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::domain::parameters::{Parameters, Precision};
-use crate::domain::static_geometry::Ground;
+use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern;
 use crate::lattice::d3q19::{CS2, Q};
 use crate::lattice::grid::face_name;
@@ -83,7 +83,10 @@ impl Parameters {
     }
 
     /// As [`Parameters::resolve`], with the geometry in cells.
-    pub(crate) fn survey(&self, scene: &Scene) -> Result<(Resolution, Ground), Vec<Problem>> {
+    pub(crate) fn survey(
+        &self,
+        scene: &Scene,
+    ) -> Result<(Resolution, StaticGeometry), Vec<Problem>> {
         let mut problems = Vec::new();
         self.check_own(&mut problems);
         check_scene(scene, &mut problems);
@@ -103,7 +106,7 @@ impl Parameters {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let ground = Ground::new(scene, Axes::WORLD, cells, self.cell.0)?;
+        let ground = StaticGeometry::new(scene, LatticeOrientation::WORLD, cells, self.cell.0)?;
         let fluid_cells = ground.voxels.fluid;
         let of_bodies =
             body_memory::of_bodies(scene, self.cell.0) + ground.triangles() * OF_TRIANGLE;
@@ -290,7 +293,7 @@ impl Parameters {
 /// Cells of the fluid at each face that has a reservoir.
 fn reservoir_cells(
     scene: &Scene,
-    ground: &Ground,
+    ground: &StaticGeometry,
 ) -> Result<Vec<(usize, usize, usize)>, Vec<Problem>> {
     let of = |(axis, side, _)| {
         let own =
@@ -308,7 +311,7 @@ fn reservoir_cells(
 }
 
 /// Parts whose files had to be mended.
-fn mended(scene: &Scene, ground: &Ground) -> Vec<Mended> {
+fn mended(scene: &Scene, ground: &StaticGeometry) -> Vec<Mended> {
     let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
     let moving = ground.moving.iter().enumerate();
     let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));

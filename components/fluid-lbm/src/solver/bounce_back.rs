@@ -1,17 +1,17 @@
 //! What comes back from bodies, walls and open faces after a collision, and what it adds up to.
 
 use crate::boundary::link_batch::Batch;
-use crate::boundary::open_boundary::Next;
-use crate::boundary::post_collision::{self, After, nearest_wall};
+use crate::boundary::open_boundary::PostStreaming;
+use crate::boundary::post_collision::{self, PostCollision, nearest_wall};
 use crate::boundary::wall_mass::Patches;
-use crate::lattice::cell_list::Fixture;
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::cell_list::BoundaryId;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::error::FluidError;
 use crate::lattice::momentum_exchange::MomentumExchange;
-use crate::solver::lbm_solver::Solver;
+use crate::solver::lbm_solver::LbmSolver;
 use tremie_team::Cut;
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Mean density of the fluid in the last collision.
     fn mean_density(&self) -> f64 {
         1.0 + self.survey.excess / (self.owners.fluid_cells as f64).max(1.0)
@@ -20,7 +20,7 @@ impl<T: Collides> Solver<T> {
     /// Reflects the populations that ran into bodies and fixtures. Bodies come first: at a cell
     /// between a body and a curved wall they read what the wall's links change in place.
     pub(crate) fn reflect(&mut self) {
-        let after = After {
+        let after = PostCollision {
             field: &self.field,
             layout: &self.layout,
             owners: &self.owners,
@@ -101,7 +101,7 @@ impl<T: Collides> Solver<T> {
     /// Gives the cells at open faces their populations; those at reservoirs first, because other faces
     /// read the cells inside.
     pub(crate) fn open(&mut self) -> Result<(), FluidError> {
-        let next = Next {
+        let next = PostStreaming {
             field: &self.field,
             layout: &self.layout,
             owners: &self.owners,
@@ -137,7 +137,7 @@ impl<T: Collides> Solver<T> {
         let fixed = self.fixed_items.iter().flat_map(|item| &item.exchanges);
         let halfway = self.blocks.iter().flat_map(|block| &block.halfway.exchanges);
         let sheets = self.sheet_items.iter().flat_map(|item| &item.exchanges);
-        for (Fixture(number), exchange) in fixed.chain(sheets).chain(halfway) {
+        for (BoundaryId(number), exchange) in fixed.chain(sheets).chain(halfway) {
             self.fixtures[usize::from(*number)].join(exchange);
         }
         if self.slips {

@@ -1,13 +1,13 @@
 //! Deformable surfaces of the scene in the fluid: their vertices come in. What such a surface is to the lattice, see
 //! `deformable_shape`; the loads on its facets, see `facet_loads`.
 
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::error::FluidError;
-use crate::solver::lbm_solver::Solver;
+use crate::solver::lbm_solver::LbmSolver;
 use tremie_messages::SurfaceVertex;
 
-impl<T: Collides> Solver<T> {
-    /// See [`crate::FluidLbm::set_surfaces`].
+impl<T: CollisionKernel> LbmSolver<T> {
+    /// See [`crate::LbmFluid::set_surfaces`].
     pub fn set_surfaces(&mut self, vertices: &[SurfaceVertex]) -> Result<(), FluidError> {
         let expected = self.soft_vertices;
         if vertices.len() != expected {

@@ -4,12 +4,12 @@ use crate::bodies::body::Body;
 use crate::boundary::post_collision::Item;
 use crate::boundary::virtual_piston::face::{ReservoirFace, ReservoirState};
 use crate::domain::mirrors::{mirrors_of_part, with_image};
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::{CS2, Q, dot, equilibria};
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::populations::Field;
-use crate::solver::lbm_solver::{Solver, before};
+use crate::solver::lbm_solver::{LbmSolver, before};
 use tremie_messages::Load;
 
 /// A summary of the flow, SI units.
@@ -58,33 +58,33 @@ pub struct SliceNode {
     pub solid: bool,
 }
 
-impl<T: Collides> Solver<T> {
-    /// See [`crate::FluidLbm::ledger`].
+impl<T: CollisionKernel> LbmSolver<T> {
+    /// See [`crate::LbmFluid::ledger`].
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
     }
 
-    /// See [`crate::FluidLbm::cells`].
+    /// See [`crate::LbmFluid::cells`].
     pub fn cells(&self) -> [usize; 3] {
         self.layout.grid.n.map(|n| n as usize)
     }
 
-    /// See [`crate::FluidLbm::centre`].
+    /// See [`crate::LbmFluid::centre`].
     pub fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
         self.units.centre(cell.map(|k| k as i32))
     }
 
-    /// See [`crate::FluidLbm::time_step`].
+    /// See [`crate::LbmFluid::time_step`].
     pub fn time_step(&self) -> f64 {
         self.units.time_step
     }
 
-    /// See [`crate::FluidLbm::tau`].
+    /// See [`crate::LbmFluid::tau`].
     pub fn tau(&self) -> f64 {
         self.tau
     }
 
-    /// See [`crate::FluidLbm::diagnostics`].
+    /// See [`crate::LbmFluid::diagnostics`].
     pub fn diagnostics(&self) -> Diagnostics {
         let speed = self.survey.speed2.sqrt();
         Diagnostics {
@@ -104,7 +104,7 @@ impl<T: Collides> Solver<T> {
         }
     }
 
-    /// See [`crate::FluidLbm::loads_on_parts`].
+    /// See [`crate::LbmFluid::loads_on_parts`].
     pub fn loads_on_parts(&self, loads: &mut Vec<Load>) {
         let (force, length) = (self.units.force(), self.units.cell);
         loads.clear();
@@ -122,7 +122,7 @@ impl<T: Collides> Solver<T> {
         }));
     }
 
-    /// See [`crate::FluidLbm::wall_forces`].
+    /// See [`crate::LbmFluid::wall_forces`].
     pub fn wall_forces(&self) -> [[[f64; 3]; 2]; 3] {
         let unit = self.units.force();
         std::array::from_fn(|axis| {
@@ -134,18 +134,18 @@ impl<T: Collides> Solver<T> {
         })
     }
 
-    /// See [`crate::FluidLbm::probes`].
+    /// See [`crate::LbmFluid::probes`].
     pub fn probes(&mut self, values: &mut Vec<f64>) {
         let before = before!(self);
         self.probes.read(&mut self.team, &before, &self.owners, &self.units, values);
     }
 
-    /// See [`crate::FluidLbm::restart_means`].
+    /// See [`crate::LbmFluid::restart_means`].
     pub fn restart_means(&mut self) {
         self.probes.restart_means();
     }
 
-    /// See [`crate::FluidLbm::memory_bytes`].
+    /// See [`crate::LbmFluid::memory_bytes`].
     pub fn memory_bytes(&self) -> usize {
         let stride = self.layout.places.stride();
         Field::<T>::bytes(stride as u64) as usize
@@ -170,7 +170,7 @@ impl<T: Collides> Solver<T> {
             + size_of_val(self.seen.as_slice())
     }
 
-    /// See [`crate::FluidLbm::check`].
+    /// See [`crate::LbmFluid::check`].
     pub fn check(&self) -> Result<(), FluidError> {
         let s = &self.survey;
         let exchange = self.exchange.force.iter().chain(&self.exchange.torque);
@@ -213,7 +213,7 @@ impl<T: Collides> Solver<T> {
         })
     }
 
-    /// See [`crate::FluidLbm::node`].
+    /// See [`crate::LbmFluid::node`].
     pub fn node(&self, cell: [usize; 3]) -> SliceNode {
         self.node_at(cell.map(|k| k as i32))
     }
@@ -231,13 +231,13 @@ impl<T: Collides> Solver<T> {
         }
     }
 
-    /// See [`crate::FluidLbm::populations_at`].
+    /// See [`crate::LbmFluid::populations_at`].
     pub fn populations_at(&self, cell: [usize; 3]) -> [f64; Q] {
         let cell = self.layout.cell(cell.map(|k| k as i32));
         cell.map_or([0.0; Q], |cell| self.before().populations(cell))
     }
 
-    /// See [`crate::FluidLbm::slice`]; the other two axes are given, that which runs fastest first.
+    /// See [`crate::LbmFluid::slice`]; the other two axes are given, that which runs fastest first.
     pub fn slice(
         &self,
         axis: usize,
@@ -258,7 +258,7 @@ impl<T: Collides> Solver<T> {
         [fast, slow].map(|a| self.layout.grid.n[a] as usize)
     }
 
-    /// See [`crate::FluidLbm::set_state`].
+    /// See [`crate::LbmFluid::set_state`].
     pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
         let a = self.relaxation.acceleration;
         for cell in 0..self.layout.cells.len() as u32 {
@@ -291,7 +291,7 @@ impl<T: Collides> Solver<T> {
         }
     }
 
-    /// See [`crate::FluidLbm::reservoirs`].
+    /// See [`crate::LbmFluid::reservoirs`].
     pub fn reservoirs(&self) -> impl Iterator<Item = ReservoirState> {
         let acceleration = self.relaxation.acceleration;
         self.reservoirs.iter().map(move |r| r.state(acceleration, &self.units))

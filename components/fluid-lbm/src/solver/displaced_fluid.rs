@@ -3,10 +3,10 @@
 //! It goes back to the reservoir whose face is nearest: so what enters there in the mean, bodies and
 //! fluid together, is what the piston displaces. Without a reservoir it is lost, as the ledger says.
 
-use crate::lattice::collision_kernel::Collides;
-use crate::solver::lbm_solver::Solver;
+use crate::lattice::collision_kernel::CollisionKernel;
+use crate::solver::lbm_solver::LbmSolver;
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Gives reservoirs the mass of the cells that newcomers have covered or cut off in this step.
     pub(crate) fn give_back(&mut self) {
         if !self.reservoirs.is_empty() && !self.bodies.newcomers.is_empty() {

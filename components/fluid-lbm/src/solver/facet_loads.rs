@@ -3,13 +3,13 @@
 use crate::bodies::deformable_shape::Shape;
 use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
 use crate::domain::mirrors::mirrors_of_part;
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::{cross, dot};
 use crate::lattice::grid::Grid;
 use crate::lattice::ledger::{Ledger, add_scaled};
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::solver::gap_pressure::each_felt;
-use crate::solver::lbm_solver::Solver;
+use crate::solver::lbm_solver::LbmSolver;
 use tremie_messages::FacetLoad;
 use tremie_team::Cut;
 
@@ -88,7 +88,7 @@ impl FacetSums {
     }
 }
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Gives the facets of deformable surfaces their loads, from what they felt, and balances them.
     pub(crate) fn load_facets(&mut self) {
         for place in self.bodies.rigid()..self.bodies.living.len() {
@@ -171,7 +171,7 @@ impl<T: Collides> Solver<T> {
         add_scaled(&mut balance.images, exchange.image, 1.0);
     }
 
-    /// See [`crate::FluidLbm::surface_loads`].
+    /// See [`crate::LbmFluid::surface_loads`].
     pub fn surface_loads(&mut self, mut loads: &mut [FacetLoad]) {
         let units = &self.units;
         let mut number = 0;

@@ -2,12 +2,12 @@
 
 use crate::bodies::body_list::Bodies;
 use crate::boundary::post_collision::Item;
-use crate::boundary::unresolved_gaps::{Across, Gap, Gaps, ROOM};
-use crate::lattice::collision_kernel::Collides;
+use crate::boundary::unresolved_gaps::{Gap, Gaps, OtherSide, ROOM};
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::cross;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
-use crate::solver::lbm_solver::Solver;
+use crate::solver::lbm_solver::LbmSolver;
 use tremie_team::Cut;
 
 /// Items whose gaps one thread looks at together.
@@ -27,14 +27,14 @@ pub struct Seen {
     body: u32,
     count: u32,
     /// What is across each, by itself: others search it.
-    across: [Across; ROOM],
+    across: [OtherSide; ROOM],
     gaps: [Gap; ROOM],
 }
 
 impl Seen {
     /// No gaps.
     pub const NONE: Self =
-        Self { body: 0, count: 0, across: [Across::FROZEN; ROOM], gaps: [Gap::NONE; ROOM] };
+        Self { body: 0, count: 0, across: [OtherSide::FROZEN; ROOM], gaps: [Gap::NONE; ROOM] };
 
     /// Takes those of an item of the body in a place.
     pub fn take(&mut self, body: usize, gaps: &Gaps) {
@@ -55,20 +55,20 @@ impl Seen {
     }
 
     /// Those of which it is wanted what is across.
-    pub fn to(&self, wanted: impl Fn(Across) -> bool) -> impl Iterator<Item = &Gap> {
+    pub fn to(&self, wanted: impl Fn(OtherSide) -> bool) -> impl Iterator<Item = &Gap> {
         let all = self.across[..self.count as usize].iter().zip(&self.gaps);
         all.filter(move |(across, _)| wanted(**across)).map(|(_, gap)| gap)
     }
 }
 
 /// Sum of the densities around a body's gaps that `wanted` says, and number of the cells.
-fn around(seen: &[Seen], wanted: impl Fn(Across) -> bool) -> [f64; 2] {
+fn around(seen: &[Seen], wanted: impl Fn(OtherSide) -> bool) -> [f64; 2] {
     let gaps = seen.iter().flat_map(|seen| seen.to(&wanted));
     gaps.fold([0.0; 2], |[drho, cells], gap| [drho + gap.drho, cells + gap.cells])
 }
 
 /// Density minus 1 in the gap between a body and something.
-fn drho_in(seen: &[Seen], bodies: &Bodies, place: usize, across: Across) -> f64 {
+fn drho_in(seen: &[Seen], bodies: &Bodies, place: usize, across: OtherSide) -> f64 {
     let seen_by = |place: usize| &seen[bodies.living[place].items.clone()];
     let own = seen_by(place);
     let mut found = around(own, |to| to == across);
@@ -99,7 +99,7 @@ pub fn each_felt(
     }
 }
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Finds the densities in the gaps of all items.
     fn find_densities(&mut self) {
         let (seen, bodies, declared) = (&self.seen, &self.bodies, &self.declared);
@@ -125,7 +125,7 @@ impl<T: Collides> Solver<T> {
             return;
         }
         let seen = &self.seen;
-        self.declared.settle_nearest(|gap| around(seen, |to| to == Across::declared(gap)));
+        self.declared.settle_nearest(|gap| around(seen, |to| to == OtherSide::declared(gap)));
         self.find_densities();
         self.pressed.fill(MomentumExchange::default());
         for place in 0..self.bodies.living.len() {

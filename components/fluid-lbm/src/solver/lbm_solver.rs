@@ -3,31 +3,33 @@
 use crate::bodies::body::Body;
 use crate::bodies::body::UnionShare;
 use crate::bodies::body_list::Bodies;
-use crate::bodies::body_shapes::Catalogue;
-use crate::bodies::change_blocks::Bricks;
-use crate::bodies::deformable_surface::Soft;
+use crate::bodies::body_shapes::BodyShapes;
+use crate::bodies::change_blocks::ChangeBlocks;
+use crate::bodies::deformable_surface::SoftSurface;
 use crate::bodies::mesh_body::Rounding;
-use crate::boundary::boundaries::Surroundings;
-use crate::boundary::gap_sinks::Intakes;
+use crate::boundary::boundaries::Boundaries;
+use crate::boundary::gap_sinks::GapSinks;
 use crate::boundary::link_batch::Batch;
 use crate::boundary::open_boundary::{self, OpenCells};
 use crate::boundary::post_collision::{self};
-use crate::boundary::refill::Before;
+use crate::boundary::refill::PreCollision;
 use crate::boundary::sheet_links::{SheetItem, SheetLinks};
-use crate::boundary::static_wall_links::{self, FixedLinks};
+use crate::boundary::static_wall_links::{self, StaticWallLinks};
 use crate::boundary::virtual_piston::face::ReservoirFace;
 use crate::boundary::wall_distances::WallDistances;
 use crate::boundary::wall_mass::{Brought, Patches};
-use crate::domain::boundary_condition::Now;
+use crate::domain::boundary_condition::BoundaryValue;
 use crate::domain::parameters::{Collision, GapPressure, OpenFaces, Parameters, Refill};
 use crate::domain::solids::Centres;
-use crate::domain::static_geometry::Ground;
-use crate::gaps::modelled::DeclaredGaps;
-use crate::gaps::specular_walls::Slip;
+use crate::domain::static_geometry::StaticGeometry;
+use crate::gaps::modelled::ModelledGaps;
+use crate::gaps::specular_walls::SpecularWalls;
 use crate::lattice::aa_pattern::Parity;
-use crate::lattice::cell_flags::Owners;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::collision::Relaxation;
-use crate::lattice::collision_kernel::{Block, Collides, Kernel, Sweep, Wanted};
+use crate::lattice::collision_kernel::{
+    CellBlock, CollisionKernel, DensityRequests, Kernel, Sweep,
+};
 use crate::lattice::d3q19::CS2;
 use crate::lattice::error::FluidError;
 use crate::lattice::halfway_bounce_back::HalfwayLinks;
@@ -35,8 +37,8 @@ use crate::lattice::layout::Layout;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Field;
-use crate::lattice::reductions::Survey;
-use crate::lattice::reflection_impulse::Tally;
+use crate::lattice::reductions::CellStatistics;
+use crate::lattice::reflection_impulse::ReflectionImpulse;
 use crate::lattice::units::Units;
 use crate::solver::gap_pressure::{InGaps, Seen, UNKNOWN};
 use crate::solver::lost_mass::Lost;
@@ -56,7 +58,7 @@ const CELLS_PER_BLOCK: usize = 4096;
 /// The fluid before the next collision, borrowing no more of the solver than that takes.
 macro_rules! before {
     ($solver:expr) => {
-        $crate::boundary::refill::Before {
+        $crate::boundary::refill::PreCollision {
             field: &$solver.field,
             layout: &$solver.layout,
             parity: $solver.parity,
@@ -66,15 +68,15 @@ macro_rules! before {
 }
 pub(crate) use before;
 
-/// A lattice-Boltzmann fluid in the precision `T`. See [`crate::FluidLbm`] for the meaning of its
+/// A lattice-Boltzmann fluid in the precision `T`. See [`crate::LbmFluid`] for the meaning of its
 /// methods.
-pub struct Solver<T: Collides> {
+pub struct LbmSolver<T: CollisionKernel> {
     pub(crate) units: Units,
     pub(crate) layout: Layout,
     pub(crate) field: Field<T>,
-    pub(crate) owners: Owners,
-    pub(crate) bricks: Bricks,
-    pub(crate) wanted: Wanted<T>,
+    pub(crate) owners: CellFlags,
+    pub(crate) bricks: ChangeBlocks,
+    pub(crate) wanted: DensityRequests<T>,
     pub(crate) bodies: Bodies,
     pub(crate) relaxation: Relaxation,
     /// Parity of the next collision.
@@ -89,17 +91,17 @@ pub struct Solver<T: Collides> {
     /// Whether gaps without cells press on bodies.
     pub(crate) gaps_press: bool,
     /// Gaps that the scene declares, and by cell.
-    pub(crate) declared: DeclaredGaps,
+    pub(crate) declared: ModelledGaps,
     pub(crate) gap_of: Vec<u16>,
     /// Where what they draw in leaves the fluid.
-    pub(crate) intakes: Intakes,
+    pub(crate) intakes: GapSinks,
     /// Links that slip in them, and whether any do.
     pub(crate) walls: WallDistances,
-    pub(crate) slip: Slip,
+    pub(crate) slip: SpecularWalls,
     pub(crate) slips: bool,
     pub(crate) scheme: OpenFaces,
     /// Deformable surfaces whose vertices have not come yet, vertices of all, and parts of the scene.
-    pub(crate) waiting: Vec<Soft>,
+    pub(crate) waiting: Vec<SoftSurface>,
     pub(crate) soft_vertices: usize,
     pub(crate) parts: usize,
     /// How far a vertex moves until cells and links are found anew [cells].
@@ -114,13 +116,13 @@ pub struct Solver<T: Collides> {
     found: Option<Found>,
     /// Room for the links of a body, for each thread.
     pub(crate) batches: Vec<Batch>,
-    pub(crate) blocks: Vec<Block>,
-    pub(crate) tally: Tally,
+    pub(crate) blocks: Vec<CellBlock>,
+    pub(crate) tally: ReflectionImpulse,
     /// Faces and static solids.
-    pub(crate) surroundings: Surroundings,
+    pub(crate) surroundings: Boundaries,
     /// What they prescribe at the end of the step.
-    pub(crate) now: Vec<Now>,
-    pub(crate) fixed: FixedLinks,
+    pub(crate) now: Vec<BoundaryValue>,
+    pub(crate) fixed: StaticWallLinks,
     pub(crate) fixed_items: Vec<static_wall_links::Item>,
     pub(crate) sheets: SheetLinks,
     pub(crate) sheet_items: Vec<SheetItem>,
@@ -145,7 +147,7 @@ pub struct Solver<T: Collides> {
     pub(crate) lost: Lost,
     /// What the last collision found, the sum of all bodies' exchange after it, and the exchange
     /// with each fixture.
-    pub(crate) survey: Survey,
+    pub(crate) survey: CellStatistics,
     pub(crate) exchange: MomentumExchange,
     pub(crate) fixtures: Vec<MomentumExchange>,
     /// What gaps without cells gave to each fixture.
@@ -158,8 +160,8 @@ pub struct Solver<T: Collides> {
     pub(crate) mirrors: [[f64; 3]; 6],
 }
 
-impl<T: Collides> Solver<T> {
-    /// See [`crate::FluidLbm::with_variant`]; by the world's axes.
+impl<T: CollisionKernel> LbmSolver<T> {
+    /// See [`crate::LbmFluid::with_variant`]; by the world's axes.
     #[cfg(test)]
     pub fn new(
         scene: &Scene,
@@ -172,9 +174,9 @@ impl<T: Collides> Solver<T> {
         Self::on(ground, scene, parameters, time_step, threads, variant)
     }
 
-    /// On the static geometry of a scene; see [`crate::FluidLbm::with_variant`].
+    /// On the static geometry of a scene; see [`crate::LbmFluid::with_variant`].
     pub fn on(
-        ground: Ground,
+        ground: StaticGeometry,
         scene: &Scene,
         parameters: &Parameters,
         time_step: f64,
@@ -207,13 +209,13 @@ impl<T: Collides> Solver<T> {
             )]
         })?;
         let upright = ground.upright;
-        let mut surroundings = Surroundings::new(scene, ground, parameters, &units);
+        let mut surroundings = Boundaries::new(scene, ground, parameters, &units);
         let built = surroundings.build(T::LINE);
         let count = built.layout.places.lines().len();
         let step = CELLS_PER_BLOCK / T::LINE;
         let ranges: Vec<_> =
             (0..count).step_by(step).map(|first| first..(first + step).min(count)).collect();
-        let tally = Tally::new(&built.reflections, &ranges, T::LINE);
+        let tally = ReflectionImpulse::new(&built.reflections, &ranges, T::LINE);
         let halfway_in = |lines: &std::ops::Range<usize>| {
             let before = |line: usize| {
                 built.halfway.partition_point(|link| (link.cell as usize) < line * T::LINE)
@@ -221,25 +223,25 @@ impl<T: Collides> Solver<T> {
             let links = &built.halfway[before(lines.start)..before(lines.end)];
             HalfwayLinks::new(&built.layout, links, &surroundings.references)
         };
-        let blocks: Vec<Block> = ranges
+        let blocks: Vec<CellBlock> = ranges
             .iter()
             .enumerate()
-            .map(|(number, lines)| Block {
+            .map(|(number, lines)| CellBlock {
                 lines: lines.clone(),
-                survey: Survey::NONE,
+                survey: CellStatistics::NONE,
                 reflected: vec![0.0; tally.runs(number).len()],
                 halfway: halfway_in(lines),
             })
             .collect();
-        let waiting = Soft::all(scene);
+        let waiting = SoftSurface::all(scene);
         let fixtures = surroundings.laws.len();
         let centres = Centres { cell: units.cell, min: units.min };
         let probes = Probes::new(&scene.probes, &built.layout, &centres);
         let ports = PortFaces::new(scene, &built.layout, &centres);
-        let declared = DeclaredGaps::new(scene, &surroundings, &built.layout, centres);
+        let declared = ModelledGaps::new(scene, &surroundings, &built.layout, centres);
         let slips = declared.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
         let cells = built.layout.cells.len();
-        let mut owners = Owners::new(cells);
+        let mut owners = CellFlags::new(cells);
         if !declared.is_empty() {
             owners.list_changes();
         }
@@ -247,10 +249,10 @@ impl<T: Collides> Solver<T> {
             units,
             field: Field::new(built.layout.places.stride()),
             owners,
-            bricks: Bricks::new(&built.layout.grid),
-            wanted: Wanted { lines: Vec::new(), left: 0, drho: Field::zeros(0) },
+            bricks: ChangeBlocks::new(&built.layout.grid),
+            wanted: DensityRequests { lines: Vec::new(), left: 0, drho: Field::zeros(0) },
             bodies: Bodies::of(
-                Catalogue::new(
+                BodyShapes::new(
                     scene,
                     std::mem::take(&mut surroundings.moving),
                     roundings(scene, parameters, &units),
@@ -269,7 +271,11 @@ impl<T: Collides> Solver<T> {
             gap_of: declared.by_cell().to_vec(),
             intakes: declared.intakes(),
             walls: WallDistances::default(),
-            slip: if slips { Slip::in_gaps(&declared, &built.layout) } else { Slip::default() },
+            slip: if slips {
+                SpecularWalls::in_gaps(&declared, &built.layout)
+            } else {
+                SpecularWalls::default()
+            },
             slips,
             declared,
             soft_vertices: waiting.iter().map(|soft| soft.vertices().len()).sum(),
@@ -289,7 +295,7 @@ impl<T: Collides> Solver<T> {
             blocks,
             tally,
             surroundings,
-            now: vec![Now::Wall([0.0; 3]); fixtures],
+            now: vec![BoundaryValue::Wall([0.0; 3]); fixtures],
             layout: built.layout,
             fixed: built.fixed,
             fixed_items: built.fixed_items,
@@ -310,7 +316,7 @@ impl<T: Collides> Solver<T> {
             balance: Ledger::default(),
             ledger: Ledger::default(),
             lost: Lost::default(),
-            survey: Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE },
+            survey: CellStatistics { min_drho: 0.0, max_drho: 0.0, ..CellStatistics::NONE },
             exchange: MomentumExchange::default(),
             fixtures: vec![MomentumExchange::default(); fixtures],
             pressed: vec![MomentumExchange::default(); fixtures],
@@ -328,7 +334,7 @@ impl<T: Collides> Solver<T> {
         self.bodies.share_unions(shares);
     }
 
-    /// See [`crate::FluidLbm::apply_events`].
+    /// See [`crate::LbmFluid::apply_events`].
     pub fn apply_events(&mut self, events: &[BodyEvent]) -> Result<(), FluidError> {
         if events.is_empty() {
             return Ok(());
@@ -371,7 +377,7 @@ impl<T: Collides> Solver<T> {
         self.gaps_press || !self.declared.is_empty()
     }
 
-    /// See [`crate::FluidLbm::start`].
+    /// See [`crate::LbmFluid::start`].
     pub fn start(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         self.bodies.check(bodies, loads.len())?;
         self.check_surfaces()?;
@@ -391,17 +397,17 @@ impl<T: Collides> Solver<T> {
         Ok(())
     }
 
-    /// See [`crate::FluidLbm::choose_threads`].
+    /// See [`crate::LbmFluid::choose_threads`].
     pub fn choose_threads(&mut self) {
         self.choice = Some(Choice::new(self.team.threads()));
     }
 
-    /// See [`crate::FluidLbm::take_found`].
+    /// See [`crate::LbmFluid::take_found`].
     pub fn take_found(&mut self) -> Option<Found> {
         self.found.take()
     }
 
-    /// See [`crate::FluidLbm::step`].
+    /// See [`crate::LbmFluid::step`].
     pub fn step(&mut self, bodies: &[BodyState], loads: &mut [Load]) -> Result<(), FluidError> {
         let Some(mut choice) = self.choice.take() else { return self.advance(bodies, loads) };
         self.team.work_alone(choice.begin(self.owners.fluid_cells));
@@ -441,7 +447,7 @@ impl<T: Collides> Solver<T> {
     }
 
     /// The fluid before the next collision.
-    pub(crate) fn before(&self) -> Before<'_, T> {
+    pub(crate) fn before(&self) -> PreCollision<'_, T> {
         before!(self)
     }
 
@@ -475,7 +481,7 @@ impl<T: Collides> Solver<T> {
 
     /// Adds up the blocks.
     pub(crate) fn join_surveys(&mut self) {
-        self.survey = Survey::NONE;
+        self.survey = CellStatistics::NONE;
         for block in &self.blocks {
             self.survey.join(&block.survey);
         }

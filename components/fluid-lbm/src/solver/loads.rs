@@ -3,16 +3,16 @@
 use crate::bodies::body::Body;
 use crate::boundary::virtual_piston::face::ReservoirFace;
 use crate::domain::mirrors::{mirrors_of_part, near_mirrors, with_image};
-use crate::lattice::cell_list::Fixture;
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::cell_list::BoundaryId;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::grid::Grid;
 use crate::lattice::ledger::{Ledger, add_scaled};
 use crate::lattice::momentum_exchange::MomentumExchange;
-use crate::lattice::reductions::Survey;
-use crate::solver::lbm_solver::{Solver, before};
+use crate::lattice::reductions::CellStatistics;
+use crate::solver::lbm_solver::{LbmSolver, before};
 use tremie_messages::Load;
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Begins the balance of a step.
     pub(crate) fn begin_balance(&mut self) {
         let old = self.balance;
@@ -81,7 +81,7 @@ impl<T: Collides> Solver<T> {
             let unmirrored = self.exchange.unmirrored;
             balance.symmetry = std::array::from_fn(|a| mirrors[a] - unmirrored[a]);
             for (number, exchange) in self.fixtures.iter().enumerate() {
-                if number < usize::from(Fixture::FACES) {
+                if number < usize::from(BoundaryId::FACES) {
                     add_scaled(&mut balance.walls, exchange.force, -1.0);
                     balance.mass_walls += exchange.mass;
                 } else {
@@ -132,14 +132,15 @@ impl<T: Collides> Solver<T> {
         let (before, owners) = (before!(self), &self.owners);
         let acceleration = self.relaxation.acceleration;
         self.team.for_each(&mut self.blocks, |_, block| {
-            let mut survey = Survey { min_drho: 0.0, max_drho: 0.0, ..Survey::NONE };
+            let mut survey =
+                CellStatistics { min_drho: 0.0, max_drho: 0.0, ..CellStatistics::NONE };
             let first = block.lines.start * T::LINE;
             let end = (block.lines.end * T::LINE).min(before.layout.cells.len());
             for cell in first as u32..end as u32 {
                 if owners.is_fluid(cell) {
                     let content = before.content(cell);
                     let u = content.velocity(acceleration);
-                    survey.join(&Survey {
+                    survey.join(&CellStatistics {
                         excess: content.drho,
                         j: content.j,
                         speed2: crate::lattice::d3q19::dot(u, u),

@@ -14,10 +14,10 @@
 //! keep accounts: those count it. A part that prescribes velocity or pressure lets fluid through, and what its links brought is no
 //! loss, interpolated or not. A step in which bodies appear or vanish counts nothing: what they displace is no loss.
 
-use crate::domain::boundary_condition::Law;
-use crate::lattice::cell_list::Fixture;
-use crate::lattice::collision_kernel::Collides;
-use crate::solver::lbm_solver::Solver;
+use crate::domain::boundary_condition::BoundaryCondition;
+use crate::lattice::cell_list::BoundaryId;
+use crate::lattice::collision_kernel::CollisionKernel;
+use crate::solver::lbm_solver::LbmSolver;
 
 /// What is known of it [cells at density 1].
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,7 +43,7 @@ impl Lost {
     }
 }
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Begins anew: nothing is lost.
     pub(crate) fn lose_nothing(&mut self) {
         self.patches.forgive(&mut self.fixed_items);
@@ -70,8 +70,10 @@ impl<T: Collides> Solver<T> {
     /// Mass that came in the last step through parts that let fluid through.
     fn through_parts(&self) -> f64 {
         let all = self.surroundings.laws.iter().zip(&self.fixtures);
-        let lets_through = |law: &Option<Law>| !matches!(law, None | Some(Law::Wall { .. }));
-        all.skip(usize::from(Fixture::FACES))
+        let lets_through = |law: &Option<BoundaryCondition>| {
+            !matches!(law, None | Some(BoundaryCondition::Wall { .. }))
+        };
+        all.skip(usize::from(BoundaryId::FACES))
             .filter(|(law, _)| lets_through(law))
             .map(|(_, exchange)| exchange.mass)
             .sum()

@@ -27,12 +27,12 @@
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
 
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::Q;
 use crate::lattice::momentum_exchange::MomentumExchange;
-use crate::solver::lbm_solver::Solver;
+use crate::solver::lbm_solver::LbmSolver;
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Handle of the body that covers a cell or cut it off from the fluid.
     pub(crate) fn holder_of(&self, cell: u32) -> Option<u32> {
         let (owners, layout) = (&self.owners, &self.layout);

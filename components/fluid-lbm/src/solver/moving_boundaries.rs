@@ -2,10 +2,10 @@
 
 use crate::boundary::mesh_links::Site;
 use crate::boundary::refill::Content;
-use crate::lattice::cell_flags::{Owners, Vacated};
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::cell_flags::{CellFlags, Vacated};
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::ledger::add_scaled;
-use crate::solver::lbm_solver::{Solver, before};
+use crate::solver::lbm_solver::{LbmSolver, before};
 use std::sync::atomic::Ordering::Relaxed;
 use tremie_messages::BodyState;
 
@@ -16,7 +16,7 @@ pub struct Filled {
     content: Content,
 }
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Moves the bodies: covers and uncovers cells, refills.
     pub(crate) fn move_bodies(&mut self, states: &[BodyState]) {
         self.owners.begin();
@@ -71,7 +71,7 @@ impl<T: Collides> Solver<T> {
 
     /// Notes where cells joined the fluid or left it.
     fn note_changes(&mut self) {
-        let Owners { covered, enclosed, vacated, .. } = &self.owners;
+        let CellFlags { covered, enclosed, vacated, .. } = &self.owners;
         let changed = covered.iter().chain(enclosed).copied();
         let changed = changed.chain(vacated.iter().map(|vacated| vacated.cell));
         self.bricks.begin(&self.layout, changed);

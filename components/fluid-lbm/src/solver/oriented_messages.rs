@@ -1,7 +1,7 @@
 //! What the fluid is told of bodies, by the lattice's axes, and what it tells, by the world's.
 
 use crate::boundary::virtual_piston::face::ReservoirState;
-use crate::domain::lattice_orientation::Axes;
+use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::lattice::d3q19::{Q, each};
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
@@ -10,7 +10,7 @@ use crate::solver::probes::{count, first_velocity};
 use tremie_messages::scene::ProbeShape;
 use tremie_messages::{BodyState, FacetLoad, Load, PortState, SurfaceVertex};
 
-impl Axes {
+impl LatticeOrientation {
     /// States of bodies; `room` takes them where they differ from the world's.
     pub fn bodies<'a>(
         self,

@@ -13,10 +13,10 @@
 
 use crate::boundary::open_boundary::open_faces;
 use crate::boundary::refill::Content;
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::{C_F64, Q, W, dot};
 use crate::lattice::ledger::add_scaled;
-use crate::solver::lbm_solver::{Solver, before};
+use crate::solver::lbm_solver::{LbmSolver, before};
 
 /// Links into fluid from which on fluid flows through a cell: those of a cell along the edge of a box.
 const OPEN_LINKS: usize = 9;
@@ -70,7 +70,7 @@ impl Pinched {
     }
 }
 
-impl<T: Collides> Solver<T> {
+impl<T: CollisionKernel> LbmSolver<T> {
     /// Whether a cell is fluid through which nothing flows.
     fn is_pinched(&self, cell: u32) -> bool {
         let (layout, owners) = (&self.layout, &self.owners);

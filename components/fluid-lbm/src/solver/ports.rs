@@ -2,9 +2,9 @@
 //! layer at the face.
 
 use crate::domain::solids::Centres;
-use crate::lattice::collision_kernel::Collides;
+use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::layout::Layout;
-use crate::solver::lbm_solver::{Solver, before};
+use crate::solver::lbm_solver::{LbmSolver, before};
 use crate::solver::probes::Probes;
 use tremie_messages::PortState;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
@@ -43,8 +43,8 @@ impl PortFaces {
     }
 }
 
-impl<T: Collides> Solver<T> {
-    /// See [`crate::FluidLbm::ports`].
+impl<T: CollisionKernel> LbmSolver<T> {
+    /// See [`crate::LbmFluid::ports`].
     pub fn ports(&mut self) -> &[PortState] {
         let before = before!(self);
         let PortFaces { faces, layers, values } = &mut self.ports;

@@ -1,9 +1,9 @@
 //! What probes measure: weighted means over the fluid cells where they are.
 
-use crate::boundary::refill::{Before, Content};
+use crate::boundary::refill::{Content, PreCollision};
 use crate::domain::sampling::samples;
 use crate::domain::solids::Centres;
-use crate::lattice::cell_flags::Owners;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::CS2;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
@@ -272,8 +272,8 @@ impl Probes {
     pub fn read<T: Real>(
         &mut self,
         team: &mut Team,
-        before: &Before<T>,
-        owners: &Owners,
+        before: &PreCollision<T>,
+        owners: &CellFlags,
         units: &Units,
         out: &mut Vec<f64>,
     ) {

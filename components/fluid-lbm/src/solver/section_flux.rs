@@ -15,9 +15,9 @@
 //! inside. Of walls that stand still those that slide along themselves are left out, but for faces of the domain.
 
 use crate::bodies::body_list::Bodies;
-use crate::boundary::refill::Before;
-use crate::domain::boundary_condition::Now;
-use crate::lattice::cell_flags::Owners;
+use crate::boundary::refill::PreCollision;
+use crate::domain::boundary_condition::BoundaryValue;
+use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, dot, mirrored};
 use crate::lattice::grid::{Reach, Side};
 use crate::lattice::layout::Layout;
@@ -48,13 +48,13 @@ enum End {
 #[derive(Clone, Copy)]
 pub struct Sight<'a, T: Real> {
     /// The fluid.
-    pub before: Before<'a, T>,
+    pub before: PreCollision<'a, T>,
     /// Who owns which cell.
-    pub owners: &'a Owners,
+    pub owners: &'a CellFlags,
     /// The bodies.
     pub bodies: &'a Bodies,
     /// What fixtures prescribe.
-    pub now: &'a [Now],
+    pub now: &'a [BoundaryValue],
 }
 
 /// Links that cross a part of a section.
@@ -97,7 +97,7 @@ impl Crossing {
 impl<T: Real> Sight<'_, T> {
     /// What passed along a link out of its cell.
     fn passed(&self, link: &Link) -> f64 {
-        let Before { layout, parity, field, .. } = self.before;
+        let PreCollision { layout, parity, field, .. } = self.before;
         let i = usize::from(link.dir);
         match link.end {
             End::Cell { cell, dir, .. } if self.owners.is_fluid(cell) => {
@@ -108,7 +108,7 @@ impl<T: Real> Sight<'_, T> {
                 self.velocity_in(cell, mirrors).map_or(0.0, |u| self.carried(link.cell, i, u))
             }
             End::Face(face) => match self.now[usize::from(face)] {
-                Now::Wall(u) if u != [0.0; 3] => self.carried(link.cell, i, u),
+                BoundaryValue::Wall(u) if u != [0.0; 3] => self.carried(link.cell, i, u),
                 _ => 0.0,
             },
         }

@@ -3,7 +3,7 @@
 #![allow(dead_code)]
 
 use tremie_fluid_lbm::{
-    Collision, FluidLbm, GapPressure, OpenFaces, Parameters, Precision, Refill, Variant, Walls,
+    Collision, GapPressure, LbmFluid, OpenFaces, Parameters, Precision, Refill, Variant, Walls,
 };
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Geometry, Motion, Part, PartBoundary, Pose, Scene,
@@ -82,7 +82,7 @@ impl Case {
         }
     }
 
-    pub fn fluid(&self) -> FluidLbm {
+    pub fn fluid(&self) -> LbmFluid {
         self.fluid_of(&self.scene())
     }
 
@@ -103,9 +103,9 @@ impl Case {
     }
 
     /// The fluid in a scene made from [`Case::scene`].
-    pub fn fluid_of(&self, scene: &Scene) -> FluidLbm {
+    pub fn fluid_of(&self, scene: &Scene) -> LbmFluid {
         let parameters = self.parameters();
-        FluidLbm::with_variant(scene, &parameters, 1.0, self.threads, self.variant).unwrap()
+        LbmFluid::with_variant(scene, &parameters, 1.0, self.threads, self.variant).unwrap()
     }
 }
 
@@ -147,7 +147,7 @@ pub fn added_part(id: u64, part: u64) -> BodyEvent {
 }
 
 /// Checks that the balance of momentum and mass of the last step closes.
-pub fn closes(fluid: &FluidLbm, tolerance: f64) {
+pub fn closes(fluid: &LbmFluid, tolerance: f64) {
     let ledger = fluid.ledger();
     let terms = ledger.momentum_terms();
     for a in 0..3 {
@@ -208,7 +208,7 @@ pub fn steady_drag(case: &Case, scene: &Scene, event: BodyEvent, position: [f64;
 }
 
 /// Every cell of a fluid.
-pub fn cells(fluid: &FluidLbm) -> impl Iterator<Item = [usize; 3]> + use<> {
+pub fn cells(fluid: &LbmFluid) -> impl Iterator<Item = [usize; 3]> + use<> {
     let [nx, ny, nz] = fluid.cells();
     (0..nx * ny * nz).map(move |k| [k % nx, k / nx % ny, k / (nx * ny)])
 }

@@ -21,7 +21,7 @@
 //! bodies cover are left out. A body that appears in the middle of a run gives back what it displaces
 //! (`displaced_fluid`); one that moves there does not.
 
-use crate::boundary::open_boundary::{CELLS_PER_ITEM, Next, open_faces};
+use crate::boundary::open_boundary::{CELLS_PER_ITEM, PostStreaming, open_faces};
 use crate::boundary::virtual_piston::cylinder::Cylinder;
 use crate::boundary::wall_mass::Brought;
 use crate::lattice::aa_pattern::Blocked;
@@ -243,7 +243,7 @@ impl ReservoirFace {
     /// A flow through the face that is too fast for the lattice, or not finite.
     pub fn apply<T: Real>(
         &mut self,
-        next: &Next<'_, T>,
+        next: &PostStreaming<'_, T>,
         team: &mut Team,
         units: &Units,
         brought: &[Brought; 6],
@@ -297,7 +297,7 @@ impl ReservoirFace {
 
 /// A face in a step.
 struct View<'a, T: Real> {
-    next: &'a Next<'a, T>,
+    next: &'a PostStreaming<'a, T>,
     axis: usize,
     inward: i32,
     /// Density minus 1 of the cylinder.

@@ -1,13 +1,13 @@
 //! A scene as the lattice sees it.
 
-use super::Axes;
+use super::LatticeOrientation;
 use tremie_messages::scene::{
     Domain, Face, FluidMaterial, Gap, GapRegion, GapRule, GapSide, Inlet, InletVelocity, Motion,
     MotionPoint, OpenVelocity, Outlet, Part, PartBoundary, Plane, Pose, Probe, ProbeShape, Ring,
     Scene, Slider, TimedMotion,
 };
 
-impl Axes {
+impl LatticeOrientation {
     /// A scene by the lattice's axes, but for its sets of bodies: a fluid gets to know those from events.
     pub fn scene(self, scene: &Scene) -> Scene {
         Scene {

@@ -2,15 +2,19 @@
 
 use super::*;
 use crate::domain::parameters::Parameters;
-use crate::fluid::lbm_fluid::FluidLbm;
-use crate::solver::lbm_solver::Solver;
+use crate::fluid::lbm_fluid::LbmFluid;
+use crate::solver::lbm_solver::LbmSolver;
 use tremie_geometry::Frame;
 use tremie_messages::scene::{
     Course, Domain, Face, FluidMaterial, OpenVelocity, Pose, Profile, Scene,
 };
 use tremie_team::Variant;
 
-const ALL: [Axes; 3] = [Axes { first: 0 }, Axes { first: 1 }, Axes { first: 2 }];
+const ALL: [LatticeOrientation; 3] = [
+    LatticeOrientation { first: 0 },
+    LatticeOrientation { first: 1 },
+    LatticeOrientation { first: 2 },
+];
 
 #[test]
 fn what_is_turned_is_turned_back() {
@@ -54,7 +58,7 @@ fn rows_are_long() {
         let fluid = Some(FluidMaterial::at_rest(1.0, 0.1));
         let scene = Scene { fluid, ..Scene::empty(domain) };
         let (_, ground) = Parameters::with_cell(1.0).survey(&scene).unwrap();
-        Axes::with_whole_lines(&ground, 16).first
+        LatticeOrientation::with_whole_lines(&ground, 16).first
     };
     assert_eq!(of([9.0, 9.0, 9.0]), 0);
     assert_eq!(of([10.0, 30.0, 11.0]), 1);
@@ -71,7 +75,7 @@ fn lines_in_pieces_are_counted() {
     let grid = Grid::walled([5, 4, 1], [false; 3]);
     // Fluid is 0: rows of 5, 2 and 2, 4 and 5 cells along x.
     let solid = [0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0];
-    let of = |first: usize, line| Axes { first }.lines(&grid, &solid, line);
+    let of = |first: usize, line| LatticeOrientation { first }.lines(&grid, &solid, line);
     // They end at 5, 7, 9, 13 and 18.
     assert_eq!(of(0, 4), [5, 4]);
     assert_eq!(of(0, 18), [1, 1]);
@@ -109,9 +113,9 @@ fn edges_belong_to_the_same_faces() {
         };
         let parameters = Parameters::with_cell(1.0);
         let step = parameters.resolve(&scene).unwrap().time_step;
-        let mut fluid = FluidLbm::new(&scene, &parameters, step, 1).unwrap();
+        let mut fluid = LbmFluid::new(&scene, &parameters, step, 1).unwrap();
         let mut plain =
-            Solver::<f64>::new(&scene, &parameters, step, 1, Variant::widest()).unwrap();
+            LbmSolver::<f64>::new(&scene, &parameters, step, 1, Variant::widest()).unwrap();
         let mut largest = 0.0_f64;
         for _ in 0..30 {
             fluid.step(&[], &mut []).unwrap();

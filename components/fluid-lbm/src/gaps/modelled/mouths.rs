@@ -1,9 +1,9 @@
 //! The links from fluid cells into frozen ones: they are reflected half-way, and their cells are around the gap.
 
-use super::DeclaredGaps;
+use super::ModelledGaps;
 use crate::boundary::gap_sinks::NO_GAP;
-use crate::boundary::post_collision::{After, density};
-use crate::lattice::cell_flags::{FROZEN, Owners};
+use crate::boundary::post_collision::{PostCollision, density};
+use crate::lattice::cell_flags::{CellFlags, FROZEN};
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, mirrored};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
@@ -50,7 +50,7 @@ impl Mouths {
     }
 
     /// Adds those into a frozen cell.
-    fn add(&mut self, owners: &Owners, layout: &Layout, cell: u32, gap: u16) {
+    fn add(&mut self, owners: &CellFlags, layout: &Layout, cell: u32, gap: u16) {
         self.note(cell);
         let at = layout.at(cell);
         for i in 1..Q {
@@ -71,9 +71,9 @@ impl Mouths {
     }
 }
 
-impl DeclaredGaps {
+impl ModelledGaps {
     /// Lists the links from fluid cells into frozen ones, if cells changed hands on which these depend.
-    pub fn find_mouths(&mut self, owners: &Owners, layout: &Layout) {
+    pub fn find_mouths(&mut self, owners: &CellFlags, layout: &Layout) {
         let mouths = &self.mouths;
         let changed = owners.changed().iter();
         let depends = |&cell: &u32| mouths.matters[cell as usize] || owners.of(cell) == FROZEN;
@@ -96,7 +96,7 @@ impl DeclaredGaps {
     }
 
     /// Reflects them.
-    pub(super) fn reflect_mouths<T: Real>(&mut self, after: &After<T>) {
+    pub(super) fn reflect_mouths<T: Real>(&mut self, after: &PostCollision<T>) {
         self.impulse = [0.0; 3];
         for mouth in &self.mouths.list {
             let i = usize::from(mouth.dir);

@@ -1,9 +1,9 @@
 //! Gaps whose walls slip: where they do, and whose walls they are.
 
-use super::{CELLS_PER_ITEM, Candidate, DeclaredGaps, Wall};
+use super::{CELLS_PER_ITEM, Candidate, ModelledGaps, Wall};
 use crate::bodies::body_list::Bodies;
 
-impl DeclaredGaps {
+impl ModelledGaps {
     /// Whether the walls of a fluid cell slip, and across which axis.
     pub fn slips_at(&self, cell: u32) -> Option<usize> {
         let gap = &self.gaps[usize::from(self.of(cell)?)];

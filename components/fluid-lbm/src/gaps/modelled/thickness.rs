@@ -2,7 +2,7 @@
 
 use super::{Candidate, Declared, Wall, body_of};
 use crate::bodies::body_list::Bodies;
-use crate::boundary::boundaries::Surroundings;
+use crate::boundary::boundaries::Boundaries;
 use crate::domain::solids::Centres;
 use crate::lattice::d3q19::dot;
 use crate::lattice::layout::Layout;
@@ -22,7 +22,7 @@ impl Declared {
         &self,
         point: [f64; 3],
         layout: &Layout,
-        surroundings: &Surroundings,
+        surroundings: &Boundaries,
         centres: &Centres,
     ) -> Option<(f64, [f64; 3])> {
         if self.region.is_some_and(|region| !region.contains(point)) {

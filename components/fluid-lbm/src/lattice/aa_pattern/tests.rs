@@ -52,7 +52,7 @@ fn sheets(grid: &Grid, solid: &[u16], roll: &mut impl FnMut() -> u32) -> Vec<She
 use crate::lattice::grid::Reach;
 
 /// Whether a line may be in a run with others.
-fn is_straight(places: &Places, line: usize) -> bool {
+fn is_straight(places: &AaPattern, line: usize) -> bool {
     !places.kind(line).is_in_pieces() || places.way(line).row_end.is_some()
 }
 
@@ -64,7 +64,7 @@ proptest! {
         (grid, obstacles) in boxes(), line in prop::sample::select(vec![8_usize, 16]),
     ) {
         let cells = Cells::new(&grid, &obstacles);
-        let (places, survey) = Places::new(&grid, &cells, &obstacles, line, |o| o.0 % 2 == 0);
+        let (places, survey) = AaPattern::new(&grid, &cells, &obstacles, line, |o| o.0 % 2 == 0);
         for parity in [Parity::Even, Parity::Odd] {
             let mut seen = HashSet::new();
             for cell in 0..cells.len() as u32 {

@@ -3,8 +3,8 @@
 //! They are read for the second time here, from the first-level cache, pair by pair, so that nearly all values stay in
 //! registers.
 
-use super::{Constants, Populations, Rates, Target};
-use crate::lattice::simd::Lanes;
+use super::{Constants, Equilibrium, Populations, RelaxationRates};
+use crate::lattice::simd::SimdVector;
 
 /// Along an axis and along a diagonal, which has half the weight.
 macro_rules! both {
@@ -46,12 +46,12 @@ macro_rules! each_pair {
 }
 
 /// Some lanes of the populations of a vector of cells.
-struct Vector<'a, V: Lanes, P, const WHOLE: bool> {
+struct Vector<'a, V: SimdVector, P, const WHOLE: bool> {
     populations: &'a P,
     mask: V::Mask,
 }
 
-impl<V: Lanes, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WHOLE> {
+impl<V: SimdVector, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WHOLE> {
     /// The populations of a direction.
     ///
     /// # Safety
@@ -83,7 +83,7 @@ impl<V: Lanes, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WHOLE> {
 /// As for [`Populations::store`].
 #[inline(always)]
 pub unsafe fn relax<
-    V: Lanes,
+    V: SimdVector,
     const FORCED: bool,
     const LES: bool,
     const SINGLE: bool,
@@ -91,7 +91,7 @@ pub unsafe fn relax<
 >(
     populations: &impl Populations<V>,
     mask: V::Mask,
-    (target, rates): (&Target<V>, &Rates<V>),
+    (target, rates): (&Equilibrium<V>, &RelaxationRates<V>),
     k: &Constants<V>,
 ) {
     let vector = Vector::<V, _, WHOLE> { populations, mask };
@@ -107,7 +107,10 @@ pub unsafe fn relax<
 
 /// `rho e 2 v.a`, in `S+ = w rho e [6 (c.v)(c.a) - 2 v.a]`; the density where there is no acceleration.
 #[inline(always)]
-fn pull<V: Lanes, const FORCED: bool>(&Target { v, rho, .. }: &Target<V>, k: &Constants<V>) -> V {
+fn pull<V: SimdVector, const FORCED: bool>(
+    &Equilibrium { v, rho, .. }: &Equilibrium<V>,
+    k: &Constants<V>,
+) -> V {
     if !FORCED {
         return rho;
     }
@@ -122,17 +125,17 @@ fn pull<V: Lanes, const FORCED: bool>(&Target { v, rho, .. }: &Target<V>, k: &Co
 /// ```
 #[inline(always)]
 unsafe fn relax_alike<
-    V: Lanes,
+    V: SimdVector,
     P: Populations<V>,
     const FORCED: bool,
     const SINGLE: bool,
     const WHOLE: bool,
 >(
     vector: &Vector<V, P, WHOLE>,
-    target: &Target<V>,
+    target: &Equilibrium<V>,
     k: &Constants<V>,
 ) {
-    let &Target { v, rho, rest } = target;
+    let &Equilibrium { v, rho, rest } = target;
     let rho_va = pull::<V, FORCED>(target, k);
     // What remains of a population and of its opposite.
     macro_rules! mixed {
@@ -177,18 +180,18 @@ unsafe fn relax_alike<
 /// with one time, and so for even and odd parts with two.
 #[inline(always)]
 unsafe fn relax_each<
-    V: Lanes,
+    V: SimdVector,
     P: Populations<V>,
     const FORCED: bool,
     const SINGLE: bool,
     const WHOLE: bool,
 >(
     vector: &Vector<V, P, WHOLE>,
-    target: &Target<V>,
-    rates: &Rates<V>,
+    target: &Equilibrium<V>,
+    rates: &RelaxationRates<V>,
     k: &Constants<V>,
 ) {
-    let &Target { v, rho, rest } = target;
+    let &Equilibrium { v, rho, rest } = target;
     let rho_va = pull::<V, FORCED>(target, k);
     let (balance, flow) = (both!(k.w * rest), both!(k.two_w * rho));
     let pull = both!(k.w * rho_va);
