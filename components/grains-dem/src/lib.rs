@@ -12,7 +12,7 @@
 //! velocity Verlet with predicted velocities. All quantities are SI, in the world frame.
 //!
 //! A convex polyhedron is the hull of at most 32 corners, of any size and orientation. It touches polyhedra,
-//! spheres, walls and parts under the linear laws; `polyhedra/press.rs` has the forces, which are derivatives of
+//! spheres, walls and parts under the linear laws; `polyhedra/overlap_integrals.rs` has the forces, which are derivatives of
 //! an energy, so that contacts without dashpots keep it to second order in the step. The normal stiffness of
 //! a law is reached where a polyhedron's largest face (of two, the smaller one) is touched all over; smaller
 //! contacts are softer in proportion, and edges and corners sink in deeper. Rolling friction acts on spheres alone.

@@ -19,7 +19,7 @@ pub(crate) const ALONE: u32 = u32::MAX;
 /// A sphere in space, or that around a polyhedron: what the search for contacts reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
-pub(crate) struct Ball {
+pub(crate) struct BoundingSphere {
     /// Centre [m].
     pub x: Vec3,
     /// Radius [m].
@@ -111,7 +111,7 @@ pub(crate) struct PlacedSolid {
 /// A body as it is placed at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlacedSphere {
-    pub ball: Ball,
+    pub ball: BoundingSphere,
     /// What it is, if it is a polyhedron.
     pub solid: Option<PlacedSolid>,
     pub twist: Twist,
@@ -199,7 +199,7 @@ pub(crate) struct Bodies {
     /// Where the body of each rank stands in the other arrays.
     pub slot: Vec<u32>,
     /// Where they are, always inside the periodic faces.
-    pub balls: Vec<Ball>,
+    pub balls: Vec<BoundingSphere>,
     /// Velocities: of the full step between substeps, of the half step within one.
     pub twists: Vec<Twist>,
     /// Velocities predicted for the end of the substep: those that forces see.
@@ -229,7 +229,7 @@ pub(crate) struct Bodies {
 #[derive(Clone, Debug, Default)]
 struct Spare {
     rank: Vec<u32>,
-    balls: Vec<Ball>,
+    balls: Vec<BoundingSphere>,
     twists: Vec<Twist>,
     wrenches: Vec<Wrench>,
     mobility: Vec<Mobility>,
@@ -404,7 +404,7 @@ mod tests {
     #[test]
     fn bodies_keep_their_ids_in_another_order() {
         let sphere = |k: f64| PlacedSphere {
-            ball: Ball { x: Vec3::repeat(k), radius: k },
+            ball: BoundingSphere { x: Vec3::repeat(k), radius: k },
             solid: None,
             twist: Twist { v: Vec3::repeat(-k), w: Vec3::zeros() },
             mass: 1.0 + k,

@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, Wrench};
-use crate::bodies::message_order::Roll;
+use crate::bodies::message_order::MessageOrder;
 use crate::math::error::GrainsError;
 use tremie_messages::body::Load;
 use tremie_team::{Cut, Team};
@@ -21,7 +21,7 @@ pub(crate) fn take(
     team: &mut Team,
     bodies: &mut Bodies,
     loads: &[Load],
-    roll: Roll,
+    roll: MessageOrder,
     sums: &mut Vec<Sum>,
 ) -> Result<Vec3, GrainsError> {
     let expected = roll.bodies(bodies);

@@ -53,7 +53,7 @@ impl Triangle {
 
 /// A point of a wall within reach of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Nearest {
+pub(crate) struct WallPoint {
     /// Unit vector from the point to the centre of the sphere.
     pub normal: Vec3,
     /// Distance of the point from the centre [m].
@@ -84,13 +84,13 @@ const TIE: f64 = 1e-9;
 
 /// The contacts found, in the order described above.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Found {
-    list: [Nearest; MOST],
+pub(crate) struct WallPoints {
+    list: [WallPoint; MOST],
     count: usize,
 }
 
-impl Found {
-    pub const NONE: Self = Self { list: [Nearest::NONE; MOST], count: 0 };
+impl WallPoints {
+    pub const NONE: Self = Self { list: [WallPoint::NONE; MOST], count: 0 };
 
     /// The same with points from an origin that had the coordinates `x`.
     pub fn moved_by(mut self, x: Vec3) -> Self {
@@ -98,7 +98,7 @@ impl Found {
         self
     }
 
-    pub fn contacts(&self) -> &[Nearest] {
+    pub fn contacts(&self) -> &[WallPoint] {
         &self.list[..self.count]
     }
 }
@@ -142,8 +142,8 @@ pub(crate) fn find(
     looked: &mut Looked,
     distances: &mut [f32],
     triangle: impl Fn(usize) -> Triangle,
-) -> Found {
-    let mut candidates = Candidates::NONE;
+) -> WallPoints {
+    let mut candidates = ReachedPoints::NONE;
     look(sphere, travel, (looked, distances), triangle, |near| candidates.take(near));
     candidates.contacts(sphere.radius)
 }
@@ -155,13 +155,13 @@ pub(crate) fn look(
     travel: f64,
     (looked, distances): (&mut Looked, &mut [f32]),
     triangle: impl Fn(usize) -> Triangle,
-    mut take: impl FnMut(Nearest),
+    mut take: impl FnMut(WallPoint),
 ) {
     let Seeker { centre, radius, reach } = sphere;
     let moved = (centre - looked.centre).norm_squared().sqrt() + (travel - looked.travel);
-    let mut offer = |near: Option<Nearest>, number: usize| {
+    let mut offer = |near: Option<WallPoint>, number: usize| {
         if let Some(near) = near.filter(|near| near.distance < reach) {
-            take(Nearest { triangle: number as u32, ..near });
+            take(WallPoint { triangle: number as u32, ..near });
         }
     };
     // What is no number looks again, too.
@@ -182,16 +182,16 @@ pub(crate) fn look(
 }
 
 /// A bounded choice of the best points in reach, kept sorted; more than these are never contacts.
-pub(crate) struct Candidates {
-    list: [Nearest; 4 * MOST],
+pub(crate) struct ReachedPoints {
+    list: [WallPoint; 4 * MOST],
     count: usize,
 }
 
-impl Candidates {
-    pub const NONE: Self = Self { list: [Nearest::NONE; 4 * MOST], count: 0 };
+impl ReachedPoints {
+    pub const NONE: Self = Self { list: [WallPoint::NONE; 4 * MOST], count: 0 };
 
     /// Takes a point that is in reach.
-    pub fn take(&mut self, near: Nearest) {
+    pub fn take(&mut self, near: WallPoint) {
         let place = self.list[..self.count].partition_point(|other| !before(&near, other));
         if place == self.list.len() {
             return;
@@ -202,11 +202,11 @@ impl Candidates {
     }
 
     /// Those that are contacts of a sphere.
-    pub fn contacts(&self, radius: f64) -> Found {
-        let mut found = Found::NONE;
+    pub fn contacts(&self, radius: f64) -> WallPoints {
+        let mut found = WallPoints::NONE;
         for near in &self.list[..self.count] {
             let hidden =
-                |other: &Nearest| (near.point - other.point).dot(&other.normal) <= OUT * radius;
+                |other: &WallPoint| (near.point - other.point).dot(&other.normal) <= OUT * radius;
             if let Some(by) = found.contacts().iter().position(hidden) {
                 found.list[by].share(near, radius);
             } else if found.count < MOST {
@@ -218,7 +218,7 @@ impl Candidates {
     }
 }
 
-impl Nearest {
+impl WallPoint {
     pub const NONE: Self = Self {
         normal: Vec3::new(0.0, 0.0, 0.0),
         distance: 0.0,
@@ -236,12 +236,12 @@ impl Nearest {
 
     /// Hands a point of an edge or a vertex to the first of the triangles at it, and one that stands flush with
     /// another's to the owner of the lower rank.
-    fn share(&mut self, other: &Nearest, radius: f64) {
+    fn share(&mut self, other: &WallPoint, radius: f64) {
         if (self.point - other.point).norm_squared() > (TIE * radius).powi(2) {
             return;
         }
         let of_one = self.feature > 0 && self.feature == other.feature;
-        let places = |near: &Nearest| (near.rank, near.owner, near.triangle);
+        let places = |near: &WallPoint| (near.rank, near.owner, near.triangle);
         if (of_one || self.owner != other.owner) && places(other) < places(self) {
             (self.rank, self.owner, self.triangle) = places(other);
         }
@@ -249,26 +249,26 @@ impl Nearest {
 }
 
 /// Whether one candidate is looked at before another.
-fn before(a: &Nearest, b: &Nearest) -> bool {
+fn before(a: &WallPoint, b: &WallPoint) -> bool {
     // Down to the point, so that where two are as deep the order of triangles in a file does not matter.
-    let key = |near: &Nearest| {
+    let key = |near: &WallPoint| {
         (near.feature, near.distance, near.rank, near.point.x, near.point.y, near.point.z)
     };
     key(a) < key(b)
 }
 
 /// Distance of a triangle, and its point that is closest to `centre`, unless the centre is behind the triangle.
-fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<Nearest>) {
+fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<WallPoint>) {
     let Some((feature, number, point)) = border(centre, triangle) else {
         let height = (centre - triangle.corners[0]).dot(&triangle.normal);
         let (normal, point) = (triangle.normal, centre - triangle.normal * height);
-        let near = Nearest { normal, distance: height, point, ..Nearest::NONE };
+        let near = WallPoint { normal, distance: height, point, ..WallPoint::NONE };
         return (height.abs(), (height > 0.0).then_some(near));
     };
     let away = centre - point;
     let distance = away.norm_squared().sqrt();
     let normal = away / distance;
-    let near = Nearest { normal, distance, feature, point, ..Nearest::NONE };
+    let near = WallPoint { normal, distance, feature, point, ..WallPoint::NONE };
     // There the neighbour is as close only where the line to the centre is along the normal.
     let along = normal.dot(&triangle.normal) > ALONG;
     let counts = distance > 0.0 && (along || !triangle.grooves.has(feature, number));
@@ -333,7 +333,7 @@ mod tests {
         [of([a, a + u, a + u + v]), of([a, a + u + v, a + v])]
     }
 
-    fn at(centre: [f64; 3], faces: &[[Triangle; 2]]) -> Vec<Nearest> {
+    fn at(centre: [f64; 3], faces: &[[Triangle; 2]]) -> Vec<WallPoint> {
         let all: Vec<Triangle> = faces.iter().flatten().copied().collect();
         let sphere = Seeker { centre: centre.into(), radius: 1.0, reach: 1.0 };
         let mut distances = vec![0.0; all.len()];

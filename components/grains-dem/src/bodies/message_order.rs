@@ -6,7 +6,7 @@ use core::ops::Range;
 
 /// Where parts that move stand among the bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Roll {
+pub(crate) struct MessageOrder {
     /// Id of the first of them: the number of spheres at the start.
     pub first_part: u64,
     /// How many they are.
@@ -15,7 +15,7 @@ pub(crate) struct Roll {
     pub before: usize,
 }
 
-impl Roll {
+impl MessageOrder {
     /// At the start.
     pub fn new(spheres: usize, parts: usize) -> Self {
         Self { first_part: spheres as u64, parts, before: spheres }

@@ -43,7 +43,7 @@ pub(crate) struct Contact {
 
 /// What a contact remembers from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Memory {
+pub(crate) struct ContactHistory {
     /// Tangential displacement [m], advanced by half a step beyond the last evaluation: the next
     /// one adds the other half, which makes its integration the trapezoidal rule.
     pub xi: Vec3,
@@ -55,7 +55,7 @@ pub(crate) struct Memory {
     pub overlap: f64,
 }
 
-impl Memory {
+impl ContactHistory {
     /// The same as the other body sees it.
     pub fn of_other_side(&self) -> Self {
         Self { xi: -self.xi, rolling: -self.rolling, normal: -self.normal, ..*self }
@@ -88,7 +88,7 @@ pub(crate) fn force(
     law: &Law,
     pair: Reduced,
     contact: &Contact,
-    memory: &mut Memory,
+    memory: &mut ContactHistory,
     touching: bool,
     steps: Steps,
 ) -> ContactForce {
@@ -237,7 +237,8 @@ mod tests {
         let law = law(10.0);
         let start = Vec3::x();
         let along = Vec3::new(0.0, 0.6, 0.8) * 1e-6;
-        let mut memory = Memory { xi: along, normal: start, overlap: 1e-5, ..Memory::default() };
+        let mut memory =
+            ContactHistory { xi: along, normal: start, overlap: 1e-5, ..ContactHistory::default() };
         let angle = core::f64::consts::TAU / steps as f64;
         let first = -along * 0.8e5;
         let (mut length_error, mut last) = (0.0f64, first);
@@ -268,7 +269,7 @@ mod tests {
     #[test]
     fn sliding_force_is_at_the_limit_and_against_the_motion() {
         let law = law(0.4);
-        let mut memory = Memory::default();
+        let mut memory = ContactHistory::default();
         let mut contact = still(Vec3::z());
         contact.velocity = Vec3::new(3.0, 4.0, 0.0);
         let f =
@@ -280,7 +281,7 @@ mod tests {
     #[test]
     fn the_spring_does_not_grow_while_sliding() {
         let law = law(0.4);
-        let mut memory = Memory::default();
+        let mut memory = ContactHistory::default();
         let mut contact = still(Vec3::z());
         contact.velocity = Vec3::new(1.0, 0.0, 0.0);
         for _ in 0..100 {
@@ -302,7 +303,7 @@ mod tests {
         });
         let mut contact = still(Vec3::z());
         contact.velocity = Vec3::new(0.0, 0.0, -1.0);
-        let mut memory = Memory::default();
+        let mut memory = ContactHistory::default();
         let pull =
             force(&damped, PAIR, &contact, &mut memory, true, Steps { before: 1e-6, after: 1e-6 });
         assert_eq!(pull.normal, 0.0);

@@ -2,14 +2,14 @@
 
 use crate::Vec3;
 use crate::bodies::mesh_contact::MOST;
-use crate::contact::contact_force::Memory;
+use crate::contact::contact_force::ContactHistory;
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::region_shares::of_one_region;
 
 /// A contact at the last evaluation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Remembered {
-    pub memory: Memory,
+    pub memory: ContactHistory,
     /// How much of it counts.
     pub share: f64,
     pub law: u16,
@@ -18,15 +18,15 @@ pub(crate) struct Remembered {
 
 /// The contacts of a body at the last evaluation.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct History {
+pub(crate) struct WallContactHistory {
     list: [Remembered; MOST],
     count: usize,
 }
 
-impl History {
+impl WallContactHistory {
     pub const NONE: Self = Self {
         list: [Remembered {
-            memory: Memory {
+            memory: ContactHistory {
                 xi: Vec3::new(0.0, 0.0, 0.0),
                 rolling: Vec3::new(0.0, 0.0, 0.0),
                 normal: Vec3::new(0.0, 0.0, 0.0),
@@ -57,7 +57,7 @@ impl History {
 
     /// What a contact with the normal `n` goes on with: the memory of the contact that turned least, if it is of
     /// one region with it. Of several faces of a region each goes on with the history of all.
-    pub fn heir(&self, n: Vec3) -> Option<Memory> {
+    pub fn heir(&self, n: Vec3) -> Option<ContactHistory> {
         let along = |held: &&Remembered| held.memory.normal.dot(&n);
         let best = self.held().iter().max_by(|a, b| along(a).total_cmp(&along(b)))?;
         of_one_region(best.memory.normal, n).then_some(best.memory)

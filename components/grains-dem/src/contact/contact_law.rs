@@ -14,7 +14,7 @@
 //! 1992). So the restitution does not depend on the speed, and damping ratio and restitution go
 //! together as for linear springs, with and without tension.
 
-use crate::contact::contact_force::Memory;
+use crate::contact::contact_force::ContactHistory;
 use crate::math::damping::damping_ratio;
 use tremie_messages::scene::{ContactLaw, Damping, Spring};
 
@@ -187,7 +187,7 @@ impl Law {
     }
 
     /// Energy that a contact's springs hold [J], by what it remembers.
-    pub fn remembered_energy(&self, memory: &Memory, pair: Reduced) -> f64 {
+    pub fn remembered_energy(&self, memory: &ContactHistory, pair: Reduced) -> f64 {
         let k_t = self.at(memory.overlap, memory.overlap, pair).k_t;
         let across = memory.xi.norm_squared() + memory.rolling.norm_squared();
         self.normal_energy(memory.overlap, pair) + 0.5 * k_t * across

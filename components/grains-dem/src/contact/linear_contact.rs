@@ -3,7 +3,7 @@
 
 use crate::contact::contact_force::Steps;
 use crate::contact::contact_law::Law;
-use crate::math::simd::lanes::{Lane, Lane3, Plain};
+use crate::math::simd::lanes::{Lane3, Plain, SimdLane};
 use tremie_messages::scene::Spring;
 use tremie_team::Variant;
 
@@ -81,7 +81,7 @@ impl LinearLaw {
 
     /// Forces and histories of a batch.
     #[inline(always)]
-    pub fn forces<L: Lane>(&self, b: &Batch<L>, steps: Steps) -> Outcome<L> {
+    pub fn forces<L: SimdLane>(&self, b: &Batch<L>, steps: Steps) -> Outcome<L> {
         // A batch of some kind makes all others of that kind.
         let like = b.root_mass;
         let (zero, half, one) = (like.all(0.0), like.all(0.5), like.all(1.0));
@@ -132,13 +132,13 @@ impl LinearLaw {
 
 /// Coefficient of a dashpot.
 #[inline(always)]
-fn gamma<L: Lane>([fixed, per]: [f64; 2], root_mass: L) -> L {
+fn gamma<L: SimdLane>([fixed, per]: [f64; 2], root_mass: L) -> L {
     root_mass.all(fixed) + root_mass.all(per) * root_mass
 }
 
 /// See [`crate::contact`]'s function of this name.
 #[inline(always)]
-fn turned<L: Lane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<L> {
+fn turned<L: SimdLane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<L> {
     let one = angle.all(1.0);
     let xi = xi - (old + n) * xi.dot(n).over(one + old.dot(n));
     let t = angle.all(0.5) * angle;

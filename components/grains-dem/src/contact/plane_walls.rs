@@ -1,7 +1,7 @@
 //! Walls: planes that stay where they are. A face of the domain may slide along itself.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::contact::material_laws::Laws;
 use crate::contact::region_shares::in_common;
 use tremie_messages::scene::{Course, Face, Scene};
@@ -27,7 +27,7 @@ impl Wall {
 
     /// How far `ball` reaches into the wall [m]; negative while it does not touch.
     #[inline(always)]
-    pub fn overlap(&self, ball: &Ball) -> f64 {
+    pub fn overlap(&self, ball: &BoundingSphere) -> f64 {
         ball.radius - (ball.x.dot(&self.normal) - self.offset)
     }
 }

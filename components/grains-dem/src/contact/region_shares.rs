@@ -23,7 +23,7 @@
 //! *Solving Least Squares Problems*, 1974, ch. 23).
 
 use crate::Vec3;
-use crate::bodies::mesh_contact::{MOST, Nearest};
+use crate::bodies::mesh_contact::{MOST, WallPoint};
 
 /// Square of the distance of unit vectors from which on they share nothing: those 75 degrees apart.
 const FAR: f64 = 1.482_361_909_794_958_5;
@@ -53,7 +53,7 @@ pub(crate) fn of_one_region(a: Vec3, b: Vec3) -> bool {
 
 /// Shares of contacts whose springs alone would hold `phi`; `root` gives `sqrt(2 phi)`, and what is not positive
 /// does not touch.
-pub(crate) fn shares(contacts: &[Nearest], root: impl Fn(&Nearest) -> f64) -> [f64; MOST] {
+pub(crate) fn shares(contacts: &[WallPoint], root: impl Fn(&WallPoint) -> f64) -> [f64; MOST] {
     let mut shares = [0.0; MOST];
     match contacts {
         [] => return shares,
@@ -74,7 +74,7 @@ pub(crate) fn shares(contacts: &[Nearest], root: impl Fn(&Nearest) -> f64) -> [f
     let roots = &roots[..contacts.len()];
     let first = &contacts[largest].normal;
     let covered =
-        |(near, &root): (&Nearest, &f64)| root <= roots[largest] * in_common(*first, near.normal);
+        |(near, &root): (&WallPoint, &f64)| root <= roots[largest] * in_common(*first, near.normal);
     if contacts.iter().zip(roots).all(covered) {
         shares[largest] = 1.0;
         return shares;
@@ -97,7 +97,7 @@ struct Region<'a> {
 }
 
 impl<'a> Region<'a> {
-    fn of(contacts: &[Nearest], roots: &'a [f64]) -> Self {
+    fn of(contacts: &[WallPoint], roots: &'a [f64]) -> Self {
         let mut common = [[0.0; MOST]; MOST];
         for (i, a) in contacts.iter().enumerate() {
             common[i][i] = 1.0;
@@ -236,14 +236,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn contact(normal: Vec3) -> Nearest {
-        Nearest { normal, ..Nearest::NONE }
+    fn contact(normal: Vec3) -> WallPoint {
+        WallPoint { normal, ..WallPoint::NONE }
     }
 
     /// Depths for roots, in the order of the normals.
     fn of(normals: &[Vec3], roots: &[f64]) -> Vec<f64> {
-        let contacts: Vec<Nearest> = normals.iter().map(|&n| contact(n)).collect();
-        let number = |near: &Nearest| normals.iter().position(|n| *n == near.normal).unwrap();
+        let contacts: Vec<WallPoint> = normals.iter().map(|&n| contact(n)).collect();
+        let number = |near: &WallPoint| normals.iter().position(|n| *n == near.normal).unwrap();
         shares(&contacts, |near| roots[number(near)])[..normals.len()].to_vec()
     }
 

@@ -13,13 +13,15 @@ use crate::math::simd::prefetch::fetch;
 use crate::math::tally::{Other, Tally};
 use crate::neighbours::active_contacts::Changed;
 use crate::neighbours::displacement::MaxDisplacement;
-use crate::neighbours::neighbour_list::{ACTING, Entry, Pairs, Record, Rolling, TOUCHING};
+use crate::neighbours::neighbour_list::{
+    ACTING, ContactState, ListedPair, NeighbourList, Rolling, TOUCHING,
+};
 use core::ops::Range;
 use tremie_team::{Cut, Team, Variant};
 
 /// What the forces between bodies are made from, besides the list.
 #[derive(Clone, Copy)]
-pub(crate) struct Scenery<'a> {
+pub(crate) struct ContactContext<'a> {
     /// Laws by number.
     pub laws: &'a [Law],
     /// Displacements of images.
@@ -36,7 +38,7 @@ pub(crate) struct Scenery<'a> {
     pub squeeze: Option<Squeeze>,
 }
 
-impl Scenery<'_> {
+impl ContactContext<'_> {
     /// Gap up to which surfaces feel each other [m].
     #[inline(always)]
     pub fn reach(&self) -> f64 {
@@ -71,8 +73,8 @@ impl Scenery<'_> {
 /// were listed.
 pub(crate) fn between_bodies(
     team: &mut Team,
-    pairs: &mut Pairs,
-    scenery: Scenery<'_>,
+    pairs: &mut NeighbourList,
+    scenery: ContactContext<'_>,
     wandered: &MaxDisplacement,
     tallies: &mut [Tally],
 ) {
@@ -113,15 +115,15 @@ pub(crate) fn between_bodies(
 
 /// The contacts of a block of bodies.
 pub(crate) struct Block<'a> {
-    pub scenery: &'a Scenery<'a>,
+    pub scenery: &'a ContactContext<'a>,
     /// Index of the first body.
     pub first: usize,
     /// The entries whose bodies may have met.
-    pub entries: &'a [Entry],
+    pub entries: &'a [ListedPair],
     pub reduced: &'a [Reduced],
     pub state: &'a mut [u8],
     pub xi: &'a mut [Vec3],
-    pub records: &'a mut [Record],
+    pub records: &'a mut [ContactState],
     rolling: &'a mut [Rolling],
     /// Who is to be told of contacts that begin or end.
     pub changed: &'a Changed,
@@ -212,14 +214,14 @@ impl Block<'_> {
         let squeezed = scenery.lubrication(&contact, pair);
         let touching = std::mem::replace(&mut self.state[k], ACTING) & TOUCHING != 0;
         if contact.overlap <= 0.0 {
-            *record = Record::at_a_distance(&contact, squeezed);
+            *record = ContactState::at_a_distance(&contact, squeezed);
             if let Some(rolling) = self.rolling.get_mut(k) {
                 *rolling = Rolling::NONE;
             }
             return;
         }
         self.state[k] = ACTING | TOUCHING;
-        let mut memory = contact_force::Memory {
+        let mut memory = contact_force::ContactHistory {
             xi: self.xi[k],
             rolling: self.rolling.get(k).map_or(Vec3::zeros(), |r| r.displacement),
             normal: record.normal,
@@ -228,7 +230,7 @@ impl Block<'_> {
         let law = &scenery.laws[self.entries[k].law()];
         let force = contact_force::force(law, pair, &contact, &mut memory, touching, scenery.steps);
         self.xi[k] = memory.xi;
-        *record = Record {
+        *record = ContactState {
             normal: contact.normal,
             tangential: force.tangential,
             force: force.normal + squeezed,

@@ -6,7 +6,7 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::contact::linear_contact::{Batch, LinearLaw, Outcome};
 use crate::forces::pair_forces::Block;
 use crate::math::periodic::SELF_IMAGE;
@@ -14,7 +14,7 @@ use crate::math::simd::avx2_quad::{QUAD, Quad, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
 use crate::math::simd::prefetch::{fetch_ahead, fetch_lines, fetch_value};
 use crate::math::tally::{DEEP, Other};
-use crate::neighbours::neighbour_list::{ACTING, Entry, Record, TOUCHING};
+use crate::neighbours::neighbour_list::{ACTING, ContactState, ListedPair, TOUCHING};
 use core::arch::x86_64::*;
 
 /// So many entries are looked at before those that act are evaluated: few enough to stay close.
@@ -121,7 +121,7 @@ fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut Hits) {
     fetch_lines::<_, QUAD>(block.xi, k + STREAM);
     fetch_lines::<_, QUAD>(block.records, k + STREAM);
     // Lanes that hold no entry hold the first body and itself.
-    let mut short = [Entry::new(block.first, block.first as u32, SELF_IMAGE, 0); QUAD];
+    let mut short = [ListedPair::new(block.first, block.first as u32, SELF_IMAGE, 0); QUAD];
     let entries = some.try_into().unwrap_or_else(|_| {
         short[..count].copy_from_slice(some);
         &short
@@ -130,7 +130,7 @@ fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut Hits) {
     let shift = displacements(scenery.shifts, entries);
     let (mut tested, mut kept) = ([_mm256_setzero_pd(); QUAD], [_mm256_setzero_pd(); QUAD]);
     for l in 0..QUAD {
-        const { assert!(size_of::<Ball>() == 32) };
+        const { assert!(size_of::<BoundingSphere>() == 32) };
         let (i, j) = (entries[l].body(block.first), entries[l].other as usize);
         // SAFETY: the bodies exist, and a ball is four numbers.
         let (i, j) = unsafe {
@@ -184,8 +184,8 @@ fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut Hits) {
 /// Whether the bodies of entries of a block that begins at body `first` are among the `count` bodies.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn exist(entries: &[Entry; QUAD], first: usize, count: usize) -> bool {
-    const { assert!(size_of::<Entry>() == 8) };
+fn exist(entries: &[ListedPair; QUAD], first: usize, count: usize) -> bool {
+    const { assert!(size_of::<ListedPair>() == 8) };
     // SAFETY: an entry is two numbers of 32 bits, the other and the tags.
     let entries = unsafe { _mm256_loadu_si256(entries.as_ptr().cast()) };
     let others_alone = _mm256_set1_epi64x(u32::MAX.into());
@@ -202,7 +202,7 @@ fn exist(entries: &[Entry; QUAD], first: usize, count: usize) -> bool {
 /// Displacements of the images through which the others are seen, with 0 as the fourth number.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn displacements(shifts: &[Vec3; 27], entries: &[Entry; QUAD]) -> [__m256d; QUAD] {
+fn displacements(shifts: &[Vec3; 27], entries: &[ListedPair; QUAD]) -> [__m256d; QUAD] {
     // No array of images: one that is written number by number and read as a whole stalls.
     let differ = entries.iter().fold(0, |differ, entry| differ | (entry.image() ^ SELF_IMAGE));
     let mut displacements = [_mm256_setzero_pd(); QUAD];
@@ -299,7 +299,7 @@ fn write(block: &mut Block<'_>, out: &Outcome<Quad>, of_k: &[u32; QUAD], count: 
     let rows = transposed([out.xi.x.0, out.xi.y.0, out.xi.z.0, overlap]);
     for l in 0..count {
         let k = of_k[l] as usize;
-        const { assert!(size_of::<Record>() == 64 && size_of::<Vec3>() == 24) };
+        const { assert!(size_of::<ContactState>() == 64 && size_of::<Vec3>() == 24) };
         // SAFETY: `evaluate` looked that each entry has a record and a displacement; a record is two registers of
         // four numbers, a displacement three.
         unsafe {

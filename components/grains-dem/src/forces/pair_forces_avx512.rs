@@ -14,7 +14,7 @@ use crate::math::simd::avx512_wide::{Wide, columns, rows, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
 use crate::math::simd::prefetch::{fetch, fetch_lines, fetch_value};
 use crate::math::tally::{DEEP, Other};
-use crate::neighbours::neighbour_list::{ACTING, Record, TOUCHING};
+use crate::neighbours::neighbour_list::{ACTING, ContactState, TOUCHING};
 use core::arch::x86_64::*;
 
 /// So many entries are looked at before those that act are evaluated: few enough to stay close.
@@ -297,7 +297,7 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: 
             unsafe {
                 let record = block.records.get_unchecked_mut(k);
                 let to = block.xi.get_unchecked_mut(k);
-                _mm512_store_pd(std::ptr::from_mut::<Record>(record).cast(), records[l]);
+                _mm512_store_pd(std::ptr::from_mut::<ContactState>(record).cast(), records[l]);
                 let to = to.as_mut_ptr();
                 _mm_storeu_pd(to, _mm256_castpd256_pd128(xi[l]));
                 _mm_store_sd(to.add(2), _mm256_extractf128_pd::<1>(xi[l]));

@@ -5,7 +5,7 @@ use crate::forces::pair_forces::Block;
 use crate::math::simd::lanes::{LANES, Plain};
 use crate::math::simd::prefetch::fetch;
 use crate::math::tally::Other;
-use crate::neighbours::neighbour_list::{ACTING, Record, TOUCHING};
+use crate::neighbours::neighbour_list::{ACTING, ContactState, TOUCHING};
 
 impl Block<'_> {
     /// Evaluates the contacts of the entries `hits`.
@@ -51,12 +51,12 @@ impl Block<'_> {
         self.state[k] = ACTING;
         if overlap <= 0.0 {
             // Rounding: the distance was a hair less than the reach.
-            self.records[k] = Record { normal, overlap, ..Record::NONE };
+            self.records[k] = ContactState { normal, overlap, ..ContactState::NONE };
             return;
         }
         self.state[k] |= TOUCHING;
         self.xi[k] = outcome.xi.get(lane);
-        self.records[k] = Record {
+        self.records[k] = ContactState {
             normal,
             tangential: outcome.tangential.get(lane),
             force: outcome.force.0[lane],

@@ -8,7 +8,7 @@ use tremie_team::{Cut, Team};
 /// The contacts of each body that act, in the order in which it sums them.
 #[derive(Debug, Default)]
 pub(crate) struct Acting {
-    /// From where a body's places begin in [`Pairs::places`](crate::neighbours::neighbour_list::Pairs::places): those that act, and
+    /// From where a body's places begin in [`Pairs::places`](crate::neighbours::neighbour_list::NeighbourList::places): those that act, and
     /// after them what means nothing.
     places: Vec<u32>,
     /// How many act.

@@ -1,8 +1,8 @@
 //! Which bodies are near each other.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::{Ball, Mobility};
-use crate::neighbours::linked_cells::Cells;
+use crate::bodies::body_arrays::{BoundingSphere, Mobility};
+use crate::neighbours::linked_cells::LinkedCells;
 
 /// A body near another one, as the other sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,21 +15,21 @@ pub(crate) struct Neighbour {
 
 /// Rows of neighbours, one a body; each pair of bodies stands in one row.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Rows {
+pub(crate) struct CellPairs {
     /// `start[i]..start[i + 1]` are the entries of body i.
     pub start: Vec<u32>,
     /// The neighbours.
     pub neighbours: Vec<Neighbour>,
 }
 
-impl Rows {
+impl CellPairs {
     /// Fills the rows anew with pairs whose surfaces are closer than their classes' skins. `linked_cells` holds the bodies
     /// sorted.
     pub fn fill(
         &mut self,
-        cells: &Cells,
+        cells: &LinkedCells,
         shifts: &[Vec3; 27],
-        balls: &[Ball],
+        balls: &[BoundingSphere],
         mobility: &[Mobility],
     ) {
         self.start.clear();
@@ -56,9 +56,9 @@ impl Rows {
 /// thousands of grains on a large one lists it.
 #[inline(always)]
 pub(crate) fn near(
-    cells: &Cells,
+    cells: &LinkedCells,
     shifts: &[Vec3; 27],
-    balls: &[Ball],
+    balls: &[BoundingSphere],
     mobility: &[Mobility],
     i: usize,
     mut visit: impl FnMut(Neighbour, usize, f64),
@@ -104,11 +104,11 @@ mod tests {
         n: usize,
         (ratio, part): (f64, f64),
         seed: u64,
-    ) -> Vec<Ball> {
+    ) -> Vec<BoundingSphere> {
         let ball = |i: usize| {
             let mut random = Random::new(seed, i as u64);
             let unit = Vec3::from_fn(|_, _| random.unit()) * part;
-            Ball {
+            BoundingSphere {
                 x: bounds.min + unit.component_mul(&bounds.size),
                 radius: 0.1 * libm::pow(ratio, -random.unit()),
             }
@@ -116,12 +116,16 @@ mod tests {
         (0..n).map(ball).collect()
     }
 
-    fn skins_of(balls: &[Ball]) -> Skins {
+    fn skins_of(balls: &[BoundingSphere]) -> Skins {
         Skins::new(balls.iter().map(|ball| [2.0 * ball.radius; 2]), 0.2, 0.01)
     }
 
     /// All pairs by the nearest image along each periodic axis.
-    fn brute_force(bounds: &PeriodicBox, balls: &[Ball], skins: &Skins) -> Vec<(usize, usize)> {
+    fn brute_force(
+        bounds: &PeriodicBox,
+        balls: &[BoundingSphere],
+        skins: &Skins,
+    ) -> Vec<(usize, usize)> {
         let mut pairs = Vec::new();
         for i in 0..balls.len() {
             for j in i + 1..balls.len() {
@@ -161,8 +165,8 @@ mod tests {
             let bounds = PeriodicBox::new(&domain);
             let balls = random_balls(&bounds, n, (ratio, part), seed);
             let skins = skins_of(&balls);
-            let mut cells = Cells::new(bounds.clone(), skins.clone());
-            let mut rows = Rows::default();
+            let mut cells = LinkedCells::new(bounds.clone(), skins.clone());
+            let mut rows = CellPairs::default();
             // What was sorted before must not show.
             for balls in [&balls[..n / 2], &balls] {
                 cells.sort(balls);
@@ -194,10 +198,10 @@ mod tests {
             let mut random = Random::new(3, i);
             Vec3::from_fn(|_, _| part * random.unit())
         };
-        let balls: Vec<Ball> =
-            (0..).zip(radii).map(|(i, radius)| Ball { x: centre(i), radius }).collect();
+        let balls: Vec<BoundingSphere> =
+            (0..).zip(radii).map(|(i, radius)| BoundingSphere { x: centre(i), radius }).collect();
         let skins = Skins::new(balls.iter().map(|ball| [2.0 * ball.radius; 2]), 0.1, 0.0);
-        let mut cells = Cells::new(bounds.clone(), skins);
+        let mut cells = LinkedCells::new(bounds.clone(), skins);
         cells.sort(&balls);
         let mut looked = 0_u64;
         for (i, ball) in balls.iter().enumerate() {

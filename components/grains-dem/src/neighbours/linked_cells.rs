@@ -6,13 +6,13 @@
 //! Commun.* 183, 2012).
 
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::math::periodic::{PeriodicBox, image};
 use crate::neighbours::size_classes::Skins;
 
 /// Bodies sorted by cell. Buffers are kept from one sorting to the next.
 #[derive(Clone, Debug)]
-pub(crate) struct Cells {
+pub(crate) struct LinkedCells {
     bounds: PeriodicBox,
     skins: Skins,
     /// Whether cells fill the box of the bodies where the whole domain would take too many.
@@ -39,7 +39,7 @@ struct Level {
     order: Vec<u32>,
 }
 
-impl Cells {
+impl LinkedCells {
     /// Cells for bodies of these classes.
     pub fn new(bounds: PeriodicBox, skins: Skins) -> Self {
         let range = |k: usize| skins.largest(k) + skins.between(k, k);
@@ -55,7 +55,7 @@ impl Cells {
     }
 
     /// Sorts bodies by class, by cell, and by index within a cell.
-    pub fn sort(&mut self, balls: &[Ball]) {
+    pub fn sort(&mut self, balls: &[BoundingSphere]) {
         let Self { bounds, skins, tight, class, home, levels, members } = self;
         class.clear();
         home.clear();
@@ -131,10 +131,15 @@ impl Cells {
 
     /// Writes the bodies in an order that keeps near ones together: that of the smallest cells along Morton's
     /// curve, and by index within a cell. `keys` is room to sort in.
-    pub fn curve(&self, balls: &[Ball], keys: &mut Vec<(u64, u32)>, order: &mut Vec<u32>) {
+    pub fn curve(
+        &self,
+        balls: &[BoundingSphere],
+        keys: &mut Vec<(u64, u32)>,
+        order: &mut Vec<u32>,
+    ) {
         keys.clear();
         let Some(finest) = self.levels.last() else { return };
-        let spread = |ball: &Ball| {
+        let spread = |ball: &BoundingSphere| {
             let cell = finest.cell_at(ball.x);
             interleave(cell[0]) | interleave(cell[1]) << 1 | interleave(cell[2]) << 2
         };
@@ -152,7 +157,7 @@ impl Level {
         &mut self,
         bounds: &PeriodicBox,
         bodies: usize,
-        tight: Option<impl Iterator<Item = &'a Ball>>,
+        tight: Option<impl Iterator<Item = &'a BoundingSphere>>,
     ) {
         let most = 4 * bodies + 64;
         let (mut min, mut size) = (bounds.min, bounds.size);

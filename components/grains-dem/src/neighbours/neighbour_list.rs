@@ -12,14 +12,14 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{NEW, Wrench};
-use crate::contact::contact_force::{Contact, Memory};
+use crate::contact::contact_force::{Contact, ContactHistory};
 use crate::contact::contact_law::Reduced;
 use crate::neighbours::active_contacts::Acting;
 
 /// A possible contact.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
-pub(crate) struct Entry {
+pub(crate) struct ListedPair {
     /// Index of the other body.
     pub other: u32,
     /// From the lowest bit on: 9 bits for the body's place in its block, 5 for the image through which
@@ -27,7 +27,7 @@ pub(crate) struct Entry {
     tags: u32,
 }
 
-impl Entry {
+impl ListedPair {
     /// A contact of `body` under a law with another, seen through an image.
     pub fn new(body: usize, other: u32, image: u32, law: u16) -> Self {
         Self { other, tags: (body % BLOCK) as u32 | image << 9 | u32::from(law) << 14 }
@@ -61,7 +61,7 @@ impl Entry {
 /// What a contact gave at the last evaluation: 64 bytes, read as a whole.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct Record {
+pub(crate) struct ContactState {
     /// Unit normal, away from the body of the entry.
     pub normal: Vec3,
     /// Tangential force on the body of the entry [N].
@@ -72,7 +72,7 @@ pub(crate) struct Record {
     pub overlap: f64,
 }
 
-impl Record {
+impl ContactState {
     pub const NONE: Self = Self {
         normal: Vec3::new(0.0, 0.0, 0.0),
         tangential: Vec3::new(0.0, 0.0, 0.0),
@@ -106,7 +106,7 @@ impl Record {
 /// Rolling friction of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rolling {
-    /// Displacement that is remembered [m]; see [`Memory::rolling`].
+    /// Displacement that is remembered [m]; see [`ContactHistory::rolling`].
     pub displacement: Vec3,
     /// Torque on the body of the entry [N·m].
     pub torque: Vec3,
@@ -123,13 +123,13 @@ pub(crate) const TOUCHING: u8 = 2;
 
 /// The list.
 #[derive(Debug, Default)]
-pub(crate) struct Pairs {
+pub(crate) struct NeighbourList {
     /// Entries of the blocks of bodies: from `bounds[b]` to `bounds[b + 1]`.
     pub bounds: Vec<u32>,
     /// As `bounds` where there is rolling friction; else all zero.
     pub rolling_bounds: Vec<u32>,
     /// The possible contacts.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<ListedPair>,
     /// How far each pair was from feeling each other when the list was made [m]: ascending in a block.
     pub gaps: Vec<f32>,
     /// How many entries of each block may have met since.
@@ -138,10 +138,10 @@ pub(crate) struct Pairs {
     pub reduced: Vec<Reduced>,
     /// Which act, and which touch.
     pub state: Vec<u8>,
-    /// Tangential displacement; see [`Memory::xi`].
+    /// Tangential displacement; see [`ContactHistory::xi`].
     pub xi: Vec<Vec3>,
     /// Normal, forces, overlap.
-    pub records: Vec<Record>,
+    pub records: Vec<ContactState>,
     /// Rolling friction, where any law has it.
     pub rolling: Vec<Rolling>,
     /// `collected[i]..collected[i + 1]` are body i's places in `places`.
@@ -156,8 +156,8 @@ pub(crate) struct Pairs {
     pub crossed: Vec<i32>,
 }
 
-impl Pairs {
-    /// Where body i finds its contacts; see [`Pairs::places`].
+impl NeighbourList {
+    /// Where body i finds its contacts; see [`NeighbourList::places`].
     #[inline(always)]
     pub fn places_of(&self, i: usize) -> &[u32] {
         &self.places[self.collected[i] as usize..self.collected[i + 1] as usize]
@@ -196,8 +196,8 @@ impl Pairs {
 
     /// What entry k remembers.
     #[inline(always)]
-    pub fn memory(&self, k: usize) -> Memory {
-        Memory {
+    pub fn memory(&self, k: usize) -> ContactHistory {
+        ContactHistory {
             xi: self.xi[k],
             rolling: self.rolling.get(k).map_or(Vec3::zeros(), |r| r.displacement),
             normal: self.records[k].normal,

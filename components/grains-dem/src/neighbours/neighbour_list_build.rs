@@ -7,8 +7,8 @@ use crate::bodies::body_arrays::SPHERE;
 use crate::contact::contact_law::Reduced;
 use crate::contact::material_laws::Laws;
 use crate::neighbours::cell_pairs::near;
-use crate::neighbours::linked_cells::Cells;
-use crate::neighbours::neighbour_list::{Entry, Pairs, Record, Rolling};
+use crate::neighbours::linked_cells::LinkedCells;
+use crate::neighbours::neighbour_list::{ContactState, ListedPair, NeighbourList, Rolling};
 use tremie_team::{Cut, Team};
 
 /// Pairs of bodies of which one is a polyhedron, as a block finds them: places in memory, and the image
@@ -17,8 +17,8 @@ pub(crate) type SolidPair = (u32, u32, u32);
 
 /// What it takes to make a list: buffers that are kept.
 #[derive(Debug, Default)]
-pub(crate) struct PairsMaker {
-    before: Pairs,
+pub(crate) struct NeighbourListBuilder {
+    before: NeighbourList,
     blocks: Vec<Found>,
     keys: Vec<u64>,
     /// Where the next place of each body goes.
@@ -30,11 +30,11 @@ pub(crate) struct PairsMaker {
 #[derive(Debug, Default)]
 struct Found {
     /// Pairs that touch, and then those that do not by their gap.
-    entries: Vec<Entry>,
+    entries: Vec<ListedPair>,
     /// How many touch.
     touching: usize,
     /// Those that do not, with their gaps; its bits sort as the number does, which is not negative.
-    apart: Vec<(u32, Entry)>,
+    apart: Vec<(u32, ListedPair)>,
     /// Entries whose other body belongs to another block.
     outside: Vec<(u32, u32)>,
     /// Pairs with polyhedra, which have a list of their own.
@@ -42,9 +42,9 @@ struct Found {
 }
 
 /// What the list is made from.
-pub(crate) struct Nearness<'a> {
+pub(crate) struct PairSearch<'a> {
     /// The bodies sorted by cell.
-    pub cells: &'a Cells,
+    pub cells: &'a LinkedCells,
     /// Displacements of images.
     pub shifts: &'a [Vec3; 27],
     /// Laws of materials.
@@ -53,9 +53,15 @@ pub(crate) struct Nearness<'a> {
     pub previous: &'a [u32],
 }
 
-impl PairsMaker {
+impl NeighbourListBuilder {
     /// Makes the list anew. Contacts that it knew keep their history.
-    pub fn make(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, near: &Nearness) {
+    pub fn make(
+        &mut self,
+        pairs: &mut NeighbourList,
+        team: &mut Team,
+        bodies: &Bodies,
+        near: &PairSearch,
+    ) {
         std::mem::swap(pairs, &mut self.before);
         // No contact remembers these: one copy will do.
         std::mem::swap(&mut pairs.gaps, &mut self.before.gaps);
@@ -74,7 +80,13 @@ impl PairsMaker {
     }
 
     /// Finds the entries, block by block, and says where each block begins.
-    fn find(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, at: &Nearness) {
+    fn find(
+        &mut self,
+        pairs: &mut NeighbourList,
+        team: &mut Team,
+        bodies: &Bodies,
+        at: &PairSearch,
+    ) {
         self.blocks.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
         team.for_each(&mut self.blocks, |b, block| block.find(b, bodies, at));
         pairs.bounds.clear();
@@ -95,14 +107,20 @@ impl PairsMaker {
     }
 
     /// Copies the entries into the list and gives them their history.
-    fn fill(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies, at: &Nearness) {
+    fn fill(
+        &mut self,
+        pairs: &mut NeighbourList,
+        team: &mut Team,
+        bodies: &Bodies,
+        at: &PairSearch,
+    ) {
         let count = pairs.bounds[self.blocks.len()] as usize;
-        pairs.entries.resize(count, Entry::default());
+        pairs.entries.resize(count, ListedPair::default());
         pairs.gaps.resize(count, 0.0);
         pairs.reduced.resize(count, Reduced { root_mass: 0.0, radius: 0.0 });
         pairs.state.resize(count, 0);
         pairs.xi.resize(count, Vec3::zeros());
-        pairs.records.resize(count, Record::NONE);
+        pairs.records.resize(count, ContactState::NONE);
         let rolls = pairs.rolling_bounds.last().is_some_and(|&end| end > 0);
         pairs.rolling.resize(if rolls { count } else { 0 }, Rolling::NONE);
         let bounds = &pairs.bounds;
@@ -150,7 +168,7 @@ impl PairsMaker {
     }
 
     /// Lists for each body its contacts by the other's id.
-    fn collect(&mut self, pairs: &mut Pairs, team: &mut Team, bodies: &Bodies) {
+    fn collect(&mut self, pairs: &mut NeighbourList, team: &mut Team, bodies: &Bodies) {
         let n = bodies.len();
         self.cursors.resize(n, 0);
         let (entries, bounds) = (&pairs.entries, &pairs.bounds);
@@ -226,7 +244,7 @@ fn key(other: u32, entry: u32, side: u32) -> u64 {
 
 impl Found {
     /// Finds the pairs of block `b`.
-    fn find(&mut self, b: usize, bodies: &Bodies, at: &Nearness) {
+    fn find(&mut self, b: usize, bodies: &Bodies, at: &PairSearch) {
         let (balls, mobility, material) = (&bodies.balls, &bodies.mobility, &bodies.material);
         self.entries.clear();
         self.apart.clear();
@@ -240,7 +258,7 @@ impl Found {
                     return;
                 }
                 let law = at.laws.between(material[i], material[j]);
-                let entry = Entry::new(i, seen.other, seen.image, law);
+                let entry = ListedPair::new(i, seen.other, seen.image, law);
                 let reach = balls[i].radius + balls[j].radius + felt;
                 if square < reach * reach {
                     self.entries.push(entry);
@@ -257,7 +275,7 @@ impl Found {
 
     /// Counts the contacts of each body of a block that begins at `first`, as far as its own entries
     /// tell, and notes those of bodies outside. The entries begin at `start` of the list.
-    fn count(&mut self, first: usize, entries: &[Entry], start: usize, count: &mut [u32]) {
+    fn count(&mut self, first: usize, entries: &[ListedPair], start: usize, count: &mut [u32]) {
         count.fill(0);
         self.outside.clear();
         for (k, entry) in (start as u32..).zip(entries) {

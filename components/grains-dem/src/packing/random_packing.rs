@@ -9,12 +9,12 @@ pub(crate) use feeding::{Feeding, Upstream};
 pub(crate) use sizes::{LEAST_PART, Sizes};
 
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::plane_walls::{self, Wall};
 use crate::math::periodic::PeriodicBox;
 use crate::math::random::Random;
-use crate::neighbours::linked_cells::Cells;
+use crate::neighbours::linked_cells::LinkedCells;
 use core::f64::consts::PI;
 use tremie_messages::scene::{BodySet, BodySizes, Domain, Face, Packing};
 
@@ -23,7 +23,7 @@ use tremie_messages::scene::{BodySet, BodySizes, Domain, Face, Packing};
 const DENSEST_INSERTION: f64 = 0.25;
 
 /// What a packing must keep clear of.
-pub(crate) struct Surroundings<'a> {
+pub(crate) struct PackingSurroundings<'a> {
     /// Parts, in whose solid no sphere may be.
     pub parts: &'a [PlacedPart],
     /// The domain.
@@ -31,7 +31,7 @@ pub(crate) struct Surroundings<'a> {
     /// Walls that may cut through the region.
     pub planes: Vec<Wall>,
     /// Bodies that are there already.
-    pub balls: Vec<Ball>,
+    pub balls: Vec<BoundingSphere>,
 }
 
 /// A packing could not be made.
@@ -54,7 +54,7 @@ struct Region<'a> {
     parts: Vec<Obstacle<'a>>,
     bounds: PeriodicBox,
     walls: Vec<Wall>,
-    obstacles: Vec<Ball>,
+    obstacles: Vec<BoundingSphere>,
 }
 
 /// Diameters [m] of the bodies of a set, or of spheres of equal volume, in the order in which a packing draws them.
@@ -89,8 +89,8 @@ fn diameters(packing: &Packing) -> Vec<f64> {
 pub(crate) fn pack(
     packing: &Packing,
     wider: f64,
-    around: &Surroundings<'_>,
-) -> Result<Vec<Ball>, TooDense> {
+    around: &PackingSurroundings<'_>,
+) -> Result<Vec<BoundingSphere>, TooDense> {
     let radii: Vec<f64> = diameters(packing).iter().map(|d| 0.5 * d * wider).collect();
     let region = Region::new(packing, around, radii.iter().fold(0.0, |a, &b| a.max(b)));
     let inserted = (packing.fraction * wider * wider * wider <= DENSEST_INSERTION)
@@ -107,7 +107,7 @@ pub(crate) fn pack(
 }
 
 impl<'a> Region<'a> {
-    fn new(packing: &Packing, around: &Surroundings<'a>, largest_radius: f64) -> Self {
+    fn new(packing: &Packing, around: &PackingSurroundings<'a>, largest_radius: f64) -> Self {
         let bounds = region_bounds(packing, &around.bounds);
         let mut walls =
             plane_walls::of_box(packing.min, packing.max, |axis, _| !bounds.periodic[axis]);
@@ -124,7 +124,7 @@ impl<'a> Region<'a> {
             for shift in around.bounds.images().filter(ends_at) {
                 let x = bounds.wrap(ball.x + shift);
                 if (0..3).all(|a| near(x, a)) {
-                    obstacles.push(Ball { x, ..*ball });
+                    obstacles.push(BoundingSphere { x, ..*ball });
                 }
             }
         }
@@ -139,7 +139,7 @@ impl<'a> Region<'a> {
 
     /// How far a sphere must go to be clear of parts [m], and in which direction; where it is clear,
     /// how far it may go before it can touch one, as a negative number.
-    fn depth_in_parts(&self, ball: &Ball) -> (f64, Vec3) {
+    fn depth_in_parts(&self, ball: &BoundingSphere) -> (f64, Vec3) {
         let of = |obstacle: &Obstacle<'_>| {
             let (distance, direction) = obstacle.part.clearance(ball.x + obstacle.shift);
             (ball.radius - distance, direction)
@@ -189,9 +189,9 @@ fn place_stream(seed: u64, index: usize) -> Random {
 }
 
 /// The spheres in the order of cells a diameter wide.
-fn by_place(region: &Region<'_>, balls: &[Ball]) -> Vec<Ball> {
+fn by_place(region: &Region<'_>, balls: &[BoundingSphere]) -> Vec<BoundingSphere> {
     let largest = balls.iter().fold(0.0, |r: f64, ball| r.max(ball.radius));
-    let mut cells = Cells::over(region.bounds.clone(), 2.0 * largest);
+    let mut cells = LinkedCells::over(region.bounds.clone(), 2.0 * largest);
     cells.sort(balls);
     cells.order().map(|i| balls[i as usize]).collect()
 }

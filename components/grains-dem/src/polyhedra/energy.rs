@@ -11,11 +11,11 @@
 //! `(m_i - m_j).n h^2/2`, with n towards j.
 
 use super::{
-    entries::{Around, Entry, Kind, stiffness},
-    press::{Pieces, Planes, Room, clip},
+    contact_geometry::square,
+    contact_pair::{Around, Kind, SolidPairEntry, stiffness},
+    overlap_integrals::{Pieces, Planes, Room, clip},
     shape::Solid,
     surfaces::{Bench, Beside, Owner},
-    touch::square,
 };
 use crate::Vec3;
 use crate::bodies::body_arrays::SPHERE;
@@ -137,7 +137,7 @@ fn faces_of(b: Solid<'_>, at: Vec3) -> (Vec<Plane>, Vec<Face>) {
     (faces.clone().map(plane).collect(), faces.map(polygon).collect())
 }
 
-impl Entry {
+impl SolidPairEntry {
     /// Energy in the normal springs of a contact [J].
     pub(super) fn energy(&self, around: &Around<'_>, owners: &[Owner], bench: &mut Bench) -> f64 {
         let bodies = around.scenery.bodies;
@@ -153,7 +153,8 @@ impl Entry {
                 let balls = self.places.map(|place| bodies.poly[place as usize] == SPHERE);
                 let of_ball = |grain: u32, ball: u32, way: Vec3| {
                     let radius = bodies.balls[ball as usize].radius;
-                    let overlap = radius - super::touch::closest(solid(grain), way).distance;
+                    let overlap =
+                        radius - super::contact_geometry::closest(solid(grain), way).distance;
                     law.normal_energy(overlap, Reduced { root_mass: self.root_mass, radius })
                 };
                 match balls {

@@ -4,7 +4,7 @@
 //! What of another's surface lies there is not surface of both together. Where two surfaces coincide and face
 //! one way, the one of the lower rank counts; where they face each other neither does.
 
-use super::{press::clip, shape::Solid};
+use super::{overlap_integrals::clip, shape::Solid};
 use crate::Vec3;
 use crate::bodies::mesh_contact::{SAME, Triangle};
 

@@ -4,23 +4,23 @@
 //! its centroid moves as a sphere's centre does. What is its own stands here: shape, size, angular
 //! momentum, and where its corners and faces are in this substep.
 
+mod contact_geometry;
+mod contact_list;
+mod contact_pair;
 mod energy;
-mod entries;
+mod free_rotation;
 mod hidden;
-mod list;
 mod overlap;
-mod press;
-mod respond;
+mod overlap_integrals;
+mod overlap_response;
 mod shape;
 mod surfaces;
-mod touch;
-mod turn;
 
-pub(crate) use list::{Nearness, OF_PAIR, PolyContacts};
+pub(crate) use contact_list::{OF_PAIR, PolyContacts, SolidSearch};
+pub(crate) use free_rotation::Inertia;
 pub(crate) use overlap::{of_bodies, with_part};
-pub(crate) use press::Room;
+pub(crate) use overlap_integrals::Room;
 pub(crate) use shape::{Shape, to_world, turned_axes};
-pub(crate) use turn::Inertia;
 
 use crate::Vec3;
 use crate::bodies::body_arrays::PlacedSolid;
@@ -29,7 +29,7 @@ use shape::Solid;
 use tremie_messages::scene::Scene;
 use tremie_team::{Cut, Team};
 
-/// Memory of a polyhedron besides that of a body, with the corners and faces of a dodecahedron [bytes].
+/// OverlapHistory of a polyhedron besides that of a body, with the corners and faces of a dodecahedron [bytes].
 pub(crate) const OF_BODY: usize =
     size_of::<Grain>() + size_of::<PlacedSolid>() + 32 * size_of::<Vec3>();
 

@@ -1,13 +1,12 @@
 //! How deep bodies overlap of which one is a polyhedron, at the start.
 
 use super::{
-    Polyhedra,
-    press::{Press, Room},
+    Polyhedra, contact_geometry,
+    overlap_integrals::{Press, Room},
     shape::Solid,
-    touch,
 };
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::placed_parts::PlacedPart;
 
@@ -15,13 +14,13 @@ use crate::bodies::placed_parts::PlacedPart;
 /// length that it is measured by. None without a polyhedron.
 pub(crate) fn of_bodies(
     polyhedra: &Polyhedra,
-    [a, b]: [(u32, &Ball); 2],
+    [a, b]: [(u32, &BoundingSphere); 2],
     way: Vec3,
     room: &mut Room,
 ) -> Option<(f64, f64)> {
-    let of_ball = |grain: u32, ball: &Ball, way: Vec3| {
+    let of_ball = |grain: u32, ball: &BoundingSphere, way: Vec3| {
         let solid = polyhedra.solid(grain as usize);
-        let overlap = ball.radius - touch::closest(solid, way).distance;
+        let overlap = ball.radius - contact_geometry::closest(solid, way).distance;
         (overlap, ball.radius.min(solid.inradius()))
     };
     match [a.0, b.0] {
@@ -30,7 +29,7 @@ pub(crate) fn of_bodies(
         [grain, SPHERE] => Some(of_ball(grain, b.1, way)),
         [one, other] => {
             let [one, other] = [one, other].map(|grain| polyhedra.solid(grain as usize));
-            let press = touch::of_solids(one, other, way, room);
+            let press = contact_geometry::of_solids(one, other, way, room);
             Some((press.deepest, one.inradius().min(other.inradius())))
         }
     }
@@ -49,7 +48,7 @@ pub(crate) fn with_part(solid: Solid<'_>, x: Vec3, part: &PlacedPart, room: &mut
     for triangle in near {
         let mut triangle = part.placed_triangle(triangle);
         triangle.corners = triangle.corners.map(|corner| corner - x);
-        touch::of_triangle(solid, &triangle, room, &mut press);
+        contact_geometry::of_triangle(solid, &triangle, room, &mut press);
     }
     press.deepest
 }

@@ -1,6 +1,6 @@
 //! Shapes of polyhedra, in the form that contacts want.
 
-use super::turn::Inertia;
+use super::free_rotation::Inertia;
 use crate::Vec3;
 use core::ops::Range;
 use tremie_geometry::{Convex, ConvexError, principal};

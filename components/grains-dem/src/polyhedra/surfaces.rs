@@ -5,23 +5,23 @@
 //! what one would have over the whole region. Loads go to owners by their shares of the pressure.
 
 use super::{
-    entries::{Around, Entry, MOST, stiffness},
+    contact_geometry,
+    contact_pair::{Around, MOST, SolidPairEntry, stiffness},
     hidden::{Cover, Covers, Looked, Whose},
-    press::{Press, Room},
-    respond::{self, Memory, Pair, Relative, Response},
+    overlap_integrals::{Press, Room},
+    overlap_response::{self, OverlapHistory, Pair, Relative, Response},
     shape::Solid,
-    touch,
 };
 use crate::Vec3;
 use crate::bodies::body_arrays::{Twist, Wrench};
 use crate::bodies::mesh_contact::{SAME, Triangle};
 use crate::math::tally::{Other, Tally};
-use crate::walls::part_contacts::Met;
+use crate::walls::part_contacts::WallId;
 
 /// A wall or part near a polyhedron.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Owner {
-    pub met: Met,
+    pub met: WallId,
     pub rank: u32,
     pub law: u16,
     /// `sqrt(m*)` [kg^(1/2)].
@@ -100,8 +100,8 @@ impl<'a> Beside<'a> {
     /// The triangles of an owner, from the body's centroid.
     fn triangles(&self, owner: &Owner) -> impl Iterator<Item = Triangle> + '_ {
         let part = match owner.met {
-            Met::Part(part) => Some(&self.around.parts[part as usize]),
-            Met::Wall(_) => None,
+            WallId::Part(part) => Some(&self.around.parts[part as usize]),
+            WallId::Wall(_) => None,
         };
         let near = &self.around.triangles[owner.near[0] as usize..owner.near[1] as usize];
         part.into_iter().flat_map(move |part| {
@@ -116,7 +116,7 @@ impl<'a> Beside<'a> {
 
     /// The wall that an owner is: normal, and height of the centroid over it.
     fn wall(&self, owner: &Owner) -> Option<(Vec3, f64)> {
-        let Met::Wall(number) = owner.met else { return None };
+        let WallId::Wall(number) = owner.met else { return None };
         let wall = &self.around.walls[number as usize];
         let x = self.around.scenery.bodies.balls[self.i].x;
         Some((wall.normal, x.dot(&wall.normal) - wall.offset))
@@ -124,12 +124,12 @@ impl<'a> Beside<'a> {
 
     /// Whether it stands for what is mirrored beyond it: it has nothing to do with others.
     fn is_mirror(&self, owner: &Owner) -> bool {
-        matches!(owner.met, Met::Wall(number) if self.around.walls[number as usize].mirror)
+        matches!(owner.met, WallId::Wall(number) if self.around.walls[number as usize].mirror)
     }
 
     fn whose(owners: &[Owner], owner: usize) -> Whose {
         let Owner { met, rank, .. } = owners[owner];
-        Whose { owner: owner as u32, rank, wall: matches!(met, Met::Wall(_)) }
+        Whose { owner: owner as u32, rank, wall: matches!(met, WallId::Wall(_)) }
     }
 
     /// Finds what is below owners; nothing of one alone.
@@ -169,13 +169,18 @@ impl<'a> Beside<'a> {
             }
         };
         if let Some((normal, height)) = self.wall(owner) {
-            let press = touch::of_plane(solid, normal, height, room);
-            touch::square(normal, height, solid.shape.circumradius * solid.size, polygon);
+            let press = contact_geometry::of_plane(solid, normal, height, room);
+            contact_geometry::square(
+                normal,
+                height,
+                solid.shape.circumradius * solid.size,
+                polygon,
+            );
             one(polygon, normal, &press, room);
         }
         for triangle in self.triangles(owner) {
             let mut press = Press::NONE;
-            touch::of_triangle(solid, &triangle, room, &mut press);
+            contact_geometry::of_triangle(solid, &triangle, room, &mut press);
             one(&triangle.corners, triangle.normal, &press, room);
         }
     }
@@ -183,10 +188,10 @@ impl<'a> Beside<'a> {
     /// Velocities of an owner, at the body's centroid.
     fn twist(&self, owner: &Owner) -> Twist {
         match owner.met {
-            Met::Wall(number) => {
+            WallId::Wall(number) => {
                 Twist { v: self.around.walls[number as usize].velocity, w: Vec3::zeros() }
             }
-            Met::Part(number) => {
+            WallId::Part(number) => {
                 let part = &self.around.parts[number as usize];
                 Twist { v: part.velocity_at(self.home_of(owner)), w: part.twist.w }
             }
@@ -244,18 +249,18 @@ impl Touches {
     }
 }
 
-impl Entry {
+impl SolidPairEntry {
     /// Walls and parts: loads on the body and on these.
     pub(super) fn surfaces(
         &mut self,
         around: &Around<'_>,
         owners: &mut [Owner],
-        memories: &mut [Memory],
+        memories: &mut [OverlapHistory],
         (bench, tally): (&mut Bench, &mut Tally),
     ) {
         let beside = Beside::new(around, self.places[0] as usize);
         let touches = beside.touches(owners, bench);
-        let mut before = [Memory::NONE; MOST];
+        let mut before = [OverlapHistory::NONE; MOST];
         before.copy_from_slice(memories);
         let known = self.touching as usize;
         let mut used = [false; MOST];
@@ -266,7 +271,7 @@ impl Entry {
             let owner = &owners[touch.kind as usize];
             let n = -touch.press.force / touch.press.force.norm_squared().sqrt();
             let heir = heir(&before[..known], &mut used, n, owner.rank);
-            let mut memory = heir.map_or(Memory::NONE, |k| before[k]);
+            let mut memory = heir.map_or(OverlapHistory::NONE, |k| before[k]);
             memory.owner = owner.rank;
             let law = &around.scenery.laws[owner.law as usize];
             let kappa = stiffness(law) / self.area;
@@ -276,7 +281,8 @@ impl Entry {
             let (v, w) = (predicted.v - twist.v, predicted.w - twist.w);
             let relative = Relative { v, w, both: predicted.w + twist.w };
             let steps = (heir.is_some(), around.scenery.steps);
-            let response = respond::load(law, pair, &touch.press, &relative, &mut memory, steps);
+            let response =
+                overlap_response::load(law, pair, &touch.press, &relative, &mut memory, steps);
             memories[number] = memory;
             self.loads[0].force += response.load.force;
             self.loads[0].torque += response.load.torque;
@@ -317,7 +323,7 @@ impl Beside<'_> {
             self.polygons((owners, o), bench, |(_, normal), press, covers, room| {
                 let Some(covers) = covers else { return add(press) };
                 for piece in covers.pieces() {
-                    let press = touch::of_polygon(self.solid, piece, normal, room);
+                    let press = contact_geometry::of_polygon(self.solid, piece, normal, room);
                     if press.acts() {
                         add(&press);
                     }
@@ -331,8 +337,8 @@ impl Beside<'_> {
     /// Puts the opposite of a load on the body, about its centroid, on an owner.
     fn give(&self, owner: &mut Owner, load: Wrench) {
         let lever = match owner.met {
-            Met::Wall(_) => Vec3::zeros(),
-            Met::Part(number) => {
+            WallId::Wall(_) => Vec3::zeros(),
+            WallId::Part(number) => {
                 let part = &self.around.parts[number as usize];
                 self.home_of(owner) - Vec3::from(part.pose.position)
             }
@@ -352,8 +358,8 @@ impl Beside<'_> {
                 if deeper(best.press.deepest, share.press.deepest) { share } else { best }
             });
             let other = match owners[deepest.owner as usize].met {
-                Met::Part(part) => Other::Part(part),
-                Met::Wall(wall) => Other::Wall(wall),
+                WallId::Part(part) => Other::Part(part),
+                WallId::Wall(wall) => Other::Wall(wall),
             };
             tally.add(deepest.press.deepest / self.solid.inradius(), self.i as u32, other);
         }
@@ -369,7 +375,7 @@ fn alike(a: &Press, b: &Press) -> bool {
 
 /// The memory that a contact with the normal `n` goes on with: one that turned by less than 10 degrees, if it can be one that
 /// no other contact has, of the same owner, and the closest.
-fn heir(memories: &[Memory], used: &mut [bool], n: Vec3, owner: u32) -> Option<usize> {
+fn heir(memories: &[OverlapHistory], used: &mut [bool], n: Vec3, owner: u32) -> Option<usize> {
     let along = |k: usize| memories[k].normal.dot(&n);
     let key = |k: usize| (!used[k], memories[k].owner == owner);
     let best = (0..memories.len())

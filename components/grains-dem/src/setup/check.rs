@@ -1,13 +1,13 @@
 //! Everything that can be wrong with a scene, as the grains see it.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::contact::{material_laws, plane_walls};
 use crate::math::numbers::is_positive;
 use crate::math::parameters::{Lubrication, Parameters};
 use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self};
-use crate::setup::material_pairs::Population;
+use crate::setup::material_pairs::BodyStatistics;
 use crate::setup::{
     check_clumps, check_law, check_packing, check_polyhedra, check_ports, check_slider,
 };
@@ -216,7 +216,7 @@ fn listed(key: &str, set: &BodySet, sphere: &Sphere, problems: &mut Vec<Problem>
 /// The centre must lie in the domain; a free sphere as a whole on the right side of walls.
 fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &mut Vec<Problem>) {
     let key = format!("{key}.position");
-    let ball = Ball { x: sphere.position.into(), radius: 0.5 * sphere.diameter };
+    let ball = BoundingSphere { x: sphere.position.into(), radius: 0.5 * sphere.diameter };
     if !PeriodicBox::new(&scene.domain).contains(ball.x) {
         problems.push(Problem::new(key, "lies outside the domain"));
         return;
@@ -253,7 +253,7 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     }
     free = scene.inlets.iter().fold(free, |d, inlet| d.max(inlet.diameters.extremes()[1]));
     check_clumps::wholes(scene, problems);
-    problems.extend(Population::of(scene).problems());
+    problems.extend(BodyStatistics::of(scene).problems());
     let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
     let skin = parameters.skin_fraction() * free.max(held);
     let needed = if free > 0.0 { free + free.max(held) + 2.0 * (skin + reach) } else { 0.0 };

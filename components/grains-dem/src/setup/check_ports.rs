@@ -43,7 +43,7 @@ pub(crate) fn ports(scene: &Scene, parameters: &Parameters, problems: &mut Vec<P
 pub(crate) fn room(scene: &Scene, parts: &[PlacedPart]) -> Result<(), Vec<Problem>> {
     let mut problems = Vec::new();
     for (i, inlet) in scene.inlets.iter().enumerate() {
-        let around = random_packing::Surroundings {
+        let around = random_packing::PackingSurroundings {
             parts,
             bounds: PeriodicBox::new(&scene.domain),
             planes: plane_walls::of_scene(scene),

@@ -5,7 +5,7 @@ use crate::bodies::slider::unit;
 use crate::contact::contact_law::Reduced;
 use crate::math::numbers::is_positive;
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
-use crate::setup::material_pairs::{Population, contact_time};
+use crate::setup::material_pairs::{BodyStatistics, contact_time};
 use crate::solver::clumps::{self, Whole};
 use core::f64::consts::PI;
 use tremie_geometry::{Mesh, Surface};
@@ -76,7 +76,7 @@ fn meets(
         problems.push(Problem::new("scene.contacts", message).help(help));
         return;
     };
-    let Some((mass, radius)) = Population::lightest(set, whole) else { return };
+    let Some((mass, radius)) = BodyStatistics::lightest(set, whole) else { return };
     let speed = slowest(scene);
     let pair = Reduced { root_mass: mass.sqrt(), radius };
     too_few(key, "a sphere", contact_time(law, pair, speed), dt, problems);
@@ -84,7 +84,7 @@ fn meets(
 
 /// Relative speed for which collisions under Hertz's law are looked at [m/s].
 fn slowest(scene: &Scene) -> f64 {
-    let speed = Population::of(scene).speed;
+    let speed = BodyStatistics::of(scene).speed;
     if speed > 0.0 { 2.0 * speed } else { 0.01 }
 }
 

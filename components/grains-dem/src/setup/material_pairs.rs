@@ -70,7 +70,7 @@ enum Sole {
 }
 
 /// The bodies of a scene by material, with what they may meet.
-pub(crate) struct Population<'a> {
+pub(crate) struct BodyStatistics<'a> {
     scene: &'a Scene,
     kinds: Vec<Kind<'a>>,
     surfaces: Vec<Surface<'a>>,
@@ -81,7 +81,7 @@ pub(crate) struct Population<'a> {
 }
 
 /// Two materials that may meet, under their law.
-pub(crate) struct Encounter<'a> {
+pub(crate) struct MaterialPair<'a> {
     /// Which, as "glass with glass".
     pub name: String,
     /// The materials, that of a surface last.
@@ -115,7 +115,7 @@ struct Pairs {
 const MOST_NEIGHBOURS: usize = 12;
 const MOST_WALLS: usize = 3;
 
-impl<'a> Population<'a> {
+impl<'a> BodyStatistics<'a> {
     pub fn of(scene: &'a Scene) -> Self {
         let mut all =
             Self { scene, kinds: Vec::new(), surfaces: surfaces(scene), fed: 0, speed: 0.0 };
@@ -196,8 +196,8 @@ impl<'a> Population<'a> {
     }
 
     /// What may meet under which law.
-    pub fn encounters(&self) -> Vec<Encounter<'a>> {
-        let mut found: Vec<Encounter<'a>> = Vec::new();
+    pub fn encounters(&self) -> Vec<MaterialPair<'a>> {
+        let mut found: Vec<MaterialPair<'a>> = Vec::new();
         self.each(|a, b, _, Pairs { light, heavy, dense, contacts }| {
             let Some(law) = self.scene.law(a, b) else { return };
             let with_surface = light[1].radius.is_infinite();
@@ -217,7 +217,7 @@ impl<'a> Population<'a> {
                 return;
             }
             let (contacts, materials) = (contacts as f64, [a, b]);
-            found.push(Encounter {
+            found.push(MaterialPair {
                 name,
                 materials,
                 law,

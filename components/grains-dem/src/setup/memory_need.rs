@@ -4,10 +4,10 @@
 //! How many bodies there are depends on what inlets bring. Both ends are told, and their geometric mean stands for the run.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::{Ball, Mobility, Twist, Wrench};
+use crate::bodies::body_arrays::{BoundingSphere, Mobility, Twist, Wrench};
 use crate::contact::contact_law::Reduced;
 use crate::math::parameters::Parameters;
-use crate::neighbours::neighbour_list::{Entry, Record, Rolling};
+use crate::neighbours::neighbour_list::{ContactState, ListedPair, Rolling};
 use crate::neighbours::size_classes::Skins;
 use crate::packing::random_packing::{self, Sizes};
 use crate::polyhedra::{self, OF_PAIR};
@@ -223,7 +223,7 @@ const MOST_CROWDED: f64 = 6.3;
 const INDEX: usize = size_of::<u32>();
 
 /// The state of a sphere, and that of one being put in another order.
-const STATE: usize = 2 * size_of::<Ball>()
+const STATE: usize = 2 * size_of::<BoundingSphere>()
     + 3 * size_of::<Twist>()
     + 2 * size_of::<Wrench>()
     + 2 * size_of::<Mobility>()
@@ -241,13 +241,17 @@ const SEARCH: usize = 14 * INDEX
 
 /// A pair in the list before and in that which is used, with the places where its bodies find it, listed and acting.
 const TWICE: usize = 2
-    * (size_of::<Entry>() + size_of::<u8>() + size_of::<Vec3>() + size_of::<Record>() + 2 * INDEX)
+    * (size_of::<ListedPair>()
+        + size_of::<u8>()
+        + size_of::<Vec3>()
+        + size_of::<ContactState>()
+        + 2 * INDEX)
     + size_of::<f32>()
     + size_of::<Reduced>()
     + 2 * INDEX;
 
 /// A pair while the list is made.
-const FOUND: usize = 2 * size_of::<Entry>() + INDEX + 2 * size_of::<u64>();
+const FOUND: usize = 2 * size_of::<ListedPair>() + INDEX + 2 * size_of::<u64>();
 
 #[cfg(test)]
 mod tests {

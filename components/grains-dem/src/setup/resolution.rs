@@ -9,7 +9,7 @@ use crate::math::parameters::Parameters;
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
 use crate::setup::check_clumps::{self, ClumpOverlap};
 use crate::setup::material_pairs::{
-    Encounter, Population, contact_time, damping_ratio, largest_overlap,
+    BodyStatistics, MaterialPair, contact_time, damping_ratio, largest_overlap,
 };
 use crate::setup::memory_need::Need;
 use crate::setup::slider_times::{self, Grains, SliderTimes};
@@ -123,7 +123,7 @@ impl Parameters {
             .map_err(|error| vec![Problem::new("threads", error.to_string())])?;
         overlaps::check(scene, &listed, &parts, &mut alone)?;
         check_ports::room(scene, &parts)?;
-        let population = Population::of(scene);
+        let population = BodyStatistics::of(scene);
         let encounters = population.encounters();
         let speed = self.speed(scene, &population);
         let pairs = encounters.iter().flat_map(|e| extremes(e, speed)).collect::<Vec<_>>();
@@ -186,7 +186,7 @@ impl Parameters {
 
     /// The relative speed at which collisions under Hertz's law must be resolved [m/s]: the
     /// parameter's; or else twice the fastest at the start and what a fall through the domain adds.
-    fn speed(&self, scene: &Scene, population: &Population<'_>) -> f64 {
+    fn speed(&self, scene: &Scene, population: &BodyStatistics<'_>) -> f64 {
         if let Some(speed) = self.expected_speed {
             return speed.0;
         }
@@ -228,8 +228,8 @@ impl Resolution {
 }
 
 /// The lightest and the heaviest pair of an encounter.
-fn extremes(encounter: &Encounter<'_>, speed: f64) -> [PairDamping; 2] {
-    let Encounter { name, law, light, heavy, .. } = encounter;
+fn extremes(encounter: &MaterialPair<'_>, speed: f64) -> [PairDamping; 2] {
+    let MaterialPair { name, law, light, heavy, .. } = encounter;
     [
         pair_damping(format!("lightest {name}"), law, *light, speed),
         pair_damping(format!("heaviest {name}"), law, *heavy, speed),
@@ -252,7 +252,7 @@ fn pair_damping(pair: String, law: &ContactLaw, reduced: Reduced, speed: f64) ->
 /// collision at `speed`. With them, which encounters are the tightest.
 /// `lever` is how much more than spheres bodies move under a push beside their centroid.
 fn limits(
-    encounters: &[Encounter<'_>],
+    encounters: &[MaterialPair<'_>],
     speed: f64,
     squeeze: Option<Squeeze>,
     lever: f64,
@@ -287,7 +287,7 @@ fn limits(
 }
 
 /// Overlap at which the stiffness of an encounter counts [m].
-fn deepest(encounter: &Encounter<'_>, pair: Reduced, speed: f64) -> f64 {
+fn deepest(encounter: &MaterialPair<'_>, pair: Reduced, speed: f64) -> f64 {
     match encounter.law.spring {
         Spring::Linear { .. } => 0.0,
         Spring::Hertz { .. } => largest_overlap(encounter.law, pair, speed),
@@ -295,10 +295,10 @@ fn deepest(encounter: &Encounter<'_>, pair: Reduced, speed: f64) -> f64 {
 }
 
 /// Largest normal stiffness of a contact with a surface [N/m].
-fn stiffest_at_surfaces(encounters: &[Encounter<'_>], speed: f64) -> f64 {
+fn stiffest_at_surfaces(encounters: &[MaterialPair<'_>], speed: f64) -> f64 {
     let at_surfaces = encounters.iter().filter(|encounter| encounter.with_surface);
     let slope =
-        |e: &Encounter<'_>| Law::new(e.law).normal_slope(deepest(e, e.heavy, speed), e.heavy);
+        |e: &MaterialPair<'_>| Law::new(e.law).normal_slope(deepest(e, e.heavy, speed), e.heavy);
     at_surfaces.map(slope).fold(0.0, f64::max)
 }
 

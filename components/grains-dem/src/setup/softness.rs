@@ -14,7 +14,7 @@
 use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::packing::random_packing;
-use crate::setup::material_pairs::{Encounter, damping_ratio, largest_overlap};
+use crate::setup::material_pairs::{MaterialPair, damping_ratio, largest_overlap};
 use core::f64::consts::PI;
 use serde::Serialize;
 use tremie_messages::{
@@ -58,13 +58,13 @@ impl Softness {
     pub(crate) fn of(
         scene: &Scene,
         parts: &[PlacedPart],
-        encounters: &[Encounter<'_>],
+        encounters: &[MaterialPair<'_>],
         speed: Option<f64>,
     ) -> Self {
         let impacts =
             Impacts { given: given_speeds(scene, parts), fall: Fall::of(scene), expected: speed };
         let pressure = pressure(scene);
-        let worst = |of: &dyn Fn(&Encounter<'_>) -> Option<Overlap>| {
+        let worst = |of: &dyn Fn(&MaterialPair<'_>) -> Option<Overlap>| {
             encounters.iter().filter_map(of).max_by(|a, b| a.ratio.total_cmp(&b.ratio))
         };
         Self {
@@ -93,7 +93,7 @@ impl Softness {
 }
 
 /// The impact of the pair that is heaviest for its size.
-fn at_impact(encounter: &Encounter<'_>, impacts: &Impacts) -> Option<Overlap> {
+fn at_impact(encounter: &MaterialPair<'_>, impacts: &Impacts) -> Option<Overlap> {
     let (speed, whence) = impacts.speed(encounter.with_surface);
     let (pair, radius) = encounter.soft;
     let left = damped(damping_ratio(encounter.law, pair));
@@ -108,7 +108,7 @@ fn at_impact(encounter: &Encounter<'_>, impacts: &Impacts) -> Option<Overlap> {
 }
 
 /// A grain at the bottom.
-fn at_rest(encounter: &Encounter<'_>, scene: &Scene, pressure: f64) -> Option<Overlap> {
+fn at_rest(encounter: &MaterialPair<'_>, scene: &Scene, pressure: f64) -> Option<Overlap> {
     let (pair, radius) = encounter.soft;
     let gravity = Vec3::from(scene.gravity).norm_squared().sqrt();
     let own = if encounter.with_surface { pair.root_mass * pair.root_mass * gravity } else { 0.0 };

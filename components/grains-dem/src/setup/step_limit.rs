@@ -2,7 +2,7 @@
 
 use crate::math::parameters::Parameters;
 use crate::packing::random_packing;
-use crate::setup::material_pairs::Encounter;
+use crate::setup::material_pairs::MaterialPair;
 use crate::setup::slider_times::SliderTimes;
 use tremie_messages::{
     finding::short,
@@ -36,7 +36,7 @@ impl Tightest {
 pub(crate) fn reason(
     scene: &Scene,
     parameters: &Parameters,
-    encounters: &[Encounter<'_>],
+    encounters: &[MaterialPair<'_>],
     sliders: &[SliderTimes],
     (tightest, contact, dense): (Tightest, f64, f64),
 ) -> String {
@@ -68,7 +68,7 @@ fn quickest(sliders: &[SliderTimes]) -> String {
 }
 
 /// The lightest pair of an encounter, with its smallest grain and its stiffness.
-fn lightest(scene: &Scene, encounter: &Encounter<'_>) -> String {
+fn lightest(scene: &Scene, encounter: &MaterialPair<'_>) -> String {
     let stiffness = match encounter.law.spring {
         Spring::Linear { normal_stiffness, .. } => {
             format!("normal_stiffness {} N/m", short(normal_stiffness))

@@ -7,8 +7,8 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, Twist, Wrench};
 use crate::polyhedra::{Inertia, Shape, to_world, turned_axes};
-use crate::solver::force_sum::Collector;
-use crate::solver::integrate::Forces;
+use crate::solver::force_sum::ForceSum;
+use crate::solver::integrate::AppliedForces;
 use crate::solver::placement::{self, OF_SPHERE};
 use std::collections::BTreeMap;
 use tremie_geometry::principal;
@@ -129,12 +129,12 @@ impl Clumps {
     }
 
     /// Sums up what contacts do, after these were evaluated.
-    pub fn evaluate(&mut self, bodies: &Bodies, forces: Forces<'_>) {
+    pub fn evaluate(&mut self, bodies: &Bodies, forces: AppliedForces<'_>) {
         for clump in &mut self.all {
             let mut sum = Wrench::zero();
             for member in &clump.members {
                 let slot = bodies.slot[member.rank as usize] as usize;
-                let wrench = Collector::alone(forces.contacts, slot, bodies.balls[slot].radius);
+                let wrench = ForceSum::alone(forces.contacts, slot, bodies.balls[slot].radius);
                 sum.force += wrench.force;
                 sum.torque += wrench.torque + (member.x - clump.x).cross(&wrench.force);
             }
@@ -144,7 +144,12 @@ impl Clumps {
 
     /// Moves them through a substep, and gives their bodies the mean velocities of it: half kick, drift and
     /// prediction; with `finish` the half kick that ends the substep before comes first.
-    pub fn begin(&mut self, bodies: &mut Bodies, forces: Forces<'_>, (dt, finish): (f64, bool)) {
+    pub fn begin(
+        &mut self,
+        bodies: &mut Bodies,
+        forces: AppliedForces<'_>,
+        (dt, finish): (f64, bool),
+    ) {
         for clump in &mut self.all {
             let push = clump.push(bodies, forces);
             if finish {
@@ -181,7 +186,7 @@ impl Clumps {
     }
 
     /// Half kick that ends a substep.
-    pub fn second_half(&mut self, bodies: &mut Bodies, forces: Forces<'_>, dt: f64) {
+    pub fn second_half(&mut self, bodies: &mut Bodies, forces: AppliedForces<'_>, dt: f64) {
         for clump in &mut self.all {
             let push = clump.push(bodies, forces);
             clump.kick(&push, 0.5 * dt);
@@ -352,7 +357,7 @@ impl Clump {
     }
 
     /// Contacts, loads and weight, about the centroid.
-    fn push(&self, bodies: &Bodies, forces: Forces<'_>) -> Wrench {
+    fn push(&self, bodies: &Bodies, forces: AppliedForces<'_>) -> Wrench {
         let mut sum = self.contact;
         sum.force += forces.gravity * self.mass;
         for member in self.members.iter().filter(|_| forces.loaded) {

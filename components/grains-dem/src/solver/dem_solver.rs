@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, SphereSet};
 use crate::bodies::deformable_surface::{DeformableSurface, SurfaceState};
-use crate::bodies::message_order::Roll;
+use crate::bodies::message_order::MessageOrder;
 use crate::bodies::placed_parts::{PlacedPart, Step};
 use crate::bodies::prescribed_spheres::Driven;
 use crate::bodies::slider::SliderState;
@@ -20,8 +20,8 @@ use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::Clumps;
 use crate::solver::diagnostics::Diagnostics;
 use crate::solver::diagnostics::{Seen, Survey};
-use crate::solver::integrate::{self, Forces, Reach};
-use crate::solver::interaction_context::Surroundings;
+use crate::solver::integrate::{self, AppliedForces, StepDisplacement};
+use crate::solver::interaction_context::InteractionContext;
 use crate::solver::neighbour_search::Search;
 use crate::solver::ports::Ports;
 use crate::solver::probes::Probes;
@@ -40,14 +40,14 @@ const TOO_DEEP: f64 = 0.5;
 /// Spheres, convex polyhedra and clumps of them in a box, in contact with each other and with walls.
 pub struct GrainsDem {
     domain: Domain,
-    pub(crate) around: Surroundings,
+    pub(crate) around: InteractionContext,
     pub(crate) gravity: Vec3,
     pub(crate) dt: f64,
     pub(crate) bodies: Bodies,
     pub(crate) polyhedra: Polyhedra,
     pub(crate) clumps: Clumps,
     pub(crate) events: Vec<BodyEvent>,
-    pub(crate) roll: Roll,
+    pub(crate) roll: MessageOrder,
     /// The id of the next body that comes.
     pub(crate) next_id: u64,
     pub(crate) search: Search,
@@ -62,7 +62,7 @@ pub struct GrainsDem {
     pub(crate) crossed: bool,
     /// What each block of bodies saw at the last evaluation, and how far it went.
     pub(crate) tallies: Vec<Tally>,
-    pub(crate) reaches: Vec<Reach>,
+    pub(crate) reaches: Vec<StepDisplacement>,
     wandered: MaxDisplacement,
     tally: Tally,
     max_overlap_ratio: f64,
@@ -90,7 +90,7 @@ impl GrainsDem {
         (spheres, parts, surfaces): (&[PlacedSphere], Vec<PlacedPart>, &[DeformableSurface]),
         mut team: Team,
     ) -> Self {
-        let around = Surroundings::of_scene(scene, parameters, parts, surfaces);
+        let around = InteractionContext::of_scene(scene, parameters, parts, surfaces);
         let laws = &around.laws;
         let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
         let polyhedra = Polyhedra::new(scene, spheres, &mut team);
@@ -107,7 +107,7 @@ impl GrainsDem {
         let blocks = spheres.len().div_ceil(BLOCK);
         let events = events::initial(spheres, &around.parts);
         let bodies_of_run = events.len();
-        let roll = Roll::new(spheres.len(), bodies_of_run - spheres.len());
+        let roll = MessageOrder::new(spheres.len(), bodies_of_run - spheres.len());
         let surfaces = Surfaces::new(surfaces, &around.laws, &around.parts, spheres.len());
         let bounds = around.bounds.clone();
         let driven = Driven::of_scene(scene, spheres);
@@ -132,7 +132,7 @@ impl GrainsDem {
             loaded: false,
             crossed: false,
             tallies: vec![Tally::default(); blocks],
-            reaches: vec![Reach::default(); blocks],
+            reaches: vec![StepDisplacement::default(); blocks],
             wandered: MaxDisplacement::none(blocks),
             tally: Tally::default(),
             max_overlap_ratio: 0.0,
@@ -321,15 +321,18 @@ impl GrainsDem {
     pub(crate) fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
         let (from, to) = (self.time(), self.time_after(1));
         self.driven.begin(&mut self.bodies, from, to);
-        let forces =
-            Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };
+        let forces = AppliedForces {
+            contacts: self.search.contacts(),
+            loaded: self.loaded,
+            gravity: self.gravity,
+        };
         let (team, bodies) = (&mut self.team, &mut self.bodies);
         let bounds = &self.around.bounds;
         let step = (self.dt, finish);
         self.clumps.begin(bodies, forces, step);
         let leash = self.search.leash();
         integrate::first_half(team, bodies, (bounds, leash), forces, step, &mut self.reaches);
-        let reach = self.reaches.iter().fold(Reach::default(), |all, &one| all.and(one));
+        let reach = self.reaches.iter().fold(StepDisplacement::default(), |all, &one| all.and(one));
         if reach.crossed {
             self.crossed = true;
             let blocks = (0..).zip(&self.reaches).filter(|(_, reach)| reach.crossed);
@@ -390,8 +393,11 @@ impl GrainsDem {
         let mut on_surfaces = Tally::default();
         search.surfaces.accept(surfaces, &scenery, &mut on_surfaces);
         self.push_sliders(surfaces);
-        let forces =
-            Forces { contacts: self.search.contacts(), loaded: self.loaded, gravity: self.gravity };
+        let forces = AppliedForces {
+            contacts: self.search.contacts(),
+            loaded: self.loaded,
+            gravity: self.gravity,
+        };
         self.clumps.evaluate(&self.bodies, forces);
         self.tally = Tally::sum(&[Tally::sum(&self.tallies), on_surfaces, on_solids]);
         self.deep_overlaps += self.tally.deep;

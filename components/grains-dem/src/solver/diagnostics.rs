@@ -6,11 +6,11 @@ use crate::bodies::body_arrays::Bodies;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Slider;
 use crate::contact::contact_force::touch_of_balls;
-use crate::contact::contact_force::{Contact, Memory};
+use crate::contact::contact_force::{Contact, ContactHistory};
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::plane_walls::Wall;
-use crate::forces::pair_forces::Scenery;
-use crate::neighbours::neighbour_list::{Pairs, TOUCHING};
+use crate::forces::pair_forces::ContactContext;
+use crate::neighbours::neighbour_list::{NeighbourList, TOUCHING};
 use crate::polyhedra::Polyhedra;
 use crate::solver::clumps::{Clump, Clumps};
 use crate::solver::neighbour_search::Contacts;
@@ -55,7 +55,7 @@ pub struct Diagnostics {
 /// What is looked at.
 pub(crate) struct Seen<'a> {
     /// Bodies and laws.
-    pub scenery: Scenery<'a>,
+    pub scenery: ContactContext<'a>,
     /// Contacts of all kinds.
     pub contacts: Contacts<'a>,
     /// The walls.
@@ -230,7 +230,7 @@ fn add_springs(springs: &mut [f64], b: usize, seen: &Seen) {
 }
 
 /// The spring of body i's contact at a place, if it touches and the other body's id is larger.
-fn spring_of_pair(pairs: &Pairs, at: &Scenery, i: usize, place: u32) -> Option<f64> {
+fn spring_of_pair(pairs: &NeighbourList, at: &ContactContext, i: usize, place: u32) -> Option<f64> {
     let k = (place / 2) as usize;
     if pairs.state[k] & TOUCHING == 0 {
         return None;
@@ -256,7 +256,13 @@ fn spring_of_pair(pairs: &Pairs, at: &Scenery, i: usize, place: u32) -> Option<f
 
 /// Normal, tangential and rolling spring; displacements are taken back the half step that they are
 /// ahead.
-fn elastic_energy(law: &Law, pair: Reduced, contact: &Contact, memory: &Memory, dt: f64) -> f64 {
+fn elastic_energy(
+    law: &Law,
+    pair: Reduced,
+    contact: &Contact,
+    memory: &ContactHistory,
+    dt: f64,
+) -> f64 {
     let n = contact.normal;
     let across = |v: Vec3| v - n * v.dot(&n);
     let k_t = law.at(contact.overlap, contact.overlap, pair).k_t;

@@ -3,13 +3,13 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::SPHERE;
-use crate::bodies::body_arrays::{Ball, NEW, PlacedSphere, Twist};
+use crate::bodies::body_arrays::{BoundingSphere, NEW, PlacedSphere, Twist};
 use crate::bodies::events;
 use crate::math::error::GrainsError;
 use crate::math::numbers::is_positive;
 use crate::math::tally::Tally;
 use crate::solver::dem_solver::GrainsDem;
-use crate::solver::integrate::Reach;
+use crate::solver::integrate::StepDisplacement;
 use crate::solver::placement;
 use tremie_messages::scene::Motion;
 
@@ -76,7 +76,7 @@ impl GrainsDem {
     fn list_after_exchange(&mut self, from: Vec<u32>) {
         let blocks = self.bodies.len().div_ceil(BLOCK);
         self.tallies.resize(blocks, Tally::default());
-        self.reaches.resize(blocks, Reach::default());
+        self.reaches.resize(blocks, StepDisplacement::default());
         self.search.moved = Some(from);
         self.rebuild_lists();
     }
@@ -84,7 +84,7 @@ impl GrainsDem {
     fn place(&self, added: &AddedSphere) -> PlacedSphere {
         let x = self.around.bounds.wrap(added.position.into());
         PlacedSphere {
-            ball: Ball { x, radius: 0.5 * added.diameter },
+            ball: BoundingSphere { x, radius: 0.5 * added.diameter },
             solid: None,
             twist: Twist { v: added.velocity.into(), w: Vec3::zeros() },
             mass: placement::mass(self.sets[added.set].density, added.diameter),

@@ -5,7 +5,7 @@ use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::Wrench;
 use crate::math::simd::prefetch::fetch_ahead;
 use crate::math::simd::vec4::Four;
-use crate::neighbours::neighbour_list::{Pairs, Record};
+use crate::neighbours::neighbour_list::{ContactState, NeighbourList};
 use crate::solver::neighbour_search::Contacts;
 use tremie_team::Variant;
 
@@ -13,8 +13,8 @@ use tremie_team::Variant;
 const AHEAD: usize = 8;
 
 /// Where the bodies of one block collect their forces, one body after the other.
-pub(crate) struct Collector<'a> {
-    pairs: &'a Pairs,
+pub(crate) struct ForceSum<'a> {
+    pairs: &'a NeighbourList,
     surfaces: [Few<'a>; 4],
     /// Whether surfaces push any of its bodies.
     any: bool,
@@ -55,7 +55,7 @@ impl<'a> Few<'a> {
     }
 }
 
-impl<'a> Collector<'a> {
+impl<'a> ForceSum<'a> {
     /// The forces of block `b`, whose bodies are `range`.
     pub fn new(contacts: Contacts<'a>, b: usize, range: std::ops::Range<usize>) -> Self {
         let Contacts { walls, parts, surfaces: soft, solids, .. } = contacts;
@@ -111,12 +111,12 @@ impl<'a> Collector<'a> {
         sum
     }
 
-    /// Of bodies, without rolling friction: [`Record::on`](crate::neighbours::neighbour_list::Record::on), in registers.
+    /// Of bodies, without rolling friction: [`ContactState::on`](crate::neighbours::neighbour_list::Record::on), in registers.
     #[inline(always)]
     fn plain(&self, i: usize, radius: f64) -> Wrench {
         let (mut force, mut torque) = (Four::ZERO, Four::ZERO);
         for &place in self.pairs.acting_on(i) {
-            let Record { normal: n, tangential: t, force: f, overlap } =
+            let ContactState { normal: n, tangential: t, force: f, overlap } =
                 self.pairs.records[(place / 2) as usize];
             // What stands behind each vector is read along with it.
             let (n, t) = (Four([n.x, n.y, n.z, t.x]), Four([t.x, t.y, t.z, f]));
@@ -135,7 +135,7 @@ impl<'a> Collector<'a> {
         const SIGNS: [f64; 2] = [1.0, -1.0];
         /// y, z, x, and what stands last.
         const YZX: i32 = 0b11_00_10_01;
-        const { assert!(size_of::<Record>() == 64) };
+        const { assert!(size_of::<ContactState>() == 64) };
         let (mut sums, places) = ([0.0; 8], self.pairs.acting_on(i));
         // SAFETY: `avx512_wide` says that the processor has the instructions; a record is eight numbers.
         unsafe {

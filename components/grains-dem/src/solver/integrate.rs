@@ -11,17 +11,17 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
-use crate::bodies::body_arrays::{Ball, Bodies, Mobility, Twist, Wrench};
+use crate::bodies::body_arrays::{Bodies, BoundingSphere, Mobility, Twist, Wrench};
 use crate::math::periodic::PeriodicBox;
 use crate::math::simd::vec4::Four;
 use crate::neighbours::size_classes::Leash;
-use crate::solver::force_sum::Collector;
+use crate::solver::force_sum::ForceSum;
 use crate::solver::neighbour_search::Contacts;
 use tremie_team::{Cut, Team, Variant, instructions::Work};
 
 /// What moves bodies.
 #[derive(Clone, Copy)]
-pub(crate) struct Forces<'a> {
+pub(crate) struct AppliedForces<'a> {
     pub contacts: Contacts<'a>,
     /// Whether the fluid loads of the bodies are anything but zero.
     pub loaded: bool,
@@ -31,7 +31,7 @@ pub(crate) struct Forces<'a> {
 
 /// How far bodies went.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Reach {
+pub(crate) struct StepDisplacement {
     /// Square of the largest distance of a body from its reference position [m²]; NaN if any is.
     pub farthest: f64,
     /// Whether any body crossed a periodic face.
@@ -40,7 +40,7 @@ pub(crate) struct Reach {
     pub due: bool,
 }
 
-impl Reach {
+impl StepDisplacement {
     /// The farther of two.
     pub fn and(self, other: Self) -> Self {
         let farther = other.farthest > self.farthest || other.farthest.is_nan();
@@ -88,9 +88,9 @@ pub(crate) fn first_half(
     team: &mut Team,
     bodies: &mut Bodies,
     (bounds, leash): (&PeriodicBox, Leash<'_>),
-    forces: Forces<'_>,
+    forces: AppliedForces<'_>,
     (dt, finish): (f64, bool),
-    reaches: &mut [Reach],
+    reaches: &mut [StepDisplacement],
 ) {
     let pieces = (
         Cut::every(&mut bodies.balls, BLOCK),
@@ -111,13 +111,13 @@ pub(crate) fn first_half(
 
 /// The changing arrays of a block.
 type Arrays<'a> = (
-    &'a mut [Ball],
+    &'a mut [BoundingSphere],
     &'a mut [Twist],
     &'a mut [Twist],
     &'a mut [[f64; 4]],
     &'a mut [Vec3],
     &'a mut [i32],
-    &'a mut [Reach],
+    &'a mut [StepDisplacement],
 );
 
 /// First half of a substep of a block.
@@ -128,7 +128,7 @@ struct FirstHalf<'a> {
     mobility: &'a [Mobility],
     bounds: &'a PeriodicBox,
     leash: Leash<'a>,
-    forces: Forces<'a>,
+    forces: AppliedForces<'a>,
     step: (f64, bool),
     variant: Variant,
 }
@@ -141,7 +141,7 @@ impl Work for FirstHalf<'_> {
         let (balls, twists, predicted, orientation, reference, crossed, reach) = arrays;
         let (first, half) = (b * BLOCK, 0.5 * dt);
         let own = first..first + balls.len();
-        let mut collector = Collector::new(forces.contacts, b, own).with(variant);
+        let mut collector = ForceSum::new(forces.contacts, b, own).with(variant);
         let (mut farthest, mut any_crossed) = (0.0, false);
         // Slices of equal length spare the loop its bounds checks.
         let n = balls.len();
@@ -176,16 +176,21 @@ impl Work for FirstHalf<'_> {
         }
         let squares = balls.iter().zip(&*reference).map(|(ball, x)| (ball.x - x).norm_squared());
         let due = leash.is_due(farthest, first, squares);
-        reach[0] = Reach { farthest, crossed: any_crossed, due };
+        reach[0] = StepDisplacement { farthest, crossed: any_crossed, due };
     }
 }
 
 /// Second half of a substep: half kick with the new forces.
-pub(crate) fn second_half(team: &mut Team, bodies: &mut Bodies, forces: Forces<'_>, dt: f64) {
+pub(crate) fn second_half(
+    team: &mut Team,
+    bodies: &mut Bodies,
+    forces: AppliedForces<'_>,
+    dt: f64,
+) {
     let (balls, load, mobility) = (&bodies.balls, &bodies.load, &bodies.mobility);
     team.for_pieces(Cut::every(&mut bodies.twists, BLOCK), |b, twists: &mut [Twist]| {
         let own = b * BLOCK..b * BLOCK + twists.len();
-        let mut collector = Collector::new(forces.contacts, b, own);
+        let mut collector = ForceSum::new(forces.contacts, b, own);
         for (i, twist) in (b * BLOCK..).zip(twists) {
             let contact = collector.on(i, balls[i].radius);
             let load = forces.loaded.then_some(&load[i]);

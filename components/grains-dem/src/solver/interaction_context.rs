@@ -8,17 +8,17 @@ use crate::contact::linear_contact::LinearLaw;
 use crate::contact::lubrication::Squeeze;
 use crate::contact::material_laws::{self, Laws};
 use crate::contact::plane_walls::{self, Sliding, Wall, WallLaws};
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::parameters::Parameters;
 use crate::math::periodic::PeriodicBox;
 use crate::math::tally::Other;
 use crate::neighbours::size_classes::Skins;
 use crate::walls::rigid_seat_contact::Seats;
-use crate::walls::surface_contacts::Around;
+use crate::walls::surface_contacts::SurfaceSurroundings;
 use tremie_messages::scene::Scene;
 
 /// Domain, walls, parts, and the laws between all of them and the bodies.
-pub(crate) struct Surroundings {
+pub(crate) struct InteractionContext {
     /// The domain.
     pub bounds: PeriodicBox,
     /// Laws of materials.
@@ -49,7 +49,7 @@ pub(crate) struct Surroundings {
     names: Vec<String>,
 }
 
-impl Surroundings {
+impl InteractionContext {
     /// Those of a scene with its parts placed, and with surfaces.
     pub fn of_scene(
         scene: &Scene,
@@ -109,15 +109,24 @@ impl Surroundings {
     }
 
     /// What surfaces that deform find near them; `size_classes` are those of the bodies' lists.
-    pub fn near_surfaces<'a>(&'a self, bodies: &'a Bodies, skins: &'a Skins) -> Around<'a> {
+    pub fn near_surfaces<'a>(
+        &'a self,
+        bodies: &'a Bodies,
+        skins: &'a Skins,
+    ) -> SurfaceSurroundings<'a> {
         let seats = Seats { parts: &self.parts, walls: &self.seat_walls };
-        Around { bodies, laws: &self.laws, seats, skins }
+        SurfaceSurroundings { bodies, laws: &self.laws, seats, skins }
     }
 
     /// What forces between bodies are made from; `crossed` tells whether any body crossed a periodic
     /// face since neighbours were listed.
-    pub fn scenery<'a>(&'a self, bodies: &'a Bodies, crossed: bool, steps: Steps) -> Scenery<'a> {
-        Scenery {
+    pub fn scenery<'a>(
+        &'a self,
+        bodies: &'a Bodies,
+        crossed: bool,
+        steps: Steps,
+    ) -> ContactContext<'a> {
+        ContactContext {
             laws: self.laws.laws(),
             shifts: &self.bounds.shifts,
             bodies,

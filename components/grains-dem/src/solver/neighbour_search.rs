@@ -2,15 +2,15 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
-use crate::bodies::body_arrays::{Ball, Bodies};
+use crate::bodies::body_arrays::{Bodies, BoundingSphere};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::math::periodic::PeriodicBox;
-use crate::neighbours::linked_cells::Cells;
-use crate::neighbours::neighbour_list::Pairs;
-use crate::neighbours::neighbour_list_build::{Nearness, PairsMaker};
+use crate::neighbours::linked_cells::LinkedCells;
+use crate::neighbours::neighbour_list::NeighbourList;
+use crate::neighbours::neighbour_list_build::{NeighbourListBuilder, PairSearch};
 use crate::neighbours::size_classes::{Leash, Skins};
 use crate::polyhedra::{self, PolyContacts, Polyhedra};
-use crate::solver::interaction_context::Surroundings;
+use crate::solver::interaction_context::InteractionContext;
 use crate::walls::deformable_surfaces::Surfaces;
 use crate::walls::part_contacts::PartContacts;
 use crate::walls::part_finder;
@@ -24,9 +24,9 @@ const LISTS_PER_ORDER: u64 = 16;
 /// Neighbour lists and what it takes to make them.
 pub(crate) struct Search {
     /// Bodies by size and place.
-    pub cells: Cells,
+    pub cells: LinkedCells,
     /// Contacts between bodies.
-    pub pairs: Pairs,
+    pub pairs: NeighbourList,
     /// Contacts of bodies with walls.
     pub walls: WallContacts,
     /// Contacts of bodies with parts.
@@ -41,11 +41,11 @@ pub(crate) struct Search {
     on_walls: Vec<Vec3>,
     /// Whether contacts were evaluated since then.
     pub evaluated: bool,
-    maker: PairsMaker,
+    maker: NeighbourListBuilder,
     spare_walls: WallContacts,
     spare_parts: PartContacts,
-    found_walls: Vec<wall_contacts::Found>,
-    found_parts: Vec<part_finder::Found>,
+    found_walls: Vec<wall_contacts::FoundWalls>,
+    found_parts: Vec<part_finder::FoundParts>,
     order: Vec<u32>,
     keys: Vec<(u64, u32)>,
     /// Where bodies stood in memory when lists were made, if any came or went since.
@@ -55,7 +55,7 @@ pub(crate) struct Search {
 /// The contacts of all bodies.
 #[derive(Clone, Copy)]
 pub(crate) struct Contacts<'a> {
-    pub pairs: &'a Pairs,
+    pub pairs: &'a NeighbourList,
     pub walls: &'a WallContacts,
     pub parts: &'a PartContacts,
     pub surfaces: &'a Surfaces,
@@ -66,8 +66,8 @@ impl Search {
     /// For up to so many bodies of classes of sizes, and surfaces that deform.
     pub fn new(bounds: PeriodicBox, skins: Skins, bodies: usize, surfaces: Surfaces) -> Self {
         Self {
-            cells: Cells::new(bounds, skins),
-            pairs: Pairs::default(),
+            cells: LinkedCells::new(bounds, skins),
+            pairs: NeighbourList::default(),
             walls: WallContacts::default(),
             parts: PartContacts::default(),
             surfaces,
@@ -75,7 +75,7 @@ impl Search {
             rebuilds: 0,
             on_walls: Vec::new(),
             evaluated: false,
-            maker: PairsMaker::default(),
+            maker: NeighbourListBuilder::default(),
             spare_walls: WallContacts::default(),
             spare_parts: PartContacts::default(),
             found_walls: Vec::new(),
@@ -122,7 +122,7 @@ impl Search {
         team: &mut Team,
         bodies: &mut Bodies,
         polyhedra: &mut Polyhedra,
-        around: &mut Surroundings,
+        around: &mut InteractionContext,
     ) {
         let mut on_walls = std::mem::take(&mut self.on_walls);
         if self.evaluated {
@@ -143,7 +143,7 @@ impl Search {
             self.order.iter_mut().for_each(|place| *place = moved[*place as usize]);
         }
         start_anew(team, bodies);
-        let near = Nearness {
+        let near = PairSearch {
             cells: &self.cells,
             shifts: &around.bounds.shifts,
             laws: &around.laws,
@@ -154,7 +154,7 @@ impl Search {
         std::mem::swap(&mut self.walls, &mut self.spare_walls);
         std::mem::swap(&mut self.parts, &mut self.spare_parts);
         let (walls, laws) = (&around.walls[..], &around.wall_laws);
-        let near = part_finder::Nearness {
+        let near = part_finder::PartSearch {
             parts: &around.parts,
             walls,
             wall_laws: laws,
@@ -168,10 +168,10 @@ impl Search {
         };
         let before = (&self.spare_parts, &self.spare_walls);
         self.parts.make(before, &mut self.found_parts, team, bodies, &near);
-        let near = wall_contacts::Nearness { walls, laws, skins, previous: &self.order };
+        let near = wall_contacts::WallSearch { walls, laws, skins, previous: &self.order };
         let (before, found) = ((&self.spare_walls, &self.spare_parts), &mut self.found_walls);
         self.walls.make(before, &self.parts, found, team, bodies, &near);
-        let near = polyhedra::Nearness {
+        let near = polyhedra::SolidSearch {
             walls,
             wall_laws: laws,
             parts: &around.parts,
@@ -196,7 +196,7 @@ fn start_anew(team: &mut Team, bodies: &mut Bodies) {
     let balls = &bodies.balls;
     team.for_pieces(pieces, |b, (reference, crossed): (&mut [Vec3], &mut [i32])| {
         crossed.fill(0);
-        let balls: &[Ball] = &balls[b * BLOCK..b * BLOCK + reference.len()];
+        let balls: &[BoundingSphere] = &balls[b * BLOCK..b * BLOCK + reference.len()];
         for (reference, ball) in reference.iter_mut().zip(balls) {
             *reference = ball.x;
         }

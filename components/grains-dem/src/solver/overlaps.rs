@@ -2,12 +2,12 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::SPHERE;
-use crate::bodies::body_arrays::{Ball, Mobility, PlacedSphere};
+use crate::bodies::body_arrays::{BoundingSphere, Mobility, PlacedSphere};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::{material_laws, plane_walls};
 use crate::math::periodic::PeriodicBox;
-use crate::neighbours::cell_pairs::Rows;
-use crate::neighbours::linked_cells::Cells;
+use crate::neighbours::cell_pairs::CellPairs;
+use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::size_classes::Skins;
 use crate::polyhedra::{self, Polyhedra, Room};
 use tremie_messages::scene::Motion;
@@ -101,16 +101,16 @@ fn deepest_overlap(
     polyhedra: &Polyhedra,
 ) -> Option<(usize, usize, f64, usize)> {
     let bounds = PeriodicBox::new(domain);
-    let balls: Vec<Ball> = spheres.iter().map(|s| s.ball).collect();
+    let balls: Vec<BoundingSphere> = spheres.iter().map(|s| s.ball).collect();
     let mobility: Vec<Mobility> = spheres.iter().map(PlacedSphere::mobility).collect();
     if balls.is_empty() {
         return None;
     }
     let spans = balls.iter().map(|ball| [2.0 * ball.radius; 2]);
-    let mut cells = Cells::new(bounds.clone(), Skins::new(spans, 0.0, 0.0));
+    let mut cells = LinkedCells::new(bounds.clone(), Skins::new(spans, 0.0, 0.0));
     cells.sort(&balls);
     let (numbers, mut room) = (numbers(spheres), Room::default());
-    let mut list = Rows::default();
+    let mut list = CellPairs::default();
     list.fill(&cells, &bounds.shifts, &balls, &mobility);
     let (mut worst, mut count) = (None::<(usize, usize, f64)>, 0);
     for i in 0..balls.len() {
@@ -137,7 +137,7 @@ fn deepest_overlap(
 }
 
 /// Overlap of two spheres `way` apart, and the radius that it is measured by [m].
-fn of_balls(a: &Ball, b: &Ball, way: Vec3) -> (f64, f64) {
+fn of_balls(a: &BoundingSphere, b: &BoundingSphere, way: Vec3) -> (f64, f64) {
     (a.radius + b.radius - way.norm_squared().sqrt(), a.radius.min(b.radius))
 }
 

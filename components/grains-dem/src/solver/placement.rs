@@ -1,12 +1,12 @@
 //! The bodies of a scene, placed.
 
 use crate::bodies::body_arrays::PlacedSolid;
-use crate::bodies::body_arrays::{Ball, Joined, PlacedSphere, Twist};
+use crate::bodies::body_arrays::{BoundingSphere, Joined, PlacedSphere, Twist};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::plane_walls::Wall;
 use crate::math::periodic::PeriodicBox;
 use crate::math::random::Random;
-use crate::packing::random_packing::{self, Surroundings};
+use crate::packing::random_packing::{self, PackingSurroundings};
 use crate::polyhedra::Shape;
 use crate::solver::clumps::{self, Whole};
 use core::f64::consts::{PI, TAU};
@@ -116,7 +116,7 @@ pub(crate) fn place(
     scene: &Scene,
     parts: &[PlacedPart],
 ) -> Result<Vec<PlacedSphere>, Vec<Problem>> {
-    let mut surroundings = Surroundings {
+    let mut surroundings = PackingSurroundings {
         parts,
         bounds: PeriodicBox::new(&scene.domain),
         planes: scene
@@ -141,7 +141,7 @@ pub(crate) fn place(
                 let Some((shape, around)) = shape_of(scene, set) else { continue };
                 match random_packing::pack(packing, around, &surroundings) {
                     Ok(balls) => {
-                        let solid = |(k, ball): (usize, &Ball)| {
+                        let solid = |(k, ball): (usize, &BoundingSphere)| {
                             let orientation = random_orientation(packing.seed, k);
                             let size = 2.0 * ball.radius / around;
                             let solid = PlacedSolid { shape, size, orientation };
@@ -184,7 +184,8 @@ fn listed_of(set: usize, bodies: &BodySet, scene: &Scene) -> Vec<PlacedSphere> {
         && let PolyhedronPlacement::Listed(list) = &own.placement
     {
         let place = |body: &Polyhedron| {
-            let ball = Ball { x: body.position.into(), radius: 0.5 * body.diameter * around };
+            let ball =
+                BoundingSphere { x: body.position.into(), radius: 0.5 * body.diameter * around };
             let solid = PlacedSolid { shape, size: body.diameter, orientation: body.orientation };
             PlacedSphere {
                 twist: Twist { v: body.velocity.into(), w: body.angular_velocity.into() },
@@ -198,12 +199,16 @@ fn listed_of(set: usize, bodies: &BodySet, scene: &Scene) -> Vec<PlacedSphere> {
     };
     let place = |sphere: &Sphere| PlacedSphere {
         twist: Twist { v: sphere.velocity.into(), w: sphere.angular_velocity.into() },
-        ..at_rest(set, bodies, Ball { x: sphere.position.into(), radius: 0.5 * sphere.diameter })
+        ..at_rest(
+            set,
+            bodies,
+            BoundingSphere { x: sphere.position.into(), radius: 0.5 * sphere.diameter },
+        )
     };
     list.iter().map(place).collect()
 }
 
-fn at_rest(set: usize, bodies: &BodySet, ball: Ball) -> PlacedSphere {
+fn at_rest(set: usize, bodies: &BodySet, ball: BoundingSphere) -> PlacedSphere {
     PlacedSphere {
         ball,
         solid: None,
@@ -216,7 +221,12 @@ fn at_rest(set: usize, bodies: &BodySet, ball: Ball) -> PlacedSphere {
     }
 }
 
-fn placed_solid(set: usize, bodies: &BodySet, ball: Ball, solid: PlacedSolid) -> PlacedSphere {
+fn placed_solid(
+    set: usize,
+    bodies: &BodySet,
+    ball: BoundingSphere,
+    solid: PlacedSolid,
+) -> PlacedSphere {
     let mass = mass(bodies.density, solid.size);
     PlacedSphere { solid: Some(solid), mass, ..at_rest(set, bodies, ball) }
 }

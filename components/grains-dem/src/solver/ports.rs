@@ -4,7 +4,7 @@ mod filled;
 mod inlet;
 
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::plane_walls::Wall;
 use crate::math::error::GrainsError;
@@ -13,7 +13,7 @@ use crate::math::periodic::PeriodicBox;
 use crate::packing::random_packing::{self, Feeding, Sizes};
 use crate::solver::dem_solver::GrainsDem;
 use crate::solver::exchange::AddedSphere;
-use crate::solver::interaction_context::Surroundings;
+use crate::solver::interaction_context::InteractionContext;
 use crate::solver::placement;
 use inlet::Feeder;
 pub(crate) use inlet::region;
@@ -109,7 +109,7 @@ fn free_volume(scene: &Scene, parts: &[PlacedPart]) -> f64 {
     if parts.is_empty() && scene.planes.is_empty() {
         return whole;
     }
-    let around = random_packing::Surroundings {
+    let around = random_packing::PackingSurroundings {
         parts,
         bounds: PeriodicBox::new(&scene.domain),
         planes: scene
@@ -135,7 +135,7 @@ impl Ports {
     /// Those of a scene that is right, for steps of `dt` [s].
     pub fn of_scene(
         scene: &Scene,
-        around: &Surroundings,
+        around: &InteractionContext,
         parameters: &Parameters,
         dt: f64,
         start: usize,
@@ -226,8 +226,9 @@ impl GrainsDem {
         let stays = |id: &u64| gone.binary_search(id).is_err();
         let living = self.bodies.ids.iter().zip(&self.bodies.slot);
         let living = living.filter(|(id, _)| stays(id));
-        let balls: Vec<Ball> = living.map(|(_, &slot)| self.bodies.balls[slot as usize]).collect();
-        let mut around = random_packing::Surroundings {
+        let balls: Vec<BoundingSphere> =
+            living.map(|(_, &slot)| self.bodies.balls[slot as usize]).collect();
+        let mut around = random_packing::PackingSurroundings {
             parts: &self.around.parts,
             bounds: self.around.bounds.clone(),
             planes: self.around.walls.clone(),

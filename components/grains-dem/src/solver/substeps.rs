@@ -12,7 +12,7 @@ use crate::bodies::deformable_surface::{FacetLoad, SurfaceState};
 use crate::contact::contact_force::Steps;
 use crate::math::error::GrainsError;
 use crate::solver::dem_solver::GrainsDem;
-use crate::solver::integrate::{self, Forces};
+use crate::solver::integrate::{self, AppliedForces};
 use crate::walls::deformable_surfaces::RigidWalls;
 use std::time::Instant;
 use tremie_messages::body::{BodyState, Load};
@@ -138,7 +138,7 @@ impl GrainsDem {
         self.progress.expect("end_window", true, false)?;
         let substeps = std::mem::take(&mut self.progress).done;
         if substeps > 0 {
-            let forces = Forces {
+            let forces = AppliedForces {
                 contacts: self.search.contacts(),
                 loaded: self.loaded,
                 gravity: self.gravity,

@@ -6,17 +6,17 @@ use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceSta
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::material_laws::Laws;
 use crate::contact::plane_walls::Wall;
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::error::GrainsError;
 use crate::math::tally::Tally;
 use crate::walls::part_contacts::PartContacts;
 use crate::walls::reached_walls::Reached;
-use crate::walls::surface_contacts::{Around, Beside, Held};
+use crate::walls::surface_contacts::{Beside, SurfaceContacts, SurfaceSurroundings};
 
 /// The surfaces of a run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surfaces {
-    pub held: Vec<Held>,
+    pub held: Vec<SurfaceContacts>,
     /// Indices of the bodies near any, ascending.
     pub bodies: Vec<u32>,
     /// Sum of the surfaces' forces on each.
@@ -47,7 +47,7 @@ impl Surfaces {
     ) -> Self {
         let hold = |surface: &DeformableSurface| {
             let whole = parts[surface.carrier].slider().map_or(1.0, |slider| slider.whole);
-            Held::new(surface, laws.material(&surface.material), whole)
+            SurfaceContacts::new(surface, laws.material(&surface.material), whole)
         };
         Self {
             held: surfaces.iter().map(hold).collect(),
@@ -71,7 +71,7 @@ impl Surfaces {
 
     /// Bodies changed their places in memory: what is near must be listed anew.
     pub fn spoil(&mut self) {
-        self.held.iter_mut().for_each(Held::spoil);
+        self.held.iter_mut().for_each(SurfaceContacts::spoil);
     }
 
     /// Bodies came and went: `previous` tells where in memory each stood, `ids` who they are. Forces
@@ -99,7 +99,7 @@ impl Surfaces {
         &mut self,
         surface: usize,
         state: (&[[f64; 3]], &[[f64; 3]]),
-        (scenery, around): (&Scenery<'_>, &Around<'_>),
+        (scenery, around): (&ContactContext<'_>, &SurfaceSurroundings<'_>),
         walls: RigidWalls<'_>,
         out: &mut Vec<FacetLoad>,
     ) -> Result<(), GrainsError> {
@@ -119,7 +119,7 @@ impl Surfaces {
     pub fn look(
         &mut self,
         states: &[SurfaceState<'_>],
-        (scenery, around): (&Scenery<'_>, &Around<'_>),
+        (scenery, around): (&ContactContext<'_>, &SurfaceSurroundings<'_>),
         walls: RigidWalls<'_>,
     ) -> Result<(), GrainsError> {
         if states.len() != self.held.len() {
@@ -141,7 +141,7 @@ impl Surfaces {
     pub fn accept(
         &mut self,
         states: &[SurfaceState<'_>],
-        scenery: &Scenery<'_>,
+        scenery: &ContactContext<'_>,
         tally: &mut Tally,
     ) {
         self.wrench.fill(Wrench::zero());
@@ -153,7 +153,7 @@ impl Surfaces {
     }
 
     /// What bodies reach of surfaces where they were looked at last, and of rigid walls.
-    fn reach(&mut self, walls: RigidWalls<'_>, scenery: &Scenery<'_>) {
+    fn reach(&mut self, walls: RigidWalls<'_>, scenery: &ContactContext<'_>) {
         self.soft.iter_mut().for_each(Reached::clear);
         for (number, held) in self.held.iter().enumerate() {
             held.give_reached(number, scenery, &mut self.soft);
@@ -171,7 +171,7 @@ impl Surfaces {
         &mut self,
         surface: usize,
         (vertices, velocities): (&[[f64; 3]], &[[f64; 3]]),
-        around: &Around<'_>,
+        around: &SurfaceSurroundings<'_>,
     ) -> Result<(), GrainsError> {
         let held = &mut self.held[surface];
         if held.needs_list(surface, vertices, velocities)? {

@@ -10,30 +10,30 @@ use crate::bodies::body_arrays::{Bodies, Wrench};
 use crate::bodies::mesh_contact::{Looked, SAME};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Along;
-use crate::contact::contact_force::Memory;
-use crate::contact::contact_history::History;
+use crate::contact::contact_force::ContactHistory;
+use crate::contact::contact_history::WallContactHistory;
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::plane_walls::Wall;
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::Tally;
 use crate::walls::deformable_surfaces::Surfaces;
-use crate::walls::part_finder::{Found, Nearness, SOME};
-use crate::walls::part_forces::{Near, Place};
+use crate::walls::part_finder::{FoundParts, PartSearch, SOME};
+use crate::walls::part_forces::{NearWalls, SphereAtWalls};
 use crate::walls::reached_walls::Reached;
 use crate::walls::wall_contacts::WallContacts;
 use tremie_team::{Cut, Team};
 
 /// What a body is near to, by number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Met {
+pub(crate) enum WallId {
     Part(u32),
     Wall(u32),
 }
 
 /// A body near a part or a wall.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
-    pub met: Met,
+pub(crate) struct ListedWall {
+    pub met: WallId,
     pub law: u16,
     /// Reduced mass, that of a head-on collision along the axis of a slider; the body's radius.
     pub reduced: Reduced,
@@ -52,10 +52,10 @@ pub(crate) struct PartContacts {
     pub wrench: Vec<Wrench>,
     /// Which of `body_arrays` belong to each block of bodies.
     pub bounds: Vec<u32>,
-    histories: Vec<History>,
+    histories: Vec<WallContactHistory>,
     /// `start[p]..start[p + 1]` are the entries of `bodies[p]`.
     start: Vec<u32>,
-    entries: Vec<Entry>,
+    entries: Vec<ListedWall>,
     entry_bounds: Vec<u32>,
     /// `near[e]..near[e + 1]` are the triangles of entry e, with the images that see them.
     near: Vec<u32>,
@@ -83,13 +83,13 @@ impl PartContacts {
     pub fn make(
         &mut self,
         (before, walls): (&Self, &WallContacts),
-        found: &mut Vec<Found>,
+        found: &mut Vec<FoundParts>,
         team: &mut Team,
         bodies: &Bodies,
-        at: &Nearness,
+        at: &PartSearch,
     ) {
         self.clear();
-        found.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
+        found.resize_with(bodies.len().div_ceil(BLOCK), FoundParts::default);
         if at.is_any() {
             self.bodies.reserve(SOME);
             self.histories.reserve(SOME);
@@ -165,12 +165,12 @@ impl PartContacts {
     }
 
     /// The contacts of a body, by its place in memory.
-    pub fn history(&self, body: u32) -> Option<&History> {
+    pub fn history(&self, body: u32) -> Option<&WallContactHistory> {
         self.bodies.binary_search(&body).ok().map(|p| &self.histories[p])
     }
 
     /// What the contact of a body, by its place in memory, with a wall remembers, if it touched.
-    pub fn of_wall(&self, body: u32, wall: &Wall) -> Option<Memory> {
+    pub fn of_wall(&self, body: u32, wall: &Wall) -> Option<ContactHistory> {
         let memory = self.history(body)?.heir(-wall.normal)?;
         (memory.normal.dot(&-wall.normal) > SAME).then_some(memory)
     }
@@ -180,20 +180,20 @@ impl PartContacts {
         &mut self,
         body: u32,
         (parts, walls): (&[PlacedPart], &[Wall]),
-        scenery: &Scenery<'_>,
+        scenery: &ContactContext<'_>,
         reached: &mut Reached,
     ) {
         reached.clear();
         let Ok(p) = self.bodies.binary_search(&body) else { return };
         let own = self.start[p] as usize..self.start[p + 1] as usize;
         let of_row = self.near[own.start] as usize..self.near[own.end] as usize;
-        let mut near = Near {
+        let mut near = NearWalls {
             ends: &self.near[own.start..=own.end],
             entries: &mut self.entries[own],
             distances: &mut self.distances[of_row.clone()],
             triangles: &self.triangles[of_row],
         };
-        Place { body: body as usize, parts, walls, scenery }.reach(&mut near, reached);
+        SphereAtWalls { body: body as usize, parts, walls, scenery }.reach(&mut near, reached);
         reached.history = self.histories[p];
     }
 
@@ -204,7 +204,7 @@ impl PartContacts {
         team: &mut Team,
         (parts, walls): (&[PlacedPart], &[Wall]),
         surfaces: &Surfaces,
-        scenery: Scenery<'_>,
+        scenery: ContactContext<'_>,
         tallies: &mut [Tally],
     ) {
         if tallies.is_empty() || (parts.is_empty() && self.bodies.is_empty()) {
@@ -228,14 +228,14 @@ impl PartContacts {
                 let own = start[p] as usize..start[p + 1] as usize;
                 let of_row = near[own.start] as usize..near[own.end] as usize;
                 let (entry, begin) = (first[b] as usize, of_block[b] as usize);
-                let near = Near {
+                let near = NearWalls {
                     entries: &mut entries[own.start - entry..own.end - entry],
                     ends: &near[own.start..=own.end],
                     distances: &mut distances[of_row.start - begin..of_row.end - begin],
                     triangles: &triangles[of_row],
                 };
                 let body = bodies[p] as usize;
-                let place = Place { body, parts, walls, scenery: &scenery };
+                let place = SphereAtWalls { body, parts, walls, scenery: &scenery };
                 let soft = surfaces.reached_by(bodies[p]);
                 *wrench = place.evaluate(near, soft, history, loads, &mut tally[0]);
             }
@@ -258,7 +258,7 @@ impl PartContacts {
     /// Adds the forces on walls, by their numbers.
     pub fn add_wall_forces(&self, sums: &mut [Vec3]) {
         for entry in &self.entries {
-            if let Met::Wall(wall) = entry.met {
+            if let WallId::Wall(wall) = entry.met {
                 sums[wall as usize] += entry.on_wall;
             }
         }

@@ -6,14 +6,14 @@ use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility};
 use crate::bodies::mesh_contact::{Looked, distance};
 use crate::bodies::placed_parts::PlacedPart;
-use crate::contact::contact_history::{History, Remembered};
+use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::contact_law::Reduced;
 use crate::contact::material_laws::Laws;
 use crate::contact::plane_walls::{Wall, WallLaws};
 use crate::math::periodic::PeriodicBox;
 use crate::neighbours::size_classes::Skins;
 use crate::walls::deformable_surfaces::Surfaces;
-use crate::walls::part_contacts::{Entry, Met, PartContacts};
+use crate::walls::part_contacts::{ListedWall, PartContacts, WallId};
 use crate::walls::wall_contacts::{WallContacts, WallEntry};
 
 /// Room for so many of what a block finds is there from the beginning.
@@ -21,12 +21,12 @@ pub(crate) const SOME: usize = 128;
 
 /// What one block of bodies found.
 #[derive(Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct FoundParts {
     pub bodies: Vec<u32>,
-    pub histories: Vec<History>,
+    pub histories: Vec<WallContactHistory>,
     /// Number of entries at the end of each body's row.
     pub ends: Vec<u32>,
-    pub entries: Vec<Entry>,
+    pub entries: Vec<ListedWall>,
     /// Number of triangles at the end of each entry.
     pub near: Vec<u32>,
     pub triangles: Vec<(u32, u32)>,
@@ -34,7 +34,7 @@ pub(crate) struct Found {
 }
 
 /// What bodies may meet, as a list is made from it.
-pub(crate) struct Nearness<'a> {
+pub(crate) struct PartSearch<'a> {
     pub parts: &'a [PlacedPart],
     pub walls: &'a [Wall],
     pub wall_laws: &'a WallLaws,
@@ -52,7 +52,7 @@ pub(crate) struct Nearness<'a> {
     pub previous: &'a [u32],
 }
 
-impl Nearness<'_> {
+impl PartSearch<'_> {
     /// Whether any body may be listed.
     pub fn is_any(&self) -> bool {
         !self.parts.is_empty() || self.walls_lean || !self.surfaces.held.is_empty()
@@ -67,14 +67,14 @@ impl Nearness<'_> {
     }
 }
 
-impl Found {
+impl FoundParts {
     /// Finds what is near the bodies of block `b`.
     pub fn find(
         &mut self,
         b: usize,
         before: (&PartContacts, &WallContacts),
         bodies: &Bodies,
-        at: &Nearness,
+        at: &PartSearch,
     ) {
         self.clear();
         for i in b * BLOCK..bodies.len().min((b + 1) * BLOCK) {
@@ -116,7 +116,7 @@ impl Found {
         self.triangles.reserve(8 * SOME);
     }
 
-    fn find_parts(&mut self, i: usize, bodies: &Bodies, at: &Nearness) {
+    fn find_parts(&mut self, i: usize, bodies: &Bodies, at: &PartSearch) {
         for (part, placed) in at.parts.iter().enumerate() {
             let found = self.triangles.len();
             let ball = &bodies.balls[i];
@@ -124,26 +124,26 @@ impl Found {
             if self.triangles.len() > found {
                 let root_mass = bodies.mobility[i].root_reduced_mass(placed.mobility());
                 let law = at.laws.between(at.materials[part], bodies.material[i]);
-                self.enter(Met::Part(part as u32), law, root_mass, ball.radius);
+                self.enter(WallId::Part(part as u32), law, root_mass, ball.radius);
             }
         }
     }
 
-    fn find_walls(&mut self, i: usize, bodies: &Bodies, at: &Nearness) {
+    fn find_walls(&mut self, i: usize, bodies: &Bodies, at: &PartSearch) {
         let ball = &bodies.balls[i];
         for (wall, plane) in at.walls.iter().enumerate() {
             if !plane.mirror && plane.overlap(ball) > -at.skins.gap(ball.radius) {
                 let root_mass = bodies.mobility[i].root_reduced_mass(Mobility::NONE);
                 let law = at.wall_laws[wall][bodies.material[i] as usize];
-                self.enter(Met::Wall(wall as u32), law, root_mass, ball.radius);
+                self.enter(WallId::Wall(wall as u32), law, root_mass, ball.radius);
             }
         }
     }
 
-    fn enter(&mut self, met: Met, law: u16, root_mass: f64, radius: f64) {
+    fn enter(&mut self, met: WallId, law: u16, root_mass: f64, radius: f64) {
         let reduced = Reduced { root_mass, radius };
         self.near.push(self.triangles.len() as u32);
-        self.entries.push(Entry {
+        self.entries.push(ListedWall {
             met,
             law,
             reduced,
@@ -169,9 +169,9 @@ impl Found {
 fn history(
     (parts, walls): (&PartContacts, &WallContacts),
     body: u32,
-    at: &Nearness<'_>,
-) -> History {
-    let mut history = parts.history(body).copied().unwrap_or(History::NONE);
+    at: &PartSearch<'_>,
+) -> WallContactHistory {
+    let mut history = parts.history(body).copied().unwrap_or(WallContactHistory::NONE);
     for entry in walls.of(body).iter().filter(|entry| entry.touching) {
         if !at.walls[entry.wall as usize].mirror {
             let WallEntry { memory, law, reduced, .. } = *entry;

@@ -1,30 +1,32 @@
 //! Contact forces of all parts and walls near one body.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::{Ball, Twist, Wrench};
-use crate::bodies::mesh_contact::{self, Candidates, Found, MOST, Nearest, Seeker, Triangle};
+use crate::bodies::body_arrays::{BoundingSphere, Twist, Wrench};
+use crate::bodies::mesh_contact::{
+    self, MOST, ReachedPoints, Seeker, Triangle, WallPoint, WallPoints,
+};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Along;
-use crate::contact::contact_force::{self, Contact, Memory};
-use crate::contact::contact_history::{History, Remembered};
+use crate::contact::contact_force::{self, Contact, ContactHistory};
+use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::plane_walls::Wall;
 use crate::contact::region_shares::{of_one_region, shares};
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
-use crate::walls::part_contacts::{Entry, Met, PartLoad};
+use crate::walls::part_contacts::{ListedWall, PartLoad, WallId};
 use crate::walls::reached_walls::{Reached, is_soft, together};
 
 /// A body beside parts and walls.
-pub(crate) struct Place<'a> {
+pub(crate) struct SphereAtWalls<'a> {
     pub body: usize,
     pub parts: &'a [PlacedPart],
     pub walls: &'a [Wall],
-    pub scenery: &'a Scenery<'a>,
+    pub scenery: &'a ContactContext<'a>,
 }
 
 /// What it is near to.
-pub(crate) struct Near<'a> {
-    pub entries: &'a mut [Entry],
+pub(crate) struct NearWalls<'a> {
+    pub entries: &'a mut [ListedWall],
     /// `ends[e]..ends[e + 1]`, less `ends[0]`, are the triangles of entry e.
     pub ends: &'a [u32],
     /// How far each was when the body looked at all.
@@ -33,7 +35,7 @@ pub(crate) struct Near<'a> {
     pub triangles: &'a [(u32, u32)],
 }
 
-impl Near<'_> {
+impl NearWalls<'_> {
     /// Which triangles are those of an entry.
     fn own(&self, e: usize) -> core::ops::Range<usize> {
         let place = |e: usize| (self.ends[e] - self.ends[0]) as usize;
@@ -41,9 +43,9 @@ impl Near<'_> {
     }
 }
 
-impl Place<'_> {
+impl SphereAtWalls<'_> {
     /// Finds what the body reaches.
-    pub fn reach(&self, near: &mut Near<'_>, reached: &mut Reached) {
+    pub fn reach(&self, near: &mut NearWalls<'_>, reached: &mut Reached) {
         for contact in self.find(near).contacts() {
             let entry = &near.entries[contact.owner as usize];
             reached.add(*contact, (entry.law, entry.reduced));
@@ -51,8 +53,8 @@ impl Place<'_> {
     }
 
     /// The contacts, of parts and walls alone.
-    fn find(&self, near: &mut Near<'_>) -> Found {
-        let mut candidates = Candidates::NONE;
+    fn find(&self, near: &mut NearWalls<'_>) -> WallPoints {
+        let mut candidates = ReachedPoints::NONE;
         for e in 0..near.entries.len() {
             self.look(e, near, &mut candidates);
         }
@@ -60,7 +62,11 @@ impl Place<'_> {
     }
 
     /// The contacts, and how much the spring of each counts; with those of `soft` surfaces, where there are any.
-    fn find_with(&self, near: &mut Near<'_>, soft: Option<&Reached>) -> (Found, [f64; MOST]) {
+    fn find_with(
+        &self,
+        near: &mut NearWalls<'_>,
+        soft: Option<&Reached>,
+    ) -> (WallPoints, [f64; MOST]) {
         let radius = self.scenery.bodies.balls[self.body].radius;
         match soft.filter(|soft| !soft.is_empty()) {
             Some(soft) => {
@@ -78,9 +84,9 @@ impl Place<'_> {
     /// The force on the body, whose contacts with `soft` surfaces are evaluated elsewhere; those on parts are added to `loads`.
     pub fn evaluate(
         &self,
-        mut near: Near<'_>,
+        mut near: NearWalls<'_>,
         soft: Option<&Reached>,
-        history: &mut History,
+        history: &mut WallContactHistory,
         loads: &mut [PartLoad],
         tally: &mut Tally,
     ) -> Wrench {
@@ -113,8 +119,8 @@ impl Place<'_> {
             on_body.force += force.force;
             on_body.torque += force.torque;
             let other = match met.entry.met {
-                Met::Part(part) => Other::Part(part),
-                Met::Wall(wall) => {
+                WallId::Part(part) => Other::Part(part),
+                WallId::Wall(wall) => {
                     near.entries[e].on_wall -= force.force;
                     Other::Wall(wall)
                 }
@@ -132,7 +138,7 @@ impl Place<'_> {
     }
 
     /// From the body to the image of it that an entry's part sees.
-    fn shift(&self, near: &Near<'_>, e: usize) -> Vec3 {
+    fn shift(&self, near: &NearWalls<'_>, e: usize) -> Vec3 {
         let first = near.triangles[near.own(e)].first();
         first.map_or(Vec3::zeros(), |&(_, image)| self.scenery.shifts[self.image(image)])
     }
@@ -145,19 +151,19 @@ impl Place<'_> {
     }
 
     /// Adds the points of an entry that are in reach, with the body's centre as their origin.
-    fn look(&self, e: usize, near: &mut Near<'_>, candidates: &mut Candidates) {
-        let Ball { x, radius } = self.scenery.bodies.balls[self.body];
+    fn look(&self, e: usize, near: &mut NearWalls<'_>, candidates: &mut ReachedPoints) {
+        let BoundingSphere { x, radius } = self.scenery.bodies.balls[self.body];
         let reach = radius + self.scenery.reach();
         let number = match near.entries[e].met {
-            Met::Part(number) => number as usize,
-            Met::Wall(number) => {
+            WallId::Part(number) => number as usize,
+            WallId::Wall(number) => {
                 let wall = &self.walls[number as usize];
                 let distance = x.dot(&wall.normal) - wall.offset;
                 if distance < reach {
                     // Parts come before walls.
                     let rank = self.parts.len() as u32 + number;
-                    let point = Nearest::of_plane(wall.normal, distance);
-                    candidates.take(Nearest { owner: e as u32, rank, ..point });
+                    let point = WallPoint::of_plane(wall.normal, distance);
+                    candidates.take(WallPoint { owner: e as u32, rank, ..point });
                 }
                 return;
             }
@@ -184,12 +190,12 @@ impl Place<'_> {
         mesh_contact::look(sphere, 0.0, looked, triangle, |found| {
             let normal = part.to_world(found.normal);
             let point = normal * -found.distance;
-            candidates.take(Nearest { normal, point, owner: e as u32, rank: part.rank, ..found });
+            candidates.take(WallPoint { normal, point, owner: e as u32, rank: part.rank, ..found });
         });
     }
 
     /// How much the spring of each contact counts.
-    fn springs(&self, found: &[Nearest], entries: &[Entry]) -> [f64; MOST] {
+    fn springs(&self, found: &[WallPoint], entries: &[ListedWall]) -> [f64; MOST] {
         let radius = self.scenery.bodies.balls[self.body].radius;
         shares(found, |contact| {
             let entry = &entries[contact.owner as usize];
@@ -200,7 +206,7 @@ impl Place<'_> {
     }
 
     /// How much of each contact counts, of which springs count so much. No film is known of surfaces.
-    fn shares(&self, found: &[Nearest], springs: [f64; MOST]) -> [Share; MOST] {
+    fn shares(&self, found: &[WallPoint], springs: [f64; MOST]) -> [Share; MOST] {
         let radius = self.scenery.bodies.balls[self.body].radius;
         let mut all = springs.map(|spring| Share { spring, film: 0.0 });
         if self.scenery.squeeze.is_some() {
@@ -222,7 +228,7 @@ impl Place<'_> {
         &self,
         met: &Meeting<'_>,
         home: Vec3,
-        (before, history): (&Memories<'_>, &mut History),
+        (before, history): (&Memories<'_>, &mut WallContactHistory),
         loads: &mut [PartLoad],
     ) -> Wrench {
         let (scenery, entry) = (self.scenery, met.entry);
@@ -233,11 +239,11 @@ impl Place<'_> {
         let twist = &scenery.bodies.predicted[self.body];
         let place = home + n * arm;
         let other = match entry.met {
-            Met::Part(part) => {
+            WallId::Part(part) => {
                 let part = &self.parts[part as usize];
                 Twist { v: part.velocity_at(place), w: part.twist.w }
             }
-            Met::Wall(wall) => Twist { v: self.walls[wall as usize].velocity, w: Vec3::zeros() },
+            WallId::Wall(wall) => Twist { v: self.walls[wall as usize].velocity, w: Vec3::zeros() },
         };
         let contact = Contact {
             normal: n,
@@ -261,7 +267,7 @@ impl Place<'_> {
             on_body.force += (f.tangential - n * f.normal) * share;
             on_body.torque = n.cross(&f.tangential) * (arm * share) + rolling;
         }
-        if let Met::Part(number) = entry.met {
+        if let WallId::Part(number) = entry.met {
             let (part, load) = (&self.parts[number as usize], &mut loads[number as usize]);
             let lever = place - Vec3::from(part.pose.position);
             load.wrench.force -= on_body.force;
@@ -283,20 +289,20 @@ struct Share {
 
 /// What the body's contacts remember: with parts and walls, and with surfaces that it touches as well.
 struct Memories<'a> {
-    own: &'a History,
-    of_surfaces: Option<&'a History>,
+    own: &'a WallContactHistory,
+    of_surfaces: Option<&'a WallContactHistory>,
 }
 
 impl Memories<'_> {
-    fn heir(&self, n: Vec3) -> Option<Memory> {
+    fn heir(&self, n: Vec3) -> Option<ContactHistory> {
         self.own.heir(n).or_else(|| self.of_surfaces?.heir(n))
     }
 }
 
 /// A contact with what is met there.
 struct Meeting<'a> {
-    entry: &'a Entry,
-    contact: &'a Nearest,
+    entry: &'a ListedWall,
+    contact: &'a WallPoint,
     share: Share,
 }
 

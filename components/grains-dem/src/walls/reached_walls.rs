@@ -5,8 +5,8 @@
 //! metal: so where a sphere reaches both, either side looks at the points of both together, finds which of these
 //! are contacts and how much each counts, and evaluates its own.
 
-use crate::bodies::mesh_contact::{Candidates, Found, MOST, Nearest};
-use crate::contact::contact_history::History;
+use crate::bodies::mesh_contact::{MOST, ReachedPoints, WallPoint, WallPoints};
+use crate::contact::contact_history::WallContactHistory;
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::region_shares::shares;
 
@@ -16,7 +16,7 @@ const SOFT: u32 = 1 << 31;
 /// A point of a wall within reach, and the law of a contact there.
 #[derive(Clone, Copy, Debug)]
 struct ReachedPoint {
-    near: Nearest,
+    near: WallPoint,
     law: u16,
     reduced: Reduced,
 }
@@ -26,28 +26,28 @@ struct ReachedPoint {
 pub(crate) struct Reached {
     points: [ReachedPoint; MOST],
     count: usize,
-    pub history: History,
+    pub history: WallContactHistory,
 }
 
 /// A point of the surface that deforms of a number.
-pub(crate) fn of_surface(near: Nearest, surface: usize) -> Nearest {
-    Nearest { owner: SOFT + surface as u32, rank: SOFT, ..near }
+pub(crate) fn of_surface(near: WallPoint, surface: usize) -> WallPoint {
+    WallPoint { owner: SOFT + surface as u32, rank: SOFT, ..near }
 }
 
 /// Whether a point is one of any surface that deforms.
-pub(crate) fn is_soft(near: &Nearest) -> bool {
+pub(crate) fn is_soft(near: &WallPoint) -> bool {
     near.owner >= SOFT
 }
 
 impl Reached {
     pub const NONE: Self = Self {
         points: [ReachedPoint {
-            near: Nearest::NONE,
+            near: WallPoint::NONE,
             law: 0,
             reduced: Reduced { root_mass: 0.0, radius: 0.0 },
         }; MOST],
         count: 0,
-        history: History::NONE,
+        history: WallContactHistory::NONE,
     };
 
     fn points(&self) -> &[ReachedPoint] {
@@ -65,7 +65,7 @@ impl Reached {
     }
 
     /// Adds a point with the law of its contact, as long as there is room: for so many as are ever found.
-    pub fn add(&mut self, near: Nearest, (law, reduced): (u16, Reduced)) {
+    pub fn add(&mut self, near: WallPoint, (law, reduced): (u16, Reduced)) {
         if let Some(place) = self.points.get_mut(self.count) {
             *place = ReachedPoint { near, law, reduced };
             self.count += 1;
@@ -79,9 +79,9 @@ pub(crate) fn together(
     soft: &Reached,
     radius: f64,
     laws: &[Law],
-) -> (Found, [f64; MOST]) {
+) -> (WallPoints, [f64; MOST]) {
     let points = || rigid.points().iter().chain(soft.points());
-    let mut candidates = Candidates::NONE;
+    let mut candidates = ReachedPoints::NONE;
     points().for_each(|point| candidates.take(point.near));
     let found = candidates.contacts(radius);
     let shares = shares(found.contacts(), |contact| {

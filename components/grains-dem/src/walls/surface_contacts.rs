@@ -1,15 +1,15 @@
 //! Spheres on surfaces that deform, and the seats of these: lists, trials and what contacts remember.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::{Ball, Bodies, Mobility, Wrench};
+use crate::bodies::body_arrays::{Bodies, BoundingSphere, Mobility, Wrench};
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, mean_edge};
-use crate::bodies::mesh_contact::{self, Found, Looked, MOST, Nearest, Seeker, Triangle};
+use crate::bodies::mesh_contact::{self, Looked, MOST, Seeker, Triangle, WallPoint, WallPoints};
 use crate::contact::contact_force::{self, Contact, Steps};
-use crate::contact::contact_history::{History, Remembered};
+use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::material_laws::Laws;
 use crate::contact::region_shares::shares;
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::error::GrainsError;
 use crate::math::tally::{Other, Tally};
 use crate::neighbours::size_classes::Skins;
@@ -19,7 +19,7 @@ use tremie_team::{Variant, instructions::Work};
 
 /// A sphere near a surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
+pub(crate) struct SphereAtSurface {
     /// Id of the body, and where it stands in memory.
     id: u64,
     pub body: u32,
@@ -28,12 +28,12 @@ pub(crate) struct Entry {
     law: u16,
     reduced: Reduced,
     /// The contacts at the last accepted shape.
-    history: History,
+    history: WallContactHistory,
 }
 
 /// A surface with the bodies near it.
 #[derive(Clone, Debug)]
-pub(crate) struct Held {
+pub(crate) struct SurfaceContacts {
     triangles: Vec<[u32; 3]>,
     vertices: usize,
     /// Index of the part that carries it, and how many times the whole is what spheres meet.
@@ -49,15 +49,15 @@ pub(crate) struct Held {
     shape: Vec<[f64; 3]>,
     travel: f64,
     /// By the id of the body; `start[e]..start[e + 1]` are the places of entry e's facets.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<SphereAtSurface>,
     start: Vec<u32>,
     facets: Vec<u32>,
     /// For each entry where it looked at all its facets last, and for each of these how far it was then.
     looked: Vec<Looked>,
     distances: Vec<f32>,
-    spare: Vec<Entry>,
+    spare: Vec<SphereAtSurface>,
     /// Where each entry's body touches the shape that was taken last.
-    found: Vec<Found>,
+    found: Vec<WallPoints>,
     /// A box around the surface when facets were listed.
     bounds: Box3,
     groups: Vec<Box3>,
@@ -70,7 +70,7 @@ pub(crate) struct Held {
 
 /// What is listed near a surface.
 #[derive(Clone, Copy)]
-pub(crate) struct Around<'a> {
+pub(crate) struct SurfaceSurroundings<'a> {
     pub bodies: &'a Bodies,
     pub laws: &'a Laws,
     pub seats: Seats<'a>,
@@ -102,11 +102,11 @@ impl Work for Take<'_> {
 }
 
 /// Where one sphere touches a surface, among other contacts that do not count here, and how much each counts.
-struct SurfaceContacts<'a> {
-    found: Found,
+struct ActingContacts<'a> {
+    found: WallPoints,
     shares: [f64; MOST],
     /// What contacts with rigid walls beside remember.
-    of_rigid: Option<&'a History>,
+    of_rigid: Option<&'a WallContactHistory>,
 }
 
 /// What bodies reach, by their places, of rigid walls and of all surfaces, of which this one has a number.
@@ -150,7 +150,7 @@ impl Box3 {
 /// Vertices are listed anew when one has gone by this part of the mean edge.
 const SKIN: f64 = 0.1;
 
-impl Held {
+impl SurfaceContacts {
     /// Of a surface that is right.
     pub fn new(surface: &DeformableSurface, material: u16, whole: f64) -> Self {
         Self {
@@ -224,7 +224,7 @@ impl Held {
     }
 
     /// Lists what is near; contacts keep their history.
-    pub fn list(&mut self, vertices: &[[f64; 3]], around: &Around<'_>) {
+    pub fn list(&mut self, vertices: &[[f64; 3]], around: &SurfaceSurroundings<'_>) {
         self.listed.copy_from_slice(vertices);
         self.shape.copy_from_slice(vertices);
         self.travel = 0.0;
@@ -242,7 +242,7 @@ impl Held {
         self.bounds = all;
         for (&id, &slot) in around.bodies.ids.iter().zip(&around.bodies.slot) {
             let (slot, bodies) = (slot as usize, around.bodies);
-            let Ball { x, radius } = bodies.balls[slot];
+            let BoundingSphere { x, radius } = bodies.balls[slot];
             // The list of bodies may be half spent when this one begins.
             let gap = around.skins.of(radius) + self.skin;
             if bodies.mobility[slot].is_free() && all.is_near(x, radius + gap) {
@@ -258,7 +258,7 @@ impl Held {
         self.distances.clear();
         self.distances.resize(self.facets.len(), 0.0);
         self.found.clear();
-        self.found.resize(self.entries.len(), Found::NONE);
+        self.found.resize(self.entries.len(), WallPoints::NONE);
     }
 
     /// Adds the facets near a place.
@@ -274,11 +274,11 @@ impl Held {
         }
     }
 
-    fn enter(&mut self, id: u64, slot: usize, around: &Around<'_>) {
+    fn enter(&mut self, id: u64, slot: usize, around: &SurfaceSurroundings<'_>) {
         let bodies = around.bodies;
         let known = self.spare.binary_search_by_key(&id, |entry| entry.id).ok();
-        let history = known.map_or(History::NONE, |e| self.spare[e].history);
-        self.entries.push(Entry {
+        let history = known.map_or(WallContactHistory::NONE, |e| self.spare[e].history);
+        self.entries.push(SphereAtSurface {
             id,
             body: slot as u32,
             place: 0,
@@ -292,7 +292,7 @@ impl Held {
     }
 
     /// Takes the facets to a shape, and finds where bodies touch it.
-    pub fn look(&mut self, vertices: &[[f64; 3]], scenery: &Scenery<'_>) {
+    pub fn look(&mut self, vertices: &[[f64; 3]], scenery: &ContactContext<'_>) {
         self.take_shape(vertices);
         for e in 0..self.entries.len() {
             self.found[e] = self.find(e, scenery);
@@ -301,7 +301,12 @@ impl Held {
 
     /// Adds what bodies reach of the shape that was looked at, and remember, to `reached_walls` at their places; it is the surface
     /// of a `number`. Nothing, where bodies changed their places in memory since.
-    pub fn give_reached(&self, number: usize, scenery: &Scenery<'_>, reached: &mut [Reached]) {
+    pub fn give_reached(
+        &self,
+        number: usize,
+        scenery: &ContactContext<'_>,
+        reached: &mut [Reached],
+    ) {
         if self.stale {
             return;
         }
@@ -309,7 +314,7 @@ impl Held {
             let reached = &mut reached[entry.place as usize];
             let centre = scenery.bodies.balls[entry.body as usize].x;
             for near in found.contacts() {
-                let near = Nearest { point: near.point - centre, ..*near };
+                let near = WallPoint { point: near.point - centre, ..*near };
                 reached.add(of_surface(near, number), (entry.law, entry.reduced));
             }
             if reached.history.held().is_empty() {
@@ -323,7 +328,7 @@ impl Held {
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
         beside: &Beside<'_>,
-        scenery: &Scenery<'_>,
+        scenery: &ContactContext<'_>,
         out: &mut Vec<FacetLoad>,
     ) {
         for e in 0..self.entries.len() {
@@ -338,7 +343,7 @@ impl Held {
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
         beside: &Beside<'_>,
-        scenery: &Scenery<'_>,
+        scenery: &ContactContext<'_>,
         wrench: &mut [Wrench],
         tally: &mut Tally,
     ) {
@@ -350,7 +355,8 @@ impl Held {
                 self.entries[e].history.clear();
                 continue;
             }
-            let mut entry = Entry { history: History::NONE, ..self.entries[e] };
+            let mut entry =
+                SphereAtSurface { history: WallContactHistory::NONE, ..self.entries[e] };
             let kept = Some(&mut entry);
             let on_body = self.meet(&contacts, (e, kept), state.1, scenery, tally, &mut out);
             let sum = &mut wrench[entry.place as usize];
@@ -381,8 +387,9 @@ impl Held {
     }
 
     /// The places where one sphere touches.
-    fn find(&mut self, e: usize, scenery: &Scenery<'_>) -> Found {
-        let Ball { x: centre, radius } = scenery.bodies.balls[self.entries[e].body as usize];
+    fn find(&mut self, e: usize, scenery: &ContactContext<'_>) -> WallPoints {
+        let BoundingSphere { x: centre, radius } =
+            scenery.bodies.balls[self.entries[e].body as usize];
         let own = self.start[e] as usize..self.start[e + 1] as usize;
         let sphere = Seeker { centre, radius, reach: radius };
         let mut looked = self.looked[e];
@@ -405,20 +412,20 @@ impl Held {
         &self,
         e: usize,
         beside: &Beside<'a>,
-        scenery: &Scenery<'_>,
-    ) -> SurfaceContacts<'a> {
+        scenery: &ContactContext<'_>,
+    ) -> ActingContacts<'a> {
         let entry = &self.entries[e];
         let ball = &scenery.bodies.balls[entry.body as usize];
         let rigid = &beside.rigid[entry.place as usize];
         if !rigid.is_empty() && !self.found[e].contacts().is_empty() {
             let soft = &beside.soft[entry.place as usize];
             let (found, mut shares) = together(rigid, soft, ball.radius, scenery.laws);
-            let own = of_surface(Nearest::NONE, beside.number).owner;
+            let own = of_surface(WallPoint::NONE, beside.number).owner;
             for (near, share) in found.contacts().iter().zip(&mut shares) {
                 *share = if near.owner == own { *share } else { 0.0 };
             }
             let of_rigid = Some(&rigid.history);
-            return SurfaceContacts { found: found.moved_by(ball.x), shares, of_rigid };
+            return ActingContacts { found: found.moved_by(ball.x), shares, of_rigid };
         }
         let law = &scenery.laws[entry.law as usize];
         let found = self.found[e];
@@ -426,17 +433,17 @@ impl Held {
             let overlap = (ball.radius - near.distance).max(0.0);
             (2.0 * law.normal_energy(overlap, entry.reduced)).sqrt()
         });
-        SurfaceContacts { found, shares, of_rigid: None }
+        ActingContacts { found, shares, of_rigid: None }
     }
 
     /// The contacts of one sphere where it was found to touch: the force on it, and in `kept`, which remembers none, what its
     /// entry remembers then.
     fn meet(
         &self,
-        contacts: &SurfaceContacts<'_>,
-        (e, mut kept): (usize, Option<&mut Entry>),
+        contacts: &ActingContacts<'_>,
+        (e, mut kept): (usize, Option<&mut SphereAtSurface>),
         velocities: &[[f64; 3]],
-        scenery: &Scenery<'_>,
+        scenery: &ContactContext<'_>,
         tally: &mut Tally,
         out: &mut Vec<FacetLoad>,
     ) -> Wrench {
@@ -447,7 +454,7 @@ impl Held {
         let (reduced, steps) = (entry.reduced, scenery.steps);
         let mut on_body = Wrench::zero();
         let law = &scenery.laws[entry.law as usize];
-        let SurfaceContacts { found, shares, of_rigid } = contacts;
+        let ActingContacts { found, shares, of_rigid } = contacts;
         let acting = found.contacts().iter().zip(*shares).filter(|(_, share)| *share > 0.0);
         for (near, share) in acting {
             let facet = facets[near.triangle as usize];
@@ -481,7 +488,7 @@ impl Held {
     }
 
     /// Velocity of the surface at a point of a facet: that of its corners in the point's shares.
-    fn velocity(&self, facet: u32, near: &Nearest, velocities: &[[f64; 3]]) -> Vec3 {
+    fn velocity(&self, facet: u32, near: &WallPoint, velocities: &[[f64; 3]]) -> Vec3 {
         let vertices = self.triangles[facet as usize];
         let [u, v, w] = vertices.map(|vertex| Vec3::from(velocities[vertex as usize]));
         let [a, b, c] = vertices.map(|vertex| Vec3::from(self.shape[vertex as usize]));
@@ -495,7 +502,7 @@ impl Held {
 
     /// Energy in the springs of spheres' contacts and of the seat, of which the domain has a share [J].
     pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
-        let of = |entry: &Entry| entry.history.elastic_energy(laws);
+        let of = |entry: &SphereAtSurface| entry.history.elastic_energy(laws);
         self.entries.iter().map(of).sum::<f64>() + self.seat.energy / self.whole
     }
 }

@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility, Wrench};
-use crate::contact::contact_force::Memory;
+use crate::contact::contact_force::ContactHistory;
 use crate::contact::contact_law::Reduced;
 use crate::contact::plane_walls::{Wall, WallLaws};
 use crate::neighbours::size_classes::Skins;
@@ -24,7 +24,7 @@ pub(crate) struct WallEntry {
     /// Mass and radius: the body's.
     pub reduced: Reduced,
     /// History, meaningful while touching.
-    pub memory: Memory,
+    pub memory: ContactHistory,
     /// Force on the wall at the last evaluation [N].
     pub force: Vec3,
 }
@@ -48,7 +48,7 @@ pub(crate) struct WallContacts {
 
 /// What one block of bodies found.
 #[derive(Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct FoundWalls {
     bodies: Vec<u32>,
     /// Number of entries at the end of each body's row.
     ends: Vec<u32>,
@@ -56,7 +56,7 @@ pub(crate) struct Found {
 }
 
 /// What bodies may meet, as a list is made from it.
-pub(crate) struct Nearness<'a> {
+pub(crate) struct WallSearch<'a> {
     pub walls: &'a [Wall],
     pub laws: &'a WallLaws,
     /// How far beyond touching contacts are listed.
@@ -72,12 +72,12 @@ impl WallContacts {
         &mut self,
         (before, parts_before): (&Self, &PartContacts),
         parts: &PartContacts,
-        found: &mut Vec<Found>,
+        found: &mut Vec<FoundWalls>,
         team: &mut Team,
         bodies: &Bodies,
-        at: &Nearness,
+        at: &WallSearch,
     ) {
-        found.resize_with(bodies.len().div_ceil(BLOCK), Found::default);
+        found.resize_with(bodies.len().div_ceil(BLOCK), FoundWalls::default);
         let lists = (before, parts_before, parts);
         team.for_each(found, |b, found| found.find(b, lists, bodies, at));
         self.clear();
@@ -139,7 +139,7 @@ impl WallContacts {
     }
 
     /// What the contact of a body, by its place in memory, with a wall remembers, if it touched.
-    fn remembered(&self, body: u32, wall: u32) -> Option<Memory> {
+    fn remembered(&self, body: u32, wall: u32) -> Option<ContactHistory> {
         self.of(body)
             .iter()
             .find(|entry| entry.wall == wall && entry.touching)
@@ -147,14 +147,14 @@ impl WallContacts {
     }
 }
 
-impl Found {
+impl FoundWalls {
     /// Finds the walls near the bodies of block `b`.
     fn find(
         &mut self,
         b: usize,
         (before, parts_before, parts): (&WallContacts, &PartContacts, &PartContacts),
         bodies: &Bodies,
-        at: &Nearness,
+        at: &WallSearch,
     ) {
         self.bodies.clear();
         self.ends.clear();

@@ -1,16 +1,16 @@
 //! Contact forces of walls on all bodies near them.
 
-use crate::bodies::body_arrays::{Ball, Twist, Wrench};
+use crate::bodies::body_arrays::{BoundingSphere, Twist, Wrench};
 use crate::contact::contact_force::{self, Contact};
 use crate::contact::plane_walls::Wall;
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
 use crate::walls::wall_contacts::{WallContacts, WallEntry};
 use tremie_team::{Cut, Team};
 
 /// The contact of a sphere with a wall, and the distance of its point from the centre.
 #[inline(always)]
-pub(crate) fn touch_of_wall(ball: &Ball, twist: &Twist, wall: &Wall) -> (Contact, f64) {
+pub(crate) fn touch_of_wall(ball: &BoundingSphere, twist: &Twist, wall: &Wall) -> (Contact, f64) {
     let overlap = wall.overlap(ball);
     let normal = -wall.normal;
     let arm = ball.radius - 0.5 * overlap;
@@ -29,7 +29,7 @@ pub(crate) fn evaluate(
     team: &mut Team,
     list: &mut WallContacts,
     walls: &[Wall],
-    scenery: Scenery<'_>,
+    scenery: ContactContext<'_>,
     tallies: &mut [Tally],
 ) {
     let pieces = (
@@ -54,7 +54,7 @@ fn of_wall(
     entry: &mut WallEntry,
     walls: &[Wall],
     i: usize,
-    scenery: &Scenery<'_>,
+    scenery: &ContactContext<'_>,
     wrench: &mut Wrench,
     tally: &mut Tally,
 ) {

@@ -1,6 +1,6 @@
 //! Numbers of several contacts side by side: what one formula does to all of them at once.
 //!
-//! A formula is written once over [`Lane`]: plain arrays, and loops over them that compilers turn into
+//! A formula is written once over [`SimdLane`]: plain arrays, and loops over them that compilers turn into
 //! vector instructions where the function around them is compiled with these, or registers. Every
 //! operation is rounded once, as on single numbers, and nothing is summed across lanes: so contacts side
 //! by side give the bits that they give one by one.
@@ -12,7 +12,7 @@ use core::ops::{Add, Mul, Neg, Sub};
 pub(crate) const LANES: usize = 8;
 
 /// A number of each contact.
-pub(crate) trait Lane:
+pub(crate) trait SimdLane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// `value` of each contact, in the manner of `self`.
@@ -57,7 +57,7 @@ impl Plain {
     pub const ZERO: Self = Self([0.0; LANES]);
 }
 
-impl Lane for Plain {
+impl SimdLane for Plain {
     #[inline(always)]
     fn all(self, value: f64) -> Self {
         Self([value; LANES])
@@ -127,7 +127,7 @@ impl Neg for Plain {
 pub(crate) struct Both<L>(pub L, pub L);
 
 #[cfg(target_arch = "x86_64")]
-impl<L: Lane> Lane for Both<L> {
+impl<L: SimdLane> SimdLane for Both<L> {
     #[inline(always)]
     fn all(self, value: f64) -> Self {
         Self(self.0.all(value), self.1.all(value))
@@ -155,7 +155,7 @@ impl<L: Lane> Lane for Both<L> {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<L: Lane> Add for Both<L> {
+impl<L: SimdLane> Add for Both<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -164,7 +164,7 @@ impl<L: Lane> Add for Both<L> {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<L: Lane> Sub for Both<L> {
+impl<L: SimdLane> Sub for Both<L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -173,7 +173,7 @@ impl<L: Lane> Sub for Both<L> {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<L: Lane> Mul for Both<L> {
+impl<L: SimdLane> Mul for Both<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -182,7 +182,7 @@ impl<L: Lane> Mul for Both<L> {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<L: Lane> Neg for Both<L> {
+impl<L: SimdLane> Neg for Both<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -190,7 +190,7 @@ impl<L: Lane> Neg for Both<L> {
     }
 }
 
-/// Implements [`Lane`] for a wrapped register by one intrinsic for each operation. Values of it exist only where
+/// Implements [`SimdLane`] for a wrapped register by one intrinsic for each operation. Values of it exist only where
 /// the processor has the instructions.
 #[cfg(target_arch = "x86_64")]
 macro_rules! lane_of_register {
@@ -199,7 +199,7 @@ macro_rules! lane_of_register {
      less($b:ident, $c:ident, $yes:ident, $no:ident) $less:expr,
      at_most($d:ident, $e:ident, $yeah:ident, $nay:ident) $at_most:expr
     ) => {
-        impl $crate::math::simd::lanes::Lane for $name {
+        impl $crate::math::simd::lanes::SimdLane for $name {
             #[inline(always)]
             fn all(self, value: f64) -> Self {
                 // SAFETY: `self` exists, so the instructions do.
@@ -295,7 +295,7 @@ impl<L> Lane3<Both<L>> {
     }
 }
 
-impl<L: Lane> Lane3<L> {
+impl<L: SimdLane> Lane3<L> {
     /// The same vector of each contact, from three numbers.
     #[inline(always)]
     pub fn repeat(value: L) -> Self {
@@ -327,7 +327,7 @@ impl<L: Lane> Lane3<L> {
     }
 }
 
-impl<L: Lane> Add for Lane3<L> {
+impl<L: SimdLane> Add for Lane3<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -335,7 +335,7 @@ impl<L: Lane> Add for Lane3<L> {
     }
 }
 
-impl<L: Lane> Sub for Lane3<L> {
+impl<L: SimdLane> Sub for Lane3<L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -343,7 +343,7 @@ impl<L: Lane> Sub for Lane3<L> {
     }
 }
 
-impl<L: Lane> Mul<L> for Lane3<L> {
+impl<L: SimdLane> Mul<L> for Lane3<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: L) -> Self {
@@ -351,7 +351,7 @@ impl<L: Lane> Mul<L> for Lane3<L> {
     }
 }
 
-impl<L: Lane> Neg for Lane3<L> {
+impl<L: SimdLane> Neg for Lane3<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {

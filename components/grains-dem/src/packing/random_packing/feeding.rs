@@ -1,11 +1,11 @@
 //! Spheres that come one by one into a region where others are.
 
 use super::{
-    Region, Surroundings,
+    PackingSurroundings, Region,
     insertion::{Grid, fits},
 };
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::math::random::Random;
 use tremie_messages::scene::Packing;
 
@@ -35,7 +35,7 @@ pub(crate) struct Feeding<'a> {
 
 impl<'a> Feeding<'a> {
     /// The region of a packing, for spheres up to a radius [m].
-    pub fn new(packing: &Packing, around: &Surroundings<'a>, largest: f64) -> Self {
+    pub fn new(packing: &Packing, around: &PackingSurroundings<'a>, largest: f64) -> Self {
         let region = Region::new(packing, around, largest);
         let mut grid = Grid::new(&region, std::iter::once(largest));
         region.obstacles.iter().for_each(|&ball| grid.add(ball));
@@ -57,7 +57,7 @@ impl<'a> Feeding<'a> {
         }
         let at = |k: usize, a: usize| min[a] + size[a] * (k as f64 + 0.5) / POINTS as f64;
         let is_free = |x: Vec3| {
-            let point = Ball { x, radius: 0.0 };
+            let point = BoundingSphere { x, radius: 0.0 };
             self.region.walls.iter().all(|wall| wall.overlap(&point) <= 0.0)
                 && self.region.depth_in_parts(&point).0 <= 0.0
         };
@@ -84,10 +84,10 @@ impl<'a> Feeding<'a> {
         upstream: Option<Upstream>,
         tries: u32,
         random: &mut Random,
-    ) -> Option<Ball> {
+    ) -> Option<BoundingSphere> {
         let found = (0..tries).find_map(|attempt| {
             let first = upstream.filter(|_| attempt < tries.div_ceil(2));
-            let ball = Ball { x: self.centre(radius, first, random), radius };
+            let ball = BoundingSphere { x: self.centre(radius, first, random), radius };
             fits(&self.region, &self.grid, &ball).then_some(ball)
         })?;
         self.grid.add(found);

@@ -2,7 +2,7 @@
 
 use super::{Region, place_stream};
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::math::periodic::PeriodicBox;
 use crate::neighbours::size_classes::Skins;
 
@@ -20,7 +20,7 @@ pub(super) fn order(radii: &[f64]) -> Vec<usize> {
 
 /// Inserts spheres of the given radii, and gives them in that [`order`]; `None` when one does not
 /// fit.
-pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Vec<Ball>> {
+pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Vec<BoundingSphere>> {
     let mut grid = Grid::new(region, radii.iter().copied());
     for &obstacle in &region.obstacles {
         grid.add(obstacle);
@@ -28,26 +28,26 @@ pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Ve
     for index in order(radii) {
         let radius = radii[index];
         let mut random = place_stream(seed, index);
-        let mut places =
-            (0..TRIES).map(|_| Ball { x: region.random_centre(radius, &mut random), radius });
+        let mut places = (0..TRIES)
+            .map(|_| BoundingSphere { x: region.random_centre(radius, &mut random), radius });
         grid.add(places.find(|ball| fits(region, &grid, ball))?);
     }
     Some(grid.balls.split_off(region.obstacles.len()))
 }
 
-pub(super) fn fits(region: &Region<'_>, grid: &Grid, ball: &Ball) -> bool {
+pub(super) fn fits(region: &Region<'_>, grid: &Grid, ball: &BoundingSphere) -> bool {
     region.walls.iter().all(|wall| wall.overlap(ball) <= 0.0)
         && !grid.overlaps(ball)
         && region.depth_in_parts(ball).0 <= 0.0
 }
 
-/// Cells with linked lists of the spheres inserted so far, in levels by size as [`Cells`](crate::neighbours::linked_cells::Cells) has them.
+/// Cells with linked lists of the spheres inserted so far, in levels by size as [`Cells`](crate::neighbours::linked_cells::LinkedCells) has them.
 pub(super) struct Grid {
     bounds: PeriodicBox,
     skins: Skins,
     levels: Vec<Level>,
     next: Vec<u32>,
-    balls: Vec<Ball>,
+    balls: Vec<BoundingSphere>,
 }
 
 /// The cells of one class.
@@ -80,7 +80,7 @@ impl Grid {
         }
     }
 
-    pub fn add(&mut self, ball: Ball) {
+    pub fn add(&mut self, ball: BoundingSphere) {
         let level = &mut self.levels[self.skins.class(ball.radius)];
         let slot = level.slot([0, 1, 2].map(|a| level.cell(ball.x[a], a)));
         level.largest = level.largest.max(ball.radius);
@@ -89,11 +89,11 @@ impl Grid {
         self.balls.push(ball);
     }
 
-    fn overlaps(&self, ball: &Ball) -> bool {
+    fn overlaps(&self, ball: &BoundingSphere) -> bool {
         self.levels.iter().any(|level| self.overlaps_at(level, ball))
     }
 
-    fn overlaps_at(&self, level: &Level, ball: &Ball) -> bool {
+    fn overlaps_at(&self, level: &Level, ball: &BoundingSphere) -> bool {
         if level.largest == 0.0 {
             return false;
         }
@@ -103,7 +103,7 @@ impl Grid {
             .any(|z| around(1).any(|y| around(0).any(|x| self.overlaps_in(level, [x, y, z], ball))))
     }
 
-    fn overlaps_in(&self, level: &Level, cell: [i64; 3], ball: &Ball) -> bool {
+    fn overlaps_in(&self, level: &Level, cell: [i64; 3], ball: &BoundingSphere) -> bool {
         let mut k = level.first[level.slot(cell)];
         while k != NONE {
             let other = &self.balls[k as usize];

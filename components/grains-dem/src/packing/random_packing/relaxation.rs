@@ -12,9 +12,9 @@
 
 use super::{Region, insertion, place_stream};
 use crate::Vec3;
-use crate::bodies::body_arrays::{Ball, Mobility};
-use crate::neighbours::cell_pairs::{Neighbour, Rows};
-use crate::neighbours::linked_cells::Cells;
+use crate::bodies::body_arrays::{BoundingSphere, Mobility};
+use crate::neighbours::cell_pairs::{CellPairs, Neighbour};
+use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::size_classes::{Leash, Skins};
 use core::f64::consts::PI;
 
@@ -39,7 +39,11 @@ const CLEAR: f64 = 1e-12;
 const SPARSE: [f64; 3] = [0.25, 0.15, 0.08];
 
 /// Spheres of the given radii without overlap; or the factor on all radii at which they came free.
-pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec<Ball>, f64> {
+pub(super) fn relax(
+    region: &Region<'_>,
+    radii: &[f64],
+    seed: u64,
+) -> Result<Vec<BoundingSphere>, f64> {
     let mut crowd = Crowd::new(region, radii, seed);
     if crowd.comes_free(SWEEPS) {
         crowd.balls.truncate(radii.len());
@@ -60,7 +64,7 @@ pub(super) fn relax(region: &Region<'_>, radii: &[f64], seed: u64) -> Result<Vec
 }
 
 /// Where the spheres fit as long as they are small; if they never do, at random places.
-fn starts(region: &Region<'_>, radii: &[f64], seed: u64) -> Vec<Ball> {
+fn starts(region: &Region<'_>, radii: &[f64], seed: u64) -> Vec<BoundingSphere> {
     let small = SPARSE.iter().find_map(|&fraction| grown(region, radii, fraction, seed));
     small.unwrap_or_else(|| {
         (0..radii.len()).map(|index| start(region, radii[index], seed, index)).collect()
@@ -68,21 +72,31 @@ fn starts(region: &Region<'_>, radii: &[f64], seed: u64) -> Vec<Ball> {
 }
 
 /// The spheres, where they fit if they are so small that they fill a fraction of the region.
-fn grown(region: &Region<'_>, radii: &[f64], fraction: f64, seed: u64) -> Option<Vec<Ball>> {
+fn grown(
+    region: &Region<'_>,
+    radii: &[f64],
+    fraction: f64,
+    seed: u64,
+) -> Option<Vec<BoundingSphere>> {
     let volume: f64 = radii.iter().map(|r| 4.0 / 3.0 * PI * r * r * r).sum();
     let size = region.bounds.size;
     let share = libm::cbrt(fraction * size.x * size.y * size.z / volume).min(1.0);
     let small: Vec<f64> = radii.iter().map(|r| share * r).collect();
     let inserted = insertion::insert(region, &small, seed)?;
     let order = insertion::order(&small).into_iter();
-    Some(order.zip(inserted).map(|(index, ball)| Ball { radius: radii[index], ..ball }).collect())
+    Some(
+        order
+            .zip(inserted)
+            .map(|(index, ball)| BoundingSphere { radius: radii[index], ..ball })
+            .collect(),
+    )
 }
 
 /// A sphere at the first of its random places whose centre is in no part. One that began in a part
 /// could be driven out through a face behind which there is no room.
-fn start(region: &Region<'_>, radius: f64, seed: u64, index: usize) -> Ball {
+fn start(region: &Region<'_>, radius: f64, seed: u64, index: usize) -> BoundingSphere {
     let mut random = place_stream(seed, index);
-    let mut place = || Ball { x: region.random_centre(radius, &mut random), radius };
+    let mut place = || BoundingSphere { x: region.random_centre(radius, &mut random), radius };
     let mut ball = place();
     for _ in 0..TRIES {
         if region.depth_in_parts(&ball).0 <= radius {
@@ -100,10 +114,10 @@ const TRIES: usize = 1000;
 struct Crowd<'a> {
     region: &'a Region<'a>,
     free: usize,
-    balls: Vec<Ball>,
+    balls: Vec<BoundingSphere>,
     mobility: Vec<Mobility>,
-    cells: Cells,
-    list: Rows,
+    cells: LinkedCells,
+    list: CellPairs,
     reference: Vec<Vec3>,
     /// Where each sphere was last seen, and by how much it was clear of parts.
     clear: Vec<(Vec3, f64)>,
@@ -121,8 +135,8 @@ impl<'a> Crowd<'a> {
         let mut crowd = Self {
             region,
             free: radii.len(),
-            cells: Cells::new(region.bounds.clone(), skins),
-            list: Rows::default(),
+            cells: LinkedCells::new(region.bounds.clone(), skins),
+            list: CellPairs::default(),
             reference: Vec::new(),
             clear: vec![(Vec3::zeros(), 0.0); radii.len()],
             balls,

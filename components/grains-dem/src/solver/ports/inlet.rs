@@ -10,10 +10,10 @@
 
 use super::{InletState, filled::Filled, upstream};
 use crate::Vec3;
-use crate::bodies::body_arrays::Ball;
+use crate::bodies::body_arrays::BoundingSphere;
 use crate::math::random::Random;
 use crate::packing::random_packing::{self, Feeding, Sizes, Upstream};
-use crate::solver::interaction_context::Surroundings;
+use crate::solver::interaction_context::InteractionContext;
 use crate::solver::placement;
 use crate::solver::probes::volume_in_box;
 use core::f64::consts::PI;
@@ -62,14 +62,14 @@ impl Feeder {
         scene: &Scene,
         inlet: &Inlet,
         index: u64,
-        around: &Surroundings,
+        around: &InteractionContext,
         dt: f64,
     ) -> Option<Self> {
         let set = scene.bodies.iter().position(|set| set.name == inlet.bodies)?;
         let region = region(inlet);
         let sizes = Sizes::new(&inlet.diameters);
         let largest = 0.5 * inlet.diameters.extremes()[1];
-        let empty = random_packing::Surroundings {
+        let empty = random_packing::PackingSurroundings {
             parts: &around.parts,
             bounds: around.bounds.clone(),
             planes: around.walls.clone(),
@@ -116,10 +116,10 @@ impl Feeder {
     /// places by what failed before besides.
     pub fn feed(
         &mut self,
-        around: &random_packing::Surroundings<'_>,
+        around: &random_packing::PackingSurroundings<'_>,
         steps: u64,
         mut next: u64,
-    ) -> Vec<Ball> {
+    ) -> Vec<BoundingSphere> {
         let present: f64 = around.balls.iter().map(|ball| self.volume_of(ball, around)).sum();
         let mut lacking = self.lacking(present);
         (self.last, self.held) = (steps, present);
@@ -162,13 +162,17 @@ impl Feeder {
     }
 
     /// Takes a sphere that came into account.
-    pub fn count(&mut self, ball: Ball, density: f64) {
+    pub fn count(&mut self, ball: BoundingSphere, density: f64) {
         self.state.inserted += 1;
         self.state.mass_inserted += placement::mass(density, 2.0 * ball.radius);
     }
 
     /// Volume of a sphere, or of its images, in the region [m³].
-    fn volume_of(&self, ball: &Ball, around: &random_packing::Surroundings<'_>) -> f64 {
+    fn volume_of(
+        &self,
+        ball: &BoundingSphere,
+        around: &random_packing::PackingSurroundings<'_>,
+    ) -> f64 {
         let (min, max) = (Vec3::from(self.region.min), Vec3::from(self.region.max));
         let images = around.bounds.images();
         images.map(|shift| volume_in_box(ball.radius, ball.x + shift, min, max)).sum()

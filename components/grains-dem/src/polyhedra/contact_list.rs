@@ -5,8 +5,8 @@
 
 use super::{
     Polyhedra,
-    entries::{Around, Entry, Kind},
-    respond::Memory,
+    contact_pair::{Around, Kind, SolidPairEntry},
+    overlap_response::OverlapHistory,
     surfaces::{Bench, Owner},
 };
 use crate::Vec3;
@@ -18,27 +18,27 @@ use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Along;
 use crate::contact::material_laws::Laws;
 use crate::contact::plane_walls::{Wall, WallLaws};
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::periodic::PeriodicBox;
 use crate::math::tally::Tally;
 use crate::neighbours::neighbour_list_build::SolidPair;
 use crate::neighbours::size_classes::Skins;
-use crate::walls::part_contacts::Met;
+use crate::walls::part_contacts::WallId;
 use tremie_team::{Cut, Team};
 
 /// Entries that are one item of work.
 const TOGETHER: usize = 8;
 
-/// Memory of a pair of which one is a polyhedron, in the list before and in that which is used [bytes].
-pub(crate) const OF_PAIR: usize = 2 * (size_of::<Entry>() + size_of::<Memory>())
+/// OverlapHistory of a pair of which one is a polyhedron, in the list before and in that which is used [bytes].
+pub(crate) const OF_PAIR: usize = 2 * (size_of::<SolidPairEntry>() + size_of::<OverlapHistory>())
     + 2 * size_of::<SolidPair>()
     + 4 * size_of::<u32>();
 
 /// The list.
 #[derive(Debug, Default)]
 pub(crate) struct PolyContacts {
-    entries: Vec<Entry>,
-    memories: Vec<Memory>,
+    entries: Vec<SolidPairEntry>,
+    memories: Vec<OverlapHistory>,
     /// Where the memories of each item of work begin.
     memory_bounds: Vec<u32>,
     /// Walls and parts near polyhedra, in the order of entries, and where those of each item of work begin.
@@ -59,13 +59,13 @@ pub(crate) struct PolyContacts {
     places: Vec<u32>,
     tallies: Vec<Tally>,
     benches: Vec<Bench>,
-    before: Vec<Entry>,
-    memories_before: Vec<Memory>,
+    before: Vec<SolidPairEntry>,
+    memories_before: Vec<OverlapHistory>,
     near: Vec<u32>,
 }
 
 /// What a list is made from.
-pub(crate) struct Nearness<'a> {
+pub(crate) struct SolidSearch<'a> {
     pub walls: &'a [Wall],
     pub wall_laws: &'a WallLaws,
     pub parts: &'a [PlacedPart],
@@ -83,7 +83,7 @@ impl PolyContacts {
         pairs: impl Iterator<Item = SolidPair>,
         polyhedra: &mut Polyhedra,
         bodies: &Bodies,
-        at: &Nearness<'_>,
+        at: &SolidSearch<'_>,
     ) {
         self.bounds.clear();
         self.bounds.resize(bodies.len().div_ceil(BLOCK) + 1, 0);
@@ -113,7 +113,7 @@ impl PolyContacts {
         grain: usize,
         polyhedra: &Polyhedra,
         bodies: &Bodies,
-        at: &Nearness<'_>,
+        at: &SolidSearch<'_>,
     ) {
         let (id, slot) = (polyhedra.grains()[grain].id, polyhedra.grains()[grain].slot);
         let (i, ball) = (slot as usize, bodies.balls[slot as usize]);
@@ -128,7 +128,7 @@ impl PolyContacts {
         for (number, wall) in (0..).zip(at.walls) {
             if wall.overlap(&ball) > -gap {
                 self.owners.push(Owner {
-                    met: Met::Wall(number),
+                    met: WallId::Wall(number),
                     // Parts come before walls.
                     rank: at.parts.len() as u32 + number,
                     law: at.wall_laws[number as usize][bodies.material[i] as usize],
@@ -151,7 +151,7 @@ impl PolyContacts {
             let near = [first, self.triangles.len() as u32];
             if near[0] < near[1] {
                 self.owners.push(Owner {
-                    met: Met::Part(number),
+                    met: WallId::Part(number),
                     rank: part.rank,
                     law: at.laws.between(at.part_materials[number as usize], bodies.material[i]),
                     root_mass: mobility.root_reduced_mass(part.mobility()),
@@ -163,7 +163,7 @@ impl PolyContacts {
         let (owners, triangles) = (self.owners.len() - begin.0, self.triangles.len() - begin.1);
         self.most = (self.most.0.max(owners), self.most.1.max(triangles));
         if owners > 0 {
-            self.entries.push(Entry {
+            self.entries.push(SolidPairEntry {
                 key: (id, Kind::Surfaces, 0),
                 places: [slot, 0],
                 image: 0,
@@ -200,7 +200,7 @@ impl PolyContacts {
                     entry.loads = before.loads;
                     self.memories.extend(&self.memories_before[from..from + count]);
                 }
-                _ => self.memories.resize(self.memories.len() + count, Memory::NONE),
+                _ => self.memories.resize(self.memories.len() + count, OverlapHistory::NONE),
             }
         }
         self.memory_bounds.push(self.memories.len() as u32);
@@ -209,7 +209,7 @@ impl PolyContacts {
 
     /// Tells which entries belong to which body.
     fn distribute(&mut self, bodies: &Bodies) {
-        let of_both = |entry: &Entry| if entry.key.1 == Kind::Body { 2 } else { 1 };
+        let of_both = |entry: &SolidPairEntry| if entry.key.1 == Kind::Body { 2 } else { 1 };
         self.bodies.clear();
         for entry in &self.entries {
             self.bodies.extend(&entry.places[..of_both(entry)]);
@@ -268,7 +268,7 @@ impl PolyContacts {
         &mut self,
         team: &mut Team,
         polyhedra: &mut Polyhedra,
-        scenery: Scenery<'_>,
+        scenery: ContactContext<'_>,
         (walls, parts): (&[Wall], &[PlacedPart]),
         (on_parts, pushes): (&mut [Wrench], &mut [Along]),
     ) -> Tally {
@@ -286,7 +286,8 @@ impl PolyContacts {
             Cut::at(&mut self.owners, &self.owner_bounds),
             Cut::every(&mut self.tallies, 1),
         );
-        type Arrays<'a> = (&'a mut [Entry], &'a mut [Memory], &'a mut [Owner], &'a mut [Tally]);
+        type Arrays<'a> =
+            (&'a mut [SolidPairEntry], &'a mut [OverlapHistory], &'a mut [Owner], &'a mut [Tally]);
         let work = |bench: &mut Bench, _, arrays: Arrays<'_>| {
             let (entries, mut memories, mut owners, tally) = arrays;
             for entry in entries {
@@ -298,7 +299,7 @@ impl PolyContacts {
         };
         team.for_pieces_with(pieces, &mut self.benches, work);
         for owner in &self.owners {
-            let (Met::Part(part), load) = (owner.met, &owner.load) else { continue };
+            let (WallId::Part(part), load) = (owner.met, &owner.load) else { continue };
             let part = part as usize;
             on_parts[part].force += load.force;
             on_parts[part].torque += load.torque;
@@ -313,7 +314,7 @@ impl PolyContacts {
     /// Adds the forces on walls, by their numbers.
     pub fn add_wall_forces(&self, sums: &mut [Vec3]) {
         for owner in &self.owners {
-            if let Met::Wall(wall) = owner.met {
+            if let WallId::Wall(wall) = owner.met {
                 sums[wall as usize] += owner.load.force;
             }
         }
@@ -324,7 +325,7 @@ impl PolyContacts {
     pub fn elastic_energy(
         &self,
         polyhedra: &Polyhedra,
-        scenery: Scenery<'_>,
+        scenery: ContactContext<'_>,
         (walls, parts): (&[Wall], &[PlacedPart]),
     ) -> f64 {
         let around = Around { scenery, polyhedra, walls, parts, triangles: &self.triangles };
@@ -344,7 +345,12 @@ impl PolyContacts {
 }
 
 /// The entry of a pair of bodies, the smaller id first.
-fn of_pair((i, j, image): SolidPair, polyhedra: &Polyhedra, bodies: &Bodies, laws: &Laws) -> Entry {
+fn of_pair(
+    (i, j, image): SolidPair,
+    polyhedra: &Polyhedra,
+    bodies: &Bodies,
+    laws: &Laws,
+) -> SolidPairEntry {
     let id = |slot: u32| bodies.id_at(slot as usize);
     // What is one image up for the one is one image down for the other.
     let (i, j, image) = if id(i) < id(j) { (i, j, image) } else { (j, i, 26 - image) };
@@ -356,7 +362,7 @@ fn of_pair((i, j, image): SolidPair, polyhedra: &Polyhedra, bodies: &Bodies, law
         }
     };
     let (a, b) = (i as usize, j as usize);
-    Entry {
+    SolidPairEntry {
         key: (id(i), Kind::Body, id(j)),
         places: [i, j],
         image,

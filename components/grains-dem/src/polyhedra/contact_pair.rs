@@ -1,11 +1,10 @@
 //! One possible contact of a polyhedron, and its evaluation.
 
 use super::{
-    Polyhedra,
-    press::Room,
-    respond::{self, Memory, Pair, Relative},
+    Polyhedra, contact_geometry,
+    overlap_integrals::Room,
+    overlap_response::{self, OverlapHistory, Pair, Relative},
     surfaces::{Bench, Owner},
-    touch,
 };
 use crate::Vec3;
 use crate::bodies::body_arrays::SPHERE;
@@ -14,7 +13,7 @@ use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_force::{self, Contact};
 use crate::contact::contact_law::{Law, Reduced};
 use crate::contact::plane_walls::Wall;
-use crate::forces::pair_forces::Scenery;
+use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
 
 /// Most contacts with walls and parts: directions in which they press.
@@ -30,7 +29,7 @@ pub(super) enum Kind {
 
 /// A possible contact: of the body with the smaller id with another, or of a polyhedron with a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub(super) struct SolidPairEntry {
     /// Id of the body, kind and id of the other: in this order they stand in the list.
     pub key: (u64, Kind, u64),
     /// Where both stand in memory.
@@ -52,14 +51,14 @@ pub(super) struct Entry {
 /// What contacts are evaluated from.
 #[derive(Clone, Copy)]
 pub(super) struct Around<'a> {
-    pub scenery: Scenery<'a>,
+    pub scenery: ContactContext<'a>,
     pub polyhedra: &'a Polyhedra,
     pub walls: &'a [Wall],
     pub parts: &'a [PlacedPart],
     pub triangles: &'a [(u32, u32)],
 }
 
-impl Entry {
+impl SolidPairEntry {
     /// Number of memories that it needs.
     pub fn memories(&self) -> usize {
         if self.key.1 == Kind::Surfaces { MOST } else { 1 }
@@ -69,7 +68,7 @@ impl Entry {
     pub fn evaluate(
         &mut self,
         around: &Around<'_>,
-        (owners, memories): (&mut [Owner], &mut [Memory]),
+        (owners, memories): (&mut [Owner], &mut [OverlapHistory]),
         bench: &mut Bench,
         tally: &mut Tally,
     ) {
@@ -109,10 +108,10 @@ impl Entry {
         around: &Around<'_>,
         [a, b]: [u32; 2],
         way: Vec3,
-        (memory, room, tally): (&mut Memory, &mut Room, &mut Tally),
+        (memory, room, tally): (&mut OverlapHistory, &mut Room, &mut Tally),
     ) {
         let solids = [a, b].map(|grain| around.polyhedra.solid(grain as usize));
-        let press = touch::of_solids(solids[0], solids[1], way, room);
+        let press = contact_geometry::of_solids(solids[0], solids[1], way, room);
         let twists = self.places.map(|place| &around.scenery.bodies.predicted[place as usize]);
         let relative = Relative {
             v: (twists[0].v - twists[1].v) + twists[1].w.cross(&way),
@@ -124,7 +123,7 @@ impl Entry {
         let kappa = 0.5 * stiffness(law) / self.area;
         let pair = Pair { root_mass: self.root_mass, kappa, region: None };
         let steps = (self.touching > 0, around.scenery.steps);
-        let load = respond::load(law, pair, &press, &relative, memory, steps).load;
+        let load = overlap_response::load(law, pair, &press, &relative, memory, steps).load;
         self.touching = u8::from(press.acts());
         self.loads =
             [load, Wrench { force: -load.force, torque: way.cross(&load.force) - load.torque }];
@@ -141,13 +140,13 @@ impl Entry {
         around: &Around<'_>,
         (grain, i, j): (u32, usize, usize),
         way: Vec3,
-        memory: &mut Memory,
+        memory: &mut OverlapHistory,
         tally: &mut Tally,
     ) -> [Wrench; 2] {
         let bodies = around.scenery.bodies;
         let (radius, solid) = (bodies.balls[j].radius, around.polyhedra.solid(grain as usize));
         let touched = std::mem::replace(&mut self.touching, 0) > 0;
-        let near = touch::closest(solid, way);
+        let near = contact_geometry::closest(solid, way);
         let overlap = radius - near.distance;
         if overlap <= 0.0 {
             return [Wrench::zero(); 2];
@@ -163,7 +162,7 @@ impl Entry {
             twist: 0.5 * (a.w + b.w).dot(&n),
             rolling: a.w - b.w,
         };
-        let mut plain = contact_force::Memory {
+        let mut plain = contact_force::ContactHistory {
             xi: memory.xi,
             rolling: memory.rolling,
             normal: memory.normal,
@@ -173,7 +172,7 @@ impl Entry {
         let reduced = Reduced { root_mass: self.root_mass, radius };
         let steps = around.scenery.steps;
         let f = contact_force::force(law, reduced, &contact, &mut plain, touched, steps);
-        *memory = Memory {
+        *memory = OverlapHistory {
             xi: plain.xi,
             rolling: plain.rolling,
             normal: n,
@@ -183,7 +182,7 @@ impl Entry {
                 let now = plain.xi - across * (0.5 * steps.after);
                 0.5 * law.at(overlap, overlap, reduced).k_t * now.norm_squared()
             },
-            ..Memory::NONE
+            ..OverlapHistory::NONE
         };
         let force = f.tangential - n * f.normal;
         let ratio = overlap / radius.min(solid.inradius());

@@ -1,7 +1,7 @@
 //! What presses on polyhedra: other polyhedra, walls, triangles of parts.
 
 use super::{
-    press::{Planes, Press, Room, Sum},
+    overlap_integrals::{Planes, Press, Room, Sum},
     shape::Solid,
 };
 use crate::Vec3;

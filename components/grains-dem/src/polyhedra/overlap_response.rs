@@ -18,7 +18,7 @@
 //! stretched against the dashpot. Where a loaded surface grows, springs keep their forces, where it shrinks their displacements: either
 //! way no energy is made (see [`Law::at`]). For a face that stays whole this is a linear spring.
 
-use super::press::Press;
+use super::overlap_integrals::Press;
 use crate::Vec3;
 use crate::bodies::body_arrays::Wrench;
 use crate::contact::contact_force::{self, Steps};
@@ -27,8 +27,8 @@ use tremie_messages::scene::Spring;
 
 /// What a contact of a polyhedron remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Memory {
-    /// Tangential displacement [m]; see [`contact_force::Memory::xi`].
+pub(crate) struct OverlapHistory {
+    /// Tangential displacement [m]; see [`contact_force::ContactHistory::xi`].
     pub xi: Vec3,
     /// Angle about the normal [rad], likewise.
     pub turn: f64,
@@ -46,7 +46,7 @@ pub(crate) struct Memory {
     pub owner: u32,
 }
 
-impl Memory {
+impl OverlapHistory {
     pub const NONE: Self = Self {
         xi: Vec3::new(0.0, 0.0, 0.0),
         turn: 0.0,
@@ -121,7 +121,7 @@ pub(crate) fn load(
     pair: Pair,
     press: &Press,
     relative: &Relative,
-    memory: &mut Memory,
+    memory: &mut OverlapHistory,
     (touching, steps): (bool, Steps),
 ) -> Response {
     let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
@@ -225,7 +225,7 @@ struct Spin {
 
 impl Spin {
     /// The torque against it: spring, dashpot and slider.
-    fn resist(&self, memory: &mut Memory, most: f64, touching: bool, steps: Steps) -> f64 {
+    fn resist(&self, memory: &mut OverlapHistory, most: f64, touching: bool, steps: Steps) -> f64 {
         let mut turn = if touching {
             memory.turn * kept(memory.k_turn, self.k) + self.rate * (0.5 * steps.before)
         } else {
