@@ -5,16 +5,20 @@
 //! library knows no transport: give it the bodies' states, take the loads.
 //!
 //! # A step
-//! With the bodies at the end of the step: cells that bodies cover leave the fluid and cells that
-//! they uncover join it (`cell_flags`, `refill`); all fluid cells collide and stream in one array
-//! (`collision_kernel`), where the places of populations already see to walls, mirrors and periodic faces
-//! (`aa_pattern`); populations that ran into bodies (`post_collision`), curved or moving walls (`static_wall_links`) are
-//! reflected; cells at open faces get what these prescribe (`open_boundary`,
-//! `nonequilibrium_extrapolation`, `face`, `cylinder`). The momentum exchanged is the
-//! load on the bodies, with the pressure in gaps that hold no cell (`unresolved_gaps`). Gaps that the scene
-//! declares are frozen while they are thin (`modelled`), and may slip (`specular_walls`). What bodies took from the
-//! mass beyond their volume can be paid back (`mass_correction`). Deformable surfaces are bodies whose vertices move
-//! by themselves; their facets get the loads (`deformable_shape`, `deformable_surfaces`, `facet_loads`).
+//! With the bodies at the end of the step:
+//!
+//! 1. Cells that bodies cover leave the fluid, and cells that they uncover join it (`solver/moving_boundaries`, `lattice/cell_flags`,
+//!    `boundary/refill`).
+//! 2. All fluid cells collide and stream in one array (`lattice/collision_kernel`). The addresses of populations already see to
+//!    half-way walls, mirrors and periodic faces (`lattice/aa_pattern`).
+//! 3. Populations that ran into bodies (`boundary/link_batch`), and into curved or moving walls (`boundary/static_wall_links`), are
+//!    reflected by Bouzidi's interpolation. The momentum exchanged is the load on bodies and parts.
+//! 4. Gaps that hold no cell press on bodies (`boundary/unresolved_gaps`). Declared gaps are frozen while they are thin
+//!    (`gaps/modelled`), and their walls may slip (`gaps/specular_walls`).
+//! 5. Cells at open faces get what these prescribe (`boundary/open_boundary`, `boundary/nonequilibrium_extrapolation`,
+//!    `boundary/virtual_piston`).
+//! 6. Loads are put together (`solver/loads`, `solver/facet_loads`), and what walls and bodies took from the mass is paid back
+//!    (`solver/mass_correction`, `boundary/wall_mass`).
 //!
 //! # Same bits
 //! Results depend neither on the number of threads nor on the vector instructions of the processor.

@@ -28,7 +28,7 @@
 //! # What a substep costs
 //!
 //! Bytes moved to and from memory for each sphere of a bed too large for the caches, with 1.9 contacts
-//! and 5 listed pairs a sphere, of which a step looks at 2.3 (`pairs.rs` says which):
+//! and 5 listed pairs a sphere, of which a step looks at 2.3 (`neighbour_list.rs` says which):
 //!
 //! | pass | reads | writes |
 //! | --- | --- | --- |
@@ -46,7 +46,7 @@
 //! what is reached through an index is asked for some contacts ahead; so are the lists, because no
 //! processor follows as many arrays by itself. Contacts of one linear law are computed eight at once.
 //!
-//! Bodies of very different sizes are listed in classes of sizes (`skins.rs`), each with a skin and cells of its own: what a
+//! Bodies of very different sizes are listed in classes of sizes (`size_classes.rs`), each with a skin and cells of its own: what a
 //! list takes grows with the number of bodies alone.
 //!
 //! # Same bits

@@ -70,7 +70,7 @@ impl<T: Real> PreCollision<'_, T> {
         Content::of(&self.populations(cell))
     }
 
-    /// The same of the first `simd` cells of a line.
+    /// The same of the first `lanes` cells of a line.
     pub fn contents(&self, line: usize, lanes: usize) -> [Content; MOST_LANES] {
         let first = (line * T::LINE) as u32;
         let (mut drho, mut j) = ([0.0; MOST_LANES], [[0.0; MOST_LANES]; 3]);

@@ -173,7 +173,7 @@ impl<T: Real> PostCollision<'_, T> {
         }
     }
 
-    /// Finds the links that begin in the `lbm_fluid` cells of a row near a sphere.
+    /// Finds the links that begin in the `fluid` cells of a row near a sphere.
     fn find_row(&self, row: &Row, near: &Near, fluid: u64, links: &mut SphereLinks) {
         let (count, mut number) = (row.body.shell.window(near.window).count, near.number);
         for first in (0..count).step_by(CHUNK as usize) {
@@ -185,7 +185,7 @@ impl<T: Real> PostCollision<'_, T> {
         }
     }
 
-    /// Finds the links that begin in the `lbm_fluid` ones of [`CHUNK`] cells of a row. `number` is that of the first of
+    /// Finds the links that begin in the `fluid` ones of [`CHUNK`] cells of a row. `number` is that of the first of
     /// them that is stored.
     fn find_chunk(
         &self,

@@ -107,7 +107,7 @@ pub fn solids(scene: &Scene, cell: f64) -> Result<Vec<Solid>, Vec<Problem>> {
     Ok(solids)
 }
 
-/// The parts that move, where the scene has them, of their `deformable_surfaces` by index of the part.
+/// The parts that move, where the scene has them, of their `surfaces` by index of the part.
 pub fn moving_solids(scene: &Scene, cell: f64, surfaces: &[Option<Arc<Surface>>]) -> Vec<Solid> {
     let parts = scene.parts.iter().zip(surfaces).enumerate();
     let of = |(index, (part, surface)): (usize, (&Part, &Option<Arc<Surface>>))| {

@@ -45,7 +45,7 @@ pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
 }
 
 impl StaticGeometry {
-    /// Of a scene in a box of `cell_list` cells with edges of `cell` [m], both by the given axes.
+    /// Of a scene in a box of `cells` cells with edges of `cell` [m], both by the given axes.
     ///
     /// # Errors
     /// Surfaces that cannot be had, points inside that are not in the fluid, leaks.

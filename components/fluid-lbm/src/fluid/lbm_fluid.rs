@@ -158,7 +158,7 @@ impl LbmFluid {
         Ok(())
     }
 
-    /// One time step. `body_list` are at its end; `loads`, in the same order, are the forces [N] and
+    /// One time step. `bodies` are at its end; `loads`, in the same order, are the forces [N] and
     /// torques [N m] of the fluid on them, buoyancy included.
     ///
     /// # Errors

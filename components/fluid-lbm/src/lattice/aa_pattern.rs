@@ -138,7 +138,7 @@ pub struct BlockedLinks {
     pub blocked: Vec<Blocked>,
 }
 
-/// Numbers from one plane to the next for `cell_list` cells in lines of `line`: planes start 3 cache
+/// Numbers from one plane to the next for `cells` cells in lines of `line`: planes start 3 cache
 /// lines apart modulo 4 KiB, so that the 19 streams of a step use different sets of the first-level
 /// cache.
 pub fn stride(cells: u64, line: u64) -> u64 {

@@ -66,7 +66,7 @@ struct Changes {
 }
 
 impl CellFlags {
-    /// All of `cell_list` cells fluid.
+    /// All of `cells` cells fluid.
     pub fn new(cells: usize) -> Self {
         let mut fluid = vec![0xff; cells / 8];
         fluid.push((1_u32 << (cells % 8)) as u8 - 1);
@@ -138,7 +138,7 @@ impl CellFlags {
         self.fluid[cell as usize / 8] >> (cell % 8) & 1 == 1
     }
 
-    /// Which of the cells with consecutive numbers from `number` on, one for each bit set in `cell_list`, are fluid.
+    /// Which of the cells with consecutive numbers from `number` on, one for each bit set in `cells`, are fluid.
     #[inline(always)]
     pub fn fluid_among(&self, cells: u64, mut number: u32) -> u64 {
         let (mut rest, mut fluid) = (cells, 0);

@@ -118,12 +118,12 @@ impl Ledger {
         if self.mass > 0.0 { self.mass_lost.abs() / self.mass } else { 0.0 }
     }
 
-    /// Every quantity times its unit: impulses times `impulse`, masses times `mass_correction`.
+    /// Every quantity times its unit: impulses times `impulse`, masses times `mass`.
     pub(crate) fn scaled(&self, impulse: f64, mass: f64) -> Self {
         self.with(|v| v.map(|x| x * impulse), mass)
     }
 
-    /// With what is made of each impulse, and masses times `mass_correction`.
+    /// With what is made of each impulse, and masses times `mass`.
     pub(crate) fn with(&self, v: impl Fn([f64; 3]) -> [f64; 3], mass: f64) -> Self {
         Self {
             momentum: v(self.momentum),

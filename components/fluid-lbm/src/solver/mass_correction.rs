@@ -21,7 +21,7 @@
 //! the sum over its gap links counts in `space` as well: what such a gap draws in as it widens leaves the
 //! fluid, so that the cells which thaw bring nothing new. It does so in the next step, for it moves with the body, and
 //! paid late it would feed the sound around a shut valve, as a wall would that moves late; and where the gap's pressure
-//! is measured, through *intakes* (see `declared::intake`). These then owe it and the body does not. What has no intake the body
+//! is measured, through *intakes* (see `gap_sinks`). These then owe it and the body does not. What has no intake the body
 //! pays along the rest of its surface. Gap links in contact count nothing: there is no fluid between.
 //!
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their

@@ -12,7 +12,7 @@ use tremie_team::{Cut, Team};
 /// cannot be taken.
 type Sum = Result<Vec3, GrainsError>;
 
-/// Takes the loads of a window, one for each body of `message_order`, and gives the sum of the forces on free spheres
+/// Takes the loads of a window, one for each body of `roll`, and gives the sum of the forces on free spheres
 /// [N]. `sums` is room to work in.
 ///
 /// # Errors

@@ -81,7 +81,7 @@ pub(crate) struct Steps {
     pub after: f64,
 }
 
-/// Force of `contact_force`, leaving in `memory_need` what the next step needs. What `memory_need` held counts only
+/// Force of `contact`, leaving in `memory` what the next step needs. What `memory` held counts only
 /// if the pair was `touching` before.
 #[inline(always)]
 pub(crate) fn force(

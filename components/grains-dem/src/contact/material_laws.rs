@@ -12,7 +12,7 @@ pub(crate) struct Laws {
     materials: Vec<String>,
     /// The laws; the first is that of materials that never meet.
     laws: Vec<Law>,
-    /// `of_pair[a * materials + b]` is an index of `material_laws`.
+    /// `of_pair[a * materials + b]` is an index of `laws`.
     of_pair: Vec<u16>,
 }
 
@@ -90,7 +90,7 @@ impl Laws {
         same.then(|| LinearLaw::of(&self.laws[only as usize])).flatten()
     }
 
-    /// Number of a law that is `contact_law` without friction, added at the end.
+    /// Number of a law that is `law` without friction, added at the end.
     pub fn add_mirror(&mut self, law: u16) -> u16 {
         self.laws.push(self.laws[law as usize].without_friction());
         (self.laws.len() - 1) as u16

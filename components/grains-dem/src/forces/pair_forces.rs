@@ -68,7 +68,7 @@ impl ContactContext<'_> {
     }
 }
 
-/// Evaluates the contacts between bodies; what they give stands in the records of `neighbour_list`. Adds what
+/// Evaluates the contacts between bodies; what they give stands in the records of `pairs`. Adds what
 /// each block saw to `tallies`; `wandered` tells how far the bodies of each have gone since neighbours
 /// were listed.
 pub(crate) fn between_bodies(

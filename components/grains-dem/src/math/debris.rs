@@ -15,7 +15,7 @@ pub fn normalised_area(diameters: impl IntoIterator<Item = f64>, seat: f64) -> f
 }
 
 /// Debris if all of the stuck grains break, in cubes of a grain's diameter [m]: what is stuck, by its area,
-/// as high as the closure stands open, at a `lift` [m] over a `rigid_seat_contact` [m²] (Eq. 34).
+/// as high as the closure stands open, at a `lift` [m] over a `seat` [m²] (Eq. 34).
 pub fn debris(lift: f64, seat: f64, normalised_area: f64, diameter: f64) -> f64 {
     lift * seat * normalised_area / (diameter * diameter * diameter)
 }

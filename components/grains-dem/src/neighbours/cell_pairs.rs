@@ -23,7 +23,7 @@ pub(crate) struct CellPairs {
 }
 
 impl CellPairs {
-    /// Fills the rows anew with pairs whose surfaces are closer than their classes' skins. `linked_cells` holds the bodies
+    /// Fills the rows anew with pairs whose surfaces are closer than their classes' skins. `cells` holds the bodies
     /// sorted.
     pub fn fill(
         &mut self,

@@ -51,7 +51,7 @@ pub(crate) struct PolyContacts {
     pub bodies: Vec<u32>,
     /// Sum of the loads on each.
     pub wrench: Vec<Wrench>,
-    /// Which of `body_arrays` belong to each block of bodies.
+    /// Which of `bodies` belong to each block of bodies.
     pub bounds: Vec<u32>,
     /// `places[start[p]..start[p + 1]]` are the entries of `bodies[p]`: twice the entry, and one more where
     /// the body is the other.

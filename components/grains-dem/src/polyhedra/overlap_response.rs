@@ -115,7 +115,7 @@ pub(crate) struct Relative {
     pub both: Vec3,
 }
 
-/// What acts on the body; what `memory_need` held counts only if it was `touching`.
+/// What acts on the body; what `memory` held counts only if it was `touching`.
 pub(crate) fn load(
     law: &Law,
     pair: Pair,

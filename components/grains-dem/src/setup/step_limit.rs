@@ -31,7 +31,7 @@ impl Tightest {
     }
 }
 
-/// Why the time step is what it is, where collisions bound it by `contact_force` [s] over the steps in one, and stability by
+/// Why the time step is what it is, where collisions bound it by `contact` [s] over the steps in one, and stability by
 /// `dense` [s].
 pub(crate) fn reason(
     scene: &Scene,

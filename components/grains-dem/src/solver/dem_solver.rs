@@ -362,7 +362,7 @@ impl GrainsDem {
     }
 
     /// Contact forces at the predicted velocities, `before` after the last evaluation, with those on
-    /// `deformable_surfaces` as they are accepted.
+    /// `surfaces` as they are accepted.
     pub(crate) fn evaluate_forces(
         &mut self,
         before: f64,

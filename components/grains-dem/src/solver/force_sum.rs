@@ -137,7 +137,7 @@ impl<'a> ForceSum<'a> {
         const YZX: i32 = 0b11_00_10_01;
         const { assert!(size_of::<ContactState>() == 64) };
         let (mut sums, places) = ([0.0; 8], self.pairs.acting_on(i));
-        // SAFETY: `avx512_wide` says that the processor has the instructions; a record is eight numbers.
+        // SAFETY: `wide` says that the processor has the instructions; a record is eight numbers.
         unsafe {
             let (mut force, mut torque) = (_mm256_setzero_pd(), _mm256_setzero_pd());
             let (half, radius) = (_mm256_set1_pd(0.5), _mm256_set1_pd(radius));

@@ -108,7 +108,7 @@ impl InteractionContext {
         }
     }
 
-    /// What surfaces that deform find near them; `size_classes` are those of the bodies' lists.
+    /// What surfaces that deform find near them; `skins` are those of the bodies' lists.
     pub fn near_surfaces<'a>(
         &'a self,
         bodies: &'a Bodies,

@@ -21,9 +21,9 @@ pub(crate) struct Surfaces {
     pub bodies: Vec<u32>,
     /// Sum of the surfaces' forces on each.
     pub wrench: Vec<Wrench>,
-    /// Which of `body_arrays` belong to each block of bodies.
+    /// Which of `bodies` belong to each block of bodies.
     pub bounds: Vec<u32>,
-    /// What each of `body_arrays` reaches of rigid walls, and of surfaces.
+    /// What each of `bodies` reaches of rigid walls, and of surfaces.
     rigid: Vec<Reached>,
     soft: Vec<Reached>,
     /// Whether bodies moved, or others are near, since rigid walls were looked at.

@@ -50,7 +50,7 @@ pub(crate) struct PartContacts {
     pub bodies: Vec<u32>,
     /// Sum of the forces on each.
     pub wrench: Vec<Wrench>,
-    /// Which of `body_arrays` belong to each block of bodies.
+    /// Which of `bodies` belong to each block of bodies.
     pub bounds: Vec<u32>,
     histories: Vec<WallContactHistory>,
     /// `start[p]..start[p + 1]` are the entries of `bodies[p]`.
@@ -197,7 +197,7 @@ impl PartContacts {
         reached.history = self.histories[p];
     }
 
-    /// Evaluates the contacts, each body's together with what `deformable_surfaces` found that it reaches of them; adds what each block
+    /// Evaluates the contacts, each body's together with what `surfaces` found that it reaches of them; adds what each block
     /// saw to `tallies`, and sums the forces on the parts.
     pub fn evaluate(
         &mut self,

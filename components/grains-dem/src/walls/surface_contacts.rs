@@ -299,7 +299,7 @@ impl SurfaceContacts {
         }
     }
 
-    /// Adds what bodies reach of the shape that was looked at, and remember, to `reached_walls` at their places; it is the surface
+    /// Adds what bodies reach of the shape that was looked at, and remember, to `reached` at their places; it is the surface
     /// of a `number`. Nothing, where bodies changed their places in memory since.
     pub fn give_reached(
         &self,

@@ -38,9 +38,9 @@ pub(crate) struct WallContacts {
     pub start: Vec<u32>,
     /// The possible contacts, by body and wall.
     pub entries: Vec<WallEntry>,
-    /// Sum of the walls' forces on each of `body_arrays`.
+    /// Sum of the walls' forces on each of `bodies`.
     pub wrench: Vec<Wrench>,
-    /// Which of `body_arrays` belong to each block of bodies.
+    /// Which of `bodies` belong to each block of bodies.
     pub bounds: Vec<u32>,
     /// Which entries do.
     pub entry_bounds: Vec<u32>,
@@ -66,7 +66,7 @@ pub(crate) struct WallSearch<'a> {
 }
 
 impl WallContacts {
-    /// Makes the list anew. `before` are the list and that of parts before, `placed_parts` is the new one of these; `found` is
+    /// Makes the list anew. `before` are the list and that of parts before, `parts` is the new one of these; `found` is
     /// room to work in.
     pub fn make(
         &mut self,

@@ -24,7 +24,7 @@ pub(super) struct Sum {
     number: u64,
 }
 
-/// Sums over blocks of ids; `placed_parts` of the volumes count, by rank, or all of them. `sums` has one entry for each region and block.
+/// Sums over blocks of ids; `parts` of the volumes count, by rank, or all of them. `sums` has one entry for each region and block.
 pub(super) fn look(
     regions: &[Region],
     sums: &mut [Sum],
