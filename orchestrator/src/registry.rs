@@ -26,7 +26,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Fluid,
         about: "lattice Boltzmann, D3Q19: parts, open faces, moving spheres and parts",
         settings: SchemaGenerator::subschema_for::<tremie_fluid_lbm::Parameters>,
-        run: tremie_sdk::run_fluid::<tremie_fluid_lbm::component::LatticeFluid>,
+        run: tremie_sdk::run_fluid::<tremie_fluid_lbm::component::LbmComponent>,
     },
     BuiltIn {
         name: "grains-dem",
