@@ -175,3 +175,29 @@ fn circles_of_imports_stay_small() {
         }
     }
 }
+
+/// The table from papers to files names files that are there, and words that stand in one of them.
+#[test]
+fn architecture_names_files_that_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
+    let rows = page.lines().filter(|line| line.starts_with('|') && line.contains("/src/"));
+    let mut seen = 0;
+    for row in rows {
+        let quoted: Vec<&str> = row.split('`').skip(1).step_by(2).collect();
+        let (files, words): (Vec<&str>, Vec<&str>) =
+            quoted.into_iter().partition(|word| word.ends_with(".rs"));
+        let text: String = files
+            .iter()
+            .map(|file| {
+                let path = root.join("components").join(file);
+                fs::read_to_string(&path).unwrap_or_else(|error| panic!("{file}: {error}"))
+            })
+            .collect();
+        seen += files.len();
+        for word in words.into_iter().filter(|word| !word.contains('/') && !files.is_empty()) {
+            assert!(text.contains(word), "{word} is in none of {files:?}");
+        }
+    }
+    assert!(seen > 20, "{seen}");
+}
