@@ -3,7 +3,7 @@
 
 use crate::launch::Peer;
 use crate::manifest::ORCHESTRATOR;
-use tremie_channels::{Attachment, Between, ChannelError, Receiver, Ringer, Sender};
+use tremie_channels::{Attachment, ChannelError, ChannelMedium, Receiver, Ringer, Sender};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::frame::LogHeader;
@@ -13,28 +13,28 @@ use tremie_sdk::{credit_spec, frame_spec, report_spec};
 /// Most reports under way: bounds how far components run ahead of the orchestrator's looks.
 pub const REPORT_DEPTH: u64 = 4096;
 
-struct End<S: Between> {
+struct End<S: ChannelMedium> {
     credit: Sender<S, Stamp, Credit>,
     report: Receiver<S, Report, f64>,
     ringer: Ringer<S>,
 }
 
 /// Lines to one observer; `capacity` bytes at most.
-struct LogEnd<S: Between> {
+struct LogEnd<S: ChannelMedium> {
     sender: Sender<S, LogHeader, u8>,
     ringer: Ringer<S>,
     capacity: usize,
 }
 
 /// The orchestrator's ends of the channels to all components, in the order of the peers.
-pub struct Control<S: Between> {
+pub struct Control<S: ChannelMedium> {
     run: u64,
     ends: Vec<End<S>>,
     logs: Vec<LogEnd<S>>,
     attachment: Attachment<S>,
 }
 
-impl<S: Between> Control<S> {
+impl<S: ChannelMedium> Control<S> {
     /// Opens the ends to all `peers`, which got `assignments` with `signals` signals each.
     ///
     /// # Errors

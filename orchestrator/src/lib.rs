@@ -9,31 +9,31 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod ask_all;
 pub mod bench;
 pub mod charts;
 pub mod cli;
 pub mod commands;
 pub mod conform;
 pub mod control;
-pub mod doctor;
-pub mod drive;
-pub mod early;
-pub mod introduction;
+pub mod handshake;
 pub mod launch;
 pub mod limits;
 pub mod manifest;
 pub mod monitor;
 pub mod outputs;
 pub mod plan;
+pub mod preflight;
 pub mod registry;
 pub mod report;
-pub mod round;
 pub mod run;
+pub mod run_loop;
 pub mod scenes;
 pub mod schedule;
+pub mod schedule_timing;
 pub mod standard;
-pub mod stop;
+pub mod startup_log;
+pub mod stop_conditions;
 pub mod terminal;
-pub mod turns;
 pub mod validation;
 pub mod valve;

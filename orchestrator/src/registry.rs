@@ -3,7 +3,7 @@
 use crate::bench::idle::{IdleFluid, IdleGrains};
 use schemars::{Schema, SchemaGenerator};
 use tremie_messages::Role;
-use tremie_sdk::Line;
+use tremie_sdk::ControlPipe;
 
 /// A component that `tremie` carries in its own executable.
 pub struct BuiltIn {
@@ -16,7 +16,7 @@ pub struct BuiltIn {
     /// What can be set of it.
     pub settings: fn(&mut SchemaGenerator) -> Schema,
     /// Takes part in a run.
-    pub run: fn(Line) -> Result<(), String>,
+    pub run: fn(ControlPipe) -> Result<(), String>,
 }
 
 /// All built-in components.

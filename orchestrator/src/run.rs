@@ -1,10 +1,8 @@
 //! A whole run, from a checked manifest to closed outputs.
 
+use crate::ask_all::{Round, Unanswered};
 use crate::control::{Control, REPORT_DEPTH};
-use crate::doctor::{self, Judged, Machine};
-use crate::drive::{Drive, Driven};
-use crate::early::EarlyLog;
-use crate::introduction::{NotIntroduced, cores, find_programs, introduce, start_all};
+use crate::handshake::{NotIntroduced, cores, find_programs, introduce, start_all};
 use crate::launch::{Launcher, News, Peer, Post, end_all};
 use crate::limits;
 use crate::manifest::Manifest;
@@ -14,8 +12,10 @@ use crate::outputs::{
     Summary, Trace,
 };
 use crate::plan::{self, Plan};
-use crate::round::{Round, Unanswered};
-use crate::stop::StopWatch;
+use crate::preflight::{self, Judged, Machine};
+use crate::run_loop::{Drive, Driven};
+use crate::startup_log::EarlyLog;
+use crate::stop_conditions::StopConditions;
 use crate::terminal::Terminal;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -25,7 +25,7 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use tremie_channels::memory::{self, NoMemory};
 use tremie_channels::sweep::{self, RunPlaces};
-use tremie_channels::{Between, ChannelError, Processes, Threads};
+use tremie_channels::{ChannelError, ChannelMedium, InProcess, SharedMemory};
 use tremie_messages::start::{
     Assignment, Description, Injection, InjectionKind, Reply, Request, Signal, Transport,
 };
@@ -158,7 +158,7 @@ pub fn prepare(
                 // Threads share what they have anyway.
                 machine.shared = None;
             }
-            let findings = doctor::examine(&manifest.spec, &plan, &descriptions, &machine);
+            let findings = preflight::examine(&manifest.spec, &plan, &descriptions, &machine);
             Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
         }
         Err(error) => {
@@ -231,13 +231,13 @@ impl Prepared {
         interrupts: &AtomicUsize,
     ) -> Result<Ended, RunError> {
         if execution.in_process {
-            self.execute_between::<Threads>(manifest, out, execution, terminal, interrupts)
+            self.execute_between::<InProcess>(manifest, out, execution, terminal, interrupts)
         } else {
-            self.execute_between::<Processes>(manifest, out, execution, terminal, interrupts)
+            self.execute_between::<SharedMemory>(manifest, out, execution, terminal, interrupts)
         }
     }
 
-    fn execute_between<S: Between>(
+    fn execute_between<S: ChannelMedium>(
         mut self,
         manifest: &Manifest,
         out: &mut RunFolder,
@@ -304,7 +304,7 @@ impl Prepared {
             windows: self.plan.windows,
             report_depth: assignments[0].transport.report_depth,
             deadline: spec.run.deadline,
-            stop: StopWatch::new(&spec.stop_when, &names),
+            stop: StopConditions::new(&spec.stop_when, &names),
             table,
             log,
             trace,
@@ -407,7 +407,7 @@ impl Prepared {
         let components_said =
             self.peers.iter().map(|peer| peer.name.as_str()).zip(&self.descriptions);
         let mut findings = self.findings.clone();
-        findings.extend(doctor::look_back(components_said, &signals));
+        findings.extend(preflight::look_back(components_said, &signals));
         Summary {
             ending,
             run: format!("{:016x}", self.run),

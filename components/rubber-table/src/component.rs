@@ -1,7 +1,7 @@
 //! Seals as a component of a run.
 
-use crate::online::{Readings, Seal, SealError, Water};
 use crate::parameters::Parameters;
+use crate::runtime::{Readings, Seal, SealError, Water};
 use crate::table::{FileError, Table};
 use std::collections::BTreeMap;
 use std::path::Path;

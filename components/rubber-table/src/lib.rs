@@ -12,13 +12,13 @@
 
 #[cfg(feature = "component")]
 pub mod component;
+pub mod fem;
 pub mod make;
 pub mod material;
 pub mod mesh;
-pub mod online;
 mod parameters;
 pub mod picture;
-pub mod solid;
+pub mod runtime;
 pub mod spec;
 pub mod table;
 

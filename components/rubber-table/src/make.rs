@@ -1,6 +1,6 @@
 //! From a specification to a table.
 
-use crate::solid::{Frame, Model, Stuck, compress};
+use crate::fem::{Frame, Model, Stuck, compress};
 use crate::spec::Spec;
 use crate::table::{Contents, Convergence, Facets, MaterialRecord, Table, TableError};
 

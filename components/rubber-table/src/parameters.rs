@@ -1,6 +1,6 @@
 //! What a user chooses about the rubber.
 
-use crate::online::{Eta, Form, Law};
+use crate::runtime::{Eta, Form, Law};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tremie_messages::Problem;

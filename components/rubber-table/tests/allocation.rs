@@ -5,10 +5,10 @@ mod common;
 use common::{RUBBER, model, press, ring};
 use tremie_messages::scene::{DeformableSurface, Pose};
 use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
+use tremie_rubber_table::fem::Hold;
+use tremie_rubber_table::fem::contact::Seat;
 use tremie_rubber_table::make::tabulate;
-use tremie_rubber_table::online::{Form, Impedance, Law, Seal, Start, effective_force, relax};
-use tremie_rubber_table::solid::Hold;
-use tremie_rubber_table::solid::contact::Seat;
+use tremie_rubber_table::runtime::{Form, Impedance, Law, Seal, Start, effective_force, relax};
 use tremie_test_support::{Counting, allocations};
 
 #[global_allocator]

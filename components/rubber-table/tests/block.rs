@@ -4,10 +4,10 @@ mod common;
 
 use common::{RUBBER, first_slope, model, press, ring, rubber};
 use std::collections::BTreeMap;
+use tremie_rubber_table::fem::element::Symmetry;
+use tremie_rubber_table::fem::{Compression, Hold, Model, compress};
 use tremie_rubber_table::material::NeoHookean;
 use tremie_rubber_table::mesh::{self, Mesh};
-use tremie_rubber_table::solid::element::Symmetry;
-use tremie_rubber_table::solid::{Compression, Hold, Model, compress};
 
 /// Force on a bar of section `area` at axial stretch `stretch`, its sides free: the side stretch
 /// that leaves them without stress is found by bisection.
@@ -87,7 +87,7 @@ fn a_bonded_strip_is_as_stiff_as_gent_and_lindley_say() {
     let middle = Hold {
         boundary: "inner".into(),
         radial: true,
-        axial: tremie_rubber_table::solid::Axial::Free,
+        axial: tremie_rubber_table::fem::Axial::Free,
     };
     let holds = [Hold::bonded("top"), Hold::fixed("bottom"), middle];
     let model = Model::new(mesh, Symmetry::PlaneStrain, material, &holds, None, 1.0).unwrap();

@@ -4,13 +4,13 @@
 mod common;
 
 use common::{RUBBER, model, press, ring};
+use tremie_rubber_table::fem::Hold;
+use tremie_rubber_table::fem::contact::Seat;
 use tremie_rubber_table::make::tabulate;
 use tremie_rubber_table::mesh::Point;
-use tremie_rubber_table::online::{
+use tremie_rubber_table::runtime::{
     Eta, Form, Impedance, Law, Outcome, Settled, Start, Step, StepError, effective_force, relax,
 };
-use tremie_rubber_table::solid::Hold;
-use tremie_rubber_table::solid::contact::Seat;
 use tremie_rubber_table::table::{Bracket, Contents, FacetKind, Facets, Surface, Table};
 
 const MASS: f64 = 9.2e-3;

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{RUBBER, model, press};
+use tremie_rubber_table::fem::Hold;
+use tremie_rubber_table::fem::contact::Seat;
 use tremie_rubber_table::mesh::d_ring;
-use tremie_rubber_table::solid::Hold;
-use tremie_rubber_table::solid::contact::Seat;
 
 /// Half of it: the plane in the middle comes down by half the compression. Lindley's formula is a
 /// fit for compressions of a tenth and more; at 5 % these elements are 28 % above it, and finer ones

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{RUBBER, first_slope, model, press, ring, rubber};
+use tremie_rubber_table::fem::contact::Seat;
+use tremie_rubber_table::fem::{Hold, Model};
 use tremie_rubber_table::make::tabulate;
-use tremie_rubber_table::solid::contact::Seat;
-use tremie_rubber_table::solid::{Hold, Model};
 use tremie_rubber_table::table::{Contents, Table};
 
 /// Bonded above, on a plane that it cannot leave.
@@ -117,7 +117,7 @@ fn the_slope_converges_with_the_mesh() {
 #[test]
 fn the_contact_is_stiff_enough() {
     let with = |stiffness: f64| {
-        let symmetry = tremie_rubber_table::solid::element::Symmetry::Axisymmetric;
+        let symmetry = tremie_rubber_table::fem::element::Symmetry::Axisymmetric;
         let seat = Some(Seat::flat(0.0));
         let holds = [Hold::bonded("top")];
         let model = Model::new(ring([9, 6]), symmetry, RUBBER, &holds, seat, stiffness).unwrap();
@@ -138,7 +138,7 @@ fn the_same_bits_every_time() {
 /// Pressed flat it cannot be: the error says how far it went and what to do.
 #[test]
 fn too_much_is_an_error_with_the_way_gone() {
-    use tremie_rubber_table::solid::{Compression, compress};
+    use tremie_rubber_table::fem::{Compression, compress};
     let way = Compression { largest: 3.2e-3, frames: 33, tolerance: 1e-9 };
     let stuck = compress(&on_plane([6, 4], 8.0 / 0.3), &way).unwrap_err();
     assert!(stuck.reached > 0.6e-3 && stuck.reached < 3e-3, "{stuck}");

@@ -3,7 +3,7 @@
 use tremie_geometry::Frame;
 use tremie_messages::scene::{DeformableSurface, FacetKind, Pose, SurfaceStart};
 use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
-use tremie_rubber_table::online::{
+use tremie_rubber_table::runtime::{
     Eta, Form, Impedance, Law, Seal, SealError, Start, StepError, Water, relax,
 };
 use tremie_rubber_table::table::{Contents, Facets, Surface, Table};

@@ -1,10 +1,12 @@
 //! What every step of a component's loop needs: who it is, how far it may go, how long it waited.
 
-use crate::line::Line;
-use crate::physics::SolverError;
+use crate::line::ControlPipe;
+use crate::roles::SolverError;
 use crate::stop::Stop;
 use std::time::{Duration, Instant, SystemTime};
-use tremie_channels::{Attachment, Bell, Between, ChannelSpec, Receiver, Sender, Wait, look, spin};
+use tremie_channels::{
+    Attachment, Bell, ChannelMedium, ChannelSpec, Receiver, Sender, Wait, look, spin,
+};
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
 use tremie_messages::schedule::Edge;
@@ -45,7 +47,7 @@ impl Owed<'_> {
 }
 
 /// A component's place in its run, while windows go by.
-pub struct Context<S: Between> {
+pub struct Context<S: ChannelMedium> {
     /// Id of the run.
     pub run: u64,
     /// Name of the component.
@@ -66,18 +68,18 @@ pub struct Context<S: Between> {
     /// Last window that may be advanced through; nothing before the start exchange is allowed.
     granted: Option<u64>,
     finish: bool,
-    line: Line,
+    line: ControlPipe,
 }
 
-impl<S: Between> Context<S> {
+impl<S: ChannelMedium> Context<S> {
     /// Attaches to the run's shared memory.
     pub fn open(
         run: u64,
         component: &str,
         assignment: Assignment,
         signals: usize,
-        line: Line,
-    ) -> Result<Self, Box<(Stop, Line)>> {
+        line: ControlPipe,
+    ) -> Result<Self, Box<(Stop, ControlPipe)>> {
         match Self::ports(component, &assignment, signals) {
             Ok((attachment, bell, credit, report)) => Ok(Self {
                 run,
@@ -115,7 +117,7 @@ impl<S: Between> Context<S> {
     }
 
     /// Speaks to the orchestrator.
-    pub fn line(&mut self) -> &mut Line {
+    pub fn line(&mut self) -> &mut ControlPipe {
         &mut self.line
     }
 
@@ -312,7 +314,7 @@ pub fn report_spec(transport: &Transport, signals: usize) -> ChannelSpec<'_> {
     }
 }
 
-fn heed_credit<S: Between>(
+fn heed_credit<S: ChannelMedium>(
     credit: &Receiver<S, Stamp, Credit>,
     granted: &mut Option<u64>,
     finish: &mut bool,

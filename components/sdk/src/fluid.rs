@@ -1,16 +1,16 @@
 //! The fluid's side of a window.
 
 use crate::context::Context;
-use crate::frames::Shows;
+use crate::frames::FrameSource;
 use crate::impulse::Impulse;
-use crate::inside::Sizes;
-use crate::physics::Fluid;
 use crate::ports::{InPort, OutPort};
-use crate::role::Player;
+use crate::role_adapter::RoleAdapter;
+use crate::roles::Fluid;
 use crate::setup::Setup;
 use crate::stop::Stop;
+use crate::substep_coupling::Sizes;
 use std::time::Instant;
-use tremie_channels::{Between, Loan, Received};
+use tremie_channels::{ChannelMedium, Loan, Received};
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::schedule::Content;
 use tremie_messages::start::{FaultKind, VolumeGrid};
@@ -19,7 +19,7 @@ use tremie_messages::{
 };
 
 /// A fluid with its edges.
-pub struct FluidPlayer<S: Between, F: Fluid> {
+pub struct FluidPlayer<S: ChannelMedium, F: Fluid> {
     fluid: F,
     ids: Vec<u64>,
     events: Option<InPort<S, BodyEvent>>,
@@ -42,7 +42,7 @@ pub struct FluidPlayer<S: Between, F: Fluid> {
     sampled: Vec<f64>,
 }
 
-impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
+impl<S: ChannelMedium, F: Fluid> FrameSource for FluidPlayer<S, F> {
     fn slice(&mut self, name: &str, nodes: &mut [SliceNode]) -> SliceHeader {
         self.fluid.slice(name, nodes)
     }
@@ -52,7 +52,7 @@ impl<S: Between, F: Fluid> Shows for FluidPlayer<S, F> {
     }
 }
 
-impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
+impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
         let sizes = Sizes::of(&setup.hello.scene);
         Ok(Self {
@@ -181,7 +181,7 @@ impl<S: Between, F: Fluid> Player<S> for FluidPlayer<S, F> {
     }
 }
 
-impl<S: Between, F: Fluid> FluidPlayer<S, F> {
+impl<S: ChannelMedium, F: Fluid> FluidPlayer<S, F> {
     fn take_surface(&mut self, context: &mut Context<S>, lag: u64) -> Result<(), Stop> {
         let Some(port) = &self.surface else { return Ok(()) };
         self.vertices = None;

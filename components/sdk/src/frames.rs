@@ -2,14 +2,14 @@
 
 use crate::context::Context;
 use crate::stop::Stop;
-use tremie_channels::{Between, ChannelError, ChannelSpec, Ringer, Sender};
+use tremie_channels::{ChannelError, ChannelMedium, ChannelSpec, Ringer, Sender};
 use tremie_messages::frame::{BodySample, SliceHeader, SliceNode, SurfaceSample, VolumeHeader};
 use tremie_messages::start::{FrameContent, FrameStream, Reply, VolumeGrid};
 use tremie_messages::units::wait;
 use tremie_messages::{BodyEvent, BodyState, Stamp};
 
 /// A stream of frames to one observer.
-enum Stream<S: Between> {
+enum Stream<S: ChannelMedium> {
     Bodies(Sender<S, Stamp, BodySample>),
     Surfaces(Sender<S, Stamp, SurfaceSample>),
     Slice(String, Sender<S, SliceHeader, SliceNode>),
@@ -17,7 +17,7 @@ enum Stream<S: Between> {
     Signals(Sender<S, Stamp, f64>),
 }
 
-struct Outlet<S: Between> {
+struct Outlet<S: ChannelMedium> {
     plan: FrameStream,
     stream: Stream<S>,
     ringer: Ringer<S>,
@@ -27,7 +27,7 @@ struct Outlet<S: Between> {
 }
 
 /// All frames that a component sends.
-pub struct Frames<S: Between> {
+pub struct Frames<S: ChannelMedium> {
     outlets: Vec<Outlet<S>>,
 }
 
@@ -44,7 +44,7 @@ pub fn frame_spec(plan: &FrameStream) -> ChannelSpec<'_> {
 }
 
 /// What a component can show.
-pub trait Shows {
+pub trait FrameSource {
     /// Bodies, as they are, and what is known of each.
     fn bodies(&self, _states: &mut Vec<BodyState>, _kinds: &mut Vec<BodyEvent>) {}
     /// All vertices of deformable surfaces, as they are.
@@ -59,7 +59,7 @@ pub trait Shows {
     }
 }
 
-impl<S: Between> Frames<S> {
+impl<S: ChannelMedium> Frames<S> {
     /// Opens the sending ends of all streams of this component.
     pub fn open(context: &Context<S>) -> Result<Self, Stop> {
         // A share of the deadline: an observer that takes nothing is given up before the component
@@ -109,7 +109,12 @@ impl<S: Between> Frames<S> {
     ///
     /// An observer that takes nothing is given up, and the orchestrator told so: observers never stop
     /// the physics.
-    pub fn send(&mut self, context: &mut Context<S>, shown: &mut impl Shows, signals: &[f64]) {
+    pub fn send(
+        &mut self,
+        context: &mut Context<S>,
+        shown: &mut impl FrameSource,
+        signals: &[f64],
+    ) {
         for index in 0..self.outlets.len() {
             if context.window.is_multiple_of(self.outlets[index].plan.every) {
                 self.send_one(index, context, shown, signals);
@@ -119,7 +124,12 @@ impl<S: Between> Frames<S> {
 
     /// Sends those frames of the present window that were not due: it turned out to be the last, and
     /// observers shall see how the run ended.
-    pub fn send_last(&mut self, context: &mut Context<S>, shown: &mut impl Shows, signals: &[f64]) {
+    pub fn send_last(
+        &mut self,
+        context: &mut Context<S>,
+        shown: &mut impl FrameSource,
+        signals: &[f64],
+    ) {
         for index in 0..self.outlets.len() {
             if self.outlets[index].sent != Some(context.window) {
                 self.send_one(index, context, shown, signals);
@@ -131,7 +141,7 @@ impl<S: Between> Frames<S> {
         &mut self,
         index: usize,
         context: &mut Context<S>,
-        shown: &mut impl Shows,
+        shown: &mut impl FrameSource,
         signals: &[f64],
     ) {
         let outlet = &mut self.outlets[index];
@@ -155,11 +165,11 @@ impl<S: Between> Frames<S> {
     }
 }
 
-impl<S: Between> Outlet<S> {
+impl<S: ChannelMedium> Outlet<S> {
     fn send(
         &self,
         stamp: Stamp,
-        shown: &mut impl Shows,
+        shown: &mut impl FrameSource,
         signals: &[f64],
     ) -> Result<(), ChannelError> {
         match &self.stream {

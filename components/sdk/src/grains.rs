@@ -1,22 +1,22 @@
 //! The grains' side of a window.
 
-use crate::answers::Answers;
 use crate::context::Context;
-use crate::frames::Shows;
+use crate::frames::FrameSource;
 use crate::impulse::Impulse;
-use crate::inside::{GrainsInside, Sizes};
-use crate::physics::Grains;
+use crate::lagged_loads::Answers;
 use crate::ports::{InPort, OutPort};
-use crate::role::Player;
+use crate::role_adapter::RoleAdapter;
+use crate::roles::Grains;
 use crate::setup::Setup;
 use crate::stop::Stop;
+use crate::substep_coupling::{Sizes, SubstepCoupling};
 use std::time::Instant;
-use tremie_channels::{Between, Received};
+use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::schedule::Content;
 use tremie_messages::{BodyEvent, BodyState, Load, PortState, Problem, Stamp};
 
 /// Grains with their edges.
-pub struct GrainsPlayer<S: Between, G: Grains> {
+pub struct GrainsPlayer<S: ChannelMedium, G: Grains> {
     grains: G,
     /// Living bodies in ascending order of ids, as they were announced.
     kinds: Vec<BodyEvent>,
@@ -31,10 +31,10 @@ pub struct GrainsPlayer<S: Between, G: Grains> {
     impulse: Impulse,
     sizes: Sizes,
     /// Where a rubber sits opposite: the exchange with it inside a window.
-    inside: Option<GrainsInside<S>>,
+    inside: Option<SubstepCoupling<S>>,
 }
 
-impl<S: Between, G: Grains> Shows for GrainsPlayer<S, G> {
+impl<S: ChannelMedium, G: Grains> FrameSource for GrainsPlayer<S, G> {
     fn bodies(&self, states: &mut Vec<BodyState>, kinds: &mut Vec<BodyEvent>) {
         states.resize(self.grains.count(), BodyState::at_rest(0, [0.0; 3]));
         self.grains.state(states);
@@ -42,7 +42,7 @@ impl<S: Between, G: Grains> Shows for GrainsPlayer<S, G> {
     }
 }
 
-impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
+impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
         let grains = G::create(setup)?;
         let mut player = Self {
@@ -74,14 +74,14 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
                 _ => {}
             }
         }
-        self.inside = GrainsInside::open(context, self.sizes)?;
+        self.inside = SubstepCoupling::open(context, self.sizes)?;
         Ok(())
     }
 
     fn connect(&mut self) -> Result<(), Stop> {
         self.events.as_ref().map_or(Ok(()), OutPort::connect)?;
         self.state.as_ref().map_or(Ok(()), OutPort::connect)?;
-        self.inside.as_ref().map_or(Ok(()), GrainsInside::connect)
+        self.inside.as_ref().map_or(Ok(()), SubstepCoupling::connect)
     }
 
     fn receive(
@@ -153,7 +153,7 @@ impl<S: Between, G: Grains> Player<S> for GrainsPlayer<S, G> {
     }
 }
 
-impl<S: Between, G: Grains> GrainsPlayer<S, G> {
+impl<S: ChannelMedium, G: Grains> GrainsPlayer<S, G> {
     /// Whether loads answer the bodies of a list before the present one.
     fn is_late(&self) -> bool {
         self.load.as_ref().is_some_and(|port| port.events_lag() > 0)

@@ -8,36 +8,36 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-mod answers;
 mod context;
 mod finite;
 mod fluid;
 mod frames;
 mod grains;
 mod impulse;
-mod inside;
+mod lagged_loads;
 pub mod line;
 mod observe;
 pub mod observer;
 pub mod parameters;
-mod physics;
 mod ports;
 mod program;
-mod role;
+mod role_adapter;
+mod roles;
 mod rubber;
 mod serve;
 pub mod setup;
 mod stop;
+mod substep_coupling;
 
 pub use context::{credit_spec, report_spec};
 pub use frames::frame_spec;
-pub use line::Line;
+pub use line::ControlPipe;
 pub use observer::{Moment, Observer, ObserverError, own_file};
-pub use physics::{Fluid, Grains, Rubber, SolverError};
 pub use ports::edge_spec;
 pub use program::{
     log_line, main_fluid, main_grains, main_observer, main_of, main_rubber, run_fluid, run_grains,
     run_observer, run_rubber,
 };
+pub use roles::{Fluid, Grains, Rubber, SolverError};
 pub use setup::Setup;
 pub use tremie_messages as messages;

@@ -11,7 +11,7 @@ use tremie_messages::start::{Reply, Request};
 pub struct Closed;
 
 /// A component's end of the line.
-pub struct Line {
+pub struct ControlPipe {
     input: Input,
     output: Output,
 }
@@ -26,7 +26,7 @@ enum Output {
     Memory(mpsc::Sender<Reply>),
 }
 
-impl Line {
+impl ControlPipe {
     /// The line of a process: standard input and output.
     pub fn of_process() -> Self {
         Self {
@@ -82,8 +82,8 @@ impl Line {
 mod tests {
     use super::*;
 
-    fn over(text: &'static str) -> Line {
-        Line {
+    fn over(text: &'static str) -> ControlPipe {
+        ControlPipe {
             input: Input::Text(Box::new(text.as_bytes())),
             output: Output::Text(Box::new(Vec::new())),
         }
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_line_in_memory_carries_both_ways_and_closes() {
-        let (mut line, to, from) = Line::in_memory();
+        let (mut line, to, from) = ControlPipe::in_memory();
         to.send(Request::Quit {}).unwrap();
         assert_eq!(line.next_request(), Ok(Request::Quit {}));
         line.reply(&Reply::Ready {}).unwrap();

@@ -2,14 +2,14 @@
 
 use crate::context::Context;
 use crate::frames::frame_spec;
-use crate::line::Line;
+use crate::line::ControlPipe;
 use crate::observer::{Moment, Observer, ObserverError};
 use crate::serve::panic_text;
 use crate::setup::Setup;
 use crate::stop::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
-use tremie_channels::{Between, Receiver};
+use tremie_channels::{ChannelMedium, Receiver};
 use tremie_messages::frame::{
     BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
 };
@@ -23,7 +23,7 @@ const NAP: Duration = Duration::from_millis(50);
 /// How often an observer says at the run's end that it is still taking frames.
 const PULSE: Duration = Duration::from_millis(500);
 
-enum Input<S: Between> {
+enum Input<S: ChannelMedium> {
     Bodies(Receiver<S, Stamp, BodySample>),
     Surfaces(Receiver<S, Stamp, SurfaceSample>),
     Slice(Receiver<S, SliceHeader, SliceNode>),
@@ -32,7 +32,7 @@ enum Input<S: Between> {
     Log(Receiver<S, LogHeader, u8>),
 }
 
-struct Inlet<S: Between> {
+struct Inlet<S: ChannelMedium> {
     plan: FrameStream,
     input: Input<S>,
     /// Window of the frame before, to count those that were lost.
@@ -44,8 +44,8 @@ struct Inlet<S: Between> {
 ///
 /// # Errors
 /// A sentence for standard error.
-pub fn serve_observer<S: Between, O: Observer>(
-    mut line: Line,
+pub fn serve_observer<S: ChannelMedium, O: Observer>(
+    mut line: ControlPipe,
     (hello, assignment, _): (Hello, Assignment, Description),
 ) -> Result<(), String> {
     let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
@@ -88,7 +88,7 @@ pub fn serve_observer<S: Between, O: Observer>(
     Ok(())
 }
 
-fn watch<S: Between, O: Observer>(
+fn watch<S: ChannelMedium, O: Observer>(
     observer: &mut O,
     context: &mut Context<S>,
 ) -> Result<(u64, String), Stop> {
@@ -124,7 +124,7 @@ fn watch<S: Between, O: Observer>(
 }
 
 /// Closes the observer's outputs; returns the run's last window and a note for the summary.
-fn close<S: Between, O: Observer>(
+fn close<S: ChannelMedium, O: Observer>(
     observer: &mut O,
     context: &Context<S>,
     inlets: &[Inlet<S>],
@@ -136,7 +136,7 @@ fn close<S: Between, O: Observer>(
     Ok((last, note + &skipped))
 }
 
-fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> {
+fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> {
     let mine = |plan: &&FrameStream| plan.to == context.component;
     let mut inlets = Vec::new();
     for plan in context.assignment.frames.iter().filter(mine) {
@@ -155,7 +155,7 @@ fn open_inlets<S: Between>(context: &Context<S>) -> Result<Vec<Inlet<S>>, Stop> 
     Ok(inlets)
 }
 
-impl<S: Between> Inlet<S> {
+impl<S: ChannelMedium> Inlet<S> {
     /// Whether a first frame has come. Lines of the log come when they come.
     fn has_begun(&self) -> bool {
         self.before.is_some() || self.plan.content == FrameContent::Log
@@ -233,7 +233,7 @@ fn moment(clock: &Clock, stamp: Stamp) -> Moment {
     Moment { stamp, time: clock.seconds(stamp.ticks) }
 }
 
-fn wrong<S: Between>(context: &Context<S>, error: ObserverError) -> Stop {
+fn wrong<S: ChannelMedium>(context: &Context<S>, error: ObserverError) -> Stop {
     Stop::Fault(Fault {
         kind: match error {
             ObserverError::Output(_) => FaultKind::Output,

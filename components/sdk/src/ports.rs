@@ -5,20 +5,20 @@ use crate::context::{Context, Owed};
 use crate::finite::{Finite, OfBody};
 use crate::stop::Stop;
 use tremie_channels::{
-    Between, ChannelError, ChannelSpec, Loan, Received, Receiver, Ringer, Sender,
+    ChannelError, ChannelMedium, ChannelSpec, Loan, Received, Receiver, Ringer, Sender,
 };
 use tremie_messages::schedule::Edge;
 use tremie_messages::start::{FaultKind, InjectionKind};
 use tremie_messages::{FacetLoad, Message, PortState, Stamp};
 
 /// The receiving end of an edge.
-pub struct InPort<S: Between, T: Message> {
+pub struct InPort<S: ChannelMedium, T: Message> {
     edge: Edge,
     receiver: Receiver<S, Stamp, T>,
 }
 
 /// The sending end of an edge.
-pub struct OutPort<S: Between, T: Message> {
+pub struct OutPort<S: ChannelMedium, T: Message> {
     edge: Edge,
     sender: Sender<S, Stamp, T>,
     ringer: Ringer<S>,
@@ -35,7 +35,7 @@ pub fn edge_spec(edge: &Edge) -> ChannelSpec<'_> {
     }
 }
 
-impl<S: Between, T: Message> InPort<S, T> {
+impl<S: ChannelMedium, T: Message> InPort<S, T> {
     /// Opens the receiving end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
         Ok(Self { receiver: context.attachment.receiver(edge_spec(edge))?, edge: edge.clone() })
@@ -123,7 +123,7 @@ impl<S: Between, T: Message> InPort<S, T> {
     }
 }
 
-impl<S: Between, T: Finite> InPort<S, T> {
+impl<S: ChannelMedium, T: Finite> InPort<S, T> {
     /// Checks that there are `count` values.
     pub fn check_count(
         &self,
@@ -148,7 +148,7 @@ impl<S: Between, T: Finite> InPort<S, T> {
     }
 }
 
-impl<S: Between, T: OfBody> InPort<S, T> {
+impl<S: ChannelMedium, T: OfBody> InPort<S, T> {
     /// As [`InPort::take`], and checks that values are finite and belong to the bodies `ids`.
     pub fn take_checked(
         &self,
@@ -179,7 +179,7 @@ impl<S: Between, T: OfBody> InPort<S, T> {
     }
 }
 
-impl<S: Between> InPort<S, FacetLoad> {
+impl<S: ChannelMedium> InPort<S, FacetLoad> {
     /// Checks that loads are finite, and of facets that there are.
     pub fn check_facets(
         &self,
@@ -195,7 +195,7 @@ impl<S: Between> InPort<S, FacetLoad> {
     }
 }
 
-impl<S: Between> InPort<S, PortState> {
+impl<S: ChannelMedium> InPort<S, PortState> {
     /// As [`InPort::take`], and checks that values are finite and those of the faces `faces`.
     pub fn take_faces(
         &self,
@@ -217,7 +217,7 @@ impl<S: Between> InPort<S, PortState> {
     }
 }
 
-impl<S: Between, T: Message> OutPort<S, T> {
+impl<S: ChannelMedium, T: Message> OutPort<S, T> {
     /// Opens the sending end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
         Ok(Self {
@@ -252,7 +252,7 @@ impl<S: Between, T: Message> OutPort<S, T> {
     }
 }
 
-impl<S: Between, T: Finite> OutPort<S, T> {
+impl<S: ChannelMedium, T: Finite> OutPort<S, T> {
     /// As [`OutPort::send`], after a check that the solver's values are finite, and with the fault
     /// that is injected into this window, if any.
     pub fn send_checked(

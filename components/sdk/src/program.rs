@@ -3,17 +3,17 @@
 use crate::fluid::FluidPlayer;
 use crate::grains::GrainsPlayer;
 use crate::impulse::Impulse;
-use crate::line::Line;
+use crate::line::ControlPipe;
 use crate::observe::serve_observer;
 use crate::observer::Observer;
-use crate::physics::{Fluid, Grains, Rubber, check_polyhedra, check_surfaces};
+use crate::roles::{Fluid, Grains, Rubber, check_polyhedra, check_surfaces};
 use crate::rubber::RubberPlayer;
 use crate::serve::{Introduction, introduce, serve};
 use crate::setup::Setup;
 use std::fmt::Display;
 use std::io::Write;
 use std::process::ExitCode;
-use tremie_channels::{Processes, Threads};
+use tremie_channels::{InProcess, SharedMemory};
 use tremie_messages::Role;
 use tremie_messages::start::{Description, INTERFACE_VARIABLE};
 
@@ -21,7 +21,7 @@ use tremie_messages::start::{Description, INTERFACE_VARIABLE};
 ///
 /// # Errors
 /// A sentence for standard error.
-pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
+pub fn run_fluid<F: Fluid>(mut line: ControlPipe) -> Result<(), String> {
     let describe = |setup: &Setup| {
         check_surfaces(setup, F::PROGRAM, F::TAKES_SURFACES)?;
         check_polyhedra(setup, F::PROGRAM, F::TAKES_POLYHEDRA)?;
@@ -31,9 +31,9 @@ pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
     match introduce(&mut line, Role::Fluid, F::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve::<Processes, FluidPlayer<Processes, F>>(line, *all)
+            serve::<SharedMemory, FluidPlayer<SharedMemory, F>>(line, *all)
         }
-        Introduction::Assigned(all) => serve::<Threads, FluidPlayer<Threads, F>>(line, *all),
+        Introduction::Assigned(all) => serve::<InProcess, FluidPlayer<InProcess, F>>(line, *all),
     }
 }
 
@@ -41,7 +41,7 @@ pub fn run_fluid<F: Fluid>(mut line: Line) -> Result<(), String> {
 ///
 /// # Errors
 /// A sentence for standard error.
-pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
+pub fn run_grains<G: Grains>(mut line: ControlPipe) -> Result<(), String> {
     let describe = |setup: &Setup| {
         check_surfaces(setup, G::PROGRAM, G::TAKES_SURFACES)?;
         check_polyhedra(setup, G::PROGRAM, G::TAKES_POLYHEDRA)?;
@@ -51,9 +51,9 @@ pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
     match introduce(&mut line, Role::Grains, G::PROGRAM, describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve::<Processes, GrainsPlayer<Processes, G>>(line, *all)
+            serve::<SharedMemory, GrainsPlayer<SharedMemory, G>>(line, *all)
         }
-        Introduction::Assigned(all) => serve::<Threads, GrainsPlayer<Threads, G>>(line, *all),
+        Introduction::Assigned(all) => serve::<InProcess, GrainsPlayer<InProcess, G>>(line, *all),
     }
 }
 
@@ -61,13 +61,13 @@ pub fn run_grains<G: Grains>(mut line: Line) -> Result<(), String> {
 ///
 /// # Errors
 /// A sentence for standard error.
-pub fn run_rubber<R: Rubber>(mut line: Line) -> Result<(), String> {
+pub fn run_rubber<R: Rubber>(mut line: ControlPipe) -> Result<(), String> {
     match introduce(&mut line, Role::Rubber, R::PROGRAM, R::describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve::<Processes, RubberPlayer<Processes, R>>(line, *all)
+            serve::<SharedMemory, RubberPlayer<SharedMemory, R>>(line, *all)
         }
-        Introduction::Assigned(all) => serve::<Threads, RubberPlayer<Threads, R>>(line, *all),
+        Introduction::Assigned(all) => serve::<InProcess, RubberPlayer<InProcess, R>>(line, *all),
     }
 }
 
@@ -75,13 +75,13 @@ pub fn run_rubber<R: Rubber>(mut line: Line) -> Result<(), String> {
 ///
 /// # Errors
 /// A sentence for standard error.
-pub fn run_observer<O: Observer>(mut line: Line) -> Result<(), String> {
+pub fn run_observer<O: Observer>(mut line: ControlPipe) -> Result<(), String> {
     match introduce(&mut line, Role::Observer, O::PROGRAM, O::describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve_observer::<Processes, O>(line, *all)
+            serve_observer::<SharedMemory, O>(line, *all)
         }
-        Introduction::Assigned(all) => serve_observer::<Threads, O>(line, *all),
+        Introduction::Assigned(all) => serve_observer::<InProcess, O>(line, *all),
     }
 }
 
@@ -109,7 +109,7 @@ pub fn main_observer<O: Observer>() -> ExitCode {
 pub fn main_of(
     program: &str,
     role: &str,
-    component: impl FnOnce(Line) -> Result<(), String>,
+    component: impl FnOnce(ControlPipe) -> Result<(), String>,
 ) -> ExitCode {
     if std::env::var_os(INTERFACE_VARIABLE).is_none() {
         log_line(format_args!(
@@ -120,7 +120,7 @@ pub fn main_of(
         return ExitCode::from(2);
     }
     log_to_standard_error();
-    match component(Line::of_process()) {
+    match component(ControlPipe::of_process()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             tracing::error!("{message}");

@@ -1,20 +1,20 @@
 //! The rubber's side of a window.
 
 use crate::context::Context;
-use crate::frames::Shows;
-use crate::inside::{RubberInside, Sizes};
-use crate::physics::Rubber;
+use crate::frames::FrameSource;
 use crate::ports::{InPort, OutPort};
-use crate::role::Player;
+use crate::role_adapter::RoleAdapter;
+use crate::roles::Rubber;
 use crate::setup::Setup;
 use crate::stop::Stop;
-use tremie_channels::{Between, Received};
+use crate::substep_coupling::{RubberInside, Sizes};
+use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::frame::SurfaceSample;
 use tremie_messages::schedule::Content;
 use tremie_messages::{FacetLoad, Problem, Stamp, SurfaceVertex};
 
 /// Rubber with its edges.
-pub struct RubberPlayer<S: Between, R: Rubber> {
+pub struct RubberPlayer<S: ChannelMedium, R: Rubber> {
     rubber: R,
     sizes: Sizes,
     inside: Option<RubberInside<S>>,
@@ -25,7 +25,7 @@ pub struct RubberPlayer<S: Between, R: Rubber> {
     seen: (Vec<SurfaceVertex>, Vec<f64>),
 }
 
-impl<S: Between, R: Rubber> Shows for RubberPlayer<S, R> {
+impl<S: ChannelMedium, R: Rubber> FrameSource for RubberPlayer<S, R> {
     fn surfaces(&mut self, samples: &mut [SurfaceSample]) {
         let (vertices, strains) = &mut self.seen;
         vertices.resize(self.sizes.vertices, SurfaceVertex::default());
@@ -38,7 +38,7 @@ impl<S: Between, R: Rubber> Shows for RubberPlayer<S, R> {
     }
 }
 
-impl<S: Between, R: Rubber> Player<S> for RubberPlayer<S, R> {
+impl<S: ChannelMedium, R: Rubber> RoleAdapter<S> for RubberPlayer<S, R> {
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>> {
         Ok(Self {
             rubber: R::create(setup)?,

@@ -2,13 +2,13 @@
 
 use crate::context::Context;
 use crate::frames::Frames;
-use crate::line::Line;
-use crate::role::Player;
+use crate::line::ControlPipe;
+use crate::role_adapter::RoleAdapter;
 use crate::setup::Setup;
 use crate::stop::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::INTERFACE_VERSION;
 use tremie_messages::Role;
 use tremie_messages::problem::Problem;
@@ -30,7 +30,7 @@ pub enum Introduction {
 /// # Errors
 /// A sentence for standard error: the orchestrator is gone, or speaks something else.
 pub fn introduce(
-    line: &mut Line,
+    line: &mut ControlPipe,
     role: Role,
     program: &str,
     describe: impl Fn(&Setup) -> Result<Description, Vec<Problem>>,
@@ -87,8 +87,8 @@ fn accept(
 /// # Errors
 /// A sentence for standard error if the orchestrator is gone or speaks something else. Faults of the
 /// physics are told to the orchestrator, and then come back as an error too.
-pub fn serve<S: Between, P: Player<S>>(
-    mut line: Line,
+pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
+    mut line: ControlPipe,
     (hello, assignment, description): (Hello, Assignment, Description),
 ) -> Result<(), String> {
     let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
@@ -138,7 +138,7 @@ pub fn serve<S: Between, P: Player<S>>(
     }
 }
 
-fn tell_fault(line: &mut Line, fault: Fault) -> Result<(), String> {
+fn tell_fault(line: &mut ControlPipe, fault: Fault) -> Result<(), String> {
     let text = fault.to_string();
     line.reply(&Reply::Fault(fault)).map_err(|e| e.to_string())?;
     Err(text)
@@ -156,7 +156,7 @@ pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
 
 /// From ready to the last window; returns that window. `sampled` are the places of the signals that are
 /// not measured in every window.
-fn live<S: Between, P: Player<S>>(
+fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     player: &mut P,
     context: &mut Context<S>,
     sampled: &[usize],
@@ -206,7 +206,7 @@ fn live<S: Between, P: Player<S>>(
     Ok(context.window)
 }
 
-fn play<S: Between, P: Player<S>>(
+fn play<S: ChannelMedium, P: RoleAdapter<S>>(
     player: &mut P,
     context: &mut Context<S>,
     ops: &[Op],
@@ -229,7 +229,10 @@ fn play<S: Between, P: Player<S>>(
 
 /// The assigned substeps, unless a fault is injected into this window. Ends the component there, if
 /// that is the fault and it is not to be committed inside the window.
-fn substeps_to_make<S: Between>(context: &Context<S>, ends_inside: bool) -> Result<u32, Stop> {
+fn substeps_to_make<S: ChannelMedium>(
+    context: &Context<S>,
+    ends_inside: bool,
+) -> Result<u32, Stop> {
     let assigned = context.assignment.substeps;
     match context.injection() {
         Some(InjectionKind::SubstepMore) => Ok(assigned + 1),

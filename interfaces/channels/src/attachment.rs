@@ -13,27 +13,27 @@ use std::time::Duration;
 use tremie_messages::Message;
 
 /// Where the components of a run live: in processes of their own, or as threads of one.
-pub trait Between: Service + 'static {
+pub trait ChannelMedium: Service + 'static {
     /// Whether the memory of channels comes zeroed from the operating system.
     const ZEROED: bool;
 }
 
 /// Components are processes.
-pub type Processes = iceoryx2::service::ipc::Service;
+pub type SharedMemory = iceoryx2::service::ipc::Service;
 /// Components are threads of one process.
-pub type Threads = iceoryx2::service::local::Service;
+pub type InProcess = iceoryx2::service::local::Service;
 
-impl Between for Processes {
+impl ChannelMedium for SharedMemory {
     const ZEROED: bool = true;
 }
 
-impl Between for Threads {
+impl ChannelMedium for InProcess {
     const ZEROED: bool = false;
 }
 
 /// A component's access to the shared memory of its run.
 #[derive(Debug)]
-pub struct Attachment<S: Between> {
+pub struct Attachment<S: ChannelMedium> {
     node: Node<S>,
     /// Longest time that a send waits for room.
     patience: Duration,
@@ -54,7 +54,7 @@ pub struct ChannelSpec<'a> {
     pub lossless: bool,
 }
 
-impl<S: Between> Attachment<S> {
+impl<S: ChannelMedium> Attachment<S> {
     /// Attaches to the run that keeps its bookkeeping in `root` and names its memory with `prefix`.
     /// `patience` bounds every wait of a sender for room.
     ///

@@ -4,7 +4,7 @@
 //! sleeping alone costs a wake-up per message. Every component has one bell, and every sender rings
 //! its receiver's bell after a send.
 
-use crate::attachment::{Attachment, Between, service_name};
+use crate::attachment::{Attachment, ChannelMedium, service_name};
 use crate::error::ChannelError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::{Notifier, NotifierNotifyError};
@@ -22,7 +22,7 @@ pub enum Wait<T> {
 
 /// A component's own bell.
 #[derive(Debug)]
-pub struct Bell<S: Between> {
+pub struct Bell<S: ChannelMedium> {
     listener: Listener<S>,
     poll: Duration,
     name: String,
@@ -30,12 +30,12 @@ pub struct Bell<S: Between> {
 
 /// Rings another component's bell.
 #[derive(Debug)]
-pub struct Ringer<S: Between> {
+pub struct Ringer<S: ChannelMedium> {
     notifier: Notifier<S>,
     name: String,
 }
 
-fn bell_service<S: Between>(
+fn bell_service<S: ChannelMedium>(
     attachment: &Attachment<S>,
     component: &str,
 ) -> Result<(String, PortFactory<S>), ChannelError> {
@@ -52,7 +52,7 @@ fn bell_service<S: Between>(
     Ok((name, service))
 }
 
-impl<S: Between> Bell<S> {
+impl<S: ChannelMedium> Bell<S> {
     /// Hangs up the bell of `component`, which polls for `poll` before it sleeps.
     ///
     /// # Errors
@@ -108,7 +108,7 @@ impl<S: Between> Bell<S> {
     }
 }
 
-impl<S: Between> Ringer<S> {
+impl<S: ChannelMedium> Ringer<S> {
     /// Takes hold of the rope of `component`'s bell.
     ///
     /// # Errors

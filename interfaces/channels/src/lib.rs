@@ -1,7 +1,7 @@
 //! Shared-memory channels between the components of a run.
 //!
 //! This crate is the only one that touches iceoryx2. Everything above it is generic over
-//! [`Between`]: [`Processes`] for components that are programs of their own, [`Threads`] for the
+//! [`ChannelMedium`]: [`SharedMemory`] for components that are programs of their own, [`InProcess`] for the
 //! same components inside one program. Values travel in place: a sender fills the memory that the
 //! receiver reads.
 //!
@@ -25,7 +25,7 @@ mod spin;
 pub mod sweep;
 mod wire;
 
-pub use attachment::{Attachment, Between, ChannelSpec, Processes, Threads};
+pub use attachment::{Attachment, ChannelMedium, ChannelSpec, InProcess, SharedMemory};
 pub use bell::{Bell, Ringer, Wait};
 pub use error::ChannelError;
 pub use receiver::{Received, Receiver};

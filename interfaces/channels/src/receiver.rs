@@ -1,6 +1,6 @@
 //! The receiving end of a channel.
 
-use crate::attachment::{Between, ChannelSpec, publish_subscribe};
+use crate::attachment::{ChannelMedium, ChannelSpec, publish_subscribe};
 use crate::error::ChannelError;
 use crate::wire::{Wire, plain};
 use iceoryx2::node::Node;
@@ -10,12 +10,12 @@ use tremie_messages::Message;
 
 /// The receiving end of a channel of `T` with a header `H` on each message.
 #[derive(Debug)]
-pub struct Receiver<S: Between, H: Message + Default, T: Message> {
+pub struct Receiver<S: ChannelMedium, H: Message + Default, T: Message> {
     subscriber: Subscriber<S, [Wire<T>], Wire<H>>,
     name: String,
 }
 
-impl<S: Between, H: Message + Default, T: Message> Receiver<S, H, T> {
+impl<S: ChannelMedium, H: Message + Default, T: Message> Receiver<S, H, T> {
     pub(crate) fn open(node: &Node<S>, spec: ChannelSpec<'_>) -> Result<Self, ChannelError> {
         let service = publish_subscribe!(node, spec, H, T);
         let subscriber = service
@@ -38,9 +38,11 @@ impl<S: Between, H: Message + Default, T: Message> Receiver<S, H, T> {
 
 /// A message, read where the sender wrote it. Dropping it gives the memory back.
 #[derive(Debug)]
-pub struct Received<S: Between, H: Message + Default, T: Message>(Sample<S, [Wire<T>], Wire<H>>);
+pub struct Received<S: ChannelMedium, H: Message + Default, T: Message>(
+    Sample<S, [Wire<T>], Wire<H>>,
+);
 
-impl<S: Between, H: Message + Default, T: Message> Received<S, H, T> {
+impl<S: ChannelMedium, H: Message + Default, T: Message> Received<S, H, T> {
     /// The header.
     pub fn header(&self) -> &H {
         &self.0.user_header().0

@@ -1,6 +1,6 @@
 //! The sending end of a channel.
 
-use crate::attachment::{Between, ChannelSpec, publish_subscribe};
+use crate::attachment::{ChannelMedium, ChannelSpec, publish_subscribe};
 use crate::error::ChannelError;
 use crate::wire::{Wire, plain_slots};
 use iceoryx2::node::Node;
@@ -15,13 +15,13 @@ use tremie_messages::Message;
 
 /// The sending end of a channel of `T` with a header `H` on each message.
 #[derive(Debug)]
-pub struct Sender<S: Between, H: Message + Default, T: Message> {
+pub struct Sender<S: ChannelMedium, H: Message + Default, T: Message> {
     publisher: Publisher<S, [Wire<T>], Wire<H>>,
     name: Rc<str>,
     capacity: usize,
 }
 
-impl<S: Between, H: Message + Default, T: Message> Sender<S, H, T> {
+impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
     pub(crate) fn open(
         node: &Node<S>,
         spec: ChannelSpec<'_>,
@@ -90,17 +90,17 @@ impl<S: Between, H: Message + Default, T: Message> Sender<S, H, T> {
 }
 
 /// A message under construction, in shared memory.
-pub struct Loan<S: Between, H: Message + Default, T: Message> {
+pub struct Loan<S: ChannelMedium, H: Message + Default, T: Message> {
     sample: SampleMutUninit<S, [MaybeUninit<Wire<T>>], Wire<H>>,
     name: Rc<str>,
 }
 
-impl<S: Between, H: Message + Default, T: Message> Loan<S, H, T> {
+impl<S: ChannelMedium, H: Message + Default, T: Message> Loan<S, H, T> {
     /// The values, to be written.
     pub fn values(&mut self) -> &mut [T] {
         let slots = plain_slots(self.sample.payload_mut());
         // SAFETY: the memory is initialised, by the operating system or in `loan` (see
-        // `Between::ZEROED`), and every bit pattern is a valid `T` (contract of `Message`).
+        // `ChannelMedium::ZEROED`), and every bit pattern is a valid `T` (contract of `Message`).
         unsafe { std::slice::from_raw_parts_mut(slots.as_mut_ptr().cast(), slots.len()) }
     }
 

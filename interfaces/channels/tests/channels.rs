@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use tremie_channels::sweep::{RunPlaces, shared_memory_of, sweep_dead_runs};
 use tremie_channels::{
-    Attachment, Bell, Between, ChannelError, ChannelSpec, Processes, Receiver, Ringer, Sender,
-    Threads, Wait,
+    Attachment, Bell, ChannelError, ChannelMedium, ChannelSpec, InProcess, Receiver, Ringer,
+    Sender, SharedMemory, Wait,
 };
 use tremie_messages::Stamp;
 
@@ -24,7 +24,7 @@ fn places() -> RunPlaces {
     RunPlaces::create(run_id()).unwrap()
 }
 
-fn attach<S: Between>(places: &RunPlaces, component: &str) -> Attachment<S> {
+fn attach<S: ChannelMedium>(places: &RunPlaces, component: &str) -> Attachment<S> {
     Attachment::open(&places.root(), places.prefix(), component, PATIENCE).unwrap()
 }
 
@@ -37,12 +37,12 @@ fn stamp(window: u64) -> Stamp {
 }
 
 /// Makes both ends know each other: only a receiver that has looked once loses nothing.
-fn meet<S: Between>(sender: &Sender<S, Stamp, f64>, receiver: &Receiver<S, Stamp, f64>) {
+fn meet<S: ChannelMedium>(sender: &Sender<S, Stamp, f64>, receiver: &Receiver<S, Stamp, f64>) {
     sender.connect().unwrap();
     assert!(receiver.take().unwrap().is_none());
 }
 
-fn messages_arrive_in_order<S: Between>() {
+fn messages_arrive_in_order<S: ChannelMedium>() {
     let places = places();
     let (one, other) = (attach::<S>(&places, "one"), attach::<S>(&places, "other"));
     let receiver = other.receiver::<Stamp, f64>(lossless(3, 2)).unwrap();
@@ -67,18 +67,18 @@ fn messages_arrive_in_order<S: Between>() {
 
 #[test]
 fn messages_arrive_in_order_between_processes() {
-    messages_arrive_in_order::<Processes>();
+    messages_arrive_in_order::<SharedMemory>();
 }
 
 #[test]
 fn messages_arrive_in_order_between_threads() {
-    messages_arrive_in_order::<Threads>();
+    messages_arrive_in_order::<InProcess>();
 }
 
 #[test]
 fn a_message_that_is_too_large_is_refused_with_both_sizes() {
     let places = places();
-    let one = attach::<Processes>(&places, "one");
+    let one = attach::<SharedMemory>(&places, "one");
     let sender = one.sender::<Stamp, f64>(lossless(3, 2)).unwrap();
     let error = sender.send_copy(stamp(0), &[0.0; 4]).unwrap_err();
     assert_eq!(error, ChannelError::Capacity { channel: "test".into(), found: 4, capacity: 3 });
@@ -88,7 +88,8 @@ fn a_message_that_is_too_large_is_refused_with_both_sizes() {
 #[test]
 fn ends_that_disagree_on_the_size_do_not_open() {
     let places = places();
-    let (one, other) = (attach::<Processes>(&places, "one"), attach::<Processes>(&places, "other"));
+    let (one, other) =
+        (attach::<SharedMemory>(&places, "one"), attach::<SharedMemory>(&places, "other"));
     let _sender = one.sender::<Stamp, f64>(lossless(3, 2)).unwrap();
     let refused = other.receiver::<Stamp, f64>(lossless(3, 4)).unwrap_err();
     assert!(matches!(refused, ChannelError::Open { .. }), "{refused}");
@@ -96,7 +97,7 @@ fn ends_that_disagree_on_the_size_do_not_open() {
     assert!(matches!(refused, ChannelError::Open { .. }), "{refused}");
 }
 
-fn a_full_channel_is_an_error_in_the_end<S: Between>() {
+fn a_full_channel_is_an_error_in_the_end<S: ChannelMedium>() {
     let places = places();
     let (one, other) = (attach::<S>(&places, "one"), attach::<S>(&places, "other"));
     let receiver = other.receiver::<Stamp, f64>(lossless(1, 2)).unwrap();
@@ -119,23 +120,24 @@ fn a_full_channel_is_an_error_in_the_end<S: Between>() {
 
 #[test]
 fn a_full_channel_is_an_error_in_the_end_between_processes() {
-    a_full_channel_is_an_error_in_the_end::<Processes>();
+    a_full_channel_is_an_error_in_the_end::<SharedMemory>();
 }
 
 #[test]
 fn a_full_channel_is_an_error_in_the_end_between_threads() {
-    a_full_channel_is_an_error_in_the_end::<Threads>();
+    a_full_channel_is_an_error_in_the_end::<InProcess>();
 }
 
 #[test]
 fn a_sender_waits_for_room_within_its_patience() {
     let places = places();
-    let other = attach::<Processes>(&places, "other");
+    let other = attach::<SharedMemory>(&places, "other");
     let receiver = other.receiver::<Stamp, f64>(lossless(1, 1)).unwrap();
     let (there, met) = (Barrier::new(2), Barrier::new(2));
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            let one = Attachment::<Processes>::open(&places.root(), places.prefix(), "one", LONG);
+            let one =
+                Attachment::<SharedMemory>::open(&places.root(), places.prefix(), "one", LONG);
             let sender = one.unwrap().sender::<Stamp, f64>(lossless(1, 1)).unwrap();
             sender.connect().unwrap();
             there.wait();
@@ -164,7 +166,8 @@ fn a_sender_waits_for_room_within_its_patience() {
 #[test]
 fn a_lossy_channel_keeps_the_newest() {
     let places = places();
-    let (one, other) = (attach::<Processes>(&places, "one"), attach::<Processes>(&places, "other"));
+    let (one, other) =
+        (attach::<SharedMemory>(&places, "one"), attach::<SharedMemory>(&places, "other"));
     let spec = ChannelSpec { lossless: false, ..lossless(1, 2) };
     let receiver = other.receiver::<Stamp, f64>(spec).unwrap();
     let sender = one.sender::<Stamp, f64>(spec).unwrap();
@@ -178,7 +181,7 @@ fn a_lossy_channel_keeps_the_newest() {
     assert!(receiver.take().unwrap().is_none());
 }
 
-fn a_bell_wakes_a_sleeper<S: Between>() {
+fn a_bell_wakes_a_sleeper<S: ChannelMedium>() {
     let places = places();
     let rung = AtomicU64::new(0);
     std::thread::scope(|scope| {
@@ -208,18 +211,18 @@ fn a_bell_wakes_a_sleeper<S: Between>() {
 
 #[test]
 fn a_bell_wakes_a_sleeping_process() {
-    a_bell_wakes_a_sleeper::<Processes>();
+    a_bell_wakes_a_sleeper::<SharedMemory>();
 }
 
 #[test]
 fn a_bell_wakes_a_sleeping_thread() {
-    a_bell_wakes_a_sleeper::<Threads>();
+    a_bell_wakes_a_sleeper::<InProcess>();
 }
 
 #[test]
 fn a_sleeper_looks_up_even_if_nobody_rings() {
     let places = places();
-    let attachment = attach::<Processes>(&places, "sleeper");
+    let attachment = attach::<SharedMemory>(&places, "sleeper");
     let bell = Bell::hang(&attachment, "sleeper", Duration::ZERO).unwrap();
     let mut looks = 0;
     let ended = bell.wait(Instant::now() + LONG, || {
@@ -232,7 +235,7 @@ fn a_sleeper_looks_up_even_if_nobody_rings() {
 #[test]
 fn a_wait_times_out_and_passes_errors_on() {
     let places = places();
-    let attachment = attach::<Processes>(&places, "sleeper");
+    let attachment = attach::<SharedMemory>(&places, "sleeper");
     let bell = Bell::hang(&attachment, "sleeper", Duration::from_micros(200)).unwrap();
     let begin = Instant::now();
     let ended = bell.wait(begin + PATIENCE, || Ok::<Option<()>, ChannelError>(None)).unwrap();
@@ -247,7 +250,7 @@ fn a_wait_times_out_and_passes_errors_on() {
 #[test]
 fn ringing_a_bell_that_is_not_heard_never_fails() {
     let places = places();
-    let attachment = attach::<Processes>(&places, "one");
+    let attachment = attach::<SharedMemory>(&places, "one");
     let _bell = Bell::hang(&attachment, "deaf", Duration::ZERO).unwrap();
     let ringer = Ringer::of(&attachment, "deaf").unwrap();
     for _ in 0..10_000 {
@@ -260,7 +263,7 @@ fn the_places_of_a_run_are_gone_with_it() {
     let run = run_id();
     let places = RunPlaces::create(run).unwrap();
     let root = places.root();
-    let attachment = attach::<Processes>(&places, "one");
+    let attachment = attach::<SharedMemory>(&places, "one");
     let sender = attachment.sender::<Stamp, f64>(lossless(3, 2)).unwrap();
     assert!(Path::new(&root).is_dir());
     assert!(shared_memory_of(run) > 0);
@@ -275,7 +278,7 @@ fn the_places_of_a_run_are_gone_with_it() {
 fn a_sweep_takes_the_dead_and_spares_the_living() {
     let (dead, alive) = (run_id(), run_id());
     let living = RunPlaces::create(alive).unwrap();
-    let attachment = attach::<Processes>(&living, "one");
+    let attachment = attach::<SharedMemory>(&living, "one");
     let _sender = attachment.sender::<Stamp, f64>(lossless(3, 2)).unwrap();
     let there = shared_memory_of(alive);
     let folder = leave_behind(dead);

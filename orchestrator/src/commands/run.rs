@@ -3,9 +3,9 @@
 use super::interrupts::count_interrupts;
 use super::{refuse, refuse_text};
 use crate::cli::{CheckArgs, ManifestArgs, RunArgs, View};
-use crate::doctor::{self, Judged};
 use crate::manifest::{self, Manifest};
 use crate::outputs::{Ending, RunFolder, Summary};
+use crate::preflight::{self, Judged};
 use crate::run::{Ended, Execution, Prepared, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use serde_json::{Value, json};
@@ -43,11 +43,11 @@ fn check_components(
     let mut prepared = prepare(manifest, &folder, Path::new(""), &execution, &interrupts)?;
     if arguments.measure {
         let windows = prepared.plan.windows;
-        let time = doctor::measure::wall_time(manifest, &folder, windows, &interrupts)?;
+        let time = preflight::measure::wall_time(manifest, &folder, windows, &interrupts)?;
         prepared.findings.push(time);
     }
     show_plan(manifest, &prepared, terminal);
-    let wrong = doctor::count(&prepared.findings, Verdict::Wrong);
+    let wrong = preflight::count(&prepared.findings, Verdict::Wrong);
     prepared.dismiss();
     Ok(wrong)
 }
@@ -106,7 +106,7 @@ fn run_checked(
     }
     let after = ended.summary.findings.get(known..).unwrap_or_default();
     for verdict in [Verdict::Doubtful, Verdict::Wrong] {
-        doctor::sentences(after, verdict).iter().for_each(|text| terminal.point_out(text));
+        preflight::sentences(after, verdict).iter().for_each(|text| terminal.point_out(text));
     }
     terminal.end(&last_line(&ended.summary, out.path()), details(&ended.summary));
     if arguments.view == View::Web {
@@ -217,16 +217,16 @@ fn show_plan(manifest: &Manifest, prepared: &Prepared, terminal: &Terminal) {
 
 /// A table of all findings, and sentences about those that are not ok.
 fn show_findings(findings: &[Judged], terminal: &Terminal) {
-    for line in doctor::table(findings) {
+    for line in preflight::table(findings) {
         terminal.say(&line);
     }
-    for sentence in doctor::sentences(findings, Verdict::Doubtful) {
+    for sentence in preflight::sentences(findings, Verdict::Doubtful) {
         terminal.say(&sentence);
     }
-    for sentence in doctor::sentences(findings, Verdict::Wrong) {
+    for sentence in preflight::sentences(findings, Verdict::Wrong) {
         terminal.point_out(&sentence);
     }
-    terminal.say(&doctor::total(findings));
+    terminal.say(&preflight::total(findings));
 }
 
 fn details(summary: &Summary) -> Value {

@@ -18,7 +18,7 @@ use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use tremie_messages::start::{INTERFACE_VARIABLE, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Role};
-use tremie_sdk::Line;
+use tremie_sdk::ControlPipe;
 use with_us::{Signal, end_with_us};
 
 /// Something that a component said or did.
@@ -123,7 +123,7 @@ impl Launcher {
         built: &str,
     ) -> Result<(Sender<Request>, Body), String> {
         let component = built_in(built).ok_or_else(|| format!("{built} is not built in"))?;
-        let (line, to, from) = Line::in_memory();
+        let (line, to, from) = ControlPipe::in_memory();
         let (post, errors) = (self.post.clone(), self.post.clone());
         thread(move || {
             for reply in from {

@@ -1,9 +1,9 @@
 //! `summary.json`: how a run ended, what it cost, its headline results with their resolution.
 
 use super::signals::Statistics;
-use crate::doctor::Judged;
 use crate::monitor::Totals;
-use crate::turns::Turns;
+use crate::preflight::Judged;
+use crate::schedule_timing::Turns;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use tremie_messages::start::Fault;

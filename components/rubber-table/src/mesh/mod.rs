@@ -1,12 +1,12 @@
 //! The section of a seal as quadrilaterals, with names for parts of its outline.
 
 pub mod gmsh;
-mod order;
+mod reverse_cuthill_mckee;
 mod shapes;
 
 pub use shapes::{d_ring, o_ring, rectangle};
 
-use crate::solid::element::least_jacobian;
+use crate::fem::element::least_jacobian;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A point of the section: distance from the axis r, and z along it, upwards [m].
@@ -167,7 +167,7 @@ impl Mesh {
 
     /// Nodes in an order that keeps neighbours close (reverse Cuthill-McKee).
     pub fn order(&self) -> Vec<usize> {
-        order::reverse_cuthill_mckee(self.nodes.len(), &self.quads)
+        reverse_cuthill_mckee::reverse_cuthill_mckee(self.nodes.len(), &self.quads)
     }
 
     /// Gives each named edge the direction of the outline.

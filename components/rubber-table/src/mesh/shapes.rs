@@ -164,7 +164,7 @@ impl Disc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solid::element::{Element, Symmetry};
+    use crate::fem::element::{Element, Symmetry};
 
     fn volume(mesh: &Mesh) -> f64 {
         let quads = 0..mesh.quads().len();

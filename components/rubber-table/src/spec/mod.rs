@@ -50,11 +50,11 @@ mod problems;
 
 pub use problems::{Located, SpecErrors};
 
+use crate::fem::contact::Seat;
+use crate::fem::element::Symmetry;
+use crate::fem::{Compression, Hold, Model};
 use crate::material::NeoHookean;
 use crate::mesh::{self, Mesh, gmsh};
-use crate::solid::contact::Seat;
-use crate::solid::element::Symmetry;
-use crate::solid::{Compression, Hold, Model};
 use document::{Document, Section};
 use problems::Text;
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! Sections that several tests press.
 #![allow(dead_code, reason = "each test uses some of them")]
 
+use tremie_rubber_table::fem::contact::Seat;
+use tremie_rubber_table::fem::element::Symmetry;
+use tremie_rubber_table::fem::{Compression, Frame, Hold, Model, compress};
 use tremie_rubber_table::material::NeoHookean;
 use tremie_rubber_table::mesh::{self, Mesh};
-use tremie_rubber_table::solid::contact::Seat;
-use tremie_rubber_table::solid::element::Symmetry;
-use tremie_rubber_table::solid::{Compression, Frame, Hold, Model, compress};
 
 /// Rubber as in Mutabaruka and Kamrin, but for its bulk modulus in units of the shear modulus.
 pub fn rubber(bulk_over_shear: f64) -> NeoHookean {

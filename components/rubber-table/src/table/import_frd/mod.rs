@@ -16,8 +16,8 @@
 mod parse;
 
 use super::{Contents, Facets, Table, TableError};
+use crate::fem::contact::Seat;
 use crate::mesh::Point;
-use crate::solid::contact::Seat;
 use parse::{Block, File};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -4,13 +4,13 @@
 use super::ends::STOP_AHEAD;
 use super::{Course, Drive, Trouble};
 use std::time::Instant;
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::control::Credit;
 
 /// Wall time by which credit runs ahead: what a Ctrl-C takes to be heeded.
 const CREDIT_AHEAD: f64 = 0.1;
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     /// Lets components advance some windows beyond the last that all have completed.
     pub(super) fn grant(&mut self, course: &mut Course, now: Instant) -> Result<(), Trouble> {
         if course.last.is_some() {

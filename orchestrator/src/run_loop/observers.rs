@@ -4,7 +4,7 @@ use super::{Course, Drive, Trouble};
 use crate::outputs::{Level, OutputError};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::control::Credit;
 use tremie_messages::start::FaultKind;
 use tremie_messages::units;
@@ -14,7 +14,7 @@ const FIRST_FRAMES: Duration = Duration::from_secs(10);
 /// An observer that shows no progress for so long, once all is sent, has hung.
 const SILENCE: Duration = Duration::from_secs(5);
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     /// An observer failed: a warning, and nobody waits for it any longer.
     pub(super) fn lose_observer(
         &mut self,

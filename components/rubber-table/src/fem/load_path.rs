@@ -1,7 +1,7 @@
 //! The whole way: from rest to the largest compression, frame by frame.
 
 use super::assembly::{Model, State};
-use super::equilibrium::{Failure, Settled, settle};
+use super::newton::{Failure, Settled, settle};
 use crate::mesh::Point;
 
 /// How far and how finely.

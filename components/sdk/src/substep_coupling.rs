@@ -19,12 +19,12 @@
 //! long run has millions of trials.
 
 use crate::context::Context;
-use crate::physics::{Grains, Rubber, SolverError};
 use crate::ports::{InPort, OutPort};
+use crate::roles::{Grains, Rubber, SolverError};
 use crate::serve::end_here;
 use crate::stop::Stop;
 use std::time::Instant;
-use tremie_channels::{Between, Received};
+use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::scene::Scene;
 use tremie_messages::schedule::{Content, MOST_TRIALS};
 use tremie_messages::start::FaultKind;
@@ -68,7 +68,7 @@ fn turn(substep: u32, trial: u32, is_answer: bool) -> u64 {
 }
 
 /// The grains' side.
-pub struct GrainsInside<S: Between> {
+pub struct SubstepCoupling<S: ChannelMedium> {
     sizes: Sizes,
     carrier: OutPort<S, BodyState>,
     trial: InPort<S, SurfaceVertex>,
@@ -79,7 +79,7 @@ pub struct GrainsInside<S: Between> {
 }
 
 /// The rubber's side.
-pub struct RubberInside<S: Between> {
+pub struct RubberInside<S: ChannelMedium> {
     sizes: Sizes,
     carrier: InPort<S, BodyState>,
     trial: OutPort<S, SurfaceVertex>,
@@ -97,7 +97,7 @@ macro_rules! open {
     };
 }
 
-impl<S: Between> GrainsInside<S> {
+impl<S: ChannelMedium> SubstepCoupling<S> {
     /// Opens the grains' ends; `None` where no rubber sits opposite.
     pub fn open(context: &Context<S>, sizes: Sizes) -> Result<Option<Self>, Stop> {
         Ok(Some(Self {
@@ -198,7 +198,7 @@ impl<S: Between> GrainsInside<S> {
     }
 }
 
-impl<S: Between> InPort<S, SurfaceVertex> {
+impl<S: ChannelMedium> InPort<S, SurfaceVertex> {
     fn unsettled(&self, context: &Context<S>, substep: u32) -> Stop {
         let text = format!(
             "its surface did not settle in {MOST_TRIALS} trials of substep {substep}, the most that there can be"
@@ -207,7 +207,7 @@ impl<S: Between> InPort<S, SurfaceVertex> {
     }
 }
 
-impl<S: Between> RubberInside<S> {
+impl<S: ChannelMedium> RubberInside<S> {
     /// Opens the rubber's ends; `None` where no grains sit opposite.
     pub fn open(context: &Context<S>, sizes: Sizes) -> Result<Option<Self>, Stop> {
         Ok(Some(Self {
@@ -320,7 +320,7 @@ impl<S: Between> RubberInside<S> {
 }
 
 /// Does `work` and counts its time as computing, less what it waits.
-fn computed<S: Between>(
+fn computed<S: ChannelMedium>(
     context: &mut Context<S>,
     work: impl FnOnce(&mut Context<S>) -> Result<(), Stop>,
 ) -> Result<(), Stop> {

@@ -5,7 +5,7 @@ use tremie_messages::start::Signal;
 
 /// Watches the conditions as rows of signals come.
 #[derive(Debug)]
-pub struct StopWatch {
+pub struct StopConditions {
     conditions: Vec<Watched>,
 }
 
@@ -19,7 +19,7 @@ struct Watched {
     since: Option<f64>,
 }
 
-impl StopWatch {
+impl StopConditions {
     /// Watches `conditions`; `signals` are those of a row's values, by full names (`component.signal`).
     /// Conditions on other names were refused by the plan.
     pub fn new(conditions: &[StopCondition], signals: &[(String, Signal)]) -> Self {
@@ -70,7 +70,7 @@ impl Watched {
 mod tests {
     use super::*;
 
-    fn watch(after: f64, hold: f64) -> StopWatch {
+    fn watch(after: f64, hold: f64) -> StopConditions {
         let condition = StopCondition {
             component: "grains".into(),
             signal: "speed".into(),
@@ -79,7 +79,7 @@ mod tests {
             hold,
         };
         let signal = |name: &str| (name.to_string(), Signal::new(name, "1", &[]));
-        StopWatch::new(&[condition], &["fluid.mass", "grains.speed"].map(signal))
+        StopConditions::new(&[condition], &["fluid.mass", "grains.speed"].map(signal))
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A round of questions: every component was asked something, and each answers in its own time.
 
-use crate::early::EarlyLog;
 use crate::launch::{News, Peer, Post};
+use crate::startup_log::EarlyLog;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};

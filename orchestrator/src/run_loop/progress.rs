@@ -1,14 +1,14 @@
 //! What the user sees of a run in progress.
 
 use super::{Course, Drive};
-use crate::introduction::cores;
+use crate::handshake::cores;
 use crate::launch::Peer;
 use crate::manifest::ORCHESTRATOR;
 use crate::outputs::{Level, OutputError};
+use crate::schedule_timing::Turns;
 use crate::terminal::Progress;
-use crate::turns::Turns;
 use std::time::{Duration, Instant};
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::Role;
 use tremie_messages::start::Description;
 
@@ -19,7 +19,7 @@ const FEW_WINDOWS: u64 = 100;
 /// The signal of grains that says how many bodies are there, where they come and go.
 const BODIES: &str = "bodies";
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     /// Name of the signal that says how many bodies are there, where they come and go.
     pub(super) fn changing_bodies(&self) -> Option<String> {
         let counted = |(peer, description): (&Peer, &Description)| {

@@ -1,8 +1,8 @@
 //! The first half of a run: starting the components and asking each what it is.
 
+use crate::ask_all::{Round, Unanswered};
 use crate::launch::{Launcher, Peer, Program};
 use crate::manifest::Manifest;
-use crate::round::{Round, Unanswered};
 use std::path::Path;
 use tremie_messages::start::{Description, Hello, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Problem};

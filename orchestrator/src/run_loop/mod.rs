@@ -10,24 +10,24 @@ mod trouble;
 mod windows;
 
 use crate::control::Control;
-use crate::early::EarlyLog;
 use crate::launch::{Peer, Post};
 use crate::monitor::{Monitor, Totals};
 use crate::outputs::{Ending, RunLog, SignalTable, Trace};
-use crate::stop::StopWatch;
+use crate::schedule_timing::Turns;
+use crate::startup_log::EarlyLog;
+use crate::stop_conditions::StopConditions;
 use crate::terminal::Terminal;
-use crate::turns::Turns;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Clock, Description, Fault};
 use trouble::Trouble;
 
 /// What a run in progress is made of.
-pub struct Drive<'a, S: Between> {
+pub struct Drive<'a, S: ChannelMedium> {
     /// Shared memory.
     pub control: Control<S>,
     /// All components, in the order of the plan.
@@ -57,7 +57,7 @@ pub struct Drive<'a, S: Between> {
     /// Longest wait for a peer [s].
     pub deadline: f64,
     /// Conditions that end the run early.
-    pub stop: StopWatch,
+    pub stop: StopConditions,
     /// Table of signals.
     pub table: SignalTable,
     /// Log of the run.
@@ -141,7 +141,7 @@ impl Course {
     }
 }
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     /// Lets the windows go by, to the end of the run, whatever that is.
     pub fn run(mut self) -> Driven {
         let mut course = Course::begin(self.peers.len(), &self.lossless);

@@ -1,8 +1,8 @@
 //! The section with what holds it, and its energy, forces and stiffness at a state.
 
+use super::boundary_conditions::{HELD, Held, Hold, ModelError};
 use super::contact::{Contact, Feeler, Seat};
 use super::element::{Element, Inverted, Symmetry};
-use super::hold::{HELD, Held, Hold, ModelError};
 use super::skyline::Skyline;
 use crate::material::NeoHookean;
 use crate::mesh::Mesh;

@@ -3,11 +3,11 @@
 use super::{Course, Drive, Trouble};
 use crate::manifest::ORCHESTRATOR;
 use crate::outputs::{Level, OutputError};
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::Role;
 use tremie_messages::frame::LogHeader;
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     /// What components wrote before windows go by.
     pub(super) fn hear_early(&mut self, course: &mut Course) -> Result<(), Trouble> {
         let bodies: u64 = self.descriptions.iter().map(|description| description.bodies).sum();

@@ -1,7 +1,7 @@
 //! Newton's method for one increment of compression.
 
 use super::assembly::{Model, State};
-use super::hold::HELD;
+use super::boundary_conditions::HELD;
 
 /// Why an increment found no equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

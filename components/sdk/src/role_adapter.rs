@@ -1,15 +1,15 @@
 //! What the step loop needs of a role.
 
 use crate::context::Context;
-use crate::frames::Shows;
+use crate::frames::FrameSource;
 use crate::setup::Setup;
 use crate::stop::Stop;
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::Problem;
 use tremie_messages::schedule::Content;
 
 /// A solver that plays its role in the windows of a run.
-pub trait Player<S: Between>: Shows + Sized {
+pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
     /// See [`crate::Fluid::create`].
     fn create(setup: &Setup) -> Result<Self, Vec<Problem>>;
     /// Opens the ends of all edges.

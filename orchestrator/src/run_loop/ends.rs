@@ -5,14 +5,14 @@ use crate::manifest::ORCHESTRATOR;
 use crate::outputs::{Ending, Level, OutputError};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::control::Credit;
 
 /// Windows by which the end lies behind the one that meets a stop condition: fixed, so that the
 /// last window does not depend on how fast the orchestrator looks.
 pub(super) const STOP_AHEAD: u64 = 64;
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     /// Ends in order if the user asks for it, at once if asked again.
     pub(super) fn heed_user(&mut self, course: &mut Course) -> Result<(), Trouble> {
         let asked = self.interrupts.load(Ordering::Relaxed);

@@ -6,13 +6,13 @@ use crate::manifest::ORCHESTRATOR;
 use crate::monitor::Row;
 use crate::outputs::{Ending, Level, OutputError};
 use std::time::{Duration, Instant};
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::units;
 
 /// How often the orchestrator looks at reports. Physics does not wait for it: credit runs ahead.
 const LOOK: Duration = Duration::from_millis(1);
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     pub(super) fn windows_go_by(&mut self, course: &mut Course) -> Result<(), Trouble> {
         loop {
             self.hear_news(course, LOOK)?;

@@ -5,14 +5,14 @@ use crate::launch::News;
 use crate::monitor::Waiting;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
-use tremie_channels::Between;
+use tremie_channels::ChannelMedium;
 use tremie_messages::start::{Fault, FaultKind, Reply};
 
 /// Most news that are heard in one look: a component that never stops talking must not keep reports,
 /// deadlines and Ctrl-C from being heeded.
 const BATCH: usize = 256;
 
-impl<S: Between> Drive<'_, S> {
+impl<S: ChannelMedium> Drive<'_, S> {
     /// Takes what components said since the last look, but not more than [`BATCH`]; sleeps a little
     /// if they said nothing.
     pub(super) fn hear_news(&mut self, course: &mut Course, nap: Duration) -> Result<(), Trouble> {
