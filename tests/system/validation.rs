@@ -124,7 +124,61 @@ fn a_run_that_fails_is_told_among_the_results_of_the_others() {
     println!("{said}{}\n{report}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(output.status.code(), Some(1));
     assert!(said.contains("fall, broken: the run failed") && said.contains("not all passed"));
-    assert!(report.contains("| broken | the run failed") && report.contains("**not passed**"));
-    assert!(report.contains("| whole | speed | 0.00981 |"), "its result is kept");
+    assert!(report.contains("| broken | the run failed") && report.contains("**a run failed**"));
+    assert!(report.contains("| whole | speed | reference | 0.00981 |"), "its result is kept");
     assert!(report.contains("| against the broken one | the run failed"));
+}
+
+/// A record that is missed for a reason that is said, a trend, and a check with bounds that does not say what it is.
+#[test]
+fn failures_that_stand_are_told_apart() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().join("cases/fall");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("manifest.toml"), FALL).unwrap();
+    let case = |more: &str| {
+        format!(
+            r#"
+title = "A fall"
+source = "Galilei"
+
+[[runs]]
+name = "whole"
+[[runs.checks]]
+name = "it falls"
+kind = "trend"
+value = {{ signal = "grains.body0_vz", take = "last" }}
+between = [-1.0, -1e-3]
+[[runs.checks]]
+name = "speed"
+{more}
+value = {{ signal = "grains.body0_vz", take = "last" }}
+between = [0.0, 1.0]
+"#
+        )
+    };
+    let validate = |more: &str| {
+        std::fs::write(folder.join("case.toml"), case(more)).unwrap();
+        let output = tremie()
+            .args(["validate", "--cases", "cases", "--report", "report.md"])
+            .current_dir(home.path())
+            .output()
+            .unwrap();
+        let [said, errors] =
+            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        (output.status.code(), said, errors)
+    };
+    let (code, said, errors) = validate("kind = \"record\"\nstands = \"It points upwards.\"");
+    assert_eq!(code, Some(0), "{said}{errors}");
+    let last = "2 checks, all passed but 1 whose failure stands: 1 of 1 trends, 0 of 1 records";
+    assert!(said.contains(last), "{said}");
+    let report = std::fs::read_to_string(home.path().join("report.md")).unwrap();
+    assert!(report.contains("|  | 1 of 1 | **0 of 1** |"), "{report}");
+    assert!(report.contains("| record | -0.00981 | 0 to 1 |  |  | **no**, stands |"), "{report}");
+    assert!(report.contains("whole, speed: the failure stands. It points upwards."), "{report}");
+    let (code, said, _) = validate("kind = \"record\"");
+    assert_eq!((code, said.contains("2 checks, not all passed")), (Some(1), true), "{said}");
+    let (code, _, errors) = validate("");
+    assert_eq!(code, Some(1));
+    assert!(errors.contains("check \"speed\": needs a kind: reference, trend or record"), "{errors}");
 }

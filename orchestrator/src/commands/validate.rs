@@ -2,8 +2,8 @@
 
 use crate::cli::ValidateArgs;
 use crate::standard::{answer, complain};
-use crate::validation::case::Case;
-use crate::validation::record::Record;
+use crate::validation::case::{Case, CheckKind};
+use crate::validation::record::{Record, Verdicts};
 use crate::validation::{ValidationError, cases, picture, report, try_case};
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,12 +27,11 @@ fn validate_cases(arguments: &ValidateArgs) -> Result<bool, ValidationError> {
     let ValidateArgs { names, cases: folder, short, report: path } = arguments;
     let scratch = tempfile::tempdir()
         .map_err(|error| ValidationError::Io { path: std::env::temp_dir(), error })?;
-    let (mut passed, mut checks) = (true, 0);
+    let mut all = Verdicts::default();
     for case in cases(folder, names)? {
         let say = &mut |text: &str| answer(text);
         let record = try_case(&case, *short, scratch.path(), say)?;
-        passed &= record.passed();
-        checks += record.checks();
+        all.join(&record.verdicts(&case));
         if !short {
             record.keep(&case)?;
             picture::draw_all(&case, &record)?;
@@ -42,9 +41,17 @@ fn validate_cases(arguments: &ValidateArgs) -> Result<bool, ValidationError> {
         write_report(folder, path)?;
         answer(format_args!("the report is in {}", path.display()));
     }
-    let how = if passed { "all passed" } else { "not all passed" };
-    answer(format_args!("{checks} checks, {how}"));
-    Ok(passed)
+    let how = match (all.failed, all.standing) {
+        (0, 0) => "all passed".to_string(),
+        (0, standing) => format!("all passed but {standing} whose failure stands"),
+        _ => "not all passed".to_string(),
+    };
+    let of_kind = CheckKind::ALL.iter().zip(all.of_kind).filter(|(_, of)| of.checks > 0);
+    let of_kind =
+        of_kind.map(|(kind, of)| format!("{} of {} {}s", of.passed, of.checks, kind.name()));
+    let of_kind = of_kind.collect::<Vec<_>>().join(", ");
+    answer(format_args!("{} checks, {how}: {of_kind}", all.checks()));
+    Ok(all.failed == 0)
 }
 
 /// Writes the report on all cases, from what each has kept.

@@ -80,6 +80,10 @@ pub struct Short {
 pub struct Check {
     /// What it is, in a few words.
     pub name: String,
+    /// What it is held against; a check with bounds says so.
+    pub kind: Option<CheckKind>,
+    /// Why a failure of it stands: what is known of its cause. Such a failure is shown, and does not fail the validation.
+    pub stands: Option<String>,
     /// The number to take.
     pub value: Option<Measure>,
     /// What it is divided by.
@@ -103,6 +107,33 @@ pub struct Check {
     /// Unit, for the report.
     #[serde(default)]
     pub unit: String,
+}
+
+/// What a result is held against, and so what it says if it is near enough.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CheckKind {
+    /// Theory, experiment, or other people's computations: the physics is right within the tolerance.
+    #[default]
+    Reference,
+    /// A direction or an order that a source describes: the physics answers as it should.
+    Trend,
+    /// What was found before, in bounds of our own: it has not changed. It says nothing of being right.
+    Record,
+}
+
+impl CheckKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Reference, Self::Trend, Self::Record];
+
+    /// Its name, as cases write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reference => "reference",
+            Self::Trend => "trend",
+            Self::Record => "record",
+        }
+    }
 }
 
 fn one() -> f64 {
@@ -229,6 +260,12 @@ impl Case {
         }
     }
 
+    /// A check, by the names of its run and its own.
+    pub fn check(&self, run: &str, check: &str) -> Option<&Check> {
+        let run = self.runs.iter().find(|other| other.name == run)?;
+        run.checks.iter().find(|other| other.name == check)
+    }
+
     /// What the types do not rule out.
     fn fault(&self) -> Option<String> {
         let names: Vec<_> = self.runs.iter().map(|run| &run.name).collect();
@@ -257,6 +294,9 @@ impl Check {
             if !before.iter().any(|run| run.name == *other) {
                 return Some(format!("{of}: no run before it is called \"{other}\""));
             }
+        }
+        if self.between.is_some() && self.kind.is_none() {
+            return Some(format!("{of}: needs a kind: reference, trend or record"));
         }
         if self.between.is_none() && !self.tolerance.is_some_and(|t| t >= 0.0) {
             return Some(format!("{of}: needs a tolerance, 0 or more"));

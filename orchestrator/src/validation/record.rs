@@ -45,6 +45,43 @@ pub struct RunRecord {
     pub signals: crate::outputs::Signals,
 }
 
+/// How the checks of a kind came out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OfKind {
+    /// How many there are.
+    pub checks: usize,
+    /// How many are near enough.
+    pub passed: usize,
+}
+
+/// How checks came out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Verdicts {
+    /// By kind, in the order of [`CheckKind::ALL`](super::case::CheckKind::ALL).
+    pub of_kind: [OfKind; 3],
+    /// Failures whose reason is known and said.
+    pub standing: usize,
+    /// Other failures, of checks and of runs.
+    pub failed: usize,
+}
+
+impl Verdicts {
+    /// Number of checks.
+    pub fn checks(&self) -> usize {
+        self.of_kind.iter().map(|of_kind| of_kind.checks).sum()
+    }
+
+    /// Adds those of another case.
+    pub fn join(&mut self, other: &Self) {
+        for (own, other) in self.of_kind.iter_mut().zip(other.of_kind) {
+            own.checks += other.checks;
+            own.passed += other.passed;
+        }
+        self.standing += other.standing;
+        self.failed += other.failed;
+    }
+}
+
 impl Record {
     /// Nothing has come out yet.
     pub fn new(_case: &Case, short: bool) -> Self {
@@ -77,15 +114,26 @@ impl Record {
         self.runs.iter().any(|run| run.failed.is_some())
     }
 
-    /// Whether all runs went well, and everything is near enough to its reference.
-    pub fn passed(&self) -> bool {
-        !self.any_failed()
-            && self.runs.iter().all(|run| run.findings.iter().all(|finding| finding.passed))
-    }
-
-    /// Number of checks.
-    pub fn checks(&self) -> usize {
-        self.runs.iter().map(|run| run.findings.len()).sum()
+    /// How its checks came out; a run that failed is a failure more.
+    pub fn verdicts(&self, case: &Case) -> Verdicts {
+        let mut verdicts = Verdicts::default();
+        for run in &self.runs {
+            verdicts.failed += usize::from(run.failed.is_some());
+            for finding in &run.findings {
+                let check = case.check(&run.name, &finding.check);
+                let kind = check.and_then(|check| check.kind).unwrap_or_default();
+                let of_kind = &mut verdicts.of_kind[kind as usize];
+                of_kind.checks += 1;
+                of_kind.passed += usize::from(finding.passed);
+                let stands = check.is_some_and(|check| check.stands.is_some());
+                match (finding.passed, stands) {
+                    (true, _) => {}
+                    (false, true) => verdicts.standing += 1,
+                    (false, false) => verdicts.failed += 1,
+                }
+            }
+        }
+        verdicts
     }
 
     /// Keeps it in the case's folder.

@@ -1,8 +1,8 @@
 //! `VALIDATION.md`: all cases with their numbers, resolution, time and pictures.
 
-use super::case::Case;
+use super::case::{Case, CheckKind};
 use super::judge::{Finding, Reference};
-use super::record::{Record, RunRecord};
+use super::record::{OfKind, Record, RunRecord, Verdicts};
 use std::fmt::Write;
 
 /// The report on all cases; `folder` is where they lie, as a reader of the report sees it.
@@ -23,27 +23,51 @@ Scenes whose result is known, run by manifest alone, each held against its refer
 reference and its tolerances. Every number stands beside the resolution that gave it. Wall times are of the machine
 that made this page and serve to compare cases with each other.
 
+There are three kinds of checks. A *reference* holds a result against theory, experiment or other people's computations. A *trend* holds
+it against a direction or an order that a source describes. A *record* keeps what was found before within bounds of our own; it
+says nothing of being right. A failure whose cause is known stands, with its reason below the table of its case.
+
 ";
 
 fn overview(out: &mut String, cases: &[(Case, Option<Record>)]) {
-    out.push_str("| case | checks | result | time |\n| --- | --- | --- | --- |\n");
+    out.push_str(
+        "| case | references | trends | records | time |\n| --- | --- | --- | --- | --- |\n",
+    );
+    let mut all = Verdicts::default();
     for (case, record) in cases {
         let anchor = anchor(&case.title);
         let _ = match record {
-            None => writeln!(out, "| [{}](#{anchor}) | | not run | |", case.title),
+            None => writeln!(out, "| [{}](#{anchor}) | not run | | | |", case.title),
             Some(record) => {
-                let verdict = if record.passed() { "passed" } else { "**not passed**" };
+                let verdicts = record.verdicts(case);
+                all.join(&verdicts);
                 let wall: f64 = record.runs.iter().map(|run| run.wall_time).sum();
-                let form = if record.short { " (short form)" } else { "" };
+                let form = match (record.any_failed(), record.short) {
+                    (true, _) => ", **a run failed**",
+                    (false, true) => " (short form)",
+                    (false, false) => "",
+                };
+                let [references, trends, records] = verdicts.of_kind.map(passed);
                 writeln!(
                     out,
-                    "| [{}](#{anchor}) | {} | {verdict}{form} | {} |",
+                    "| [{}](#{anchor}) | {references} | {trends} | {records} | {}{form} |",
                     case.title,
-                    record.checks(),
                     duration(wall)
                 )
             }
         };
+    }
+    let [references, trends, records] = all.of_kind.map(passed);
+    let _ = writeln!(out, "| all | {references} | {trends} | {records} | |");
+}
+
+/// How many of so many passed; nothing of none.
+fn passed(of_kind: OfKind) -> String {
+    let OfKind { checks, passed } = of_kind;
+    match (checks, passed) {
+        (0, _) => String::new(),
+        _ if passed == checks => format!("{passed} of {checks}"),
+        _ => format!("**{passed} of {checks}**"),
     }
 }
 
@@ -65,15 +89,29 @@ fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str)
         out.push_str("Not run yet.\n");
         return;
     };
-    out.push_str("| run | quantity | result | reference | deviation | allowed |  |\n");
-    out.push_str("| --- | --- | --- | --- | --- | --- | --- |\n");
+    out.push_str("| run | quantity | kind | result | reference | deviation | allowed |  |\n");
+    out.push_str("| --- | --- | --- | --- | --- | --- | --- | --- |\n");
     for run in &record.runs {
         for finding in &run.findings {
-            row(out, run, finding);
+            row(out, case, run, finding);
         }
         if let Some(why) = &run.failed {
             let last = why.lines().last().unwrap_or_default().replace('|', "\\|");
-            let _ = writeln!(out, "| {} | the run failed: {last} | | | | | **no** |", run.name);
+            let _ = writeln!(out, "| {} | the run failed: {last} | | | | | | **no** |", run.name);
+        }
+    }
+    for run in &record.runs {
+        for finding in run.findings.iter().filter(|finding| !finding.passed) {
+            let check = case.check(&run.name, &finding.check);
+            if let Some(why) = check.and_then(|check| check.stands.as_ref()) {
+                let _ = write!(
+                    out,
+                    "\n{}, {}: the failure stands. {}\n",
+                    run.name,
+                    finding.check,
+                    why.trim()
+                );
+            }
         }
     }
     out.push_str("\n| run | resolution | time |\n| --- | --- | --- |\n");
@@ -91,9 +129,16 @@ fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str)
     }
 }
 
-fn row(out: &mut String, run: &RunRecord, finding: &Finding) {
+fn row(out: &mut String, case: &Case, run: &RunRecord, finding: &Finding) {
     let Finding { check, unit, found, reference, passed, .. } = finding;
-    let verdict = if *passed { "ok" } else { "**no**" };
+    let of_case = case.check(&run.name, check);
+    let kind =
+        of_case.and_then(|check| check.kind).map_or(CheckKind::default().name(), CheckKind::name);
+    let verdict = match (passed, of_case.is_some_and(|check| check.stands.is_some())) {
+        (true, _) => "ok",
+        (false, true) => "**no**, stands",
+        (false, false) => "**no**",
+    };
     let with_unit = |value: f64| format!("{} {unit}", number(value)).trim_end().to_string();
     let (reference, deviation, allowed) = match reference {
         Reference::Number(expected, tolerance) => (
@@ -112,7 +157,7 @@ fn row(out: &mut String, run: &RunRecord, finding: &Finding) {
     let name = &run.name;
     let _ = writeln!(
         out,
-        "| {name} | {check} | {result} | {reference} | {deviation} | {allowed} | {verdict} |"
+        "| {name} | {check} | {kind} | {result} | {reference} | {deviation} | {allowed} | {verdict} |"
     );
 }
 
