@@ -180,5 +180,8 @@ between = [0.0, 1.0]
     assert_eq!((code, said.contains("2 checks, not all passed")), (Some(1), true), "{said}");
     let (code, _, errors) = validate("");
     assert_eq!(code, Some(1));
-    assert!(errors.contains("check \"speed\": needs a kind: reference, trend or record"), "{errors}");
+    assert!(
+        errors.contains("check \"speed\": needs a kind: reference, trend or record"),
+        "{errors}"
+    );
 }
