@@ -6,13 +6,15 @@ use plotters::prelude::*;
 use std::ops::Range;
 
 /// Colours that differ also for those who see red and green alike (Okabe and Ito).
-const COLOURS: [RGBColor; 6] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+    RGBColor(128, 128, 128),
 ];
 
 /// One curve or set of marks.
@@ -61,6 +63,32 @@ impl Chart {
         }
     }
 
+    /// Where a legend covers fewest points.
+    fn emptiest_corner(&self) -> SeriesLabelPosition {
+        let points = || self.curves.iter().flat_map(|curve| curve.points.iter().copied());
+        let along = |x: f64| if self.log_x { x.ln() } else { x };
+        let (xs, ys) =
+            (range(points().map(|p| along(p.0)), 0.0), range(points().map(|p| p.1), 0.0));
+        let part =
+            |range: &Range<f64>, value: f64| (value - range.start) / (range.end - range.start);
+        let covered = |right: bool, upper: bool| {
+            let beyond = |part: f64, far: bool| if far { part > 0.65 } else { part < 0.35 };
+            let is_in = |p: &(f64, f64)| {
+                beyond(part(&xs, along(p.0)), right) && beyond(part(&ys, p.1), upper)
+            };
+            points().filter(is_in).count()
+        };
+        [
+            (SeriesLabelPosition::UpperRight, covered(true, true)),
+            (SeriesLabelPosition::LowerRight, covered(true, false)),
+            (SeriesLabelPosition::UpperLeft, covered(false, true)),
+            (SeriesLabelPosition::LowerLeft, covered(false, false)),
+        ]
+        .into_iter()
+        .min_by_key(|(_, points)| *points)
+        .map_or(SeriesLabelPosition::UpperRight, |(corner, _)| corner)
+    }
+
     fn draw_within<X>(&self, area: &Area<'_>, x: X, y: Range<f64>) -> Result<(), String>
     where
         X: AsRangedCoord<Value = f64>,
@@ -80,7 +108,8 @@ impl Chart {
             .x_desc(&self.x)
             .y_desc(&self.y)
             .light_line_style(WHITE)
-            .y_label_formatter(&|value| format!("{}", (value * 1e9).round() / 1e9))
+            .x_label_formatter(&tick)
+            .y_label_formatter(&tick)
             .draw()
             .map_err(wrong)?;
         let lines = self.curves.iter().filter(|curve| !curve.marks).count().max(1);
@@ -114,13 +143,18 @@ impl Chart {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(self.emptiest_corner())
             .background_style(WHITE.mix(0.8))
             .border_style(BLACK.mix(0.3))
             .draw()
             .map_err(wrong)?;
         Ok(())
     }
+}
+
+/// The number at a tick: without the digits that rounding left, and 0 without a sign.
+fn tick(value: &f64) -> String {
+    format!("{}", (value * 1e9).round() / 1e9 + 0.0)
 }
 
 /// The range of all numbers, with a margin.
