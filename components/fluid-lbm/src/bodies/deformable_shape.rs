@@ -66,14 +66,14 @@ impl Felt {
 
 /// Where the facets of a deformable surface are.
 #[derive(Clone, Copy, Debug)]
-pub struct Facets<'a> {
+pub struct FacetPlaces<'a> {
     triangles: &'a [[u32; 3]],
     now: &'a [[f64; 3]],
 }
 
 /// The vertices of a deformable surface, and the loads on its facets.
 #[derive(Clone, Debug)]
-pub struct Shape {
+pub struct DeformableShape {
     /// Index of the part that carries it.
     pub carrier: usize,
     triangles: Vec<[u32; 3]>,
@@ -93,7 +93,7 @@ pub struct Shape {
     has_velocity: bool,
 }
 
-impl Shape {
+impl DeformableShape {
     /// At the vertices of a mesh, at rest.
     pub fn new(mesh: &Mesh, carrier: usize) -> Self {
         let rest = vec![[0.0; 3]; mesh.vertices.len()];
@@ -162,18 +162,18 @@ impl Shape {
     }
 
     /// Where the facets are.
-    pub fn facets(&self) -> Facets<'_> {
-        Facets { triangles: &self.triangles, now: &self.now }
+    pub fn facets(&self) -> FacetPlaces<'_> {
+        FacetPlaces { triangles: &self.triangles, now: &self.now }
     }
 
     /// Where the facets are; their loads, what averaging holds back of these, and room for sums over pieces.
-    pub fn parts(&mut self) -> (Facets<'_>, &mut [OnFacet], &mut [OnFacet], &mut [FacetSums]) {
-        let facets = Facets { triangles: &self.triangles, now: &self.now };
+    pub fn parts(&mut self) -> (FacetPlaces<'_>, &mut [OnFacet], &mut [OnFacet], &mut [FacetSums]) {
+        let facets = FacetPlaces { triangles: &self.triangles, now: &self.now };
         (facets, &mut self.loads, &mut self.carried, &mut self.sums)
     }
 }
 
-impl Facets<'_> {
+impl FacetPlaces<'_> {
     /// The corners of a facet, from the reference [m].
     pub fn corners(&self, facet: usize) -> [[f64; 3]; 3] {
         self.triangles[facet].map(|vertex| self.now[vertex as usize])

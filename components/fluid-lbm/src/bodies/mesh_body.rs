@@ -14,7 +14,7 @@
 //! What is found depends on the pose alone, not on how the part came there. So what was found at the pose before the last
 //! is kept: a part that trembles about the border of two rounded poses costs no search.
 
-use crate::bodies::deformable_shape::{Hit, NO_FACET, Shape};
+use crate::bodies::deformable_shape::{DeformableShape, Hit, NO_FACET};
 use crate::bodies::mesh_raster::{Cover, Layer, room_for};
 use crate::bodies::ridges::Ridges;
 use crate::domain::displaced_volume::{Displaced, window};
@@ -45,7 +45,7 @@ pub struct Rounding {
 
 /// A position [cells] and an orientation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Placed {
+struct PlacedMesh {
     position: [f64; 3],
     orientation: [f64; 4],
 }
@@ -57,7 +57,7 @@ pub struct MeshBody {
     /// [`MeshBody::NO_PART`].
     pub index: usize,
     /// What a deformable surface has besides.
-    pub shape: Option<Box<Shape>>,
+    pub shape: Option<Box<DeformableShape>>,
     surface: Arc<Surface>,
     /// Where links between two cells outside may pass through it.
     ridges: Ridges,
@@ -70,12 +70,12 @@ pub struct MeshBody {
     orientation: [f64; 4],
     rounding: Rounding,
     /// Where its cells and links were found last; none before the first time.
-    found: Option<Placed>,
+    found: Option<PlacedMesh>,
     /// How often they were found.
     searches: u64,
     /// Of the cells it covers now and of those that it covered before its last move: where, and the number of the
     /// search that found them.
-    known: [Option<(Placed, u64)>; 2],
+    known: [Option<(PlacedMesh, u64)>; 2],
     /// From where they were found to where it is: shift of the origin, and the turn about it as a
     /// small vector.
     drift: [[f64; 3]; 2],
@@ -88,7 +88,7 @@ pub struct MeshBody {
 
 /// Where a link meets a part.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting {
+pub struct Intersection {
     /// As part of the link's length, in `(0, 1]`.
     pub q: f64,
     /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal; zero
@@ -104,12 +104,12 @@ const MOST_FACETS: usize = 16;
 
 /// Facets near a cell, for the links that begin there.
 #[derive(Clone, Debug, Default)]
-pub struct Facets {
+pub struct NearFacets {
     list: Vec<u32>,
     is_complete: bool,
 }
 
-impl Facets {
+impl NearFacets {
     /// Room for as many as there may be.
     pub fn make_room(&mut self) {
         self.list.reserve((MOST_FACETS + 1).saturating_sub(self.list.len()));
@@ -125,9 +125,9 @@ impl Default for Rounding {
 
 impl Rounding {
     /// The pose for a position and orientation, `radius` being the distance of the farthest point.
-    fn of(&self, position: [f64; 3], orientation: [f64; 4], radius: f64) -> Placed {
+    fn of(&self, position: [f64; 3], orientation: [f64; 4], radius: f64) -> PlacedMesh {
         if self.step <= 0.0 {
-            return Placed { position, orientation };
+            return PlacedMesh { position, orientation };
         }
         let to = |x: f64, step: f64| (x / step).round() * step;
         let away = std::array::from_fn(|a| {
@@ -139,7 +139,7 @@ impl Rounding {
         let turn = turn.map(|q| to(q, fine));
         let length = turn.iter().map(|q| q * q).sum::<f64>().sqrt();
         let turn = turn.map(|q| q / length);
-        Placed { position: away, orientation: product(turn, self.orientation) }
+        PlacedMesh { position: away, orientation: product(turn, self.orientation) }
     }
 }
 
@@ -196,7 +196,7 @@ impl MeshBody {
         rounding: Rounding,
         cell: f64,
     ) -> Self {
-        let shape = Shape::new(surface.mesh(), carrier);
+        let shape = DeformableShape::new(surface.mesh(), carrier);
         let side = side_of(&surface, cell);
         let mut own = Self::new(index, Arc::new(surface), rounding, cell);
         (own.now, own.previous) = (Cover::new(side, [0; 3]), Cover::new(side, [0; 3]));
@@ -321,7 +321,7 @@ impl MeshBody {
         let Some(placed) = self.found else { return };
         std::mem::swap(&mut self.now, &mut self.previous);
         self.known.swap(0, 1);
-        let Placed { position, orientation } = placed;
+        let PlacedMesh { position, orientation } = placed;
         let pose = Pose { position: position.map(|x| x * self.cell), orientation };
         self.frame = Frame::of(&pose);
         if self.shape.is_none() && self.known[0].is_some_and(|(known, _)| known == placed) {
@@ -443,7 +443,7 @@ impl MeshBody {
     }
 
     /// Finds the facets that links from a cell may meet.
-    pub fn facets_near(&self, at: [i32; 3], facets: &mut Facets) {
+    pub fn facets_near(&self, at: [i32; 3], facets: &mut NearFacets) {
         let reach: [f64; 3] = std::array::from_fn(|k| {
             let along = |a: usize| {
                 let mut axis = [0.0; 3];
@@ -473,17 +473,22 @@ impl MeshBody {
     }
 
     /// As [`MeshBody::meet`], among the facets near `from`.
-    pub fn meet_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Meeting {
+    pub fn meet_among(&self, facets: &NearFacets, from: [i32; 3], c: [i32; 3]) -> Intersection {
         self.meets_among(facets, from, c).unwrap_or_else(|| {
             let from = self.own(from);
             let to = std::array::from_fn(|a| from[a] + c[a]);
             let hit = self.hit_between(self.point(from), self.point(to));
-            Meeting { q: 0.5, slope: [0.0; 3], hit }
+            Intersection { q: 0.5, slope: [0.0; 3], hit }
         })
     }
 
     /// Where a link meets the surface first, among the facets near its beginning or its end; none if it does not.
-    pub fn meets_among(&self, facets: &Facets, from: [i32; 3], c: [i32; 3]) -> Option<Meeting> {
+    pub fn meets_among(
+        &self,
+        facets: &NearFacets,
+        from: [i32; 3],
+        c: [i32; 3],
+    ) -> Option<Intersection> {
         let from = self.own(from);
         let to = std::array::from_fn(|a| from[a] + c[a]);
         let (start, end) = (self.point(from), self.point(to));
@@ -500,7 +505,7 @@ impl MeshBody {
         let c = c.map(f64::from);
         let along = dot(normal, c);
         let is_steep = along * along > GRAZING * GRAZING * dot(c, c);
-        Some(Meeting {
+        Some(Intersection {
             q: crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0),
             slope: if is_steep { normal.map(|n| n / along) } else { [0.0; 3] },
             hit,

@@ -52,7 +52,7 @@ pub struct Built {
     /// Links that do.
     pub fixed: StaticWallLinks,
     /// Their items of work.
-    pub fixed_items: Vec<static_wall_links::Item>,
+    pub fixed_items: Vec<static_wall_links::WallItem>,
     /// Those of them that solids cut between two cells of the fluid.
     pub sheets: SheetLinks,
     pub sheet_items: Vec<SheetItem>,
@@ -63,7 +63,7 @@ pub struct Built {
     /// Cells at open faces.
     pub open: OpenCells,
     /// Their items of work.
-    pub open_items: Vec<open_boundary::Item>,
+    pub open_items: Vec<open_boundary::OpenItem>,
     /// Faces with a reservoir.
     pub reservoirs: Vec<ReservoirFace>,
 }

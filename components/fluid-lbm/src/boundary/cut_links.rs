@@ -23,7 +23,7 @@
 use crate::bodies::body::Body;
 use crate::bodies::body::late;
 use crate::bodies::deformable_shape::Hit;
-use crate::bodies::mesh_body::{Facets, MeshBody};
+use crate::bodies::mesh_body::{MeshBody, NearFacets};
 use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::population_addresses::PopulationAddresses;
 use crate::boundary::post_collision::PostCollision;
@@ -37,7 +37,7 @@ use std::ops::RangeInclusive;
 
 /// One end of a cut link.
 #[derive(Clone, Copy, Debug)]
-struct End {
+struct CutEnd {
     slots: PopulationAddresses,
     /// The cell as seen from the body, and the direction.
     at: [i32; 3],
@@ -61,7 +61,7 @@ struct Read {
 /// The cut links of an item.
 #[derive(Clone, Debug, Default)]
 pub struct CutLinks {
-    links: Vec<[End; 2]>,
+    links: Vec<[CutEnd; 2]>,
     /// What was read; nothing where an end is not fluid.
     read: Vec<Option<[Read; 2]>>,
     /// Room for the search.
@@ -98,7 +98,7 @@ impl CutLinks {
 
     /// Memory that they take [bytes].
     pub fn bytes(&self) -> usize {
-        size_of::<[End; 2]>() * self.links.capacity()
+        size_of::<[CutEnd; 2]>() * self.links.capacity()
             + size_of::<Option<[Read; 2]>>() * self.read.capacity()
     }
 
@@ -108,7 +108,7 @@ impl CutLinks {
         layout: &Layout,
         part: &MeshBody,
         layers: RangeInclusive<i32>,
-        facets: &mut Facets,
+        facets: &mut NearFacets,
     ) {
         self.may_be.clear();
         let grid = &layout.grid;
@@ -156,7 +156,7 @@ impl CutLinks {
             if there.0 + here.0 >= 1.0 {
                 continue;
             }
-            let one = |cell: u32, at: [i32; 3], i: usize, (q, slope): (f64, [f32; 3])| End {
+            let one = |cell: u32, at: [i32; 3], i: usize, (q, slope): (f64, [f32; 3])| CutEnd {
                 slots: PopulationAddresses::new(layout, cell, i),
                 at,
                 dir: i as u8,
@@ -203,7 +203,7 @@ fn other_end(grid: &Grid, at: [i32; 3], i: usize) -> ([i32; 3], usize, u8) {
 }
 
 /// How many ends a link has: one where it sees itself in a mirror.
-fn ends_of([one, other]: &[End; 2]) -> usize {
+fn ends_of([one, other]: &[CutEnd; 2]) -> usize {
     if (one.slots.cell, one.dir) == (other.slots.cell, other.dir) { 1 } else { 2 }
 }
 
@@ -213,7 +213,7 @@ fn balanced(ends: [Read; 2]) -> [Read; 2] {
     ends.map(|end| Read { f: end.f - 0.5 * more, ..end })
 }
 
-impl End {
+impl CutEnd {
     /// From the body to the cell, and where the link meets the surface now.
     fn now(&self, body: &Body, part: &MeshBody, nearest: f64) -> ([f64; 3], f64) {
         let arm: [f64; 3] = std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a]);
@@ -250,7 +250,7 @@ impl<T: Real> PostCollision<'_, T> {
         self.owners.is_fluid(cell) && !(self.slips && in_gap())
     }
 
-    fn read_end(&self, body: &Body, part: &MeshBody, end: &End, nearest: f64) -> Read {
+    fn read_end(&self, body: &Body, part: &MeshBody, end: &CutEnd, nearest: f64) -> Read {
         let (arm, q) = end.now(body, part, nearest);
         let (_, u) = end.wall(body, arm, q);
         let i = usize::from(end.dir);
@@ -280,8 +280,9 @@ impl<T: Real> PostCollision<'_, T> {
         let nearest = if body.is_part() { 0.0 } else { self.nearest_wall };
         for (ends, read) in cuts.links.iter().zip(&cuts.read) {
             let Some(read) = read else { continue };
-            let is_as_read =
-                |(end, read): (&End, &Read)| self.field.get(end.slots.own(self.parity)) == read.g;
+            let is_as_read = |(end, read): (&CutEnd, &Read)| {
+                self.field.get(end.slots.own(self.parity)) == read.g
+            };
             // Else another body's edge has cut it.
             if !ends.iter().zip(read).all(is_as_read) {
                 continue;

@@ -7,7 +7,7 @@
 //! by way of the fluid: on its side of the gap. A gap without probes has none: its body pays for it all along
 //! its surface; and so it does where an intake has no links.
 
-use crate::boundary::post_collision::Item;
+use crate::boundary::post_collision::LinkItem;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
@@ -144,7 +144,7 @@ impl GapSinks {
 
     /// Begins to settle a step: what the links of parts gave, these items, is due no more. Returns what nobody can
     /// give, because the links of an intake have gone.
-    pub fn receive<'i>(&mut self, items: impl Iterator<Item = &'i Item>) -> f64 {
+    pub fn receive<'i>(&mut self, items: impl Iterator<Item = &'i LinkItem>) -> f64 {
         for intake in &mut self.list {
             intake.weight = 0.0;
         }

@@ -6,8 +6,8 @@
 use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::{Felt, NO_FACET};
 use crate::boundary::link_kernels::{
-    CorrectMass, InterpolateBouzidi, LANES, Lane, LinkBlock, Paid, PlaceLinks, SumMomentumExchange,
-    Sums, Surface,
+    CorrectMass, ExchangeSums, InterpolateBouzidi, LANES, Lane, LinkBlock, Paid, PlaceLinks,
+    SumMomentumExchange, Surface,
 };
 use crate::boundary::population_addresses::PopulationAddresses;
 use crate::boundary::post_collision::PostCollision;
@@ -29,7 +29,7 @@ const NOWHERE: usize = u32::MAX as usize;
 
 /// A link of a part.
 #[derive(Clone, Copy, Debug)]
-pub struct Link {
+pub struct BatchLink {
     /// Where its populations are.
     pub slots: PopulationAddresses,
     /// Its direction as seen by the body: mirrored if the link goes through a mirror.
@@ -59,7 +59,7 @@ pub struct Batch {
     mirrors: Vec<u8>,
     /// Places of `g_i`, of the other population, and of the result.
     places: [[u32; 3]; LINKS],
-    sums: Sums,
+    sums: ExchangeSums,
     paid: Paid,
     exchange: MomentumExchange,
     /// Velocity of the wall and facet of each link, of a surface that can deform.
@@ -124,7 +124,7 @@ impl Batch {
 
     /// Takes a link into the batch.
     #[inline(always)]
-    pub fn push(&mut self, link: Link) {
+    pub fn push(&mut self, link: BatchLink) {
         let (k, c) = (self.slots.len(), C_F64[link.seen as usize]);
         let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
         for a in 0..3 {

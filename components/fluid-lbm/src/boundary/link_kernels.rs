@@ -94,7 +94,7 @@ pub struct Surface {
 }
 
 /// Sums over links: force, torque, `gain u`, and `gain`.
-pub type Sums = [Lane; 10];
+pub type ExchangeSums = [Lane; 10];
 
 /// Sums over links: volume by which the wall receded, and weights.
 pub type Paid = [Lane; 2];
@@ -229,7 +229,7 @@ pub struct SumMomentumExchange<'a> {
     /// Links that are reflected.
     pub links: &'a [LinkBlock],
     /// Grow by what they exchanged.
-    pub sums: &'a mut Sums,
+    pub sums: &'a mut ExchangeSums,
 }
 
 impl Work for SumMomentumExchange<'_> {

@@ -10,10 +10,10 @@
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_shape::Hit;
-use crate::bodies::mesh_body::{Facets, MeshBody};
+use crate::bodies::mesh_body::{MeshBody, NearFacets};
 use crate::boundary::cut_links::CutLinks;
 use crate::boundary::gap_sinks::NO_GAP;
-use crate::boundary::link_batch::{Batch, Link};
+use crate::boundary::link_batch::{Batch, BatchLink};
 use crate::boundary::population_addresses::PopulationAddresses;
 use crate::boundary::post_collision::PostCollision;
 use crate::boundary::unresolved_gaps::{Beyond, GapLink, beyond};
@@ -56,14 +56,14 @@ pub struct PartLink {
 /// The links of an item: those of the part's last search, and of the one before, to which it may come back.
 #[derive(Clone, Debug, Default)]
 pub struct PartLinks {
-    now: Listed,
-    before: Listed,
-    facets: Facets,
+    now: ListedMeshLinks,
+    before: ListedMeshLinks,
+    facets: NearFacets,
 }
 
 /// The links that a search found.
 #[derive(Clone, Debug, Default)]
-pub struct Listed {
+pub struct ListedMeshLinks {
     /// Number of the search; 0 before the first.
     search: u64,
     links: Vec<PartLink>,
@@ -76,7 +76,7 @@ pub struct Listed {
     lines: Vec<u32>,
 }
 
-impl Listed {
+impl ListedMeshLinks {
     fn clear(&mut self) {
         self.links.clear();
         self.hits.clear();
@@ -103,7 +103,7 @@ impl Listed {
 
 /// What a search looks at.
 #[derive(Clone, Copy)]
-pub struct Site<'a> {
+pub struct LinkSearch<'a> {
     /// Where cells are.
     pub layout: &'a Layout,
     /// The static geometry, if gaps press.
@@ -117,7 +117,7 @@ pub struct Site<'a> {
 impl PartLinks {
     /// Finds the links that begin in the layers `layers` of a part's shell, unless those of its
     /// last search are known. True if these are others than before.
-    pub fn find(&mut self, site: &Site, body: &Body, layers: std::ops::Range<i32>) -> bool {
+    pub fn find(&mut self, site: &LinkSearch, body: &Body, layers: std::ops::Range<i32>) -> bool {
         let Some(part) = body.part.as_deref().filter(|part| part.search() != self.now.search)
         else {
             return false;
@@ -140,7 +140,7 @@ impl PartLinks {
         if let Some(walls) = site.walls.filter(|_| layers.start == 0) {
             site.gaps_at_walls(body, walls, &mut self.facets, &mut self.now.gaps);
         }
-        let Listed { links, gaps, cuts, lines, .. } = &mut self.now;
+        let ListedMeshLinks { links, gaps, cuts, lines, .. } = &mut self.now;
         let line = |cell: u32| cell / site.line as u32;
         for link in links {
             if lines.last() != Some(&line(link.slots.cell)) {
@@ -190,11 +190,11 @@ impl PartLinks {
 
     /// What the links of a surface that can deform may give to facets.
     pub fn felt(&self) -> usize {
-        let Listed { links, hits, gaps, .. } = &self.now;
+        let ListedMeshLinks { links, hits, gaps, .. } = &self.now;
         if hits.is_empty() { 0 } else { links.len() + gaps.len() }
     }
 
-    fn find_row(&mut self, site: &Site, part: &MeshBody, [y, z]: [i32; 2]) {
+    fn find_row(&mut self, site: &LinkSearch, part: &MeshBody, [y, z]: [i32; 2]) {
         let grid = &site.layout.grid;
         let (real_y, real_z) = (grid.wrap(1, y), grid.wrap(2, z));
         if !grid.contains([0, real_y, real_z]) {
@@ -242,7 +242,7 @@ impl PartLinks {
 
     fn find_links(
         &mut self,
-        site: &Site,
+        site: &LinkSearch,
         part: &MeshBody,
         cell: u32,
         at: [i32; 3],
@@ -274,7 +274,13 @@ impl PartLinks {
         }
     }
 
-    fn find_gaps(&mut self, site: &Site, part: &MeshBody, at: [i32; 3], found: &[(usize, u8)]) {
+    fn find_gaps(
+        &mut self,
+        site: &LinkSearch,
+        part: &MeshBody,
+        at: [i32; 3],
+        found: &[(usize, u8)],
+    ) {
         let Some(walls) = site.walls else { return };
         let mut near = None;
         for &(i, mirrors) in found {
@@ -415,13 +421,13 @@ impl<T: Real> PostCollision<'_, T> {
 }
 
 /// Velocity of the wall where a link meets it.
-pub fn wall_velocity(body: &Body, link: &Link, hit: Hit) -> [f64; 3] {
+pub fn wall_velocity(body: &Body, link: &BatchLink, hit: Hit) -> [f64; 3] {
     let c = C_F64[usize::from(link.seen)];
     body.velocity_of(hit, std::array::from_fn(|a| link.arm[a] + link.q * c[a]))
 }
 
 /// Volume by which a wall of a velocity recedes along a link.
-pub fn recession(link: &Link, velocity: [f64; 3]) -> f64 {
+pub fn recession(link: &BatchLink, velocity: [f64; 3]) -> f64 {
     let seen = usize::from(link.seen);
     6.0 * W[seen] * dot(C_F64[seen], velocity)
 }
@@ -429,12 +435,12 @@ pub fn recession(link: &Link, velocity: [f64; 3]) -> f64 {
 impl PartLink {
     /// The link as it is now.
     #[inline(always)]
-    fn now(&self, body: &Body, part: &MeshBody, hit: Hit) -> Link {
+    fn now(&self, body: &Body, part: &MeshBody, hit: Hit) -> BatchLink {
         let arm: [f64; 3] = std::array::from_fn(|a| f64::from(self.at[a]) + 0.5 - body.position[a]);
         let drift = part.drift_of(hit, arm);
         let s = self.slope.map(f64::from);
         let q = self.q + (s[0] * drift[0] + s[1] * drift[1] + s[2] * drift[2]);
         let q = q.clamp(f64::MIN_POSITIVE, 1.0);
-        Link { slots: self.slots, seen: self.seen, mirrors: self.mirrors, arm, q }
+        BatchLink { slots: self.slots, seen: self.seen, mirrors: self.mirrors, arm, q }
     }
 }

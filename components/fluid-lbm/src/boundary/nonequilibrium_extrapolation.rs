@@ -10,7 +10,7 @@ use tremie_team::instructions::Work;
 /// Eight cells at open faces.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub struct Cells {
+pub struct InnerCells {
     /// Populations as they are.
     pub old: [Lane; Q],
     /// Those that are extrapolated, their density minus 1, and the velocity.
@@ -31,7 +31,7 @@ pub struct Cells {
     pub impulse: [Lane; 3],
 }
 
-impl Cells {
+impl InnerCells {
     /// Cells at rest.
     pub const NONE: Self = Self {
         old: [[0.0; LANES]; Q],
@@ -47,7 +47,7 @@ impl Cells {
 }
 
 /// Finds density and velocity of what is extrapolated, given the fluid's acceleration.
-pub struct LookInside<'a>(pub &'a mut Cells, pub [f64; 3]);
+pub struct LookInside<'a>(pub &'a mut InnerCells, pub [f64; 3]);
 
 impl Work for LookInside<'_> {
     #[inline(always)]
@@ -64,7 +64,7 @@ impl Work for LookInside<'_> {
 }
 
 /// Finds what the cells are to hold.
-pub struct Extrapolate<'a>(pub &'a mut Cells);
+pub struct Extrapolate<'a>(pub &'a mut InnerCells);
 
 impl Work for Extrapolate<'_> {
     #[inline(always)]
@@ -82,7 +82,7 @@ impl Work for Extrapolate<'_> {
 }
 
 /// Adds up what the fluid gained.
-pub struct AddUp<'a>(pub &'a mut Cells);
+pub struct AddUp<'a>(pub &'a mut InnerCells);
 
 impl Work for AddUp<'_> {
     #[inline(always)]

@@ -56,7 +56,7 @@
 
 use crate::boundary::link_kernels::{LANES, Lane};
 use crate::boundary::nonequilibrium_extrapolation::{
-    AddUp, Cells, Extrapolate, LookInside, gained,
+    AddUp, Extrapolate, InnerCells, LookInside, gained,
 };
 use crate::boundary::open_area::OpenAreas;
 use crate::boundary::refill::Content;
@@ -130,7 +130,7 @@ struct Steering {
 
 /// Cells that are one item of work, and what entered through them in the last step.
 #[derive(Clone, Debug)]
-pub struct Item {
+pub struct OpenItem {
     cells: Range<usize>,
     /// The face: `2 axis + side`.
     face: usize,
@@ -169,7 +169,7 @@ pub struct PostStreaming<'a, T: Real> {
 
 /// Cells that wait to be extrapolated together.
 struct Waiting {
-    cells: Cells,
+    cells: InnerCells,
     /// Their numbers in the item.
     numbers: [usize; LANES],
     /// The cells, and those that are extrapolated.
@@ -181,7 +181,7 @@ struct Waiting {
 impl Waiting {
     /// None.
     const NONE: Self = Self {
-        cells: Cells::NONE,
+        cells: InnerCells::NONE,
         numbers: [0; LANES],
         own: [0; LANES],
         from: [0; LANES],
@@ -197,7 +197,7 @@ impl OpenCells {
         absorbing: [bool; 6],
         blocked: &[Blocked],
         areas: &OpenAreas,
-    ) -> (Self, Vec<Item>) {
+    ) -> (Self, Vec<OpenItem>) {
         let mut own = Self::default();
         for links in blocked.chunk_by(|a, b| a.cell == b.cell) {
             let grid = &layout.grid;
@@ -239,7 +239,7 @@ impl OpenCells {
         let mut first = 0;
         for of_face in own.cells.chunk_by(|a, b| a.face == b.face) {
             for cells in of_face.chunks(CELLS_PER_ITEM) {
-                items.push(Item {
+                items.push(OpenItem {
                     cells: first..first + cells.len(),
                     face: of_face[0].face.into(),
                     share: 0.0,
@@ -263,7 +263,7 @@ impl OpenCells {
     /// fluid of a mean density. Sums are in the order of the items.
     pub fn steer(
         &mut self,
-        items: &[Item],
+        items: &[OpenItem],
         now: &[BoundaryValue],
         density: f64,
         brought: &[Brought; 6],
@@ -314,7 +314,7 @@ fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> [f64; 2] {
 
 impl<T: Real> PostStreaming<'_, T> {
     /// Gives an item's cells their populations and records what entered.
-    pub fn open(&self, cells: &OpenCells, item: &mut Item) {
+    pub fn open(&self, cells: &OpenCells, item: &mut OpenItem) {
         (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
         item.share = 0.0;
         let more = cells.steering[item.face].more;
@@ -366,7 +366,7 @@ impl<T: Real> PostStreaming<'_, T> {
         is_there.then_some(open.inner)
     }
 
-    fn bounce_cell(&self, open: &OpenCell, more: f64, item: &mut Item) {
+    fn bounce_cell(&self, open: &OpenCell, more: f64, item: &mut OpenItem) {
         let old = self.populations(open.cell);
         let inner = self.inner(open).map(|cell| self.populations(cell));
         let new = self.zou_he(open, more, (&old, inner.as_ref()), item);
@@ -410,7 +410,7 @@ impl<T: Real> PostStreaming<'_, T> {
     }
 
     /// Gives the cells that wait their populations by extrapolation.
-    fn extrapolate(&self, own: &[OpenCell], more: f64, waiting: &mut Waiting, item: &mut Item) {
+    fn extrapolate(&self, own: &[OpenCell], more: f64, waiting: &mut Waiting, item: &mut OpenItem) {
         let Waiting { cells, numbers, own: places, from, count } = waiting;
         let count = std::mem::take(count);
         if count == 0 {
@@ -456,7 +456,7 @@ impl<T: Real> PostStreaming<'_, T> {
     }
 
     /// Velocity as the face lets it pass: without its part along the face where fluid enters.
-    fn limited(&self, open: &OpenCell, u: [f64; 3], item: &mut Item) -> [f64; 3] {
+    fn limited(&self, open: &OpenCell, u: [f64; 3], item: &mut OpenItem) -> [f64; 3] {
         let (axis, inward) = (usize::from(open.face / 2), [1.0, -1.0][usize::from(open.face % 2)]);
         if u[axis] * inward <= 0.0 {
             return u;
@@ -495,7 +495,7 @@ impl<T: Real> PostStreaming<'_, T> {
         more: f64,
         number: usize,
         (drho, u): (f64, [f64; 3]),
-        item: &mut Item,
+        item: &mut OpenItem,
     ) -> (f64, [f64; 3]) {
         match self.now[open.face as usize] {
             BoundaryValue::Wall(given) => (drho, given.map(|v| v * (open.profile * (1.0 + more)))),
@@ -512,7 +512,7 @@ impl<T: Real> PostStreaming<'_, T> {
         open: &OpenCell,
         more: f64,
         (old, inner): (&[f64; Q], Option<&[f64; Q]>),
-        item: &mut Item,
+        item: &mut OpenItem,
     ) -> [f64; Q] {
         let (axis, inward) = (usize::from(open.face / 2), [1, -1][usize::from(open.face % 2)]);
         let n = f64::from(inward);

@@ -28,7 +28,7 @@ use crate::bodies::body_list::Bodies;
 use crate::bodies::change_blocks::ChangeBlocks;
 use crate::boundary::gap_sinks::GapSinks;
 use crate::boundary::link_batch::Batch;
-use crate::boundary::mesh_links::{PartLinks, Site, as_seen};
+use crate::boundary::mesh_links::{LinkSearch, PartLinks, as_seen};
 use crate::boundary::sphere_links::SphereLinks;
 use crate::boundary::unresolved_gaps::Gaps;
 use crate::boundary::wall_distances::WallDistances;
@@ -46,7 +46,7 @@ const ROWS_PER_ITEM: i32 = 256;
 /// Layers of a body's links. The cut into items depends on the body's size alone, and what items exchanged is added up
 /// in their order.
 #[derive(Clone, Debug)]
-pub struct Item {
+pub struct LinkItem {
     /// Place of the body among the living.
     pub body: usize,
     /// Layers of the shell, along z.
@@ -60,7 +60,7 @@ pub struct Item {
 }
 
 /// The items of all bodies; those of parts that press count for so many declared gaps and intakes.
-pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<Item> {
+pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<LinkItem> {
     let mut items = Vec::new();
     for (place, body) in bodies.living.iter_mut().enumerate() {
         let begin = items.len();
@@ -81,7 +81,13 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<I
                 }
                 Some(_) => SphereLinks::default(),
             };
-            items.push(Item { body: place, layers, gaps, found: PartLinks::default(), of_sphere });
+            items.push(LinkItem {
+                body: place,
+                layers,
+                gaps,
+                found: PartLinks::default(),
+                of_sphere,
+            });
         }
         body.items = begin..items.len();
     }
@@ -121,14 +127,14 @@ pub struct PostCollision<'a, T: Real> {
     pub intakes: &'a GapSinks,
 }
 
-impl Item {
+impl LinkItem {
     /// Memory that its links take [bytes].
     pub fn bytes(&self) -> usize {
         self.found.bytes() + self.of_sphere.bytes()
     }
 
     /// Finds the links of a part, if it has moved; true if they are others than in the step before.
-    pub fn find(&mut self, site: &Site, bodies: &Bodies) -> bool {
+    pub fn find(&mut self, site: &LinkSearch, bodies: &Bodies) -> bool {
         if !self.found.find(site, &bodies.living[self.body], self.layers.clone()) {
             return false;
         }
@@ -156,7 +162,12 @@ impl<T: Real> PostCollision<'_, T> {
     }
 
     /// Reflects the links of an item; returns what they exchanged.
-    pub fn reflect(&self, bodies: &Bodies, item: &mut Item, batch: &mut Batch) -> MomentumExchange {
+    pub fn reflect(
+        &self,
+        bodies: &Bodies,
+        item: &mut LinkItem,
+        batch: &mut Batch,
+    ) -> MomentumExchange {
         let body = &bodies.living[item.body];
         batch.begin();
         std::mem::swap(&mut batch.gaps, &mut item.gaps);

@@ -13,7 +13,7 @@ use crate::boundary::link_kernels::{LANES, Standing};
 use crate::boundary::mesh_links::as_seen;
 use crate::boundary::population_addresses::PopulationAddresses;
 use crate::boundary::post_collision::PostCollision;
-use crate::boundary::unresolved_gaps::{GapLink, Gaps, Met};
+use crate::boundary::unresolved_gaps::{GapLink, Gaps, MetInGap};
 use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::d3q19::{C, Q};
 use crate::lattice::populations::Real;
@@ -49,7 +49,7 @@ pub struct SphereLinks {
     /// Axes at which each is mirrored; none if no link is.
     pub mirrors: Vec<u8>,
     /// Links that may be gap links, and the fluid cells next to their ends; see `unresolved_gaps`.
-    gaps: Vec<(GapLink, Met, Witnesses)>,
+    gaps: Vec<(GapLink, MetInGap, Witnesses)>,
     witnesses: Vec<u32>,
     /// How often they were found.
     finds: u64,
@@ -85,7 +85,7 @@ impl SphereLinks {
             + size_of::<Standing>() * self.standing.capacity()
             + size_of::<PopulationAddresses>() * self.slots.capacity()
             + self.mirrors.capacity()
-            + size_of::<(GapLink, Met, Witnesses)>() * self.gaps.capacity()
+            + size_of::<(GapLink, MetInGap, Witnesses)>() * self.gaps.capacity()
             + size_of::<u32>() * self.witnesses.capacity()
     }
 
@@ -258,7 +258,7 @@ impl<T: Real> PostCollision<'_, T> {
                     && let Some(link) = self.gap_link(walls, [x, row.y, row.z], i)
                 {
                     let witnesses = self.witnesses(link.cell, links);
-                    links.gaps.push((link, Met::default(), witnesses));
+                    links.gaps.push((link, MetInGap::default(), witnesses));
                 }
             }
         }

@@ -53,7 +53,7 @@ const CUT: u8 = 2;
 
 /// A link. 12 bytes.
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct WallLink {
     /// Place of the population `i` of its cell in odd steps.
     odd: u32,
     /// Factor of `g_i`; that of the other population is what it lacks to 1. To 7 digits: a wall is
@@ -67,7 +67,7 @@ struct Link {
     fixture: u16,
 }
 
-impl Link {
+impl WallLink {
     #[inline(always)]
     fn is_near(&self) -> bool {
         self.kind & NEAR != 0
@@ -119,12 +119,12 @@ pub struct StaticWallLinks {
     first: Vec<u32>,
     /// Place of each cell's patch in the item's list.
     patches: Vec<u16>,
-    links: Vec<Link>,
+    links: Vec<WallLink>,
 }
 
 /// Cells whose links are one item of work, and what these exchanged.
 #[derive(Clone, Debug, Default)]
-pub struct Item {
+pub struct WallItem {
     cells: Range<usize>,
     /// For each fixture that the item's links meet, their exchange.
     pub exchanges: Vec<(BoundaryId, MomentumExchange)>,
@@ -135,16 +135,16 @@ pub struct Item {
 }
 
 /// What the links of one cell meet.
-struct Met<'a> {
+struct MetByCell<'a> {
     exchanges: &'a mut [(BoundaryId, MomentumExchange)],
     are_walls: &'a [bool],
     patch: &'a mut Patch,
 }
 
-impl Met<'_> {
+impl MetByCell<'_> {
     /// What a link pays of what its patch of wall owes.
     #[inline(always)]
-    fn pay(&mut self, link: &Link) -> f64 {
+    fn pay(&mut self, link: &WallLink) -> f64 {
         if link.is_cut() || !self.are_walls[usize::from(link.fixture)] {
             return 0.0;
         }
@@ -174,15 +174,15 @@ impl StaticWallLinks {
         sheets: &SheetLinks,
         blocked: impl Iterator<Item = (Blocked, f64)>,
         is_wall: impl Fn(BoundaryId) -> bool,
-    ) -> (Self, Vec<Item>, Patches) {
+    ) -> (Self, Vec<WallItem>, Patches) {
         let mut own = Self::default();
-        let mut items: Vec<Item> = Vec::new();
+        let mut items: Vec<WallItem> = Vec::new();
         let mut patches = Patches::default();
         for (Blocked { cell, dir, fixture }, q) in blocked {
             if own.cells.last() != Some(&cell) {
                 if own.cells.len() % CELLS_PER_ITEM == 0 {
                     let start = own.cells.len();
-                    items.push(Item { cells: start..start, ..Item::default() });
+                    items.push(WallItem { cells: start..start, ..WallItem::default() });
                 }
                 let item = items.last_mut().expect("an item was begun");
                 let met = (fixture, references[usize::from(fixture.0)]);
@@ -199,7 +199,7 @@ impl StaticWallLinks {
                 exchanges.push((fixture, MomentumExchange::default()));
                 item.are_walls.push(is_wall(fixture));
             }
-            own.links.push(Link {
+            own.links.push(WallLink {
                 odd: layout.places.odd(cell, dir.into()) as u32,
                 own: (if q < 0.5 { 2.0 * q } else { 0.5 / q }) as f32,
                 dir,
@@ -213,7 +213,7 @@ impl StaticWallLinks {
 
     /// The links of a cell, by its place in the list.
     #[inline(always)]
-    fn of(&self, k: usize) -> &[Link] {
+    fn of(&self, k: usize) -> &[WallLink] {
         &self.links[self.first[k] as usize..self.first[k + 1] as usize]
     }
 
@@ -239,7 +239,7 @@ impl<T: Real> PostCollision<'_, T> {
         links: &StaticWallLinks,
         now: &[BoundaryValue],
         reference: &[[f64; 3]],
-        item: &mut Item,
+        item: &mut WallItem,
     ) {
         for (_, exchange) in &mut item.exchanges {
             *exchange = MomentumExchange::default();
@@ -259,7 +259,7 @@ impl<T: Real> PostCollision<'_, T> {
                 continue;
             }
             let at = row.at(&self.layout.grid, self.layout.cells.index(cell));
-            let met = Met {
+            let met = MetByCell {
                 exchanges: &mut item.exchanges,
                 are_walls: &item.are_walls,
                 patch: &mut item.patches[usize::from(links.patches[k])],
@@ -274,7 +274,7 @@ impl<T: Real> PostCollision<'_, T> {
 
     /// Places of `g_i` of a link and of the other population that it needs.
     #[inline(always)]
-    fn places_of(&self, cell: u32, link: &Link) -> (usize, usize) {
+    fn places_of(&self, cell: u32, link: &WallLink) -> (usize, usize) {
         let (i, stride) = (usize::from(link.dir), self.layout.places.stride());
         let own = OPPOSITE[i] * stride + cell as usize;
         let within = i * stride + cell as usize;
@@ -284,7 +284,7 @@ impl<T: Real> PostCollision<'_, T> {
 
     /// Asks memory for what a cell's links need.
     #[inline(always)]
-    fn ask_for_cell(&self, cell: u32, links: &[Link]) {
+    fn ask_for_cell(&self, cell: u32, links: &[WallLink]) {
         for link in links {
             let (own, other) = self.places_of(cell, link);
             self.field.prefetch(own);
@@ -298,9 +298,9 @@ impl<T: Real> PostCollision<'_, T> {
         &self,
         cell: u32,
         at: [i32; 3],
-        links: &[Link],
+        links: &[WallLink],
         reference: &[[f64; 3]],
-        mut met: Met,
+        mut met: MetByCell,
     ) {
         let all_fluid = self.owners.all_fluid();
         let mut values = [(0.0, 0.0); Q];
@@ -344,12 +344,12 @@ impl<T: Real> PostCollision<'_, T> {
         &self,
         cell: u32,
         at: [i32; 3],
-        links: &[Link],
+        links: &[WallLink],
         now: &[BoundaryValue],
         reference: &[[f64; 3]],
-        mut met: Met,
+        mut met: MetByCell,
     ) {
-        let still = |link: &Link| {
+        let still = |link: &WallLink| {
             now[met.exchanges[link.fixture as usize].0.0 as usize] == BoundaryValue::Wall([0.0; 3])
         };
         let all = if links.iter().all(still) { None } else { Some(self.post(cell)) };
@@ -389,7 +389,8 @@ impl<T: Real> PostCollision<'_, T> {
         let more = brought + self.mean * slid;
         if more != 0.0 && open_faces(&self.layout.grid, at).next().is_none() {
             let exchanges = &mut met.exchanges;
-            let is_face = |link: &&Link| exchanges[link.fixture as usize].0.as_solid().is_none();
+            let is_face =
+                |link: &&WallLink| exchanges[link.fixture as usize].0.as_solid().is_none();
             if let Some(link) = links.iter().find(is_face) {
                 exchanges[link.fixture as usize].1.mass += self.give(cell, -more);
             }
@@ -407,7 +408,7 @@ impl<T: Real> PostCollision<'_, T> {
     fn at_wall(
         &self,
         cell: u32,
-        link: &Link,
+        link: &WallLink,
         g: f64,
         u: [f64; 3],
         all: Option<&[f64; Q]>,
@@ -444,7 +445,7 @@ impl<T: Real> PostCollision<'_, T> {
 }
 
 /// What comes back from a surface with density `1 + drho`.
-fn at_density(link: &Link, g: f64, drho: f64, all: Option<&[f64; Q]>) -> f64 {
+fn at_density(link: &WallLink, g: f64, drho: f64, all: Option<&[f64; Q]>) -> f64 {
     let i = link.dir as usize;
     let all = all.expect("populations were read because the surface is no wall");
     let rho = density(all);

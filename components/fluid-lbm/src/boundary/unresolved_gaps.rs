@@ -115,7 +115,7 @@ impl GapLink {
 /// How far a part is along a gap link from where that ends: what a search in its surface gave, which holds as long
 /// as the part's cells are where they were found.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Met {
+pub struct MetInGap {
     /// The part, and its search.
     of: Option<(u64, u64)>,
     distance: f64,
@@ -130,7 +130,7 @@ enum Begin {
     Stored { cell: u32, mirrors: u8 },
 }
 
-impl Met {
+impl MetInGap {
     /// The distance of a body, found anew unless it is that of a part which is known.
     fn of(&mut self, other: &Body, find: impl FnOnce() -> f64) -> f64 {
         let Some(part) = &other.part else { return find() };
@@ -290,7 +290,7 @@ impl<T: Real> PostCollision<'_, T> {
         gaps: &mut Gaps,
     ) {
         let cell = link.cell;
-        let met = &mut Met::default();
+        let met = &mut MetInGap::default();
         if let Some(gap) = self.press((bodies, body), link, (meeting, met), gaps) {
             for next in self.layout.places.neighbours(cell) {
                 if self.owners.is_fluid(next) {
@@ -306,7 +306,7 @@ impl<T: Real> PostCollision<'_, T> {
         &self,
         bodies: &Bodies,
         body: &Body,
-        (link, met): (&GapLink, &mut Met),
+        (link, met): (&GapLink, &mut MetInGap),
         witnesses: &[u32],
         gaps: &mut Gaps,
     ) {
@@ -338,7 +338,7 @@ impl<T: Real> PostCollision<'_, T> {
         &self,
         (bodies, body): (&Bodies, &Body),
         link: &GapLink,
-        (meeting, met): (Option<(f64, u32)>, &mut Met),
+        (meeting, met): (Option<(f64, u32)>, &mut MetInGap),
         gaps: &'g mut Gaps,
     ) -> Option<&'g mut Gap> {
         let (at, i) = (link.at, usize::from(link.dir));
@@ -364,7 +364,7 @@ impl<T: Real> PostCollision<'_, T> {
         bodies: &Bodies,
         body: &Body,
         link: &GapLink,
-        met: &mut Met,
+        met: &mut MetInGap,
     ) -> Option<(OtherSide, f64)> {
         let GapLink { at, cell, .. } = *link;
         let (grid, i) = (&self.layout.grid, usize::from(link.dir));

@@ -3,9 +3,9 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::Hit;
-use crate::bodies::mesh_body::{Facets, MeshBody};
-use crate::boundary::link_batch::Link;
-use crate::boundary::mesh_links::{Site, recession, wall_velocity};
+use crate::bodies::mesh_body::{MeshBody, NearFacets};
+use crate::boundary::link_batch::BatchLink;
+use crate::boundary::mesh_links::{LinkSearch, recession, wall_velocity};
 use crate::boundary::population_addresses::PopulationAddresses;
 use crate::boundary::post_collision::PostCollision;
 use crate::boundary::unresolved_gaps::{
@@ -19,7 +19,7 @@ use crate::lattice::populations::Real;
 
 /// A gap link between a moving part and what stands still, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
-struct GapLink {
+struct PartGapLink {
     across: OtherSide,
     dir: u8,
     /// The cell where it begins, as seen from the body.
@@ -35,7 +35,7 @@ struct GapLink {
 /// The gap links between an item of a moving part and what stands still.
 #[derive(Clone, Debug, Default)]
 pub struct GapLinks {
-    links: Vec<GapLink>,
+    links: Vec<PartGapLink>,
     /// Cells whose density, where they are fluid, is that of the gap.
     witnesses: Vec<u32>,
     /// For each link where it meets a surface that can deform; none for rigid parts.
@@ -70,7 +70,7 @@ impl GapLinks {
 
 impl<T: Real> PostCollision<'_, T> {
     /// Records a part's link into a frozen cell of a declared gap.
-    pub fn press_frozen(&self, gap: u16, link: &Link, facet: u32, gaps: &mut Gaps) {
+    pub fn press_frozen(&self, gap: u16, link: &BatchLink, facet: u32, gaps: &mut Gaps) {
         gaps.add(OtherSide::declared(gap), link.arm, (link.seen.into(), link.q), facet);
     }
 
@@ -87,7 +87,8 @@ impl<T: Real> PostCollision<'_, T> {
             let width = link.width + by;
             if let Some(gap) = link.across.as_declared() {
                 let (dir, q) = (link.dir, link.q + by);
-                let now = Link { slots: PopulationAddresses::NONE, seen: dir, mirrors: 0, arm, q };
+                let now =
+                    BatchLink { slots: PopulationAddresses::NONE, seen: dir, mirrors: 0, arm, q };
                 let velocity = wall_velocity(body, &now, hit);
                 let wider = dot(link.slope.map(f64::from), velocity);
                 gaps.draw(gap, recession(&now, velocity) * part_apart(width, wider));
@@ -117,13 +118,13 @@ fn part_apart(width: f64, wider: f64) -> f64 {
     (apart(width) - apart(width - wider)) / wider
 }
 
-impl Site<'_> {
+impl LinkSearch<'_> {
     /// Finds the gap links between a part and the walls of the domain.
     pub fn gaps_at_walls(
         &self,
         body: &Body,
         walls: &WallDistances,
-        facets: &mut Facets,
+        facets: &mut NearFacets,
         gaps: &mut GapLinks,
     ) {
         let Some(part) = &body.part else { return };
@@ -140,7 +141,7 @@ impl Site<'_> {
     pub fn static_gap(
         &self,
         part: &MeshBody,
-        facets: &Facets,
+        facets: &NearFacets,
         walls: &WallDistances,
         at: [i32; 3],
         i: usize,
@@ -173,7 +174,7 @@ impl Site<'_> {
         if part.shape.is_some() {
             gaps.hits.push(meeting.hit);
         }
-        gaps.links.push(GapLink {
+        gaps.links.push(PartGapLink {
             across,
             dir: i as u8,
             at,

@@ -6,7 +6,7 @@ use crate::lattice::cell_list::BoundaryId;
 
 /// Where one link meets a solid. 8 bytes.
 #[derive(Clone, Copy, Debug)]
-struct Meeting {
+struct WallDistance {
     /// As a fraction of the link, to 7 digits: a wall is nowhere known better.
     q: f32,
     fixture: u16,
@@ -20,7 +20,7 @@ pub struct WallDistances {
     cells: Vec<u32>,
     /// First meeting of each cell, and the end.
     first: Vec<u32>,
-    meetings: Vec<Meeting>,
+    meetings: Vec<WallDistance>,
 }
 
 impl WallDistances {
@@ -32,7 +32,7 @@ impl WallDistances {
                 own.cells.push(cell);
                 own.first.push(own.meetings.len() as u32);
             }
-            own.meetings.push(Meeting { q: q as f32, fixture, dir });
+            own.meetings.push(WallDistance { q: q as f32, fixture, dir });
         }
         own.first.push(own.meetings.len() as u32);
         own

@@ -29,7 +29,7 @@
 //! of one at a symmetry plane those of the whole.
 
 use crate::boundary::open_boundary::open_faces;
-use crate::boundary::static_wall_links::Item;
+use crate::boundary::static_wall_links::WallItem;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{Q, W};
 use crate::lattice::grid::Grid;
@@ -173,7 +173,7 @@ impl Patches {
     }
 
     /// What links brought to the cells at each open face in this step, `2 axis + side`.
-    pub fn brought(items: &[Item]) -> [Brought; 6] {
+    pub fn brought(items: &[WallItem]) -> [Brought; 6] {
         let mut all = [Brought::default(); 6];
         for patch in items.iter().flat_map(|item| &item.patches) {
             if let Holder::Face(face) = patch.holder {
@@ -186,7 +186,7 @@ impl Patches {
     }
 
     /// Settles all accounts at the end of a step, in the order of the items; returns what is owed.
-    pub fn settle(&mut self, items: &mut [Item]) -> f64 {
+    pub fn settle(&mut self, items: &mut [WallItem]) -> f64 {
         for account in &mut self.accounts {
             (account.gained, account.weight) = (0.0, 0.0);
         }
@@ -212,7 +212,7 @@ impl Patches {
     }
 
     /// Forgets what is owed: the fluid begins anew.
-    pub fn forgive(&mut self, items: &mut [Item]) {
+    pub fn forgive(&mut self, items: &mut [WallItem]) {
         self.accounts.fill(PatchAccount::default());
         for patch in items.iter_mut().flat_map(|item| &mut item.patches) {
             *patch = Patch::of(patch.holder);

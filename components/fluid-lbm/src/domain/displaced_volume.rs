@@ -74,12 +74,12 @@ impl Polygon {
 
 /// Integrals of 1 and of position over an area or a volume.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+struct VolumeSums {
     zeroth: f64,
     first: [f64; 3],
 }
 
-impl Sums {
+impl VolumeSums {
     fn add(&mut self, weight: f64, at: [f64; 3]) {
         self.zeroth += weight;
         for a in 0..3 {
@@ -145,11 +145,15 @@ impl Displaced {
 }
 
 /// What counts along the first axis.
-fn along(triangles: impl Iterator<Item = [[f64; 3]; 3]>, held: &Bounds, window: &Bounds) -> Sums {
+fn along(
+    triangles: impl Iterator<Item = [[f64; 3]; 3]>,
+    held: &Bounds,
+    window: &Bounds,
+) -> VolumeSums {
     let (lower, upper) = (held.min[0], held.max[0]);
     let length = window.max[0] - window.min[0];
     let inside = [window.min[0] + FLUSH * length, window.max[0] - FLUSH * length];
-    let (mut volume, mut ends) = (Sums::default(), [Sums::default(); 2]);
+    let (mut volume, mut ends) = (VolumeSums::default(), [VolumeSums::default(); 2]);
     for corners in triangles {
         let mut polygon = Polygon::NONE;
         corners.into_iter().for_each(|corner| polygon.push(corner));

@@ -18,11 +18,11 @@ pub struct Solid {
     pub boundary: PartBoundary,
     /// The point about which its torque counts [m].
     pub reference: [f64; 3],
-    shape: Shape,
+    shape: SolidShape,
 }
 
 /// Where a solid is.
-enum Shape {
+enum SolidShape {
     Part {
         surface: Arc<Surface>,
         /// Where it is: itself first, then as it comes in again through periodic faces.
@@ -173,7 +173,7 @@ impl Solid {
             part: Some(index),
             boundary: part.boundary.clone(),
             reference: part.pose.position,
-            shape: Shape::Part { surface, images, cavity: part.cavity },
+            shape: SolidShape::Part { surface, images, cavity: part.cavity },
         }
     }
 
@@ -183,14 +183,14 @@ impl Solid {
             part: None,
             boundary: PartBoundary::Wall,
             reference: plane.point,
-            shape: Shape::Plane { point: plane.point, normal: plane.normal },
+            shape: SolidShape::Plane { point: plane.point, normal: plane.normal },
         }
     }
 
     /// What it displaces where it counts, about its reference [m³, m⁴]: nothing, of a plane. `mirrors` are the axes across
     /// which a symmetry plane cuts it.
     pub fn displaced(&self, grid: &Grid, centres: &Centres, mirrors: [bool; 3]) -> Displaced {
-        let Shape::Part { surface, images, .. } = &self.shape else {
+        let SolidShape::Part { surface, images, .. } = &self.shape else {
             return Displaced::default();
         };
         let Image { frame, bounds } = &images[0];
@@ -209,14 +209,14 @@ impl Solid {
         scratch: &mut RowScratch,
     ) {
         match &self.shape {
-            Shape::Plane { point, normal } => {
+            SolidShape::Plane { point, normal } => {
                 for (x, inside) in (0..).zip(inside) {
                     let centre = centres.of([x, y, z]);
                     let d = std::array::from_fn(|a| centre[a] - point[a]);
                     *inside = dot(d, *normal) <= 0.0;
                 }
             }
-            Shape::Part { surface, images, cavity } => {
+            SolidShape::Part { surface, images, cavity } => {
                 let (first, last) = (centres.of([0, y, z]), centres.of([grid.n[0] - 1, y, z]));
                 let row_bounds = Bounds::of([first, last]);
                 inside.fill(*cavity);
@@ -243,10 +243,10 @@ impl Solid {
     /// Whether a point [m] is in the solid, its surface included.
     pub fn holds(&self, point: [f64; 3]) -> bool {
         match &self.shape {
-            Shape::Plane { point: on, normal } => {
+            SolidShape::Plane { point: on, normal } => {
                 dot(std::array::from_fn(|a| point[a] - on[a]), *normal) <= 0.0
             }
-            Shape::Part { surface, images, cavity } => {
+            SolidShape::Part { surface, images, cavity } => {
                 let in_image = |image: &Image| surface.contains(image.frame.to_part(point));
                 // A cavity's surface says of what is around it that it is solid.
                 if *cavity { images.iter().all(in_image) } else { images.iter().any(in_image) }
@@ -257,16 +257,16 @@ impl Solid {
     /// Its surface, unless it is a plane.
     pub fn surface(&self) -> Option<&Surface> {
         match &self.shape {
-            Shape::Part { surface, .. } => Some(surface),
-            Shape::Plane { .. } => None,
+            SolidShape::Part { surface, .. } => Some(surface),
+            SolidShape::Plane { .. } => None,
         }
     }
 
     /// Around its surface, if that is bounded [m].
     pub fn bounds(&self) -> Option<Bounds> {
         match &self.shape {
-            Shape::Part { images, .. } => Some(images[0].bounds),
-            Shape::Plane { .. } => None,
+            SolidShape::Part { images, .. } => Some(images[0].bounds),
+            SolidShape::Plane { .. } => None,
         }
     }
 
@@ -275,7 +275,7 @@ impl Solid {
     /// points of [`Solid::fill_row`], so that a link with one end in the solid meets it.
     pub fn crossing(&self, centres: &Centres, from: [i32; 3], to: [i32; 3]) -> Option<f64> {
         let fraction = match &self.shape {
-            Shape::Plane { point, normal } => {
+            SolidShape::Plane { point, normal } => {
                 let height = |at| {
                     let centre = centres.of(at);
                     dot(std::array::from_fn(|a| centre[a] - point[a]), *normal)
@@ -283,7 +283,7 @@ impl Solid {
                 let (start, end) = (height(from), height(to));
                 ((start > 0.0) != (end > 0.0)).then(|| start / (start - end))
             }
-            Shape::Part { surface, images, .. } => {
+            SolidShape::Part { surface, images, .. } => {
                 let of = |image: &Image| {
                     let point = |at: [i32; 3]| {
                         let row = row(&image.frame, centres, [at[1], at[2]]);
@@ -300,10 +300,10 @@ impl Solid {
     /// Distance of a point [m] from the surface [m].
     pub fn distance(&self, point: [f64; 3]) -> f64 {
         match &self.shape {
-            Shape::Plane { point: on, normal } => {
+            SolidShape::Plane { point: on, normal } => {
                 dot(std::array::from_fn(|a| point[a] - on[a]), *normal).abs()
             }
-            Shape::Part { surface, images, .. } => {
+            SolidShape::Part { surface, images, .. } => {
                 let of = |image: &Image| surface.closest(image.frame.to_part(point)).distance.abs();
                 images.iter().map(of).fold(f64::INFINITY, f64::min)
             }
@@ -313,11 +313,11 @@ impl Solid {
     /// The way from a point [m] to the nearest one of the surface [m], if it is at most `reach` [m] long.
     pub fn way_within(&self, point: [f64; 3], reach: f64) -> Option<[f64; 3]> {
         match &self.shape {
-            Shape::Plane { point: on, normal } => {
+            SolidShape::Plane { point: on, normal } => {
                 let height = dot(std::array::from_fn(|a| point[a] - on[a]), *normal);
                 (height.abs() <= reach).then(|| normal.map(|n| -height * n))
             }
-            Shape::Part { surface, images, .. } => {
+            SolidShape::Part { surface, images, .. } => {
                 let of = |image: &Image| {
                     let seen = image.frame.to_part(point);
                     let closest = surface.closest_within(seen, reach)?;
@@ -334,7 +334,7 @@ impl Solid {
     /// coordinates around each of its triangles; the whole box for a plane.
     pub fn each_near(&self, grid: &Grid, centres: &Centres, mut visit: impl FnMut([[i32; 3]; 2])) {
         let whole = [[0; 3], grid.n.map(|n| n - 1)];
-        let Shape::Part { surface, images, .. } = &self.shape else { return visit(whole) };
+        let SolidShape::Part { surface, images, .. } = &self.shape else { return visit(whole) };
         let mesh = surface.mesh();
         let walls = (0..mesh.triangles.len()).filter(|&t| surface.is_wall(t as u32));
         for (image, triangle) in

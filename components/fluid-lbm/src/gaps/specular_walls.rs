@@ -37,7 +37,7 @@ use tremie_team::Team;
 /// Room for links, for each cell: as many as end aslant at one side of a gap and at the other.
 const LINKS_PER_CELL: usize = 10;
 
-/// In the order of [`Link::given`] and [`Link::taken`].
+/// In the order of [`SlipLink::given`] and [`SlipLink::taken`].
 const PARITIES: [Parity; 2] = [Parity::Even, Parity::Odd];
 
 /// Whose wall a link meets.
@@ -51,7 +51,7 @@ enum Whose {
 
 /// A link that slips.
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct SlipLink {
     /// Its number among all that an item may have: in the order of its links.
     number: u32,
     cell: u32,
@@ -83,10 +83,10 @@ struct Motion {
 
 /// Links, and by how much slipping changes what their walls exchanged.
 #[derive(Clone, Debug, Default)]
-struct Item {
-    links: Vec<Link>,
+struct SlipItem {
+    links: Vec<SlipLink>,
     /// Those of the step before.
-    before: Vec<Link>,
+    before: Vec<SlipLink>,
     /// For each link how its wall moves in this step, if that is a body's.
     motions: Vec<Motion>,
     exchanges: Vec<(Whose, MomentumExchange)>,
@@ -97,7 +97,7 @@ struct Item {
 /// All links that slip, in items as the cells of gaps.
 #[derive(Clone, Debug, Default)]
 pub struct SpecularWalls {
-    items: Vec<Item>,
+    items: Vec<SlipItem>,
     /// By cell, whether links depend on whose it is.
     matters: Vec<bool>,
     /// By cell, whether its links are to be found anew, and which cells those are.
@@ -115,7 +115,7 @@ impl SpecularWalls {
         for cell in gaps.items().enumerate().flat_map(|(item, _)| gaps.cells_of(item)) {
             around(layout, cell).for_each(|near| matters[near as usize] = true);
         }
-        let item = |cells: usize| Item {
+        let item = |cells: usize| SlipItem {
             links: Vec::with_capacity(cells * LINKS_PER_CELL),
             before: Vec::with_capacity(cells * LINKS_PER_CELL),
             motions: Vec::with_capacity(cells * LINKS_PER_CELL),
@@ -163,7 +163,7 @@ impl SpecularWalls {
                         item.links.push(link);
                     }
                 } else if let Some(axis) = gaps.slips_at(cell).filter(|_| owners.is_fluid(cell)) {
-                    let site = Site { gaps, bodies, owners, layout, inside: cell, first };
+                    let site = SlipSite { gaps, bodies, owners, layout, inside: cell, first };
                     let begin = item.links.len();
                     site.find(axis, &mut item.links);
                     for link in &mut item.links[begin..] {
@@ -291,7 +291,7 @@ fn around(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
     (0..27).filter_map(near).map(|(near, _)| near)
 }
 
-impl Link {
+impl SlipLink {
     /// Whether this is the link of the step before.
     fn is_same(&self, now: &Self) -> bool {
         (self.number, self.whose) == (now.number, now.whose)
@@ -320,7 +320,7 @@ impl Link {
 /// force.
 fn give(
     exchange: &mut MomentumExchange,
-    link: &Link,
+    link: &SlipLink,
     gain: f64,
     arm: [f64; 3],
     u: [f64; 3],
@@ -339,7 +339,7 @@ fn give(
 
 /// What links are looked for in.
 #[derive(Clone, Copy)]
-struct Site<'a> {
+struct SlipSite<'a> {
     gaps: &'a ModelledGaps,
     bodies: &'a Bodies,
     owners: &'a CellFlags,
@@ -349,24 +349,24 @@ struct Site<'a> {
     first: u32,
 }
 
-impl Site<'_> {
+impl SlipSite<'_> {
     /// Lists the links of its cell, and their images.
-    fn find(&self, axis: usize, links: &mut Vec<Link>) {
+    fn find(&self, axis: usize, links: &mut Vec<SlipLink>) {
         for i in (1..Q).filter(|&i| C[i][axis] != 0) {
             let number = self.first + 2 * i as u32;
             let Some(link) = self.link(self.inside, i, axis) else { continue };
-            links.push(Link { number, ..link });
+            links.push(SlipLink { number, ..link });
             // At the end of a gap the image begins outside.
             let (source, from) = (link.source, usize::from(link.from));
             if self.gaps.slips_at(source) != Some(axis) {
                 let image = self.link(source, from, axis);
-                links.extend(image.map(|link| Link { number: number + 1, ..link }));
+                links.extend(image.map(|link| SlipLink { number: number + 1, ..link }));
             }
         }
     }
 
     /// The link `i` of a cell, if it and its image slip.
-    fn link(&self, cell: u32, i: usize, axis: usize) -> Option<Link> {
+    fn link(&self, cell: u32, i: usize, axis: usize) -> Option<SlipLink> {
         let whose = self.whose(cell, i)?;
         let at = self.layout.at(cell);
         let mut along = C[i];
@@ -382,7 +382,7 @@ impl Site<'_> {
         let mirrors = self.layout.grid.mirrors_to(std::array::from_fn(|a| at[a] + C[i][a]));
         let (at, seen) = as_seen(&self.layout.grid, at, i, mirrors);
         let place = |parity, cell, i| self.layout.place(parity, cell, i) as u32;
-        Some(Link {
+        Some(SlipLink {
             number: self.first,
             cell,
             source,

@@ -2,7 +2,7 @@
 
 use crate::lattice::collision::AHEAD;
 use crate::lattice::collision_kernel::{Sweep, all_lanes};
-use crate::lattice::contiguous_lines::Run;
+use crate::lattice::contiguous_lines::LineRun;
 use crate::lattice::d3q19::Q;
 use crate::lattice::populations::{Real, prefetch, prefetch_early};
 use crate::lattice::simd::SimdVector;
@@ -69,9 +69,9 @@ impl<T: Real> Scratch<T> {
         &mut self,
         sweep: &Sweep<T>,
         line: usize,
-    ) -> Run<T> {
+    ) -> LineRun<T> {
         let base = sweep.field.base();
-        let mut run = Run::collected(sweep, line);
+        let mut run = LineRun::collected(sweep, line);
         of_pieces!(sweep, line, |pieces| {
             let i = usize::from(pieces[0].dir);
             run.places[i] = self.0[i].as_mut_ptr();

@@ -21,7 +21,7 @@
 //! says where they begin; else a list of pieces does.
 
 use crate::lattice::aa_rows::{RowEnd, Way};
-use crate::lattice::cell_list::{BoundaryId, Cells, End, Obstacles};
+use crate::lattice::cell_list::{BoundaryId, CellList, LinkEnd, Obstacles};
 use crate::lattice::d3q19::{OPPOSITE, Q, mirrored};
 use crate::lattice::grid::Grid;
 use crate::lattice::populations::prefetch;
@@ -152,7 +152,7 @@ impl AaPattern {
     /// in [`BlockedLinks::blocked`] instead of [`BlockedLinks::reflections`].
     pub fn new(
         grid: &Grid,
-        cells: &Cells,
+        cells: &CellList,
         obstacles: &Obstacles,
         line: usize,
         special: impl Fn(BoundaryId) -> bool,
@@ -169,7 +169,7 @@ impl AaPattern {
         };
         debug_assert!(line.is_power_of_two());
         let mut survey = BlockedLinks::default();
-        let mut ends = vec![[End::Cell { cell: 0, mirrors: 0 }; Q]; line];
+        let mut ends = vec![[LinkEnd::Cell { cell: 0, mirrors: 0 }; Q]; line];
         let mut sheets = obstacles.sheets.as_slice();
         for first in (0..cells.len()).step_by(line) {
             let lanes = line.min(cells.len() - first);
@@ -185,7 +185,7 @@ impl AaPattern {
                     }
                     if sheet.cell as usize == index {
                         ends[lane][sheet.dir as usize] =
-                            End::BoundaryId(BoundaryId::solid(sheet.solid));
+                            LinkEnd::BoundaryId(BoundaryId::solid(sheet.solid));
                     }
                     sheets = rest;
                 }
@@ -201,7 +201,7 @@ impl AaPattern {
     fn add_line(
         &mut self,
         first: usize,
-        ends: &[[End; Q]],
+        ends: &[[LinkEnd; Q]],
         special: impl Fn(BoundaryId) -> bool,
         survey: &mut BlockedLinks,
     ) {
@@ -214,8 +214,10 @@ impl AaPattern {
             for (lane, ends) in ends.iter().enumerate() {
                 let from = ends[OPPOSITE[i]];
                 let (plane, cell) = match from {
-                    End::Cell { cell, mirrors } => (OPPOSITE[mirrored(i, mirrors)], cell as usize),
-                    End::BoundaryId(_) => (i, first + lane),
+                    LinkEnd::Cell { cell, mirrors } => {
+                        (OPPOSITE[mirrored(i, mirrors)], cell as usize)
+                    }
+                    LinkEnd::BoundaryId(_) => (i, first + lane),
                 };
                 let place = (plane * self.stride + cell - lane) as u32;
                 let piece = self.pieces[begin..].iter_mut().find(|p| p.place == place);
@@ -227,14 +229,14 @@ impl AaPattern {
                     }
                 }
                 let (mirrors, fixture) = match from {
-                    End::Cell { mirrors: 0, .. } => continue,
-                    End::Cell { mirrors, .. } => (mirrors, BoundaryId(u16::MAX)),
-                    End::BoundaryId(fixture) if special(fixture) => {
+                    LinkEnd::Cell { mirrors: 0, .. } => continue,
+                    LinkEnd::Cell { mirrors, .. } => (mirrors, BoundaryId(u16::MAX)),
+                    LinkEnd::BoundaryId(fixture) if special(fixture) => {
                         let (cell, dir) = ((first + lane) as u32, OPPOSITE[i] as u8);
                         survey.blocked.push(Blocked { cell, dir, fixture });
                         continue;
                     }
-                    End::BoundaryId(fixture) => (0, fixture),
+                    LinkEnd::BoundaryId(fixture) => (0, fixture),
                 };
                 let same = |r: &&mut Reflection| {
                     (r.place, r.mirrors, r.fixture) == (place, mirrors, fixture)

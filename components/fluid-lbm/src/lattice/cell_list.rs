@@ -59,7 +59,7 @@ pub struct Obstacles {
 
 /// Where a link from a stored cell ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum LinkEnd {
     /// In a stored cell, through a mirror at the axes whose bits are set.
     Cell {
         /// Its number.
@@ -81,14 +81,14 @@ struct Word {
 
 /// The stored cells.
 #[derive(Clone, Debug)]
-pub struct Cells {
+pub struct CellList {
     /// Which cells of the box are stored, and so their numbers: the count of those before.
     words: Vec<Word>,
     /// For each stored cell its index in the box.
     at: Vec<u32>,
 }
 
-impl Cells {
+impl CellList {
     /// Numbers the cells that are not solid.
     pub fn new(grid: &Grid, obstacles: &Obstacles) -> Self {
         let boxed = grid.len();
@@ -139,12 +139,12 @@ impl Cells {
     }
 
     /// Where the link along `i` from a cell at `at` leads, sheets not counted.
-    pub fn end(&self, grid: &Grid, obstacles: &Obstacles, at: [i32; 3], i: usize) -> End {
+    pub fn end(&self, grid: &Grid, obstacles: &Obstacles, at: [i32; 3], i: usize) -> LinkEnd {
         match grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
-            Reach::Face { axis, side } => End::BoundaryId(BoundaryId::face(axis, side)),
+            Reach::Face { axis, side } => LinkEnd::BoundaryId(BoundaryId::face(axis, side)),
             Reach::Cell { at, mirrors } => match self.at(grid, at) {
-                Some(cell) => End::Cell { cell, mirrors },
-                None => End::BoundaryId(BoundaryId::solid(obstacles.solid[grid.index(at)] - 1)),
+                Some(cell) => LinkEnd::Cell { cell, mirrors },
+                None => LinkEnd::BoundaryId(BoundaryId::solid(obstacles.solid[grid.index(at)] - 1)),
             },
         }
     }

@@ -8,10 +8,10 @@
 use crate::lattice::aa_gather::{self, PIECES_AHEAD, Scratch};
 use crate::lattice::aa_pattern::{AaPattern, Parity};
 use crate::lattice::collision::{Constants, Relaxation};
-use crate::lattice::contiguous_lines::{self, Run};
+use crate::lattice::contiguous_lines::{self, LineRun};
 use crate::lattice::halfway_bounce_back::HalfwayLinks;
 use crate::lattice::populations::{Field, Real};
-use crate::lattice::reductions::{CellStatistics, Sums};
+use crate::lattice::reductions::{CellStatistics, StatisticsSums};
 use crate::lattice::reflection_impulse::ReflectionImpulse;
 #[cfg(target_arch = "x86_64")]
 use crate::lattice::simd::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
@@ -114,9 +114,9 @@ pub trait CollisionKernel: Real {
 /// with and without a closure, and for one and two times.
 type RunKernel<V> = unsafe fn(
     &Sweep<<V as SimdVector>::Scalar>,
-    &Run<<V as SimdVector>::Scalar>,
+    &LineRun<<V as SimdVector>::Scalar>,
     &Constants<V>,
-    &mut Sums<V>,
+    &mut StatisticsSums<V>,
 );
 
 macro_rules! kernels {
@@ -160,9 +160,9 @@ macro_rules! kernels {
         #[$($feature)*]
         unsafe fn run<const FORCED: bool, const LES: bool, const SINGLE: bool>(
             sweep: &Sweep<<$lanes as SimdVector>::Scalar>,
-            run: &Run<<$lanes as SimdVector>::Scalar>,
+            run: &LineRun<<$lanes as SimdVector>::Scalar>,
             constants: &Constants<$lanes>,
-            sums: &mut Sums<$lanes>,
+            sums: &mut StatisticsSums<$lanes>,
         ) {
             // SAFETY: by contract.
             unsafe { contiguous_lines::collide::<$lanes, FORCED, LES, SINGLE>(sweep, run, constants, sums) }
@@ -209,10 +209,10 @@ unsafe fn sweep_lines<V: SimdVector>(
     // SAFETY: by contract.
     let constants = unsafe { Constants::<V>::new(sweep.relaxation) };
     // SAFETY: by contract.
-    let mut sums = unsafe { Sums::<V>::new() };
+    let mut sums = unsafe { StatisticsSums::<V>::new() };
     if sweep.parity == Parity::Even {
         // SAFETY: these are the lines' own places in even steps.
-        unsafe { run(sweep, &Run::even(sweep, lines), &constants, &mut sums) };
+        unsafe { run(sweep, &LineRun::even(sweep, lines), &constants, &mut sums) };
     } else {
         let mut scratch = Scratch::new();
         let (mut start, mut asked) = (lines.start, lines.start);
@@ -230,7 +230,7 @@ unsafe fn sweep_lines<V: SimdVector>(
             // SAFETY: places and pieces are those of the lines in odd steps. A line that has to be collected is a run of its own.
             unsafe {
                 if !is_in_pieces || V::N == V::Scalar::LINE && is_row_end {
-                    run(sweep, &Run::odd(sweep, start..end), &constants, &mut sums);
+                    run(sweep, &LineRun::odd(sweep, start..end), &constants, &mut sums);
                 } else if line_bits::<V>(sweep.fluid, start) != 0 {
                     let collected = scratch.gather::<V>(sweep, start);
                     run(sweep, &collected, &constants, &mut sums);

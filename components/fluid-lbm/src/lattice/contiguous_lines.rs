@@ -8,14 +8,14 @@ use crate::lattice::collision::{
 use crate::lattice::collision_kernel::{Sweep, all_lanes, line_bits};
 use crate::lattice::d3q19::Q;
 use crate::lattice::populations::Real;
-use crate::lattice::reductions::{Held, Sums};
+use crate::lattice::reductions::{Held, StatisticsSums};
 use crate::lattice::simd::SimdVector;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
 
 /// Lines whose places follow each other.
-pub struct Run<T> {
+pub struct LineRun<T> {
     /// Which.
     pub lines: Range<usize>,
     /// Where the populations of the first one are.
@@ -24,7 +24,7 @@ pub struct Run<T> {
     has_ends: bool,
 }
 
-impl<T: Real> Run<T> {
+impl<T: Real> LineRun<T> {
     /// Lines in even steps.
     #[inline(always)]
     pub fn even(sweep: &Sweep<T>, lines: Range<usize>) -> Self {
@@ -66,9 +66,9 @@ impl<T: Real> Run<T> {
 #[inline(always)]
 pub unsafe fn collide<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
-    run: &Run<V::Scalar>,
+    run: &LineRun<V::Scalar>,
     k: &Constants<V>,
-    sums: &mut Sums<V>,
+    sums: &mut StatisticsSums<V>,
 ) {
     let mut held = sums.held();
     // SAFETY: by contract.
@@ -147,7 +147,7 @@ pub unsafe fn collide_line<
     (line, lanes): (usize, u32),
     populations: &impl Populations<V>,
     k: &Constants<V>,
-    sums: &mut Sums<V>,
+    sums: &mut StatisticsSums<V>,
     held: &mut Held<V>,
 ) {
     // SAFETY: by contract.
@@ -230,10 +230,10 @@ impl<V: SimdVector> Measured<V> {
 #[inline(always)]
 unsafe fn measure_lines<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
-    run: &Run<V::Scalar>,
+    run: &LineRun<V::Scalar>,
     lines: Range<usize>,
     k: &Constants<V>,
-    sums: &mut Sums<V>,
+    sums: &mut StatisticsSums<V>,
     held: &mut Held<V>,
     measured: &mut Measured<V>,
 ) {
@@ -277,7 +277,7 @@ unsafe fn measure_lines<V: SimdVector, const FORCED: bool, const LES: bool, cons
 #[inline(always)]
 unsafe fn relax_lines<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
     sweep: &Sweep<V::Scalar>,
-    run: &Run<V::Scalar>,
+    run: &LineRun<V::Scalar>,
     lines: Range<usize>,
     k: &Constants<V>,
     measured: &Measured<V>,

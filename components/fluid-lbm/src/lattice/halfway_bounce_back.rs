@@ -21,14 +21,14 @@ const LANES: usize = 8;
 /// Links of a block, and what their walls felt in the last step.
 #[derive(Clone, Debug, Default)]
 pub struct HalfwayLinks {
-    runs: Vec<Run>,
+    runs: Vec<HalfwayRun>,
     /// For each fixture that the links meet, its exchange.
     pub exchanges: Vec<(BoundaryId, MomentumExchange)>,
 }
 
 /// Links that share direction and fixture.
 #[derive(Clone, Debug)]
-struct Run {
+struct HalfwayRun {
     /// Place of the fixture in the list.
     fixture: usize,
     /// Direction, out of the fluid.
@@ -72,7 +72,7 @@ impl HalfwayLinks {
                     (0..3).all(|a| (to[a] - origin[a]).abs() < f64::from(i16::MAX))
                 };
                 let (near, far) = rest.split_at(rest.iter().take_while(is_near).count());
-                own.runs.push(Run::new(own.exchanges.len() - 1, near, arm));
+                own.runs.push(HalfwayRun::new(own.exchanges.len() - 1, near, arm));
                 rest = far;
             }
         }
@@ -112,7 +112,7 @@ impl HalfwayLinks {
     }
 }
 
-impl Run {
+impl HalfwayRun {
     /// Of links that share direction and fixture, which is in this place of the list.
     fn new(fixture: usize, links: &[Blocked], arm: impl Fn(u32) -> [f64; 3]) -> Self {
         let first = links.iter().map(|link| link.cell).min().unwrap_or_default();
@@ -140,7 +140,7 @@ impl Run {
 
 /// Adding up what a wall feels of a run.
 struct Feel<'a, T: Real> {
-    run: &'a Run,
+    run: &'a HalfwayRun,
     field: &'a Field<T>,
     /// Where the first cell's populations of the direction are that the collision left.
     plane: usize,

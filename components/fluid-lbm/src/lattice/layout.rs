@@ -1,7 +1,7 @@
 //! Box, stored cells and places of populations, together.
 
 use crate::lattice::aa_pattern::{AaPattern, BlockedLinks, Parity};
-use crate::lattice::cell_list::{Cells, Obstacles};
+use crate::lattice::cell_list::{CellList, Obstacles};
 use crate::lattice::d3q19::{C, OPPOSITE, Q};
 use crate::lattice::grid::{Grid, Reach, Side};
 use crate::lattice::populations::{Field, Real};
@@ -12,7 +12,7 @@ pub struct Layout {
     /// The box.
     pub grid: Grid,
     /// The cells that no static solid covers.
-    pub cells: Cells,
+    pub cells: CellList,
     /// Where their populations are.
     pub places: AaPattern,
     /// Stored cells from which links end at thin solids between cells, sorted.
@@ -28,7 +28,7 @@ impl Layout {
         line: usize,
         special: impl Fn(crate::lattice::cell_list::BoundaryId) -> bool,
     ) -> (Self, BlockedLinks) {
-        let cells = Cells::new(&grid, obstacles);
+        let cells = CellList::new(&grid, obstacles);
         let (places, survey) = AaPattern::new(&grid, &cells, obstacles, line, special);
         let numbers = obstacles.sheets.iter().map(|sheet| cells.number(sheet.cell as usize));
         let mut at_sheets: Vec<_> = numbers.collect();

@@ -51,7 +51,7 @@ const HELD: u32 = 4;
 
 /// Running sums, one for each place of a 64-byte line, so that the order of additions is the same
 /// for vectors of any length.
-pub struct Sums<V> {
+pub struct StatisticsSums<V> {
     /// Of the last lines, and extremes of all.
     held: Held<V>,
     /// Density minus 1 and momentum of all lines before.
@@ -112,7 +112,7 @@ impl<V: SimdVector> Held<V> {
     }
 }
 
-impl<V: SimdVector> Sums<V> {
+impl<V: SimdVector> StatisticsSums<V> {
     /// Of no cells.
     ///
     /// # Safety

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 /// Reflecting links of a block that share direction and fixture.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct ReflectionRun {
     /// Whom they meet.
     pub fixture: BoundaryId,
     /// Whether it is a mirror.
@@ -42,7 +42,7 @@ struct Item {
 #[derive(Clone, Debug, Default)]
 pub struct ReflectionImpulse {
     items: Vec<Item>,
-    runs: Vec<Run>,
+    runs: Vec<ReflectionRun>,
     /// For each block its runs.
     blocks: Vec<Range<usize>>,
 }
@@ -82,7 +82,7 @@ impl ReflectionImpulse {
             other: r.mirror_cell,
             lanes: r.lanes,
         }));
-        self.runs.push(Run {
+        self.runs.push(ReflectionRun {
             fixture,
             is_mirror: mirrors != 0,
             is_late,
@@ -97,7 +97,7 @@ impl ReflectionImpulse {
     }
 
     /// The runs of a block.
-    pub fn runs(&self, block: usize) -> &[Run] {
+    pub fn runs(&self, block: usize) -> &[ReflectionRun] {
         &self.runs[self.blocks[block].clone()]
     }
 

@@ -26,7 +26,7 @@ pub struct Narrow {
 }
 
 /// The surface of a part where it is at the start.
-struct Placed<'a> {
+struct PlacedSurface<'a> {
     name: &'a str,
     surface: &'a Surface,
     frame: Frame,
@@ -34,7 +34,7 @@ struct Placed<'a> {
 }
 
 /// A sphere that the scene lists.
-struct Listed<'a> {
+struct ListedSurface<'a> {
     set: &'a str,
     position: [f64; 3],
     radius: f64,
@@ -121,7 +121,13 @@ pub fn narrowest(scene: &Scene, ground: &StaticGeometry) -> [Option<Narrow>; 2] 
 
 impl Search {
     /// Takes over the gap between a sphere and another, or a point.
-    fn offer_from(&mut self, sphere: &Listed, to: [f64; 3], radius: f64, between: [&str; 2]) {
+    fn offer_from(
+        &mut self,
+        sphere: &ListedSurface,
+        to: [f64; 3],
+        radius: f64,
+        between: [&str; 2],
+    ) {
         let d = minus(to, sphere.position);
         let distance = length(d);
         if distance > sphere.radius + radius {
@@ -133,7 +139,7 @@ impl Search {
 }
 
 /// The parts where they are at the start.
-fn placed<'a>(scene: &'a Scene, ground: &'a StaticGeometry) -> Vec<Placed<'a>> {
+fn placed<'a>(scene: &'a Scene, ground: &'a StaticGeometry) -> Vec<PlacedSurface<'a>> {
     let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
     let moving = ground.moving.iter().enumerate();
     let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
@@ -142,20 +148,20 @@ fn placed<'a>(scene: &'a Scene, ground: &'a StaticGeometry) -> Vec<Placed<'a>> {
         let position = surface.endless().place(part.pose.position);
         let frame = Frame::of(&Pose { position, ..part.pose });
         let bounds = Bounds::of(surface.mesh().vertices.iter().map(|&v| frame.to_world(v)));
-        Placed { name: &part.name, surface, frame, bounds }
+        PlacedSurface { name: &part.name, surface, frame, bounds }
     };
     fixed.chain(moving).map(of).collect()
 }
 
 /// The spheres that the scene lists.
-fn listed(scene: &Scene) -> Vec<Listed<'_>> {
+fn listed(scene: &Scene) -> Vec<ListedSurface<'_>> {
     let sets = scene.bodies.iter().filter(|set| set.motion != Motion::Fixed);
     sets.flat_map(|set| {
         let spheres = match &set.placement {
             Placement::Listed(spheres) => spheres.as_slice(),
             Placement::Packed(_) | Placement::Polyhedra(_) => &[],
         };
-        spheres.iter().map(|sphere| Listed {
+        spheres.iter().map(|sphere| ListedSurface {
             set: &set.name,
             position: sphere.position,
             radius: 0.5 * sphere.diameter,
@@ -165,7 +171,7 @@ fn listed(scene: &Scene) -> Vec<Listed<'_>> {
 }
 
 /// A wall of the domain.
-struct Wall {
+struct CheckedWall {
     axis: usize,
     side: usize,
     /// Coordinate of the face along the axis [m].
@@ -173,7 +179,7 @@ struct Wall {
     name: &'static str,
 }
 
-impl Wall {
+impl CheckedWall {
     /// Distance of a point inside of it [m].
     fn height(&self, point: [f64; 3]) -> f64 {
         [1.0, -1.0][self.side] * (point[self.axis] - self.at)
@@ -187,7 +193,7 @@ impl Wall {
 }
 
 /// The walls of the domain.
-fn walls(scene: &Scene) -> Vec<Wall> {
+fn walls(scene: &Scene) -> Vec<CheckedWall> {
     const NAMES: [[&str; 2]; 3] = [
         ["the lower x face", "the upper x face"],
         ["the lower y face", "the upper y face"],
@@ -196,7 +202,7 @@ fn walls(scene: &Scene) -> Vec<Wall> {
     let domain = &scene.domain;
     let all = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
     all.filter(|&(axis, side)| matches!(domain.faces[axis][side], Face::Wall { .. }))
-        .map(|(axis, side)| Wall {
+        .map(|(axis, side)| CheckedWall {
             axis,
             side,
             at: [domain.min, domain.max][side][axis],
@@ -234,8 +240,8 @@ fn is_reached(ground: &StaticGeometry, place: [f64; 3]) -> bool {
 /// the closest point of the other surface and back; within the domain, outside of which parts may meet, and
 /// where `reached` says that there is fluid.
 fn between_parts(
-    a: &Placed,
-    b: &Placed,
+    a: &PlacedSurface,
+    b: &PlacedSurface,
     domain: &Bounds,
     reached: &dyn Fn([f64; 3]) -> bool,
     width: f64,
@@ -274,8 +280,8 @@ fn between_parts(
 }
 
 /// From a point of `b` to the closest of `a` and back, until that hardly changes.
-fn settle(a: &Placed, b: &Placed, mut to: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-    let closest = |part: &Placed, point: [f64; 3]| {
+fn settle(a: &PlacedSurface, b: &PlacedSurface, mut to: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    let closest = |part: &PlacedSurface, point: [f64; 3]| {
         part.frame.to_world(part.surface.closest(part.frame.to_part(point)).point)
     };
     let mut from = closest(a, to);

@@ -43,7 +43,7 @@ pub struct PartExtent {
 }
 
 /// A part where it is at the start.
-struct Placed<'a> {
+struct PlacedExtent<'a> {
     surface: &'a Surface,
     frame: Frame,
 }
@@ -62,12 +62,12 @@ pub fn thin_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<PartExtent> {
     let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
     let mut surfaces: Vec<(usize, &Surface)> = fixed.chain(moving).collect();
     surfaces.sort_by_key(|(index, _)| *index);
-    let placed: Vec<(usize, Placed<'_>)> = surfaces
+    let placed: Vec<(usize, PlacedExtent<'_>)> = surfaces
         .into_iter()
         .map(|(index, surface)| {
             let pose = &scene.parts[index].pose;
             let position = surface.endless().place(pose.position);
-            (index, Placed { surface, frame: Frame::of(&Pose { position, ..*pose }) })
+            (index, PlacedExtent { surface, frame: Frame::of(&Pose { position, ..*pose }) })
         })
         .collect();
     let each = (POINTS / placed.len().max(1)).max(100);
@@ -77,7 +77,7 @@ pub fn thin_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<PartExtent> {
         let others = placed.iter().enumerate().filter(|(other, (index, _))| {
             *other != k && scene.parts[*index].motion != Motion::Fixed
         });
-        let others: Vec<&Placed<'_>> = others.map(|(_, (_, other))| other).collect();
+        let others: Vec<&PlacedExtent<'_>> = others.map(|(_, (_, other))| other).collect();
         let is_body = !part.cavity && part.boundary == PartBoundary::Wall;
         let (through, across) = is_body.then(|| own.measured(ground, &others, each)).flatten()?;
         Some(PartExtent { part: part.name.clone(), through, across })
@@ -85,7 +85,7 @@ pub fn thin_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<PartExtent> {
     (0..placed.len()).filter_map(of).collect()
 }
 
-impl Placed<'_> {
+impl PlacedExtent<'_> {
     /// Its thickness, and what it is across, in cells.
     fn measured(
         &self,

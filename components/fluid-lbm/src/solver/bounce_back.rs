@@ -50,11 +50,13 @@ impl<T: CollisionKernel> LbmSolver<T> {
         }
         self.declared.reflect(&after);
         let items = (Cut::every(&mut self.link_items, 1), Cut::every(&mut self.exchanges, 1));
-        let reflect =
-            |batch: &mut Batch,
-             (item, exchange): (&mut [post_collision::Item], &mut [MomentumExchange])| {
-                exchange[0] = after.reflect(bodies, &mut item[0], batch);
-            };
+        let reflect = |batch: &mut Batch,
+                       (item, exchange): (
+            &mut [post_collision::LinkItem],
+            &mut [MomentumExchange],
+        )| {
+            exchange[0] = after.reflect(bodies, &mut item[0], batch);
+        };
         if after.walls.is_some() {
             let items = (items.0, items.1, Cut::every(&mut self.seen, 1));
             self.team.for_pieces_with(

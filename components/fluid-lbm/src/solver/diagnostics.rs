@@ -1,7 +1,7 @@
 //! What can be seen of the fluid.
 
 use crate::bodies::body::Body;
-use crate::boundary::post_collision::Item;
+use crate::boundary::post_collision::LinkItem;
 use crate::boundary::virtual_piston::face::{ReservoirFace, ReservoirState};
 use crate::domain::mirrors::{mirrors_of_part, with_image};
 use crate::lattice::collision_kernel::CollisionKernel;
@@ -165,7 +165,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
             + self.intakes.bytes()
             + self.wanted.bytes()
             + self.bodies.living.iter().map(Body::bytes).sum::<usize>()
-            + self.link_items.iter().map(Item::bytes).sum::<usize>()
+            + self.link_items.iter().map(LinkItem::bytes).sum::<usize>()
             + size_of_val(self.exchanges.as_slice())
             + size_of_val(self.seen.as_slice())
     }

@@ -1,6 +1,6 @@
 //! The loads on the facets of deformable surfaces: what they felt becomes force and place on each.
 
-use crate::bodies::deformable_shape::Shape;
+use crate::bodies::deformable_shape::DeformableShape;
 use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
 use crate::domain::mirrors::mirrors_of_part;
 use crate::lattice::collision_kernel::CollisionKernel;
@@ -113,7 +113,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
 
     /// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping. Each thread looks at all of it
     /// and takes what is of its own facets: so each facet's sum has the order of what it felt.
-    fn feel(&mut self, place: usize, shape: &mut Shape) {
+    fn feel(&mut self, place: usize, shape: &mut DeformableShape) {
         let items = self.bodies.living[place].items.clone();
         let (in_gaps, felt) = (&self.in_gaps[items.clone()], &self.link_items[items]);
         let slip = &self.slip;
@@ -137,7 +137,12 @@ impl<T: CollisionKernel> LbmSolver<T> {
     }
 
     /// Makes loads of what the facets felt, and balances them.
-    fn finish_facets(&mut self, place: usize, exchange: &MomentumExchange, shape: &mut Shape) {
+    fn finish_facets(
+        &mut self,
+        place: usize,
+        exchange: &MomentumExchange,
+        shape: &mut DeformableShape,
+    ) {
         let body = &self.bodies.living[place];
         let mirrors = mirrors_of_part(&self.layout.grid, body.position);
         let finish = Finish {

@@ -1,7 +1,7 @@
 //! The pressure in gaps that hold no cell, and what it gives to bodies and what stands still; see `unresolved_gaps`.
 
 use crate::bodies::body_list::Bodies;
-use crate::boundary::post_collision::Item;
+use crate::boundary::post_collision::LinkItem;
 use crate::boundary::unresolved_gaps::{Gap, Gaps, OtherSide, ROOM};
 use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::cross;
@@ -87,7 +87,7 @@ fn drho_in(seen: &[Seen], bodies: &Bodies, place: usize, across: OtherSide) -> f
 /// Calls `give` with the facet, force and place of everything that the facets of a deformable surface felt of the
 /// fluid and of gaps, from its items of links and the densities in their gaps.
 pub fn each_felt(
-    items: &[Item],
+    items: &[LinkItem],
     in_gaps: &[InGaps],
     mut give: impl FnMut(usize, [f64; 3], [f64; 3]),
 ) {

@@ -123,16 +123,16 @@ pub struct LbmSolver<T: CollisionKernel> {
     /// What they prescribe at the end of the step.
     pub(crate) now: Vec<BoundaryValue>,
     pub(crate) fixed: StaticWallLinks,
-    pub(crate) fixed_items: Vec<static_wall_links::Item>,
+    pub(crate) fixed_items: Vec<static_wall_links::WallItem>,
     pub(crate) sheets: SheetLinks,
     pub(crate) sheet_items: Vec<SheetItem>,
     pub(crate) patches: Patches,
     /// What links brought to the cells at each open face in the last step, `2 axis + side`.
     pub(crate) brought: [Brought; 6],
     pub(crate) open: OpenCells,
-    pub(crate) open_items: Vec<open_boundary::Item>,
+    pub(crate) open_items: Vec<open_boundary::OpenItem>,
     pub(crate) reservoirs: Vec<ReservoirFace>,
-    pub(crate) link_items: Vec<post_collision::Item>,
+    pub(crate) link_items: Vec<post_collision::LinkItem>,
     /// What each item exchanged in the last step, and the gaps that it found, if gaps press.
     pub(crate) exchanges: Vec<MomentumExchange>,
     pub(crate) seen: Vec<Seen>,

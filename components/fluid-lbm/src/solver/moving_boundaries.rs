@@ -1,6 +1,6 @@
 //! Bodies move: cells leave the fluid and join it, links are found.
 
-use crate::boundary::mesh_links::Site;
+use crate::boundary::mesh_links::LinkSearch;
 use crate::boundary::refill::Content;
 use crate::lattice::cell_flags::{CellFlags, Vacated};
 use crate::lattice::collision_kernel::CollisionKernel;
@@ -97,7 +97,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let walls = self.feels_gaps().then_some(&self.walls);
         let layout = &self.layout;
         let gap_between = |part, fixture, at| self.declared.between(part, fixture, at);
-        let site = Site { layout, walls, gap_between: &gap_between, line: T::LINE };
+        let site = LinkSearch { layout, walls, gap_between: &gap_between, line: T::LINE };
         let (bodies, lines) = (&self.bodies, &self.wanted.lines);
         let items = &mut self.link_items[bodies.items_with_surface()];
         self.team.for_each(items, |_, item| {

@@ -171,7 +171,7 @@ impl Sum {
 
 /// Samples that are one item of work, and their sums.
 #[derive(Clone, Debug)]
-struct Item {
+struct ProbeItem {
     probe: usize,
     /// The strip, of a profile; else 0.
     strip: usize,
@@ -191,7 +191,7 @@ struct Passing {
 #[derive(Clone, Debug, Default)]
 pub struct Probes {
     shapes: Vec<ProbeShape>,
-    items: Vec<Item>,
+    items: Vec<ProbeItem>,
     /// Links that cross sections.
     crossings: Vec<Crossing>,
     /// Of each probe, what passes it if it is a section.
@@ -226,7 +226,7 @@ impl Probes {
                 cells[strip].extend(layout.cell(at).map(|cell| (cell, weight)));
             }
             for (strip, cells) in cells.iter().enumerate() {
-                own.items.extend(cells.chunks(SAMPLES_PER_ITEM).map(|samples| Item {
+                own.items.extend(cells.chunks(SAMPLES_PER_ITEM).map(|samples| ProbeItem {
                     probe: number,
                     strip,
                     samples: samples.to_vec(),

@@ -25,10 +25,10 @@ use crate::lattice::populations::Real;
 
 /// A link across a side of the layer.
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct CrossingLink {
     /// Of the layer.
     cell: u32,
-    end: End,
+    end: FluxEnd,
     /// Direction in which it leaves the layer.
     dir: u8,
     /// Sample's weight, by the number of sides of the layer, negative against the axis.
@@ -37,7 +37,7 @@ struct Link {
 
 /// Where a link ends.
 #[derive(Clone, Copy, Debug)]
-enum End {
+enum FluxEnd {
     /// In a cell, in which what leaves the layer arrives in a direction, mirrored at some axes.
     Cell { cell: u32, dir: u8, mirrors: u8 },
     /// At a face of the domain, `2 axis + side`.
@@ -62,7 +62,7 @@ pub struct Sight<'a, T: Real> {
 pub struct Crossing {
     /// The section's number among the probes.
     pub probe: usize,
-    links: Vec<Link>,
+    links: Vec<CrossingLink>,
     /// Mass that passed in the last step that was looked at [cells at density 1].
     pub passed: f64,
 }
@@ -77,7 +77,7 @@ impl Crossing {
             for i in (1..Q).filter(|&i| C[i][axis] != 0 && sides[usize::from(C[i][axis] > 0)]) {
                 let Some(end) = end(layout, cell, i) else { continue };
                 let weight = (share * f64::from(C[i][axis])) as f32;
-                links.push(Link { cell, end, dir: i as u8, weight });
+                links.push(CrossingLink { cell, end, dir: i as u8, weight });
             }
         }
         Self { probe, links, passed: 0.0 }
@@ -96,18 +96,18 @@ impl Crossing {
 
 impl<T: Real> Sight<'_, T> {
     /// What passed along a link out of its cell.
-    fn passed(&self, link: &Link) -> f64 {
+    fn passed(&self, link: &CrossingLink) -> f64 {
         let PreCollision { layout, parity, field, .. } = self.before;
         let i = usize::from(link.dir);
         match link.end {
-            End::Cell { cell, dir, .. } if self.owners.is_fluid(cell) => {
+            FluxEnd::Cell { cell, dir, .. } if self.owners.is_fluid(cell) => {
                 let arrived = |cell: u32, i: usize| field.get(layout.place(parity, cell, i));
                 arrived(cell, dir.into()) - arrived(link.cell, OPPOSITE[i])
             }
-            End::Cell { cell, mirrors, .. } => {
+            FluxEnd::Cell { cell, mirrors, .. } => {
                 self.velocity_in(cell, mirrors).map_or(0.0, |u| self.carried(link.cell, i, u))
             }
-            End::Face(face) => match self.now[usize::from(face)] {
+            FluxEnd::Face(face) => match self.now[usize::from(face)] {
                 BoundaryValue::Wall(u) if u != [0.0; 3] => self.carried(link.cell, i, u),
                 _ => 0.0,
             },
@@ -146,15 +146,15 @@ fn sides(layout: &Layout, axis: usize, mut at: [i32; 3]) -> Option<(u32, [bool; 
 }
 
 /// Where what leaves a cell along `i` ends, if that is neither in a part that stands still nor beyond an open face.
-fn end(layout: &Layout, cell: u32, i: usize) -> Option<End> {
+fn end(layout: &Layout, cell: u32, i: usize) -> Option<FluxEnd> {
     let at = layout.at(cell);
     if let Some(other) = layout.neighbour(cell, i) {
         let (_, mirrors) = layout.near(at, C[i])?;
-        return Some(End::Cell { cell: other, dir: mirrored(i, mirrors) as u8, mirrors });
+        return Some(FluxEnd::Cell { cell: other, dir: mirrored(i, mirrors) as u8, mirrors });
     }
     match layout.grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
         Reach::Face { axis, side } if layout.grid.sides[axis][side] == Side::Wall => {
-            Some(End::Face((2 * axis + side) as u8))
+            Some(FluxEnd::Face((2 * axis + side) as u8))
         }
         _ => None,
     }

@@ -10,7 +10,7 @@ use tremie_team::{Cut, Team};
 
 /// What one block of loads came to: the sum of the forces on free bodies, or the first load that
 /// cannot be taken.
-type Sum = Result<Vec3, GrainsError>;
+type LoadSum = Result<Vec3, GrainsError>;
 
 /// Takes the loads of a window, one for each body of `roll`, and gives the sum of the forces on free spheres
 /// [N]. `sums` is room to work in.
@@ -22,7 +22,7 @@ pub(crate) fn take(
     bodies: &mut Bodies,
     loads: &[Load],
     roll: MessageOrder,
-    sums: &mut Vec<Sum>,
+    sums: &mut Vec<LoadSum>,
 ) -> Result<Vec3, GrainsError> {
     let expected = roll.bodies(bodies);
     if loads.len() != expected {

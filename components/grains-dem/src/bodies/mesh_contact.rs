@@ -114,13 +114,13 @@ pub(crate) struct Seeker {
 
 /// Where a sphere was when it looked at all triangles near it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Looked {
+pub(crate) struct LookedFrom {
     centre: Vec3,
     /// How far the surface had come until then.
     travel: f64,
 }
 
-impl Looked {
+impl LookedFrom {
     /// It has not.
     pub const NEVER: Self = Self { centre: Vec3::new(0.0, 0.0, 0.0), travel: f64::NEG_INFINITY };
 }
@@ -139,7 +139,7 @@ const SHORTER: f64 = 1.0 - 1e-6;
 pub(crate) fn find(
     sphere: Seeker,
     travel: f64,
-    looked: &mut Looked,
+    looked: &mut LookedFrom,
     distances: &mut [f32],
     triangle: impl Fn(usize) -> Triangle,
 ) -> WallPoints {
@@ -153,7 +153,7 @@ pub(crate) fn find(
 pub(crate) fn look(
     sphere: Seeker,
     travel: f64,
-    (looked, distances): (&mut Looked, &mut [f32]),
+    (looked, distances): (&mut LookedFrom, &mut [f32]),
     triangle: impl Fn(usize) -> Triangle,
     mut take: impl FnMut(WallPoint),
 ) {
@@ -172,7 +172,7 @@ pub(crate) fn look(
             }
         }
     } else {
-        *looked = Looked { centre, travel };
+        *looked = LookedFrom { centre, travel };
         for (number, noted) in distances.iter_mut().enumerate() {
             let (distance, near) = nearest(centre, &triangle(number));
             *noted = (distance * SHORTER) as f32;
@@ -337,7 +337,7 @@ mod tests {
         let all: Vec<Triangle> = faces.iter().flatten().copied().collect();
         let sphere = Seeker { centre: centre.into(), radius: 1.0, reach: 1.0 };
         let mut distances = vec![0.0; all.len()];
-        let found = find(sphere, 0.0, &mut Looked::NEVER.clone(), &mut distances, |k| all[k]);
+        let found = find(sphere, 0.0, &mut LookedFrom::NEVER.clone(), &mut distances, |k| all[k]);
         found.contacts().to_vec()
     }
 
@@ -357,7 +357,7 @@ mod tests {
             };
             (-3..3).flat_map(|x| (-3..3).flat_map(move |y| of(x, y))).collect()
         };
-        let (mut looked, mut travel) = (Looked::NEVER, 0.0);
+        let (mut looked, mut travel) = (LookedFrom::NEVER, 0.0);
         let mut distances = vec![0.0; 72];
         let (mut before, mut touched, mut spared) = (bumps(0.0), 0, 0);
         for step in 0..4000 {
@@ -378,7 +378,7 @@ mod tests {
             };
             let found = find(sphere, travel, &mut looked, &mut distances, triangle);
             let mut anew = vec![0.0; 72];
-            let all = find(sphere, 0.0, &mut Looked::NEVER.clone(), &mut anew, |k| before[k]);
+            let all = find(sphere, 0.0, &mut LookedFrom::NEVER.clone(), &mut anew, |k| before[k]);
             assert_eq!(found.contacts(), all.contacts(), "step {step}");
             touched += all.contacts().len();
             spared += 72 - asked.get();

@@ -7,13 +7,13 @@ use tremie_messages::scene::{Course, MotionPoint, TimedMotion};
 /// Velocities over time with their integrals: linear between points, or constant ones times a factor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Path {
-    points: Vec<Knot>,
+    points: Vec<MotionKnot>,
     factor: Option<(Twist, Course)>,
 }
 
 /// Velocities at a time, and their integrals up to it.
 #[derive(Clone, Copy, Debug)]
-struct Knot {
+struct MotionKnot {
     time: f64,
     twist: Twist,
     /// Displacement [m], and the integral of the angular velocity [rad].
@@ -23,14 +23,14 @@ struct Knot {
 impl Path {
     /// The path through `points`, or the constant `twist` where there are none.
     pub fn new(points: &[MotionPoint], twist: Twist) -> Self {
-        let knot = |point: &MotionPoint| Knot {
+        let knot = |point: &MotionPoint| MotionKnot {
             time: point.time,
             twist: Twist { v: point.velocity.into(), w: point.angular_velocity.into() },
             travelled: Twist::zero(),
         };
         let mut path = Self { points: points.iter().map(knot).collect(), factor: None };
         if path.points.is_empty() {
-            path.points.push(Knot { time: 0.0, twist, travelled: Twist::zero() });
+            path.points.push(MotionKnot { time: 0.0, twist, travelled: Twist::zero() });
         }
         for k in 1..path.points.len() {
             path.points[k].travelled = path.points[k - 1].travelled_until(&path.points[k]);
@@ -75,7 +75,7 @@ impl Path {
     fn integral(&self, time: f64) -> Twist {
         let after = self.points.partition_point(|knot| knot.time <= time);
         let knot = &self.points[after.saturating_sub(1)];
-        let end = Knot { time, twist: self.twist(time), travelled: Twist::zero() };
+        let end = MotionKnot { time, twist: self.twist(time), travelled: Twist::zero() };
         knot.travelled_until(&end)
     }
 }
@@ -84,7 +84,7 @@ fn times(twist: &Twist, factor: f64) -> Twist {
     Twist { v: twist.v * factor, w: twist.w * factor }
 }
 
-impl Knot {
+impl MotionKnot {
     fn between(&self, next: &Self, time: f64) -> Twist {
         let s = (time - self.time) / (next.time - self.time);
         let mix = |a: Vec3, b: Vec3| a + (b - a) * s;

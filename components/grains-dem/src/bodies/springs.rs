@@ -13,12 +13,12 @@ pub(crate) enum SpringLaw {
     /// on it is a line of the stiffness `limit`.
     Tangent { rate: f64, preload: f64, stroke: f64, bend: f64, limit: f64 },
     /// Points; beyond the ends the first and the last line go on.
-    Table(Vec<Knot>),
+    Table(Vec<SpringKnot>),
 }
 
 /// A point of a table, with the energy up to it and the slope from there to the next.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Knot {
+pub(crate) struct SpringKnot {
     lift: f64,
     force: f64,
     slope: f64,
@@ -88,8 +88,8 @@ impl SpringLaw {
 }
 
 /// The points of a table, two at least; the last takes the slope of the line before it.
-fn knots(points: &[[f64; 2]]) -> Vec<Knot> {
-    let mut knots: Vec<Knot> = Vec::with_capacity(points.len());
+fn knots(points: &[[f64; 2]]) -> Vec<SpringKnot> {
+    let mut knots: Vec<SpringKnot> = Vec::with_capacity(points.len());
     for (k, &[lift, force]) in points.iter().enumerate() {
         let energy = knots.last().map_or(0.0, |before| {
             before.energy + 0.5 * (before.force + force) * (lift - before.lift)
@@ -99,13 +99,13 @@ fn knots(points: &[[f64; 2]]) -> Vec<Knot> {
             (None, Some(before)) => before.slope,
             (None, None) => 0.0,
         };
-        knots.push(Knot { lift, force, slope, energy });
+        knots.push(SpringKnot { lift, force, slope, energy });
     }
     knots
 }
 
 /// The point whose line holds at a lift.
-fn knot_of(knots: &[Knot], lift: f64) -> &Knot {
+fn knot_of(knots: &[SpringKnot], lift: f64) -> &SpringKnot {
     let after = knots.partition_point(|knot| knot.lift <= lift);
     &knots[after.saturating_sub(1)]
 }

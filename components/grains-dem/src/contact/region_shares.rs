@@ -79,7 +79,7 @@ pub(crate) fn shares(contacts: &[WallPoint], root: impl Fn(&WallPoint) -> f64) -
         shares[largest] = 1.0;
         return shares;
     }
-    let forces = Region::of(contacts, roots).forces(largest);
+    let forces = ContactRegion::of(contacts, roots).forces(largest);
     for ((share, force), root) in shares.iter_mut().zip(forces).zip(roots) {
         *share = if force > 0.0 { force / root } else { 0.0 };
     }
@@ -87,7 +87,7 @@ pub(crate) fn shares(contacts: &[WallPoint], root: impl Fn(&WallPoint) -> f64) -
 }
 
 /// Contacts that may have something in common.
-struct Region<'a> {
+struct ContactRegion<'a> {
     roots: &'a [f64],
     common: [[f64; MOST]; MOST],
     /// Those that act.
@@ -96,7 +96,7 @@ struct Region<'a> {
     forces: [f64; MOST],
 }
 
-impl<'a> Region<'a> {
+impl<'a> ContactRegion<'a> {
     fn of(contacts: &[WallPoint], roots: &'a [f64]) -> Self {
         let mut common = [[0.0; MOST]; MOST];
         for (i, a) in contacts.iter().enumerate() {

@@ -49,7 +49,7 @@ const SPREAD: [u32; 1 << QUAD] = {
 
 /// Entries whose bodies feel each other, one beside the other. The entries and their bodies exist: who writes them
 /// looks, also of what stands behind the last.
-struct Hits {
+struct HitsAvx2 {
     count: usize,
     k: [u32; ROOM],
     /// 1 where they touched before.
@@ -68,7 +68,8 @@ impl Block<'_> {
 
 #[target_feature(enable = "avx2,fma")]
 fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
-    let mut hits = Hits { count: 0, k: [0; ROOM], touched: [0; ROOM], rows: [[0.0; QUAD]; ROOM] };
+    let mut hits =
+        HitsAvx2 { count: 0, k: [0; ROOM], touched: [0; ROOM], rows: [[0.0; QUAD]; ROOM] };
     let entries = block.entries.len();
     assert!(entries <= block.records.len() && entries <= block.xi.len());
     let reach = block.scenery.reach();
@@ -91,7 +92,7 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
     }
 }
 
-impl Hits {
+impl HitsAvx2 {
     /// Forgets the first `count`.
     #[inline(always)]
     fn forget(&mut self, count: usize) {
@@ -106,7 +107,7 @@ impl Hits {
 /// `reach`; the others forget that they touched.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut Hits) {
+fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut HitsAvx2) {
     let scenery = block.scenery;
     let balls = &scenery.bodies.balls[..];
     let some = &block.entries[k..block.entries.len().min(k + QUAD)];
@@ -218,7 +219,7 @@ fn displacements(shifts: &[Vec3; 27], entries: &[ListedPair; QUAD]) -> [__m256d;
 /// Evaluates `count` contacts from `at` on.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: usize) {
+fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &HitsAvx2, at: usize, count: usize) {
     const { assert!(LANES == 2 * QUAD) };
     // Lanes beyond the last hit hold what was there before, or nought; nobody takes them.
     let [first, second] = [at, at + QUAD].map(|at| std::array::from_fn(|l| hits.k[at + l]));
@@ -233,7 +234,7 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: 
 /// What the formula takes of the entries `of_k`, which are the hits from `at` on.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn read(block: &Block<'_>, hits: &Hits, at: usize, of_k: &[u32; QUAD]) -> Batch<Quad> {
+fn read(block: &Block<'_>, hits: &HitsAvx2, at: usize, of_k: &[u32; QUAD]) -> Batch<Quad> {
     let bodies = block.scenery.bodies;
     let (balls, predicted) = (&bodies.balls[..], &bodies.predicted[..]);
     let mut root_mass = [0.0; QUAD];

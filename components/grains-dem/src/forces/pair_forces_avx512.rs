@@ -31,7 +31,7 @@ const ROOM: usize = TOGETHER + 2 * LANES;
 
 /// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them looks, also
 /// of what stands behind the last.
-struct Hits {
+struct HitsAvx512 {
     count: usize,
     k: [u32; ROOM],
     i: [u32; ROOM],
@@ -50,8 +50,13 @@ impl Block<'_> {
 
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
-    let mut hits =
-        Hits { count: 0, k: [0; ROOM], i: [0; ROOM], j: [0; ROOM], numbers: [[0.0; ROOM]; 7] };
+    let mut hits = HitsAvx512 {
+        count: 0,
+        k: [0; ROOM],
+        i: [0; ROOM],
+        j: [0; ROOM],
+        numbers: [[0.0; ROOM]; 7],
+    };
     let entries = block.entries.len();
     assert!(entries <= block.records.len() && entries <= block.xi.len());
     for begin in (0..entries).step_by(TOGETHER) {
@@ -72,7 +77,7 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
     }
 }
 
-impl Hits {
+impl HitsAvx512 {
     /// Forgets the first `count`.
     #[inline(always)]
     fn forget(&mut self, count: usize) {
@@ -98,7 +103,7 @@ fn to_front<T: Copy + Default>(numbers: &mut [T; ROOM], at: usize) {
 /// others forget that they touched.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
-fn find(block: &mut Block<'_>, k: usize, hits: &mut Hits) {
+fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
     let bodies = block.scenery.bodies;
     let balls = &bodies.balls[..];
     let some = &block.entries[k..block.entries.len().min(k + LANES)];
@@ -224,7 +229,7 @@ fn displacements(shifts: &[Vec3; 27], valid: __mmask8, images: __m256i) -> [__m5
 /// Evaluates `count` contacts from `at` on.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
-fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &Hits, at: usize, count: usize) {
+fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &HitsAvx512, at: usize, count: usize) {
     let steps: Steps = block.scenery.steps;
     let predicted = &block.scenery.bodies.predicted[..];
     let some = at..at + LANES;

@@ -22,14 +22,14 @@ pub(crate) struct LinkedCells {
     /// Each body's cell, at its own level.
     home: Vec<[u32; 3]>,
     /// The largest bodies first.
-    levels: Vec<Level>,
+    levels: Vec<SizeLevel>,
     /// Room for the bodies of a class.
     members: Vec<u32>,
 }
 
 /// The cells of one class.
 #[derive(Clone, Debug, Default)]
-struct Level {
+struct SizeLevel {
     /// Least edge of a cell [m].
     range: f64,
     min: Vec3,
@@ -43,7 +43,7 @@ impl LinkedCells {
     /// Cells for bodies of these classes.
     pub fn new(bounds: PeriodicBox, skins: Skins) -> Self {
         let range = |k: usize| skins.largest(k) + skins.between(k, k);
-        let level = |k: usize| Level { range: range(k), ..Level::default() };
+        let level = |k: usize| SizeLevel { range: range(k), ..SizeLevel::default() };
         let levels = (0..skins.count()).map(level).collect();
         let (class, home, members) = (Vec::new(), Vec::new(), Vec::new());
         Self { bounds, skins, tight: true, class, home, levels, members }
@@ -150,7 +150,7 @@ impl LinkedCells {
     }
 }
 
-impl Level {
+impl SizeLevel {
     /// Lays out cells for so many bodies: at most a few a body, because larger cells are as correct, and cheaper than many
     /// empty ones. Where the domain would take more, `tight` has the bodies themselves, and cells fill the box around them.
     fn fit<'a>(

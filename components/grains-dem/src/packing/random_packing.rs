@@ -50,7 +50,7 @@ struct Obstacle<'a> {
 
 /// The region of a packing as the two methods see it: bodies in the way, and walls all around, but
 /// for axes along which it fills a periodic domain from face to face: there it wraps around.
-struct Region<'a> {
+struct PackingRegion<'a> {
     parts: Vec<Obstacle<'a>>,
     bounds: PeriodicBox,
     walls: Vec<Wall>,
@@ -92,7 +92,7 @@ pub(crate) fn pack(
     around: &PackingSurroundings<'_>,
 ) -> Result<Vec<BoundingSphere>, TooDense> {
     let radii: Vec<f64> = diameters(packing).iter().map(|d| 0.5 * d * wider).collect();
-    let region = Region::new(packing, around, radii.iter().fold(0.0, |a, &b| a.max(b)));
+    let region = PackingRegion::new(packing, around, radii.iter().fold(0.0, |a, &b| a.max(b)));
     let inserted = (packing.fraction * wider * wider * wider <= DENSEST_INSERTION)
         .then(|| insertion::insert(&region, &radii, packing.seed))
         .flatten();
@@ -106,7 +106,7 @@ pub(crate) fn pack(
     Ok(by_place(&region, &balls))
 }
 
-impl<'a> Region<'a> {
+impl<'a> PackingRegion<'a> {
     fn new(packing: &Packing, around: &PackingSurroundings<'a>, largest_radius: f64) -> Self {
         let bounds = region_bounds(packing, &around.bounds);
         let mut walls =
@@ -189,7 +189,7 @@ fn place_stream(seed: u64, index: usize) -> Random {
 }
 
 /// The spheres in the order of cells a diameter wide.
-fn by_place(region: &Region<'_>, balls: &[BoundingSphere]) -> Vec<BoundingSphere> {
+fn by_place(region: &PackingRegion<'_>, balls: &[BoundingSphere]) -> Vec<BoundingSphere> {
     let largest = balls.iter().fold(0.0, |r: f64, ball| r.max(ball.radius));
     let mut cells = LinkedCells::over(region.bounds.clone(), 2.0 * largest);
     cells.sort(balls);

@@ -1,14 +1,14 @@
 //! What presses on polyhedra: other polyhedra, walls, triangles of parts.
 
 use super::{
-    overlap_integrals::{Planes, Press, Room, Sum},
+    overlap_integrals::{OverlapRoom, OverlapSum, Planes, Press},
     shape::Solid,
 };
 use crate::Vec3;
 use crate::bodies::mesh_contact::{Grooves, Triangle};
 
 /// What b, `way` from a, presses on a: all vectors from a's centroid.
-pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut Room) -> Press {
+pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut OverlapRoom) -> Press {
     let mut press = Press::NONE;
     if apart(a, b, way) || apart(b, a, -way) {
         return press;
@@ -26,14 +26,14 @@ fn faces_within(
     at: Vec3,
     other: &Planes<'_>,
     sign: f64,
-    room: &mut Room,
+    room: &mut OverlapRoom,
     press: &mut Press,
 ) {
     for face in 0..one.shape.faces() {
         let corners = one.shape.corners(face).iter();
         room.polygon.clear();
         room.polygon.extend(corners.map(|&k| one.vertices[k as usize] + at));
-        room.visit(other, &mut Sum { press, normal: one.normals[face], sign });
+        room.visit(other, &mut OverlapSum { press, normal: one.normals[face], sign });
     }
 }
 
@@ -47,13 +47,16 @@ fn apart(a: Solid<'_>, b: Solid<'_>, way: Vec3) -> bool {
 }
 
 /// What a plane presses on a body: `normal` to the side of bodies, `height` of the centroid over it.
-pub(crate) fn of_plane(a: Solid<'_>, normal: Vec3, height: f64, room: &mut Room) -> Press {
+pub(crate) fn of_plane(a: Solid<'_>, normal: Vec3, height: f64, room: &mut OverlapRoom) -> Press {
     let mut press = Press::NONE;
     if a.support(-normal) <= height {
         return press;
     }
     square(normal, height, a.shape.circumradius * a.size, &mut room.polygon);
-    room.visit(&Planes::of(a, Vec3::zeros()), &mut Sum { press: &mut press, normal, sign: 1.0 });
+    room.visit(
+        &Planes::of(a, Vec3::zeros()),
+        &mut OverlapSum { press: &mut press, normal, sign: 1.0 },
+    );
     press
 }
 
@@ -69,7 +72,12 @@ pub(super) fn square(normal: Vec3, height: f64, radius: f64, out: &mut Vec<Vec3>
 }
 
 /// Adds what a triangle presses on a body, its corners from the body's centroid.
-pub(crate) fn of_triangle(a: Solid<'_>, triangle: &Triangle, room: &mut Room, press: &mut Press) {
+pub(crate) fn of_triangle(
+    a: Solid<'_>,
+    triangle: &Triangle,
+    room: &mut OverlapRoom,
+    press: &mut Press,
+) {
     let height = -triangle.corners[0].dot(&triangle.normal);
     if a.support(-triangle.normal) <= height {
         return;
@@ -77,16 +85,21 @@ pub(crate) fn of_triangle(a: Solid<'_>, triangle: &Triangle, room: &mut Room, pr
     room.polygon.clear();
     room.polygon.extend(triangle.corners);
     let planes = Planes::of(a, Vec3::zeros());
-    room.visit(&planes, &mut Sum { press, normal: triangle.normal, sign: 1.0 });
+    room.visit(&planes, &mut OverlapSum { press, normal: triangle.normal, sign: 1.0 });
 }
 
 /// What a convex polygon presses on a body, its corners from the body's centroid.
-pub(crate) fn of_polygon(a: Solid<'_>, polygon: &[Vec3], normal: Vec3, room: &mut Room) -> Press {
+pub(crate) fn of_polygon(
+    a: Solid<'_>,
+    polygon: &[Vec3],
+    normal: Vec3,
+    room: &mut OverlapRoom,
+) -> Press {
     let mut press = Press::NONE;
     room.polygon.clear();
     room.polygon.extend(polygon);
     let planes = Planes::of(a, Vec3::zeros());
-    room.visit(&planes, &mut Sum { press: &mut press, normal, sign: 1.0 });
+    room.visit(&planes, &mut OverlapSum { press: &mut press, normal, sign: 1.0 });
     press
 }
 

@@ -5,7 +5,7 @@
 
 use super::{
     Polyhedra,
-    contact_pair::{Around, Kind, SolidPairEntry},
+    contact_pair::{Around, SolidPairEntry, SolidPairKind},
     overlap_response::OverlapHistory,
     surfaces::{Bench, Owner},
 };
@@ -164,7 +164,7 @@ impl PolyContacts {
         self.most = (self.most.0.max(owners), self.most.1.max(triangles));
         if owners > 0 {
             self.entries.push(SolidPairEntry {
-                key: (id, Kind::Surfaces, 0),
+                key: (id, SolidPairKind::Surfaces, 0),
                 places: [slot, 0],
                 image: 0,
                 law: 0,
@@ -209,7 +209,8 @@ impl PolyContacts {
 
     /// Tells which entries belong to which body.
     fn distribute(&mut self, bodies: &Bodies) {
-        let of_both = |entry: &SolidPairEntry| if entry.key.1 == Kind::Body { 2 } else { 1 };
+        let of_both =
+            |entry: &SolidPairEntry| if entry.key.1 == SolidPairKind::Body { 2 } else { 1 };
         self.bodies.clear();
         for entry in &self.entries {
             self.bodies.extend(&entry.places[..of_both(entry)]);
@@ -363,7 +364,7 @@ fn of_pair(
     };
     let (a, b) = (i as usize, j as usize);
     SolidPairEntry {
-        key: (id(i), Kind::Body, id(j)),
+        key: (id(i), SolidPairKind::Body, id(j)),
         places: [i, j],
         image,
         law: laws.between(bodies.material[a], bodies.material[b]),

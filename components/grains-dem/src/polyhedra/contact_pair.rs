@@ -2,7 +2,7 @@
 
 use super::{
     Polyhedra, contact_geometry,
-    overlap_integrals::Room,
+    overlap_integrals::OverlapRoom,
     overlap_response::{self, OverlapHistory, Pair, Relative},
     surfaces::{Bench, Owner},
 };
@@ -21,7 +21,7 @@ pub(super) const MOST: usize = 8;
 
 /// What a polyhedron may touch, in the order in which loads are added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kind {
+pub(super) enum SolidPairKind {
     Body,
     /// All walls and parts.
     Surfaces,
@@ -31,7 +31,7 @@ pub(super) enum Kind {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolidPairEntry {
     /// Id of the body, kind and id of the other: in this order they stand in the list.
-    pub key: (u64, Kind, u64),
+    pub key: (u64, SolidPairKind, u64),
     /// Where both stand in memory.
     pub places: [u32; 2],
     /// Image through which the other body is seen.
@@ -61,7 +61,7 @@ pub(super) struct Around<'a> {
 impl SolidPairEntry {
     /// Number of memories that it needs.
     pub fn memories(&self) -> usize {
-        if self.key.1 == Kind::Surfaces { MOST } else { 1 }
+        if self.key.1 == SolidPairKind::Surfaces { MOST } else { 1 }
     }
 
     /// Finds the loads.
@@ -74,7 +74,7 @@ impl SolidPairEntry {
     ) {
         self.loads = [Wrench::zero(); 2];
         match self.key.1 {
-            Kind::Body => {
+            SolidPairKind::Body => {
                 let [i, j] = self.places.map(|place| place as usize);
                 let grains = [i, j].map(|place| around.scenery.bodies.poly[place]);
                 let way = around.scenery.between(i, j, self.image);
@@ -98,7 +98,7 @@ impl SolidPairEntry {
                     }
                 }
             }
-            Kind::Surfaces => self.surfaces(around, owners, memories, (bench, tally)),
+            SolidPairKind::Surfaces => self.surfaces(around, owners, memories, (bench, tally)),
         }
     }
 
@@ -108,7 +108,7 @@ impl SolidPairEntry {
         around: &Around<'_>,
         [a, b]: [u32; 2],
         way: Vec3,
-        (memory, room, tally): (&mut OverlapHistory, &mut Room, &mut Tally),
+        (memory, room, tally): (&mut OverlapHistory, &mut OverlapRoom, &mut Tally),
     ) {
         let solids = [a, b].map(|grain| around.polyhedra.solid(grain as usize));
         let press = contact_geometry::of_solids(solids[0], solids[1], way, room);

@@ -12,10 +12,10 @@
 
 use super::{
     contact_geometry::square,
-    contact_pair::{Around, Kind, SolidPairEntry, stiffness},
-    overlap_integrals::{Pieces, Planes, Room, clip},
+    contact_pair::{Around, SolidPairEntry, SolidPairKind, stiffness},
+    overlap_integrals::{OverlapRoom, Pieces, Planes, clip},
     shape::Solid,
-    surfaces::{Bench, Beside, Owner},
+    surfaces::{Bench, Owner, SurfacesBeside},
 };
 use crate::Vec3;
 use crate::bodies::body_arrays::SPHERE;
@@ -48,14 +48,14 @@ fn of_square(points: &[Vec3], normal: Vec3, value: impl Fn(Vec3) -> f64) -> f64 
 }
 
 /// A plane: its normal outward, and `x . normal` of its points [m].
-type Plane = (Vec3, f64);
+type FacePlane = (Vec3, f64);
 
 /// A polygon with its normal, outward.
 type Face = (Vec<Vec3>, Vec3);
 
 /// The other side of an overlap: planes beyond which it is not, with normals outward.
 struct Solids<'a> {
-    planes: &'a [Plane],
+    planes: &'a [FacePlane],
 }
 
 impl Solids<'_> {
@@ -70,9 +70,9 @@ impl Solids<'_> {
 /// `faces` are their polygons, as far as they can reach into the body.
 fn depth_within(
     a: Solid<'_>,
-    planes: &[Plane],
+    planes: &[FacePlane],
     faces: impl Iterator<Item = Face>,
-    room: &mut Room,
+    room: &mut OverlapRoom,
 ) -> f64 {
     let own = Planes::of(a, Vec3::zeros());
     let mut sum = 0.0;
@@ -98,7 +98,7 @@ fn between(
     own: &Planes<'_>,
     other: &Solids<'_>,
     [i, j]: [usize; 2],
-    room: &mut Room,
+    room: &mut OverlapRoom,
 ) -> f64 {
     // h_j - h_i vanishes there, and falls towards j.
     let apart = a.normals[j] - a.normals[i];
@@ -129,7 +129,7 @@ fn between(
 }
 
 /// Planes and polygons of a body at a place.
-fn faces_of(b: Solid<'_>, at: Vec3) -> (Vec<Plane>, Vec<Face>) {
+fn faces_of(b: Solid<'_>, at: Vec3) -> (Vec<FacePlane>, Vec<Face>) {
     let plane = |f: usize| (b.normals[f], b.shape.offsets[f] * b.size + b.normals[f].dot(&at));
     let corner = |&k: &u32| b.vertices[k as usize] + at;
     let polygon = |f: usize| (b.shape.corners(f).iter().map(corner).collect(), b.normals[f]);
@@ -144,7 +144,7 @@ impl SolidPairEntry {
         let solid = |place: u32| around.polyhedra.solid(bodies.poly[place as usize] as usize);
         let i = self.places[0] as usize;
         match self.key.1 {
-            Kind::Body => {
+            SolidPairKind::Body => {
                 let room = &mut bench.room;
                 let law = &around.scenery.laws[self.law as usize];
                 let kappa = stiffness(law) / self.area;
@@ -161,7 +161,7 @@ impl SolidPairEntry {
                     [true, _] => of_ball(b, a, -way),
                     [_, true] => of_ball(a, b, way),
                     _ => {
-                        let of = |a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut Room| {
+                        let of = |a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut OverlapRoom| {
                             let (planes, faces) = faces_of(b, way);
                             depth_within(a, &planes, faces.into_iter(), room)
                         };
@@ -171,8 +171,8 @@ impl SolidPairEntry {
                     }
                 }
             }
-            Kind::Surfaces => {
-                let beside = Beside::new(around, i);
+            SolidPairKind::Surfaces => {
+                let beside = SurfacesBeside::new(around, i);
                 let solid = beside.solid;
                 beside.cover(owners, &mut bench.covers);
                 let mut sum = 0.0;
@@ -196,7 +196,7 @@ impl SolidPairEntry {
 }
 
 /// `int d dV` straight below a polygon with a normal.
-fn below(a: Solid<'_>, polygon: &[Vec3], n: Vec3, room: &mut Room) -> f64 {
+fn below(a: Solid<'_>, polygon: &[Vec3], n: Vec3, room: &mut OverlapRoom) -> f64 {
     let mut planes = vec![(n, n.dot(&polygon[0]))];
     for k in 0..polygon.len() {
         let side = (polygon[(k + 1) % polygon.len()] - polygon[k]).cross(&n);
@@ -207,7 +207,7 @@ fn below(a: Solid<'_>, polygon: &[Vec3], n: Vec3, room: &mut Room) -> f64 {
 }
 
 /// What the sides of the prism below a polygon add.
-fn sides(a: Solid<'_>, corners: &[Vec3], n: Vec3, room: &mut Room) -> f64 {
+fn sides(a: Solid<'_>, corners: &[Vec3], n: Vec3, room: &mut OverlapRoom) -> f64 {
     let deep = n * (-4.0 * a.shape.circumradius * a.size);
     let own = Planes::of(a, Vec3::zeros());
     let mut of = |k: usize| {

@@ -80,7 +80,7 @@ impl Cover {
 
 /// A surface that is looked at, in the frame of a body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Looked {
+pub(super) struct HiddenSearch {
     pub whose: Whose,
     pub normal: Vec3,
     /// Radius of the largest sphere in the body [m].
@@ -124,7 +124,7 @@ impl Covers {
     }
 
     /// Cuts away from a polygon what lies hidden; false if nothing does.
-    pub fn cut(&mut self, polygon: &[Vec3], looked: &Looked) -> bool {
+    pub fn cut(&mut self, polygon: &[Vec3], looked: &HiddenSearch) -> bool {
         self.corners.clear();
         self.ends.clear();
         self.find_near(polygon, looked);
@@ -165,7 +165,7 @@ impl Covers {
     }
 
     /// Finds the covers that may hide any of a polygon, by boxes.
-    fn find_near(&mut self, polygon: &[Vec3], looked: &Looked) {
+    fn find_near(&mut self, polygon: &[Vec3], looked: &HiddenSearch) {
         self.near.clear();
         let Some(&first) = polygon.first() else { return };
         let min = polygon.iter().fold(first, |min, x| min.inf(x));
@@ -177,7 +177,7 @@ impl Covers {
     }
 
     /// Whether a cover near the polygon hides any of the piece that waits last.
-    fn hides(&mut self, k: usize, begin: usize, looked: &Looked) -> bool {
+    fn hides(&mut self, k: usize, begin: usize, looked: &HiddenSearch) -> bool {
         let cover = &self.list[self.near[k] as usize];
         self.rest.clear();
         self.rest.extend(&self.waiting[begin..]);
@@ -192,7 +192,7 @@ impl Covers {
     }
 }
 
-impl Looked {
+impl HiddenSearch {
     fn nothing(&self) -> f64 {
         NOTHING * self.inradius * self.inradius
     }

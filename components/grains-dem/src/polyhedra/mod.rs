@@ -19,7 +19,7 @@ mod surfaces;
 pub(crate) use contact_list::{OF_PAIR, PolyContacts, SolidSearch};
 pub(crate) use free_rotation::Inertia;
 pub(crate) use overlap::{of_bodies, with_part};
-pub(crate) use overlap_integrals::Room;
+pub(crate) use overlap_integrals::OverlapRoom;
 pub(crate) use shape::{Shape, to_world, turned_axes};
 
 use crate::Vec3;

@@ -2,7 +2,7 @@
 
 use super::{
     Polyhedra, contact_geometry,
-    overlap_integrals::{Press, Room},
+    overlap_integrals::{OverlapRoom, Press},
     shape::Solid,
 };
 use crate::Vec3;
@@ -16,7 +16,7 @@ pub(crate) fn of_bodies(
     polyhedra: &Polyhedra,
     [a, b]: [(u32, &BoundingSphere); 2],
     way: Vec3,
-    room: &mut Room,
+    room: &mut OverlapRoom,
 ) -> Option<(f64, f64)> {
     let of_ball = |grain: u32, ball: &BoundingSphere, way: Vec3| {
         let solid = polyhedra.solid(grain as usize);
@@ -36,7 +36,12 @@ pub(crate) fn of_bodies(
 }
 
 /// How deep a polyhedron at `x` reaches into a part [m].
-pub(crate) fn with_part(solid: Solid<'_>, x: Vec3, part: &PlacedPart, room: &mut Room) -> f64 {
+pub(crate) fn with_part(
+    solid: Solid<'_>,
+    x: Vec3,
+    part: &PlacedPart,
+    room: &mut OverlapRoom,
+) -> f64 {
     let (clearance, _) = part.clearance(x);
     if clearance <= 0.0 {
         return solid.inradius();

@@ -187,14 +187,14 @@ impl Press {
 
 /// Room to work in.
 #[derive(Clone, Debug)]
-pub(crate) struct Room {
+pub(crate) struct OverlapRoom {
     /// The convex polygon that is looked at.
     pub polygon: Vec<Vec3>,
     pub(super) spare: Vec<Vec3>,
     piece: Vec<Vec3>,
 }
 
-impl Default for Room {
+impl Default for OverlapRoom {
     fn default() -> Self {
         let room = || Vec::with_capacity(MOST);
         Self { polygon: room(), spare: room(), piece: room() }
@@ -207,7 +207,7 @@ pub(crate) trait Pieces {
     fn piece(&mut self, points: &[Vec3], depth: impl Fn(Vec3) -> f64, face: usize);
 }
 
-impl Room {
+impl OverlapRoom {
     /// Visits the parts of `self.polygon` in a body, piece by piece: each under the face that it is
     /// closest to.
     pub fn visit(&mut self, planes: &Planes<'_>, pieces: &mut impl Pieces) {
@@ -272,7 +272,7 @@ impl Room {
 }
 
 /// Adds up what presses along a direction.
-pub(crate) struct Sum<'a> {
+pub(crate) struct OverlapSum<'a> {
     pub press: &'a mut Press,
     /// Outward normal of the polygon.
     pub normal: Vec3,
@@ -280,7 +280,7 @@ pub(crate) struct Sum<'a> {
     pub sign: f64,
 }
 
-impl Pieces for Sum<'_> {
+impl Pieces for OverlapSum<'_> {
     fn piece(&mut self, points: &[Vec3], depth: impl Fn(Vec3) -> f64, _face: usize) {
         let (first, rest) = (points[0], &points[1..]);
         let of_first = depth(first);

@@ -7,8 +7,8 @@
 use super::{
     contact_geometry,
     contact_pair::{Around, MOST, SolidPairEntry, stiffness},
-    hidden::{Cover, Covers, Looked, Whose},
-    overlap_integrals::{Press, Room},
+    hidden::{Cover, Covers, HiddenSearch, Whose},
+    overlap_integrals::{OverlapRoom, Press},
     overlap_response::{self, OverlapHistory, Pair, Relative, Response},
     shape::Solid,
 };
@@ -34,7 +34,7 @@ pub(super) struct Owner {
 
 /// What an owner presses in a contact.
 #[derive(Clone, Copy, Debug)]
-struct Share {
+struct SurfaceShare {
     contact: u8,
     owner: u32,
     press: Press,
@@ -43,9 +43,9 @@ struct Share {
 /// Room to work in.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bench {
-    pub room: Room,
+    pub room: OverlapRoom,
     pub(super) covers: Covers,
-    shares: Vec<Share>,
+    shares: Vec<SurfaceShare>,
     polygon: Vec<Vec3>,
 }
 
@@ -71,13 +71,13 @@ struct Touch {
 }
 
 /// A body beside walls and parts.
-pub(super) struct Beside<'a> {
+pub(super) struct SurfacesBeside<'a> {
     around: Around<'a>,
     i: usize,
     pub solid: Solid<'a>,
 }
 
-impl<'a> Beside<'a> {
+impl<'a> SurfacesBeside<'a> {
     pub fn new(around: &Around<'a>, i: usize) -> Self {
         let solid = around.polyhedra.solid(around.scenery.bodies.poly[i] as usize);
         Self { around: *around, i, solid }
@@ -155,15 +155,15 @@ impl<'a> Beside<'a> {
         &self,
         (owners, o): (&[Owner], usize),
         bench: &mut Bench,
-        mut visit: impl FnMut((&[Vec3], Vec3), &Press, Option<&Covers>, &mut Room),
+        mut visit: impl FnMut((&[Vec3], Vec3), &Press, Option<&Covers>, &mut OverlapRoom),
     ) {
         let Bench { room, covers, polygon, .. } = bench;
         let (owner, solid) = (&owners[o], self.solid);
         let is_mirror = self.is_mirror(owner);
-        let mut one = |polygon: &[Vec3], normal: Vec3, press: &Press, room: &mut Room| {
+        let mut one = |polygon: &[Vec3], normal: Vec3, press: &Press, room: &mut OverlapRoom| {
             if press.acts() {
                 let inradius = solid.inradius();
-                let looked = Looked { whose: Self::whose(owners, o), normal, inradius };
+                let looked = HiddenSearch { whose: Self::whose(owners, o), normal, inradius };
                 let cut = !is_mirror && covers.cut(polygon, &looked);
                 visit((polygon, normal), press, cut.then_some(&*covers), room);
             }
@@ -258,7 +258,7 @@ impl SolidPairEntry {
         memories: &mut [OverlapHistory],
         (bench, tally): (&mut Bench, &mut Tally),
     ) {
-        let beside = Beside::new(around, self.places[0] as usize);
+        let beside = SurfacesBeside::new(around, self.places[0] as usize);
         let touches = beside.touches(owners, bench);
         let mut before = [OverlapHistory::NONE; MOST];
         before.copy_from_slice(memories);
@@ -299,7 +299,7 @@ impl SolidPairEntry {
     }
 }
 
-impl Beside<'_> {
+impl SurfacesBeside<'_> {
     /// Finds the contacts, and the owners' shares in them.
     fn touches(&self, owners: &[Owner], bench: &mut Bench) -> Touches {
         self.cover(owners, &mut bench.covers);
@@ -316,7 +316,7 @@ impl Beside<'_> {
                 let known = shares[first..].iter().position(|share| share.contact == contact);
                 let place = known.map_or(shares.len(), |k| first + k);
                 if place == shares.len() {
-                    shares.push(Share { contact, owner: o as u32, press: Press::NONE });
+                    shares.push(SurfaceShare { contact, owner: o as u32, press: Press::NONE });
                 }
                 shares[place].press.merge(press);
             };
@@ -348,9 +348,16 @@ impl Beside<'_> {
     }
 
     /// Counts the regions, each where it is deepest.
-    fn count(&self, touches: &Touches, owners: &[Owner], shares: &[Share], tally: &mut Tally) {
+    fn count(
+        &self,
+        touches: &Touches,
+        owners: &[Owner],
+        shares: &[SurfaceShare],
+        tally: &mut Tally,
+    ) {
         for region in 0..touches.count as u8 {
-            let own = |share: &&Share| touches.list[usize::from(share.contact)].region == region;
+            let own =
+                |share: &&SurfaceShare| touches.list[usize::from(share.contact)].region == region;
             let mut own = shares.iter().filter(own);
             let Some(first) = own.next() else { continue };
             let deeper = |a: f64, b: f64| b > a;

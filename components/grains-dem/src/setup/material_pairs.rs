@@ -16,7 +16,7 @@ use tremie_messages::{
 
 /// A body that may meet others.
 #[derive(Clone, Copy, Debug)]
-struct Grain {
+struct LightestBody {
     /// Mass [kg], of a clump's body that of the clump; infinite where the motion is given.
     mass: f64,
     /// Mass that a contact has to move, at least [kg]; see [`clumps::Whole::felt`].
@@ -27,7 +27,7 @@ struct Grain {
     clump: Option<u32>,
 }
 
-impl Grain {
+impl LightestBody {
     /// A body by itself.
     fn alone(mass: f64, radius: f64) -> Self {
         Self { mass, felt: mass, radius, clump: None }
@@ -45,15 +45,15 @@ impl Grain {
 }
 
 /// The bodies of one material.
-struct Kind<'a> {
+struct BodyKind<'a> {
     material: &'a str,
     bodies: usize,
     free: usize,
     /// The two lightest and the two heaviest free bodies.
-    lightest: [Grain; 2],
-    heaviest: [Grain; 2],
+    lightest: [LightestBody; 2],
+    heaviest: [LightestBody; 2],
     /// The two that are heaviest for their size: of most mass over the square of the radius.
-    densest: [Grain; 2],
+    densest: [LightestBody; 2],
     /// Smallest and largest radius of all.
     radii: [f64; 2],
     /// Whether all belong to one clump; `None` without any.
@@ -72,7 +72,7 @@ enum Sole {
 /// The bodies of a scene by material, with what they may meet.
 pub(crate) struct BodyStatistics<'a> {
     scene: &'a Scene,
-    kinds: Vec<Kind<'a>>,
+    kinds: Vec<BodyKind<'a>>,
     surfaces: Vec<Surface<'a>>,
     /// How many bodies stand for those that inlets feed.
     fed: usize,
@@ -105,9 +105,9 @@ pub(crate) struct MaterialPair<'a> {
 /// Bodies of two materials that may meet: the lightest, the heaviest, those that are heaviest for their size, and how
 /// many contacts one of them may have at once.
 struct Pairs {
-    light: [Grain; 2],
-    heavy: [Grain; 2],
-    dense: [Grain; 2],
+    light: [LightestBody; 2],
+    heavy: [LightestBody; 2],
+    dense: [LightestBody; 2],
     contacts: usize,
 }
 
@@ -122,13 +122,13 @@ impl<'a> BodyStatistics<'a> {
         for (set, whole) in scene.bodies.iter().zip(clumps::wholes(scene)) {
             let material = set.material.as_str();
             if !all.kinds.iter().any(|kind| kind.material == material) {
-                all.kinds.push(Kind::none(material));
+                all.kinds.push(BodyKind::none(material));
             }
             let kind = all.kinds.iter_mut().find(|kind| kind.material == material);
             let Some(kind) = kind else { continue };
             for d in random_packing::diameters_of(set) {
-                let alone = Grain::alone(placement::mass(set.density, d), 0.5 * d);
-                let joined = |Whole { number, mass, felt }| Grain {
+                let alone = LightestBody::alone(placement::mass(set.density, d), 0.5 * d);
+                let joined = |Whole { number, mass, felt }| LightestBody {
                     mass,
                     felt,
                     radius: alone.radius,
@@ -141,11 +141,11 @@ impl<'a> BodyStatistics<'a> {
             let Some(set) = scene.bodies.iter().find(|set| set.name == inlet.bodies) else {
                 continue;
             };
-            let of_set = |kind: &&mut Kind| kind.material == set.material;
+            let of_set = |kind: &&mut BodyKind| kind.material == set.material;
             let Some(kind) = all.kinds.iter_mut().find(of_set) else { continue };
             // Two of each, which may meet.
             for d in inlet.diameters.extremes().into_iter().flat_map(|d| [d, d]) {
-                let grain = Grain::alone(placement::mass(set.density, d), 0.5 * d);
+                let grain = LightestBody::alone(placement::mass(set.density, d), 0.5 * d);
                 kind.add(grain, set.motion == Motion::Free);
                 all.fed += 1;
             }
@@ -241,18 +241,22 @@ impl<'a> BodyStatistics<'a> {
                     continue;
                 }
                 let [light, heavy, dense] = if same {
-                    let other = |of: [Grain; 2]| {
-                        let free = if a.free >= 2 { of[1] } else { Grain::still(a.radii[0]) };
+                    let other = |of: [LightestBody; 2]| {
+                        let free =
+                            if a.free >= 2 { of[1] } else { LightestBody::still(a.radii[0]) };
                         [of[0], free]
                     };
                     // The second is none where all that are free are in one clump.
-                    let deep = |[one, other]: [Grain; 2]| {
-                        [one, if other.mass > 0.0 { other } else { Grain::still(one.radius) }]
+                    let deep = |[one, other]: [LightestBody; 2]| {
+                        [
+                            one,
+                            if other.mass > 0.0 { other } else { LightestBody::still(one.radius) },
+                        ]
                     };
                     [other(a.lightest), other(a.heaviest), deep(other(a.densest))]
                 } else {
-                    let of = |kind: &Kind, grain: Grain| {
-                        if kind.free > 0 { grain } else { Grain::still(kind.radii[0]) }
+                    let of = |kind: &BodyKind, grain: LightestBody| {
+                        if kind.free > 0 { grain } else { LightestBody::still(kind.radii[0]) }
                     };
                     [
                         [of(a, a.lightest[0]), of(b, b.lightest[0])],
@@ -268,7 +272,7 @@ impl<'a> BodyStatistics<'a> {
         }
         for kind in self.kinds.iter().filter(|kind| kind.free > 0) {
             for surface in &self.surfaces {
-                let flat = Grain::alone(surface.mass, f64::INFINITY);
+                let flat = LightestBody::alone(surface.mass, f64::INFINITY);
                 let [light, heavy, dense] =
                     [kind.lightest, kind.heaviest, kind.densest].map(|of| [of[0], flat]);
                 let pairs = Pairs { light, heavy, dense, contacts: 1 };
@@ -279,15 +283,15 @@ impl<'a> BodyStatistics<'a> {
     }
 }
 
-impl<'a> Kind<'a> {
+impl<'a> BodyKind<'a> {
     fn none(material: &'a str) -> Self {
         Self {
             material,
             bodies: 0,
             free: 0,
-            lightest: [Grain::alone(f64::INFINITY, f64::INFINITY); 2],
-            heaviest: [Grain::alone(0.0, 0.0); 2],
-            densest: [Grain::alone(0.0, 1.0); 2],
+            lightest: [LightestBody::alone(f64::INFINITY, f64::INFINITY); 2],
+            heaviest: [LightestBody::alone(0.0, 0.0); 2],
+            densest: [LightestBody::alone(0.0, 1.0); 2],
             radii: [f64::INFINITY, 0.0],
             sole: None,
         }
@@ -302,7 +306,7 @@ impl<'a> Kind<'a> {
         (same && self.bodies < 2) || one_clump
     }
 
-    fn add(&mut self, grain: Grain, free: bool) {
+    fn add(&mut self, grain: LightestBody, free: bool) {
         self.sole = match (self.sole, grain.clump.filter(|_| free)) {
             (None, Some(clump)) => Some(Sole::Clump(clump)),
             (Some(Sole::Clump(known)), Some(clump)) if known == clump => self.sole,
@@ -316,14 +320,18 @@ impl<'a> Kind<'a> {
         self.free += 1;
         self.lightest = first_two(self.lightest, grain, |a, b| a.felt < b.felt);
         self.heaviest = first_two(self.heaviest, grain, |a, b| a.mass > b.mass);
-        let denser: fn(&Grain, &Grain) -> bool =
+        let denser: fn(&LightestBody, &LightestBody) -> bool =
             |a, b| a.mass / (a.radius * a.radius) > b.mass / (b.radius * b.radius);
         self.densest = first_two(self.densest, grain, denser);
     }
 }
 
 /// The first and the second of three; of bodies of one clump the first alone, for they never touch.
-fn first_two([a, b]: [Grain; 2], c: Grain, before: fn(&Grain, &Grain) -> bool) -> [Grain; 2] {
+fn first_two(
+    [a, b]: [LightestBody; 2],
+    c: LightestBody,
+    before: fn(&LightestBody, &LightestBody) -> bool,
+) -> [LightestBody; 2] {
     let first = if before(&c, &a) { c } else { a };
     let mut others = [b, if before(&c, &a) { a } else { c }]
         .into_iter()
@@ -338,7 +346,7 @@ fn first_two([a, b]: [Grain; 2], c: Grain, before: fn(&Grain, &Grain) -> bool) -
 }
 
 /// Reduced mass and radius, and the sum of the inverse masses that a contact has to move.
-fn reduced([a, b]: [Grain; 2]) -> (Reduced, f64) {
+fn reduced([a, b]: [LightestBody; 2]) -> (Reduced, f64) {
     let inverse_mass = 1.0 / a.mass + 1.0 / b.mass;
     let radius = 1.0 / (1.0 / a.radius + 1.0 / b.radius);
     (Reduced { root_mass: (1.0 / inverse_mass).sqrt(), radius }, 1.0 / a.felt + 1.0 / b.felt)

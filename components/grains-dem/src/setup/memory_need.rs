@@ -48,11 +48,11 @@ impl Need {
         let skins = Skins::new(spans, parameters.skin_fraction(), reach);
         let rolling = scene.contacts.iter().any(|pair| pair.law.rolling_friction > 0.0);
         let cost = Cost { skins, rolling: if rolling { size_of::<Rolling>() } else { 0 } };
-        let state = |crowds: &[Crowd]| -> f64 {
+        let state = |crowds: &[BodyGroup]| -> f64 {
             let species = crowds.iter().flat_map(|crowd| &crowd.species);
             species.map(|own| own.count * own.state()).sum()
         };
-        let of_crowd = |crowd: &Crowd| cost.of_crowd(&crowd.species, crowd.fraction);
+        let of_crowd = |crowd: &BodyGroup| cost.of_crowd(&crowd.species, crowd.fraction);
         let start = state(&few) + few.iter().map(of_crowd).sum::<f64>();
         // Without weight, fluid and inlets nothing brings bodies together.
         let gathers =
@@ -89,7 +89,7 @@ impl Species {
 }
 
 /// The bodies of a set, by size, at the start.
-struct Crowd {
+struct BodyGroup {
     species: Vec<Species>,
     /// Their solid fraction.
     fraction: f64,
@@ -97,7 +97,7 @@ struct Crowd {
 
 /// The bodies of all sets, and those that inlets feed: these have the volume [m³] that `fed` says, from the volume that fills
 /// the inlet's region to its fraction and from the mean volume of one.
-fn crowds(scene: &Scene, fed: impl Fn(f64, f64) -> f64) -> Vec<Crowd> {
+fn crowds(scene: &Scene, fed: impl Fn(f64, f64) -> f64) -> Vec<BodyGroup> {
     let of_set = |set: &BodySet| {
         let solid = matches!(set.placement, Placement::Polyhedra(_));
         let (around, free) = (placement::around(scene, set), set.motion == Motion::Free);
@@ -106,7 +106,7 @@ fn crowds(scene: &Scene, fed: impl Fn(f64, f64) -> f64) -> Vec<Crowd> {
             BodySizes::Packed(packing) => packing.fraction,
             BodySizes::Listed(_) => BED,
         };
-        Crowd {
+        BodyGroup {
             species: by_size(random_packing::diameters_of(set).into_iter(), one, 1.0),
             fraction,
         }
@@ -117,7 +117,7 @@ fn crowds(scene: &Scene, fed: impl Fn(f64, f64) -> f64) -> Vec<Crowd> {
         let count = fed(inlet.fraction * region, mean) / mean;
         let one = Species { around: 1.0, free: true, ..Species::default() };
         let species = by_size(drawn(&inlet.diameters), one, count / f64::from(DRAWS));
-        Crowd { species, fraction: inlet.fraction }
+        BodyGroup { species, fraction: inlet.fraction }
     };
     scene.bodies.iter().map(of_set).chain(scene.inlets.iter().map(of_inlet)).collect()
 }
@@ -168,7 +168,7 @@ impl Cost {
 
     /// Pairs in a bed [bytes]: bodies of about one size side by side, as if those of other sizes had gone elsewhere; those of
     /// different sizes as if all were mixed.
-    fn of_bed(&self, crowds: &[Crowd]) -> f64 {
+    fn of_bed(&self, crowds: &[BodyGroup]) -> f64 {
         let mut mix: Vec<Species> = Vec::new();
         for own in crowds.iter().flat_map(|crowd| &crowd.species) {
             let alike = |known: &&mut Species| {

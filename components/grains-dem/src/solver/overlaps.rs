@@ -9,7 +9,7 @@ use crate::math::periodic::PeriodicBox;
 use crate::neighbours::cell_pairs::CellPairs;
 use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::size_classes::Skins;
-use crate::polyhedra::{self, Polyhedra, Room};
+use crate::polyhedra::{self, OverlapRoom, Polyhedra};
 use tremie_messages::scene::Motion;
 use tremie_messages::{
     Problem,
@@ -63,7 +63,7 @@ fn check_parts(
     polyhedra: &Polyhedra,
 ) -> Result<(), Vec<Problem>> {
     let mut problems = Vec::new();
-    let (numbers, mut room) = (numbers(spheres), Room::default());
+    let (numbers, mut room) = (numbers(spheres), OverlapRoom::default());
     let free = spheres.iter().enumerate().filter(|(_, sphere)| sphere.mobility().is_free());
     for (id, sphere) in free {
         for (part, placed) in scene.parts.iter().zip(parts) {
@@ -109,7 +109,7 @@ fn deepest_overlap(
     let spans = balls.iter().map(|ball| [2.0 * ball.radius; 2]);
     let mut cells = LinkedCells::new(bounds.clone(), Skins::new(spans, 0.0, 0.0));
     cells.sort(&balls);
-    let (numbers, mut room) = (numbers(spheres), Room::default());
+    let (numbers, mut room) = (numbers(spheres), OverlapRoom::default());
     let mut list = CellPairs::default();
     list.fill(&cells, &bounds.shifts, &balls, &mobility);
     let (mut worst, mut count) = (None::<(usize, usize, f64)>, 0);

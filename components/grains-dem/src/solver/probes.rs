@@ -12,7 +12,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, PlacedSphere, take_out};
 use crate::math::periodic::PeriodicBox;
-use regions::Region;
+use regions::ProbeRegion;
 use rings::Annulus;
 use sections::Section;
 use tremie_messages::scene::{Domain, Probe, ProbeShape, Scene};
@@ -49,9 +49,9 @@ fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
 /// The probes of a scene that see spheres.
 #[derive(Debug, Default)]
 pub(crate) struct Probes {
-    kinds: Vec<Kind>,
+    kinds: Vec<ProbeKind>,
     sections: Vec<Section>,
-    regions: Vec<Region>,
+    regions: Vec<ProbeRegion>,
     rings: Vec<Annulus>,
     /// Masses by rank [kg]: given motions have one too.
     mass: Vec<f64>,
@@ -59,14 +59,14 @@ pub(crate) struct Probes {
     parts: Vec<f64>,
     /// Positions by rank when sections were last looked at.
     before: Vec<Vec3>,
-    crossings: Vec<sections::Sum>,
-    contents: Vec<regions::Sum>,
-    hidden: Vec<rings::Sum>,
+    crossings: Vec<sections::SectionSum>,
+    contents: Vec<regions::RegionSum>,
+    hidden: Vec<rings::RingSum>,
 }
 
 /// Which of the lists the next probe stands in.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum ProbeKind {
     Section,
     Region,
     Ring,
@@ -88,15 +88,15 @@ impl Probes {
             match &probe.shape {
                 ProbeShape::Point(_) | ProbeShape::Line { .. } | ProbeShape::Profile { .. } => {}
                 ProbeShape::Section { axis, position, min, max } => {
-                    own.kinds.push(Kind::Section);
+                    own.kinds.push(ProbeKind::Section);
                     own.sections.push(Section::new(*axis, *position, *min, *max));
                 }
                 ProbeShape::Region { min, max } => {
-                    own.kinds.push(Kind::Region);
-                    own.regions.push(Region { min: (*min).into(), max: (*max).into() });
+                    own.kinds.push(ProbeKind::Region);
+                    own.regions.push(ProbeRegion { min: (*min).into(), max: (*max).into() });
                 }
                 ProbeShape::Ring(ring) => {
-                    own.kinds.push(Kind::Ring);
+                    own.kinds.push(ProbeKind::Ring);
                     own.rings.push(Annulus::new(ring, domain));
                 }
             }
@@ -112,9 +112,9 @@ impl Probes {
     /// Sums for so many bodies.
     fn fit(&mut self, bodies: usize) {
         let blocks = bodies.div_ceil(BLOCK);
-        self.crossings.resize(blocks * self.sections.len(), sections::Sum::default());
-        self.contents.resize(blocks * self.regions.len(), regions::Sum::default());
-        self.hidden.resize(blocks * self.rings.len(), rings::Sum::default());
+        self.crossings.resize(blocks * self.sections.len(), sections::SectionSum::default());
+        self.contents.resize(blocks * self.regions.len(), regions::RegionSum::default());
+        self.hidden.resize(blocks * self.rings.len(), rings::RingSum::default());
     }
 
     /// Bodies of the ranks `gone`, which ascend, are not there any more; others, with their masses [kg],
@@ -163,12 +163,16 @@ impl Probes {
         let (mut sections, mut regions) = (self.sections.iter(), self.regions.iter().enumerate());
         for kind in &self.kinds {
             match kind {
-                Kind::Section => out.extend(sections.next().into_iter().flat_map(Section::values)),
-                Kind::Region => out.extend(regions.next().into_iter().flat_map(|(k, region)| {
-                    let sums = self.contents.iter().skip(k).step_by(self.regions.len());
-                    region.values(sums)
-                })),
-                Kind::Ring => out.extend(rings.next().into_iter().flat_map(|(k, ring)| {
+                ProbeKind::Section => {
+                    out.extend(sections.next().into_iter().flat_map(Section::values))
+                }
+                ProbeKind::Region => {
+                    out.extend(regions.next().into_iter().flat_map(|(k, region)| {
+                        let sums = self.contents.iter().skip(k).step_by(self.regions.len());
+                        region.values(sums)
+                    }))
+                }
+                ProbeKind::Ring => out.extend(rings.next().into_iter().flat_map(|(k, ring)| {
                     let sums = self.hidden.iter().skip(k).step_by(self.rings.len());
                     ring.values(sums)
                 })),

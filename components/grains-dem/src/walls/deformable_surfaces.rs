@@ -11,7 +11,7 @@ use crate::math::error::GrainsError;
 use crate::math::tally::Tally;
 use crate::walls::part_contacts::PartContacts;
 use crate::walls::reached_walls::Reached;
-use crate::walls::surface_contacts::{Beside, SurfaceContacts, SurfaceSurroundings};
+use crate::walls::surface_contacts::{SurfaceContacts, SurfaceSurroundings, WallsBeside};
 
 /// The surfaces of a run.
 #[derive(Clone, Debug, Default)]
@@ -107,7 +107,7 @@ impl Surfaces {
         self.held[surface].look(state.0, scenery);
         self.reach(walls, scenery);
         out.clear();
-        let beside = Beside { number: surface, rigid: &self.rigid, soft: &self.soft };
+        let beside = WallsBeside { number: surface, rigid: &self.rigid, soft: &self.soft };
         self.held[surface].try_shape(state, &beside, scenery, out);
         Ok(())
     }
@@ -146,7 +146,7 @@ impl Surfaces {
     ) {
         self.wrench.fill(Wrench::zero());
         for (number, (held, state)) in self.held.iter_mut().zip(states).enumerate() {
-            let beside = Beside { number, rigid: &self.rigid, soft: &self.soft };
+            let beside = WallsBeside { number, rigid: &self.rigid, soft: &self.soft };
             let shape = (state.vertices, state.velocities);
             held.accept(shape, &beside, scenery, &mut self.wrench, tally);
         }

@@ -7,7 +7,7 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{Bodies, Wrench};
-use crate::bodies::mesh_contact::{Looked, SAME};
+use crate::bodies::mesh_contact::{LookedFrom, SAME};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Along;
 use crate::contact::contact_force::ContactHistory;
@@ -38,7 +38,7 @@ pub(crate) struct ListedWall {
     /// Reduced mass, that of a head-on collision along the axis of a slider; the body's radius.
     pub reduced: Reduced,
     /// Where the body was, as the part sees it, when it looked at all triangles near it.
-    pub looked: Looked,
+    pub looked: LookedFrom,
     /// Force on a wall at the last evaluation [N].
     pub on_wall: Vec3,
 }

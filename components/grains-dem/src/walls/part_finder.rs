@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::{Bodies, Mobility};
-use crate::bodies::mesh_contact::{Looked, distance};
+use crate::bodies::mesh_contact::{LookedFrom, distance};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::contact_law::Reduced;
@@ -147,7 +147,7 @@ impl FoundParts {
             met,
             law,
             reduced,
-            looked: Looked::NEVER,
+            looked: LookedFrom::NEVER,
             on_wall: Vec3::zeros(),
         });
     }

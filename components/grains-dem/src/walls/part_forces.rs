@@ -206,9 +206,9 @@ impl SphereAtWalls<'_> {
     }
 
     /// How much of each contact counts, of which springs count so much. No film is known of surfaces.
-    fn shares(&self, found: &[WallPoint], springs: [f64; MOST]) -> [Share; MOST] {
+    fn shares(&self, found: &[WallPoint], springs: [f64; MOST]) -> [WallShare; MOST] {
         let radius = self.scenery.bodies.balls[self.body].radius;
-        let mut all = springs.map(|spring| Share { spring, film: 0.0 });
+        let mut all = springs.map(|spring| WallShare { spring, film: 0.0 });
         if self.scenery.squeeze.is_some() {
             let reach = radius + self.scenery.reach();
             let films =
@@ -282,7 +282,7 @@ impl SphereAtWalls<'_> {
 
 /// How much of a contact counts: of its springs, and of the fluid in its gap.
 #[derive(Clone, Copy, Debug)]
-struct Share {
+struct WallShare {
     spring: f64,
     film: f64,
 }
@@ -303,7 +303,7 @@ impl Memories<'_> {
 struct Meeting<'a> {
     entry: &'a ListedWall,
     contact: &'a WallPoint,
-    share: Share,
+    share: WallShare,
 }
 
 /// Directions of the regions that a body touches, for these are what is counted as contacts.

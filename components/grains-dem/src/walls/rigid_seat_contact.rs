@@ -21,7 +21,7 @@ pub(crate) struct Seat {
     shares: Vec<(u32, Vec3)>,
     /// Vertices near planes, with the planes' numbers; how deep each is in its plane, and a zero.
     flat: Vec<(u32, u32)>,
-    planes: Vec<Plane>,
+    planes: Vec<SeatPlane>,
     depths: Vec<f64>,
     patches: Vec<Patch>,
     /// For each facet its patch, while patches of a plane are listed; else [`NONE`].
@@ -36,7 +36,7 @@ pub(crate) struct Seat {
 
 /// A flat seat.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Plane {
+struct SeatPlane {
     normal: Vec3,
     offset: f64,
 }
@@ -112,7 +112,7 @@ impl Seat {
             for wall in seats.walls {
                 if x.dot(&wall.normal) - wall.offset < gap {
                     let Wall { normal, offset, .. } = *wall;
-                    self.list_flat(vertex, Plane { normal, offset });
+                    self.list_flat(vertex, SeatPlane { normal, offset });
                 }
             }
             for part in seats.parts.iter().filter(|part| !part.moves() && part.is_near(x, gap)) {
@@ -138,8 +138,8 @@ impl Seat {
     }
 
     /// Lists a vertex near a plane, which may be known.
-    fn list_flat(&mut self, vertex: u32, plane: Plane) {
-        let near = |known: &Plane| {
+    fn list_flat(&mut self, vertex: u32, plane: SeatPlane) {
+        let near = |known: &SeatPlane| {
             (known.normal - plane.normal).norm_squared() < FLAT * FLAT
                 && (known.offset - plane.offset).abs() <= FLAT * plane.offset.abs()
         };
@@ -198,7 +198,7 @@ impl Seat {
     fn push_flat(&mut self, vertices: &[[f64; 3]], out: &mut Vec<FacetLoad>) -> f64 {
         let mut energy = 0.0;
         for (depth, &(vertex, plane)) in self.depths.iter_mut().zip(&self.flat) {
-            let Plane { normal, offset } = self.planes[plane as usize];
+            let SeatPlane { normal, offset } = self.planes[plane as usize];
             *depth = (offset - Vec3::from(vertices[vertex as usize]).dot(&normal)).max(0.0);
         }
         for patch in &self.patches {
@@ -252,14 +252,14 @@ impl Seat {
 
 /// The plane of triangles that lie in one; none if they do not. All of a closed surface that is near a point
 /// is then that plane: it has no rim there.
-fn plane_of(triangles: &[Triangle]) -> Option<Plane> {
+fn plane_of(triangles: &[Triangle]) -> Option<SeatPlane> {
     let Triangle { corners: [origin, b, _], normal, .. } = *triangles.first()?;
     let flat = FLAT * (b - origin).norm_squared().sqrt();
     let is_on = |triangle: &Triangle| {
         let mut away = triangle.corners.iter().map(|corner| (corner - origin).dot(&normal).abs());
         triangle.normal.dot(&normal) > 0.0 && away.all(|away| away < flat)
     };
-    triangles.iter().all(is_on).then(|| Plane { normal, offset: origin.dot(&normal) })
+    triangles.iter().all(is_on).then(|| SeatPlane { normal, offset: origin.dot(&normal) })
 }
 
 /// Corners that are off a plane by less than this part of an edge's length are on it, and planes that differ
@@ -311,7 +311,7 @@ mod tests {
     #[test]
     fn what_is_flat_around_a_point_is_a_plane() {
         let floor = quad([-9.0, -9.0, 0.3], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
-        let Plane { normal, offset } = plane_of(&floor).unwrap();
+        let SeatPlane { normal, offset } = plane_of(&floor).unwrap();
         assert!((normal - Vec3::new(0.0, 0.0, 1.0)).norm() < 1e-15 && (offset - 0.3).abs() < 1e-15);
         let wall = quad([-9.0, 9.0, 0.3], [18.0, 0.0, 0.0], [0.0, 0.0, 9.0]);
         assert!(plane_of(&[floor, wall].concat()).is_none());

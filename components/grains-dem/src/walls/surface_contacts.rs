@@ -3,7 +3,9 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::{Bodies, BoundingSphere, Mobility, Wrench};
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, mean_edge};
-use crate::bodies::mesh_contact::{self, Looked, MOST, Seeker, Triangle, WallPoint, WallPoints};
+use crate::bodies::mesh_contact::{
+    self, LookedFrom, MOST, Seeker, Triangle, WallPoint, WallPoints,
+};
 use crate::contact::contact_force::{self, Contact, Steps};
 use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::contact_law::{Law, Reduced};
@@ -53,7 +55,7 @@ pub(crate) struct SurfaceContacts {
     start: Vec<u32>,
     facets: Vec<u32>,
     /// For each entry where it looked at all its facets last, and for each of these how far it was then.
-    looked: Vec<Looked>,
+    looked: Vec<LookedFrom>,
     distances: Vec<f32>,
     spare: Vec<SphereAtSurface>,
     /// Where each entry's body touches the shape that was taken last.
@@ -110,7 +112,7 @@ struct ActingContacts<'a> {
 }
 
 /// What bodies reach, by their places, of rigid walls and of all surfaces, of which this one has a number.
-pub(crate) struct Beside<'a> {
+pub(crate) struct WallsBeside<'a> {
     pub number: usize,
     pub rigid: &'a [Reached],
     pub soft: &'a [Reached],
@@ -254,7 +256,7 @@ impl SurfaceContacts {
             }
         }
         self.looked.clear();
-        self.looked.resize(self.entries.len(), Looked::NEVER);
+        self.looked.resize(self.entries.len(), LookedFrom::NEVER);
         self.distances.clear();
         self.distances.resize(self.facets.len(), 0.0);
         self.found.clear();
@@ -327,7 +329,7 @@ impl SurfaceContacts {
     pub fn try_shape(
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
-        beside: &Beside<'_>,
+        beside: &WallsBeside<'_>,
         scenery: &ContactContext<'_>,
         out: &mut Vec<FacetLoad>,
     ) {
@@ -342,7 +344,7 @@ impl SurfaceContacts {
     pub fn accept(
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
-        beside: &Beside<'_>,
+        beside: &WallsBeside<'_>,
         scenery: &ContactContext<'_>,
         wrench: &mut [Wrench],
         tally: &mut Tally,
@@ -411,7 +413,7 @@ impl SurfaceContacts {
     fn contacts<'a>(
         &self,
         e: usize,
-        beside: &Beside<'a>,
+        beside: &WallsBeside<'a>,
         scenery: &ContactContext<'_>,
     ) -> ActingContacts<'a> {
         let entry = &self.entries[e];

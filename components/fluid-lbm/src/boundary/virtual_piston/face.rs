@@ -49,7 +49,7 @@ struct FaceCell {
 
 /// Cells that are one item of work, and what the last step found there.
 #[derive(Clone, Debug)]
-struct Item {
+struct PistonItem {
     cells: Range<usize>,
     /// Sum of the normal velocities.
     sum: f64,
@@ -72,7 +72,7 @@ pub struct ReservoirFace {
     /// Volume at time zero [m³].
     volume: f64,
     cells: Vec<FaceCell>,
-    items: Vec<Item>,
+    items: Vec<PistonItem>,
     cylinder: Cylinder,
     /// Mean of the normal velocities that the face has, without half the step's force.
     mean: f64,
@@ -157,7 +157,7 @@ impl ReservoirFace {
         let cells: Vec<_> = (blocked.chunk_by(|a, b| a.cell == b.cell).filter(own))
             .map(|links| FaceCell { cell: links[0].cell, unknown: links.iter().fold(0, bits) })
             .collect();
-        let items = (0..cells.len()).step_by(CELLS_PER_ITEM).map(|first| Item {
+        let items = (0..cells.len()).step_by(CELLS_PER_ITEM).map(|first| PistonItem {
             cells: first..(first + CELLS_PER_ITEM).min(cells.len()),
             sum: 0.0,
             fastest: 0.0,
@@ -319,7 +319,7 @@ impl<T: Real> View<'_, T> {
         (self.drho - s) / (1.0 + self.drho)
     }
 
-    fn measure(&self, cells: &[FaceCell], item: &mut Item) {
+    fn measure(&self, cells: &[FaceCell], item: &mut PistonItem) {
         (item.sum, item.fastest, item.wet) = (0.0, 0.0, 0);
         for open in cells.iter().filter(|open| self.next.owners.is_fluid(open.cell)) {
             let u = self.normal_velocity(&self.next.populations(open.cell));
@@ -329,7 +329,7 @@ impl<T: Real> View<'_, T> {
         }
     }
 
-    fn fill(&self, cells: &[FaceCell], mean: f64, relaxation: f64, item: &mut Item) {
+    fn fill(&self, cells: &[FaceCell], mean: f64, relaxation: f64, item: &mut PistonItem) {
         (item.impulse, item.mass) = ([0.0; 3], 0.0);
         for open in cells.iter().filter(|open| self.next.owners.is_fluid(open.cell)) {
             let old = self.next.populations(open.cell);

@@ -63,7 +63,7 @@ proptest! {
     fn every_place_belongs_to_one_cell_and_direction(
         (grid, obstacles) in boxes(), line in prop::sample::select(vec![8_usize, 16]),
     ) {
-        let cells = Cells::new(&grid, &obstacles);
+        let cells = CellList::new(&grid, &obstacles);
         let (places, survey) = AaPattern::new(&grid, &cells, &obstacles, line, |o| o.0 % 2 == 0);
         for parity in [Parity::Even, Parity::Odd] {
             let mut seen = HashSet::new();
@@ -144,11 +144,11 @@ proptest! {
                 });
                 let end = cells.end(&grid, &obstacles, at, i);
                 match (places.neighbour(cell, i), end) {
-                    (found, End::Cell { cell: expected, mirrors: 0 }) if !sheet => {
+                    (found, LinkEnd::Cell { cell: expected, mirrors: 0 }) if !sheet => {
                         prop_assert_eq!(found, Some(expected));
                         prop_assert_eq!(places.neighbour(expected, OPPOSITE[i]), Some(cell));
                     }
-                    (found, End::Cell { cell: expected, .. }) if !sheet => {
+                    (found, LinkEnd::Cell { cell: expected, .. }) if !sheet => {
                         prop_assert!(found == Some(expected) || (found.is_none() && expected == cell));
                         ended += 1;
                     }

@@ -1,7 +1,7 @@
 //! Spheres that come one by one into a region where others are.
 
 use super::{
-    PackingSurroundings, Region,
+    PackingRegion, PackingSurroundings,
     insertion::{Grid, fits},
 };
 use crate::Vec3;
@@ -29,14 +29,14 @@ impl Upstream {
 
 /// A region with what is in it.
 pub(crate) struct Feeding<'a> {
-    region: Region<'a>,
+    region: PackingRegion<'a>,
     grid: Grid,
 }
 
 impl<'a> Feeding<'a> {
     /// The region of a packing, for spheres up to a radius [m].
     pub fn new(packing: &Packing, around: &PackingSurroundings<'a>, largest: f64) -> Self {
-        let region = Region::new(packing, around, largest);
+        let region = PackingRegion::new(packing, around, largest);
         let mut grid = Grid::new(&region, std::iter::once(largest));
         region.obstacles.iter().for_each(|&ball| grid.add(ball));
         Self { region, grid }

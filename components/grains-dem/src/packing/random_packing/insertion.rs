@@ -1,6 +1,6 @@
 //! Random sequential insertion: each sphere at the first random place where it fits.
 
-use super::{Region, place_stream};
+use super::{PackingRegion, place_stream};
 use crate::Vec3;
 use crate::bodies::body_arrays::BoundingSphere;
 use crate::math::periodic::PeriodicBox;
@@ -20,7 +20,11 @@ pub(super) fn order(radii: &[f64]) -> Vec<usize> {
 
 /// Inserts spheres of the given radii, and gives them in that [`order`]; `None` when one does not
 /// fit.
-pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Vec<BoundingSphere>> {
+pub(super) fn insert(
+    region: &PackingRegion<'_>,
+    radii: &[f64],
+    seed: u64,
+) -> Option<Vec<BoundingSphere>> {
     let mut grid = Grid::new(region, radii.iter().copied());
     for &obstacle in &region.obstacles {
         grid.add(obstacle);
@@ -35,7 +39,7 @@ pub(super) fn insert(region: &Region<'_>, radii: &[f64], seed: u64) -> Option<Ve
     Some(grid.balls.split_off(region.obstacles.len()))
 }
 
-pub(super) fn fits(region: &Region<'_>, grid: &Grid, ball: &BoundingSphere) -> bool {
+pub(super) fn fits(region: &PackingRegion<'_>, grid: &Grid, ball: &BoundingSphere) -> bool {
     region.walls.iter().all(|wall| wall.overlap(ball) <= 0.0)
         && !grid.overlaps(ball)
         && region.depth_in_parts(ball).0 <= 0.0
@@ -45,13 +49,13 @@ pub(super) fn fits(region: &Region<'_>, grid: &Grid, ball: &BoundingSphere) -> b
 pub(super) struct Grid {
     bounds: PeriodicBox,
     skins: Skins,
-    levels: Vec<Level>,
+    levels: Vec<InsertionLevel>,
     next: Vec<u32>,
     balls: Vec<BoundingSphere>,
 }
 
 /// The cells of one class.
-struct Level {
+struct InsertionLevel {
     min: Vec3,
     edge: Vec3,
     count: [i64; 3],
@@ -62,13 +66,14 @@ struct Level {
 
 impl Grid {
     /// For the obstacles of a region and spheres of the given radii; others may come too.
-    pub fn new(region: &Region<'_>, radii: impl Iterator<Item = f64> + Clone) -> Self {
+    pub fn new(region: &PackingRegion<'_>, radii: impl Iterator<Item = f64> + Clone) -> Self {
         let radii = region.obstacles.iter().map(|ball| ball.radius).chain(radii);
         let skins = Skins::new(radii.clone().map(|radius| [2.0 * radius; 2]), 0.0, 0.0);
         let mut members = vec![0; skins.count()];
         radii.for_each(|radius| members[skins.class(radius)] += 1);
-        let level =
-            |(class, &members): (usize, &i64)| Level::new(region, skins.largest(class), members);
+        let level = |(class, &members): (usize, &i64)| {
+            InsertionLevel::new(region, skins.largest(class), members)
+        };
         let levels = members.iter().enumerate().map(level).collect();
         let spheres = members.iter().sum::<i64>() as usize;
         Self {
@@ -93,7 +98,7 @@ impl Grid {
         self.levels.iter().any(|level| self.overlaps_at(level, ball))
     }
 
-    fn overlaps_at(&self, level: &Level, ball: &BoundingSphere) -> bool {
+    fn overlaps_at(&self, level: &InsertionLevel, ball: &BoundingSphere) -> bool {
         if level.largest == 0.0 {
             return false;
         }
@@ -103,7 +108,7 @@ impl Grid {
             .any(|z| around(1).any(|y| around(0).any(|x| self.overlaps_in(level, [x, y, z], ball))))
     }
 
-    fn overlaps_in(&self, level: &Level, cell: [i64; 3], ball: &BoundingSphere) -> bool {
+    fn overlaps_in(&self, level: &InsertionLevel, cell: [i64; 3], ball: &BoundingSphere) -> bool {
         let mut k = level.first[level.slot(cell)];
         while k != NONE {
             let other = &self.balls[k as usize];
@@ -117,9 +122,9 @@ impl Grid {
     }
 }
 
-impl Level {
+impl InsertionLevel {
     /// Cells no smaller than `edge` [m], and few for so many spheres.
-    fn new(region: &Region<'_>, edge: f64, spheres: i64) -> Self {
+    fn new(region: &PackingRegion<'_>, edge: f64, spheres: i64) -> Self {
         let (min, size) = (region.bounds.min, region.bounds.size);
         let mut least = edge;
         let count = loop {

@@ -10,7 +10,7 @@
 //! Image R.* 18, 2007). Spheres are taken a little too large, so that the true ones come free
 //! after a finite number of sweeps.
 
-use super::{Region, insertion, place_stream};
+use super::{PackingRegion, insertion, place_stream};
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Mobility};
 use crate::neighbours::cell_pairs::{CellPairs, Neighbour};
@@ -40,11 +40,11 @@ const SPARSE: [f64; 3] = [0.25, 0.15, 0.08];
 
 /// Spheres of the given radii without overlap; or the factor on all radii at which they came free.
 pub(super) fn relax(
-    region: &Region<'_>,
+    region: &PackingRegion<'_>,
     radii: &[f64],
     seed: u64,
 ) -> Result<Vec<BoundingSphere>, f64> {
-    let mut crowd = Crowd::new(region, radii, seed);
+    let mut crowd = OverlappingSpheres::new(region, radii, seed);
     if crowd.comes_free(SWEEPS) {
         crowd.balls.truncate(radii.len());
         for ball in &mut crowd.balls {
@@ -64,7 +64,7 @@ pub(super) fn relax(
 }
 
 /// Where the spheres fit as long as they are small; if they never do, at random places.
-fn starts(region: &Region<'_>, radii: &[f64], seed: u64) -> Vec<BoundingSphere> {
+fn starts(region: &PackingRegion<'_>, radii: &[f64], seed: u64) -> Vec<BoundingSphere> {
     let small = SPARSE.iter().find_map(|&fraction| grown(region, radii, fraction, seed));
     small.unwrap_or_else(|| {
         (0..radii.len()).map(|index| start(region, radii[index], seed, index)).collect()
@@ -73,7 +73,7 @@ fn starts(region: &Region<'_>, radii: &[f64], seed: u64) -> Vec<BoundingSphere> 
 
 /// The spheres, where they fit if they are so small that they fill a fraction of the region.
 fn grown(
-    region: &Region<'_>,
+    region: &PackingRegion<'_>,
     radii: &[f64],
     fraction: f64,
     seed: u64,
@@ -94,7 +94,7 @@ fn grown(
 
 /// A sphere at the first of its random places whose centre is in no part. One that began in a part
 /// could be driven out through a face behind which there is no room.
-fn start(region: &Region<'_>, radius: f64, seed: u64, index: usize) -> BoundingSphere {
+fn start(region: &PackingRegion<'_>, radius: f64, seed: u64, index: usize) -> BoundingSphere {
     let mut random = place_stream(seed, index);
     let mut place = || BoundingSphere { x: region.random_centre(radius, &mut random), radius };
     let mut ball = place();
@@ -111,8 +111,8 @@ fn start(region: &Region<'_>, radius: f64, seed: u64, index: usize) -> BoundingS
 const TRIES: usize = 1000;
 
 /// The spheres of the packing, then the obstacles.
-struct Crowd<'a> {
-    region: &'a Region<'a>,
+struct OverlappingSpheres<'a> {
+    region: &'a PackingRegion<'a>,
     free: usize,
     balls: Vec<BoundingSphere>,
     mobility: Vec<Mobility>,
@@ -123,8 +123,8 @@ struct Crowd<'a> {
     clear: Vec<(Vec3, f64)>,
 }
 
-impl<'a> Crowd<'a> {
-    fn new(region: &'a Region<'a>, radii: &[f64], seed: u64) -> Self {
+impl<'a> OverlappingSpheres<'a> {
+    fn new(region: &'a PackingRegion<'a>, radii: &[f64], seed: u64) -> Self {
         let mut balls = starts(region, radii, seed);
         balls.extend(&region.obstacles);
         let mobile = Mobility { inverse_mass: 1.0, ..Mobility::NONE };

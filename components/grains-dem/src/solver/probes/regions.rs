@@ -8,14 +8,14 @@ use tremie_team::{Cut, Team};
 
 /// A box [m].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Region {
+pub(super) struct ProbeRegion {
     pub min: Vec3,
     pub max: Vec3,
 }
 
 /// What a block of ids has in a region.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sum {
+pub(super) struct RegionSum {
     /// Volume of spheres in it [m³].
     volume: f64,
     /// That times their velocities [m⁴/s].
@@ -26,8 +26,8 @@ pub(super) struct Sum {
 
 /// Sums over blocks of ids; `parts` of the volumes count, by rank, or all of them. `sums` has one entry for each region and block.
 pub(super) fn look(
-    regions: &[Region],
-    sums: &mut [Sum],
+    regions: &[ProbeRegion],
+    sums: &mut [RegionSum],
     team: &mut Team,
     (bodies, parts): (&Bodies, &[f64]),
     bounds: &PeriodicBox,
@@ -35,8 +35,8 @@ pub(super) fn look(
     if regions.is_empty() {
         return;
     }
-    team.for_pieces(Cut::every(sums, regions.len()), |b, sums: &mut [Sum]| {
-        sums.fill(Sum::default());
+    team.for_pieces(Cut::every(sums, regions.len()), |b, sums: &mut [RegionSum]| {
+        sums.fill(RegionSum::default());
         let own = b * BLOCK..bodies.len().min((b + 1) * BLOCK);
         for (rank, &slot) in own.clone().zip(&bodies.slot[own]) {
             let part = parts.get(rank).copied().unwrap_or(1.0);
@@ -54,7 +54,7 @@ pub(super) fn look(
     });
 }
 
-impl Region {
+impl ProbeRegion {
     /// Volume of a sphere in the region [m³].
     fn volume_of(&self, x: Vec3, radius: f64) -> f64 {
         super::volume_in_box(radius, x, self.min, self.max)
@@ -66,8 +66,8 @@ impl Region {
     }
 
     /// Solid fraction, number of centres, mean velocity of the volume filled: 0 where there is none.
-    pub fn values<'a>(&self, sums: impl Iterator<Item = &'a Sum>) -> [f64; 5] {
-        let mut all = Sum::default();
+    pub fn values<'a>(&self, sums: impl Iterator<Item = &'a RegionSum>) -> [f64; 5] {
+        let mut all = RegionSum::default();
         for sum in sums {
             all.volume += sum.volume;
             all.flow += sum.flow;

@@ -17,7 +17,7 @@ pub(super) struct Annulus {
 
 /// What a block of ids has in a ring.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sum {
+pub(super) struct RingSum {
     /// Centres in it.
     number: u64,
     /// Areas of their spheres, seen along the axis [m²].
@@ -27,7 +27,7 @@ pub(super) struct Sum {
 /// Sums over blocks of ids: `sums` has one entry for each ring and block.
 pub(super) fn look(
     rings: &[Annulus],
-    sums: &mut [Sum],
+    sums: &mut [RingSum],
     team: &mut Team,
     bodies: &Bodies,
     bounds: &PeriodicBox,
@@ -35,8 +35,8 @@ pub(super) fn look(
     if rings.is_empty() {
         return;
     }
-    team.for_pieces(Cut::every(sums, rings.len()), |b, sums: &mut [Sum]| {
-        sums.fill(Sum::default());
+    team.for_pieces(Cut::every(sums, rings.len()), |b, sums: &mut [RingSum]| {
+        sums.fill(RingSum::default());
         for &slot in &bodies.slot[b * BLOCK..bodies.len().min((b + 1) * BLOCK)] {
             let ball = &bodies.balls[slot as usize];
             for (Annulus { ring, .. }, sum) in rings.iter().zip(&mut *sums) {
@@ -65,7 +65,7 @@ impl Annulus {
     }
 
     /// Number of centres, their projected area, that over the ring's.
-    pub fn values<'a>(&self, sums: impl Iterator<Item = &'a Sum>) -> [f64; 3] {
+    pub fn values<'a>(&self, sums: impl Iterator<Item = &'a RingSum>) -> [f64; 3] {
         let (mut number, mut area) = (0, 0.0);
         for sum in sums {
             number += sum.number;

@@ -14,9 +14,9 @@ pub(super) struct Section {
     min: [f64; 3],
     max: [f64; 3],
     /// In the last window.
-    last: Sum,
+    last: SectionSum,
     /// Since the start.
-    passed: Sum,
+    passed: SectionSum,
     /// Mass that had passed when the mean over time began, and how long ago that was [kg, s].
     mean_from: f64,
     mean_over: f64,
@@ -24,7 +24,7 @@ pub(super) struct Section {
 
 /// Centres that passed along the axis, less those that passed against it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sum {
+pub(super) struct SectionSum {
     number: i64,
     /// Their mass [kg].
     mass: f64,
@@ -33,7 +33,7 @@ pub(super) struct Sum {
 impl Section {
     /// Across an axis at a position, between two corners [m].
     pub fn new(axis: usize, position: f64, min: [f64; 3], max: [f64; 3]) -> Self {
-        let none = Sum::default();
+        let none = SectionSum::default();
         Self { axis, position, min, max, last: none, passed: none, mean_from: 0.0, mean_over: 0.0 }
     }
 
@@ -82,14 +82,14 @@ impl Section {
 pub(super) fn pass(
     sections: &mut [Section],
     before: &mut [Vec3],
-    sums: &mut [Sum],
+    sums: &mut [SectionSum],
     team: &mut Team,
     (bodies, mass, bounds): (&Bodies, &[f64], &PeriodicBox),
 ) {
     let seen = &*sections;
     let pieces = (Cut::every(before, BLOCK), Cut::every(sums, sections.len()));
-    team.for_pieces(pieces, |b, (before, sums): (&mut [Vec3], &mut [Sum])| {
-        sums.fill(Sum::default());
+    team.for_pieces(pieces, |b, (before, sums): (&mut [Vec3], &mut [SectionSum])| {
+        sums.fill(SectionSum::default());
         for (rank, before) in (b * BLOCK..).zip(before) {
             let x = bodies.balls[bodies.slot[rank] as usize].x;
             let from = std::mem::replace(before, x);
@@ -103,7 +103,7 @@ pub(super) fn pass(
     });
     let count = sections.len();
     for (k, section) in sections.iter_mut().enumerate() {
-        section.last = Sum::default();
+        section.last = SectionSum::default();
         for sum in sums.iter().skip(k).step_by(count) {
             section.last.number += sum.number;
             section.last.mass += sum.mass;
