@@ -201,3 +201,29 @@ fn architecture_names_files_that_are_there() {
     }
     assert!(seen > 20, "{seen}");
 }
+
+/// What grep finds is the one: no two structs, enums or traits of these crates have one name.
+#[test]
+fn a_name_of_a_type_is_unique_in_its_crate() {
+    for component in ["fluid-lbm", "grains-dem"] {
+        let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../components").join(component);
+        let mut homes: BTreeMap<String, PathBuf> = BTreeMap::new();
+        for source in sources(component) {
+            let text = fs::read_to_string(src.join("src").join(&source.path)).unwrap();
+            let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default().to_string();
+            for line in text.lines() {
+                let mut words = line.split_whitespace().filter(|word| !word.starts_with("pub"));
+                let Some("struct" | "enum" | "trait") = words.next() else { continue };
+                let name = words.next().unwrap_or_default();
+                let name = name.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+                let other = homes.insert(name.to_string(), source.path.clone());
+                assert!(
+                    other.is_none(),
+                    "{component}: {name} is in {other:?} and {:?}",
+                    source.path
+                );
+            }
+        }
+        assert!(homes.len() > 100, "{component}: {}", homes.len());
+    }
+}
