@@ -1,6 +1,6 @@
 //! `VALIDATION.md`: all cases with their numbers, resolution, time and pictures.
 
-use super::case::{Case, CheckKind};
+use super::case::Case;
 use super::judge::{Finding, Reference};
 use super::record::{OfKind, Record, RunRecord, Verdicts};
 use std::fmt::Write;
@@ -132,8 +132,7 @@ fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str)
 fn row(out: &mut String, case: &Case, run: &RunRecord, finding: &Finding) {
     let Finding { check, unit, found, reference, passed, .. } = finding;
     let of_case = case.check(&run.name, check);
-    let kind =
-        of_case.and_then(|check| check.kind).map_or(CheckKind::default().name(), CheckKind::name);
+    let kind = of_case.and_then(|check| check.kind).unwrap_or_default().name();
     let verdict = match (passed, of_case.is_some_and(|check| check.stands.is_some())) {
         (true, _) => "ok",
         (false, true) => "**no**, stands",

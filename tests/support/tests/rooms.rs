@@ -25,9 +25,10 @@ const GRAINS: [&str; 11] = [
 /// Most files of a room that may import each other in a circle.
 const LARGEST_CIRCLE: usize = 8;
 
-/// A source file: its path below `src`, and what it imports of its crate outside of tests, `room::file`.
+/// A source file: its path below `src`, its text without tests, and what that imports of its crate, `room::file`.
 struct Source {
     path: PathBuf,
+    text: String,
     imports: BTreeSet<[String; 2]>,
 }
 
@@ -55,10 +56,12 @@ fn sources(component: &str) -> Vec<Source> {
                 folders.push(path);
             } else if path.extension().is_some_and(|end| end == "rs") && folder != src {
                 let is_tests = path.file_stem().is_some_and(|name| name == "tests");
-                let text = fs::read_to_string(&path).unwrap();
-                let imports = if is_tests { BTreeSet::new() } else { imports(&text) };
+                let mut text = fs::read_to_string(&path).unwrap();
+                let end = text.find("#[cfg(test)]\nmod tests").unwrap_or(text.len());
+                text.truncate(if is_tests { 0 } else { end });
+                let imports = imports(&text);
                 let path = path.strip_prefix(&src).unwrap().to_path_buf();
-                found.push(Source { path, imports });
+                found.push(Source { path, text, imports });
             }
         }
     }
@@ -66,9 +69,8 @@ fn sources(component: &str) -> Vec<Source> {
     found
 }
 
-/// What a text names as `crate::room::file`, up to its tests.
+/// What a text names as `crate::room::file`.
 fn imports(text: &str) -> BTreeSet<[String; 2]> {
-    let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     let code: String = text
         .lines()
         .filter(|line| !line.trim_start().starts_with("//"))
@@ -206,12 +208,9 @@ fn architecture_names_files_that_are_there() {
 #[test]
 fn a_name_of_a_type_is_unique_in_its_crate() {
     for component in ["fluid-lbm", "grains-dem"] {
-        let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../components").join(component);
         let mut homes: BTreeMap<String, PathBuf> = BTreeMap::new();
         for source in sources(component) {
-            let text = fs::read_to_string(src.join("src").join(&source.path)).unwrap();
-            let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default().to_string();
-            for line in text.lines() {
+            for line in source.text.lines() {
                 let mut words = line.split_whitespace().filter(|word| !word.starts_with("pub"));
                 let Some("struct" | "enum" | "trait") = words.next() else { continue };
                 let name = words.next().unwrap_or_default();

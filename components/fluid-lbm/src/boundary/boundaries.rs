@@ -192,8 +192,13 @@ impl Boundaries {
             let law = &self.laws[usize::from(fixture.0)];
             fixture.as_solid().is_some() && matches!(law, Some(BoundaryCondition::Wall { .. }))
         };
-        let (fixed, fixed_items, patches) =
-            StaticWallLinks::new(&layout, &self.references, &sheets, fixed.into_iter(), is_wall);
+        let (fixed, fixed_items, patches) = StaticWallLinks::new(
+            &layout,
+            &self.references,
+            &sheets.ends(),
+            fixed.into_iter(),
+            is_wall,
+        );
         Built {
             layout,
             reflections: survey.reflections,

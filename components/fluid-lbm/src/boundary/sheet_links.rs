@@ -44,8 +44,6 @@ struct SheetEnd {
 pub struct SheetLinks {
     links: Vec<[SheetEnd; 2]>,
     fixtures: Vec<BoundaryId>,
-    /// Cell and direction of both ends of each, sorted.
-    ends: Vec<(u32, u8)>,
 }
 
 /// Links that are one item of work, and what these exchanged.
@@ -95,8 +93,6 @@ impl SheetLinks {
             own.links.push([end(cell, dir), end(other.0, other.1)]);
             own.fixtures.push(fixture);
         }
-        own.ends = own.links.iter().flatten().map(|end| (end.cell, end.dir)).collect();
-        own.ends.sort_unstable();
         let starts = (0..own.links.len()).step_by(LINKS_PER_ITEM);
         let items =
             starts.map(|start| own.item(start..own.links.len().min(start + LINKS_PER_ITEM)));
@@ -113,18 +109,17 @@ impl SheetLinks {
         SheetItem { links, sent, exchanges: exchanges.collect() }
     }
 
-    /// Whether the link `dir` of a cell is one of them.
-    pub fn has(&self, cell: u32, dir: u8) -> bool {
-        self.ends.binary_search(&(cell, dir)).is_ok()
+    /// Cell and direction of both ends of each, sorted.
+    pub fn ends(&self) -> Vec<(u32, u8)> {
+        let mut ends: Vec<_> = self.links.iter().flatten().map(|end| (end.cell, end.dir)).collect();
+        ends.sort_unstable();
+        ends
     }
 
     /// Memory that they take [bytes].
     pub fn bytes(&self) -> usize {
         let of_items = size_of::<[Option<f64>; 2]>() * self.links.len();
-        size_of_val(self.links.as_slice())
-            + size_of_val(self.fixtures.as_slice())
-            + size_of_val(self.ends.as_slice())
-            + of_items
+        size_of_val(self.links.as_slice()) + size_of_val(self.fixtures.as_slice()) + of_items
     }
 }
 

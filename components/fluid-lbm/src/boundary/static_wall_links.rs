@@ -30,7 +30,6 @@
 
 use crate::boundary::open_boundary::open_faces;
 use crate::boundary::post_collision::{PostCollision, density};
-use crate::boundary::sheet_links::SheetLinks;
 use crate::boundary::wall_mass::{Patch, Patches, WEIGHT};
 use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::aa_pattern::{Blocked, Parity};
@@ -167,11 +166,11 @@ impl MetByCell<'_> {
 
 impl StaticWallLinks {
     /// Of blocked links in the order of cells, with `q` of each; `is_wall` says which fixtures are solid walls, and
-    /// `references` the point of each about which its torque counts; `sheets` are the links that keep the mass in pairs.
+    /// `references` the point of each about which its torque counts; `sheets` are the ends of those that keep the mass in pairs, sorted.
     pub fn new(
         layout: &Layout,
         references: &[[f64; 3]],
-        sheets: &SheetLinks,
+        sheets: &[(u32, u8)],
         blocked: impl Iterator<Item = (Blocked, f64)>,
         is_wall: impl Fn(BoundaryId) -> bool,
     ) -> (Self, Vec<WallItem>, Patches) {
@@ -203,7 +202,8 @@ impl StaticWallLinks {
                 odd: layout.places.odd(cell, dir.into()) as u32,
                 own: (if q < 0.5 { 2.0 * q } else { 0.5 / q }) as f32,
                 dir,
-                kind: if q < 0.5 { NEAR } else { 0 } | if sheets.has(cell, dir) { CUT } else { 0 },
+                kind: if q < 0.5 { NEAR } else { 0 }
+                    | if sheets.binary_search(&(cell, dir)).is_ok() { CUT } else { 0 },
                 fixture: place as u16,
             });
         }

@@ -186,6 +186,12 @@ impl Law {
         share * elastic * overlap
     }
 
+    /// What the spring of a contact alone brings into a region of contacts: the square root of twice its energy, see
+    /// [`crate::contact::region_shares`]. Nothing where it does not touch.
+    pub fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
+        (2.0 * self.normal_energy(overlap.max(0.0), pair)).sqrt()
+    }
+
     /// Energy that a contact's springs hold [J], by what it remembers.
     pub fn remembered_energy(&self, memory: &ContactHistory, pair: Reduced) -> f64 {
         let k_t = self.at(memory.overlap, memory.overlap, pair).k_t;

@@ -199,9 +199,8 @@ impl SphereAtWalls<'_> {
         let radius = self.scenery.bodies.balls[self.body].radius;
         shares(found, |contact| {
             let entry = &entries[contact.owner as usize];
-            let overlap = (radius - contact.distance).max(0.0);
             let law = &self.scenery.laws[entry.law as usize];
-            (2.0 * law.normal_energy(overlap, entry.reduced)).sqrt()
+            law.normal_root(radius - contact.distance, entry.reduced)
         })
     }
 

@@ -85,10 +85,10 @@ pub(crate) fn together(
     points().for_each(|point| candidates.take(point.near));
     let found = candidates.contacts(radius);
     let shares = shares(found.contacts(), |contact| {
-        let overlap = (radius - contact.distance).max(0.0);
+        let overlap = radius - contact.distance;
         let point = points().find(|point| point.near.owner == contact.owner);
         point.map_or(0.0, |ReachedPoint { law, reduced, .. }| {
-            (2.0 * laws[usize::from(*law)].normal_energy(overlap, *reduced)).sqrt()
+            laws[usize::from(*law)].normal_root(overlap, *reduced)
         })
     });
     (found, shares)

@@ -431,10 +431,8 @@ impl SurfaceContacts {
         }
         let law = &scenery.laws[entry.law as usize];
         let found = self.found[e];
-        let shares = shares(found.contacts(), |near| {
-            let overlap = (ball.radius - near.distance).max(0.0);
-            (2.0 * law.normal_energy(overlap, entry.reduced)).sqrt()
-        });
+        let root = |near: &WallPoint| law.normal_root(ball.radius - near.distance, entry.reduced);
+        let shares = shares(found.contacts(), root);
         ActingContacts { found, shares, of_rigid: None }
     }
 
