@@ -2,15 +2,18 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-use clap::Parser;
 use std::process::ExitCode;
-use tremie::cli::{Cli, Command};
-use tremie::{commands, limits, standard};
+use tremie::program::cli::{self, Asked, Command};
+use tremie::program::commands;
+use tremie::run::limits;
+use tremie::terminal::standard;
 
 fn main() -> ExitCode {
     limits::widen();
-    let code = match Cli::try_parse() {
-        Ok(cli) => obey(cli.command),
+    let code = match cli::read() {
+        Ok(Asked::Own(command)) => obey(command),
+        Ok(Asked::OfPackage(work, arguments)) => commands::of_package(work, &arguments),
+        Ok(Asked::Reader(work, out, arguments)) => commands::reader(work, &out, &arguments),
         Err(word) => commands::usage(&word),
     };
     standard::ending(code)
@@ -25,11 +28,8 @@ fn obey(command: Command) -> ExitCode {
         Command::View(arguments) => commands::view(&arguments),
         Command::Report(arguments) => commands::report(&arguments),
         Command::Bench(arguments) => commands::bench(&arguments),
-        Command::Valve(arguments) => commands::valve(&arguments),
         Command::Conform(arguments) => commands::conform(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),
-        Command::Scene(arguments) => commands::scene(&arguments),
-        Command::Rubber(command) => commands::rubber(&command),
         Command::Clean => commands::clean(),
         Command::Schema => commands::schema(),
         Command::Component { name } => commands::component(&name),

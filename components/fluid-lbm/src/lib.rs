@@ -35,7 +35,7 @@ mod report;
 mod solver;
 
 #[cfg(feature = "component")]
-pub use fluid::component;
+pub use fluid::{benchmark::benchmarks, component};
 
 pub use boundary::virtual_piston::face::{ReservoirState, reservoir_signals};
 pub use domain::parameters::{

@@ -72,7 +72,7 @@ mod solver;
 mod walls;
 
 #[cfg(feature = "component")]
-pub use grains::component;
+pub use grains::{benchmark::benchmarks, component};
 
 pub use bodies::deformable_surface::{DeformableSurface, FacetLoad, SurfaceState};
 pub use bodies::slider::SliderState;

@@ -11,6 +11,8 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 #[cfg(feature = "component")]
+pub mod commands;
+#[cfg(feature = "component")]
 pub mod component;
 pub mod fem;
 pub mod make;

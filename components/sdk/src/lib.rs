@@ -8,6 +8,7 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod benchmark;
 mod context;
 mod finite;
 mod fluid;

@@ -1,7 +1,7 @@
 //! `--set key=value`: values of the command line, laid over the manifest.
 
 use super::path::{self, Step};
-use super::source::{Place, Source};
+use super::source::{KeyPlace, Source};
 use serde_json::{Map, Value};
 use tremie_messages::Problem;
 
@@ -13,7 +13,7 @@ pub(super) fn apply(
     problems: &mut Vec<Problem>,
 ) {
     for (key, text) in sets {
-        let place = Place::CommandLine(format!("--set {key}={text}"));
+        let place = KeyPlace::CommandLine(format!("--set {key}={text}"));
         let outcome = parse_key(key).and_then(|steps| {
             let slot = descend(tree, &steps)?;
             *slot = parse_value(text)?;
@@ -129,7 +129,7 @@ fn widen(slot: &mut Value, at: &str) {
 }
 
 /// A table that only the command line made has its place there.
-fn place_parents(key: &str, place: &Place, source: &mut Source) {
+fn place_parents(key: &str, place: &KeyPlace, source: &mut Source) {
     let mut at = path::parent(key);
     while !at.is_empty() {
         if !source.knows(at) {

@@ -1,6 +1,6 @@
 //! Problems as messages for people and for machines.
 
-use super::source::{Place, Source};
+use super::source::{KeyPlace, Source};
 use std::fmt::Write;
 use std::ops::Range;
 use tremie_messages::Problem;
@@ -70,7 +70,7 @@ impl Source {
     /// The file of the problem, or the words of the command line.
     fn whereabouts(&self, problem: &Problem) -> &str {
         match self.place(&problem.key) {
-            Some((Place::CommandLine(words), _)) => words,
+            Some((KeyPlace::CommandLine(words), _)) => words,
             None if problem.key.starts_with("--") => "command line",
             _ => &self.file,
         }
@@ -99,13 +99,13 @@ impl Source {
     fn at(&self, problem: &Problem) -> Option<Range<usize>> {
         let (place, own) = self.place(&problem.key)?;
         match place {
-            Place::File { key: Some(key), .. }
+            KeyPlace::File { key: Some(key), .. }
                 if own && problem.message.starts_with("unknown key") =>
             {
                 Some(key.clone())
             }
-            Place::File { value, .. } => Some(value.clone()),
-            Place::CommandLine(_) => None,
+            KeyPlace::File { value, .. } => Some(value.clone()),
+            KeyPlace::CommandLine(_) => None,
         }
     }
 }

@@ -10,12 +10,12 @@ use std::path::Path;
 pub struct Source {
     pub(super) file: String,
     pub(super) text: String,
-    places: BTreeMap<String, Place>,
+    places: BTreeMap<String, KeyPlace>,
 }
 
 /// Where a key stands.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Place {
+pub(super) enum KeyPlace {
     /// In the file, in bytes.
     File {
         /// The key itself, if it has one.
@@ -46,12 +46,12 @@ impl Source {
     /// command line replaced it.
     pub fn span(&self, key: &str) -> Option<Range<usize>> {
         match self.places.get(key)? {
-            Place::File { value, .. } => Some(value.clone()),
-            Place::CommandLine(_) => None,
+            KeyPlace::File { value, .. } => Some(value.clone()),
+            KeyPlace::CommandLine(_) => None,
         }
     }
 
-    pub(super) fn put(&mut self, key: String, place: Place) {
+    pub(super) fn put(&mut self, key: String, place: KeyPlace) {
         self.places.insert(key, place);
     }
 
@@ -65,7 +65,7 @@ impl Source {
     }
 
     /// The place of `key`, or of the nearest table around it, with whether it is the key's own.
-    pub(super) fn place(&self, key: &str) -> Option<(&Place, bool)> {
+    pub(super) fn place(&self, key: &str) -> Option<(&KeyPlace, bool)> {
         let mut path = key;
         while !path.is_empty() {
             if let Some(place) = self.places.get(path) {

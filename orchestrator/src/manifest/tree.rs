@@ -1,7 +1,7 @@
 //! TOML text to a tree of plain values, with the place of each.
 
 use super::path;
-use super::source::{Place, Source};
+use super::source::{KeyPlace, Source};
 use serde_json::{Map, Number, Value};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Error};
@@ -23,7 +23,7 @@ fn syntax(error: &Error, source: &mut Source) -> Problem {
     let at = error.span().unwrap_or(source.text.len()..source.text.len());
     let (line, column) = super::render::line_and_column(&source.text, at.start);
     let key = format!("line {line}, column {column}");
-    source.put(key.clone(), Place::File { key: None, value: at });
+    source.put(key.clone(), KeyPlace::File { key: None, value: at });
     Problem::new(key, error.message().trim().replace('\n', ", "))
 }
 
@@ -37,7 +37,7 @@ impl Reader<'_> {
         let mut map = Map::new();
         for (key, value) in table {
             let path = path::join(at, key.get_ref());
-            let place = Place::File { key: Some(key.span()), value: value.span() };
+            let place = KeyPlace::File { key: Some(key.span()), value: value.span() };
             self.source.put(path.clone(), place);
             if let Some(value) = self.value(&path, value) {
                 map.insert(key.get_ref().to_string(), value);
@@ -69,7 +69,7 @@ impl Reader<'_> {
                     .filter_map(|(index, entry)| {
                         let path = path::item(path, index);
                         self.source
-                            .put(path.clone(), Place::File { key: None, value: entry.span() });
+                            .put(path.clone(), KeyPlace::File { key: None, value: entry.span() });
                         self.value(&path, entry)
                     })
                     .collect(),

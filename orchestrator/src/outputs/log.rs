@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// How much a line matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Level {
+pub enum LogLevel {
     /// Something that a reader may want to know.
     Info,
     /// Something that may spoil a result.
@@ -26,8 +26,8 @@ pub struct RunLog {
 }
 
 #[derive(Serialize)]
-struct Entry<'a> {
-    level: Level,
+struct LogEntry<'a> {
+    level: LogLevel,
     from: &'a str,
     window: u64,
     time: f64,
@@ -50,13 +50,13 @@ impl RunLog {
     /// If the disk refuses.
     pub fn write(
         &mut self,
-        level: Level,
+        level: LogLevel,
         from: &str,
         window: u64,
         time: f64,
         message: &str,
     ) -> Result<(), OutputError> {
-        let entry = Entry { level, from, window, time, message };
+        let entry = LogEntry { level, from, window, time, message };
         serde_json::to_writer(&mut self.file, &entry)
             .map_err(std::io::Error::from)
             .and_then(|()| self.file.write_all(b"\n"))

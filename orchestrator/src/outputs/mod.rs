@@ -1,24 +1,25 @@
 //! What a run leaves in its folder, as far as the orchestrator writes it: the manifest as resolved,
-//! the table of signals, the log and the summary; and how that table is read again.
+//! the table of signals, the log and the summary. `tremie-results` reads the table again.
 
-mod columns;
 mod folder;
+mod judged_finding;
 mod log;
+mod schedule_timing;
 mod signals;
 mod summary;
 mod trace;
 
-pub use columns::{Cut, Signals, UnreadableSignals};
 pub use folder::{OutputError, RunFolder};
-pub use log::{Level, RunLog};
-pub use signals::{SignalTable, Statistics};
-pub use summary::{ComponentSummary, Ending, Summary};
+pub use judged_finding::{JudgedFinding, WHOLE};
+pub use log::{LogLevel, RunLog};
+pub use schedule_timing::{ScheduleTiming, Worked};
+pub use signals::{SignalRow, SignalTable, Statistics};
+pub use summary::{ComponentSummary, ComponentTotals, Ending, Summary};
 pub use trace::Trace;
+pub use tremie_results::SIGNALS;
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";
-/// Time series of every signal.
-pub const SIGNALS: &str = "signals.csv";
 /// What happened, a JSON document a line.
 pub const LOG: &str = "log.jsonl";
 /// When components waited and computed, where it was asked for.

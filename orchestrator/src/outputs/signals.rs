@@ -1,7 +1,6 @@
 //! The table of signals, and their extremes.
 
 use super::folder::OutputError;
-use crate::monitor::Row;
 use serde::Serialize;
 use std::fs::File;
 use std::io;
@@ -31,6 +30,15 @@ pub struct Statistics {
     sampled: bool,
 }
 
+/// What all components reported of one window, signals one component after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalRow {
+    /// The window.
+    pub window: u64,
+    /// Values of all signals.
+    pub values: Vec<f64>,
+}
+
 /// `signals.csv`: window, time and all signals, a row every so many windows and the last one.
 #[derive(Debug)]
 pub struct SignalTable {
@@ -41,7 +49,7 @@ pub struct SignalTable {
     names: Vec<String>,
     statistics: Vec<Statistics>,
     /// The newest row, if it was not due.
-    held: Option<Row>,
+    held: Option<SignalRow>,
 }
 
 impl SignalTable {
@@ -74,7 +82,7 @@ impl SignalTable {
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn take(&mut self, row: Row) -> Result<(), OutputError> {
+    pub fn take(&mut self, row: SignalRow) -> Result<(), OutputError> {
         let time = self.time(&row);
         for (statistics, value) in self.statistics.iter_mut().zip(&row.values) {
             statistics.take(time, *value);
@@ -110,11 +118,11 @@ impl SignalTable {
         Some(self.statistics[at].last).filter(|last| !last.is_nan())
     }
 
-    fn time(&self, row: &Row) -> f64 {
+    fn time(&self, row: &SignalRow) -> f64 {
         self.clock.seconds(row.window * self.clock.ticks_per_window)
     }
 
-    fn write(&mut self, row: &Row) -> Result<(), OutputError> {
+    fn write(&mut self, row: &SignalRow) -> Result<(), OutputError> {
         let fixed = [row.window.to_string(), self.time(row).to_string()];
         // Rust prints the shortest decimal that reads back as the same bits.
         let values = row.values.iter().map(f64::to_string);

@@ -1,9 +1,7 @@
 //! `summary.json`: how a run ended, what it cost, its headline results with their resolution.
 
 use super::signals::Statistics;
-use crate::monitor::Totals;
-use crate::preflight::Judged;
-use crate::schedule_timing::Turns;
+use super::{JudgedFinding, ScheduleTiming};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use tremie_messages::start::Fault;
@@ -46,6 +44,19 @@ impl Ending {
     }
 }
 
+/// Sums over the reports of one component.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ComponentTotals {
+    /// Wall time in the solver [ns].
+    pub compute: u64,
+    /// Wall time waiting for peers or credit [ns].
+    pub wait: u64,
+    /// Wall time sending and bookkeeping [ns].
+    pub exchange: u64,
+    /// Work done, in the component's unit.
+    pub work: u64,
+}
+
 /// What a component did.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComponentSummary {
@@ -71,7 +82,7 @@ pub struct ComponentSummary {
 
 impl ComponentSummary {
     /// Sums up a component's reports.
-    pub fn new(description: &tremie_messages::start::Description, totals: Totals) -> Self {
+    pub fn new(description: &tremie_messages::start::Description, totals: ComponentTotals) -> Self {
         let seconds = |nanoseconds: u64| nanoseconds as f64 * 1e-9;
         let compute = seconds(totals.compute);
         Self {
@@ -109,7 +120,7 @@ pub struct Summary {
     /// What the time of a window went to, and what it would be in the other schedule; without a fluid and something
     /// that moves in it there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub turns: Option<Turns>,
+    pub turns: Option<ScheduleTiming>,
     /// Components that took part in the physics.
     pub components: BTreeMap<String, ComponentSummary>,
     /// What observers wrote or lost.
@@ -119,5 +130,5 @@ pub struct Summary {
     /// Doubtful things about the plan.
     pub warnings: Vec<String>,
     /// Numbers known before the run, and those that its signals gave, with verdicts and remedies.
-    pub findings: Vec<Judged>,
+    pub findings: Vec<JudgedFinding>,
 }

@@ -27,7 +27,7 @@ pub struct Trace {
 
 /// An event of the format: a name for a track, or a span of time on one.
 #[derive(Serialize)]
-struct Event<'a> {
+struct TraceEvent<'a> {
     name: &'a str,
     ph: &'a str,
     pid: u32,
@@ -61,7 +61,7 @@ impl Trace {
         let mut trace = Self { file, path, windows, zero: None, is_empty: true, is_closed: false };
         for (tid, name) in components.enumerate() {
             let args = Details::Name { name };
-            trace.write(&Event {
+            trace.write(&TraceEvent {
                 name: "thread_name",
                 ph: "M",
                 pid: 1,
@@ -91,7 +91,7 @@ impl Trace {
             // Clocks of other components may have begun a little earlier.
             let ts = (at as i64 - zero as i64) as f64 * 1e-3;
             let (ts, dur) = (Some(ts), Some(length as f64 * 1e-3));
-            self.write(&Event {
+            self.write(&TraceEvent {
                 name,
                 ph: "X",
                 pid: 1,
@@ -118,7 +118,7 @@ impl Trace {
         self.file.write_all(b"\n]\n").and_then(|()| self.file.flush())
     }
 
-    fn write(&mut self, event: &Event<'_>) -> Result<(), OutputError> {
+    fn write(&mut self, event: &TraceEvent<'_>) -> Result<(), OutputError> {
         let before: &[u8] = if std::mem::take(&mut self.is_empty) { b"[\n" } else { b",\n" };
         self.file
             .write_all(before)

@@ -6,16 +6,16 @@
 
 mod checks;
 mod report;
+pub mod schedule;
 mod steps;
 mod streams;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use report::{bytes, columns};
-pub(crate) use steps::short;
+pub(crate) use report::bytes;
 
 use crate::manifest::{ComponentSpec, Spec};
-use crate::schedule::{self, Wiring};
+use schedule::Wiring;
 use steps::{Steps, Wish};
 use tremie_messages::scene::{DeformableSurface, Scene};
 use tremie_messages::schedule::{Content, Edge, Schedule, Script};
@@ -23,6 +23,9 @@ use tremie_messages::start::{
     Assignment, Clock, Description, FrameContent, FrameStream, Injection, Transport,
 };
 use tremie_messages::{FacetLoad, PortState, Problem, Role};
+
+/// Most reports under way: bounds how far components run ahead of the orchestrator's looks.
+pub const REPORT_DEPTH: u64 = 4096;
 
 /// Most rows in the table of signals unless the manifest says how often.
 const MOST_SIGNAL_ROWS: u64 = 20_000;

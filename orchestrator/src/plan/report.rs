@@ -1,17 +1,18 @@
 //! The plan as a person reads it.
 
-use super::steps::short;
+use super::REPORT_DEPTH;
 use super::{Plan, PlannedComponent};
-use crate::control::REPORT_DEPTH;
 use serde_json::{Value, json};
 use std::fmt;
 use tremie_channels::memory;
 use tremie_messages::control::{Credit, Report};
+use tremie_messages::finding::short;
 use tremie_messages::schedule::{Content, Edge, Schedule};
 use tremie_messages::start::{FrameContent, FrameStream, Transport};
 use tremie_messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Stamp, SurfaceVertex, frame,
 };
+use tremie_results::text_columns;
 use tremie_sdk::{credit_spec, edge_spec, frame_spec, report_spec};
 
 impl Plan {
@@ -19,7 +20,7 @@ impl Plan {
     /// [`Plan::warnings`].
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.time()];
-        lines.extend(columns(
+        lines.extend(text_columns(
             &["component", "role", "program", "substeps", "step", "threads"],
             self.components.iter().map(row).collect(),
         ));
@@ -27,11 +28,11 @@ impl Plan {
             lines
                 .extend(component.notes.iter().map(|note| format!("  {}: {note}", component.name)));
         }
-        lines.extend(columns(
+        lines.extend(text_columns(
             &["edge", "values", "depth", "memory"],
             self.edges.iter().map(edge_row).collect(),
         ));
-        lines.extend(columns(
+        lines.extend(text_columns(
             &["frames", "every", "values", "depth", "kept", "memory"],
             self.frames.iter().map(frame_row).collect(),
         ));
@@ -194,22 +195,4 @@ pub(crate) fn bytes(count: u64) -> String {
         1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
         _ => format!("{:.1} GB", count as f64 / 1e9),
     }
-}
-
-/// Rows below their titles, in columns; nothing if there are no rows.
-pub(crate) fn columns(titles: &[&str], rows: Vec<Vec<String>>) -> Vec<String> {
-    if rows.is_empty() {
-        return Vec::new();
-    }
-    let titles: Vec<String> = titles.iter().map(|title| title.to_string()).collect();
-    let rows: Vec<_> = std::iter::once(titles).chain(rows).collect();
-    let width =
-        |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
-    let line = |row: &Vec<String>| {
-        let cells: Vec<_> =
-            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
-        format!("  {}", cells.join("  ").trim_end())
-    };
-    rows.iter().map(line).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::manifest::MOST_SUBSTEPS;
 use tremie_messages::Problem;
-pub(crate) use tremie_messages::finding::short;
+use tremie_messages::finding::short;
 use tremie_messages::start::Clock;
 
 /// Ratios this close to a whole number are that number: steps come from divisions.

@@ -1,8 +1,9 @@
-use super::steps::{Wish, assign, short};
+use super::steps::{Wish, assign};
 use super::*;
 use crate::manifest;
 use proptest::prelude::*;
 use std::path::Path;
+use tremie_messages::finding::short;
 use tremie_messages::schedule::Content;
 use tremie_messages::start::{
     FrameContent, InjectionKind, Signal, SliceSpec, VolumeSpec, VolumeWish, Watches,

@@ -1,9 +1,10 @@
 //! How many steps the run takes, and what makes them so many.
 
 use crate::manifest::Spec;
-use crate::plan::{Plan, PlannedComponent, short};
+use crate::plan::{Plan, PlannedComponent};
 use indicatif::HumanDuration;
 use std::time::Duration;
+use tremie_messages::finding::short;
 use tremie_messages::start::Description;
 use tremie_messages::{Finding, Role};
 

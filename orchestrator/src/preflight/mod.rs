@@ -9,7 +9,6 @@
 mod flow;
 mod length;
 mod machine;
-pub mod measure;
 mod resources;
 mod steps;
 mod table;
@@ -18,25 +17,11 @@ pub use machine::Machine;
 pub use table::{sentences, table, total};
 
 use crate::manifest::Spec;
-use crate::outputs::Statistics;
+use crate::outputs::{JudgedFinding, Statistics};
 use crate::plan::Plan;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use tremie_messages::start::Description;
-use tremie_messages::{Finding, Limit, Verdict};
-
-/// A finding and who made it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Judged {
-    /// The component, or [`WHOLE`].
-    pub component: String,
-    /// What it found.
-    #[serde(flatten)]
-    pub finding: Finding,
-}
-
-/// Who made findings about the run as a whole.
-pub const WHOLE: &str = "run";
+use tremie_messages::{Limit, Verdict};
 
 /// All findings about a run: those of its components, in the order of the manifest, then those of
 /// the whole. `descriptions` are what the components said, in the order of the plan.
@@ -45,19 +30,19 @@ pub fn examine(
     plan: &Plan,
     descriptions: &[Description],
     machine: &Machine,
-) -> Vec<Judged> {
+) -> Vec<JudgedFinding> {
     let own = plan.components.iter().zip(descriptions).flat_map(|(component, description)| {
-        description
-            .findings
-            .iter()
-            .map(|finding| Judged { component: component.name.clone(), finding: finding.clone() })
+        description.findings.iter().map(|finding| JudgedFinding {
+            component: component.name.clone(),
+            finding: finding.clone(),
+        })
     });
     let whole = steps::findings(spec, plan)
         .into_iter()
         .chain(length::finding(spec, plan, descriptions))
         .chain(flow::findings(&spec.scene))
         .chain(resources::findings(&spec.scene, plan, descriptions, machine))
-        .map(of_whole);
+        .map(JudgedFinding::of_whole);
     own.chain(whole).collect()
 }
 
@@ -65,24 +50,19 @@ pub fn examine(
 pub fn look_back<'a>(
     components: impl Iterator<Item = (&'a str, &'a Description)>,
     signals: &BTreeMap<String, Statistics>,
-) -> Vec<Judged> {
+) -> Vec<JudgedFinding> {
     let of = |(name, description): (&str, &'a Description)| {
         let judge = |limit: &Limit| {
             let told = signals.get(&format!("{name}.{}", limit.signal))?;
             let finding = told.max.is_finite().then(|| limit.judge(told.max, told.max_at))?;
-            Some(Judged { component: name.into(), finding })
+            Some(JudgedFinding { component: name.into(), finding })
         };
         description.limits.iter().filter_map(judge).collect::<Vec<_>>()
     };
     components.flat_map(of).collect()
 }
 
-/// A finding about the run as a whole.
-pub fn of_whole(finding: Finding) -> Judged {
-    Judged { component: WHOLE.into(), finding }
-}
-
 /// How many findings have a verdict.
-pub fn count(findings: &[Judged], verdict: Verdict) -> usize {
+pub fn count(findings: &[JudgedFinding], verdict: Verdict) -> usize {
     findings.iter().filter(|judged| judged.finding.verdict == verdict).count()
 }

@@ -1,9 +1,10 @@
 //! How the components' steps fit into windows.
 
 use crate::manifest::{ComponentSpec, Spec};
-use crate::plan::{Plan, PlannedComponent, short};
+use crate::plan::{Plan, PlannedComponent};
 use tremie_messages::Finding;
 use tremie_messages::Role;
+use tremie_messages::finding::short;
 
 /// Ratios this close to a whole number are that number, as in the plan.
 const TOLERANCE: f64 = 1e-9;

@@ -1,13 +1,14 @@
 //! Findings as a person reads them.
 
-use super::{Judged, count};
-use crate::plan::{bytes, columns};
+use super::{JudgedFinding, count};
+use crate::plan::bytes;
 use tremie_messages::{Finding, Verdict};
+use tremie_results::text_columns;
 
 /// A table of all findings.
-pub fn table(findings: &[Judged]) -> Vec<String> {
-    let row = |judged: &Judged| {
-        let Judged { component, finding } = judged;
+pub fn table(findings: &[JudgedFinding]) -> Vec<String> {
+    let row = |judged: &JudgedFinding| {
+        let JudgedFinding { component, finding } = judged;
         let remark = match finding.verdict {
             Verdict::Ok => finding.why.clone(),
             _ => "see below".into(),
@@ -16,13 +17,13 @@ pub fn table(findings: &[Judged]) -> Vec<String> {
         vec![component.clone(), finding.quantity.clone(), value(finding), verdict, remark]
     };
     let titles = ["of", "quantity", "value", "verdict", "remark"];
-    columns(&titles, findings.iter().map(row).collect())
+    text_columns(&titles, findings.iter().map(row).collect())
 }
 
 /// Of each finding with a verdict, why, and what to do.
-pub fn sentences(findings: &[Judged], verdict: Verdict) -> Vec<String> {
-    let sentence = |judged: &Judged| {
-        let Judged { component, finding } = judged;
+pub fn sentences(findings: &[JudgedFinding], verdict: Verdict) -> Vec<String> {
+    let sentence = |judged: &JudgedFinding| {
+        let JudgedFinding { component, finding } = judged;
         let Finding { quantity, why, remedy, .. } = finding;
         let name = verdict.name();
         let remedy =
@@ -33,7 +34,7 @@ pub fn sentences(findings: &[Judged], verdict: Verdict) -> Vec<String> {
 }
 
 /// How many of each verdict, in a line.
-pub fn total(findings: &[Judged]) -> String {
+pub fn total(findings: &[JudgedFinding]) -> String {
     let of = |verdict: Verdict| format!("{} {}", count(findings, verdict), verdict.name());
     format!("findings: {}, {}, {}", of(Verdict::Ok), of(Verdict::Doubtful), of(Verdict::Wrong))
 }

@@ -1,6 +1,8 @@
 //! The grains as a component of a run: findings, signals, messages.
 
 #[cfg(feature = "component")]
+pub mod benchmark;
+#[cfg(feature = "component")]
 pub mod component;
 pub mod findings;
 #[cfg(feature = "component")]

@@ -7,8 +7,8 @@ use super::course::motion;
 use super::diameters::diameters;
 use super::point;
 use super::polyhedra::{self, Shapes};
-use crate::plan::short;
 use std::collections::BTreeSet;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{
     BodySet, Motion, Packing, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Sphere,
 };

@@ -26,7 +26,7 @@ use super::document::Document;
 use super::path;
 use super::read::Findings;
 use super::spec::Spec;
-use crate::plan::short;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
     Area, Dashpot, Density, Frequency, Length, Mass, Pressure, Stiffness, Time, Velocity,

@@ -12,11 +12,11 @@ pub(super) struct Boxes<'a> {
     points: &'a [[f64; 3]],
     widths: &'a [f64],
     /// The widest bodies first.
-    levels: Vec<Level>,
+    levels: Vec<BoxGrid>,
 }
 
 /// The boxes of bodies that are within a factor of two as wide.
-struct Level {
+struct BoxGrid {
     /// Width of the widest of them [m].
     widest: f64,
     /// The box that is filled: the domain's along axes that wrap around, and else that of the bodies.
@@ -56,7 +56,7 @@ impl<'a> Boxes<'a> {
     }
 
     /// The boxes of some bodies; in each they stand by number.
-    fn level(&self, widest: f64, bodies: &[usize]) -> Level {
+    fn level(&self, widest: f64, bodies: &[usize]) -> BoxGrid {
         let (mut min, mut size) = (self.min, self.size);
         for axis in (0..3).filter(|&axis| !self.periodic[axis]) {
             let places = bodies.iter().map(|&body| self.points[body][axis]);
@@ -73,7 +73,7 @@ impl<'a> Boxes<'a> {
             }
             edge *= 1.1;
         };
-        let mut level = Level { widest, min, size, count, start: Vec::new(), sorted: Vec::new() };
+        let mut level = BoxGrid { widest, min, size, count, start: Vec::new(), sorted: Vec::new() };
         let mut bodies = bodies.to_vec();
         bodies.sort_unstable();
         let home = |body: usize| {
@@ -96,7 +96,7 @@ impl<'a> Boxes<'a> {
     }
 
     /// Where a body lies along an axis, in lengths of a level's box.
-    fn along(&self, level: &Level, body: usize, axis: usize) -> f64 {
+    fn along(&self, level: &BoxGrid, body: usize, axis: usize) -> f64 {
         let size = level.size[axis].max(f64::MIN_POSITIVE);
         let along = (self.points[body][axis] - level.min[axis]) / size;
         if self.periodic[axis] { along.rem_euclid(1.0) } else { along }
@@ -129,7 +129,7 @@ impl<'a> Boxes<'a> {
     /// around count on.
     fn around(
         &self,
-        level: &Level,
+        level: &BoxGrid,
         body: usize,
         axis: usize,
         reach: f64,

@@ -4,12 +4,12 @@ use super::super::document::{PartTable, SurfaceTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::parts::{name, orientation};
-use crate::plan::short;
+use crate::registry::SealTable;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::Path;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{DeformableSurface, Domain, FacetKind, Pose, Section, SurfaceStart};
-use tremie_rubber_table::table::Table;
 use tremie_sdk::parameters::nearest;
 
 /// Fewest steps that make a solid of a section.
@@ -72,7 +72,7 @@ fn surface(
 }
 
 /// The shape at a compression that the table has.
-fn start(shapes: &Table, compression: f64) -> SurfaceStart {
+fn start(shapes: &SealTable, compression: f64) -> SurfaceStart {
     match shapes.bracket(compression) {
         Ok(at) if compression > 0.0 => {
             let section = shapes.vertices(at);
@@ -117,10 +117,10 @@ fn sectors(table: &SurfaceTable, at: &str, findings: &mut Findings) -> Option<u3
 }
 
 /// The table, if it can be read and is one for a run.
-fn shapes(table: &SurfaceTable, at: &str, findings: &mut Findings) -> Option<Table> {
+fn shapes(table: &SurfaceTable, at: &str, findings: &mut Findings) -> Option<SealTable> {
     let file = findings.required(&table.table, at, "table")?;
     let key = path::join(at, "table");
-    let shapes = match Table::read(Path::new(&file)) {
+    let shapes = match SealTable::read(Path::new(&file)) {
         Ok(shapes) => shapes,
         Err(error) => {
             let help = "`tremie rubber make-table` writes tables; a relative path begins at the manifest's folder";

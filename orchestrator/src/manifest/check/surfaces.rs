@@ -3,9 +3,9 @@
 use super::super::path;
 use super::super::read::Findings;
 use super::{extent, point};
-use crate::plan::short;
 use tremie_geometry::{Bounds, GeometryError, Mesh};
 use tremie_messages::Problem;
+use tremie_messages::finding::short;
 use tremie_messages::scene::{Domain, Geometry, Motion, Part};
 
 /// A file's part that is this many times as long as the domain was hardly drawn in the unit given.

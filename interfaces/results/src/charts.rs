@@ -1,0 +1,196 @@
+//! Curves and marks in a chart, drawn as SVG.
+
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use std::ops::Range;
+use std::path::Path;
+
+/// Colours that differ also for those who see red and green alike (Okabe and Ito).
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+    RGBColor(128, 128, 128),
+];
+
+/// One curve or set of marks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// What the legend calls it.
+    pub name: String,
+    /// Its points, those that are not finite left out when drawn.
+    pub points: Vec<(f64, f64)>,
+    /// Marks instead of a line: a reference.
+    pub marks: bool,
+}
+
+/// A chart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// Above it.
+    pub title: String,
+    /// What the horizontal axis is, with its unit.
+    pub x: String,
+    /// What the vertical axis is, with its unit.
+    pub y: String,
+    /// Logarithmic horizontal axis.
+    pub log_x: bool,
+    /// What it shows.
+    pub curves: Vec<Curve>,
+}
+
+/// A sheet or part of it to draw on.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+impl Chart {
+    /// Draws it.
+    ///
+    /// # Errors
+    /// A sentence, if it cannot be drawn or written.
+    pub fn draw(&self, area: &Area<'_>) -> Result<(), String> {
+        let points = || self.curves.iter().flat_map(|curve| curve.points.iter().copied());
+        let x = range(points().map(|p| p.0), 0.02);
+        let y = range(points().map(|p| p.1), 0.05);
+        if self.log_x {
+            let positive = points().map(|p| p.0).fold(f64::INFINITY, f64::min);
+            self.draw_within(area, (0.9 * positive..1.1 * x.end).log_scale(), y)
+        } else {
+            self.draw_within(area, x, y)
+        }
+    }
+
+    /// Where a legend covers fewest points.
+    fn emptiest_corner(&self) -> SeriesLabelPosition {
+        let points = || self.curves.iter().flat_map(|curve| curve.points.iter().copied());
+        let along = |x: f64| if self.log_x { x.ln() } else { x };
+        let (xs, ys) =
+            (range(points().map(|p| along(p.0)), 0.0), range(points().map(|p| p.1), 0.0));
+        let part =
+            |range: &Range<f64>, value: f64| (value - range.start) / (range.end - range.start);
+        let covered = |right: bool, upper: bool| {
+            let beyond = |part: f64, far: bool| if far { part > 0.65 } else { part < 0.35 };
+            let is_in = |p: &(f64, f64)| {
+                beyond(part(&xs, along(p.0)), right) && beyond(part(&ys, p.1), upper)
+            };
+            points().filter(is_in).count()
+        };
+        [
+            (SeriesLabelPosition::UpperRight, covered(true, true)),
+            (SeriesLabelPosition::LowerRight, covered(true, false)),
+            (SeriesLabelPosition::UpperLeft, covered(false, true)),
+            (SeriesLabelPosition::LowerLeft, covered(false, false)),
+        ]
+        .into_iter()
+        .min_by_key(|(_, points)| *points)
+        .map_or(SeriesLabelPosition::UpperRight, |(corner, _)| corner)
+    }
+
+    fn draw_within<X>(&self, area: &Area<'_>, x: X, y: Range<f64>) -> Result<(), String>
+    where
+        X: AsRangedCoord<Value = f64>,
+        X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    {
+        let wrong = |error: DrawingAreaErrorKind<std::io::Error>| error.to_string();
+        area.fill(&WHITE).map_err(wrong)?;
+        let mut chart = ChartBuilder::on(area)
+            .caption(&self.title, ("sans-serif", 18))
+            .margin(10)
+            .x_label_area_size(42)
+            .y_label_area_size(70)
+            .build_cartesian_2d(x, y)
+            .map_err(wrong)?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x)
+            .y_desc(&self.y)
+            .light_line_style(WHITE)
+            .x_label_formatter(&tick)
+            .y_label_formatter(&tick)
+            .draw()
+            .map_err(wrong)?;
+        let lines = self.curves.iter().filter(|curve| !curve.marks).count().max(1);
+        let mut colours = [0; 2];
+        for curve in &self.curves {
+            let place = &mut colours[usize::from(curve.marks)];
+            let colour = COLOURS[*place % lines.min(COLOURS.len())];
+            *place += 1;
+            let finite: Vec<_> = curve
+                .points
+                .iter()
+                .copied()
+                .filter(|p| p.0.is_finite() && p.1.is_finite())
+                .collect();
+            if curve.marks {
+                let marks = finite.iter().map(|p| Circle::new(*p, 4, colour.stroke_width(1)));
+                let drawn = chart.draw_series(marks).map_err(wrong)?;
+                drawn.label(&curve.name).legend(move |p| Circle::new(p, 4, colour.stroke_width(1)));
+            } else {
+                let drawn = chart
+                    .draw_series(LineSeries::new(finite, colour.stroke_width(2)))
+                    .map_err(wrong)?;
+                drawn.label(&curve.name).legend(move |(x, y)| {
+                    PathElement::new([(x - 8, y), (x + 8, y)], colour.stroke_width(2))
+                });
+            }
+        }
+        // One curve needs no legend: the title says what it is.
+        if self.curves.len() < 2 {
+            return Ok(());
+        }
+        chart
+            .configure_series_labels()
+            .position(self.emptiest_corner())
+            .background_style(WHITE.mix(0.8))
+            .border_style(BLACK.mix(0.3))
+            .draw()
+            .map_err(wrong)?;
+        Ok(())
+    }
+}
+
+/// The number at a tick: without the digits that rounding left, and 0 without a sign.
+fn tick(value: &f64) -> String {
+    format!("{}", (value * 1e9).round() / 1e9 + 0.0)
+}
+
+/// The range of all numbers, with a margin.
+fn range(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
+    let (low, high) = values
+        .filter(|v| v.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    match high - low {
+        span if span > 0.0 => low - margin * span..high + margin * span,
+        _ if low.is_finite() => low - 0.5 * low.abs() - 1e-30..high + 0.5 * high.abs() + 1e-30,
+        _ => 0.0..1.0,
+    }
+}
+
+/// Width and height of a panel.
+const PANEL: (u32, u32) = (560, 340);
+/// Height of the line with the title.
+const HEAD: u32 = 36;
+/// Panels side by side.
+const PANELS_ABREAST: usize = 3;
+/// Draws charts under a title, as SVG.
+///
+/// # Errors
+/// A sentence, if they cannot be drawn or written.
+pub fn draw_sheet(charts: &[Chart], title: &str, path: &Path) -> Result<(), String> {
+    let said = |error: &dyn std::fmt::Display| error.to_string();
+    let columns = charts.len().clamp(1, PANELS_ABREAST);
+    let rows = charts.len().div_ceil(columns);
+    let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32 + HEAD);
+    let sheet = SVGBackend::new(path, size).into_drawing_area();
+    sheet.fill(&WHITE).map_err(|error| said(&error))?;
+    let (head, body) = sheet.split_vertically(HEAD);
+    head.titled(title, ("sans-serif", 22)).map_err(|error| said(&error))?;
+    for (chart, area) in charts.iter().zip(body.split_evenly((rows, columns))) {
+        chart.draw(&area)?;
+    }
+    sheet.present().map_err(|error| said(&error))
+}

@@ -1,0 +1,16 @@
+//! Finished runs read again, and commands that packages add to the `tremie` program.
+//!
+//! A package registers two kinds of commands in the orchestrator's `registry`: one that builds a scene (`tremie scene NAME`),
+//! and one that reads a [`FinishedRun`]. Both answer with text for standard output, or with a [`CommandError`].
+
+mod charts;
+mod command;
+mod finished_run;
+mod signals;
+mod text_columns;
+
+pub use charts::{Chart, Curve, draw_sheet};
+pub use command::{CommandError, key_value};
+pub use finished_run::{FinishedRun, run_name};
+pub use signals::{Cut, SIGNALS, Signals, UnreadableSignals};
+pub use text_columns::text_columns;

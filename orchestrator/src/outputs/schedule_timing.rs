@@ -1,0 +1,121 @@
+//! What a window's time goes to, and what the other schedule would make of it.
+//!
+//! The schedule is the manifest's, because it changes results; how much time another one would take is a question
+//! that a user has all the same. Threads, which change none, are divided by the components themselves: fluid and grains
+//! try beside each other what more than one is worth.
+
+use super::ComponentTotals;
+use serde::Serialize;
+use std::fmt;
+use tremie_messages::Role;
+use tremie_messages::schedule::Schedule;
+
+/// How the physics of a run shares a window's time, means over a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScheduleTiming {
+    /// The schedule of the run.
+    pub schedule: Schedule,
+    /// Wall time of a window in which the fluid computes and sends [s].
+    pub fluid: f64,
+    /// The same of the others, which take turns in each substep [s].
+    pub others: f64,
+    /// Wall time of a window in the other schedule, roughly: in the parallel one at best, because nobody knows yet
+    /// how the two disturb each other; in the serial one at most, because they do so now [s].
+    pub in_other_schedule: f64,
+}
+
+/// A component of the physics: what it is, the threads that it may use, and what it did.
+pub type Worked = (Role, u32, ComponentTotals);
+
+impl ScheduleTiming {
+    /// Of so many windows on a machine of `cores`; `None` without a fluid and something that moves in it.
+    pub fn of(
+        schedule: Schedule,
+        cores: u32,
+        components: impl IntoIterator<Item = Worked>,
+        windows: u64,
+    ) -> Option<Self> {
+        let (mut fluid, mut others, mut threads) = (0, 0, 1);
+        for (role, may_use, totals) in components {
+            let busy = totals.compute + totals.exchange;
+            match role {
+                Role::Fluid => (fluid, threads) = (busy, may_use.min(cores)),
+                _ => others += busy,
+            }
+        }
+        if fluid == 0 || others == 0 || windows == 0 {
+            return None;
+        }
+        let each = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / windows as f64;
+        let (fluid, others) = (each(fluid), each(others));
+        let in_other_schedule = match schedule {
+            // No core does more than its part, and nobody is faster than alone.
+            Schedule::Serial => {
+                let shared = (fluid * f64::from(threads) + others) / f64::from(cores.max(1));
+                shared.max(fluid).max(others)
+            }
+            Schedule::Parallel => fluid + others,
+        };
+        Some(Self { schedule, fluid, others, in_other_schedule })
+    }
+}
+
+impl fmt::Display for ScheduleTiming {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [fluid, others, other] =
+            [self.fluid, self.others, self.in_other_schedule].map(|time| 1e3 * time);
+        write!(f, "of a window the fluid takes {fluid:.3} ms, the others {others:.3} ms, ")?;
+        match self.schedule {
+            Schedule::Serial => write!(
+                f,
+                "in turns; schedule = \"parallel\" would take {other:.3} ms at best, with other results"
+            ),
+            Schedule::Parallel => write!(
+                f,
+                "side by side; schedule = \"serial\" would take {other:.3} ms at most, with other results"
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn busy(compute: u64, exchange: u64) -> ComponentTotals {
+        ComponentTotals { compute, exchange, wait: 77, work: 1 }
+    }
+
+    #[test]
+    fn a_fluid_on_all_cores_leaves_the_others_little_to_gain() {
+        let run = [
+            (Role::Fluid, 2, busy(3_900_000, 100_000)),
+            (Role::Grains, 2, busy(500_000, 0)),
+            (Role::Rubber, 1, busy(500_000, 0)),
+        ];
+        let turns = ScheduleTiming::of(Schedule::Serial, 2, run, 1).unwrap();
+        assert!((turns.fluid - 4.0e-3).abs() < 1e-12 && (turns.others - 1.0e-3).abs() < 1e-12);
+        // Two cores share 2 x 4 + 1 ms.
+        assert!((turns.in_other_schedule - 4.5e-3).abs() < 1e-12);
+        let text = turns.to_string();
+        assert!(text.contains("4.000 ms") && text.contains("4.500 ms at best"), "{text}");
+    }
+
+    #[test]
+    fn the_slower_one_bounds_what_there_is_to_gain() {
+        let run = [(Role::Fluid, 1, busy(3_000, 0)), (Role::Grains, 1, busy(2_000, 0))];
+        let turns = ScheduleTiming::of(Schedule::Serial, 4, run, 1).unwrap();
+        assert!((turns.in_other_schedule - 3.0e-6).abs() < 1e-15);
+        let turns = ScheduleTiming::of(Schedule::Parallel, 4, run, 1).unwrap();
+        assert!((turns.in_other_schedule - 5.0e-6).abs() < 1e-15);
+        assert!(turns.to_string().contains("at most"));
+    }
+
+    #[test]
+    fn nobody_waits_for_nobody() {
+        let fluid = [(Role::Fluid, 2, busy(1, 1))];
+        assert_eq!(ScheduleTiming::of(Schedule::Serial, 2, fluid, 10), None);
+        let both = [fluid[0], (Role::Grains, 1, busy(1, 1))];
+        assert_eq!(ScheduleTiming::of(Schedule::Serial, 2, both, 0), None);
+    }
+}

@@ -1,0 +1,328 @@
+//! The command line of `tremie`.
+
+use crate::registry::{OnArguments, OnRun, PackageCommand, READERS, SCENES, TOOLS};
+use crate::tools::conform::ConformArgs;
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use tremie_messages::schedule::Schedule;
+use tremie_messages::start::{Injection, InjectionKind};
+use tremie_results::key_value;
+
+/// Co-simulation of slurries: fluid and grains as programs that share memory.
+#[derive(Debug, Parser)]
+#[command(name = "tremie", version, about, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a manifest.
+    Run(RunArgs),
+    /// Check a manifest completely and print the plan, without running it.
+    Check(CheckArgs),
+    /// List the signals of a manifest's components: names, units, what they mean.
+    Signals(ManifestArgs),
+    /// List the built-in components and the roles they can take.
+    Components,
+    /// Open a finished run in the Rerun viewer.
+    View(ViewArgs),
+    /// Draw the curves of a finished run, or of several to compare them.
+    Report(ReportArgs),
+    /// Check that a program keeps the contract of a component.
+    Conform(ConformArgs),
+    /// Run scenes whose result is known, and compare.
+    Validate(ValidateArgs),
+    /// Measure how fast the parts are on this machine.
+    Bench(BenchArgs),
+    /// Remove what killed runs left in shared memory.
+    Clean,
+    /// Print the JSON schema of the manifest, for editors.
+    Schema,
+    /// Take part in a run (the orchestrator calls this).
+    #[command(hide = true)]
+    Component {
+        /// Name of the built-in component.
+        name: String,
+    },
+}
+
+/// What a command line asks for.
+pub enum Asked {
+    /// A command of the program itself.
+    Own(Command),
+    /// A command of a package.
+    OfPackage(OnArguments, ArgMatches),
+    /// A reader of a finished run, in this folder.
+    Reader(OnRun, PathBuf, ArgMatches),
+}
+
+/// The whole command line, with the commands of packages.
+fn whole() -> clap::Command {
+    let scene = clap::Command::new("scene")
+        .about("Build a scene from numbers: its parts as STL files, and a manifest to start from")
+        .subcommand_required(true)
+        .arg_required_else_help(true)
+        .subcommands(SCENES.iter().map(|scene| added(scene, clap::Command::new(scene.name))));
+    let out = clap::Arg::new("OUT")
+        .required(true)
+        .value_parser(clap::value_parser!(PathBuf))
+        .help("Folder of a finished run");
+    let reader = |reader| added(reader, clap::Command::new(reader.name).arg(out.clone()));
+    Cli::command()
+        .subcommand(scene)
+        .subcommands(READERS.iter().map(reader))
+        .subcommands(TOOLS.iter().map(|tool| added(tool, clap::Command::new(tool.name))))
+}
+
+/// The arguments of a package's command.
+fn added<W>(package: &PackageCommand<W>, command: clap::Command) -> clap::Command {
+    let command = (package.arguments)(command).about(package.about).long_about(None);
+    let divided = command.has_subcommands();
+    command.subcommand_required(divided).arg_required_else_help(divided)
+}
+
+/// Reads the command line of this process.
+///
+/// # Errors
+/// What is wrong with it, or the help that it asks for.
+pub fn read() -> Result<Asked, clap::Error> {
+    of_matches(whole().try_get_matches()?)
+}
+
+fn of_matches(mut matches: ArgMatches) -> Result<Asked, clap::Error> {
+    let (name, inner) = matches.subcommand().expect("clap demands a command");
+    if name == "scene" {
+        let (name, inner) = inner.subcommand().expect("clap demands a scene");
+        return Ok(Asked::OfPackage(named(SCENES, name).expect("clap knows").work, inner.clone()));
+    }
+    if let Some(tool) = named(TOOLS, name) {
+        return Ok(Asked::OfPackage(tool.work, inner.clone()));
+    }
+    if let Some(reader) = named(READERS, name) {
+        let out = inner.get_one::<PathBuf>("OUT").expect("clap demands it").clone();
+        return Ok(Asked::Reader(reader.work, out, inner.clone()));
+    }
+    Ok(Asked::Own(Cli::from_arg_matches_mut(&mut matches)?.command))
+}
+
+fn named<W>(
+    commands: &'static [PackageCommand<W>],
+    name: &str,
+) -> Option<&'static PackageCommand<W>> {
+    commands.iter().find(|command| command.name == name)
+}
+
+/// Options that say which manifest, and what to change in it.
+#[derive(Debug, Args)]
+pub struct ManifestArgs {
+    /// Manifest, or a folder that holds a manifest.toml
+    pub manifest: PathBuf,
+    /// Simulated time at which to end, as "0.5 s"
+    #[arg(long, value_name = "TIME")]
+    pub until: Option<String>,
+    /// How fluid and grains take turns
+    #[arg(long, value_name = "serial|parallel", value_parser = parse_schedule)]
+    pub schedule: Option<Schedule>,
+    /// Change a value of the manifest, as scene.fluid.viscosity="0.1 Pa s"
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Say nothing but errors and the last line
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+    /// Speak JSON, one document a line, on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `tremie check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Which manifest.
+    #[command(flatten)]
+    pub manifest: ManifestArgs,
+    /// Run some windows, throw them away, and tell how long the run will take
+    #[arg(long)]
+    pub measure: bool,
+}
+
+/// Arguments of `tremie run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Which manifest.
+    #[command(flatten)]
+    pub manifest: ManifestArgs,
+    /// Folder for the outputs [default: runs/NAME-001 and so on]
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Watch the run in the Rerun viewer: in a browser, in its own window, in a file for later
+    #[arg(long, value_name = "web|native|FILE.rrd|none", default_value = "none", value_parser = parse_view)]
+    pub view: View,
+    /// Run the components as threads of one process
+    #[arg(long)]
+    pub in_process: bool,
+    /// Write when each component waited and computed in some windows to OUT/trace.json, for ui.perfetto.dev
+    #[arg(long, value_name = "FROM-TO", num_args = 0..=1, require_equals = true, default_missing_value = "0-5000", value_parser = parse_windows)]
+    pub trace: Option<RangeInclusive<u64>>,
+    /// Make a component commit a fault, to see it caught: grains:drop@17
+    #[arg(long, value_name = "COMPONENT:FAULT@WINDOW", value_parser = parse_injection)]
+    pub inject: Vec<(String, Injection)>,
+}
+
+/// Arguments of `tremie view`.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// Folder of a finished run
+    pub out: PathBuf,
+    /// Where to show it
+    #[arg(long, value_name = "web|native|FILE.rrd", default_value = "web", value_parser = parse_view)]
+    pub view: View,
+}
+
+/// Arguments of `tremie report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Folders of finished runs; their curves share the panels
+    #[arg(required = true, value_name = "OUT")]
+    pub outs: Vec<PathBuf>,
+    /// Only these signals, or those that belong to them, as fluid.beneath [default: all]
+    #[arg(long = "signal", value_name = "NAME")]
+    pub signals: Vec<String>,
+    /// Where to write the picture [default: report.svg in the first folder]
+    #[arg(long, value_name = "FILE.svg")]
+    pub to: Option<PathBuf>,
+}
+
+/// Arguments of `tremie validate`.
+#[derive(Debug, Args)]
+pub struct ValidateArgs {
+    /// Names of cases [default: all]
+    pub names: Vec<String>,
+    /// Folder of the cases
+    #[arg(long, value_name = "FOLDER", default_value = "tests/validation")]
+    pub cases: PathBuf,
+    /// Only the forms that end within seconds; keeps no results
+    #[arg(long)]
+    pub short: bool,
+    /// Where to write the report on all cases
+    #[arg(long, value_name = "FILE", default_value = "VALIDATION.md")]
+    pub report: PathBuf,
+}
+
+/// Arguments of `tremie bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Only cases whose names have all these words, as: lattice f64 "2 threads" [default: all]
+    pub words: Vec<String>,
+    /// Numbers of threads [default: 1 and the number of cores]
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub threads: Vec<usize>,
+    /// Cells along an edge of the lattices
+    #[arg(long, value_name = "CELLS", default_value_t = 128)]
+    pub edge: usize,
+    /// Measurements of each case
+    #[arg(long, value_name = "N", default_value_t = 7)]
+    pub repeats: usize,
+    /// How long a measurement takes, about, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
+    pub seconds: f64,
+    /// Only list the cases
+    #[arg(long)]
+    pub list: bool,
+    /// Print JSON, one document for each number
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Where a run is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum View {
+    /// Nowhere.
+    None,
+    /// In a browser; this program serves the page.
+    Web,
+    /// In Rerun's own window.
+    Native,
+    /// In a file.
+    File(PathBuf),
+}
+
+fn parse_view(text: &str) -> Result<View, String> {
+    match text {
+        "none" => Ok(View::None),
+        "web" => Ok(View::Web),
+        "native" => Ok(View::Native),
+        file if file.ends_with(".rrd") => match std::path::absolute(file) {
+            Ok(path) if path.to_str().is_some() => Ok(View::File(path)),
+            Ok(path) => Err(format!("{path:?} is no UTF-8 text, which the viewer must be told")),
+            Err(error) => Err(error.to_string()),
+        },
+        _ => Err("expected web, native, none, or a file that ends in .rrd".into()),
+    }
+}
+
+fn parse_windows(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let wrong = "expected two windows, the first not after the second, as 0-5000";
+    let (from, to) = text.split_once('-').ok_or(wrong)?;
+    let number = |text: &str| text.trim().parse::<u64>().map_err(|_| wrong.to_string());
+    let (from, to) = (number(from)?, number(to)?);
+    if from <= to { Ok(from..=to) } else { Err(wrong.into()) }
+}
+
+fn parse_schedule(text: &str) -> Result<Schedule, String> {
+    match text {
+        "serial" => Ok(Schedule::Serial),
+        "parallel" => Ok(Schedule::Parallel),
+        _ => Err("expected serial or parallel".into()),
+    }
+}
+
+fn parse_injection(text: &str) -> Result<(String, Injection), String> {
+    let names: Vec<_> = InjectionKind::ALL.iter().map(|(_, name)| *name).collect();
+    let form = || format!("expected COMPONENT:FAULT@WINDOW with a fault of {}", names.join(", "));
+    let (component, rest) = text.split_once(':').ok_or_else(form)?;
+    let (fault, window) = rest.split_once('@').ok_or_else(form)?;
+    let kind = InjectionKind::ALL.iter().find(|(_, name)| *name == fault).ok_or_else(form)?.0;
+    let window = window.parse().map_err(|_| form())?;
+    Ok((component.to_string(), Injection { kind, window }))
+}
+
+impl ManifestArgs {
+    /// All changes to the manifest's values, those of the short options first.
+    pub fn sets(&self) -> Vec<(String, String)> {
+        let mut sets = Vec::new();
+        if let Some(until) = &self.until {
+            sets.push(("run.until".into(), until.clone()));
+        }
+        match self.schedule {
+            Some(Schedule::Serial) => sets.push(("run.schedule".into(), "serial".into())),
+            Some(Schedule::Parallel) => sets.push(("run.schedule".into(), "parallel".into())),
+            None => {}
+        }
+        sets.extend(self.set.iter().cloned());
+        sets
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        whole().debug_assert();
+    }
+
+    #[test]
+    fn an_injection_is_read() {
+        let (component, injection) = parse_injection("grains:substep-more@17").unwrap();
+        assert_eq!(component, "grains");
+        assert_eq!(injection, Injection { kind: InjectionKind::SubstepMore, window: 17 });
+        assert!(parse_injection("grains:fall@3").unwrap_err().contains("duplicate"));
+        assert!(parse_injection("drop@3").is_err());
+    }
+}

@@ -1,0 +1,91 @@
+//! What each command of the program does.
+//!
+//! Standard output has what a command was asked for: the plan and the verdicts of `check`, lists, schemas, where
+//! things were written; with `--json` everything. Standard error has errors, and what `run` and `view` say of
+//! their work.
+//!
+//! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
+//! user ended a run; 141 whoever read the answer stopped reading, as `head` does. A command whose answer could not be
+//! written is never 0.
+
+mod bench;
+mod interrupts;
+mod packages;
+mod report;
+mod run;
+mod signals;
+mod simple;
+mod validate;
+mod view;
+
+pub use bench::bench;
+pub use packages::{of_package, reader};
+pub use report::report;
+pub use run::{check, run};
+pub use signals::signals;
+pub use simple::{clean, component, components, conform, schema};
+pub use validate::validate;
+pub use view::view;
+
+use crate::manifest::{Manifest, ManifestErrors};
+use crate::run::RunError;
+use crate::terminal::Terminal;
+use crate::terminal::standard::{answer_text, complain_text};
+use serde_json::Value;
+use std::io::IsTerminal;
+use std::process::ExitCode;
+
+/// The input is wrong.
+const WRONG_INPUT: u8 = 2;
+/// The user asked for the end.
+const INTERRUPTED: u8 = 130;
+
+/// Answers what the command line itself asks for, `--help` and `--version`, or says what is wrong with it.
+pub fn usage(word: &clap::Error) -> ExitCode {
+    let text = word.render();
+    let coloured = |is_terminal: bool| is_terminal && std::env::var_os("NO_COLOR").is_none();
+    if word.use_stderr() {
+        let is_terminal = std::io::stderr().is_terminal();
+        complain_text(if coloured(is_terminal) {
+            text.ansi().to_string()
+        } else {
+            text.to_string()
+        });
+        return ExitCode::from(WRONG_INPUT);
+    }
+    let is_terminal = std::io::stdout().is_terminal();
+    answer_text(if coloured(is_terminal) { text.ansi().to_string() } else { text.to_string() });
+    ExitCode::SUCCESS
+}
+
+/// Says what is wrong with a manifest's text.
+fn refuse_text(errors: &ManifestErrors, json: bool, terminal: &Terminal) -> ExitCode {
+    if json {
+        answer_text(errors.json_lines());
+    } else {
+        complain_text(errors.render(terminal.colour()));
+    }
+    ExitCode::from(WRONG_INPUT)
+}
+
+/// Says why a run or a check came to nothing.
+fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &mut Terminal) -> ExitCode {
+    match error {
+        RunError::Input(problems) => {
+            if json {
+                answer_text(manifest.source.json_lines(problems));
+            } else {
+                complain_text(manifest.source.render(problems, terminal.colour()));
+            }
+            ExitCode::from(WRONG_INPUT)
+        }
+        RunError::Interrupted => {
+            terminal.end(&error.to_string(), Value::Null);
+            ExitCode::from(INTERRUPTED)
+        }
+        other => {
+            terminal.fail(&other.to_string());
+            ExitCode::FAILURE
+        }
+    }
+}

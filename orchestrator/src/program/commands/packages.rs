@@ -1,0 +1,54 @@
+//! Commands that packages add.
+
+use super::WRONG_INPUT;
+use crate::manifest;
+use crate::registry::{OnArguments, OnRun};
+use crate::terminal::standard::{answer_text, complain, complain_text};
+use clap::ArgMatches;
+use std::path::Path;
+use std::process::ExitCode;
+use tremie_results::{CommandError, FinishedRun, SIGNALS, Signals};
+
+/// A command on arguments alone.
+pub fn of_package(work: OnArguments, arguments: &ArgMatches) -> ExitCode {
+    end(work(arguments))
+}
+
+/// A reader of the finished run in the folder `out`.
+pub fn reader(work: OnRun, out: &Path, arguments: &ArgMatches) -> ExitCode {
+    end(finished(out).map_err(CommandError::input).and_then(|run| work(&run, arguments)))
+}
+
+fn finished(out: &Path) -> Result<FinishedRun, String> {
+    let signals = Signals::read(&out.join(SIGNALS))
+        .map_err(|error| format!("{error}\nOUT is the folder of a run, with its {SIGNALS}"))?;
+    if let Some(cut) = &signals.cut {
+        complain(format_args!("warning: {cut}"));
+    }
+    if signals.times.is_empty() {
+        return Err(format!("{}: its {SIGNALS} has no whole row", out.display()));
+    }
+    let manifest = manifest::load(out, &[]).map_err(|errors| errors.to_string())?;
+    Ok(FinishedRun { folder: out.to_path_buf(), signals, scene: manifest.spec.scene })
+}
+
+fn end(done: Result<String, CommandError>) -> ExitCode {
+    match done {
+        Ok(answer) => {
+            answer_text(answer);
+            ExitCode::SUCCESS
+        }
+        Err(CommandError::Input(wrong)) => {
+            wrong.iter().for_each(|line| complain(format_args!("error: {line}")));
+            WRONG_INPUT.into()
+        }
+        Err(CommandError::Explained(text)) => {
+            complain_text(format_args!("{}\n", text.trim_end()));
+            WRONG_INPUT.into()
+        }
+        Err(CommandError::Failed(why)) => {
+            complain(format_args!("error: {why}"));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! `tremie report OUT...`: draws the curves of finished runs.
+
+use super::WRONG_INPUT;
+use crate::program::cli::ReportArgs;
+use crate::terminal::standard::{answer, complain};
+use crate::tools::report::{self, ReportError};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Signals that never change which are still listed.
+const LISTED: usize = 12;
+
+/// `tremie report`: one picture, and a line that says where it is.
+pub fn report(arguments: &ReportArgs) -> ExitCode {
+    match make(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            complain(format_args!("error: {error}"));
+            match error {
+                ReportError::Unknown { .. } | ReportError::Signals(_) => WRONG_INPUT.into(),
+                _ => ExitCode::FAILURE,
+            }
+        }
+    }
+}
+
+fn make(arguments: &ReportArgs) -> Result<(), ReportError> {
+    let report = report::report(&arguments.outs, &arguments.signals)?;
+    for cut in &report.cuts {
+        complain(format_args!("warning: {cut}"));
+    }
+    let path = arguments.to.clone().unwrap_or_else(|| arguments.outs[0].join("report.svg"));
+    let name = |out: &PathBuf| out.file_name().map(|name| name.to_string_lossy().into_owned());
+    let names: Vec<String> = arguments.outs.iter().filter_map(name).collect();
+    report::draw(&report, &names.join(", "), &path)?;
+    let curves: usize = report.panels.iter().map(|panel| panel.curves.len()).sum();
+    let panels = report.panels.len();
+    answer(format_args!("{}: {curves} curves in {panels} panels", path.display()));
+    for (name, value, unit) in report.constant.iter().take(LISTED) {
+        let unit = if unit == "1" { "" } else { unit };
+        answer(format_args!("  {name} is {} throughout", format!("{value} {unit}").trim_end()));
+    }
+    if let Some(more) = report.constant.len().checked_sub(LISTED + 1) {
+        answer(format_args!("  and {} more that never change", more + 1));
+    }
+    Ok(())
+}

@@ -1,0 +1,251 @@
+//! `tremie run` and `tremie check`.
+
+use super::interrupts::count_interrupts;
+use super::{refuse, refuse_text};
+use crate::manifest::{self, Manifest};
+use crate::outputs::JudgedFinding;
+use crate::outputs::{Ending, RunFolder, Summary};
+use crate::preflight;
+use crate::program::cli::{CheckArgs, ManifestArgs, RunArgs, View};
+use crate::registry::LOGS_SHOWN;
+use crate::run::{Ended, Execution, Prepared, RunError, measured_time, prepare};
+use crate::terminal::{Style, Terminal};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+use tremie_messages::Verdict;
+
+/// `tremie check`: everything up to the plan, and what its numbers mean.
+pub fn check(arguments: &CheckArgs) -> ExitCode {
+    let mut terminal = Terminal::answering(style(&arguments.manifest));
+    let json = arguments.manifest.json;
+    let mut manifest =
+        match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
+            Ok(manifest) => manifest,
+            Err(errors) => return refuse_text(&errors, json, &terminal),
+        };
+    add_observers(&mut manifest, &View::None);
+    match check_components(&manifest, arguments, &terminal) {
+        Ok(wrong) => ExitCode::from(u8::from(wrong > 0)),
+        Err(error) => refuse(&error, &manifest, json, &mut terminal),
+    }
+}
+
+/// The number of findings that are wrong.
+fn check_components(
+    manifest: &Manifest,
+    arguments: &CheckArgs,
+    terminal: &Terminal,
+) -> Result<usize, RunError> {
+    let interrupts = count_interrupts().map_err(RunError::Signals)?;
+    let folder = folder_of(&arguments.manifest.manifest);
+    let execution = Execution::default();
+    let mut prepared = prepare(manifest, &folder, Path::new(""), &execution, &interrupts)?;
+    if arguments.measure {
+        let windows = prepared.plan.windows;
+        let time = measured_time::wall_time(manifest, &folder, windows, &interrupts)?;
+        prepared.findings.push(time);
+    }
+    show_plan(manifest, &prepared, terminal);
+    let wrong = preflight::count(&prepared.findings, Verdict::Wrong);
+    prepared.dismiss();
+    Ok(wrong)
+}
+
+/// `tremie run`.
+pub fn run(arguments: &RunArgs) -> ExitCode {
+    let mut terminal = Terminal::new(style(&arguments.manifest));
+    let json = arguments.manifest.json;
+    let mut manifest =
+        match manifest::load(&arguments.manifest.manifest, &arguments.manifest.sets()) {
+            Ok(manifest) => manifest,
+            Err(errors) => return refuse_text(&errors, json, &terminal),
+        };
+    add_observers(&mut manifest, &arguments.view);
+    match run_checked(&manifest, arguments, &mut terminal) {
+        Ok(code) => code,
+        Err(error) => refuse(&error, &manifest, json, &mut terminal),
+    }
+}
+
+fn run_checked(
+    manifest: &Manifest,
+    arguments: &RunArgs,
+    terminal: &mut Terminal,
+) -> Result<ExitCode, RunError> {
+    if let Ok(swept @ 1..) = tremie_channels::sweep::sweep_dead_runs() {
+        terminal.say(&format!("swept what {swept} killed runs had left in shared memory"));
+    }
+    if arguments.in_process && !arguments.manifest.quiet {
+        show_logs_of_threads();
+    }
+    let interrupts = count_interrupts().map_err(RunError::Signals)?;
+    let folder = folder_of(&arguments.manifest.manifest);
+    let execution = Execution {
+        in_process: arguments.in_process,
+        inject: arguments.inject.clone(),
+        trace: arguments.trace.clone(),
+        ..Execution::default()
+    };
+    let mut out = RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest)?;
+    let prepared = prepare(manifest, &folder, out.path(), &execution, &interrupts)?;
+    if let Err(error) = prepared.fits(&execution) {
+        prepared.dismiss();
+        return Err(error);
+    }
+    show_plan(manifest, &prepared, terminal);
+    let known = prepared.findings.len();
+    terminal.say(&format!("outputs in {}", out.path().display()));
+    let executed = prepared.execute(manifest, &mut out, &execution, terminal, &interrupts);
+    if executed.is_err() {
+        out.clear();
+    }
+    let mut ended = executed?;
+    for (name, note) in ended.summary.observers.iter().filter(|(_, note)| !note.is_empty()) {
+        terminal.say(&format!("{name}: {note}"));
+    }
+    let after = ended.summary.findings.get(known..).unwrap_or_default();
+    for verdict in [Verdict::Doubtful, Verdict::Wrong] {
+        preflight::sentences(after, verdict).iter().for_each(|text| terminal.point_out(text));
+    }
+    terminal.end(&last_line(&ended.summary, out.path()), details(&ended.summary));
+    if arguments.view == View::Web {
+        linger(&mut ended, terminal, &interrupts);
+    }
+    let summary = ended.close();
+    Ok(ExitCode::from(summary.ending.exit_code()))
+}
+
+/// Lets the viewer serve the run until the user has seen enough, or the viewer is gone.
+fn linger(ended: &mut Ended, terminal: &Terminal, interrupts: &AtomicUsize) {
+    let wanted = || interrupts.load(Ordering::Relaxed) == 0;
+    if !wanted() || !ended.is_serving("viewer") {
+        return;
+    }
+    terminal.say("the viewer stays up; Ctrl-C ends it");
+    while wanted() {
+        if !ended.is_serving("viewer") {
+            terminal.warn("the viewer has ended by itself: nothing is shown any longer");
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+pub(super) fn style(arguments: &ManifestArgs) -> Style {
+    match (arguments.quiet, arguments.json) {
+        (_, true) => Style::Json,
+        (true, _) => Style::Quiet,
+        _ => Style::Person,
+    }
+}
+
+/// The folder from which a manifest's programs are found.
+pub(super) fn folder_of(manifest: &Path) -> PathBuf {
+    if manifest.is_dir() {
+        manifest.to_path_buf()
+    } else {
+        manifest.parent().map(Path::to_path_buf).unwrap_or_default()
+    }
+}
+
+/// Adds the recorder, the fields and the viewer that the user asked for.
+fn add_observers(manifest: &mut Manifest, view: &View) {
+    if manifest.spec.outputs.record {
+        manifest.spec.add_observer("recorder");
+    }
+    if manifest.spec.outputs.fields.is_some() {
+        manifest.spec.add_observer("fields");
+    }
+    let Some(settings) = viewer_settings(view) else { return };
+    manifest.spec.add_observer("viewer");
+    for component in manifest.spec.components.iter_mut().filter(|c| c.stem() == "viewer") {
+        component.settings.extend(settings.clone());
+    }
+}
+
+/// What the viewer is told of where to show a run; `None` for nowhere.
+pub(super) fn viewer_settings(view: &View) -> Option<serde_json::Map<String, Value>> {
+    let mut settings = serde_json::Map::new();
+    let mode = match view {
+        View::None => return None,
+        View::Web => "web",
+        View::Native => "native",
+        View::File(file) => {
+            let file = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+            settings.insert("file".into(), file.to_string_lossy().into());
+            "file"
+        }
+    };
+    settings.insert("mode".into(), mode.into());
+    Some(settings)
+}
+
+/// Components that are threads log through this process, not on lines of their own.
+fn show_logs_of_threads() {
+    let filter = tracing_subscriber::EnvFilter::new(LOGS_SHOWN);
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .without_time()
+        .with_target(false)
+        .with_writer(std::io::stderr)
+        // It would say so on standard error, and panic there.
+        .log_internal_errors(false)
+        .try_init();
+}
+
+fn show_plan(manifest: &Manifest, prepared: &Prepared, terminal: &Terminal) {
+    let lines = prepared.plan.lines();
+    for line in lines.iter().chain(&manifest.notes) {
+        terminal.say(line);
+    }
+    for warning in &prepared.plan.warnings {
+        terminal.warn(warning);
+    }
+    if !terminal.speaks_json() {
+        show_findings(&prepared.findings, terminal);
+    }
+    terminal.event(json!({
+        "event": "plan",
+        "plan": prepared.plan.document(),
+        "lines": lines,
+        "notes": manifest.notes,
+        "warnings": prepared.plan.warnings,
+        "findings": prepared.findings,
+    }));
+}
+
+/// A table of all findings, and sentences about those that are not ok.
+fn show_findings(findings: &[JudgedFinding], terminal: &Terminal) {
+    for line in preflight::table(findings) {
+        terminal.say(&line);
+    }
+    for sentence in preflight::sentences(findings, Verdict::Doubtful) {
+        terminal.say(&sentence);
+    }
+    for sentence in preflight::sentences(findings, Verdict::Wrong) {
+        terminal.point_out(&sentence);
+    }
+    terminal.say(&preflight::total(findings));
+}
+
+fn details(summary: &Summary) -> Value {
+    serde_json::to_value(summary).unwrap_or(Value::Null)
+}
+
+/// What happened, where, at which window.
+fn last_line(summary: &Summary, out: &Path) -> String {
+    let Summary { windows, planned_windows, simulated_time, wall_time, .. } = summary;
+    let went = format!(
+        "{windows} of {planned_windows} windows, {simulated_time:.6} s simulated in {wall_time:.1} s; outputs in {}",
+        out.display()
+    );
+    match &summary.ending {
+        Ending::Completed => format!("completed: {went}"),
+        Ending::Stopped { reason } => format!("stopped: {reason}; {went}"),
+        Ending::Interrupted => format!("interrupted: {went}"),
+        Ending::Failed { fault } => format!("outputs up to {went}\nfailed: {fault}"),
+    }
+}

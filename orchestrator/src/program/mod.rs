@@ -1,0 +1,4 @@
+//! The program: its command line, and each of its commands.
+
+pub mod cli;
+pub mod commands;

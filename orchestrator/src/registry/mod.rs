@@ -1,0 +1,161 @@
+//! Everything that the program carries in its own executable: components, and commands of packages. No other room names one.
+
+mod idle;
+
+pub use idle::WINDOW;
+/// Plays the recording of a run to an observer.
+pub use tremie_recorder::Recording;
+/// A seal's table, which a manifest names.
+pub use tremie_rubber_table::table::Table as SealTable;
+/// Shows a run, live or recorded.
+pub use tremie_viewer::Viewer;
+
+use clap::{ArgMatches, Args, Command, Subcommand};
+use idle::{IdleFluid, IdleGrains};
+use schemars::{Schema, SchemaGenerator};
+use tremie_messages::Role;
+use tremie_pressure_valve as pressure_valve;
+use tremie_results::{CommandError, FinishedRun};
+use tremie_sdk::ControlPipe;
+use tremie_sdk::benchmark::{Benchmark, BenchmarkSizes};
+
+/// Log lines of components that a user sees where they are threads: warnings, and where the viewer shows the run.
+pub const LOGS_SHOWN: &str = "warn,tremie_viewer=info";
+
+/// A component that `tremie` carries in its own executable.
+pub struct BuiltIn {
+    /// Its name in manifests.
+    pub name: &'static str,
+    /// What it can stand for.
+    pub role: Role,
+    /// What it is, in a line.
+    pub about: &'static str,
+    /// The schema of its settings.
+    pub settings: fn(&mut SchemaGenerator) -> Schema,
+    /// Takes part in a run.
+    pub run: fn(ControlPipe) -> Result<(), String>,
+    /// Benchmarks that it brings along.
+    pub benchmarks: fn(&BenchmarkSizes) -> Vec<Benchmark>,
+}
+
+/// All built-in components.
+pub const BUILT_IN: &[BuiltIn] = &[
+    BuiltIn {
+        name: "fluid-lbm",
+        role: Role::Fluid,
+        about: "lattice Boltzmann, D3Q19: parts, open faces, moving spheres and parts",
+        settings: SchemaGenerator::subschema_for::<tremie_fluid_lbm::Parameters>,
+        run: tremie_sdk::run_fluid::<tremie_fluid_lbm::component::LbmComponent>,
+        benchmarks: tremie_fluid_lbm::benchmarks,
+    },
+    BuiltIn {
+        name: "grains-dem",
+        role: Role::Grains,
+        about: "discrete elements: spheres, walls and parts, friction",
+        settings: SchemaGenerator::subschema_for::<tremie_grains_dem::Parameters>,
+        run: tremie_sdk::run_grains::<tremie_grains_dem::component::SoftSpheres>,
+        benchmarks: tremie_grains_dem::benchmarks,
+    },
+    BuiltIn {
+        name: "rubber-table",
+        role: Role::Rubber,
+        about: "seals of rubber by a table of force and shapes",
+        settings: SchemaGenerator::subschema_for::<tremie_rubber_table::Parameters>,
+        run: tremie_sdk::run_rubber::<tremie_rubber_table::component::Seals>,
+        benchmarks: no_benchmarks,
+    },
+    BuiltIn {
+        name: "viewer",
+        role: Role::Observer,
+        about: "streams the run into the Rerun viewer",
+        settings: SchemaGenerator::subschema_for::<tremie_viewer::Parameters>,
+        run: tremie_sdk::run_observer::<Viewer>,
+        benchmarks: no_benchmarks,
+    },
+    BuiltIn {
+        name: "recorder",
+        role: Role::Observer,
+        about: "writes the run to an MCAP file",
+        settings: SchemaGenerator::subschema_for::<tremie_recorder::Parameters>,
+        run: tremie_sdk::run_observer::<tremie_recorder::Recorder>,
+        benchmarks: no_benchmarks,
+    },
+    BuiltIn {
+        name: "fields",
+        role: Role::Observer,
+        about: "writes whole fields, bodies and parts for ParaView (VTK)",
+        settings: SchemaGenerator::subschema_for::<tremie_fields::Parameters>,
+        run: tremie_sdk::run_observer::<tremie_fields::Fields>,
+        benchmarks: no_benchmarks,
+    },
+];
+
+/// Components that compute nothing, for `tremie bench`.
+const IDLE: &[BuiltIn] = &[
+    BuiltIn {
+        name: "idle-fluid",
+        role: Role::Fluid,
+        about: "finds no loads",
+        settings: SchemaGenerator::subschema_for::<()>,
+        run: tremie_sdk::run_fluid::<IdleFluid>,
+        benchmarks: no_benchmarks,
+    },
+    BuiltIn {
+        name: "idle-grains",
+        role: Role::Grains,
+        about: "never move",
+        settings: SchemaGenerator::subschema_for::<()>,
+        run: tremie_sdk::run_grains::<IdleGrains>,
+        benchmarks: no_benchmarks,
+    },
+];
+
+fn no_benchmarks(_: &BenchmarkSizes) -> Vec<Benchmark> {
+    Vec::new()
+}
+
+/// The built-in component of that name.
+pub fn built_in(name: &str) -> Option<&'static BuiltIn> {
+    BUILT_IN.iter().chain(IDLE).find(|component| component.name == name)
+}
+
+/// A command that a package adds to the program.
+pub struct PackageCommand<Work> {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it does, in a line.
+    pub about: &'static str,
+    /// Adds its arguments.
+    pub arguments: fn(Command) -> Command,
+    /// Does it, and gives the text for standard output.
+    pub work: Work,
+}
+
+/// Work on arguments alone.
+pub type OnArguments = fn(&ArgMatches) -> Result<String, CommandError>;
+/// Work on a run that has ended, and arguments.
+pub type OnRun = fn(&FinishedRun, &ArgMatches) -> Result<String, CommandError>;
+
+/// Scenes that are built from numbers: `tremie scene NAME FOLDER`.
+pub const SCENES: &[PackageCommand<OnArguments>] = &[PackageCommand {
+    name: "pressure-valve",
+    about: "A spring-loaded valve with a rubber seal, beside a conduit",
+    arguments: pressure_valve::scene::SceneArgs::augment_args,
+    work: pressure_valve::scene::build,
+}];
+
+/// Readers of finished runs: `tremie NAME OUT`.
+pub const READERS: &[PackageCommand<OnRun>] = &[PackageCommand {
+    name: "valve",
+    about: "Read a valve out of a finished run: when it cracks and reseats, its flow coefficient, forces, what is stuck",
+    arguments: pressure_valve::results::ValveArgs::augment_args,
+    work: pressure_valve::results::read,
+}];
+
+/// Commands of components: `tremie NAME ...`.
+pub const TOOLS: &[PackageCommand<OnArguments>] = &[PackageCommand {
+    name: "rubber",
+    about: "Make or import the table of a rubber seal",
+    arguments: tremie_rubber_table::commands::RubberCommand::augment_subcommands,
+    work: tremie_rubber_table::commands::rubber,
+}];

@@ -1,0 +1,132 @@
+//! A round of questions: every component was asked something, and each answers in its own time.
+
+use crate::run::launch::{News, Peer, Post};
+use crate::run::startup_log::EarlyLog;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+use tremie_messages::start::Reply;
+
+/// How often the wait for answers looks whether the user has asked for the end.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Components that were asked something, and what bounds the wait for their answers.
+pub struct Round<'a> {
+    /// The components.
+    pub peers: &'a mut [Peer],
+    /// Where their answers arrive.
+    pub news: &'a Receiver<Post>,
+    /// Where lines of their logs go.
+    pub early: &'a mut EarlyLog,
+    /// Longest time for all to answer.
+    pub within: Duration,
+    /// How often the user has asked for the end.
+    pub interrupts: &'a AtomicUsize,
+}
+
+/// Why not every component answered as it should.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Unanswered {
+    /// The user asked for the end.
+    Interrupted,
+    /// The components that failed, each with why.
+    Failed(Vec<(usize, String)>),
+}
+
+/// How far the round is.
+struct Answers {
+    open: Vec<bool>,
+    /// The last line that each wrote to standard error.
+    words: Vec<String>,
+    failed: Vec<(usize, String)>,
+}
+
+impl Round<'_> {
+    /// Waits until each component has given a reply that `take` accepts.
+    ///
+    /// # Errors
+    /// See [`Unanswered`]. Those that failed do not keep the others from answering.
+    pub fn collect(
+        &mut self,
+        mut take: impl FnMut(usize, Reply) -> Result<(), String>,
+    ) -> Result<(), Unanswered> {
+        let count = self.peers.len();
+        let mut answers = Answers {
+            open: vec![true; count],
+            words: vec![String::new(); count],
+            failed: Vec::new(),
+        };
+        let deadline = Instant::now() + self.within;
+        while answers.open.iter().any(|open| *open) {
+            if self.interrupts.load(Ordering::Relaxed) > 0 {
+                return Err(Unanswered::Interrupted);
+            }
+            // Looked at before the news: a component that never stops talking must not stop the clock.
+            let left = deadline.saturating_duration_since(Instant::now());
+            match self.news.recv_timeout(left.min(LOOK)) {
+                _ if left.is_zero() => answers.give_up_waiting(self.within),
+                Ok((index, news)) => self.hear(&mut answers, index, news, &mut take),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => answers.give_up_waiting(self.within),
+            }
+        }
+        if answers.failed.is_empty() { Ok(()) } else { Err(Unanswered::Failed(answers.failed)) }
+    }
+
+    fn hear(
+        &mut self,
+        answers: &mut Answers,
+        index: usize,
+        news: News,
+        take: &mut impl FnMut(usize, Reply) -> Result<(), String>,
+    ) {
+        match news {
+            News::Reply(reply) => match take(index, *reply) {
+                Ok(()) => answers.open[index] = false,
+                Err(why) => answers.fail(index, why),
+            },
+            News::Log(text) => {
+                answers.words[index].clone_from(&text);
+                self.early.push(index, text);
+            }
+            News::Garbage(text) => answers.fail(
+                index,
+                format!(
+                    "it wrote a line on standard output that is no reply, which belongs on standard error: {text}"
+                ),
+            ),
+            News::Closed => self.hear_end(answers, index),
+        }
+    }
+
+    /// Also of one that had answered: it may end while others are still at it.
+    fn hear_end(&mut self, answers: &mut Answers, index: usize) {
+        self.peers[index].closed = true;
+        let how = self.peers[index].end(Duration::from_secs(1));
+        // One that has answered with a refusal leaves in good order.
+        if !answers.open[index] && (how == "exited with code 0" || how == "ended") {
+            return;
+        }
+        let last = Some(&answers.words[index]).filter(|text| !text.is_empty());
+        let words = last.map_or(String::new(), |text| format!("; its last words: {text}"));
+        answers.fail(index, format!("it {how}{words}"));
+    }
+}
+
+impl Answers {
+    /// Component `index` failed; the first reason counts.
+    fn fail(&mut self, index: usize, why: String) {
+        self.open[index] = false;
+        if !self.failed.iter().any(|(other, _)| *other == index) {
+            self.failed.push((index, why));
+        }
+    }
+
+    fn give_up_waiting(&mut self, within: Duration) {
+        let late = (0..self.open.len()).filter(|index| self.open[*index]).collect::<Vec<_>>();
+        for index in late {
+            let seconds = within.as_secs_f64();
+            self.fail(index, format!("it did not answer within {seconds} s (run.start_within)"));
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The orchestrator's end of shared memory: credit to components, reports from them, log lines to
+//! observers.
+
+use crate::manifest::ORCHESTRATOR;
+use crate::run::launch::Peer;
+use tremie_channels::{Attachment, ChannelError, ChannelMedium, Receiver, Ringer, Sender};
+use tremie_messages::Stamp;
+use tremie_messages::control::{Credit, Report};
+use tremie_messages::frame::LogHeader;
+use tremie_messages::start::{Assignment, FrameContent, FrameStream};
+use tremie_sdk::{credit_spec, frame_spec, report_spec};
+
+struct End<S: ChannelMedium> {
+    credit: Sender<S, Stamp, Credit>,
+    report: Receiver<S, Report, f64>,
+    ringer: Ringer<S>,
+}
+
+/// Lines to one observer; `capacity` bytes at most.
+struct LogEnd<S: ChannelMedium> {
+    sender: Sender<S, LogHeader, u8>,
+    ringer: Ringer<S>,
+    capacity: usize,
+}
+
+/// The orchestrator's ends of the channels to all components, in the order of the peers.
+pub struct Control<S: ChannelMedium> {
+    run: u64,
+    ends: Vec<End<S>>,
+    logs: Vec<LogEnd<S>>,
+    attachment: Attachment<S>,
+}
+
+impl<S: ChannelMedium> Control<S> {
+    /// Opens the ends to all `peers`, which got `assignments` with `signals` signals each.
+    ///
+    /// # Errors
+    /// [`ChannelError::Open`].
+    pub fn open(
+        run: u64,
+        peers: &[Peer],
+        assignments: &[Assignment],
+        signals: &[usize],
+    ) -> Result<Self, ChannelError> {
+        let transport = &assignments[0].transport;
+        // Nothing that the orchestrator sends may make it wait: credit overflows, log lines are lost.
+        let patience = std::time::Duration::ZERO;
+        let attachment =
+            Attachment::open(&transport.root, &transport.prefix, ORCHESTRATOR, patience)?;
+        let mut ends = Vec::new();
+        let mut logs = Vec::new();
+        for ((peer, assignment), signals) in peers.iter().zip(assignments).zip(signals) {
+            let report = report_spec(&assignment.transport, *signals);
+            ends.push(End {
+                credit: attachment.sender(credit_spec(&assignment.transport.credit_service))?,
+                report: attachment.receiver(report)?,
+                ringer: Ringer::of(&attachment, &peer.name)?,
+            });
+            let log = |s: &&FrameStream| s.to == peer.name && s.content == FrameContent::Log;
+            for stream in assignment.frames.iter().filter(log) {
+                let sender = attachment.sender(frame_spec(stream))?;
+                let ringer = Ringer::of(&attachment, &peer.name)?;
+                logs.push(LogEnd { sender, ringer, capacity: stream.capacity as usize });
+            }
+        }
+        Ok(Self { run, ends, logs, attachment })
+    }
+
+    /// Gives component `index` a word, and wakes it if it sleeps.
+    ///
+    /// # Errors
+    /// [`ChannelError::Failed`].
+    pub fn say(&self, index: usize, command: u64, window: u64) -> Result<(), ChannelError> {
+        let end = &self.ends[index];
+        end.credit.send_copy(Stamp::default(), &[Credit { run: self.run, window, command }])?;
+        end.ringer.ring()
+    }
+
+    /// Takes all reports of component `index` that have arrived.
+    ///
+    /// # Errors
+    /// [`ChannelError::Failed`], or whatever `take` fails with.
+    pub fn reports<E: From<ChannelError>>(
+        &self,
+        index: usize,
+        mut take: impl FnMut(&Report, &[f64]) -> Result<(), E>,
+    ) -> Result<usize, E> {
+        let mut count = 0;
+        while let Some(message) = self.ends[index].report.take()? {
+            take(message.header(), message.values())?;
+            count += 1;
+        }
+        Ok(count)
+    }
+
+    /// Tells all observers a line. One that takes no more loses it: the log file has it.
+    pub fn log(&self, header: LogHeader, text: &str) {
+        for LogEnd { sender, ringer, capacity } in &self.logs {
+            let bytes = &text.as_bytes()[..text.floor_char_boundary(*capacity)];
+            if sender.send_copy(header, bytes).is_ok() {
+                let _ = ringer.ring();
+            }
+        }
+    }
+
+    /// Frees what components that died had in shared memory, so that nobody waits for them.
+    pub fn clean_after_dead(&self) {
+        self.attachment.clean_after_dead();
+    }
+}

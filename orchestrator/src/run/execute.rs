@@ -1,0 +1,308 @@
+//! From the assignments to the summary.
+
+use crate::manifest::Manifest;
+use crate::outputs::{
+    self, ComponentSummary, Ending, OutputError, RunFolder, RunLog, SignalTable, Statistics,
+    Summary, Trace,
+};
+use crate::plan::REPORT_DEPTH;
+use crate::preflight;
+use crate::run::ask_all::{Round, Unanswered};
+use crate::run::control::Control;
+use crate::run::handshake::cores;
+use crate::run::launch::{News, Peer, Post, end_all};
+use crate::run::monitor::{Monitor, WatchedComponent};
+use crate::run::run_loop::{Drive, Driven};
+use crate::run::stop_conditions::StopConditions;
+use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
+use crate::terminal::Terminal;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+use tremie_channels::sweep::{self, RunPlaces};
+use tremie_channels::{ChannelMedium, InProcess, SharedMemory, memory};
+use tremie_messages::start::{Assignment, Reply, Request, Signal, Transport};
+use tremie_messages::units;
+use tremie_messages::{Problem, Role};
+
+/// How long a component polls before it sleeps. Longer than a round trip between two processes
+/// (some microseconds), shorter than the time that a wake-up is worth.
+const POLL: Duration = Duration::from_micros(200);
+/// A run that has ended. Observers that go on serving do so until this is dropped.
+pub struct Ended {
+    /// What the summary says.
+    pub summary: Summary,
+    /// All components; those that were ended are ended.
+    peers: Vec<Peer>,
+    news: Receiver<Post>,
+    _places: Option<RunPlaces>,
+}
+
+impl Prepared {
+    /// Tells the components that nothing more is wanted.
+    pub fn dismiss(mut self) {
+        end_all(&mut self.peers, EXIT_GRACE);
+    }
+
+    /// Whether the machine has what the run needs of it: shared memory, open files.
+    ///
+    /// # Errors
+    /// What it lacks, with both numbers.
+    pub fn fits(&self, execution: &Execution) -> Result<(), RunError> {
+        if !execution.in_process {
+            memory::provide(&sweep::prefix_of(self.run), self.plan.shared_memory())?;
+            limits::check_file_size(&self.plan).map_err(RunError::Limit)?;
+        }
+        limits::check_open_files(&self.plan, execution.in_process).map_err(RunError::Limit)
+    }
+
+    /// Carries the run out and writes its outputs into `out`.
+    ///
+    /// # Errors
+    /// Anything that keeps the run from beginning; all components have ended then. A fault of a component or a disk
+    /// that takes no more is no error of this function: the run then has ended with that fault.
+    pub fn execute(
+        self,
+        manifest: &Manifest,
+        out: &mut RunFolder,
+        execution: &Execution,
+        terminal: &mut Terminal,
+        interrupts: &AtomicUsize,
+    ) -> Result<Ended, RunError> {
+        if execution.in_process {
+            self.execute_between::<InProcess>(manifest, out, execution, terminal, interrupts)
+        } else {
+            self.execute_between::<SharedMemory>(manifest, out, execution, terminal, interrupts)
+        }
+    }
+
+    fn execute_between<S: ChannelMedium>(
+        mut self,
+        manifest: &Manifest,
+        out: &mut RunFolder,
+        execution: &Execution,
+        terminal: &mut Terminal,
+        interrupts: &AtomicUsize,
+    ) -> Result<Ended, RunError> {
+        self.fits(execution)?;
+        let prefix = sweep::prefix_of(self.run);
+        if !execution.in_process {
+            limits::explain_bus_errors();
+        }
+        // Files first: a disk that refuses should not cost a started run.
+        let spec = &manifest.spec;
+        let names = self.signal_names();
+        let (table, log, trace) = self.open_outputs(manifest, out, execution, &names)?;
+
+        let places = self.places.insert(RunPlaces::create(self.run).map_err(RunError::Places)?);
+        let root = places.root();
+        let poll = execution.poll.unwrap_or(POLL);
+        let assignments =
+            self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll);
+        let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
+        let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
+        if let Err(error) = self.assign(&assignments, manifest, interrupts) {
+            end_all(&mut self.peers, QUIT_GRACE);
+            return Err(error);
+        }
+        if !execution.in_process {
+            // All channels are there, and nothing was sent yet.
+            memory::commit(&prefix)?;
+        }
+
+        let physics: Vec<usize> =
+            (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
+        let watched = physics.iter().map(|&index| WatchedComponent {
+            name: self.peers[index].name.clone(),
+            substeps: self.plan.components[index].substeps,
+            signals: signals[index],
+        });
+        let drive = Drive {
+            control,
+            descriptions: &self.descriptions,
+            news: &self.news,
+            early: std::mem::take(&mut self.early),
+            monitor: Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now()),
+            peers: &mut self.peers,
+            physics,
+            threads: spec.components.iter().map(|c| c.threads_of(cores())).collect(),
+            schedule: self.plan.schedule,
+            lossless: self.plan.lossless_observers(),
+            clock: self.plan.clock,
+            windows: self.plan.windows,
+            report_depth: assignments[0].transport.report_depth,
+            deadline: spec.run.deadline,
+            stop: StopConditions::new(&spec.stop_when, &names),
+            table,
+            log,
+            trace,
+            terminal,
+            interrupts,
+        };
+        let driven = drive.run();
+        end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
+        let mut summary = self.summarise(driven);
+        if let Err(error) = out.finish(&summary) {
+            summary.ending.spoil(error.into_fault(summary.windows));
+        }
+        Ok(Ended { summary, peers: self.peers, news: self.news, _places: self.places })
+    }
+
+    fn open_outputs(
+        &self,
+        manifest: &Manifest,
+        out: &RunFolder,
+        execution: &Execution,
+        names: &[(String, Signal)],
+    ) -> Result<(SignalTable, RunLog, Option<Trace>), OutputError> {
+        let at = |name: &str| out.file(name);
+        out.reserve(names.len())?;
+        let every = self.plan.signal_rows_every;
+        let table = SignalTable::create(&at(outputs::SIGNALS), self.plan.clock, every, names)?;
+        let log = RunLog::create(&at(outputs::LOG))?;
+        write_file(&at(outputs::MANIFEST), &manifest.resolved())?;
+        let trace = execution.trace.as_ref().map(|windows| {
+            let physics = self.peers.iter().filter(|peer| peer.role != Role::Observer);
+            let names = physics.map(|peer| peer.name.as_str());
+            Trace::create(&at(outputs::TRACE), windows.clone(), names)
+        });
+        Ok((table, log, trace.transpose()?))
+    }
+
+    /// Names and units of all signals of the physics, in the order of the monitor's rows.
+    fn signal_names(&self) -> Vec<(String, Signal)> {
+        let physics = self.peers.iter().zip(&self.descriptions);
+        physics
+            .filter(|(peer, _)| peer.role != Role::Observer)
+            .flat_map(|(peer, description)| {
+                let name = &peer.name;
+                description.signals.iter().map(move |s| (format!("{name}.{}", s.name), s.clone()))
+            })
+            .collect()
+    }
+
+    fn assignments(
+        &self,
+        root: &str,
+        prefix: &str,
+        in_process: bool,
+        deadline: f64,
+        poll: Duration,
+    ) -> Vec<Assignment> {
+        let transport = |name: &str| Transport {
+            between_processes: !in_process,
+            root: root.to_string(),
+            prefix: prefix.to_string(),
+            credit_service: format!("credit/{name}"),
+            report_service: format!("report/{name}"),
+            report_depth: REPORT_DEPTH,
+            deadline,
+            poll: poll.as_secs_f64(),
+        };
+        self.plan.components.iter().map(|c| c.assignment(transport(&c.name))).collect()
+    }
+
+    /// Hands out the assignments, and waits until all components are ready.
+    fn assign(
+        &mut self,
+        assignments: &[Assignment],
+        manifest: &Manifest,
+        interrupts: &AtomicUsize,
+    ) -> Result<(), RunError> {
+        for (peer, assignment) in self.peers.iter_mut().zip(assignments) {
+            peer.send(Request::Assignment(Box::new(assignment.clone())));
+        }
+        let mut round = Round {
+            peers: &mut self.peers,
+            news: &self.news,
+            early: &mut self.early,
+            within: units::wait(manifest.spec.run.start_within),
+            interrupts,
+        };
+        let mut refused = Vec::new();
+        let components = &manifest.spec.components;
+        let ready = round.collect(|index, reply| match reply {
+            Reply::Ready {} => Ok(()),
+            Reply::Refusal { problems } => {
+                let why = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("; ");
+                refused.extend(manifest.absolute(&components[index].name, problems));
+                Err(why)
+            }
+            Reply::Fault(fault) => Err(fault.to_string()),
+            other => Err(format!("it answered the assignment with {other:?}")),
+        });
+        ready.map_err(|unanswered| match unanswered {
+            Unanswered::Interrupted => RunError::Interrupted,
+            Unanswered::Failed(failed) if refused.is_empty() => self.not_ready(&failed),
+            Unanswered::Failed(_) => RunError::Input(refused),
+        })
+    }
+
+    fn not_ready(&self, failed: &[(usize, String)]) -> RunError {
+        let say = |(index, why): &(usize, String)| format!("{}: {why}", self.peers[*index].name);
+        RunError::NotReady(failed.iter().map(say).collect::<Vec<_>>().join("\n"))
+    }
+
+    fn summarise(&self, driven: Driven) -> Summary {
+        let Driven { ending, window, totals, turns, observers, wall, table, .. } = driven;
+        let components = totals
+            .into_iter()
+            .map(|(index, totals)| {
+                let summary = ComponentSummary::new(&self.descriptions[index], totals);
+                (self.peers[index].name.clone(), summary)
+            })
+            .collect();
+        let signals: BTreeMap<String, Statistics> = table.into_statistics().into_iter().collect();
+        let components_said =
+            self.peers.iter().map(|peer| peer.name.as_str()).zip(&self.descriptions);
+        let mut findings = self.findings.clone();
+        findings.extend(preflight::look_back(components_said, &signals));
+        Summary {
+            ending,
+            run: format!("{:016x}", self.run),
+            processes: self
+                .peers
+                .iter()
+                .filter_map(|peer| Some((peer.name.clone(), peer.process_id()?)))
+                .collect(),
+            windows: window,
+            planned_windows: self.plan.windows,
+            simulated_time: self.plan.clock.seconds(window * self.plan.clock.ticks_per_window),
+            wall_time: wall.as_secs_f64(),
+            turns,
+            components,
+            observers,
+            signals,
+            warnings: self.plan.warnings.clone(),
+            findings,
+        }
+    }
+}
+
+fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
+    std::fs::write(path, text).map_err(|error| OutputError::Io { path: PathBuf::from(path), error })
+}
+
+impl Ended {
+    /// Whether the observer of that name is still there, serving what it shows.
+    pub fn is_serving(&mut self, name: &str) -> bool {
+        // Not all that ever comes: one that never stops talking must not hold up its user.
+        for (index, news) in self.news.try_iter().take(1000) {
+            self.peers[index].closed |= matches!(news, News::Closed);
+        }
+        self.peers.iter().any(|peer| peer.name == name && !peer.closed)
+    }
+
+    /// How the run ended.
+    pub fn ending(&self) -> &Ending {
+        &self.summary.ending
+    }
+
+    /// Ends observers that are still there.
+    pub fn close(mut self) -> Summary {
+        end_all(&mut self.peers, EXIT_GRACE);
+        self.summary
+    }
+}

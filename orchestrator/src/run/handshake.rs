@@ -1,0 +1,129 @@
+//! The first half of a run: starting the components and asking each what it is.
+
+use crate::manifest::Manifest;
+use crate::run::ask_all::{Round, Unanswered};
+use crate::run::launch::{Launcher, Peer, Program};
+use std::path::Path;
+use tremie_messages::start::{Description, Hello, Reply, Request};
+use tremie_messages::{INTERFACE_VERSION, Problem};
+
+/// Why components were not introduced.
+#[derive(Debug)]
+pub enum NotIntroduced {
+    /// The user asked for the end.
+    Interrupted,
+    /// Every problem of every component, with keys of the manifest.
+    Problems(Vec<Problem>),
+}
+
+/// Finds the programs of all components of the manifest.
+///
+/// # Errors
+/// A problem for each that is missing.
+pub fn find_programs(manifest: &Manifest, folder: &Path) -> Result<Vec<Program>, Vec<Problem>> {
+    let mut programs = Vec::new();
+    let mut problems = Vec::new();
+    for component in &manifest.spec.components {
+        match Program::find(&component.program, folder) {
+            Ok(program) => programs.push(program),
+            Err(missing) => {
+                let known: Vec<_> = crate::registry::BUILT_IN.iter().map(|b| b.name).collect();
+                let problem = Problem::new(component.key(), missing.to_string());
+                problems.push(match tremie_sdk::parameters::nearest(&missing.name, &known) {
+                    Some(near) => problem.help(format!("did you mean \"{near}\"?")),
+                    None => {
+                        problem.help("build the program first, or give its path from the manifest")
+                    }
+                });
+            }
+        }
+    }
+    if problems.is_empty() { Ok(programs) } else { Err(problems) }
+}
+
+/// Starts all components, in the order of the manifest.
+///
+/// # Errors
+/// A problem for the first that cannot be started.
+pub fn start_all(
+    manifest: &Manifest,
+    programs: &[Program],
+    launcher: &Launcher,
+) -> Result<Vec<Peer>, Vec<Problem>> {
+    let start = |(index, (spec, program)): (usize, (&crate::manifest::ComponentSpec, &Program))| {
+        launcher
+            .start(index, &spec.name, spec.role, program)
+            .map_err(|text| vec![Problem::new(spec.key(), text)])
+    };
+    manifest.spec.components.iter().zip(programs).enumerate().map(start).collect()
+}
+
+/// Says hello to all components and collects their descriptions.
+///
+/// # Errors
+/// See [`NotIntroduced`].
+pub fn introduce(
+    manifest: &Manifest,
+    round: &mut Round,
+    run: u64,
+    output: &Path,
+) -> Result<Vec<Description>, NotIntroduced> {
+    for (peer, hello) in round.peers.iter_mut().zip(hellos(manifest, run, output)) {
+        peer.send(Request::Hello(Box::new(hello)));
+    }
+    let mut descriptions: Vec<Option<Description>> = vec![None; round.peers.len()];
+    let mut problems = Vec::new();
+    let answered = round.collect(|index, reply| match reply {
+        Reply::Description(description) if description.interface == INTERFACE_VERSION => {
+            descriptions[index] = Some(*description);
+            Ok(())
+        }
+        Reply::Description(description) => Err(format!(
+            "it speaks interface version {}, this orchestrator version {INTERFACE_VERSION}; build both from the same version of Tremie",
+            description.interface
+        )),
+        Reply::Refusal { problems: found } => {
+            // What is wrong with a part fluid and grains find alike: it is said once.
+            for problem in manifest.absolute(&manifest.spec.components[index].name, found) {
+                if !problems.contains(&problem) {
+                    problems.push(problem);
+                }
+            }
+            Ok(())
+        }
+        other => Err(format!("it answered the hello with {other:?}")),
+    });
+    match answered {
+        Ok(()) => {}
+        Err(Unanswered::Interrupted) => return Err(NotIntroduced::Interrupted),
+        Err(Unanswered::Failed(failed)) => problems.extend(
+            failed.into_iter().map(|(i, why)| Problem::new(manifest.spec.components[i].key(), why)),
+        ),
+    }
+    let described: Vec<_> = descriptions.into_iter().flatten().collect();
+    if problems.is_empty() && described.len() == round.peers.len() {
+        Ok(described)
+    } else {
+        Err(NotIntroduced::Problems(problems))
+    }
+}
+
+/// Cores that this program may use.
+pub fn cores() -> u32 {
+    std::thread::available_parallelism().map_or(1, |n| n.get() as u32)
+}
+
+/// A hello for each component of the manifest, in its order.
+fn hellos(manifest: &Manifest, run: u64, output: &Path) -> impl Iterator<Item = Hello> {
+    let cores = cores();
+    manifest.spec.components.iter().map(move |spec| Hello {
+        interface: INTERFACE_VERSION,
+        run,
+        component: spec.name.clone(),
+        role: spec.role,
+        scene: manifest.spec.scene.clone(),
+        parameters: spec.settings.clone(),
+        threads: spec.threads_of(cores),
+        output: output.to_string_lossy().into_owned(),
+    })
+}

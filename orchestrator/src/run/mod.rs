@@ -1,0 +1,88 @@
+//! A whole run, from a checked manifest to closed outputs.
+//!
+//! [`prepare`] starts the components, asks each for its description ([`handshake`]) and plans the run. [`Prepared::execute`]
+//! hands out the assignments and lets the windows go by ([`run_loop`]).
+
+mod ask_all;
+pub mod control;
+mod execute;
+pub mod handshake;
+pub mod launch;
+pub mod limits;
+pub mod measured_time;
+pub mod monitor;
+mod prepare;
+pub mod run_loop;
+mod startup_log;
+mod stop_conditions;
+
+pub use execute::Ended;
+pub use prepare::{Prepared, prepare};
+
+use crate::outputs::OutputError;
+use crate::run::handshake::NotIntroduced;
+use std::ops::RangeInclusive;
+use std::time::Duration;
+use tremie_channels::ChannelError;
+use tremie_channels::memory::NoMemory;
+use tremie_messages::Problem;
+use tremie_messages::start::Injection;
+
+/// Longest time that a component which is done may take to close its channels and exit.
+pub(crate) const EXIT_GRACE: Duration = Duration::from_secs(2);
+/// The same, of components that have not begun.
+pub(crate) const QUIT_GRACE: Duration = Duration::from_millis(300);
+
+/// How a run is carried out; nothing of it changes results.
+#[derive(Clone, Debug, Default)]
+pub struct Execution {
+    /// Components as threads of this process.
+    pub in_process: bool,
+    /// Faults that components shall commit: component and fault.
+    pub inject: Vec<(String, Injection)>,
+    /// Time that components poll before they sleep, if not the usual one.
+    pub poll: Option<Duration>,
+    /// Windows of which a trace is written.
+    pub trace: Option<RangeInclusive<u64>>,
+}
+
+/// Why a run did not begin.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The input is wrong.
+    #[error("{} problems in the manifest", .0.len())]
+    Input(Vec<Problem>),
+    /// An output could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Shared memory could not be set up.
+    #[error("cannot set up shared memory: {0}")]
+    Channel(#[from] ChannelError),
+    /// Shared memory does not do.
+    #[error(transparent)]
+    Memory(#[from] NoMemory),
+    /// The system lets the program have too little of something.
+    #[error("{0}")]
+    Limit(String),
+    /// The operating system refuses a place for the run's bookkeeping.
+    #[error("cannot make the run's private folder below /tmp: {0}")]
+    Places(std::io::Error),
+    /// The operating system refuses word of Ctrl-C.
+    #[error("cannot watch for Ctrl-C: {0}")]
+    Signals(std::io::Error),
+    /// A component did not get ready.
+    #[error("{0}")]
+    NotReady(String),
+    /// The user asked for the end before the first window.
+    #[error("interrupted before the first window; no outputs are kept")]
+    Interrupted,
+}
+
+impl From<NotIntroduced> for RunError {
+    fn from(not: NotIntroduced) -> Self {
+        match not {
+            NotIntroduced::Interrupted => Self::Interrupted,
+            NotIntroduced::Problems(problems) => Self::Input(problems),
+        }
+    }
+}

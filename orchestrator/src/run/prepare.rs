@@ -1,0 +1,113 @@
+//! Before the first window: components started, asked and planned for.
+
+use crate::manifest::Manifest;
+use crate::outputs::JudgedFinding;
+use crate::plan::{self, Plan};
+use crate::preflight::{self, Machine};
+use crate::run::ask_all::Round;
+use crate::run::handshake::{find_programs, introduce, start_all};
+use crate::run::launch::{Launcher, Peer, Post, end_all};
+use crate::run::startup_log::EarlyLog;
+use crate::run::{Execution, QUIT_GRACE, RunError};
+use std::path::Path;
+use std::sync::atomic::AtomicUsize;
+use std::sync::mpsc::Receiver;
+use tremie_channels::sweep::RunPlaces;
+use tremie_messages::Problem;
+use tremie_messages::start::{Description, InjectionKind};
+use tremie_messages::units;
+
+/// Components that were asked and a plan that fits them.
+pub struct Prepared {
+    /// The components, in the order of the manifest.
+    pub peers: Vec<Peer>,
+    /// What they said.
+    pub descriptions: Vec<Description>,
+    /// What they shall do.
+    pub plan: Plan,
+    /// What the numbers of the run mean for its results.
+    pub findings: Vec<JudgedFinding>,
+    pub(super) news: Receiver<Post>,
+    pub(super) early: EarlyLog,
+    pub(super) run: u64,
+    /// After the peers: what they use is removed when they have ended.
+    pub(super) places: Option<RunPlaces>,
+}
+
+/// Starts the components of `manifest`, asks each what it is, and plans the run.
+///
+/// `folder` is where programs are looked for first; `output` where observers may write.
+///
+/// # Errors
+/// [`RunError::Input`] with every problem found, or [`RunError::Interrupted`]; all components have
+/// ended then.
+pub fn prepare(
+    manifest: &Manifest,
+    folder: &Path,
+    output: &Path,
+    execution: &Execution,
+    interrupts: &AtomicUsize,
+) -> Result<Prepared, RunError> {
+    check_injections(execution).map_err(RunError::Input)?;
+    let programs = find_programs(manifest, folder).map_err(RunError::Input)?;
+    let (launcher, news) = Launcher::new(execution.in_process);
+    let mut peers = start_all(manifest, &programs, &launcher).map_err(RunError::Input)?;
+    let run = random_id();
+    let mut early = EarlyLog::default();
+    let mut round = Round {
+        peers: &mut peers,
+        news: &news,
+        early: &mut early,
+        within: units::wait(manifest.spec.run.start_within),
+        interrupts,
+    };
+    let planned = introduce(manifest, &mut round, run, output).map_err(RunError::from).and_then(
+        |descriptions| Ok((make_plan(manifest, &peers, &descriptions, execution)?, descriptions)),
+    );
+    match planned {
+        Ok((plan, descriptions)) => {
+            let mut machine = Machine::ask(output);
+            if execution.in_process {
+                // Threads share what they have anyway.
+                machine.shared = None;
+            }
+            let findings = preflight::examine(&manifest.spec, &plan, &descriptions, &machine);
+            Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
+        }
+        Err(error) => {
+            end_all(&mut peers, QUIT_GRACE);
+            Err(error)
+        }
+    }
+}
+
+fn make_plan(
+    manifest: &Manifest,
+    peers: &[Peer],
+    descriptions: &[Description],
+    execution: &Execution,
+) -> Result<Plan, RunError> {
+    let names = peers.iter().map(|peer| peer.name.clone());
+    let named: Vec<_> = names.zip(descriptions.iter().cloned()).collect();
+    let options = plan::Options { injections: execution.inject.clone() };
+    plan::make(&manifest.spec, &named, &options).map_err(RunError::Input)
+}
+
+/// Faults of a process cannot be committed by a thread: they would end or hold up this program.
+fn check_injections(execution: &Execution) -> Result<(), Vec<Problem>> {
+    use InjectionKind::{Exit, Hang, Kill};
+    let of_process = |kind| execution.in_process && matches!(kind, Exit | Hang | Kill);
+    match execution.inject.iter().find(|(_, injection)| of_process(injection.kind)) {
+        Some((name, _)) => {
+            let text = format!("{name} is no process of its own in this run");
+            Err(vec![Problem::new("--inject", text).help("leave out --in-process")])
+        }
+        None => Ok(()),
+    }
+}
+
+/// A number that no other run on this machine has: the standard library keys its hashers at random.
+fn random_id() -> u64 {
+    use std::hash::{BuildHasher, Hasher};
+    std::hash::RandomState::new().build_hasher().finish()
+}

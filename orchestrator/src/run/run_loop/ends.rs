@@ -1,0 +1,97 @@
+//! The ways a run ends: asked for early, by a condition or by the user; or at once, by a fault.
+
+use super::{Course, Drive, Trouble};
+use crate::manifest::ORCHESTRATOR;
+use crate::outputs::{Ending, LogLevel, OutputError};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tremie_channels::ChannelMedium;
+use tremie_messages::control::Credit;
+
+/// Windows by which the end lies behind the one that meets a stop condition: fixed, so that the
+/// last window does not depend on how fast the orchestrator looks.
+pub(super) const STOP_AHEAD: u64 = 64;
+
+impl<S: ChannelMedium> Drive<'_, S> {
+    /// Ends in order if the user asks for it, at once if asked again.
+    pub(super) fn heed_user(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        let asked = self.interrupts.load(Ordering::Relaxed);
+        let before = std::mem::replace(&mut course.asked, asked);
+        match (asked, course.last) {
+            (0, _) => Ok(()),
+            (1, None) => {
+                self.note(LogLevel::Info, ORCHESTRATOR, "the user asked for the end")?;
+                self.terminal.say("ending in order, with whole outputs; once more to end at once");
+                let last = course.granted.unwrap_or(0);
+                self.ask_to_finish(course, last, Ending::Interrupted)
+            }
+            (1, Some(last)) => {
+                if before == 0 {
+                    let text = format!("already ending at window {last}; once more to end at once");
+                    self.terminal.say(&text);
+                }
+                Ok(())
+            }
+            _ => Err(Trouble::Impatience),
+        }
+    }
+
+    /// Makes `last` the last window of the run.
+    pub(super) fn ask_to_finish(
+        &mut self,
+        course: &mut Course,
+        last: u64,
+        reason: Ending,
+    ) -> Result<(), Trouble> {
+        course.last = Some(last);
+        course.granted = Some(last);
+        course.reason = Some(reason);
+        for peer in &self.physics {
+            self.control.say(*peer, Credit::FINISH, last)?;
+        }
+        Ok(())
+    }
+
+    /// How the run has ended, now that windows no longer go by; stops what `trouble` left running.
+    pub(super) fn conclude(&mut self, course: &mut Course, trouble: Option<Trouble>) -> Ending {
+        let Some(trouble) = trouble else {
+            return course.reason.take().unwrap_or(Ending::Completed);
+        };
+        self.stop_physics(course);
+        match trouble {
+            Trouble::Impatience => Ending::Interrupted,
+            Trouble::Fault(fault) => Ending::Failed { fault: *fault },
+            Trouble::Output(error) => {
+                let window = self.monitor.common_window().unwrap_or(0);
+                Ending::Failed { fault: error.into_fault(window) }
+            }
+        }
+    }
+
+    /// The log's last word, at the last window that all components completed.
+    pub(super) fn note_ending(&mut self, ending: &Ending, window: u64) -> Result<(), OutputError> {
+        match ending {
+            Ending::Failed { fault } => {
+                self.note(LogLevel::Error, &fault.blamed, &fault.to_string())
+            }
+            Ending::Interrupted => Ok(()),
+            Ending::Completed | Ending::Stopped { .. } => {
+                let text = format!("the run is over at window {window}");
+                self.note_at(window, LogLevel::Info, ORCHESTRATOR, &text)
+            }
+        }
+    }
+
+    /// Tells physics to end at once, and ends what does not.
+    fn stop_physics(&mut self, course: &Course) {
+        for index in &self.physics {
+            if !course.finished[*index] && !self.peers[*index].closed {
+                // A broken channel changes nothing: the component is ended next.
+                let _ = self.control.say(*index, Credit::ABORT, 0);
+            }
+        }
+        for index in &self.physics {
+            self.peers[*index].end(Duration::from_millis(50));
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The run's log: what components wrote, and what the orchestrator notes itself.
+
+use super::{Course, Drive, Trouble};
+use crate::manifest::ORCHESTRATOR;
+use crate::outputs::{LogLevel, OutputError};
+use tremie_channels::ChannelMedium;
+use tremie_messages::Role;
+use tremie_messages::frame::LogHeader;
+
+impl<S: ChannelMedium> Drive<'_, S> {
+    /// What components wrote before windows go by.
+    pub(super) fn hear_early(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        let bodies: u64 = self.descriptions.iter().map(|description| description.bodies).sum();
+        let (windows, window) = (self.windows, self.clock.window());
+        // Where bodies come and go that is what there is room for.
+        let room = if self.changing_bodies().is_some() { "room for " } else { "" };
+        let text = format!("{windows} windows of {window:.4e} s begin, with {room}{bodies} bodies");
+        self.note_at(0, LogLevel::Info, ORCHESTRATOR, &text)?;
+        for (index, text) in std::mem::take(&mut self.early).into_lines() {
+            self.hear_log(course, index, &text)?;
+        }
+        Ok(())
+    }
+
+    /// A component's line on standard error: JSON from the sdk's logger, or anything else.
+    pub(super) fn hear_log(
+        &mut self,
+        course: &mut Course,
+        index: usize,
+        text: &str,
+    ) -> Result<(), OutputError> {
+        let parsed: Option<serde_json::Value> = serde_json::from_str(text).ok();
+        let field = |name: &str| parsed.as_ref()?.get(name)?.as_str().map(str::to_string);
+        let message = field("message").unwrap_or_else(|| text.to_string());
+        let level = match field("level").as_deref() {
+            Some("ERROR") => LogLevel::Error,
+            Some("WARN") => LogLevel::Warning,
+            _ => LogLevel::Info,
+        };
+        let name = self.peers[index].name.clone();
+        match level {
+            LogLevel::Info if self.peers[index].role == Role::Observer => {
+                self.terminal.say(&message)
+            }
+            LogLevel::Info => {}
+            _ => self.terminal.warn(&format!("{name}: {message}")),
+        }
+        course.words[index].clone_from(&message);
+        // Into the file only: what a component says of itself (a port that it took, say) differs from
+        // run to run, and recordings of equal runs are equal.
+        let window = self.monitor.common_window().unwrap_or(0);
+        let time = self.clock.seconds(window * self.clock.ticks_per_window);
+        self.log.write(level, &name, window, time, &message)
+    }
+
+    /// Writes a line to the log, and shows it to observers.
+    pub(super) fn note(
+        &mut self,
+        level: LogLevel,
+        from: &str,
+        message: &str,
+    ) -> Result<(), OutputError> {
+        let window = self.monitor.common_window().unwrap_or(0);
+        self.note_at(window, level, from, message)
+    }
+
+    /// As [`Drive::note`], of a given window: what depends on the physics alone must not depend on
+    /// when the orchestrator looked.
+    pub(super) fn note_at(
+        &mut self,
+        window: u64,
+        level: LogLevel,
+        from: &str,
+        message: &str,
+    ) -> Result<(), OutputError> {
+        let ticks = window * self.clock.ticks_per_window;
+        let code = match level {
+            LogLevel::Info => LogHeader::INFO,
+            LogLevel::Warning => LogHeader::WARNING,
+            LogLevel::Error => LogHeader::ERROR,
+        };
+        let mut header = LogHeader { level: code, ..LogHeader::default() };
+        (header.stamp.window, header.stamp.ticks) = (window, ticks);
+        self.control.log(header, &format!("{from}: {message}"));
+        self.log.write(level, from, window, self.clock.seconds(ticks), message)
+    }
+}

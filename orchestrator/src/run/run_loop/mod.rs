@@ -1,0 +1,173 @@
+//! The second half of a run: windows go by, guards watch, and everything ends in order.
+
+mod credit;
+mod ends;
+mod log;
+mod news;
+mod observers;
+mod progress;
+mod trouble;
+mod windows;
+
+use crate::outputs::ComponentTotals;
+use crate::outputs::ScheduleTiming;
+use crate::outputs::{Ending, RunLog, SignalTable, Trace};
+use crate::run::control::Control;
+use crate::run::launch::{Peer, Post};
+use crate::run::monitor::Monitor;
+use crate::run::startup_log::EarlyLog;
+use crate::run::stop_conditions::StopConditions;
+use crate::terminal::Terminal;
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicUsize;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+use tremie_channels::ChannelMedium;
+use tremie_messages::schedule::Schedule;
+use tremie_messages::start::{Clock, Description, Fault};
+use trouble::Trouble;
+
+/// What a run in progress is made of.
+pub struct Drive<'a, S: ChannelMedium> {
+    /// Shared memory.
+    pub control: Control<S>,
+    /// All components, in the order of the plan.
+    pub peers: &'a mut [Peer],
+    /// What they said at the handshake.
+    pub descriptions: &'a [Description],
+    /// Where their news arrive.
+    pub news: &'a Receiver<Post>,
+    /// What they wrote to standard error before.
+    pub early: EarlyLog,
+    /// What is known of the physics.
+    pub monitor: Monitor,
+    /// Index of each watched component in `peers`.
+    pub physics: Vec<usize>,
+    /// Threads that each component may use, and how they take turns.
+    pub threads: Vec<u32>,
+    /// See there.
+    pub schedule: Schedule,
+    /// Indices of the observers that must not lose a frame.
+    pub lossless: Vec<usize>,
+    /// Ticks and windows.
+    pub clock: Clock,
+    /// Windows of the whole run.
+    pub windows: u64,
+    /// Most reports under way.
+    pub report_depth: u64,
+    /// Longest wait for a peer [s].
+    pub deadline: f64,
+    /// Conditions that end the run early.
+    pub stop: StopConditions,
+    /// Table of signals.
+    pub table: SignalTable,
+    /// Log of the run.
+    pub log: RunLog,
+    /// Trace of the run, if it is wanted.
+    pub trace: Option<Trace>,
+    /// The user.
+    pub terminal: &'a mut Terminal,
+    /// How often the user has asked for the end.
+    pub interrupts: &'a AtomicUsize,
+}
+
+/// How a run went.
+pub struct Driven {
+    /// How it ended.
+    pub ending: Ending,
+    /// Last window that all components completed.
+    pub window: u64,
+    /// Sums over the reports of each component of the physics, by index in `peers`.
+    pub totals: BTreeMap<usize, ComponentTotals>,
+    /// What the time of a window goes to, if there are some who share it.
+    pub turns: Option<ScheduleTiming>,
+    /// What observers wrote or lost, by name.
+    pub observers: BTreeMap<String, String>,
+    /// Wall time of the windows.
+    pub wall: Duration,
+    /// The table of signals, closed.
+    pub table: SignalTable,
+}
+
+/// What changes while windows go by.
+struct Course {
+    begin: Instant,
+    granted: Option<u64>,
+    /// Last window of the run, once the end was asked for early.
+    last: Option<u64>,
+    reason: Option<Ending>,
+    /// How often the user had asked for the end at the last look.
+    asked: usize,
+    /// When the start exchange was over.
+    begun: Option<Instant>,
+    finished: Vec<bool>,
+    /// Lossless observers that have not yet taken a first frame of each stream.
+    not_watching: Vec<usize>,
+    words: Vec<String>,
+    /// When each observer last showed progress, once it was told to finish.
+    heard: Vec<Instant>,
+    /// Why the outputs of an observer are not whole, once physics is over.
+    spoilt: Option<Fault>,
+    /// Whether physics is over.
+    is_over: bool,
+    notes: BTreeMap<String, String>,
+    /// Window and time of the last measurement of the rate, and the rate.
+    mark: (u64, Instant),
+    rate: f64,
+    /// Whether the user was told what a window's time goes to.
+    told_turns: bool,
+}
+
+impl Course {
+    fn begin(peers: usize, lossless: &[usize]) -> Self {
+        let now = Instant::now();
+        Self {
+            begin: now,
+            granted: None,
+            last: None,
+            reason: None,
+            asked: 0,
+            begun: None,
+            finished: vec![false; peers],
+            not_watching: lossless.to_vec(),
+            words: vec![String::new(); peers],
+            heard: vec![now; peers],
+            spoilt: None,
+            is_over: false,
+            notes: BTreeMap::new(),
+            mark: (0, now),
+            rate: 0.0,
+            told_turns: false,
+        }
+    }
+}
+
+impl<S: ChannelMedium> Drive<'_, S> {
+    /// Lets the windows go by, to the end of the run, whatever that is.
+    pub fn run(mut self) -> Driven {
+        let mut course = Course::begin(self.peers.len(), &self.lossless);
+        let went = self.hear_early(&mut course).and_then(|()| self.windows_go_by(&mut course));
+        let wall = course.begin.elapsed();
+        let mut ending = self.conclude(&mut course, went.err());
+        // Rows that were complete when the end came belong to the record.
+        let _ = self.take_reports();
+        let rows = self.take_last_rows().and_then(|()| self.table.close());
+        let traced = self.trace.take().map_or(Ok(()), Trace::close);
+        let window = self.monitor.common_window().unwrap_or(0);
+        if let Err(error) = rows.and(traced) {
+            ending.spoil(error.into_fault(window));
+        }
+        if let Err(error) = self.note_ending(&ending, window) {
+            ending.spoil(error.into_fault(window));
+        }
+        course.is_over = true;
+        self.finish_observers(&mut course, window);
+        if let Some(fault) = course.spoilt.take() {
+            ending.spoil(fault);
+        }
+        let turns = self.turns(window);
+        let totals =
+            self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
+        Driven { ending, window, totals, turns, observers: course.notes, wall, table: self.table }
+    }
+}

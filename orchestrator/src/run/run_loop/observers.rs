@@ -1,0 +1,112 @@
+//! Observers: they never stop the physics, and are waited for only so long.
+
+use super::{Course, Drive, Trouble};
+use crate::outputs::{LogLevel, OutputError};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+use tremie_channels::ChannelMedium;
+use tremie_messages::control::Credit;
+use tremie_messages::start::FaultKind;
+use tremie_messages::units;
+
+/// Longest time for a lossless observer to take the frames of the start exchange.
+const FIRST_FRAMES: Duration = Duration::from_secs(10);
+/// An observer that shows no progress for so long, once all is sent, has hung.
+const SILENCE: Duration = Duration::from_secs(5);
+
+impl<S: ChannelMedium> Drive<'_, S> {
+    /// An observer failed: a warning, and nobody waits for it any longer.
+    pub(super) fn lose_observer(
+        &mut self,
+        course: &mut Course,
+        index: usize,
+        why: &str,
+    ) -> Result<(), OutputError> {
+        course.finished[index] = true;
+        course.not_watching.retain(|other| *other != index);
+        let name = self.peers[index].name.clone();
+        let goes_on = if course.is_over { "" } else { ", the run goes on" };
+        let text = format!("{name} is lost{goes_on}: {why}");
+        self.terminal.warn(&text);
+        course.notes.insert(name.clone(), format!("lost: {why}"));
+        self.peers[index].end(Duration::from_millis(100));
+        self.control.clean_after_dead();
+        self.note(LogLevel::Warning, &name, &text)
+    }
+
+    /// Gives up observers that take nothing although the start exchange is long over.
+    pub(super) fn lose_blind_observers(
+        &mut self,
+        course: &mut Course,
+        now: Instant,
+    ) -> Result<(), OutputError> {
+        if self.monitor.common_window().is_none() {
+            return Ok(());
+        }
+        let begun = *course.begun.get_or_insert(now);
+        if now.duration_since(begun) > FIRST_FRAMES {
+            for index in std::mem::take(&mut course.not_watching) {
+                let why = format!("it took no frame within {} s", FIRST_FRAMES.as_secs());
+                self.lose_observer(course, index, &why)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A component sends no more to an observer: then the observer is of no more use.
+    pub(super) fn give_up(
+        &mut self,
+        course: &mut Course,
+        name: &str,
+        why: &str,
+    ) -> Result<(), OutputError> {
+        match self.peers.iter().position(|peer| peer.name == name) {
+            Some(index) if !course.finished[index] => self.lose_observer(course, index, why),
+            _ => Ok(()),
+        }
+    }
+
+    /// Tells observers that all is sent, and waits until they have written it: as long as each shows
+    /// progress, but no longer than the deadline.
+    pub(super) fn finish_observers(&mut self, course: &mut Course, window: u64) {
+        let observers: Vec<usize> = (0..self.peers.len())
+            .filter(|index| !self.physics.contains(index) && !course.finished[*index])
+            .collect();
+        for index in &observers {
+            let _ = self.control.say(*index, Credit::FINISH, window);
+        }
+        let begin = Instant::now();
+        course.heard.fill(begin);
+        while observers.iter().any(|index| !course.finished[*index]) {
+            for index in &observers {
+                if let Some(why) = self.waited_enough(course, *index, begin) {
+                    let _ = self.lose_observer(course, *index, &why);
+                }
+            }
+            // The physics is over: what goes wrong now concerns observers only, and the files that they write.
+            if let Err(Trouble::Fault(fault)) = self.hear_news(course, Duration::from_millis(5))
+                && fault.kind == FaultKind::Output
+            {
+                course.spoilt.get_or_insert(*fault);
+            }
+        }
+    }
+
+    /// Why observer `index`, told to finish at `begin`, is waited for no longer.
+    fn waited_enough(&self, course: &Course, index: usize, begin: Instant) -> Option<String> {
+        // A deadline that is short for physics still leaves a moment to close files.
+        let most = units::wait(self.deadline).max(SILENCE);
+        if course.finished[index] {
+            None
+        } else if self.interrupts.load(Ordering::Relaxed) > course.asked {
+            Some("the user did not want to wait for it".into())
+        } else if course.heard[index].elapsed() > SILENCE {
+            Some(format!("it did not finish: no progress within {} s", SILENCE.as_secs()))
+        } else if begin.elapsed() > most {
+            let seconds = most.as_secs_f64();
+            Some(format!("it did not finish within {seconds} s (run.deadline)"))
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What the user sees of a run in progress.
+
+use super::{Course, Drive};
+use crate::manifest::ORCHESTRATOR;
+use crate::outputs::ScheduleTiming;
+use crate::outputs::{LogLevel, OutputError};
+use crate::run::handshake::cores;
+use crate::run::launch::Peer;
+use crate::terminal::Progress;
+use std::time::{Duration, Instant};
+use tremie_channels::ChannelMedium;
+use tremie_messages::Role;
+use tremie_messages::start::Description;
+
+/// So long windows go by before the user is told what their time goes to, and so many.
+const MEASURED: Duration = Duration::from_secs(5);
+const FEW_WINDOWS: u64 = 100;
+
+/// The signal of grains that says how many bodies are there, where they come and go.
+const BODIES: &str = "bodies";
+
+impl<S: ChannelMedium> Drive<'_, S> {
+    /// Name of the signal that says how many bodies are there, where they come and go.
+    pub(super) fn changing_bodies(&self) -> Option<String> {
+        let counted = |(peer, description): (&Peer, &Description)| {
+            let has = description.signals.iter().any(|signal| signal.name == BODIES);
+            (peer.role == Role::Grains && has).then(|| format!("{}.{BODIES}", peer.name))
+        };
+        self.peers.iter().zip(self.descriptions).find_map(counted)
+    }
+
+    /// How many bodies there are: as the grains said last where they come and go, else as they said at first.
+    fn bodies(&self) -> u64 {
+        match self.changing_bodies() {
+            Some(name) => self.table.newest(&name).unwrap_or(0.0) as u64,
+            None => self.descriptions.iter().map(|description| description.bodies).sum(),
+        }
+    }
+
+    /// What the time of a window goes to, over the first so many.
+    pub(super) fn turns(&self, windows: u64) -> Option<ScheduleTiming> {
+        let worked = self.physics.iter().zip(self.monitor.totals());
+        let worked =
+            worked.map(|(&peer, &totals)| (self.peers[peer].role, self.threads[peer], totals));
+        ScheduleTiming::of(self.schedule, cores(), worked, windows)
+    }
+
+    /// Says once, when some windows have gone by, what their time goes to.
+    pub(super) fn tell_turns(
+        &mut self,
+        course: &mut Course,
+        now: Instant,
+    ) -> Result<(), OutputError> {
+        let begun = course.begun.is_some_and(|begun| now.duration_since(begun) > MEASURED);
+        let window = self.monitor.common_window().unwrap_or(0);
+        if course.told_turns || !begun || window < FEW_WINDOWS {
+            return Ok(());
+        }
+        course.told_turns = true;
+        let Some(turns) = self.turns(window) else { return Ok(()) };
+        self.terminal.say(&turns.to_string());
+        // Into the file only: measured times differ from run to run, and recordings of equal runs are equal.
+        let time = self.clock.seconds(window * self.clock.ticks_per_window);
+        self.log.write(LogLevel::Info, ORCHESTRATOR, window, time, &turns.to_string())
+    }
+
+    /// Shows how far the run is, and how fast.
+    pub(super) fn show_progress(&mut self, course: &Course, now: Instant) {
+        let window = self.monitor.common_window().unwrap_or(0);
+        let elapsed = now.duration_since(course.begin).as_secs_f64();
+        let mut progress = Progress {
+            window,
+            windows: self.windows,
+            time: self.clock.seconds(window * self.clock.ticks_per_window),
+            rate: course.rate,
+            work: Vec::new(),
+            shares: Vec::new(),
+            bodies: self.bodies(),
+        };
+        for (watched, peer) in self.physics.iter().enumerate() {
+            let totals = self.monitor.totals()[watched];
+            let name = &self.peers[*peer].name;
+            // What was waited before the first window counts as well.
+            let spent = (totals.compute + totals.wait + totals.exchange) as f64 * 1e-9;
+            let share = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / elapsed.max(spent).max(1e-9);
+            progress.shares.push((name.clone(), share(totals.compute), share(totals.wait)));
+            let unit = self.descriptions[*peer].work.clone();
+            let rate = totals.work as f64 / (totals.compute as f64 * 1e-9).max(1e-9);
+            progress.work.push((name.clone(), unit, rate));
+        }
+        self.terminal.progress(&progress);
+    }
+}

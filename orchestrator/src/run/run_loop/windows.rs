@@ -1,0 +1,75 @@
+//! Windows go by: reports come in, rows become whole, guards look.
+
+use super::ends::STOP_AHEAD;
+use super::{Course, Drive, Trouble};
+use crate::manifest::ORCHESTRATOR;
+use crate::outputs::SignalRow;
+use crate::outputs::{Ending, LogLevel, OutputError};
+use std::time::{Duration, Instant};
+use tremie_channels::ChannelMedium;
+use tremie_messages::units;
+
+/// How often the orchestrator looks at reports. Physics does not wait for it: credit runs ahead.
+const LOOK: Duration = Duration::from_millis(1);
+
+impl<S: ChannelMedium> Drive<'_, S> {
+    pub(super) fn windows_go_by(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        loop {
+            self.hear_news(course, LOOK)?;
+            self.take_reports()?;
+            self.take_rows(course)?;
+            let now = Instant::now();
+            if self.physics.iter().all(|index| course.finished[*index]) {
+                return Ok(());
+            }
+            // Later than the components' own deadline: a peer that waits names both sides.
+            let deadline = units::wait(1.2 * self.deadline + 0.1);
+            let lost = self.monitor.lost_message();
+            let granted = course.granted.unwrap_or(0);
+            if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {
+                return Err(fault.into());
+            }
+            self.lose_blind_observers(course, now)?;
+            self.heed_user(course)?;
+            self.grant(course, now)?;
+            self.tell_turns(course, now)?;
+            self.show_progress(course, now);
+        }
+    }
+
+    pub(super) fn take_reports(&mut self) -> Result<(), Trouble> {
+        let now = Instant::now();
+        let (monitor, trace) = (&mut self.monitor, &mut self.trace);
+        for (watched, peer) in self.physics.iter().enumerate() {
+            self.control.reports(*peer, |report, signals| {
+                monitor.report(watched, report, signals, now)?;
+                let trace = trace.as_mut();
+                Ok::<_, Trouble>(trace.map_or(Ok(()), |trace| trace.take(watched, report))?)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn take_rows(&mut self, course: &mut Course) -> Result<(), Trouble> {
+        while let Some(row) = self.monitor.next_row() {
+            let SignalRow { window, values, .. } = &row;
+            let time = self.clock.seconds(window * self.clock.ticks_per_window);
+            if let Some(reason) = self.stop.look(time, values).filter(|_| course.last.is_none()) {
+                let last = (window + STOP_AHEAD).min(self.windows);
+                let text = format!("{reason}: the run ends at window {last}");
+                self.note_at(*window, LogLevel::Info, ORCHESTRATOR, &text)?;
+                self.ask_to_finish(course, last, Ending::Stopped { reason })?;
+            }
+            self.table.take(row)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the rows that were whole when the end came.
+    pub(super) fn take_last_rows(&mut self) -> Result<(), OutputError> {
+        while let Some(row) = self.monitor.next_row() {
+            self.table.take(row)?;
+        }
+        Ok(())
+    }
+}

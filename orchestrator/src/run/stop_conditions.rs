@@ -1,0 +1,102 @@
+//! Conditions of a manifest that end a run early.
+
+use crate::manifest::{Limit, StopCondition};
+use tremie_messages::start::Signal;
+
+/// Watches the conditions as rows of signals come.
+#[derive(Debug)]
+pub struct StopConditions {
+    conditions: Vec<WatchedSignal>,
+}
+
+#[derive(Debug)]
+struct WatchedSignal {
+    condition: StopCondition,
+    /// Place of its signal in a row, and whether that is measured in some windows only.
+    place: usize,
+    sampled: bool,
+    /// Simulated time since which it has held.
+    since: Option<f64>,
+}
+
+impl StopConditions {
+    /// Watches `conditions`; `signals` are those of a row's values, by full names (`component.signal`).
+    /// Conditions on other names were refused by the plan.
+    pub fn new(conditions: &[StopCondition], signals: &[(String, Signal)]) -> Self {
+        let watched = |c: &StopCondition| {
+            let name = format!("{}.{}", c.component, c.signal);
+            let place = signals.iter().position(|(known, _)| *known == name)?;
+            let sampled = signals[place].1.sampled;
+            Some(WatchedSignal { condition: c.clone(), place, sampled, since: None })
+        };
+        Self { conditions: conditions.iter().filter_map(watched).collect() }
+    }
+
+    /// Whether there is anything to watch.
+    pub fn is_idle(&self) -> bool {
+        self.conditions.is_empty()
+    }
+
+    /// Takes the row of simulated time `time` [s]; says which condition is met by it, if one is.
+    pub fn look(&mut self, time: f64, values: &[f64]) -> Option<String> {
+        self.conditions.iter_mut().find_map(|watched| watched.look(time, values))
+    }
+}
+
+impl WatchedSignal {
+    fn look(&mut self, time: f64, values: &[f64]) -> Option<String> {
+        let StopCondition { component, signal, limit, after, hold } = &self.condition;
+        let value = values[self.place];
+        if self.sampled && value.is_nan() {
+            // Not measured in this window.
+            return None;
+        }
+        if time < *after || !limit.is_met_by(value) {
+            self.since = None;
+            return None;
+        }
+        let since = *self.since.get_or_insert(time);
+        let (word, bound) = match limit {
+            Limit::Below(bound) => ("below", bound),
+            Limit::Above(bound) => ("above", bound),
+        };
+        // A tolerance of the last bits: `time` is a product, `hold` what the user typed.
+        let held = time - since >= hold * (1.0 - 1e-9);
+        held.then(|| format!("{component}.{signal} = {value:.6e} is {word} {bound} at {time:.6} s"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn watch(after: f64, hold: f64) -> StopConditions {
+        let condition = StopCondition {
+            component: "grains".into(),
+            signal: "speed".into(),
+            limit: Limit::Below(1.0),
+            after,
+            hold,
+        };
+        let signal = |name: &str| (name.to_string(), Signal::new(name, "1", &[]));
+        StopConditions::new(&[condition], &["fluid.mass", "grains.speed"].map(signal))
+    }
+
+    #[test]
+    fn is_met_only_after_its_time() {
+        let mut watch = watch(0.5, 0.0);
+        assert_eq!(watch.look(0.4, &[9.0, 0.0]), None);
+        assert_eq!(watch.look(0.5, &[9.0, 2.0]), None);
+        assert!(watch.look(0.6, &[9.0, 0.5]).unwrap().contains("grains.speed"));
+    }
+
+    #[test]
+    fn must_hold_without_a_break() {
+        let mut watch = watch(0.0, 0.3);
+        assert_eq!(watch.look(0.1, &[9.0, 0.5]), None);
+        assert_eq!(watch.look(0.2, &[9.0, 1.5]), None);
+        assert_eq!(watch.look(0.3, &[9.0, 0.5]), None);
+        assert_eq!(watch.look(0.5, &[9.0, 0.5]), None);
+        assert!(watch.look(0.6, &[9.0, 0.5]).is_some());
+    }
+}

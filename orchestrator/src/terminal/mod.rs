@@ -1,0 +1,238 @@
+//! What a run tells its user: on a terminal, in a pipe, or as JSON for another program.
+
+pub mod standard;
+
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
+use standard::{answer, complain};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// How often a progress line is printed where there is no terminal to draw on.
+const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
+
+/// The first such line comes early: it says how long the run will take.
+const FIRST_LINE: Duration = Duration::from_secs(1);
+
+/// How much is told, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// For a person.
+    Person,
+    /// Errors and the last line only.
+    Quiet,
+    /// Nothing at all: somebody else tells the user.
+    Silent,
+    /// One JSON document a line on standard output.
+    Json,
+}
+
+/// Progress of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Last window that all components completed.
+    pub window: u64,
+    /// Windows of the whole run.
+    pub windows: u64,
+    /// Simulated time [s].
+    pub time: f64,
+    /// Windows a second, lately.
+    pub rate: f64,
+    /// Work of each component: name, unit, amount a second.
+    pub work: Vec<(String, String, f64)>,
+    /// Share of wall time by component: name, computing, waiting.
+    pub shares: Vec<(String, f64, f64)>,
+    /// Bodies.
+    pub bodies: u64,
+}
+
+/// The user's end of a run.
+pub struct Terminal {
+    style: Style,
+    bar: Option<ProgressBar>,
+    last_plain: Instant,
+    told: bool,
+    /// Whether what is said is what was asked for, and belongs on standard output.
+    answers: bool,
+}
+
+impl Terminal {
+    /// Speaks in `style`.
+    pub fn new(style: Style) -> Self {
+        Self { style, bar: None, last_plain: Instant::now(), told: false, answers: false }
+    }
+
+    /// Speaks in `style` for a command whose answer is what it says: on standard output, but for errors. (A
+    /// run is asked for its files: what it says of its work goes to standard error.)
+    pub fn answering(style: Style) -> Self {
+        Self { answers: true, ..Self::new(style) }
+    }
+
+    /// Whether errors may be coloured.
+    pub fn colour(&self) -> bool {
+        std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+    }
+
+    /// Whether a program listens, and not a person.
+    pub fn speaks_json(&self) -> bool {
+        self.style == Style::Json
+    }
+
+    /// Something that a user wants to read.
+    pub fn say(&self, text: &str) {
+        match self.style {
+            Style::Person => self.speak(text),
+            Style::Json => self.json(json!({"event": "note", "text": text})),
+            Style::Quiet | Style::Silent => {}
+        }
+    }
+
+    /// Something that may spoil a result.
+    pub fn warn(&self, text: &str) {
+        match self.style {
+            Style::Json => self.json(json!({"event": "warning", "text": text})),
+            Style::Silent => {}
+            _ => self.speak(&format!("warning: {text}")),
+        }
+    }
+
+    /// Something that a user must read, and that says itself how bad it is; programs get it otherwise.
+    pub fn point_out(&self, text: &str) {
+        if matches!(self.style, Style::Person | Style::Quiet) {
+            self.speak(text);
+        }
+    }
+
+    /// Why nothing came of what was asked; the last word, too.
+    pub fn fail(&mut self, text: &str) {
+        self.clear();
+        match self.style {
+            Style::Json => self.json(json!({"event": "error", "text": text})),
+            Style::Silent => {}
+            _ => self.print(&format!("error: {text}")),
+        }
+    }
+
+    /// The last word, whatever the style.
+    pub fn end(&mut self, text: &str, details: Value) {
+        self.clear();
+        match self.style {
+            Style::Json => self.json(json!({"event": "end", "text": text, "summary": details})),
+            Style::Silent => {}
+            _ => self.print(text),
+        }
+    }
+
+    /// Takes the progress bar away.
+    fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// An event for programs.
+    pub fn event(&self, event: Value) {
+        if self.style == Style::Json {
+            self.json(event);
+        }
+    }
+
+    /// Shows progress.
+    pub fn progress(&mut self, progress: &Progress) {
+        match self.style {
+            Style::Quiet | Style::Silent => {}
+            Style::Json => {
+                if self.last_plain.elapsed() > Duration::from_secs(1) {
+                    self.last_plain = Instant::now();
+                    self.json(json!({
+                        "event": "progress", "window": progress.window, "windows": progress.windows,
+                        "time": progress.time, "windows_per_second": progress.rate,
+                        "seconds_left": progress.seconds_left(),
+                    }));
+                }
+            }
+            Style::Person if std::io::stderr().is_terminal() => self.draw(progress),
+            Style::Person => {
+                let due = if self.told { PLAIN_INTERVAL } else { FIRST_LINE };
+                if progress.rate > 0.0 && self.last_plain.elapsed() > due {
+                    self.told = true;
+                    self.last_plain = Instant::now();
+                    let percent = 100 * progress.window / progress.windows.max(1);
+                    self.print(&format!("{percent:3} %  {}", progress.line()));
+                }
+            }
+        }
+    }
+
+    fn draw(&mut self, progress: &Progress) {
+        let bar = self.bar.get_or_insert_with(|| {
+            let bar = ProgressBar::with_draw_target(
+                Some(progress.windows),
+                ProgressDrawTarget::stderr_with_hz(5),
+            );
+            let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar
+        });
+        bar.set_position(progress.window);
+        bar.set_message(progress.line());
+    }
+
+    fn speak(&self, text: &str) {
+        if self.answers {
+            answer(text);
+        } else {
+            self.print(text);
+        }
+    }
+
+    fn print(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            None => complain(text),
+        }
+    }
+
+    fn json(&self, value: Value) {
+        // Whoever reads may stop reading; the run goes on.
+        answer(value);
+    }
+}
+
+impl Progress {
+    /// Wall time to the planned end, if the rate stays [s]; `None` before it is known.
+    fn seconds_left(&self) -> Option<f64> {
+        let windows = self.windows.saturating_sub(self.window) as f64;
+        (self.rate > 0.0).then(|| windows / self.rate)
+    }
+
+    fn line(&self) -> String {
+        let mut parts = vec![
+            format!("t = {:.4e} s", self.time),
+            format!("window {}/{}", self.window, self.windows),
+            format!("{:.1} windows/s", self.rate),
+        ];
+        for (_, unit, rate) in &self.work {
+            parts.push(match unit.as_str() {
+                "cell updates" => format!("{:.1} MLUPS", rate * 1e-6),
+                "" => continue,
+                unit => format!("{:.2e} {unit}/s", rate),
+            });
+        }
+        if self.bodies > 0 {
+            let plural = if self.bodies == 1 { "y" } else { "ies" };
+            parts.push(format!("{} bod{plural}", self.bodies));
+        }
+        for (name, compute, wait) in &self.shares {
+            parts.push(format!(
+                "{name} computes {:.0} %, waits {:.0} %",
+                100.0 * compute,
+                100.0 * wait
+            ));
+        }
+        if let Some(left) = self.seconds_left() {
+            parts.push(format!("{} left", HumanDuration(Duration::from_secs_f64(left.min(1e9)))));
+        }
+        parts.join("  ")
+    }
+}

@@ -1,0 +1,178 @@
+//! The program under trial, and runs with it.
+
+use super::ConformArgs;
+use crate::manifest::{self, Manifest, START_WITHIN};
+use crate::outputs::{RunFolder, Summary};
+use crate::run::launch::{Launcher, News, Peer, Post, Program};
+use crate::run::{Execution, prepare};
+use crate::terminal::{Style, Terminal};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+use std::sync::mpsc::Receiver;
+use std::time::Instant;
+use tremie_messages::start::{Hello, Injection, InjectionKind, Reply, Request};
+use tremie_messages::units;
+use tremie_messages::{INTERFACE_VERSION, Role};
+
+/// The program under trial.
+pub struct Subject {
+    program: Program,
+    /// What it stands for.
+    pub role: Role,
+    manifest: Option<PathBuf>,
+    /// What a manifest calls it.
+    name: String,
+}
+
+/// A run with the subject: how it ended, and its table of signals.
+pub struct Trial {
+    /// The run's summary.
+    pub summary: Summary,
+    /// The text of `signals.csv`.
+    pub signals: String,
+}
+
+impl Subject {
+    /// Finds the program and the role that it takes.
+    pub fn find(arguments: &ConformArgs) -> Result<Self, String> {
+        let here = std::env::current_dir().map_err(|e| e.to_string())?;
+        let program = Program::find(&arguments.program, &here).map_err(|e| e.to_string())?;
+        let name = match &program {
+            Program::BuiltIn(name) => (*name).to_string(),
+            Program::File(file) => file.to_string_lossy().into_owned(),
+        };
+        let subject = |role| Self {
+            program: program.clone(),
+            role,
+            manifest: arguments.manifest.clone(),
+            name: name.clone(),
+        };
+        let roles = match arguments.role.as_deref() {
+            None => vec![Role::Fluid, Role::Grains],
+            Some("fluid") => vec![Role::Fluid],
+            Some("grains") => vec![Role::Grains],
+            Some(other) => {
+                return Err(format!("role \"{other}\" cannot be tried; expected fluid or grains"));
+            }
+        };
+        let mut refusals = Vec::new();
+        for role in roles {
+            let subject = subject(role);
+            match subject.describe() {
+                Ok(()) => return Ok(subject),
+                Err(text) => refusals.push(format!("as {role}: {text}")),
+            }
+        }
+        Err(format!("the program takes no role that can be tried\n  {}", refusals.join("\n  ")))
+    }
+
+    /// The component on the other side.
+    pub fn opposite(&self) -> &'static str {
+        if self.role == Role::Fluid { "grains" } else { "fluid" }
+    }
+
+    /// The manifest of a trial, with `sets` laid over it.
+    pub fn manifest(&self, sets: &[(&str, &str)]) -> Result<Manifest, String> {
+        let mut all = vec![(format!("components.{}", self.role), format!("{:?}", self.name))];
+        all.extend(sets.iter().map(|(key, value)| ((*key).to_string(), (*value).to_string())));
+        match &self.manifest {
+            Some(path) => manifest::load(path, &all),
+            None => {
+                manifest::parse(Path::new("scene.toml"), include_str!("scene.toml").into(), &all)
+            }
+        }
+        .map_err(|errors| errors.render(false))
+    }
+
+    /// Starts the program alone.
+    pub fn start(&self) -> Result<(Peer, Receiver<Post>), String> {
+        let (launcher, news) = Launcher::new(false);
+        let peer = launcher.start(0, self.role.name(), self.role, &self.program)?;
+        Ok((peer, news))
+    }
+
+    /// A hello that the program should accept.
+    pub fn hello(&self) -> Result<Hello, String> {
+        let manifest = self.manifest(&[])?;
+        let component =
+            manifest.spec.component(self.role.name()).ok_or("the manifest lacks the role")?;
+        Ok(Hello {
+            interface: INTERFACE_VERSION,
+            run: 1,
+            component: component.name.clone(),
+            role: self.role,
+            scene: manifest.spec.scene.clone(),
+            parameters: component.settings.clone(),
+            threads: 1,
+            output: String::new(),
+        })
+    }
+
+    /// Starts the program, says `hello`, and returns it with its answer.
+    pub fn greet(&self, hello: Hello) -> Result<(Peer, Receiver<Post>, Reply), String> {
+        let (mut peer, news) = self.start()?;
+        peer.send(Request::Hello(Box::new(hello)));
+        let reply = next_reply(&news)?;
+        Ok((peer, news, reply))
+    }
+
+    fn describe(&self) -> Result<(), String> {
+        match self.greet(self.hello()?)?.2 {
+            Reply::Description(_) => Ok(()),
+            Reply::Refusal { problems } => {
+                Err(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))
+            }
+            other => Err(format!("it answered the hello with {other:?}")),
+        }
+    }
+
+    /// Runs the trial's manifest with `sets`, and with `fault` committed by the other side.
+    pub fn run(
+        &self,
+        sets: &[(&str, &str)],
+        fault: Option<(InjectionKind, u64)>,
+    ) -> Result<Trial, String> {
+        let manifest = self.manifest(sets)?;
+        let home = tempfile::tempdir().map_err(|e| e.to_string())?;
+        let mut out = RunFolder::claim(home.path()).map_err(|e| e.to_string())?;
+        let inject = fault
+            .map(|(kind, window)| (self.opposite().to_string(), Injection { kind, window }))
+            .into_iter()
+            .collect();
+        let execution = Execution { inject, ..Execution::default() };
+        let folder = self.manifest.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let text = |error: crate::run::RunError| match error {
+            crate::run::RunError::Input(problems) => manifest.source.render(&problems, false),
+            other => other.to_string(),
+        };
+        let nobody = AtomicUsize::new(0);
+        let ended = prepare(&manifest, folder, out.path(), &execution, &nobody)
+            .and_then(|prepared| {
+                let mut terminal = Terminal::new(Style::Silent);
+                prepared.execute(&manifest, &mut out, &execution, &mut terminal, &nobody)
+            })
+            .map_err(text)?;
+        let signals = std::fs::read_to_string(out.file(crate::outputs::SIGNALS))
+            .map_err(|e| e.to_string())?;
+        Ok(Trial { summary: ended.close(), signals })
+    }
+}
+
+/// The next reply of the program.
+pub fn next_reply(news: &Receiver<Post>) -> Result<Reply, String> {
+    let deadline = Instant::now() + units::wait(START_WITHIN);
+    let mut words = String::new();
+    while Instant::now() < deadline {
+        let left = deadline.saturating_duration_since(Instant::now());
+        match news.recv_timeout(left) {
+            Ok((_, News::Reply(reply))) => return Ok(*reply),
+            Ok((_, News::Log(text))) => words = text,
+            Ok((_, News::Garbage(text))) => {
+                return Err(format!("it wrote a line on standard output that is no reply: {text}"));
+            }
+            Ok((_, News::Closed)) => return Err(format!("it ended without an answer; {words}")),
+            Err(_) => break,
+        }
+    }
+    Err(format!("it did not answer within {START_WITHIN} s"))
+}
