@@ -465,13 +465,14 @@ fn the_schema_names_every_table_and_no_null() {
 }
 
 #[test]
-fn the_manifests_of_the_readme_are_right() {
-    let readme = include_str!("../../../README.md");
-    let blocks: Vec<&str> =
-        readme.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
-    assert!(blocks.len() >= 2, "the README lost its manifests");
-    for block in blocks {
-        reads_back(block);
+fn the_manifests_of_the_pages_are_right() {
+    for page in [include_str!("../../../README.md"), include_str!("../../../MANIFEST.md")] {
+        let blocks: Vec<&str> =
+            page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+        assert!(!blocks.is_empty(), "the page lost its manifests");
+        for block in blocks {
+            reads_back(block);
+        }
     }
 }
 
