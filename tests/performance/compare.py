@@ -115,10 +115,11 @@ def report(options, rows):
     version = subprocess.run([str(options.tremie), "--version"], capture_output=True, text=True).stdout.strip()
     lines = [
         "# Benchmarks", "",
-        "Written by `python3 tests/performance/compare.py`. Million cell updates a second (MLUPS), D3Q19, median of "
-        f"{options.repeats} pairs measured in turn (Tremie, peer, Tremie, peer); the ratio is the median of the pairs' own, with the least and the greatest. The peer is the better of its two",
-        "schemes in place, AA and Esoteric pull; its sweep alone is timed, while Tremie's step closes periodic faces too. The share is that of the bandwidth of an update in place, measured in turn: 304 bytes an update in f64,",
-        "152 in f32.", "",
+        "Written by `python3 tests/performance/compare.py`. The unit is a million cell updates a second (MLUPS), D3Q19. Each rate",
+        f"is the median of {options.repeats} pairs, measured in turn (Tremie, peer, Tremie, peer). The ratio is the median of the pairs' own",
+        "ratios, with the least and the greatest. The peer runs the better of its two in-place schemes, AA and Esoteric pull.",
+        "Only its sweep is timed, while Tremie's step closes periodic faces too. The share compares with the bandwidth of an",
+        "update in place, measured in turn: 304 bytes an update in f64, 152 in f32.", "",
         f"Machine: {processor()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}. {version}; {LBMPY.replace('==', ' ')}.", "",
         "| box | model | threads | Tremie | lbmpy | ratio | goal | share of bandwidth |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",

@@ -247,11 +247,13 @@ def report(options, rows):
     """Puts its part into the report in place of what stood there."""
     lines = [
         TITLE, "",
-        "Written by `python3 tests/performance/compare_grains.py`. Equal spheres flow down 26 degrees on a rough base of fixed ones: linear springs with history, "
-        f"friction 0.5, steps of a 52nd of a collision. Neighbours are listed {SKIN} diameters farther than contact, by LAMMPS as far as makes it faster ({' or '.join(map(str, PEER_SKINS))}). Both programs",
-        f"start from one bed that has settled. Million sphere-steps a second, median of {options.repeats} pairs measured in turn; Tremie's of {options.warm + options.steps} steps from the first on, "
-        f"LAMMPS' of {options.steps} after {options.warm} others. In the last column",
-        f"the kinetic energy of a sphere after these {options.warm + options.steps} steps, in masses times diameters times gravity: that they do the same work. Neither records anything. {', '.join(PACKAGES).replace('==', ' ')}.", "",
+        "Written by `python3 tests/performance/compare_grains.py`. Equal spheres flow down 26 degrees on a rough base of fixed",
+        "spheres. Contacts are linear springs with history, friction 0.5; a step is a 52nd of a collision. Tremie lists",
+        f"neighbours up to {SKIN} diameters beyond contact. LAMMPS lists them as far as is fastest for it ({' or '.join(map(str, PEER_SKINS))}, in brackets).",
+        "Both programs start from the same settled bed. Neither records anything.", "",
+        f"The unit is a million sphere-steps a second, median of {options.repeats} pairs measured in turn. Tremie is timed over {options.warm + options.steps} steps from the",
+        f"first on, LAMMPS over {options.steps} steps after {options.warm} others. The last column is the kinetic energy of a sphere after these {options.warm + options.steps}",
+        f"steps, in masses times diameters times gravity. It shows that both do the same work. {', '.join(PACKAGES).replace('==', ' ')}.", "",
         "| spheres | threads or ranks | Tremie | LAMMPS | ratio | goal | energies |",
         "| --- | --- | --- | --- | --- | --- | --- |",
     ]
