@@ -19,33 +19,34 @@ const TILE: f64 = 8e3;
 /// Time in which the packing settles for the most part [s].
 const SETTLING: f64 = 0.02;
 
-/// Beds.
+/// Beds: one that a processor's caches hold, and one that they do not.
 pub fn benchmarks(sizes: &BenchmarkSizes) -> Vec<Benchmark> {
-    let case = |threads: &usize| {
-        let threads = *threads;
-        let make = move || {
-            let (scene, step) = bed(2)?;
-            let mut bed = GrainsDem::new(&scene, &Parameters::default(), step, threads)
-                .map_err(|problems| format!("{problems:?}"))?;
-            let measure: Measurement = Box::new(move |seconds| {
-                let (start, mut substeps) = (Instant::now(), 0);
-                while substeps == 0 || start.elapsed().as_secs_f64() < seconds {
-                    bed.advance(50, &[]).map_err(|error| error.to_string())?;
-                    substeps += 50;
-                }
-                let spent = start.elapsed().as_secs_f64();
-                Ok(vec![1e-6 * bed.body_count() as f64 * f64::from(substeps) / spent])
-            });
-            Ok(measure)
-        };
-        Benchmark {
-            name: "grains, bed of 32,000 spheres with friction".into(),
-            threads,
-            quantities: vec![Quantity::new("", "million sphere-substeps/s")],
-            make: Box::new(make),
-        }
+    let beds = [(2, "32,000"), (5, "200,000")];
+    beds.iter().flat_map(|bed| sizes.threads.iter().map(|&threads| of_bed(*bed, threads))).collect()
+}
+
+fn of_bed((copies, spheres): (usize, &str), threads: usize) -> Benchmark {
+    let make = move || {
+        let (scene, step) = bed(copies)?;
+        let mut bed = GrainsDem::new(&scene, &Parameters::default(), step, threads)
+            .map_err(|problems| format!("{problems:?}"))?;
+        let measure: Measurement = Box::new(move |seconds| {
+            let (start, mut substeps) = (Instant::now(), 0);
+            while substeps == 0 || start.elapsed().as_secs_f64() < seconds {
+                bed.advance(50, &[]).map_err(|error| error.to_string())?;
+                substeps += 50;
+            }
+            let spent = start.elapsed().as_secs_f64();
+            Ok(vec![1e-6 * bed.body_count() as f64 * f64::from(substeps) / spent])
+        });
+        Ok(measure)
     };
-    sizes.threads.iter().map(case).collect()
+    Benchmark {
+        name: format!("grains, bed of {spheres} spheres with friction"),
+        threads,
+        quantities: vec![Quantity::new("", "million sphere-substeps/s")],
+        make: Box::new(make),
+    }
 }
 
 /// A bed that has settled, beside itself `copies` times `copies` times, and its time step [s].

@@ -144,7 +144,7 @@ mod tests {
     fn solvers_are_measured() {
         let plan = plan(&[]);
         for case in benchmarks(&plan).iter().filter(|case| case.threads > 0) {
-            if case.name.contains("32,000") {
+            if case.name.contains("bed of") {
                 continue;
             }
             for row in measure(case, &plan).unwrap() {
