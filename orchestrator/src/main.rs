@@ -31,7 +31,7 @@ fn obey(command: Command) -> ExitCode {
         Command::Conform(arguments) => commands::conform(&arguments),
         Command::Validate(arguments) => commands::validate(&arguments),
         Command::Clean => commands::clean(),
-        Command::Schema => commands::schema(),
+        Command::Schema { markdown } => commands::schema(markdown),
         Command::Component { name } => commands::component(&name),
     }
 }

@@ -11,6 +11,7 @@ mod explain;
 mod overrides;
 mod path;
 mod read;
+mod reference;
 mod render;
 mod resolve;
 mod source;
@@ -108,6 +109,11 @@ pub fn parse(
 /// The JSON schema of manifests, for editors and other programs.
 pub fn schema_text() -> String {
     format!("{:#}", resolve::schema())
+}
+
+/// The reference page of the manifest, in Markdown.
+pub fn reference_page() -> String {
+    reference::page(&resolve::schema())
 }
 
 impl Manifest {

@@ -464,6 +464,13 @@ fn the_schema_names_every_table_and_no_null() {
     assert!(!schema.contains("null"), "{schema}");
 }
 
+/// After a change of the tables: `tremie schema --markdown > MANIFEST-REFERENCE.md`.
+#[test]
+fn the_reference_page_is_that_of_the_schema() {
+    let page = include_str!("../../../MANIFEST-REFERENCE.md");
+    assert!(page == crate::manifest::reference_page(), "write MANIFEST-REFERENCE.md anew");
+}
+
 #[test]
 fn the_manifests_of_the_pages_are_right() {
     for page in [include_str!("../../../README.md"), include_str!("../../../MANIFEST.md")] {

@@ -41,8 +41,12 @@ pub enum Command {
     Bench(BenchArgs),
     /// Remove what killed runs left in shared memory.
     Clean,
-    /// Print the JSON schema of the manifest, for editors.
-    Schema,
+    /// Print the JSON schema of the manifest, for editors, or its reference page.
+    Schema {
+        /// Print the reference page, in Markdown
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Take part in a run (the orchestrator calls this).
     #[command(hide = true)]
     Component {

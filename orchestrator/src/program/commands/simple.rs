@@ -1,7 +1,8 @@
 //! Commands of a few lines.
 
+use crate::manifest;
 use crate::registry::{BUILT_IN, built_in};
-use crate::terminal::standard::{answer, complain};
+use crate::terminal::standard::{answer, answer_text, complain};
 use crate::tools::conform::ConformArgs;
 use std::process::ExitCode;
 use tremie_sdk::main_of;
@@ -40,9 +41,12 @@ pub fn clean() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// `tremie schema`: the JSON schema of the manifest.
-pub fn schema() -> ExitCode {
-    answer(crate::manifest::schema_text());
+/// `tremie schema`: the JSON schema of the manifest, or its reference page.
+pub fn schema(markdown: bool) -> ExitCode {
+    match markdown {
+        true => answer_text(manifest::reference_page()),
+        false => answer(manifest::schema_text()),
+    }
     ExitCode::SUCCESS
 }
 
