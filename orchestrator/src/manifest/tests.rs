@@ -468,7 +468,7 @@ fn the_schema_names_every_table_and_no_null() {
 #[test]
 fn the_reference_page_is_that_of_the_schema() {
     let page = include_str!("../../../MANIFEST-REFERENCE.md");
-    assert!(page == super::reference_page(), "write MANIFEST-REFERENCE.md anew");
+    assert!(page == reference_page(), "write MANIFEST-REFERENCE.md anew");
 }
 
 #[test]
