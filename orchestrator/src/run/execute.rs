@@ -114,17 +114,12 @@ impl Prepared {
 
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
-        let watched = physics.iter().map(|&index| WatchedComponent {
-            name: self.peers[index].name.clone(),
-            substeps: self.plan.components[index].substeps,
-            signals: signals[index],
-        });
         let drive = Drive {
             control,
             descriptions: &self.descriptions,
             news: &self.news,
             early: std::mem::take(&mut self.early),
-            monitor: Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now()),
+            monitor: self.monitor(&physics),
             peers: &mut self.peers,
             physics,
             threads: spec.components.iter().map(|c| c.threads_of(cores())).collect(),
@@ -169,6 +164,16 @@ impl Prepared {
             Trace::create(&at(outputs::TRACE), windows.clone(), names)
         });
         Ok((table, log, trace.transpose()?))
+    }
+
+    /// Watches over the physics from now on.
+    fn monitor(&self, physics: &[usize]) -> Monitor {
+        let watched = physics.iter().map(|&index| WatchedComponent {
+            name: self.peers[index].name.clone(),
+            substeps: self.plan.components[index].substeps,
+            signals: self.descriptions[index].signals.len(),
+        });
+        Monitor::new(self.run, self.plan.clock, watched.collect(), Instant::now())
     }
 
     /// Names and units of all signals of the physics, in the order of the monitor's rows.

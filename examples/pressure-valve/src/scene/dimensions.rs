@@ -148,114 +148,108 @@ impl Dimensions {
 
     /// Everything that does not fit together.
     pub fn misfits(&self) -> Vec<Misfit> {
-        let mut misfits = Vec::new();
-        let mut rule = |holds: bool, key: &'static str, found: String, rule: String| {
-            if !holds {
-                misfits.push(Misfit { key, found, rule });
-            }
-        };
-        let bore = self.bore_radius;
+        let mut misfits = Misfits::default();
+        self.check_lengths(&mut misfits);
+        self.check_seat(&mut misfits);
+        self.check_conduit(&mut misfits);
+        misfits.rule(self.disc_thickness() > 0.0, "moving_mass", self.moving_mass, || {
+            "must leave something for the disc: plug, hub and rubber alone are heavier".into()
+        });
+        misfits.found
+    }
+
+    fn check_lengths(&self, misfits: &mut Misfits) {
         for (key, length) in [
-            ("bore_radius", bore),
+            ("bore_radius", self.bore_radius),
             ("rubber_height", self.rubber_height),
             ("chamber_height", self.chamber_height),
             ("orifice_radius", self.orifice_radius),
         ] {
-            rule(length.0 > 0.0, key, length.to_string(), "must be more than zero".into());
+            misfits.rule(length.0 > 0.0, key, length, || "must be more than zero".into());
         }
-        rule(
-            self.cone_slope.0 > 0.0 && self.cone_slope.0 < 0.5 * PI,
-            "cone_slope",
-            self.cone_slope.to_string(),
-            "must be between 0 and 90 degrees".into(),
-        );
-        let inner = self.rubber_inner_radius;
-        rule(
-            inner > bore,
-            "rubber_inner_radius",
-            inner.to_string(),
-            format!("must be more than bore_radius, {bore}: the cone lies between them"),
-        );
-        let outer = self.rubber_outer_radius;
-        rule(
-            outer > inner,
-            "rubber_outer_radius",
-            outer.to_string(),
-            format!("must be more than rubber_inner_radius, {inner}"),
-        );
-        rule(
-            self.chamber_radius > outer,
-            "chamber_radius",
-            self.chamber_radius.to_string(),
-            format!("must be more than rubber_outer_radius, {outer}: the fluid passes between"),
-        );
-        rule(
-            self.lip.0 >= 0.0 && self.lip < self.rubber_height,
-            "lip",
-            self.lip.to_string(),
-            format!("must be between zero and rubber_height, {}", self.rubber_height),
-        );
-        let crown = self.conduit_axis.0 + bore.0;
-        rule(
-            crown < -self.cone_depth(),
-            "conduit_axis",
-            self.conduit_axis.to_string(),
-            format!(
-                "must leave the conduit below the cone, which ends at {} m",
-                -self.cone_depth()
-            ),
-        );
-        rule(
-            self.inlet.0 < -self.chamber_radius.0,
-            "inlet",
-            self.inlet.to_string(),
-            format!(
-                "must be below -chamber_radius, -{}: else the chamber opens there too",
-                self.chamber_radius
-            ),
-        );
-        let [from, to] = self.orifice;
+        let right_angle = 0.5 * PI;
+        let is_cone = self.cone_slope.0 > 0.0 && self.cone_slope.0 < right_angle;
+        misfits.rule(is_cone, "cone_slope", self.cone_slope, || {
+            "must be between 0 and 90 degrees".into()
+        });
+    }
+
+    /// Radii from the bore outwards, and the lip.
+    fn check_seat(&self, misfits: &mut Misfits) {
+        let (bore, inner, outer) =
+            (self.bore_radius, self.rubber_inner_radius, self.rubber_outer_radius);
+        misfits.rule(inner > bore, "rubber_inner_radius", inner, || {
+            format!("must be more than bore_radius, {bore}: the cone lies between them")
+        });
+        misfits.rule(outer > inner, "rubber_outer_radius", outer, || {
+            format!("must be more than rubber_inner_radius, {inner}")
+        });
+        misfits.rule(self.chamber_radius > outer, "chamber_radius", self.chamber_radius, || {
+            format!("must be more than rubber_outer_radius, {outer}: the fluid passes between")
+        });
+        let protrudes = self.lip.0 >= 0.0 && self.lip < self.rubber_height;
+        misfits.rule(protrudes, "lip", self.lip, || {
+            format!("must be between zero and rubber_height, {}", self.rubber_height)
+        });
+    }
+
+    fn check_conduit(&self, misfits: &mut Misfits) {
+        let crown = self.conduit_axis.0 + self.bore_radius.0;
+        misfits.rule(crown < -self.cone_depth(), "conduit_axis", self.conduit_axis, || {
+            format!("must leave the conduit below the cone, which ends at {} m", -self.cone_depth())
+        });
+        let chamber = self.chamber_radius;
+        misfits.rule(self.inlet.0 < -chamber.0, "inlet", self.inlet, || {
+            format!("must be below -chamber_radius, -{chamber}: else the chamber opens there too")
+        });
+        let bore = self.bore_radius;
         match self.closure {
-            Closure::Pressure => rule(
-                self.blind_end >= bore,
-                "blind_end",
-                self.blind_end.to_string(),
-                format!("must be at least bore_radius, {bore}: the bore ends there"),
-            ),
-            Closure::Safety => {
-                rule(
-                    self.orifice_radius < bore,
-                    "orifice_radius",
-                    self.orifice_radius.to_string(),
-                    format!("must be less than bore_radius, {bore}"),
-                );
-                rule(
-                    from >= bore && to > from && self.second_outlet > to,
-                    "orifice",
-                    format!("[{from}, {to}]"),
-                    format!(
-                        "must begin at bore_radius, {bore}, or later, and end before second_outlet, {}",
-                        self.second_outlet
-                    ),
-                );
-                rule(
-                    self.second_outlet > self.chamber_radius,
-                    "second_outlet",
-                    self.second_outlet.to_string(),
-                    format!(
-                        "must be more than chamber_radius, {}: else the chamber opens there too",
-                        self.chamber_radius
-                    ),
-                );
+            Closure::Pressure => {
+                misfits.rule(self.blind_end >= bore, "blind_end", self.blind_end, || {
+                    format!("must be at least bore_radius, {bore}: the bore ends there")
+                });
             }
+            Closure::Safety => self.check_orifice(misfits),
         }
-        rule(
-            self.disc_thickness() > 0.0,
-            "moving_mass",
-            self.moving_mass.to_string(),
-            "must leave something for the disc: plug, hub and rubber alone are heavier".into(),
-        );
-        misfits
+    }
+
+    fn check_orifice(&self, misfits: &mut Misfits) {
+        let (bore, second) = (self.bore_radius, self.second_outlet);
+        misfits.rule(self.orifice_radius < bore, "orifice_radius", self.orifice_radius, || {
+            format!("must be less than bore_radius, {bore}")
+        });
+        let [from, to] = self.orifice;
+        let lies = from >= bore && to > from && second > to;
+        misfits.rule(lies, "orifice", format_args!("[{from}, {to}]"), || {
+            format!(
+                "must begin at bore_radius, {bore}, or later, and end before second_outlet, {second}"
+            )
+        });
+        let chamber = self.chamber_radius;
+        misfits.rule(second > chamber, "second_outlet", second, || {
+            format!("must be more than chamber_radius, {chamber}: else the chamber opens there too")
+        });
+    }
+}
+
+/// The misfits found so far.
+#[derive(Default)]
+struct Misfits {
+    found: Vec<Misfit>,
+}
+
+impl Misfits {
+    /// Notes a dimension for which a rule does not hold.
+    fn rule(
+        &mut self,
+        holds: bool,
+        key: &'static str,
+        found: impl std::fmt::Display,
+        rule: impl FnOnce() -> String,
+    ) {
+        if !holds {
+            self.found.push(Misfit { key, found: found.to_string(), rule: rule() });
+        }
     }
 }
 
