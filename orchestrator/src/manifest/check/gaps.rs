@@ -1,6 +1,6 @@
 //! Checks of `[[scene.gaps]]`.
 
-use super::super::document::{AxisName, GapPressureName, GapTable, RingTable, SceneTable};
+use super::super::document::{GapPressureName, GapTable, RingTable, SceneTable};
 use super::super::path;
 use super::super::read::Findings;
 use super::probes;
@@ -177,10 +177,6 @@ fn ring(table: &RingTable, at: &str, findings: &mut Findings) -> Option<GapRegio
         findings.problem(&path::join(at, "radii"), message);
         return None;
     }
-    let axis = match axis? {
-        AxisName::X => 0,
-        AxisName::Y => 1,
-        AxisName::Z => 2,
-    };
+    let axis = axis?.number();
     Some(GapRegion::Ring { axis, through: through?.map(|x| x.0), radii })
 }

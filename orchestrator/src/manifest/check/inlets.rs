@@ -1,8 +1,7 @@
 //! Checks of `[[scene.inlets]]` and `[[scene.outlets]]`.
 
 use super::super::document::{
-    AxisName, BeyondTable, InletTable, InletVelocityEntry, OutletTable, PackingTable, SceneTable,
-    SideName,
+    BeyondTable, InletTable, InletVelocityEntry, OutletTable, PackingTable, SceneTable, SideName,
 };
 use super::super::path;
 use super::super::read::Findings;
@@ -21,17 +20,9 @@ impl Names {
     }
 
     fn take(&mut self, name: &Option<String>, at: &str, findings: &mut Findings) -> Option<String> {
-        let name = findings.required(name, at, "name")?;
-        let key = path::join(at, "name");
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-            findings.problem(&key, format!("found \"{name}\", expected letters, digits and \"_\""));
-            return None;
-        }
-        if !self.0.insert(name.clone()) {
-            let message = format!("\"{name}\" is the name of another inlet, outlet or probe");
-            findings.problem(&key, message);
-        }
-        Some(name)
+        let taken =
+            |name: &str| format!("\"{name}\" is the name of another inlet, outlet or probe");
+        findings.name(name, at, &[], &mut self.0, taken)
     }
 }
 
@@ -201,11 +192,7 @@ fn half_space(
     let axis = findings.required(&table.axis, at, "axis");
     let position = findings.required(&table.at, at, "at");
     let side = findings.required(&table.side, at, "side");
-    let axis = match axis? {
-        AxisName::X => 0,
-        AxisName::Y => 1,
-        AxisName::Z => 2,
-    };
+    let axis = axis?.number();
     let side = match side? {
         SideName::Lower => 0,
         SideName::Upper => 1,

@@ -26,6 +26,7 @@ use super::document::Document;
 use super::path;
 use super::read::Findings;
 use super::spec::Spec;
+use std::collections::BTreeSet;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Domain, Probe, ProbeShape};
 use tremie_messages::units::{
@@ -159,6 +160,33 @@ impl Findings {
         if !self.is_unreadable(&full) {
             self.problem(&full, format!("missing: {at} needs a key \"{key}\""));
         }
+    }
+
+    /// The name of the table `at`, which becomes part of the names of signals: letters, digits, `_` and `others`. A second
+    /// one among `names` is a problem that `taken` words.
+    fn name(
+        &mut self,
+        name: &Option<String>,
+        at: &str,
+        others: &[char],
+        names: &mut BTreeSet<String>,
+        taken: impl FnOnce(&str) -> String,
+    ) -> Option<String> {
+        let name = self.required(name, at, "name")?;
+        let key = path::join(at, "name");
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || others.contains(&c);
+        if name.is_empty() || !name.chars().all(plain) {
+            let others: String = others.iter().map(|c| format!(", \"{c}\"")).collect();
+            self.problem(
+                &key,
+                format!("found \"{name}\", expected letters, digits{others} and \"_\""),
+            );
+            return None;
+        }
+        if !names.insert(name.clone()) {
+            self.problem(&key, taken(&name));
+        }
+        Some(name)
     }
 
     /// The one key of the table `at` that is there; a problem if none is, or more than one. `what`

@@ -55,18 +55,8 @@ pub(super) fn name(
     names: &mut BTreeSet<String>,
     findings: &mut Findings,
 ) -> Option<String> {
-    let name = findings.required(name, at, "name")?;
-    let key = path::join(at, "name");
-    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    if name.is_empty() || !name.chars().all(plain) {
-        let message = format!("found \"{name}\", expected letters, digits, \"-\" and \"_\"");
-        findings.problem(&key, message);
-        return None;
-    }
-    if !names.insert(name.clone()) {
-        findings.problem(&key, format!("a second {what} with the name \"{name}\""));
-    }
-    Some(name)
+    let taken = |name: &str| format!("a second {what} with the name \"{name}\"");
+    findings.name(name, at, &['-'], names, taken)
 }
 
 fn geometry(table: &PartTable, at: &str, findings: &mut Findings) -> Option<Geometry> {

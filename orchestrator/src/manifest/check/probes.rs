@@ -1,8 +1,6 @@
 //! Checks of `[[scene.probes]]`.
 
-use super::super::document::{
-    AxisName, ProbeRingTable, ProbeTable, ProfileTable, RegionTable, SectionTable,
-};
+use super::super::document::{ProbeRingTable, ProbeTable, ProfileTable, RegionTable, SectionTable};
 use super::super::path;
 use super::super::read::Findings;
 use std::collections::BTreeSet;
@@ -33,16 +31,8 @@ pub(super) fn name(
     names: &mut BTreeSet<String>,
     findings: &mut Findings,
 ) -> Option<String> {
-    let name = findings.required(name, at, "name")?;
-    let key = path::join(at, "name");
-    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        findings.problem(&key, format!("found \"{name}\", expected letters, digits and \"_\""));
-        return None;
-    }
-    if !names.insert(name.clone()) {
-        findings.problem(&key, format!("a second probe or gap with the name \"{name}\""));
-    }
-    Some(name)
+    let taken = |name: &str| format!("a second probe or gap with the name \"{name}\"");
+    findings.name(name, at, &[], names, taken)
 }
 
 fn shape(
@@ -90,11 +80,7 @@ fn section(
 ) -> Option<ProbeShape> {
     let axis = findings.required(&table.axis, at, "axis");
     let position = findings.required(&table.at, at, "at");
-    let axis = match axis? {
-        AxisName::X => 0,
-        AxisName::Y => 1,
-        AxisName::Z => 2,
-    };
+    let axis = axis?.number();
     let position = position?.0;
     if position < domain.min[axis] || position > domain.max[axis] {
         let message = format!(
@@ -134,11 +120,7 @@ fn profile(
         findings.problem(&path::join(at, "along"), message);
         return None;
     }
-    let along = match along {
-        AxisName::X => 0,
-        AxisName::Y => 1,
-        AxisName::Z => 2,
-    };
+    let along = along.number();
     let ProbeShape::Section { axis, position, min, max } = section? else { return None };
     Some(ProbeShape::Profile { axis, position, min, max, along, bins })
 }
@@ -162,11 +144,7 @@ fn ring(
     };
     let radii = pair(&table.radii, "radii", 0.0, "the inner radius, then a larger one");
     let heights = pair(&table.heights, "heights", f64::MIN, "the lower end, then a higher one");
-    let axis = match axis? {
-        AxisName::X => 0,
-        AxisName::Y => 1,
-        AxisName::Z => 2,
-    };
+    let axis = axis?.number();
     let ring = Ring { axis, through: through?.map(|x| x.0), radii: radii?, heights: heights? };
     let [min, max] = ring.corners();
     if (0..3).any(|a| max[a] <= domain.min[a] || min[a] >= domain.max[a]) {

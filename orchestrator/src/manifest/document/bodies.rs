@@ -1,11 +1,11 @@
 //! The manifest's tables of bodies: how they move, where they are, how large.
 
 use super::course::MotionCourseEntry;
-use super::forms::{Form, Never, read};
+use super::forms::read_by_form;
 use super::polyhedra::PolyhedronTable;
 use super::values::DiameterEntry;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use tremie_messages::units::{AngularVelocity, Density, Length, Time, Velocity};
 
 /// Bodies of one material and one kind of motion. Exactly one of `spheres`, `polyhedra` and `packing`.
@@ -120,17 +120,7 @@ pub(in super::super) enum DiametersEntry {
     Distribution(DistributionTable),
 }
 
-impl<'de> Deserialize<'de> for DiametersEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "a list of lengths, or a table with normal, log_normal or sieve";
-        let form: Form<Never, _, _> = read(deserializer, expecting)?;
-        Ok(match form {
-            Form::List(list) => Self::List(list),
-            Form::Table(table) => Self::Distribution(table),
-            Form::Word(never) => match never {},
-        })
-    }
-}
+read_by_form!(DiametersEntry: "a list of lengths, or a table with normal, log_normal or sieve", List => List, Table => Distribution);
 
 /// A distribution of diameters. Exactly one of its keys.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,9 +1,9 @@
 //! The manifest's forms of what changes with time.
 
 use super::bodies::MotionPointTable;
-use super::forms::{Form, Never, read};
+use super::forms::read_by_form;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use tremie_messages::units::{Angle, Frequency, Time};
 
 /// A factor over time: points, between which it is linear, or a formula.
@@ -71,24 +71,6 @@ pub(in super::super) struct RampTable {
 
 const EXPECTED: &str = "a list of points, or a table with sine, ramp or repeat";
 
-impl<'de> Deserialize<'de> for CourseEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let form: Form<Never, _, _> = read(deserializer, EXPECTED)?;
-        Ok(match form {
-            Form::List(points) => Self::Points(points),
-            Form::Table(formula) => Self::Formula(formula),
-            Form::Word(never) => match never {},
-        })
-    }
-}
+read_by_form!(CourseEntry: EXPECTED, List => Points, Table => Formula);
 
-impl<'de> Deserialize<'de> for MotionCourseEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let form: Form<Never, _, _> = read(deserializer, EXPECTED)?;
-        Ok(match form {
-            Form::List(points) => Self::Points(points),
-            Form::Table(formula) => Self::Formula(formula),
-            Form::Word(never) => match never {},
-        })
-    }
-}
+read_by_form!(MotionCourseEntry: EXPECTED, List => Points, Table => Formula);

@@ -1,9 +1,9 @@
 //! The manifest's tables of the domain, its faces, and the fluid.
 
 use super::course::CourseEntry;
-use super::forms::{Form, Never, read};
+use super::forms::read_by_form;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use tremie_messages::scene::Profile;
 use tremie_messages::units::{
     Acceleration, Area, Density, Length, Pressure, Time, Velocity, Viscosity, Volume,
@@ -130,30 +130,9 @@ pub(in super::super) struct MovingWallTable {
     pub course: Option<CourseEntry>,
 }
 
-impl<'de> Deserialize<'de> for AxisEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "\"wall\", \"periodic\", \"symmetry\", or a table with lower and upper";
-        let form: Form<_, Never, _> = read(deserializer, expecting)?;
-        Ok(match form {
-            Form::Word(name) => Self::Both(name),
-            Form::Table(sides) => Self::Sides(sides),
-            Form::List(never) => match never {},
-        })
-    }
-}
+read_by_form!(AxisEntry: "\"wall\", \"periodic\", \"symmetry\", or a table with lower and upper", Word => Both, Table => Sides);
 
-impl<'de> Deserialize<'de> for FaceEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting =
-            "\"wall\", \"symmetry\", or a table with wall, velocity, pressure or reservoir";
-        let form: Form<_, Never, _> = read(deserializer, expecting)?;
-        Ok(match form {
-            Form::Word(name) => Self::Name(name),
-            Form::Table(table) => Self::Table(table),
-            Form::List(never) => match never {},
-        })
-    }
-}
+read_by_form!(FaceEntry: "\"wall\", \"symmetry\", or a table with wall, velocity, pressure or reservoir", Word => Name, Table => Table);
 
 /// A fluid's material, what drives it, and where it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -85,3 +85,31 @@ where
             .map_err(|error: A::Error| self.unless_never(error, de::Unexpected::Map))
     }
 }
+
+/// Reads an enum of forms: `Enum: "what is expected", Word => Variant, Table => Variant`. A form that is left out is refused in
+/// those words.
+macro_rules! read_by_form {
+    ($name:ident: $expecting:expr, Word => $word:ident, Table => $table:ident) => {
+        read_by_form!(@ $name, $expecting, _, Never, _, Word $word, Table $table, List);
+    };
+    ($name:ident: $expecting:expr, List => $list:ident, Table => $table:ident) => {
+        read_by_form!(@ $name, $expecting, Never, _, _, List $list, Table $table, Word);
+    };
+    ($name:ident: $expecting:expr, Word => $word:ident, List => $list:ident) => {
+        read_by_form!(@ $name, $expecting, _, _, Never, Word $word, List $list, Table);
+    };
+    (@ $name:ident, $expecting:expr, $w:ty, $l:ty, $t:ty, $one:ident $first:ident, $two:ident $second:ident, $none:ident) => {
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                use $crate::manifest::document::forms::{Form, Never, read};
+                let form: Form<$w, $l, $t> = read(deserializer, $expecting)?;
+                Ok(match form {
+                    Form::$one(value) => Self::$first(value),
+                    Form::$two(value) => Self::$second(value),
+                    Form::$none(never) => match never {},
+                })
+            }
+        }
+    };
+}
+pub(super) use read_by_form;

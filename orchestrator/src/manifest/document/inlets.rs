@@ -1,10 +1,10 @@
 //! The manifest's tables of inlets and outlets.
 
-use super::forms::{Form, Never, read};
+use super::forms::read_by_form;
 use super::values::DiameterEntry;
 use super::{AxisName, DiametersEntry};
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use tremie_messages::units::{Density, Length, Time, Velocity};
 
 /// A region that is kept filled with spheres, which come during the run. Exactly one of `diameter` and
@@ -63,17 +63,7 @@ pub(in super::super) struct FluidVelocityTable {
     pub face: Option<FaceOfDomain>,
 }
 
-impl<'de> Deserialize<'de> for InletVelocityEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "three velocities, or a table with face";
-        let form: Form<Never, _, _> = read(deserializer, expecting)?;
-        Ok(match form {
-            Form::List(velocity) => Self::Given(velocity),
-            Form::Table(table) => Self::Fluid(table),
-            Form::Word(never) => match never {},
-        })
-    }
-}
+read_by_form!(InletVelocityEntry: "three velocities, or a table with face", List => Given, Table => Fluid);
 
 /// A face of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -95,6 +95,13 @@ pub(in super::super) enum AxisName {
     Z,
 }
 
+impl AxisName {
+    /// Its number: 0, 1, 2.
+    pub fn number(self) -> usize {
+        self as usize
+    }
+}
+
 /// A box.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]

@@ -1,7 +1,7 @@
 //! The manifest's tables of parts that slide on an axis.
 
 use super::bodies::MotionName;
-use super::forms::{Form, Never, read};
+use super::forms::{Form, Never, read, read_by_form};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use tremie_messages::units::{Force, Length, Mass, Stiffness, Velocity};
@@ -16,17 +16,7 @@ pub(in super::super) enum PartMotionEntry {
     Table(PartMotionTable),
 }
 
-impl<'de> Deserialize<'de> for PartMotionEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "\"fixed\", \"prescribed\", or a table with slider";
-        let form: Form<_, Never, _> = read(deserializer, expecting)?;
-        Ok(match form {
-            Form::Word(name) => Self::Name(name),
-            Form::Table(table) => Self::Table(table),
-            Form::List(never) => match never {},
-        })
-    }
-}
+read_by_form!(PartMotionEntry: "\"fixed\", \"prescribed\", or a table with slider", Word => Name, Table => Table);
 
 impl PartMotionEntry {
     /// Whether somebody must move the part.

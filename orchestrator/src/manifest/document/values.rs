@@ -1,7 +1,7 @@
 //! Values with a short and a long form.
 
 use super::ComponentTable;
-use super::forms::{Form, Never, read};
+use super::forms::{Form, Never, read, read_by_form};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use tremie_messages::units::Length;
@@ -28,16 +28,7 @@ impl ComponentEntry {
     }
 }
 
-impl<'de> Deserialize<'de> for ComponentEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let form: Form<_, Never, _> = read(deserializer, "the name of a program or a table")?;
-        Ok(match form {
-            Form::Word(program) => Self::Program(program),
-            Form::Table(table) => Self::Table(table),
-            Form::List(never) => match never {},
-        })
-    }
-}
+read_by_form!(ComponentEntry: "the name of a program or a table", Word => Program, Table => Table);
 
 /// A diameter, or the bounds of a uniform distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
@@ -59,19 +50,7 @@ impl DiameterEntry {
     }
 }
 
-impl<'de> Deserialize<'de> for DiameterEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let form: Form<_, _, Never> = read(
-            deserializer,
-            "a length with a unit, as \"1 mm\", or two of them, as [\"1 mm\", \"2 mm\"]",
-        )?;
-        Ok(match form {
-            Form::Word(one) => Self::One(one),
-            Form::List(bounds) => Self::Between(bounds),
-            Form::Table(never) => match never {},
-        })
-    }
-}
+read_by_form!(DiameterEntry: "a length with a unit, as \"1 mm\", or two of them, as [\"1 mm\", \"2 mm\"]", Word => One, List => Between);
 
 /// What one unit of a file is: `"mm"`, or a length as `"25.4 mm"`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
