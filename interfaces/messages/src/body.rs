@@ -44,12 +44,12 @@ pub struct Load {
 pub struct BodyEvent {
     /// Id of the body.
     pub id: u64,
-    /// What happened: [`BodyEvent::ADDED`] or [`BodyEvent::REMOVED`].
+    /// Kind of event: [`BodyEvent::ADDED`] or [`BodyEvent::REMOVED`].
     pub kind: u32,
     /// Shape of an added body: [`BodyEvent::SPHERE`], [`BodyEvent::PART`] or [`BodyEvent::POLYHEDRON`].
     pub shape: u32,
-    /// How an added body moves: [`BodyEvent::FREE`], [`BodyEvent::FIXED`], [`BodyEvent::PRESCRIBED`] or
-    /// [`BodyEvent::SLIDER`].
+    /// Motion of an added body: [`BodyEvent::FREE`], [`BodyEvent::FIXED`],
+    /// [`BodyEvent::PRESCRIBED`] or [`BodyEvent::SLIDER`].
     pub motion: u32,
     /// Index into the scene's list of body sets that the body came from.
     pub set: u32,
@@ -108,7 +108,7 @@ impl BodyState {
         }
     }
 
-    /// Whether every number is finite.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let all = |v: &[f64]| v.iter().all(|x| x.is_finite());
         all(&self.position)
@@ -119,7 +119,7 @@ impl BodyState {
 }
 
 impl Load {
-    /// Whether every number is finite.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         self.force.iter().chain(&self.torque).all(|x| x.is_finite())
     }

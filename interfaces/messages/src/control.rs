@@ -1,8 +1,8 @@
-//! What crosses between the orchestrator and a component while windows run.
+//! Credit and reports: messages between the orchestrator and a component while windows run.
 
 use crate::{Message, Stamp};
 
-/// The orchestrator's word to a component: how far it may go, or that it must end.
+/// Credit: the last window that a component may advance through, or an order to end.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Credit {

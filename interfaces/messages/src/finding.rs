@@ -1,4 +1,4 @@
-//! Numbers that say how far a run can be trusted, with a verdict and a remedy.
+//! Findings: numbers with a verdict on how far a run can be trusted, and a remedy.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,27 +10,27 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Finding {
-    /// What the number is, a few words in lower case: `relaxation time`. Unique in a component.
+    /// Name of the number, a few words in lower case: `relaxation time`. Unique in a component.
     pub quantity: String,
     /// Its value, in `unit`; finite.
     pub value: f64,
     /// SI unit, `1` if it has none.
     pub unit: String,
-    /// What it means for the results.
+    /// Meaning for the results.
     pub verdict: Verdict,
-    /// Why the verdict is what it is: a sentence with the bounds; empty where there is nothing to say.
+    /// Reason for the verdict: a sentence with the bounds; empty where there is nothing to say.
     #[serde(default)]
     pub why: String,
-    /// What to do about it: a sentence with numbers and keys; empty where nothing need be done.
+    /// Remedy: a sentence with numbers and keys; empty where nothing need be done.
     #[serde(default)]
     pub remedy: String,
 }
 
-/// What a number means for the results of a run. Later is worse.
+/// Verdict of a number on the results of a run. Later is worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Nothing to fear.
+    /// The number is as it should be.
     Ok,
     /// Results may be off by more than a few per cent, or the number is not what was meant.
     Doubtful,
@@ -107,6 +107,7 @@ impl Finding {
 /// A number as a person would write it, with six digits at most: a relaxation time of 0.500004 is
 /// not one of 0.5.
 pub fn short(value: f64) -> String {
+    // Rounded through its text: dividing by a power of ten would leave stray digits.
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
         format!("{rounded}")
@@ -115,14 +116,14 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// What a signal must keep below through a run. A component says it before; the orchestrator judges the greatest value
-/// when the run is over.
+/// Limit of a signal through a run. A component states it before; the orchestrator judges the
+/// greatest value when the run is over.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limit {
     /// Name of the signal, one of the component's own.
     pub signal: String,
-    /// What its greatest value is, a few words in lower case.
+    /// Name of its greatest value, a few words in lower case.
     pub quantity: String,
     /// SI unit, `1` if it has none.
     pub unit: String,
@@ -131,14 +132,14 @@ pub struct Limit {
     /// Above it they are wrong, if they ever are.
     #[serde(default)]
     pub wrong: Option<f64>,
-    /// Why, and what to do about it: sentences, as those of a [`Finding`].
+    /// Reason of the limit, a sentence as that of a [`Finding`].
     pub why: String,
     /// See [`Finding::remedy`].
     pub remedy: String,
 }
 
 impl Limit {
-    /// What the greatest value of the signal, first reached at a time [s], means.
+    /// Finding on the greatest value of the signal, first reached at a time [s].
     pub fn judge(&self, greatest: f64, at: f64) -> Finding {
         let Self { quantity, unit, doubtful, wrong, why, remedy, .. } = self;
         let when = format!("over the whole run, first reached at {} s", short(at));

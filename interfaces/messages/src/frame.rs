@@ -1,5 +1,5 @@
-//! What observers see: frames, sent at the observer's own rate and never waited for by physics
-//! longer than the channel's buffer allows.
+//! Frames for observers: sent at the observer's own rate. Physics never waits for them longer than
+//! the channel's buffer allows.
 
 use crate::{BodyState, Message, Stamp, SurfaceVertex};
 
@@ -29,7 +29,7 @@ pub struct BodySample {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceSample {
-    /// Where it is and how it moves.
+    /// Position and velocity.
     pub vertex: SurfaceVertex,
     /// Equivalent shear strain √(2/3 e:e), e the deviator of the logarithmic strain: 0 at rest, the
     /// logarithm of the stretch in a uniaxial test without change of volume; not a number where it is not
@@ -43,7 +43,7 @@ pub struct SurfaceSample {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SliceHeader {
-    /// When.
+    /// Time and window.
     pub stamp: Stamp,
     /// Position of node (0, 0) [m].
     pub origin: [f64; 3],
@@ -60,7 +60,7 @@ pub struct SliceHeader {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VolumeHeader {
-    /// When.
+    /// Time and window.
     pub stamp: Stamp,
     /// Position of node (0, 0, 0) [m].
     pub origin: [f64; 3],
@@ -86,7 +86,7 @@ pub struct SliceNode {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LogHeader {
-    /// When; the window of the last report where the orchestrator speaks.
+    /// Time and window; those of the last report where the orchestrator writes.
     pub stamp: Stamp,
     /// [`LogHeader::INFO`], [`LogHeader::WARNING`] or [`LogHeader::ERROR`].
     pub level: u64,

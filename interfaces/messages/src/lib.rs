@@ -1,4 +1,4 @@
-//! What Tremie's components say to each other.
+//! Messages and documents that Tremie's components exchange.
 //!
 //! Two kinds of things live here. *Messages* cross shared memory in every coupling window: plain
 //! `repr(C)` values in SI units, world frame, `f64`, without pointers ([`body`], [`surface`],

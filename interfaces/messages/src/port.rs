@@ -1,4 +1,4 @@
-//! Ports: what the fluid is like at the open faces of the domain on which inlets of grains sit.
+//! Ports: velocities of the fluid at the open faces of the domain on which inlets of grains sit.
 
 use crate::Message;
 use crate::scene::{InletVelocity, Scene};
@@ -38,7 +38,7 @@ impl PortState {
         faces.filter(|face| named(*face)).map(at_rest).collect()
     }
 
-    /// Whether it is that of the same face.
+    /// True if both are of the same face.
     pub fn is_of(&self, other: &Self) -> bool {
         (self.axis, self.side) == (other.axis, other.side)
     }

@@ -9,9 +9,9 @@ pub struct Problem {
     /// A component names its own parameters relative to its table (`cell`), with
     /// [`Problem::of_parameter`]; the orchestrator knows where that table stands.
     pub key: String,
-    /// What is wrong, a sentence without the key.
+    /// Description of the problem, a sentence without the key.
     pub message: String,
-    /// What to do about it, if that is known; a sentence.
+    /// Remedy, a sentence; `None` if there is none known.
     pub help: Option<String>,
 }
 
@@ -53,6 +53,7 @@ pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
     candidates
         .iter()
         .map(|candidate| (strsim::damerau_levenshtein(word, candidate), *candidate))
+        // A longer word may hold more typing errors. `min` breaks ties by the alphabet.
         .filter(|(distance, candidate)| *distance <= 1 + candidate.len() / 3)
         .min()
         .map(|(_, candidate)| candidate)

@@ -1,9 +1,9 @@
-//! What a component stands for in a run.
+//! Roles: a component's place in the physics of a run.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a component stands for. Components with a role take part in the physics; observers watch.
+/// Role of a component. Fluid, grains and rubber take part in the physics; observers watch.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
 )]

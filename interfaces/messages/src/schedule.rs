@@ -1,11 +1,11 @@
-//! What a component does in a window, in which order: its script.
+//! Scripts: the ordered operations of a component in a window, and the edges that they use.
 //!
 //! The orchestrator derives the scripts of all components from the plan, once; each component
 //! then follows its own, and every message carries the stamp that the script foretells.
 
 use serde::{Deserialize, Serialize};
 
-/// How fluid and grains take turns.
+/// Order in which fluid and grains advance.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -20,7 +20,7 @@ pub enum Schedule {
     Parallel,
 }
 
-/// What travels on an edge between two components.
+/// Content of an edge between two components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
@@ -70,7 +70,7 @@ impl Content {
 }
 
 impl Content {
-    /// Whether it travels inside a window, between grains and rubber, as part of their advance; no
+    /// True if it travels inside a window, between grains and rubber, as part of their advance; no
     /// operation of a script names its edge.
     pub fn is_inside_window(self) -> bool {
         matches!(self, Content::Carrier | Content::Trial | Content::Contact | Content::Resultant)
@@ -84,7 +84,7 @@ pub struct Edge {
     pub from: String,
     /// Receiving component.
     pub to: String,
-    /// What travels.
+    /// Content of its messages.
     pub content: Content,
     /// Name of the shared-memory service.
     pub service: String,
@@ -92,9 +92,10 @@ pub struct Edge {
     pub capacity: u64,
     /// Most messages under way.
     pub depth: u64,
-    /// Substeps that the sender makes in a window: what its stamps carry.
+    /// Substeps that the sender makes in a window; its stamps carry this number.
     pub sender_substeps: u32,
-    /// How many event lists the content lags behind its own window (1 for loads of a parallel schedule).
+    /// Number of event lists by which the content lags behind its own window (1 for loads of a
+    /// parallel schedule).
     pub events_lag: u64,
 }
 
@@ -111,7 +112,7 @@ impl Edge {
 pub enum Op {
     /// Take the message of an edge for the window that is `lag` before the present one.
     Receive {
-        /// Which edge.
+        /// Index of the edge.
         edge: usize,
         /// Windows before the present one.
         lag: u64,
@@ -120,12 +121,12 @@ pub enum Op {
     Advance,
     /// Send the present window's message on an edge.
     Send {
-        /// Which edge.
+        /// Index of the edge.
         edge: usize,
     },
 }
 
-/// What a component does: once in the start exchange, then in every window.
+/// Operations of a component: once in the start exchange, then in every window.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Script {
     /// Start exchange (window 0).

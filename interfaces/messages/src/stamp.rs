@@ -3,8 +3,8 @@
 use crate::Message;
 use serde::{Deserialize, Serialize};
 
-/// Says of a message to which exchange it belongs. A receiver knows from its script which stamp
-/// must come next; any other is a fault.
+/// Stamp of a message: the exchange that it belongs to. A receiver knows from its script which
+/// stamp must come next; any other is a fault.
 ///
 /// Exchange 0 is the start exchange at time zero; exchange `k` ends coupling window `k`
 /// (windows are numbered from 1). Time is counted in ticks so that clocks cannot drift apart;
@@ -33,7 +33,7 @@ impl Stamp {
     /// The bit of [`Stamp::iteration`] that tells the accepted surface of a substep from a trial.
     pub const FINAL: u32 = 1 << 31;
 
-    /// Whether the message belongs to the accepted surface of a substep.
+    /// True if the message belongs to the accepted surface of a substep.
     pub fn is_final(&self) -> bool {
         self.iteration & Self::FINAL != 0
     }

@@ -1,6 +1,6 @@
-//! Deformable surfaces: where their vertices are, and the loads on their facets.
+//! Deformable surfaces: positions of their vertices, and the loads on their facets.
 //!
-//! Which vertices a facet has never changes; it follows from the scene
+//! The vertices of a facet never change; they follow from the scene
 //! ([`crate::scene::DeformableSurface`]). Where a scene has several surfaces, their vertices and facets
 //! are numbered through, in the scene's order.
 
@@ -12,13 +12,13 @@ use crate::Message;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceVertex {
-    /// Where it is [m].
+    /// Position [m].
     pub position: [f64; 3],
     /// Its velocity [m/s].
     pub velocity: [f64; 3],
 }
 
-/// What acts on a facet of a deformable surface, world frame. 64 bytes.
+/// Load on a facet of a deformable surface, world frame. 64 bytes.
 ///
 /// The `contact` and `surface_load` channels carry as many as there are loads, at most
 /// [`FacetLoad::MOST_PER_FACET`] times the number of facets; their order is the sender's. A facet that is
@@ -32,8 +32,9 @@ pub struct FacetLoad {
     pub force: [f64; 3],
     /// A point on its line of action, near the facet [m].
     pub point: [f64; 3],
-    /// How fast the normal force of the contacts on the facet falls as this retreats through the substep [N/m]: their
-    /// springs' stiffness, and their dashpots' coefficients over the substep's length; 0 from a fluid.
+    /// Rate at which the normal force of the contacts on the facet falls as the facet retreats
+    /// through the substep [N/m]: their springs' stiffness, and their dashpots' coefficients over
+    /// the substep's length; 0 from a fluid.
     pub stiffness: f64,
 }
 
@@ -47,7 +48,7 @@ unsafe impl Message for FacetLoad {
 }
 
 impl SurfaceVertex {
-    /// Whether every number is finite.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         self.position.iter().chain(&self.velocity).all(|x| x.is_finite())
     }
@@ -57,7 +58,7 @@ impl FacetLoad {
     /// Room of a message for each facet.
     pub const MOST_PER_FACET: usize = 4;
 
-    /// Whether every number is finite.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let all = |v: &[f64]| v.iter().all(|x| x.is_finite());
         all(&self.force) && all(&self.point) && self.stiffness.is_finite()

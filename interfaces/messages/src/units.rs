@@ -29,20 +29,21 @@ fn to_uom_spelling(unit: &str) -> String {
         return "°".into();
     }
     match out.strip_prefix('u') {
+        // A leading `u` stands for micro, as in `um` and `us`.
         Some(rest) if !rest.is_empty() => format!("µ{rest}"),
         _ => out,
     }
 }
 
-/// Why a string is not the quantity that was asked for.
+/// Error: a string is not the quantity that was expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found {found}, expected {kind} with a unit, as \"{example}\"")]
 pub struct NotAQuantity {
-    /// What stood there.
+    /// Text found.
     pub found: String,
-    /// What was asked for.
+    /// Kind of quantity expected.
     pub kind: &'static str,
-    /// How it could be written.
+    /// Example of a valid text.
     pub example: &'static str,
 }
 
@@ -64,6 +65,7 @@ macro_rules! quantities {
                 let text = text.trim();
                 let (number, unit) = text.split_once(char::is_whitespace).ok_or_else(wrong)?;
                 let spelled = format!("{number} {}", to_uom_spelling(unit));
+                // `uom` stores the value in SI base units, whatever unit was read.
                 let value = spelled.parse::<si::$uom>().map_err(|_| wrong())?.value;
                 if value.is_finite() { Ok(Self(value)) } else { Err(wrong()) }
             }
@@ -142,8 +144,8 @@ quantities! {
     Frequency, Frequency, "a frequency", "30 Hz", "Hz";
 }
 
-/// A wait of so many seconds of wall time. What is no length of a wait becomes the nearest that is:
-/// none, or [`LONGEST_WAIT`], so that no number from outside can make a clock overflow.
+/// A wait of so many seconds of wall time. A number outside the range becomes the nearest bound,
+/// zero or [`LONGEST_WAIT`], so that no number from outside can make a clock overflow.
 pub fn wait(seconds: f64) -> Duration {
     let seconds = seconds.clamp(0.0, LONGEST_WAIT.as_secs_f64());
     Duration::try_from_secs_f64(seconds).unwrap_or(LONGEST_WAIT)

@@ -1,4 +1,4 @@
-//! Bodies: sets of them, how they move, where they are at the start.
+//! Sets of bodies: their motion, their sizes, their places at the start.
 
 use super::{Course, Polyhedra, PolyhedronPlacement, Slider};
 use core::f64::consts::PI;
@@ -14,13 +14,13 @@ pub struct BodySet {
     pub density: f64,
     /// Their material, for contacts.
     pub material: String,
-    /// How the bodies move.
+    /// Motion of each body.
     pub motion: Motion,
     /// The clump that they belong to: bodies of all sets with this name are joined rigidly, and move as one.
     /// Where they overlap they do not touch. It is as heavy as they are together, unless [`super::Scene::unions`] names it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clump: Option<String>,
-    /// Where they are at the start.
+    /// Places and sizes at the start.
     pub placement: Placement,
 }
 
@@ -66,7 +66,7 @@ pub struct MotionPoint {
     pub angular_velocity: [f64; 3],
 }
 
-/// Where the bodies of a set are at the start.
+/// Placement of the bodies of a set at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Placement {
@@ -79,7 +79,7 @@ pub enum Placement {
 }
 
 impl Placement {
-    /// How large the bodies are.
+    /// Sizes of the bodies.
     pub fn sizes(&self) -> BodySizes<'_> {
         match self {
             Self::Listed(list) => {
@@ -101,7 +101,7 @@ impl Placement {
 pub enum BodySizes<'a> {
     /// The diameter of each [m].
     Listed(Vec<f64>),
-    /// What a packing draws.
+    /// Drawn by a packing.
     Packed(&'a Packing),
 }
 

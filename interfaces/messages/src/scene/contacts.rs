@@ -25,7 +25,7 @@ pub struct ContactLaw {
     pub rolling_friction: f64,
     /// Damping.
     pub damping: Damping,
-    /// Whether the dashpot may pull before two bodies separate (the form that most papers print).
+    /// The dashpot may pull before two bodies separate. Most papers print this form.
     pub tension: bool,
 }
 
@@ -50,7 +50,7 @@ pub enum Spring {
     },
 }
 
-/// How damping of a contact is given.
+/// Damping of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Damping {

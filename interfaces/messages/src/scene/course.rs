@@ -46,6 +46,7 @@ impl Sine {
     /// The angle at a time [s], less whole turns [rad].
     fn angle(&self, time: f64) -> f64 {
         let turns = self.frequency * time;
+        // Whole turns are taken off before the sine: a large angle would lose digits.
         TAU * (turns - turns.floor()) + self.phase
     }
 
@@ -64,7 +65,7 @@ impl Course {
     /// The factor 1 at all times.
     pub const CONSTANT: Self = Self::Points(Vec::new());
 
-    /// Whether it is the factor 1, and written so.
+    /// True if it is the factor 1, written without points.
     pub fn is_constant(&self) -> bool {
         *self == Self::CONSTANT
     }
@@ -114,7 +115,7 @@ impl Course {
         self.extremes().map(f64::abs).into_iter().fold(0.0, f64::max)
     }
 
-    /// What makes it none, if anything does: a few words.
+    /// Flaw that makes it invalid, if there is one: a few words.
     pub fn flaw(&self) -> Option<&'static str> {
         let numbers: Vec<f64> = match self {
             Self::Points(points) | Self::Repeat(points) => points.concat(),
@@ -153,7 +154,7 @@ fn between(points: &[[f64; 2]], time: f64) -> f64 {
     }
 }
 
-/// How many periods lie before a time, and the time within the first.
+/// Number of whole periods before a time, and the time [s] within the first period.
 fn folded(points: &[[f64; 2]], time: f64) -> (f64, f64) {
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return (0.0, time) };
     let (begin, period) = (first[0], last[0] - first[0]);
@@ -161,6 +162,7 @@ fn folded(points: &[[f64; 2]], time: f64) -> (f64, f64) {
         return (0.0, time);
     }
     let periods = ((time - begin) / period).floor();
+    // Rounding may put the rest just outside the period.
     (periods, (time - periods * period).clamp(begin, last[0]))
 }
 

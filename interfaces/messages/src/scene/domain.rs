@@ -1,11 +1,11 @@
-//! The box, what its faces are, and the fluid in it.
+//! The domain: a box, boundary conditions at its faces, and the fluid in it.
 
 use super::course::Course;
 use super::reservoir::Reservoir;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// An axis-aligned box and what its six faces are.
+/// An axis-aligned box and the boundary conditions of its six faces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Domain {
@@ -33,7 +33,7 @@ impl Domain {
         std::array::from_fn(|a| self.max[a] - self.min[a])
     }
 
-    /// Whether the axis wraps around.
+    /// True if the axis wraps around.
     pub fn is_periodic(&self, axis: usize) -> bool {
         self.faces[axis][0] == Face::Periodic
     }
@@ -52,7 +52,7 @@ pub enum Face {
     Wall {
         /// Velocity of the wall along itself [m/s]; its normal part is zero.
         velocity: [f64; 3],
-        /// How it changes with time.
+        /// Factor on the velocity over time.
         #[serde(default, skip_serializing_if = "Course::is_constant")]
         course: Course,
     },
@@ -64,10 +64,10 @@ pub enum Face {
     Pressure {
         /// Gauge pressure, without its hydrostatic part [Pa].
         pressure: f64,
-        /// How it changes with time.
+        /// Factor on the pressure over time.
         course: Course,
-        /// Whether sound passes through instead of being thrown back; the pressure then holds on
-        /// average over the time that sound takes to cross the domain a few times.
+        /// The face lets sound out and does not reflect it. The pressure then holds on average over
+        /// the time that sound takes to cross the domain a few times.
         #[serde(default)]
         absorbing: bool,
     },
@@ -86,7 +86,7 @@ impl Face {
         Self::Wall { velocity, course: Course::CONSTANT }
     }
 
-    /// Whether fluid may pass.
+    /// True if fluid may pass.
     pub fn is_open(&self) -> bool {
         matches!(self, Self::Velocity(_) | Self::Pressure { .. } | Self::Reservoir(_))
     }
@@ -98,24 +98,24 @@ impl Face {
 pub struct OpenVelocity {
     /// Velocity [m/s]: everywhere, or at the middle of a parabolic profile.
     pub velocity: [f64; 3],
-    /// How it varies over the face.
+    /// Profile over the face.
     pub profile: Profile,
-    /// How it changes with time.
+    /// Factor over time.
     pub course: Course,
 }
 
-/// How a velocity varies over a face.
+/// Profile of a velocity over a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
-    /// Not at all.
+    /// The same velocity everywhere.
     Uniform,
     /// A parabola, zero at the edges, along each edge of the face that does not wrap around: the
     /// factor is the product of `4 s (1 - s)`, `s` running from 0 to 1 along the edge.
     Parabolic,
 }
 
-/// A fluid's material and what drives it.
+/// A fluid: its material, its driving acceleration, its state at the start, and its extent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FluidMaterial {

@@ -1,4 +1,4 @@
-//! Gaps that open and close, and what they are while they are too thin for a fluid to be resolved.
+//! Gaps that open and close: the model of a gap too thin for a fluid to be resolved in it.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,18 +12,17 @@ use serde::{Deserialize, Serialize};
 pub struct Gap {
     /// Name, unique in the scene.
     pub name: String,
-    /// Between what.
+    /// The two surfaces that bound it.
     pub between: [GapSide; 2],
-    /// The thickness from which its cells are fluid [cells].
+    /// Thickness from which its cells are fluid [cells].
     pub open_at: f64,
-    /// The thickness below which they are frozen again [cells]; at most `open_at`.
+    /// Thickness below which they are frozen again [cells]; at most `open_at`.
     pub close_at: f64,
-    /// Where the pressure comes from while it holds no fluid.
+    /// Rule for the pressure in it while it holds no fluid.
     pub pressure: GapRule,
-    /// The thickness below which its walls do not hold the fluid along themselves [cells]; 0: they
-    /// always do.
+    /// Thickness below which its walls let the fluid slip along them [cells]; 0: never.
     pub slip_below: f64,
-    /// Where it is; everywhere between the two, if nothing is said.
+    /// Region that it is limited to; `None`: everywhere between the two surfaces.
     pub region: Option<GapRegion>,
 }
 
@@ -42,7 +41,7 @@ pub enum GapSide {
     },
 }
 
-/// Where the pressure of a gap comes from while it holds no fluid.
+/// Rule for the pressure in a gap that holds no fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GapRule {
@@ -65,7 +64,7 @@ pub struct GapWeight {
     pub weight: f64,
 }
 
-/// Where a gap is.
+/// Region of a gap.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GapRegion {
@@ -88,7 +87,7 @@ pub enum GapRegion {
 }
 
 impl GapRegion {
-    /// Whether a point [m] is in it, its edges included.
+    /// True if a point [m] is in the region, its edges included.
     pub fn contains(&self, point: [f64; 3]) -> bool {
         match self {
             Self::Box { min, max } => (0..3).all(|a| min[a] <= point[a] && point[a] <= max[a]),

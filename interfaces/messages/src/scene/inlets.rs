@@ -1,4 +1,4 @@
-//! Where grains come from and go to during a run.
+//! Inlets and outlets: regions that add grains to a run and remove them.
 
 use super::Diameters;
 use serde::{Deserialize, Serialize};
@@ -75,14 +75,14 @@ pub struct Outlet {
     pub name: String,
     /// The axis across which its plane lies: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// Where on the axis [m].
+    /// Position of the plane on the axis [m].
     pub at: f64,
-    /// Which side of the plane: 0 below, 1 above.
+    /// Side of the plane: 0 below, 1 above.
     pub side: usize,
 }
 
 impl Outlet {
-    /// Whether a place lies in it.
+    /// True if a place [m] lies in the half space.
     pub fn holds(&self, x: [f64; 3]) -> bool {
         if self.side == 0 { x[self.axis] < self.at } else { x[self.axis] > self.at }
     }

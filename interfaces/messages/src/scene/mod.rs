@@ -35,7 +35,7 @@ pub use surfaces::{DeformableSurface, FacetKind, Section, SectionEdge, SurfaceSt
 
 use serde::{Deserialize, Serialize};
 
-/// What is simulated, independent of how.
+/// The scene: the system that is simulated, independent of the method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -62,10 +62,10 @@ pub struct Scene {
     /// mean density of the bodies that hold it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unions: Vec<String>,
-    /// Where spheres come from during the run.
+    /// Inlets, which add spheres during the run.
     #[serde(default)]
     pub inlets: Vec<Inlet>,
-    /// Where they go to.
+    /// Outlets, which remove spheres.
     #[serde(default)]
     pub outlets: Vec<Outlet>,
     /// Names of sets of bodies, and of clumps, whose motion and loads are to be signals, body by body, besides those that
@@ -74,7 +74,7 @@ pub struct Scene {
     pub followed: Vec<String>,
     /// Contact laws, one for each pair of materials that may touch.
     pub contacts: Vec<PairLaw>,
-    /// Where the run measures.
+    /// Probes: places where the run measures.
     pub probes: Vec<Probe>,
     /// Gaps that open and close.
     #[serde(default)]
@@ -103,8 +103,8 @@ impl Scene {
         }
     }
 
-    /// Names and units of what is measured at the probes, `probe.value` in their order; `values` says
-    /// what a component measures at a probe of a shape.
+    /// Names and units of the signals of all probes, `probe.value` in their order. `values` gives
+    /// the values and units that a component measures at a probe of a shape.
     pub fn probe_signals(
         &self,
         values: impl Fn(&ProbeShape) -> &'static [(&'static str, &'static str)],
@@ -117,13 +117,13 @@ impl Scene {
         self.probes.iter().flat_map(named).collect()
     }
 
-    /// Whether any body is a polyhedron.
+    /// True if any body is a polyhedron.
     pub fn has_polyhedra(&self) -> bool {
         self.bodies.iter().any(|set| matches!(set.placement, Placement::Polyhedra(_)))
     }
 
-    /// Whether spheres leave the run through a face of the domain: it is open, and an outlet removes those
-    /// whose centre has come that far.
+    /// True if spheres leave the run through a face of the domain: the face is open, and an outlet
+    /// removes spheres whose centre has come that far.
     pub fn is_way_out(&self, axis: usize, side: usize) -> bool {
         let domain = &self.domain;
         let before = |outlet: &Outlet| match side {

@@ -12,17 +12,18 @@ use serde::{Deserialize, Serialize};
 pub struct Part {
     /// Name, unique among the parts of the scene.
     pub name: String,
-    /// Its surface, in a frame of its own.
+    /// Surface, in the part's own frame.
     pub geometry: Geometry,
-    /// Where that frame is at the start.
+    /// Pose of that frame at the start.
     pub pose: Pose,
-    /// Whether the space inside the surface is free and that outside solid; else the other way round.
+    /// The space inside the surface is free and the space outside is solid; otherwise the inside is
+    /// solid.
     pub cavity: bool,
-    /// Its material, for contacts.
+    /// Name of the material, for contacts.
     pub material: String,
-    /// How it moves, about the origin of its frame.
+    /// Motion, about the origin of the frame.
     pub motion: Motion,
-    /// What it is to the fluid.
+    /// Boundary condition for the fluid.
     pub boundary: PartBoundary,
 }
 
@@ -32,9 +33,9 @@ pub struct Part {
 pub enum Geometry {
     /// Triangles from a file, STL (binary or text) or OBJ.
     File {
-        /// Its path, absolute.
+        /// Absolute path.
         path: String,
-        /// What one unit of the file is [m].
+        /// Length of one unit of the file [m].
         unit: f64,
     },
     /// A box about the origin.
@@ -54,7 +55,7 @@ pub enum Geometry {
         /// Radius [m].
         radius: f64,
     },
-    /// What a profile sweeps when it turns about the z axis: a nozzle, a valve, a ring.
+    /// Solid of revolution of a profile about the z axis: a nozzle, a valve, a ring.
     Revolved {
         /// Corners `[r, z]` of the profile [m], either way round. A profile that begins and ends on
         /// the axis is closed by it; any other is closed by its last edge, from the last corner to the
@@ -78,7 +79,7 @@ impl Pose {
     pub const IDENTITY: Self = Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
 }
 
-/// What a part is to the fluid.
+/// Boundary condition that a part sets to the fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PartBoundary {
@@ -88,14 +89,14 @@ pub enum PartBoundary {
     Velocity {
         /// Velocity [m/s].
         velocity: [f64; 3],
-        /// How it changes with time.
+        /// Factor on the velocity over time.
         course: Course,
     },
     /// The fluid comes and goes through the part's surface at a gauge pressure.
     Pressure {
         /// Gauge pressure, without its hydrostatic part [Pa].
         pressure: f64,
-        /// How it changes with time.
+        /// Factor on the pressure over time.
         course: Course,
     },
 }

@@ -1,4 +1,4 @@
-//! Convex polyhedra: their shapes, and where they are at the start.
+//! Convex polyhedra: their shapes, and their places at the start.
 
 use super::Packing;
 use serde::{Deserialize, Serialize};
@@ -20,11 +20,11 @@ pub struct Shape {
 pub struct Polyhedra {
     /// Name of the shape.
     pub shape: String,
-    /// Where they are.
+    /// Places and orientations at the start.
     pub placement: PolyhedronPlacement,
 }
 
-/// Where polyhedra are at the start.
+/// Places and orientations of polyhedra at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PolyhedronPlacement {

@@ -1,4 +1,4 @@
-//! Where a run measures the flow.
+//! Probes: points, lines, sections, boxes and rings in which a run measures the flow.
 
 use super::Ring;
 use serde::{Deserialize, Serialize};
@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 pub struct Probe {
     /// Name, unique in the scene: letters, digits, `_`.
     pub name: String,
-    /// Where.
+    /// Shape and place.
     pub shape: ProbeShape,
 }
 
-/// Where a probe measures.
+/// Shape and place of a probe.
 ///
 /// The fluid's means are over its cells there; none counts that a body covers. The grains answer to
 /// sections, regions and rings; where parts are solid does not enter.
@@ -36,7 +36,7 @@ pub enum ProbeShape {
     Section {
         /// The axis: 0, 1, 2 for x, y, z.
         axis: usize,
-        /// Where on the axis [m].
+        /// Position on the axis [m].
         position: f64,
         /// Lower corner; the entry along the axis has no meaning [m].
         min: [f64; 3],
@@ -48,7 +48,7 @@ pub enum ProbeShape {
     Profile {
         /// The axis: 0, 1, 2 for x, y, z.
         axis: usize,
-        /// Where on the axis [m].
+        /// Position on the axis [m].
         position: f64,
         /// Lower corner; the entry along the axis has no meaning [m].
         min: [f64; 3],
@@ -56,7 +56,7 @@ pub enum ProbeShape {
         max: [f64; 3],
         /// The other axis.
         along: usize,
-        /// How many strips, 1 to [`ProbeShape::MOST_BINS`].
+        /// Number of strips, 1 to [`ProbeShape::MOST_BINS`].
         bins: usize,
     },
     /// Mean over a box. Of the fluid: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`, and

@@ -18,7 +18,7 @@ pub struct Reservoir {
     pub volume: f64,
     /// Velocity of the piston towards the domain [m/s].
     pub piston: f64,
-    /// How that changes with time.
+    /// Factor on that velocity over time.
     pub course: Course,
     /// Time from which on the piston stands still [s].
     #[serde(default)]
@@ -27,19 +27,20 @@ pub struct Reservoir {
     /// from 0 to 1. Without any, velocities along a wide face may run away from each other.
     #[serde(default = "Reservoir::default_relaxation")]
     pub relaxation: f64,
-    /// How the reservoir's mass is kept.
+    /// Balance of the reservoir's mass.
     #[serde(default)]
     pub mode: ReservoirMode,
 }
 
-/// How the mass of a reservoir is kept.
+/// Balance of the mass of a reservoir.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ReservoirMode {
-    /// It loses what the fluid gains, to rounding.
+    /// The reservoir loses the mass that the fluid gains, to rounding.
     #[default]
     Conservative,
-    /// Its density follows from the velocity at the face, as published (Mutabaruka & Kamrin, Eq. 30).
+    /// The reservoir's density follows from the velocity at the face, as published (Mutabaruka &
+    /// Kamrin, Eq. 30).
     /// Unstable for short reservoirs of nearly inviscid fluid: kept to show that.
     Mk,
 }

@@ -12,7 +12,7 @@ pub struct Ring {
     pub through: [f64; 3],
     /// Inner and outer radius [m].
     pub radii: [f64; 2],
-    /// Where it begins and ends along the line, from the point [m].
+    /// Begin and end along the line, from the point [m].
     pub heights: [f64; 2],
 }
 
@@ -22,10 +22,11 @@ impl Ring {
         [(self.axis + 1) % 3, (self.axis + 2) % 3]
     }
 
-    /// Whether a point [m] is in it; rings side by side never share one.
+    /// True if a point [m] is in the ring. Rings side by side never share a point.
     pub fn holds(&self, point: [f64; 3]) -> bool {
         let [b, c] = self.across().map(|a| point[a] - self.through[a]);
         let (square, height) = (b * b + c * c, point[self.axis] - self.through[self.axis]);
+        // Half-open intervals: two rings that share a face never count a centre twice.
         let within = |x: f64, [from, to]: [f64; 2]| from <= x && x < to;
         within(square, self.radii.map(|r| r * r)) && within(height, self.heights)
     }

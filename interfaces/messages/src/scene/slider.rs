@@ -26,7 +26,7 @@ pub struct Slider {
     pub spring: SliderSpring,
     /// Constant force along the axis, besides the weight [N].
     pub force: f64,
-    /// What bounds the travel, if anything does.
+    /// Stops that bound the travel, if there are any.
     pub stops: Option<Stops>,
 }
 

@@ -3,11 +3,11 @@
 use super::Pose;
 use serde::{Deserialize, Serialize};
 
-/// A surface that changes its shape: what a section sweeps when it turns about the z axis, carried by
-/// a part.
+/// A surface that changes its shape: a section turned about the z axis, carried by a part.
 ///
-/// It is shaped by the component with the role rubber; all others know from here which vertices its
-/// facets have (`tremie_geometry::Turned`), and get told where they are.
+/// The component with the role rubber finds its shape. All other components know from the scene
+/// which vertices its facets have (`tremie_geometry::Turned`), and receive the positions of the
+/// vertices.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeformableSurface {
@@ -17,19 +17,19 @@ pub struct DeformableSurface {
     pub carrier: String,
     /// File of the table of its force and shapes, absolute path.
     pub table: String,
-    /// Where the section's frame is in the carrier's.
+    /// Pose of the section's frame in the carrier's frame.
     pub pose: Pose,
     /// Steps in which the section is turned.
     pub sectors: u32,
-    /// Its material, for contacts.
+    /// Name of the material, for contacts.
     pub material: String,
     /// Stiffness of its contact with walls, planes and parts other than its carrier, for each unit of its
     /// area [N/m³].
     pub seat_stiffness: f64,
-    /// How it begins.
+    /// Shape at the start.
     #[serde(default)]
     pub start: SurfaceStart,
-    /// What is turned.
+    /// Section that is turned.
     pub section: Section,
 }
 
@@ -37,7 +37,7 @@ pub struct DeformableSurface {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceStart {
-    /// How far it is compressed [m].
+    /// Compression [m].
     pub compression: f64,
     /// Radius and height of each point of its section then [m]; none where it is at rest.
     pub points: Vec<[f64; 2]>,
@@ -60,11 +60,11 @@ pub struct Section {
 pub struct SectionEdge {
     /// The points where it begins and ends.
     pub points: [u32; 2],
-    /// What becomes of it.
+    /// Kind of facets that the edge sweeps.
     pub kind: FacetKind,
 }
 
-/// What becomes of a piece of a deformable surface.
+/// Kind of a piece of a deformable surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FacetKind {
@@ -80,7 +80,7 @@ pub enum FacetKind {
 }
 
 impl Section {
-    /// Whether a point is on the axis, and stays there.
+    /// True if a point is on the axis, where it stays.
     pub fn is_on_axis(&self, point: u32) -> bool {
         self.points[point as usize][0] == 0.0
     }

@@ -1,9 +1,9 @@
-//! What a component says of itself.
+//! Description: a component's own account of its step, signals, frames and needs.
 
 use crate::{Finding, Limit};
 use serde::{Deserialize, Serialize};
 
-/// What a component is and needs.
+/// A component's description of itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Description {
     /// Interface version that the component was built for.
@@ -13,8 +13,9 @@ pub struct Description {
     /// The step that it would take: the largest that is stable and accurate, or the user's [s].
     /// `None` for observers, and for solvers that can take any step.
     pub step: Option<f64>,
-    /// What keeps the step from being longer, a few words: the smallest grain and its stiffness, the cell and the speed,
-    /// the key that sets it. Empty where it is not said.
+    /// Cause that keeps the step from being longer, a few words: the smallest grain and its
+    /// stiffness, the cell and the speed, the key that sets it. Empty where the component does not
+    /// say.
     #[serde(default)]
     pub step_limit: String,
     /// Number of bodies that it brings (grains).
@@ -26,14 +27,13 @@ pub struct Description {
     /// Whole fields that it can send to observers.
     #[serde(default)]
     pub volumes: Vec<VolumeSpec>,
-    /// Of a fluid: whether it tells the velocities at open faces ([`crate::PortState`]); of grains: whether
-    /// they take them.
+    /// A fluid sends the velocities at open faces ([`crate::PortState`]); grains take them.
     #[serde(default)]
     pub ports: bool,
-    /// For an observer: what it wants to see.
+    /// Frames that an observer wants to see.
     #[serde(default)]
     pub watches: Watches,
-    /// What one unit of [`crate::control::Report::work`] is: `cell updates`, `grain steps`.
+    /// Unit of [`crate::control::Report::work`]: `cell updates`, `grain steps`.
     pub work: String,
     /// Work of one step in that unit, as far as it is known before the run; 0 where it is not.
     #[serde(default)]
@@ -45,7 +45,7 @@ pub struct Description {
     /// Numbers that say how far the results can be trusted, each with a verdict.
     #[serde(default)]
     pub findings: Vec<Finding>,
-    /// What its signals must keep below, judged when the run is over.
+    /// Limits of its signals, judged when the run is over.
     #[serde(default)]
     pub limits: Vec<Limit>,
     /// Memory that the component expects to take [bytes]; 0 where it does not know.
@@ -62,12 +62,12 @@ pub struct Signal {
     pub name: String,
     /// SI unit, `1` if it has none.
     pub unit: String,
-    /// What it is, a few words without a full stop; empty where a component says nothing.
+    /// Meaning, a few words without a full stop; empty where a component says nothing.
     #[serde(default)]
     pub meaning: String,
-    /// Whether it has a value only in windows whose row is kept, and in a run's last, because it takes time to measure
-    /// or is a mean from row to row; otherwise it has one in every window. Fluids and grains may have such signals; those
-    /// of a fluid come after all others.
+    /// The signal has a value only in windows whose row is kept, and in a run's last: it takes time
+    /// to measure, or is a mean from row to row. Other signals have a value in every window. Fluids
+    /// and grains may have such signals; those of a fluid come after all others.
     #[serde(default)]
     pub sampled: bool,
 }
@@ -110,7 +110,8 @@ pub struct VolumeSpec {
     pub count: [u64; 3],
 }
 
-/// What an observer wants to see. Streams that nobody wants are not set up, and cost nothing.
+/// Frames that an observer wants to see. Streams that nobody wants are not set up, and cost
+/// nothing.
 ///
 /// Left out of a description, it is everything but deformable surfaces and whole fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -143,7 +144,7 @@ impl Default for Watches {
     }
 }
 
-/// How much of a field an observer wants.
+/// Part of a field that an observer wants.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct VolumeWish {

@@ -1,8 +1,8 @@
-//! Faults, and those that are committed on purpose.
+//! Faults of components, and injections: faults committed on purpose in tests.
 
 use serde::{Deserialize, Serialize};
 
-/// What went wrong in a component, both sides named.
+/// A component's failure, with the component that noticed it and the one to blame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
     /// Kind of the fault.
@@ -13,7 +13,7 @@ pub struct Fault {
     pub blamed: String,
     /// Window in which it happened.
     pub window: u64,
-    /// What was expected and what was found, a sentence.
+    /// Sentence with the value expected and the value found.
     pub message: String,
 }
 
@@ -58,9 +58,9 @@ pub enum FaultKind {
 /// A fault to commit on purpose in one window.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Injection {
-    /// What to do.
+    /// Kind of the fault.
     pub kind: InjectionKind,
-    /// In which window.
+    /// Window in which the component commits it.
     pub window: u64,
 }
 

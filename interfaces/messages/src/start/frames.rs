@@ -3,7 +3,7 @@
 use super::{Signal, VolumeSpec, VolumeWish};
 use serde::{Deserialize, Serialize};
 
-/// What a frame holds.
+/// Content of a frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrameContent {
@@ -87,7 +87,7 @@ pub struct FrameStream {
     pub from: String,
     /// Receiving observer.
     pub to: String,
-    /// What a frame holds.
+    /// Content of a frame.
     pub content: FrameContent,
     /// A frame every so many windows, one of the start exchange, and one of the run's last window.
     pub every: u64,

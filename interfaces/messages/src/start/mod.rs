@@ -1,4 +1,4 @@
-//! The start contract: how a component process is started, asked what it is, and told what to do.
+//! The start contract: a component process is started, describes itself, and gets its assignment.
 //!
 //! It is plain text, so that any language can take part. The orchestrator starts the program with
 //! the environment variable [`INTERFACE_VARIABLE`] set and speaks with it in lines of JSON, one
@@ -30,17 +30,17 @@ use crate::schedule::{Edge, Script};
 use crate::{Problem, Role, scene::Scene};
 use serde::{Deserialize, Serialize};
 
-/// Environment variable that tells a program that it was started as a component; its value is the
-/// interface version in decimal.
+/// Environment variable of a program that is started as a component; its value is the interface
+/// version in decimal.
 pub const INTERFACE_VARIABLE: &str = "TREMIE_INTERFACE";
 
 /// A line from the orchestrator to a component.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Request {
-    /// Who are you, and can you do this?
+    /// Asks for the component's description, and whether it can simulate the scene.
     Hello(Box<Hello>),
-    /// Do this.
+    /// Gives the component its work in the run.
     Assignment(Box<Assignment>),
     /// Close everything and exit.
     Quit {},
@@ -54,7 +54,7 @@ pub enum Reply {
     Description(Box<Description>),
     /// The input is wrong; each problem names its key.
     Refusal {
-        /// What is wrong.
+        /// The problems, one for each wrong key.
         problems: Vec<Problem>,
     },
     /// All channels are open; answers [`Request::Assignment`].
@@ -68,9 +68,9 @@ pub enum Reply {
     Waiting {
         /// The peer.
         from: String,
-        /// What the peer owes, as `state of window 7`.
+        /// The missing message, as `state of window 7`.
         what: String,
-        /// Window whose message the peer owes.
+        /// Window of the missing message.
         owed: u64,
         /// When this wait began, after everything that the component had to send before: nanoseconds
         /// of the machine's clock, comparable between processes.
@@ -79,8 +79,8 @@ pub enum Reply {
         looked: u64,
         /// Window that the component works on.
         window: u64,
-        /// Inside a window: which message of the exchange between grains and rubber is owed, counted so
-        /// that later ones have larger numbers; else 0.
+        /// Inside a window: number of the missing message of the exchange between grains and
+        /// rubber, counted so that later ones have larger numbers; else 0.
         #[serde(default)]
         turn: u64,
     },
@@ -88,7 +88,7 @@ pub enum Reply {
     GaveUp {
         /// The observer.
         observer: String,
-        /// What failed.
+        /// Reason, a sentence.
         why: String,
     },
     /// An observer that was told to finish is still at it: it has taken frames since it last spoke,
@@ -100,14 +100,14 @@ pub enum Reply {
     Finished {
         /// Last window that the component completed.
         window: u64,
-        /// What an observer wrote or lost, for the run's summary; empty for physics.
+        /// Outputs that an observer wrote or lost, for the run's summary; empty for physics.
         note: String,
     },
     /// Something failed; the component ends.
     Fault(Fault),
 }
 
-/// First request: what the component will take part in.
+/// First request: the role, scene and parameters of the component.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
     /// Interface version of the orchestrator; a component of another version refuses.
@@ -116,9 +116,9 @@ pub struct Hello {
     pub run: u64,
     /// Name of the component in this run.
     pub component: String,
-    /// What it shall stand for.
+    /// Role that it shall take.
     pub role: Role,
-    /// What is simulated.
+    /// The scene.
     pub scene: Scene,
     /// The component's own table in the manifest, as written there (units and all).
     pub parameters: serde_json::Map<String, serde_json::Value>,
@@ -149,7 +149,7 @@ impl Clock {
     }
 }
 
-/// Second request: what the component has to do.
+/// Second request: the component's steps, edges, script and frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Assignment {
     /// Ticks and windows.
@@ -166,17 +166,17 @@ pub struct Assignment {
     pub body_capacity: u64,
     /// Edges that this component sends or receives on; scripts index this list.
     pub edges: Vec<Edge>,
-    /// What to do in each window.
+    /// Operations of each window.
     pub script: Script,
     /// Frames to send (physics) or to take (observers).
     pub frames: Vec<FrameStream>,
-    /// How to reach the others.
+    /// Shared memory through which it reaches the others.
     pub transport: Transport,
     /// Faults to commit on purpose, for tests of a run's guards.
     pub injections: Vec<Injection>,
 }
 
-/// Where shared memory of a run is found, and how long to wait.
+/// Names of a run's shared memory, and limits of waits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transport {
     /// `true`: processes (`ipc`); `false`: threads of one process (`local`).
@@ -193,6 +193,6 @@ pub struct Transport {
     pub report_depth: u64,
     /// Longest wait for a peer's message [s]; after it the peer counts as hung.
     pub deadline: f64,
-    /// How long to poll before blocking [s].
+    /// Time to poll before blocking [s].
     pub poll: f64,
 }
