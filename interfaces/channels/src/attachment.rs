@@ -12,9 +12,9 @@ use iceoryx2::service::{Service, service_name::ServiceName};
 use std::time::Duration;
 use tremie_messages::Message;
 
-/// Where the components of a run live: in processes of their own, or as threads of one.
+/// Medium of a run's channels: memory shared between processes, or between threads of one process.
 pub trait ChannelMedium: Service + 'static {
-    /// Whether the memory of channels comes zeroed from the operating system.
+    /// The memory of channels comes zeroed from the operating system.
     const ZEROED: bool;
 }
 
@@ -39,7 +39,7 @@ pub struct Attachment<S: ChannelMedium> {
     patience: Duration,
 }
 
-/// What a channel is made for. Sender and receiver must say the same.
+/// Size and depth of a channel. Sender and receiver must give the same.
 #[derive(Clone, Copy, Debug)]
 pub struct ChannelSpec<'a> {
     /// Name, unique in the run.
@@ -120,8 +120,8 @@ impl<S: ChannelMedium> Attachment<S> {
         Receiver::open(&self.node, spec)
     }
 
-    /// Frees what members of the run that died had in shared memory: a sender whose receiver was
-    /// killed stays blocked until somebody does this.
+    /// Frees the shared memory of members of the run that died. A sender whose receiver was killed
+    /// stays blocked until somebody does this.
     pub fn clean_after_dead(&self) {
         self.node.try_cleanup_dead_nodes();
     }
@@ -142,6 +142,8 @@ macro_rules! publish_subscribe {
             .service_builder(&crate::attachment::service_name($spec.service)?)
             .publish_subscribe::<[crate::wire::Wire<$item>]>()
             .user_header::<crate::wire::Wire<$header>>()
+            // Without overflow iceoryx2 makes the sender wait, for which `Sender::open` sets a
+            // bound.
             .enable_safe_overflow(!$spec.lossless)
             .subscriber_max_buffer_size($spec.depth)
             .subscriber_max_borrowed_samples($spec.borrowed)

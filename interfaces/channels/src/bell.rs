@@ -1,4 +1,5 @@
-//! Waiting: poll for a bounded time, giving way to others, then sleep until somebody rings.
+//! Bells: a component polls for a bounded time, giving way to others, then sleeps until a sender
+//! rings.
 //!
 //! Polling alone starves the very process it waits for when there are more processes than cores;
 //! sleeping alone costs a wake-up per message. Every component has one bell, and every sender rings
@@ -11,10 +12,10 @@ use iceoryx2::port::notifier::{Notifier, NotifierNotifyError};
 use iceoryx2::service::port_factory::event::PortFactory;
 use std::time::{Duration, Instant};
 
-/// How a wait ended.
+/// Outcome of a wait.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Wait<T> {
-    /// What was waited for.
+    /// The value that was waited for.
     Ready(T),
     /// It did not come in time.
     TimedOut,
@@ -45,6 +46,7 @@ fn bell_service<S: ChannelMedium>(
         .service_builder(&service_name(&name)?)
         .event()
         .max_listeners(1)
+        // Room for the peers of many components: each may ring this bell.
         .max_notifiers(64)
         .max_nodes(64)
         .open_or_create()
@@ -80,6 +82,7 @@ impl<S: ChannelMedium> Bell<S> {
         deadline: Instant,
         mut check: impl FnMut() -> Result<Option<T>, E>,
     ) -> Result<Wait<T>, E> {
+        // A message that is there already costs no clock and no system call.
         if let Some(found) = check()? {
             return Ok(Wait::Ready(found));
         }
@@ -95,9 +98,11 @@ impl<S: ChannelMedium> Bell<S> {
             if now >= deadline {
                 return Ok(Wait::TimedOut);
             }
+            // At most 20 ms: a sender may have died between its send and its ring.
             let nap = (deadline - now).min(Duration::from_millis(20));
             match self.listener.timed_wait(|_| {}, nap) {
                 Ok(_) => {}
+                // A signal ends the nap early; the check below decides.
                 Err(iceoryx2::port::listener::ListenerWaitError::InterruptSignal) => {}
                 Err(why) => return Err(ChannelError::failed(&self.name, why).into()),
             }
@@ -109,7 +114,7 @@ impl<S: ChannelMedium> Bell<S> {
 }
 
 impl<S: ChannelMedium> Ringer<S> {
-    /// Takes hold of the rope of `component`'s bell.
+    /// Connects to the bell of `component`.
     ///
     /// # Errors
     /// [`ChannelError::Open`].
@@ -127,6 +132,7 @@ impl<S: ChannelMedium> Ringer<S> {
     pub fn ring(&self) -> Result<(), ChannelError> {
         match self.notifier.notify() {
             Ok(_)
+            // Both concern the clock of iceoryx2, and are found after the bell was rung.
             | Err(
                 NotifierNotifyError::UnableToAcquireElapsedTime
                 | NotifierNotifyError::MissedDeadline,

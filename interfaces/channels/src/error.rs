@@ -1,4 +1,4 @@
-//! What can go wrong with a channel.
+//! Errors of channels.
 
 /// A channel could not be opened, or did not take or give a message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

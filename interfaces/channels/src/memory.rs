@@ -1,8 +1,9 @@
-//! How much shared memory channels take, and whether the machine has it.
+//! Shared memory that channels take, and the room that the machine has for it.
 //!
-//! Memory of a channel is a file in `/dev/shm` that is made with its full length, of which the system sets pages aside
-//! only when they are touched: where there are none left then, it ends the process by a signal (SIGBUS). So a run asks
-//! for room before it begins ([`provide`]), and has all pages set aside before its first message ([`commit`]).
+//! The memory of a channel is a file in `/dev/shm`, made with its full length. The system sets its
+//! pages aside only when they are touched. Where no page is left then, the system ends the process
+//! by a signal (SIGBUS). So a run asks for room before it begins ([`provide`]), and has all pages
+//! set aside before its first message ([`commit`]).
 
 use rustix::fs::{FallocateFlags, fallocate, statvfs};
 use rustix::io::Errno;
@@ -10,23 +11,25 @@ use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::Path;
 
-/// Where POSIX shared memory appears on Linux.
+/// Folder of POSIX shared memory on Linux.
 pub const SHARED_MEMORY: &str = "/dev/shm";
 /// Memory is given in pages [bytes].
 const PAGE: u64 = 4096;
 
-/// What iceoryx2 puts before each message, its place in the list of free ones included [bytes].
+/// Head of iceoryx2 before each message, its place in the list of free ones included [bytes].
 const MESSAGE: u64 = 56;
-/// What it puts before the messages of a channel [bytes].
+/// Head of iceoryx2 before the messages of a channel [bytes].
 const SEGMENT: u64 = 256;
-/// Of a connection between sender and receiver: at all, and for each message that it has room for [bytes].
+/// Connection between sender and receiver: fixed part, and part for each message that it has room
+/// for [bytes].
 const CONNECTION: [u64; 2] = [320, 17];
-/// Who takes part in a channel [bytes].
+/// List of the members of a channel [bytes].
 const MEMBERS: u64 = PAGE;
-/// Who takes part in a bell, and the bell [bytes].
+/// List of the members of a bell, and the bell itself [bytes].
 const BELL: u64 = 4 * PAGE;
 
-/// Memory of a channel whose messages have so many bytes of header and of each value, in whole pages [bytes].
+/// Memory of a channel, in whole pages [bytes]. `header` is the size of a message's header [bytes],
+/// `value` that of one of its values [bytes].
 ///
 /// Measured of iceoryx2 0.10; `spec` as for its ends.
 pub fn of_channel(header: usize, value: usize, spec: crate::ChannelSpec<'_>) -> u64 {
@@ -52,7 +55,7 @@ fn pages(bytes: u64) -> u64 {
 pub struct Room {
     /// All of it [bytes].
     pub total: u64,
-    /// What is free [bytes].
+    /// Free part of it [bytes].
     pub free: u64,
 }
 
@@ -65,7 +68,7 @@ impl Room {
     }
 }
 
-/// Why shared memory does not do.
+/// Reason why shared memory cannot hold the run.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMemory {
     /// There is too little.
@@ -75,11 +78,11 @@ pub enum NoMemory {
         size(.room.free), size(.room.total), size(*.need), .want, .want
     )]
     Full {
-        /// What the run needs [bytes].
+        /// Need of the run [bytes].
         need: u64,
-        /// What there is.
+        /// Size and free part.
         room: Room,
-        /// How large it should be [MB].
+        /// Size that would do [MB].
         want: u64,
     },
     /// There is room, but not for another file.
@@ -109,6 +112,7 @@ impl NoMemory {
 
     fn of(error: Errno, need: u64) -> Self {
         match (error, Room::ask()) {
+            // Bytes are free, so the system lacks inodes: it reports both by one error.
             (Errno::NOSPC, Some(room)) if room.free >= need.max(PAGE) => Self::Files,
             (Errno::NOSPC | Errno::DQUOT | Errno::NOMEM, Some(room)) => Self::full(need, room),
             _ => Self::Closed { why: io::Error::from(error).to_string() },
@@ -124,12 +128,13 @@ fn size(bytes: u64) -> String {
     }
 }
 
-/// Looks whether a run that names its memory with `prefix` can have `need` bytes of it.
+/// Checks that a run that names its memory with `prefix` can have `need` bytes of it.
 ///
 /// # Errors
 /// See [`NoMemory`].
 pub fn provide(prefix: &str, need: u64) -> Result<(), NoMemory> {
     let path = Path::new(SHARED_MEMORY).join(format!("{prefix}trial"));
+    // One page shows whether files can be made and pages set aside; the size is asked below.
     let tried = File::create_new(&path)
         .and_then(|file| Ok(fallocate(&file, FallocateFlags::empty(), 0, PAGE)?));
     let _ = fs::remove_file(&path);

@@ -31,7 +31,10 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
         let publisher = service
             .publisher_builder()
             .initial_max_slice_len(spec.capacity.max(1))
+            // `of_channel` counts one message that is being written, so no second one may be
+            // loaned.
             .max_loaned_samples(1)
+            // A bounded wait: without a handler iceoryx2 loses the message, or waits for ever.
             .set_backpressure_handler(move |info| {
                 if info.elapsed_time < patience {
                     BackpressureAction::Retry
@@ -70,6 +73,7 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
             .publisher
             .loan_slice_uninit(count)
             .map_err(|e| ChannelError::failed(&self.name, e))?;
+        // Only the operating system hands out zeroed memory; a `T` must not be read before that.
         if !S::ZEROED {
             for slot in sample.payload_mut() {
                 *slot = MaybeUninit::zeroed();

@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 
 /// Room that the bookkeeping of a run takes, and some more [bytes].
 const BOOKKEEPING: u64 = 512 << 10;
-/// How the names of all shared memory of Tremie begin.
+/// Prefix of the names of all shared memory of Tremie.
 const PREFIX: &str = "tremie_";
 
-/// The places of one run; they are removed when this is dropped.
+/// Folder and shared memory of one run; both are removed when this is dropped.
 #[derive(Debug)]
 pub struct RunPlaces {
     folder: PathBuf,
@@ -37,9 +37,11 @@ impl RunPlaces {
         // Locked before it bears the name by which others find it: they never see it unlocked.
         let hidden = base.join(format!(".{run:016x}"));
         private_folder(&hidden)?;
+        // Before iceoryx2 makes its files: it would fail on a full disk without saying so.
         try_room(&hidden.join("room"))?;
         let lock = File::create(hidden.join("lock"))?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive)?;
+        // From here on other runs see the folder.
         fs::rename(&hidden, &folder)?;
         Ok(Self { folder, prefix: prefix_of(run), _lock: lock })
     }
@@ -62,7 +64,8 @@ impl Drop for RunPlaces {
     }
 }
 
-/// Removes what killed runs of this user left behind; returns how many runs that were.
+/// Removes folders and shared memory that killed runs of this user left behind; returns the number
+/// of such runs.
 ///
 /// # Errors
 /// If the folder that holds all runs cannot be read.
@@ -71,6 +74,8 @@ pub fn sweep_dead_runs() -> io::Result<usize> {
     for entry in fs::read_dir(base()?)? {
         let folder = entry?.path();
         let name = folder.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        // A name with a dot is a folder that is not locked yet: it is no number, and is passed
+        // over.
         let Ok(run) = u64::from_str_radix(&name, 16) else {
             continue;
         };
@@ -115,12 +120,13 @@ fn forgive_missing(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// How the names of a run's shared memory begin.
+/// Prefix of the names of a run's shared memory.
 pub fn prefix_of(run: u64) -> String {
     format!("{PREFIX}{run:016x}_")
 }
 
-/// Tries whether the bookkeeping of a run has room: iceoryx2 does not say why it lacks it.
+/// Sets room aside for the bookkeeping of a run, and gives it back: iceoryx2 does not say when it
+/// lacks room.
 fn try_room(path: &Path) -> io::Result<()> {
     let tried = fallocate(&File::create(path)?, FallocateFlags::empty(), 0, BOOKKEEPING);
     forgive_missing(fs::remove_file(path))?;
@@ -147,6 +153,7 @@ fn base() -> io::Result<PathBuf> {
 }
 
 fn private_folder(path: &Path) -> io::Result<()> {
+    // Mode 0700: other users can neither read nor link into it.
     match DirBuilder::new().mode(0o700).create(path) {
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Ok(()),
         other => other,
@@ -155,6 +162,7 @@ fn private_folder(path: &Path) -> io::Result<()> {
 
 fn is_dead(folder: &Path) -> bool {
     match File::open(folder.join("lock")) {
+        // The lock is let go when `lock` is dropped here. A living run holds it for good.
         Ok(lock) => !matches!(
             flock(&lock, FlockOperation::NonBlockingLockExclusive),
             Err(Errno::WOULDBLOCK)
@@ -165,6 +173,7 @@ fn is_dead(folder: &Path) -> bool {
 }
 
 fn remove(folder: &Path, prefix: &str) -> io::Result<()> {
+    // Memory first, folder last: a sweep that is cut short finds the folder and goes on.
     for entry in fs::read_dir(SHARED_MEMORY)?.flatten() {
         if entry.file_name().to_string_lossy().starts_with(prefix) {
             forgive_missing(fs::remove_file(entry.path()))?;
