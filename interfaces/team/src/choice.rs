@@ -1,17 +1,18 @@
-//! Whether a team is faster than its caller alone, found by trying.
+//! Choice between a team of threads and its caller alone, by measured times.
 //!
-//! A second thread costs some microseconds a list, more where it has to be woken; small work is done sooner
-//! without. Results do not depend on threads, so that the choice may be left to measurement.
+//! A second thread costs some microseconds a list, and more where it has to be woken. So one thread
+//! does small work sooner. Results do not depend on threads, so measurement may choose.
 
 use std::time::{Duration, Instant};
 
-/// How often either way is tried.
+/// Number of times that either way is tried.
 const TRIES: u32 = 8;
-/// After so many times both ways are tried again: soon where nothing or something else was found before, because other
-/// programs may have been in the way, and twice as late each time that the same was found.
+/// Number of times after which both ways are tried again. It begins at `SOON`, because other
+/// programs may have been in the way. It doubles up to `LATE` as long as the finding stays, and
+/// begins anew where the finding changes.
 const SOON: u32 = 1_000;
 const LATE: u32 = 20_000;
-/// A team has to be this much faster.
+/// Ratio of the team's time to the caller's below which the team is used.
 const WORTH: f64 = 0.95;
 
 /// Work that comes again and again, and the faster way to do it.
@@ -21,7 +22,7 @@ pub struct Choice {
     /// Size of the work when it was tried.
     size: usize,
     tried: u32,
-    /// How often the work was done since trying began, and how often it will be until that is tried again.
+    /// Times that the work was done since trying began, and times after which it is tried again.
     since: u32,
     again: u32,
     /// Least time on the whole team, and alone.
@@ -30,7 +31,7 @@ pub struct Choice {
     spent: Duration,
 }
 
-/// What trying found.
+/// Finding of the tries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     /// Threads of the team.
@@ -39,7 +40,7 @@ pub struct Found {
     pub together: Duration,
     /// Least time on one.
     pub alone: Duration,
-    /// Whether it goes on with one.
+    /// The work goes on with one thread.
     pub is_alone: bool,
 }
 
@@ -70,13 +71,15 @@ impl Choice {
         }
     }
 
-    /// Work of some size begins; returns whether it is to be done alone. Both ways are tried anew when it is half as large
-    /// again as it was when they were, or two thirds, and now and then: what it costs may depend on more than its size.
+    /// Begins work of some size; returns `true` if the caller does it alone. Both ways are tried
+    /// anew when the size has grown by half or shrunk by a third since they were tried. They are
+    /// tried anew now and then besides: the cost may depend on more than the size.
     pub fn begin(&mut self, size: usize) -> bool {
         if self.threads < 2 {
             return true;
         }
         self.since += 1;
+        // Integers: 3/2 and 2/3 of the size, without rounding. The first call with work comes here.
         if 2 * size > 3 * self.size || 3 * size < 2 * self.size {
             *self = Self { size, ..Self::new(self.threads) };
         } else if self.since > self.again {
@@ -84,29 +87,31 @@ impl Choice {
         }
         if self.is_trying() {
             self.spent = Duration::ZERO;
+            // The first tries go to the team, the later ones to the caller alone.
             return self.tried >= TRIES;
         }
         self.is_alone
     }
 
-    /// The time, while that matters.
+    /// The present time, while tries go on; `None` spares the clock otherwise.
     pub fn clock(&self) -> Option<Instant> {
         self.is_trying().then(Instant::now)
     }
 
-    /// A part of the work is done that began then.
+    /// Adds the time of a part of the work that began at `begin`.
     pub fn spend(&mut self, begin: Option<Instant>) {
         if let Some(begin) = begin {
             self.spent += begin.elapsed();
         }
     }
 
-    /// The work is done. Tells what was found, once.
+    /// Ends the work. Returns the finding, once, after the last try.
     pub fn end(&mut self) -> Option<Found> {
         if !self.is_trying() {
             return None;
         }
         let least = &mut self.least[usize::from(self.tried >= TRIES)];
+        // The least time: whatever else runs on the machine only ever adds to it.
         *least = (*least).min(self.spent);
         self.tried += 1;
         if self.is_trying() {

@@ -1,4 +1,4 @@
-//! Which vector instructions a processor has, found at run time: one program for all.
+//! Vector instructions that a processor has, found at run time: one program for all.
 //!
 //! The compiler neither fuses nor reorders operations on numbers, so that the same work gives the same bits in
 //! whichever instructions it is compiled for.
@@ -24,7 +24,7 @@ impl Variant {
     /// All variants, the widest last.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// Whether this processor has the instructions.
+    /// True if this processor has the instructions.
     #[inline]
     pub fn available(self) -> bool {
         match self {

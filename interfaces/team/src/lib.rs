@@ -1,9 +1,9 @@
-//! What of a processor a solver uses: a team of threads that works through one list after another, and vector
-//! [instructions].
+//! Team of threads that works through one list after another, and vector [instructions] of the
+//! processor.
 //!
-//! The team belongs to one solver and lives as long. Items of a list are handed out run by run, so
-//! which thread does which is left to chance: results must not depend on it, and do not, because
-//! every item has its own place for results.
+//! The team belongs to one solver and lives as long. Items of a list are handed out in runs, so
+//! chance decides which thread does which item. Results do not depend on it, because every item has
+//! its own place for results.
 //!
 //! Other processes share the processor. A worker that is not running when a list begins is not
 //! waited for; whoever waits spins a little, then yields a little, then sleeps.
@@ -37,7 +37,7 @@ const ACTIVE: u64 = OPEN - 1;
 /// One job further: the upper bits of the state number the jobs.
 const NEXT: u64 = 1 << 16;
 
-/// What leader and workers share.
+/// State that leader and workers share.
 struct Shared {
     /// Number of the job, whether it is open, and how many workers are in it.
     state: AtomicU64,
@@ -46,7 +46,7 @@ struct Shared {
     job: UnsafeCell<Option<*const (dyn Fn() + Sync)>>,
     /// The thread to wake when the last worker leaves.
     leader: Mutex<Option<Thread>>,
-    /// What the first worker that panicked said.
+    /// Payload of the first worker's panic.
     panic: Mutex<Option<Box<dyn Any + Send>>>,
     stop: AtomicBool,
 }
@@ -67,15 +67,17 @@ pub struct Team {
     is_alone: bool,
 }
 
-/// So many runs of pieces a thread gets at least, where there are enough.
+/// Least number of runs of pieces for each thread, where there are enough pieces.
 const SHARES: usize = 8;
-/// Pieces of a run at most.
+/// Greatest number of pieces in a run.
 const RUN: usize = 64;
 
-/// The next run of pieces that nobody has taken: those that follow each other in memory are best done one after the other,
-/// by one thread. Runs become shorter towards the end, so that all threads end together.
+/// The next run of pieces that no thread has taken; `None` if there are none left. Pieces that
+/// follow each other in memory are best done one after the other, by one thread. Runs become
+/// shorter towards the end, so that all threads end together.
 fn next_run(next: &AtomicUsize, count: usize, shares: usize) -> Option<Range<usize>> {
     let length = |begin: usize| ((count - begin) / shares).clamp(1, RUN);
+    // Relaxed order will do: the counter only hands out numbers. The job's state orders the data.
     let taken =
         next.fetch_update(Relaxed, Relaxed, |begin| (begin < count).then(|| begin + length(begin)));
     taken.ok().map(|begin| begin..begin + length(begin))
@@ -93,7 +95,7 @@ fn pause(round: u32) {
 }
 
 impl Shared {
-    /// Life of a worker.
+    /// Loop of a worker: joins each job that is open, until the team stops.
     fn work(&self) {
         let mut done = u64::MAX;
         let mut round = 0;
@@ -105,20 +107,26 @@ impl Shared {
                 round += 1;
                 continue;
             }
+            // Joins by counting itself in. It fails if the state has changed meanwhile, and looks
+            // again. The job's number in the upper bits guards against a job that closed and
+            // another that opened.
             if self.state.compare_exchange(state, state + 1, AcqRel, Relaxed).is_err() {
                 continue;
             }
             // SAFETY: this worker is inside the job (see `Sync for Shared`).
             let job = unsafe { &*(*self.job.get()).expect("an open job") };
+            // A panic must not skip the count below: the leader would wait for ever.
             if let Err(panic) = catch_unwind(AssertUnwindSafe(job)) {
                 self.panic.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(panic);
             }
             let before = self.state.fetch_sub(1, AcqRel);
+            // The last one out of a closed job wakes the leader, which may have parked.
             if before & (ACTIVE | OPEN) == 1
                 && let Some(leader) = &*self.leader.lock().unwrap_or_else(|e| e.into_inner())
             {
                 leader.unpark();
             }
+            // A worker joins a job once: the count of joins numbers the rooms.
             done = number;
             round = 0;
         }
@@ -153,7 +161,7 @@ impl Team {
         1 + self.workers.len()
     }
 
-    /// Whether the caller does everything from now on, and the others sleep.
+    /// From now on the caller does everything, and the others sleep.
     pub fn work_alone(&mut self, is_alone: bool) {
         self.is_alone = is_alone;
     }
@@ -225,6 +233,7 @@ impl Team {
     /// Calls `job` on this thread and on every worker that comes in time.
     fn run(&mut self, job: &(dyn Fn() + Sync)) {
         let shared = &*self.shared;
+        // Set before the job opens: a worker that leaves early must find whom to wake.
         *shared.leader.lock().unwrap_or_else(|e| e.into_inner()) = Some(std::thread::current());
         // SAFETY: the lifetime is erased; `run` ends only when no worker can reach the job any
         // more.
@@ -235,12 +244,15 @@ impl Team {
         };
         // SAFETY: the state is closed and nobody is inside (`&mut self`: there is one leader).
         unsafe { *shared.job.get() = Some(job_for_all) };
+        // The release makes the job visible to every worker that sees the open state.
         let closed = shared.state.load(Relaxed) + NEXT;
         shared.state.store(closed | OPEN, Release);
         for worker in &self.workers {
             worker.thread().unpark();
         }
+        // A panic here must wait too: workers still use the job, which lives on this stack.
         let outcome = catch_unwind(AssertUnwindSafe(job));
+        // Closes the job to late workers, then waits for those inside.
         shared.state.fetch_and(!OPEN, AcqRel);
         let mut round = 0;
         while shared.state.load(Acquire) & ACTIVE != 0 {
@@ -258,6 +270,7 @@ impl Drop for Team {
     fn drop(&mut self) {
         self.shared.stop.store(true, Release);
         for worker in self.workers.drain(..) {
+            // A parked worker sees `stop` only when it is woken.
             worker.thread().unpark();
             // A worker's panic was passed on by the job in which it happened.
             let _ = worker.join();
