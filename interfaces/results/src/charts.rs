@@ -21,7 +21,7 @@ const COLOURS: [RGBColor; 8] = [
 /// One curve or set of marks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
     /// Its points, those that are not finite left out when drawn.
     pub points: Vec<(f64, f64)>,
@@ -34,13 +34,13 @@ pub struct Curve {
 pub struct Chart {
     /// Above it.
     pub title: String,
-    /// What the horizontal axis is, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x: String,
-    /// What the vertical axis is, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y: String,
     /// Logarithmic horizontal axis.
     pub log_x: bool,
-    /// What it shows.
+    /// Curves and marks of the chart.
     pub curves: Vec<Curve>,
 }
 
@@ -58,13 +58,15 @@ impl Chart {
         let y = range(points().map(|p| p.1), 0.05);
         if self.log_x {
             let positive = points().map(|p| p.0).fold(f64::INFINITY, f64::min);
+            // A logarithmic axis begins a tenth below the least point, not at a margin that may be
+            // below 0.
             self.draw_within(area, (0.9 * positive..1.1 * x.end).log_scale(), y)
         } else {
             self.draw_within(area, x, y)
         }
     }
 
-    /// Where a legend covers fewest points.
+    /// Corner of the chart in which a legend covers fewest points.
     fn emptiest_corner(&self) -> SeriesLabelPosition {
         let points = || self.curves.iter().flat_map(|curve| curve.points.iter().copied());
         let along = |x: f64| if self.log_x { x.ln() } else { x };
@@ -73,6 +75,7 @@ impl Chart {
         let part =
             |range: &Range<f64>, value: f64| (value - range.start) / (range.end - range.start);
         let covered = |right: bool, upper: bool| {
+            // A legend covers about a third of the width and of the height.
             let beyond = |part: f64, far: bool| if far { part > 0.65 } else { part < 0.35 };
             let is_in = |p: &(f64, f64)| {
                 beyond(part(&xs, along(p.0)), right) && beyond(part(&ys, p.1), upper)
@@ -113,6 +116,7 @@ impl Chart {
             .y_label_formatter(&tick)
             .draw()
             .map_err(wrong)?;
+        // Marks count their colours apart: the k-th reference has the colour of the k-th line.
         let lines = self.curves.iter().filter(|curve| !curve.marks).count().max(1);
         let mut colours = [0; 2];
         for curve in &self.curves {
@@ -165,6 +169,7 @@ fn range(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     match high - low {
         span if span > 0.0 => low - margin * span..high + margin * span,
+        // One value: half of it to each side, and a little more in case it is 0.
         _ if low.is_finite() => low - 0.5 * low.abs() - 1e-30..high + 0.5 * high.abs() + 1e-30,
         _ => 0.0..1.0,
     }

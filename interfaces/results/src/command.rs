@@ -1,6 +1,6 @@
-//! The end of a command that did not do as asked.
+//! Errors that end a command, and pairs `KEY=VALUE` of a command line.
 
-/// Why a command came to nothing.
+/// Reason why a command failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CommandError {
     /// The input is wrong: a sentence for each thing that is. The program ends with code 2.

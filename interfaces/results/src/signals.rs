@@ -19,14 +19,14 @@ pub struct Signals {
     pub columns: BTreeMap<String, Vec<f64>>,
     /// SI units by the same names.
     pub units: BTreeMap<String, String>,
-    /// What the table lacks, if it was cut off.
+    /// End of the whole rows, if the table was cut off.
     pub cut: Option<Cut>,
 }
 
 /// A table that was cut off.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cut {
-    /// Which file.
+    /// Path of the file.
     pub path: PathBuf,
     /// Rows that are whole.
     pub rows: usize,
@@ -46,9 +46,9 @@ impl std::fmt::Display for Cut {
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {why}", path.display())]
 pub struct UnreadableSignals {
-    /// Which file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// Reason, a sentence.
     pub why: String,
 }
 
@@ -75,12 +75,14 @@ impl Signals {
         if bytes.is_empty() {
             return Err("it is empty; its run ended before the first row".into());
         }
+        // Everything after the last end of a line may be half a number, and is left out.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         if whole == 0 {
             return Err("it is cut off in its first line, the names of the signals".into());
         }
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
+            // A row of another length is reported below, with its line.
             .flexible(true)
             .from_reader(&bytes[..whole]);
         let mut heads: Vec<(String, String)> = Vec::new();
@@ -109,6 +111,7 @@ impl Signals {
         }
         let names = heads.iter().map(|(name, _)| name.clone());
         let mut columns: BTreeMap<String, Vec<f64>> = names.zip(columns).collect();
+        // The number of the window is no signal.
         columns.remove("window");
         let times = columns.remove("time").unwrap_or_default();
         let cut = (whole < bytes.len()).then(|| Cut {

@@ -1,4 +1,4 @@
-//! A table as text.
+//! Text columns: a table as lines of text.
 
 /// Rows below their titles, in columns; nothing if there are no rows.
 pub fn text_columns(titles: &[&str], rows: Vec<Vec<String>>) -> Vec<String> {
