@@ -1,4 +1,4 @@
-//! What a run tells its user: on a terminal, in a pipe, or as JSON for another program.
+//! Terminal: messages of a run to its user, as text, in a pipe, or as JSON for another program.
 
 pub mod standard;
 
@@ -8,20 +8,20 @@ use standard::{answer, complain};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// How often a progress line is printed where there is no terminal to draw on.
+/// Time between progress lines where there is no terminal to draw on.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
 
-/// The first such line comes early: it says how long the run will take.
+/// Time until the first such line. It comes early, because it gives the length of the run.
 const FIRST_LINE: Duration = Duration::from_secs(1);
 
-/// How much is told, and how.
+/// Amount and form of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// For a person.
     Person,
     /// Errors and the last line only.
     Quiet,
-    /// Nothing at all: somebody else tells the user.
+    /// Nothing at all: the caller informs the user.
     Silent,
     /// One JSON document a line on standard output.
     Json,
@@ -36,7 +36,7 @@ pub struct Progress {
     pub windows: u64,
     /// Simulated time [s].
     pub time: f64,
-    /// Windows a second, lately.
+    /// Windows a second, of the last measurement.
     pub rate: f64,
     /// Work of each component: name, unit, amount a second.
     pub work: Vec<(String, String, f64)>,
@@ -46,34 +46,35 @@ pub struct Progress {
     pub bodies: u64,
 }
 
-/// The user's end of a run.
+/// The user's end of a run: messages, progress bar, last line.
 pub struct Terminal {
     style: Style,
     bar: Option<ProgressBar>,
     last_plain: Instant,
     told: bool,
-    /// Whether what is said is what was asked for, and belongs on standard output.
+    /// Messages are the command's answer, and belong on standard output.
     answers: bool,
 }
 
 impl Terminal {
-    /// Speaks in `style`.
+    /// A terminal of this style for a run, whose messages go to standard error.
     pub fn new(style: Style) -> Self {
         Self { style, bar: None, last_plain: Instant::now(), told: false, answers: false }
     }
 
-    /// Speaks in `style` for a command whose answer is what it says: on standard output, but for errors. (A
-    /// run is asked for its files: what it says of its work goes to standard error.)
+    /// A terminal of this style for a command whose answer is its messages: they go to standard
+    /// output, but for errors. (A run is asked for its files, so its messages go to standard
+    /// error.)
     pub fn answering(style: Style) -> Self {
         Self { answers: true, ..Self::new(style) }
     }
 
-    /// Whether errors may be coloured.
+    /// True if errors may be coloured.
     pub fn colour(&self) -> bool {
         std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
     }
 
-    /// Whether a program listens, and not a person.
+    /// True if a program reads the messages, and not a person.
     pub fn speaks_json(&self) -> bool {
         self.style == Style::Json
     }
@@ -103,7 +104,7 @@ impl Terminal {
         }
     }
 
-    /// Why nothing came of what was asked; the last word, too.
+    /// The reason why the command failed; its last line, too.
     pub fn fail(&mut self, text: &str) {
         self.clear();
         match self.style {
@@ -113,7 +114,7 @@ impl Terminal {
         }
     }
 
-    /// The last word, whatever the style.
+    /// The last line, in every style but the silent one.
     pub fn end(&mut self, text: &str, details: Value) {
         self.clear();
         match self.style {
@@ -142,6 +143,7 @@ impl Terminal {
         match self.style {
             Style::Quiet | Style::Silent => {}
             Style::Json => {
+                // At most one event a second: the loop of windows comes here every millisecond.
                 if self.last_plain.elapsed() > Duration::from_secs(1) {
                     self.last_plain = Instant::now();
                     self.json(json!({
@@ -188,13 +190,14 @@ impl Terminal {
 
     fn print(&self, text: &str) {
         match &self.bar {
+            // Above the bar; a plain write would land inside it.
             Some(bar) => bar.println(text),
             None => complain(text),
         }
     }
 
     fn json(&self, value: Value) {
-        // Whoever reads may stop reading; the run goes on.
+        // The reader may stop reading; the run goes on.
         answer(value);
     }
 }
@@ -231,6 +234,7 @@ impl Progress {
             ));
         }
         if let Some(left) = self.seconds_left() {
+            // Bounded: `from_secs_f64` panics where the seconds overflow.
             parts.push(format!("{} left", HumanDuration(Duration::from_secs_f64(left.min(1e9)))));
         }
         parts.join("  ")
