@@ -59,7 +59,8 @@ pub(super) fn injections(spec: &Spec, options: &Options, windows: u64) -> Vec<Pr
     problems
 }
 
-/// Where inlets take velocities of the fluid at open faces, the fluid must tell them and the grains take them.
+/// Inlets that take velocities of the fluid at open faces need a fluid that sends them and grains
+/// that take them.
 pub(super) fn ports(scene: &Scene, described: &[Described<'_>]) -> Vec<Problem> {
     let of = |role| described.iter().find(|(component, _)| component.role == role);
     let message = match (of(Role::Fluid), of(Role::Grains)) {

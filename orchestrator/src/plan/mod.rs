@@ -1,7 +1,8 @@
-//! The plan: from what the user wants and what components are to what each of them shall do.
+//! The plan: time steps, edges, scripts, frames and capacities, from the manifest and the
+//! components' descriptions.
 //!
 //! [`make`] is a pure function. It assigns time steps (`steps`), wires components up by the
-//! schedule ([`crate::schedule`]), sizes channels, and hands each component its part as an
+//! schedule ([`schedule`]), sizes channels, and hands each component its part as an
 //! [`Assignment`].
 
 mod checks;
@@ -30,14 +31,14 @@ pub const REPORT_DEPTH: u64 = 4096;
 /// Most rows in the table of signals unless the manifest says how often.
 const MOST_SIGNAL_ROWS: u64 = 20_000;
 
-/// What else goes into a plan, besides manifest and descriptions.
+/// Options of a plan besides manifest and descriptions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Faults that components shall commit on purpose: component and fault.
     pub injections: Vec<(String, Injection)>,
 }
 
-/// What everyone shall do in a run.
+/// Plan of a run: steps, components, edges and frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Length of a coupling window [s].
@@ -46,11 +47,11 @@ pub struct Plan {
     pub clock: Clock,
     /// Windows in the run, numbered from 1.
     pub windows: u64,
-    /// How fluid and grains take turns.
+    /// Order in which fluid and grains advance.
     pub schedule: Schedule,
-    /// Frames go to most observers every so many windows; each stream of `frames` has its own word.
+    /// Windows between frames to most observers; each stream of `frames` has a number of its own.
     pub frames_every: u64,
-    /// The table of signals has a row every so many windows.
+    /// Windows between rows of the table of signals.
     pub signal_rows_every: u64,
     /// The components, in the order of the manifest's spec.
     pub components: Vec<PlannedComponent>,
@@ -58,20 +59,20 @@ pub struct Plan {
     pub edges: Vec<Edge>,
     /// All streams of frames, those of the log included.
     pub frames: Vec<FrameStream>,
-    /// What was adapted or derived, in sentences.
+    /// Notes on what was adapted or derived, in sentences.
     pub notes: Vec<String>,
-    /// Doubtful things, with the component that says so.
+    /// Doubtful things, with the component that reports them.
     pub warnings: Vec<String>,
 }
 
-/// What one component shall do.
+/// Part of one component in the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedComponent {
     /// Its name.
     pub name: String,
-    /// What it stands for.
+    /// Role that it takes.
     pub role: Role,
-    /// Its program and version, as it says itself.
+    /// Its program and version, from its description.
     pub program: String,
     /// Largest step that it asked for [s].
     pub largest_step: Option<f64>,
@@ -96,7 +97,7 @@ pub struct PlannedComponent {
 }
 
 impl PlannedComponent {
-    /// The second request of the start contract; `transport` says how to reach the others.
+    /// The second request of the start contract; `transport` names the shared memory of the run.
     pub fn assignment(&self, transport: Transport) -> Assignment {
         Assignment {
             clock: self.clock,
@@ -125,7 +126,7 @@ impl Plan {
     }
 }
 
-/// Plans a run. `descriptions`: what each component said, by its name in the manifest.
+/// Plans a run. `descriptions` are those of all components, by name in the manifest.
 ///
 /// # Errors
 /// Every problem found, with keys of the manifest; `--inject` where an injection is wrong.
@@ -138,6 +139,7 @@ pub fn make(
     let mut problems = checks::stops(spec, &described);
     let steps =
         steps::assign(&wishes(&described), spec.run.until).map_err(|more| problems.extend(more));
+    // Without steps the last window is not known: no injection may be refused for being late.
     let windows = steps.as_ref().map_or(u64::MAX, |steps| steps.windows);
     problems.extend(checks::injections(spec, options, windows));
     let members: Vec<_> = spec.components.iter().map(|c| (c.name.as_str(), c.role)).collect();
@@ -155,7 +157,7 @@ pub fn make(
     }
 }
 
-/// A component with what it said.
+/// A component with its description.
 type Described<'a> = (&'a ComponentSpec, &'a Description);
 
 fn pair<'a>(
@@ -174,8 +176,8 @@ fn pair<'a>(
     if problems.is_empty() { Ok(described) } else { Err(problems) }
 }
 
-/// What the physics wants of its steps, in the order of the components. A rubber has no steps of its own:
-/// where it bounds them, it bounds those of the grains.
+/// Largest steps of the physics, in the order of the components. A rubber has no steps of its own:
+/// its bound is a bound on the steps of the grains.
 fn wishes(described: &[Described<'_>]) -> Vec<Wish> {
     let rubber = described.iter().find(|(spec, _)| spec.role == Role::Rubber);
     let bound = rubber.and_then(|(_, description)| description.step);
@@ -193,7 +195,7 @@ fn wishes(described: &[Described<'_>]) -> Vec<Wish> {
     described.iter().filter(|(spec, _)| has_steps(spec.role)).map(wish).collect()
 }
 
-/// Whether a component of that role sets steps of its own.
+/// True if a component of that role sets steps of its own.
 fn has_steps(role: Role) -> bool {
     matches!(role, Role::Fluid | Role::Grains)
 }
@@ -268,7 +270,7 @@ fn assemble(
     }
 }
 
-/// Bodies are those that grains bring; none are added later than at the start.
+/// Most bodies that live at once: the number that the grains give, room for inlets included.
 fn body_capacity(described: &[Described<'_>]) -> u64 {
     let grains = described.iter().filter(|(spec, _)| spec.role == Role::Grains);
     grains.map(|(_, description)| description.bodies).max().unwrap_or(0)

@@ -1,4 +1,4 @@
-//! The plan as a person reads it.
+//! The plan as text for a person and as JSON for programs.
 
 use super::REPORT_DEPTH;
 use super::{Plan, PlannedComponent};

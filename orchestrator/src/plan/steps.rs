@@ -12,7 +12,7 @@ const WINDOWS: f64 = 1000.0;
 /// Most ticks in a run: every count of them is exact in a 64-bit float too.
 const MOST_TICKS: f64 = 9.0e15;
 
-/// What the physics components want.
+/// Step that a component of the physics asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Wish {
     /// The component.
@@ -21,7 +21,7 @@ pub(super) struct Wish {
     pub key: String,
     /// Largest step that it may take [s]; `None`: any.
     pub step: Option<f64>,
-    /// What keeps it from being longer; empty where that is not known.
+    /// Cause that keeps it from being longer; empty where that is not known.
     pub limit: String,
     /// Substeps that the manifest fixes.
     pub sync_iter: Option<u32>,
@@ -35,7 +35,7 @@ pub(super) struct Steps {
     pub windows: u64,
     /// Substeps of each component, in the order of the wishes.
     pub substeps: Vec<u32>,
-    /// What was adapted, in sentences.
+    /// Notes on what was adapted, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -46,7 +46,7 @@ impl Steps {
     }
 }
 
-/// Assigns steps for a run until `until` [s].
+/// Assigns steps for a run of `until` [s].
 ///
 /// The component with the largest step sets the window: one step of it, or `sync_iter` of them
 /// where the manifest fixes that (of several with the same step, the one with the fewest). Each
@@ -80,6 +80,7 @@ pub(super) fn assign(wishes: &[Wish], until: f64) -> Result<Steps, Vec<Problem>>
     }
     let ticks_per_window =
         substeps.iter().fold(1, |common, n| least_common_multiple(common, u64::from(*n)));
+    // Less the tolerance: a quotient just above a whole number must not add a window.
     let windows = (until / window - TOLERANCE).ceil().max(1.0);
     if windows * ticks_per_window as f64 > MOST_TICKS {
         let message = format!(
@@ -113,6 +114,8 @@ fn pacemaker(wishes: &[Wish]) -> Result<&Wish, Vec<Problem>> {
         return Err(problems);
     }
     let slower = |a: &&Wish, b: &&Wish| {
+        // Of equal steps the component with the fewest sets the window; the others make more steps
+        // in it.
         let fewer = || b.sync_iter.unwrap_or(1).cmp(&a.sync_iter.unwrap_or(1));
         a.step.unwrap_or(0.0).total_cmp(&b.step.unwrap_or(0.0)).then_with(fewer)
     };
@@ -129,6 +132,7 @@ fn fit(wish: &Wish, pace: &Wish, window: f64, notes: &mut Vec<String>) -> Result
         return Ok(wish.sync_iter.unwrap_or(1));
     };
     let ratio = window / step;
+    // Rounded up: a step is shortened, never lengthened beyond what is stable.
     let needed = (ratio - TOLERANCE).ceil().max(1.0);
     if let Some(fixed) = wish.sync_iter {
         return fixed_fits(wish, pace, fixed, window, needed);
@@ -193,7 +197,7 @@ fn too_many(wish: &Wish, pace: &Wish, ratio: f64, window: f64) -> Problem {
     Problem::new(&wish.key, message).help(help)
 }
 
-/// What keeps a component's step short, after other words.
+/// Cause that keeps a component's step short, as the end of a sentence.
 fn reason(wish: &Wish) -> String {
     match wish.limit.as_str() {
         "" => String::new(),
@@ -202,6 +206,7 @@ fn reason(wish: &Wish) -> String {
 }
 
 fn least_common_multiple(a: u64, b: u64) -> u64 {
+    // Divided before it is multiplied: the product would overflow sooner.
     a / greatest_common_divisor(a, b) * b
 }
 

@@ -1,4 +1,4 @@
-//! Frames: what observers are sent, by whom, how often.
+//! Streams of frames to observers: contents, sender, interval and depth.
 
 use super::Described;
 use crate::manifest::{ComponentSpec, ORCHESTRATOR};
@@ -53,8 +53,8 @@ pub(super) fn streams(
     streams
 }
 
-/// What becomes of volumes that an observer keeps: how much that is before the run, and wishes for
-/// nodes that are not there.
+/// Notes on the size of volumes that an observer keeps, and warnings for wished regions without
+/// nodes.
 pub(super) fn notes(
     components: &[Described<'_>],
     streams: &[FrameStream],
@@ -95,8 +95,8 @@ fn volume_note(stream: &FrameStream, grid: &VolumeGrid, windows: u64) -> String 
     )
 }
 
-/// What a component sends to an observer: a part of the service's name, the content, most values in
-/// a frame.
+/// Contents that a component sends to an observer: part of the service's name, content, most values
+/// in a frame.
 fn contents(
     role: Role,
     description: &Description,

@@ -4,7 +4,7 @@ use super::graph::{Graph, Place};
 use super::{INSIDE_BOUND, Link, Member, Wiring};
 use tremie_messages::schedule::Op;
 
-/// Why scripts cannot be carried out for ever.
+/// Fault of scripts that cannot be carried out for ever.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScheduleError {
     /// Operations wait for each other in a circle that holds no message.
@@ -18,7 +18,7 @@ pub enum ScheduleError {
     Unbalanced {
         /// The edge.
         edge: String,
-        /// What is wrong.
+        /// Description of the fault.
         message: String,
     },
     /// A channel can be asked to hold more messages than it can.
@@ -28,7 +28,7 @@ pub enum ScheduleError {
         edge: String,
         /// Most messages under way.
         bound: u64,
-        /// What the channel holds.
+        /// Messages that the channel holds.
         depth: u64,
     },
     /// An operation names an edge that its component does not have.
@@ -41,7 +41,7 @@ pub enum ScheduleError {
     },
 }
 
-/// Which part of the scripts.
+/// Part of the scripts: start exchange or window.
 #[derive(Clone, Copy, PartialEq)]
 enum Phase {
     Start,
@@ -66,6 +66,7 @@ struct Hit {
 /// # Errors
 /// The first of these that does not hold.
 pub fn check(wiring: &Wiring) -> Result<(), ScheduleError> {
+    // Messages that the start exchange leaves under way are the lag that windows must have.
     let mut left = vec![0; wiring.links.len()];
     for phase in [Phase::Start, Phase::Window] {
         let events = events(wiring, phase)?;
@@ -90,6 +91,7 @@ pub fn check(wiring: &Wiring) -> Result<(), ScheduleError> {
             let cycle = cycle.iter().rev().map(|event| labels[*event].clone()).collect();
             return Err(ScheduleError::Deadlock { cycle });
         }
+        // Bounds need cycles: only windows repeat, the start exchange happens once.
         if phase == Phase::Window {
             channels.iter().try_for_each(|(link, place)| holds(wiring, &graph, link, *place))?;
         }
@@ -126,6 +128,7 @@ fn events(wiring: &Wiring, phase: Phase) -> Result<Vec<usize>, ScheduleError> {
             }
         };
         let (one, other) = (advance(link.from)?, advance(link.to)?);
+        // The lower number stays. All places into and out of either advance now meet in one event.
         let (keep, gone) = (events[one].min(events[other]), events[one].max(events[other]));
         events.iter_mut().filter(|event| **event == gone).for_each(|event| *event = keep);
     }
@@ -164,6 +167,8 @@ fn scripts_as_graph(
             }
         }
         if phase == Phase::Window && labels.len() > first {
+            // The token lets the first window begin; the last operation gives it back to the next
+            // one.
             graph.place(events[labels.len() - 1], events[first], 1);
         }
     }

@@ -45,6 +45,7 @@ impl Graph {
     ) -> Option<Vec<usize>> {
         match state[event] {
             Visit::Done => return None,
+            // The event is on the trail: the part of the trail from it on is the cycle.
             Visit::Open => {
                 let start = trail.iter().position(|on| *on == event)?;
                 return Some(trail[start..].to_vec());
@@ -65,6 +66,7 @@ impl Graph {
         // Bellman-Ford, with tokens as lengths, from the place's end back to its beginning.
         let mut tokens: Vec<Option<u64>> = vec![None; self.events];
         tokens[place.to] = Some(0);
+        // A shortest way has fewer places than there are events, so the rounds suffice.
         for _ in 0..self.events {
             for step in &self.places {
                 let Some(so_far) = tokens[step.from] else {

@@ -1,4 +1,4 @@
-//! The order of work: which messages go where, and what each component does in a window.
+//! The schedule: edges between components, and the script of each component in a window.
 //!
 //! Exchange 0 is the start exchange; windows count from 1. [`wire`] is a pure function of the
 //! roles that are present; [`check`] proves of its result that it neither locks up nor overruns a
@@ -13,8 +13,9 @@
 //!
 //! In a parallel schedule the fluid of window k advances with the bodies at the window's start, and
 //! takes the bodies at its end only afterwards; its loads of window k answer event list k-1. The surface is
-//! treated as a body is, and its loads as those on bodies. Where inlets of grains take velocities of the fluid at
-//! open faces, these go along with the loads, before them ([`Wiring::with_ports`]).
+//! treated as a body is, and its loads as those on bodies. Inlets of grains may take velocities of
+//! the fluid at open faces. These velocities go along with the loads, before them
+//! ([`Wiring::with_ports`]).
 //!
 //! # Inside a window
 //!
@@ -53,7 +54,7 @@ pub struct Member {
     pub name: String,
     /// Indices of its edges in [`Wiring::links`]; its script's operations index this list.
     pub links: Vec<usize>,
-    /// What it does.
+    /// Its operations.
     pub script: Script,
 }
 
@@ -64,11 +65,11 @@ pub struct Link {
     pub from: usize,
     /// Index of the receiving member.
     pub to: usize,
-    /// What travels.
+    /// Content of its messages.
     pub content: Content,
     /// Most messages that the channel holds.
     pub depth: u64,
-    /// How many event lists the content lags behind its own window.
+    /// Number of event lists by which the content lags behind its own window.
     pub events_lag: u64,
 }
 
@@ -140,7 +141,7 @@ fn immerse(wiring: &mut Wiring, schedule: Schedule, rubber: usize, fluid: usize,
     let tell = [Op::Advance, Op::Send { edge: sent }];
     let window = [&[Op::Receive { edge: taken, lag: 1 }][..], &tell].concat();
     wiring.members[rubber].script = Script { start: tell.to_vec(), window };
-    // In the start exchange grains tell where the carriers are.
+    // In the start exchange grains send where the carriers are, which the rubber needs first.
     wiring.members[grains].script.start.insert(0, Op::Advance);
     let hear = [EVENTS, STATE, heard].map(|edge| Op::Receive { edge, lag: 0 });
     let work = [Op::Advance, Op::Send { edge: LOAD }, Op::Send { edge: told }];
@@ -211,6 +212,7 @@ fn fluid_script(schedule: Schedule, hear: &[Op], work: &[Op]) -> Script {
     let serial = [hear, work].concat();
     let window = match schedule {
         Schedule::Serial => serial.clone(),
+        // The fluid advances with the bodies of the window's start, then takes those of its end.
         Schedule::Parallel => [work, hear].concat(),
     };
     Script { start: serial, window }

@@ -21,8 +21,8 @@ struct Play<'a> {
     windows: u64,
 }
 
-/// What one side of the exchange inside a window does: contents, and whether it sends them. Two
-/// substeps, of as many trials as it happens.
+/// Contents of one side of the exchange inside a window, and whether it sends them. Two substeps,
+/// of as many trials as it happens.
 fn exchange(window: u64, is_grains: bool) -> Vec<(Content, bool)> {
     let mut messages = Vec::new();
     let substeps = if window == 0 { 0 } else { 2 };
@@ -72,7 +72,8 @@ impl<'a> Play<'a> {
         (from == member || to == member).then_some((link, from == member))
     }
 
-    /// Whether the member could do its next operation; an error if a message is not the foretold one.
+    /// True if the member could do its next operation; an error if a message is not the foretold
+    /// one.
     fn step(&mut self, member: usize) -> Result<bool, String> {
         let Some(op) = self.op(member) else {
             return Ok(false);
