@@ -1,9 +1,9 @@
 //! The folder of a run's outputs: one run's alone, from before its first file to its summary.
 //!
-//! A run claims its folder with a lock on the file that becomes `summary.json`. The system gives the lock up when the
-//! process ends, however it ends: so of two runs that begin at once one gets the folder, and a run that was killed
-//! holds up nobody. Room for the summary is set aside in that file before the first window: how a run ended is told
-//! also where the disk is full.
+//! A run claims its folder with a lock on the file that becomes `summary.json`. The system gives
+//! the lock up when the process ends, however it ends. So of two runs that begin at once one gets
+//! the folder, and a killed run holds up nobody. Room for the summary is set aside in that file
+//! before the first window: the end of a run is recorded even where the disk is full.
 
 use super::{FIELDS, LOG, MANIFEST, RECORDING, SIGNALS, SUMMARY, Summary, TRACE};
 use crate::manifest::ORCHESTRATOR;
@@ -17,9 +17,9 @@ use tremie_messages::start::{Fault, FaultKind};
 
 /// Name of the summary while the run is under way.
 const CLAIM: &str = "summary.json.part";
-/// Room for the summary [bytes] ..
+/// Room for the summary without its signals [bytes].
 const ROOM: u64 = 256 << 10;
-/// .. and for each signal in it.
+/// Room for each signal in the summary [bytes].
 const ROOM_OF_SIGNAL: u64 = 1 << 10;
 
 /// An output could not be written.
@@ -31,7 +31,7 @@ pub enum OutputError {
     /// Another run writes into the folder that the user chose.
     #[error("{} belongs to a run that is under way; choose another --out", .0.display())]
     Claimed(PathBuf),
-    /// Components are told the folder as text.
+    /// The folder is no UTF-8 text, in which components receive it.
     #[error(
         "the folder of outputs, {0:?}, is no UTF-8 text, which components must be told; choose another --out"
     )]
@@ -39,9 +39,9 @@ pub enum OutputError {
     /// The operating system refuses.
     #[error("cannot write {}: {error}", path.display())]
     Io {
-        /// What was written.
+        /// File or folder.
         path: PathBuf,
-        /// Why not.
+        /// The system's error.
         error: io::Error,
     },
 }
@@ -71,7 +71,7 @@ pub struct RunFolder {
     path: PathBuf,
     /// Locked as long as this lives; becomes the summary.
     claim: File,
-    /// Whether it has.
+    /// The summary is written.
     is_finished: bool,
 }
 
@@ -86,14 +86,16 @@ impl RunFolder {
             return Self::claim(folder);
         }
         let runs = Path::new("runs");
+        // Refused before a folder is made whose path components could not be given.
         let _ = text_of(runs)?;
         std::fs::create_dir_all(runs).map_err(OutputError::at(runs))?;
         let name = scenario_name(manifest);
         for number in 1.. {
             let folder = runs.join(format!("{name}-{number:03}"));
+            // `create_dir` fails where the folder exists, so of two runs only one gets the number.
             match std::fs::create_dir(&folder) {
                 Ok(()) => match Self::claim(&folder) {
-                    // Somebody else was told to use this very folder.
+                    // Another run was given this very folder by its user.
                     Err(OutputError::Claimed(_) | OutputError::Occupied(_)) => {}
                     claimed => return claimed,
                 },
@@ -113,8 +115,8 @@ impl RunFolder {
         let name = path.join(CLAIM);
         loop {
             std::fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
-            // What a claim may find beside it: nothing. Looked at before the file is made, so that nothing is left
-            // in a folder that is somebody's, and again under the lock.
+            // A folder must be empty but for a claim. It is looked at before the file is made, so
+            // that nothing is left in a folder that belongs to somebody, and again under the lock.
             let has_claim = name.symlink_metadata().is_ok();
             if !has_claim && holds_more(&path)? {
                 return Err(OutputError::Occupied(path));
@@ -150,12 +152,12 @@ impl RunFolder {
         }
     }
 
-    /// Where it is, absolute.
+    /// Absolute path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Where a file of the run is.
+    /// Path of a file of the run.
     pub fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }
@@ -183,6 +185,8 @@ impl RunFolder {
         let path = self.file(SUMMARY);
         let text = serde_json::to_string_pretty(summary).map_err(io::Error::from);
         let write = |text: String| {
+            // Written over the room that was set aside, then cut to length and renamed: a reader
+            // finds a whole summary or none.
             self.claim.seek(SeekFrom::Start(0))?;
             self.claim.write_all(text.as_bytes())?;
             self.claim.write_all(b"\n")?;
@@ -215,13 +219,13 @@ impl Drop for RunFolder {
     }
 }
 
-/// The absolute path, if that can be told to components.
+/// The absolute path, if it is UTF-8 text.
 fn text_of(folder: &Path) -> Result<PathBuf, OutputError> {
     let path = std::path::absolute(folder).map_err(OutputError::at(folder))?;
     if path.to_str().is_none() { Err(OutputError::NoText(path)) } else { Ok(path) }
 }
 
-/// Whether there is more in the folder than a claim.
+/// True if there is more in the folder than a claim.
 fn holds_more(folder: &Path) -> Result<bool, OutputError> {
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
@@ -236,8 +240,9 @@ fn holds_more(folder: &Path) -> Result<bool, OutputError> {
     Ok(false)
 }
 
-/// Whether an open file still has its name.
+/// True if an open file still has its name.
 fn is_at(file: &File, name: &Path) -> bool {
+    // Device and inode: another run may have removed the file and made one of the same name.
     let same =
         |a: std::fs::Metadata, b: std::fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
     match (file.metadata(), std::fs::symlink_metadata(name)) {

@@ -3,17 +3,17 @@
 use serde::Serialize;
 use tremie_messages::Finding;
 
-/// A finding and who made it.
+/// A finding with its maker.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JudgedFinding {
     /// The component, or [`WHOLE`].
     pub component: String,
-    /// What it found.
+    /// The finding.
     #[serde(flatten)]
     pub finding: Finding,
 }
 
-/// Who made findings about the run as a whole.
+/// Maker of findings about the run as a whole.
 pub const WHOLE: &str = "run";
 
 impl JudgedFinding {

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// How much a line matters.
+/// Severity of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LogLevel {
@@ -44,7 +44,7 @@ impl RunLog {
         Ok(Self { file: BufWriter::new(file), path: path.to_path_buf() })
     }
 
-    /// Writes a line: who said it, at which window and simulated time [s].
+    /// Writes a line: its source, its window and simulated time [s], its text.
     ///
     /// # Errors
     /// If the disk refuses.
@@ -60,6 +60,7 @@ impl RunLog {
         serde_json::to_writer(&mut self.file, &entry)
             .map_err(std::io::Error::from)
             .and_then(|()| self.file.write_all(b"\n"))
+            // At once: the log of a killed run is whole up to its last line.
             .and_then(|()| self.file.flush())
             .map_err(OutputError::at(&self.path))
     }

@@ -1,5 +1,5 @@
-//! What a run leaves in its folder, as far as the orchestrator writes it: the manifest as resolved,
-//! the table of signals, the log and the summary. `tremie-results` reads the table again.
+//! Outputs of a run in its folder that the orchestrator writes: the manifest as resolved, the table
+//! of signals, the log and the summary. `tremie-results` reads the table again.
 
 mod folder;
 mod judged_finding;
@@ -20,9 +20,9 @@ pub use tremie_results::SIGNALS;
 
 /// The manifest as resolved.
 pub const MANIFEST: &str = "manifest.toml";
-/// What happened, a JSON document a line.
+/// The log, a JSON document a line.
 pub const LOG: &str = "log.jsonl";
-/// When components waited and computed, where it was asked for.
+/// The trace of waiting and computing, where it was asked for.
 pub const TRACE: &str = "trace.json";
 /// Status, times, headline results.
 pub const SUMMARY: &str = "summary.json";

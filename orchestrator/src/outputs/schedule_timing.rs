@@ -1,8 +1,8 @@
-//! What a window's time goes to, and what the other schedule would make of it.
+//! Timing of a schedule: shares of a window's wall time, and an estimate for the other schedule.
 //!
-//! The schedule is the manifest's, because it changes results; how much time another one would take is a question
-//! that a user has all the same. Threads, which change none, are divided by the components themselves: fluid and grains
-//! try beside each other what more than one is worth.
+//! The manifest sets the schedule, because it changes results. A user wants to know all the same
+//! how much time another one would take. Threads change no results. So fluid and grains measure by
+//! themselves whether more than one pays.
 
 use super::ComponentTotals;
 use serde::Serialize;
@@ -10,25 +10,27 @@ use std::fmt;
 use tremie_messages::Role;
 use tremie_messages::schedule::Schedule;
 
-/// How the physics of a run shares a window's time, means over a run.
+/// Shares of the physics in a window's wall time, means over a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScheduleTiming {
     /// The schedule of the run.
     pub schedule: Schedule,
     /// Wall time of a window in which the fluid computes and sends [s].
     pub fluid: f64,
-    /// The same of the others, which take turns in each substep [s].
+    /// The same of grains and rubber, which take turns in each substep [s].
     pub others: f64,
-    /// Wall time of a window in the other schedule, roughly: in the parallel one at best, because nobody knows yet
-    /// how the two disturb each other; in the serial one at most, because they do so now [s].
+    /// Wall time of a window in the other schedule, roughly [s]. For the parallel schedule it is a
+    /// lower bound, because the two may disturb each other. For the serial one it is an upper
+    /// bound, because they disturb each other now.
     pub in_other_schedule: f64,
 }
 
-/// A component of the physics: what it is, the threads that it may use, and what it did.
+/// A component of the physics: its role, the threads that it may use, and the sums of its reports.
 pub type Worked = (Role, u32, ComponentTotals);
 
 impl ScheduleTiming {
-    /// Of so many windows on a machine of `cores`; `None` without a fluid and something that moves in it.
+    /// Timing of so many windows on a machine of `cores`; `None` without a fluid and something that
+    /// moves in it.
     pub fn of(
         schedule: Schedule,
         cores: u32,

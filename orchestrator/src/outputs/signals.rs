@@ -12,25 +12,25 @@ use tremie_messages::start::{Clock, Signal};
 pub struct Statistics {
     /// SI unit.
     pub unit: String,
-    /// What the signal means; empty where its component does not say.
+    /// Meaning of the signal; empty where its component does not say.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub meaning: String,
     /// Least value.
     pub min: f64,
-    /// When it was taken first [s].
+    /// Simulated time of its first occurrence [s].
     pub min_at: f64,
     /// Greatest value.
     pub max: f64,
-    /// When it was taken first [s].
+    /// Simulated time of its first occurrence [s].
     pub max_at: f64,
     /// Value at the end.
     pub last: f64,
-    /// Whether it is measured in some windows only.
+    /// The signal is measured in some windows only.
     #[serde(skip)]
     sampled: bool,
 }
 
-/// What all components reported of one window, signals one component after the other.
+/// Signals of one window: those of all components, one component after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalRow {
     /// The window.
@@ -63,7 +63,7 @@ impl SignalTable {
         every: u64,
         signals: &[(String, Signal)],
     ) -> Result<Self, OutputError> {
-        // New: where locks tell two runs nothing, this keeps one out of the other's table.
+        // New: on a file system without locks this keeps one run out of the other's table.
         let file = File::create_new(path).map_err(OutputError::at(path))?;
         let mut table = csv::Writer::from_writer(file);
         let head = |(name, signal): &(String, Signal)| format!("{name} [{}]", signal.unit);
@@ -87,6 +87,7 @@ impl SignalTable {
         for (statistics, value) in self.statistics.iter_mut().zip(&row.values) {
             statistics.take(time, *value);
         }
+        // A row that is not due is held: the last one of a run is written whether due or not.
         if row.window.is_multiple_of(self.every) {
             self.held = None;
             self.write(&row)
@@ -107,7 +108,7 @@ impl SignalTable {
         self.table.flush().map_err(OutputError::at(&self.path))
     }
 
-    /// Every signal's extremes and last value, also of rows that no disk took.
+    /// Every signal's extremes and last value, also from rows that a full disk did not take.
     pub fn into_statistics(self) -> Vec<(String, Statistics)> {
         self.names.into_iter().zip(self.statistics).collect()
     }

@@ -1,4 +1,4 @@
-//! `summary.json`: how a run ended, what it cost, its headline results with their resolution.
+//! `summary.json`: ending of a run, its cost, its headline results with their resolution.
 
 use super::signals::Statistics;
 use super::{JudgedFinding, ScheduleTiming};
@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use tremie_messages::start::Fault;
 
-/// How a run ended.
+/// Ending of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase", tag = "status")]
 pub enum Ending {
@@ -14,14 +14,14 @@ pub enum Ending {
     Completed,
     /// A condition of the manifest was met.
     Stopped {
-        /// Which.
+        /// The condition, with the value that met it.
         reason: String,
     },
     /// The user asked for the end.
     Interrupted,
     /// Something failed.
     Failed {
-        /// What.
+        /// The first fault.
         fault: Fault,
     },
 }
@@ -57,7 +57,7 @@ pub struct ComponentTotals {
     pub work: u64,
 }
 
-/// What a component did.
+/// Work and wall time of a component.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComponentSummary {
     /// Program and version.
@@ -76,7 +76,7 @@ pub struct ComponentSummary {
     pub work_rate: f64,
     /// Resolution of its results.
     pub resolution: BTreeMap<String, f64>,
-    /// Doubtful things that it said at the start.
+    /// Doubtful things that it reported at the start.
     pub warnings: Vec<String>,
 }
 
@@ -102,7 +102,7 @@ impl ComponentSummary {
 /// The whole of `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// How the run ended.
+    /// Ending of the run.
     #[serde(flatten)]
     pub ending: Ending,
     /// Id of the run, in hexadecimal: names its shared memory.
@@ -117,13 +117,13 @@ pub struct Summary {
     pub simulated_time: f64,
     /// Wall time from the first window to the last [s].
     pub wall_time: f64,
-    /// What the time of a window went to, and what it would be in the other schedule; without a fluid and something
-    /// that moves in it there is none.
+    /// Shares of a window's wall time, and an estimate for the other schedule; `None` without a
+    /// fluid and something that moves in it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turns: Option<ScheduleTiming>,
     /// Components that took part in the physics.
     pub components: BTreeMap<String, ComponentSummary>,
-    /// What observers wrote or lost.
+    /// Outputs that observers wrote or lost.
     pub observers: BTreeMap<String, String>,
     /// Every signal's extremes and last value.
     pub signals: BTreeMap<String, Statistics>,

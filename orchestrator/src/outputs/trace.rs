@@ -1,9 +1,9 @@
-//! A trace of a run's windows: when each component waited, computed and exchanged, for Perfetto
-//! (ui.perfetto.dev) and Chrome's tracing page, in their JSON format of trace events.
+//! Trace of a run's windows: times at which each component waited, computed and exchanged. The file
+//! is in the JSON format of trace events, for Perfetto (ui.perfetto.dev) and Chrome's tracing page.
 //!
-//! A component tells when it began a window and how long it waited, computed and exchanged in it. The three are drawn one
-//! after the other: their lengths are exact; where a component waits more than once in a window, as those do that exchange
-//! inside it, the borders between them are not.
+//! A component reports when it began a window and how long it waited, computed and exchanged in it.
+//! The three are drawn one after the other. Their lengths are exact. A component that exchanges
+//! inside the window waits more than once, so the borders between the three are not exact.
 
 use super::folder::OutputError;
 use serde::Serialize;
@@ -74,7 +74,7 @@ impl Trace {
         Ok(trace)
     }
 
-    /// Takes what component `index` reported of a window.
+    /// Takes the report of component `index` on a window.
     ///
     /// # Errors
     /// If the disk refuses.
@@ -83,6 +83,8 @@ impl Trace {
         if !self.windows.contains(&window) {
             return Ok(());
         }
+        // The first report sets the zero: nanoseconds since 1970 would lose digits in a viewer's
+        // floats.
         let zero = *self.zero.get_or_insert(report.begin);
         let mut at = report.begin;
         let spans =
