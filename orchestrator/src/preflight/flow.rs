@@ -1,4 +1,4 @@
-//! What flows in and out through the domain's faces.
+//! Net flow in and out through the domain's faces.
 
 use tremie_messages::Finding;
 use tremie_messages::scene::{Course, Face, OpenVelocity, PartBoundary, Profile, Scene};
@@ -7,6 +7,7 @@ use tremie_messages::scene::{Course, Face, OpenVelocity, PartBoundary, Profile, 
 pub(super) fn findings(scene: &Scene) -> Option<Finding> {
     scene.fluid.as_ref()?;
     let faces = || scene.domain.faces.iter().flatten();
+    // A pressure at a face, or a part that is no wall, lets any rate in or out.
     let balanced = faces().any(|face| matches!(face, Face::Pressure { .. }))
         || scene.parts.iter().any(|part| part.boundary != PartBoundary::Wall);
     if !balanced && let Some(finding) = pistons(scene) {
@@ -47,8 +48,8 @@ pub(super) fn findings(scene: &Scene) -> Option<Finding> {
     ))
 }
 
-/// What the pistons of reservoirs displace where nothing lets it out. A reservoir gives way, so that the
-/// pressure rises as long as a piston moves, and no further.
+/// Flow that the pistons of reservoirs displace where it has no way out [m³/s]. A reservoir gives
+/// way, so the pressure rises only as long as a piston moves.
 fn pistons(scene: &Scene) -> Option<Finding> {
     let faces = || scene.domain.faces.iter().flatten();
     let rate = |face: &Face| match face {

@@ -1,4 +1,4 @@
-//! How many steps the run takes, and what makes them so many.
+//! Number of steps of the run, with a guess of the wall time, and the causes of short steps.
 
 use crate::manifest::Spec;
 use crate::plan::{Plan, PlannedComponent};
@@ -8,19 +8,19 @@ use tremie_messages::finding::short;
 use tremie_messages::start::Description;
 use tremie_messages::{Finding, Role};
 
-/// Steps beyond which a run is long, and beyond which nobody has waited for its end.
+/// Steps beyond which a run is long, and steps beyond which it does not end in practice.
 const LONG: f64 = 1e8;
 const ENDLESS: f64 = 1e10;
-/// A run that takes longer is asked about [s].
+/// Wall time beyond which a run is doubtful [s].
 const WEEK: f64 = 7.0 * 86_400.0;
 
-/// What a machine is taken to do, for a guess before anything has run: least time of a window [s], cell updates and
-/// grain steps a second. `check --measure` knows better.
+/// Speed of a machine, for a guess before anything has run: least time of a window [s], cell
+/// updates and grain steps a second [1/s]. `check --measure` measures it.
 const WINDOW: f64 = 5e-6;
 const CELLS: f64 = 1e8;
 const GRAINS: f64 = 1e7;
 
-/// A component and what it said.
+/// A component and its description.
 type Told<'a> = (&'a PlannedComponent, &'a Description);
 
 /// The number of steps of the component that makes most, with a guess of the wall time.
@@ -69,8 +69,8 @@ fn work(component: &PlannedComponent, said: &Description) -> f64 {
     f64::from(component.substeps) * said.work_per_step / rate
 }
 
-/// Why windows and steps are as short as they are: of the component that sets the window, and of the one that makes most
-/// steps in it.
+/// Causes of short windows and steps: of the component that sets the window, and of the component
+/// that makes most steps in it.
 fn reasons<'a>(
     spec: &Spec,
     physics: impl Iterator<Item = Told<'a>>,

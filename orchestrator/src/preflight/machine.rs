@@ -1,4 +1,4 @@
-//! What the machine has to offer.
+//! The machine: memory, shared memory and disk that it has for a run.
 
 use std::path::Path;
 use tremie_channels::memory::Room;

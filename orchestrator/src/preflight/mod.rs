@@ -1,10 +1,10 @@
 //! The unit doctor: numbers of a run before it begins, each with a verdict and a remedy.
 //!
-//! A slip in a unit or a step gives a run that goes through and means nothing. Components say what
-//! they know of their own ([`Description::findings`]); here is what only the whole can tell: how
-//! the steps fit and how many they are, whether machine and disk hold the run, what flows in and never out. `tremie check`
-//! and `tremie run` show all of it, and the summary keeps it. A wrong number makes `tremie check`
-//! fail; a run goes on, because its user may know better. When it is over, [`look_back`] judges what its signals were.
+//! A slip in a unit or a step gives a run that goes through and means nothing. Components bring
+//! findings of their own ([`Description::findings`]). This room adds what only the whole can tell:
+//! fit and number of steps, memory and disk, net inflow. `tremie check` and `tremie run` show all
+//! of it, and the summary keeps it. A wrong number makes `tremie check` fail; a run goes on,
+//! because its user may know better. When it is over, [`look_back`] judges its signals.
 
 mod flow;
 mod length;
@@ -46,7 +46,8 @@ pub fn examine(
     own.chain(whole).collect()
 }
 
-/// What signals say of a run that is over: the greatest value of each for which a component, by name, gave a limit.
+/// Findings on the signals of a run that is over: the greatest value of each for which a component,
+/// by name, gave a limit.
 pub fn look_back<'a>(
     components: impl Iterator<Item = (&'a str, &'a Description)>,
     signals: &BTreeMap<String, Statistics>,
@@ -54,6 +55,7 @@ pub fn look_back<'a>(
     let of = |(name, description): (&str, &'a Description)| {
         let judge = |limit: &Limit| {
             let told = signals.get(&format!("{name}.{}", limit.signal))?;
+            // A signal that was never measured has no greatest value.
             let finding = told.max.is_finite().then(|| limit.judge(told.max, told.max_at))?;
             Some(JudgedFinding { component: name.into(), finding })
         };
@@ -62,7 +64,7 @@ pub fn look_back<'a>(
     components.flat_map(of).collect()
 }
 
-/// How many findings have a verdict.
+/// Number of findings with a verdict.
 pub fn count(findings: &[JudgedFinding], verdict: Verdict) -> usize {
     findings.iter().filter(|judged| judged.finding.verdict == verdict).count()
 }

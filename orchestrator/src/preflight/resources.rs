@@ -1,4 +1,4 @@
-//! Whether memory and disk hold the run.
+//! Memory, shared memory and disk that the run needs, against those of the machine.
 
 use super::Machine;
 use crate::plan::{Plan, bytes};
@@ -9,15 +9,15 @@ use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample};
 use tremie_messages::scene::{BodySizes, Scene};
 use tremie_messages::start::{Description, FrameContent};
 
-/// Part of what is free that a run may take without a doubt.
+/// Fraction of the free amount up to which a run is not doubtful.
 const COMFORT: f64 = 0.8;
 /// Bytes of a number in the table of signals, with its comma; rarely more.
 const WRITTEN_NUMBER: u64 = 20;
 
 /// Resident set of a process of the run by itself [bytes]: for the most part pages of the program, which all processes share.
 const PROCESS: u64 = 14_000_000;
-/// What a listed body takes where the manifest is read, with the places of all that is said of it, and in each component
-/// [bytes].
+/// Memory of a listed body: in the manifest, with the source positions of its values, and in each
+/// component [bytes].
 const LISTED: u64 = 3_400;
 const TOLD: u64 = 700;
 
@@ -63,6 +63,7 @@ fn memory(scene: &Scene, descriptions: &[Description]) -> u64 {
         BodySizes::Packed(_) => 0,
     };
     let (listed, components) = (sizes.map(listed).sum::<u64>(), descriptions.len() as u64);
+    // One process more: the orchestrator.
     own + (components + 1) * PROCESS + listed * (LISTED + components * TOLD)
 }
 
@@ -98,6 +99,7 @@ fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
             FrameContent::Signals(_) => size_of::<f64>(),
             FrameContent::Log => 0,
         };
+        // The frame of the start exchange is one more.
         let count = plan.windows / stream.every.max(1) + 1;
         count.saturating_mul(stream.capacity.saturating_mul(value as u64))
     });

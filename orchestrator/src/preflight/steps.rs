@@ -1,4 +1,4 @@
-//! How the components' steps fit into windows.
+//! Fit of the components' steps into windows.
 
 use crate::manifest::{ComponentSpec, Spec};
 use crate::plan::{Plan, PlannedComponent};
@@ -53,7 +53,7 @@ fn ratio(component: &PlannedComponent, spec: &ComponentSpec, plan: &Plan) -> Opt
     ))
 }
 
-/// Whether the manifest sets the step, which all built-in components call `time_step`.
+/// True if the manifest sets the step, which all built-in components call `time_step`.
 fn sets_step(spec: &ComponentSpec) -> bool {
     spec.settings.contains_key("time_step")
 }

@@ -33,7 +33,7 @@ pub fn sentences(findings: &[JudgedFinding], verdict: Verdict) -> Vec<String> {
     findings.iter().filter(|judged| judged.finding.verdict == verdict).map(sentence).collect()
 }
 
-/// How many of each verdict, in a line.
+/// Number of findings of each verdict, in a line.
 pub fn total(findings: &[JudgedFinding]) -> String {
     let of = |verdict: Verdict| format!("{} {}", count(findings, verdict), verdict.name());
     format!("findings: {}, {}, {}", of(Verdict::Ok), of(Verdict::Doubtful), of(Verdict::Wrong))
