@@ -1,4 +1,4 @@
-//! A round of questions: every component was asked something, and each answers in its own time.
+//! Round of questions: every component was asked something, and each answers in its own time.
 
 use crate::run::launch::{News, Peer, Post};
 use crate::run::startup_log::EarlyLog;
@@ -7,33 +7,33 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 use tremie_messages::start::Reply;
 
-/// How often the wait for answers looks whether the user has asked for the end.
+/// Interval at which the wait for answers looks at the user's interrupts.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Components that were asked something, and what bounds the wait for their answers.
+/// Components that were asked something, and bounds of the wait for their answers.
 pub struct Round<'a> {
     /// The components.
     pub peers: &'a mut [Peer],
-    /// Where their answers arrive.
+    /// Channel on which their answers arrive.
     pub news: &'a Receiver<Post>,
-    /// Where lines of their logs go.
+    /// Startup log, for lines of their standard error.
     pub early: &'a mut EarlyLog,
     /// Longest time for all to answer.
     pub within: Duration,
-    /// How often the user has asked for the end.
+    /// Number of the user's interrupts.
     pub interrupts: &'a AtomicUsize,
 }
 
-/// Why not every component answered as it should.
+/// Reason why not every component answered as it should.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Unanswered {
     /// The user asked for the end.
     Interrupted,
-    /// The components that failed, each with why.
+    /// The components that failed, each with a reason.
     Failed(Vec<(usize, String)>),
 }
 
-/// How far the round is.
+/// Progress of the round.
 struct Answers {
     open: Vec<bool>,
     /// The last line that each wrote to standard error.
@@ -61,7 +61,7 @@ impl Round<'_> {
             if self.interrupts.load(Ordering::Relaxed) > 0 {
                 return Err(Unanswered::Interrupted);
             }
-            // Looked at before the news: a component that never stops talking must not stop the clock.
+            // Before the answers: a component that never stops talking must not stop the clock.
             let left = deadline.saturating_duration_since(Instant::now());
             match self.news.recv_timeout(left.min(LOOK)) {
                 _ if left.is_zero() => answers.give_up_waiting(self.within),
@@ -99,11 +99,12 @@ impl Round<'_> {
         }
     }
 
-    /// Also of one that had answered: it may end while others are still at it.
+    /// Takes the end of a component, also of one that had answered: it may end while others are
+    /// still at it.
     fn hear_end(&mut self, answers: &mut Answers, index: usize) {
         self.peers[index].closed = true;
         let how = self.peers[index].end(Duration::from_secs(1));
-        // One that has answered with a refusal leaves in good order.
+        // A component that has answered with a refusal leaves in good order.
         if !answers.open[index] && (how == "exited with code 0" || how == "ended") {
             return;
         }

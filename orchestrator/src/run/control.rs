@@ -43,7 +43,8 @@ impl<S: ChannelMedium> Control<S> {
         signals: &[usize],
     ) -> Result<Self, ChannelError> {
         let transport = &assignments[0].transport;
-        // Nothing that the orchestrator sends may make it wait: credit overflows, log lines are lost.
+        // Nothing that the orchestrator sends may make it wait. So credit overflows, and log lines
+        // may be lost.
         let patience = std::time::Duration::ZERO;
         let attachment =
             Attachment::open(&transport.root, &transport.prefix, ORCHESTRATOR, patience)?;
@@ -66,7 +67,7 @@ impl<S: ChannelMedium> Control<S> {
         Ok(Self { run, ends, logs, attachment })
     }
 
-    /// Gives component `index` a word, and wakes it if it sleeps.
+    /// Sends component `index` a command, and wakes it if it sleeps.
     ///
     /// # Errors
     /// [`ChannelError::Failed`].
@@ -93,9 +94,10 @@ impl<S: ChannelMedium> Control<S> {
         Ok(count)
     }
 
-    /// Tells all observers a line. One that takes no more loses it: the log file has it.
+    /// Sends a line to all observers. An observer without room loses it: the log file has it.
     pub fn log(&self, header: LogHeader, text: &str) {
         for LogEnd { sender, ringer, capacity } in &self.logs {
+            // Cut at a whole character: an observer reads UTF-8.
             let bytes = &text.as_bytes()[..text.floor_char_boundary(*capacity)];
             if sender.send_copy(header, bytes).is_ok() {
                 let _ = ringer.ring();
@@ -103,7 +105,7 @@ impl<S: ChannelMedium> Control<S> {
         }
     }
 
-    /// Frees what components that died had in shared memory, so that nobody waits for them.
+    /// Frees the shared memory of components that died, so that no sender waits for them.
     pub fn clean_after_dead(&self) {
         self.attachment.clean_after_dead();
     }

@@ -1,4 +1,4 @@
-//! From the assignments to the summary.
+//! Execution of a run, from the assignments to the summary.
 
 use crate::manifest::Manifest;
 use crate::outputs::{
@@ -27,29 +27,29 @@ use tremie_messages::start::{Assignment, Reply, Request, Signal, Transport};
 use tremie_messages::units;
 use tremie_messages::{Problem, Role};
 
-/// How long a component polls before it sleeps. Longer than a round trip between two processes
+/// Time that a component polls before it sleeps. Longer than a round trip between two processes
 /// (some microseconds), shorter than the time that a wake-up is worth.
 const POLL: Duration = Duration::from_micros(200);
 /// A run that has ended. Observers that go on serving do so until this is dropped.
 pub struct Ended {
-    /// What the summary says.
+    /// Summary of the run.
     pub summary: Summary,
-    /// All components; those that were ended are ended.
+    /// All components; observers among them may still be serving.
     peers: Vec<Peer>,
     news: Receiver<Post>,
     _places: Option<RunPlaces>,
 }
 
 impl Prepared {
-    /// Tells the components that nothing more is wanted.
+    /// Ends the components in good order, before any assignment.
     pub fn dismiss(mut self) {
         end_all(&mut self.peers, EXIT_GRACE);
     }
 
-    /// Whether the machine has what the run needs of it: shared memory, open files.
+    /// Checks that the machine has the shared memory and the open files that the run needs.
     ///
     /// # Errors
-    /// What it lacks, with both numbers.
+    /// The lack, with both numbers.
     pub fn fits(&self, execution: &Execution) -> Result<(), RunError> {
         if !execution.in_process {
             memory::provide(&sweep::prefix_of(self.run), self.plan.shared_memory())?;
@@ -86,12 +86,13 @@ impl Prepared {
         terminal: &mut Terminal,
         interrupts: &AtomicUsize,
     ) -> Result<Ended, RunError> {
+        // Also where the caller has checked: other programs may have taken memory meanwhile.
         self.fits(execution)?;
         let prefix = sweep::prefix_of(self.run);
         if !execution.in_process {
             limits::explain_bus_errors();
         }
-        // Files first: a disk that refuses should not cost a started run.
+        // Files first: a full disk should not cost a started run.
         let spec = &manifest.spec;
         let names = self.signal_names();
         let (table, log, trace) = self.open_outputs(manifest, out, execution, &names)?;
@@ -102,13 +103,14 @@ impl Prepared {
         let assignments =
             self.assignments(&root, &prefix, execution.in_process, spec.run.deadline, poll);
         let signals: Vec<_> = self.descriptions.iter().map(|d| d.signals.len()).collect();
+        // Before the assignments: the orchestrator creates its ends before components open theirs.
         let control = Control::<S>::open(self.run, &self.peers, &assignments, &signals)?;
         if let Err(error) = self.assign(&assignments, manifest, interrupts) {
             end_all(&mut self.peers, QUIT_GRACE);
             return Err(error);
         }
         if !execution.in_process {
-            // All channels are there, and nothing was sent yet.
+            // All channels are there, and nothing was sent yet: no page has been touched.
             memory::commit(&prefix)?;
         }
 
@@ -137,8 +139,10 @@ impl Prepared {
             interrupts,
         };
         let driven = drive.run();
+        // Physics only: a viewer goes on serving until `Ended` is dropped.
         end_all(self.peers.iter_mut().filter(|peer| peer.role != Role::Observer), EXIT_GRACE);
         let mut summary = self.summarise(driven);
+        // Last of all files: a folder with a summary holds a run that is over.
         if let Err(error) = out.finish(&summary) {
             summary.ending.spoil(error.into_fault(summary.windows));
         }
@@ -291,16 +295,16 @@ fn write_file(path: &Path, text: &str) -> Result<(), OutputError> {
 }
 
 impl Ended {
-    /// Whether the observer of that name is still there, serving what it shows.
+    /// True if the observer of that name is still there, serving what it shows.
     pub fn is_serving(&mut self, name: &str) -> bool {
-        // Not all that ever comes: one that never stops talking must not hold up its user.
+        // Not all that ever comes: an observer that never stops talking must not hold up its user.
         for (index, news) in self.news.try_iter().take(1000) {
             self.peers[index].closed |= matches!(news, News::Closed);
         }
         self.peers.iter().any(|peer| peer.name == name && !peer.closed)
     }
 
-    /// How the run ended.
+    /// Ending of the run.
     pub fn ending(&self) -> &Ending {
         &self.summary.ending
     }

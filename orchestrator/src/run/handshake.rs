@@ -1,4 +1,4 @@
-//! The first half of a run: starting the components and asking each what it is.
+//! Handshake: the components are started, and each is asked for its description.
 
 use crate::manifest::Manifest;
 use crate::run::ask_all::{Round, Unanswered};
@@ -7,7 +7,7 @@ use std::path::Path;
 use tremie_messages::start::{Description, Hello, Reply, Request};
 use tremie_messages::{INTERFACE_VERSION, Problem};
 
-/// Why components were not introduced.
+/// Reason why there are no descriptions.
 #[derive(Debug)]
 pub enum NotIntroduced {
     /// The user asked for the end.
@@ -83,7 +83,7 @@ pub fn introduce(
             description.interface
         )),
         Reply::Refusal { problems: found } => {
-            // What is wrong with a part fluid and grains find alike: it is said once.
+            // Fluid and grains find the same fault of a part: it is reported once.
             for problem in manifest.absolute(&manifest.spec.components[index].name, found) {
                 if !problems.contains(&problem) {
                     problems.push(problem);

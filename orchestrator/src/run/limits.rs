@@ -12,12 +12,13 @@ const OF_CHANNEL: u64 = 5;
 /// Files of the orchestrator for each component: its lines and its bell.
 const OF_COMPONENT: u64 = 8;
 
-/// Opens as many files as the system lets this user, and hears of a file that may grow no longer as of a full disk,
-/// by an error, not by the end of the process. Components inherit the first and do the second themselves.
+/// Raises the limit of open files to the most that the system lets this user have. A file that may
+/// grow no longer becomes an error, as a full disk is, and does not end the process. Components
+/// inherit the first and do the second themselves.
 pub fn widen() {
     let limit = getrlimit(Resource::Nofile);
     if limit.current != limit.maximum {
-        // Refused or not: what there is is looked at before a run.
+        // Refused or not: the limit is compared with the need before a run.
         let _ = setrlimit(Resource::Nofile, Rlimit { current: limit.maximum, ..limit });
     }
     // SAFETY: a handler that does nothing may run at any time.
@@ -29,8 +30,8 @@ pub fn open_files() -> Option<u64> {
     getrlimit(Resource::Nofile).current
 }
 
-/// Lets this program end with a sentence, not by a signal, where it touches shared memory that another program has
-/// taken since it was looked at.
+/// Makes SIGBUS end this program with a sentence. The signal comes where the program touches shared
+/// memory that another program has taken since the check.
 pub fn explain_bus_errors() {
     const WORDS: &[u8] =
         b"error: /dev/shm is full: something else has taken the shared memory of this run; make it larger\n";
@@ -44,7 +45,7 @@ pub fn explain_bus_errors() {
     let _ = unsafe { signal_hook::low_level::register(signal_hook::consts::SIGBUS, tell) };
 }
 
-/// Whether this program and each component may open as many files as a run of this plan needs.
+/// Checks that this program and each component may open as many files as a run of this plan needs.
 ///
 /// # Errors
 /// A sentence.
@@ -56,11 +57,12 @@ pub fn check_open_files(plan: &Plan, in_process: bool) -> Result<(), String> {
     }
     Err(format!(
         "a process may open {limit} files, and the run needs about {need}: raise the limit (ulimit -n {})",
+        // Rounded up: the count is an estimate.
         need.next_power_of_two().max(1024)
     ))
 }
 
-/// Whether a file may be as large as the largest piece of shared memory, which is one.
+/// Checks that a file may be as large as the largest piece of shared memory, which is a file.
 ///
 /// # Errors
 /// A sentence.
@@ -75,7 +77,7 @@ pub fn check_file_size(plan: &Plan) -> Result<(), String> {
     }
 }
 
-/// Files of the process that has most of them open, about.
+/// Files of the process that has most of them open, about. Threads share those of one process.
 fn files(plan: &Plan, in_process: bool) -> u64 {
     let channels = |name: &str| {
         let edges = plan.edges.iter().filter(|edge| edge.from == name || edge.to == name).count();

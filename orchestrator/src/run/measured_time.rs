@@ -1,4 +1,4 @@
-//! How long the run will take, by running some of it: `tremie check --measure`.
+//! Wall time of a whole run, measured on its first windows: `tremie check --measure`.
 
 use crate::manifest::Manifest;
 use crate::outputs::{Ending, JudgedFinding, RunFolder};
@@ -12,19 +12,19 @@ use std::time::{Duration, Instant};
 use tremie_messages::Finding;
 use tremie_messages::Role;
 
-/// How long windows are let go by; if none is over by then, the next longer time is tried.
+/// Trial times, tried in turn until one of them completes a window.
 const TRIES: [Duration; 3] =
     [Duration::from_secs(2), Duration::from_secs(8), Duration::from_secs(60)];
-/// How often it is looked whether the user wants the end.
+/// Interval of looks at the user's interrupts.
 const LOOK: Duration = Duration::from_millis(50);
-/// A run that takes longer is asked about [s].
+/// Wall time beyond which a run is doubtful [s].
 const LONG: f64 = 7.0 * 86_400.0;
 
-/// Runs some windows of the manifest without observers, throws away what they give, and tells how
-/// long all `windows` of it will take. `folder` is where programs are looked for first.
+/// Runs some windows of the manifest without observers, throws their outputs away, and returns the
+/// wall time of all `windows` [s]. Programs are looked for in `folder` first.
 ///
-/// The first windows may be cheaper than later ones, where grains have not yet met: so this is what
-/// the run takes at least.
+/// The first windows may be cheaper than later ones, where grains have not yet met. So the time is
+/// a lower bound.
 ///
 /// # Errors
 /// As of a run; a fault of a component in these windows is a finding.
@@ -56,7 +56,8 @@ pub fn wall_time(
     Ok(JudgedFinding::of_whole(judged(done, windows)))
 }
 
-/// Lets windows go by for some wall time: how that ended, how many, and how long they took [s].
+/// Runs windows for some wall time; returns the ending, the number of windows, and their wall time
+/// [s].
 fn some_windows(
     manifest: &Manifest,
     folder: &Path,
@@ -67,6 +68,7 @@ fn some_windows(
     let execution = Execution::default();
     let mut out = RunFolder::claim(home.path())?;
     let prepared = prepare(manifest, folder, out.path(), &execution, interrupts)?;
+    // Stands for the user's interrupts: after the trial time the run ends as by Ctrl-C.
     let end = AtomicUsize::new(0);
     let mut terminal = Terminal::new(Style::Silent);
     let (over, wait) = channel::<()>();
@@ -74,6 +76,7 @@ fn some_windows(
         let end = &end;
         scope.spawn(move || {
             let begin = Instant::now();
+            // The channel closes when the run ends by itself, so that the thread ends at once.
             let waits = || wait.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout);
             while waits() && begin.elapsed() < time && interrupts.load(Ordering::Relaxed) == 0 {}
             end.store(1, Ordering::Relaxed);

@@ -1,7 +1,7 @@
 //! A whole run, from a checked manifest to closed outputs.
 //!
-//! [`prepare`] starts the components, asks each for its description ([`handshake`]) and plans the run. [`Prepared::execute`]
-//! hands out the assignments and lets the windows go by ([`run_loop`]).
+//! [`prepare`] starts the components, asks each for its description ([`handshake`]) and plans the
+//! run. [`Prepared::execute`] hands out the assignments and runs the windows ([`run_loop`]).
 
 mod ask_all;
 pub mod control;
@@ -33,7 +33,7 @@ pub(crate) const EXIT_GRACE: Duration = Duration::from_secs(2);
 /// The same, of components that have not begun.
 pub(crate) const QUIT_GRACE: Duration = Duration::from_millis(300);
 
-/// How a run is carried out; nothing of it changes results.
+/// Options of a run's execution; none of them changes results.
 #[derive(Clone, Debug, Default)]
 pub struct Execution {
     /// Components as threads of this process.
@@ -46,7 +46,7 @@ pub struct Execution {
     pub trace: Option<RangeInclusive<u64>>,
 }
 
-/// Why a run did not begin.
+/// Reason why a run did not begin.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The input is wrong.
@@ -58,7 +58,7 @@ pub enum RunError {
     /// Shared memory could not be set up.
     #[error("cannot set up shared memory: {0}")]
     Channel(#[from] ChannelError),
-    /// Shared memory does not do.
+    /// Shared memory cannot hold the run.
     #[error(transparent)]
     Memory(#[from] NoMemory),
     /// The system lets the program have too little of something.
@@ -67,7 +67,7 @@ pub enum RunError {
     /// The operating system refuses a place for the run's bookkeeping.
     #[error("cannot make the run's private folder below /tmp: {0}")]
     Places(std::io::Error),
-    /// The operating system refuses word of Ctrl-C.
+    /// The operating system refuses to report Ctrl-C.
     #[error("cannot watch for Ctrl-C: {0}")]
     Signals(std::io::Error),
     /// A component did not get ready.

@@ -1,5 +1,5 @@
-//! What the orchestrator knows of a run in progress: who has completed which window. Pure: it is
-//! told of reports and waits, and says what is wrong with them.
+//! Monitor: windows completed by each component, sums of their reports, waits for peers. It is
+//! pure: reports and waits go in, rows of signals and faults come out.
 
 use crate::outputs::{ComponentTotals, SignalRow};
 use std::collections::VecDeque;
@@ -30,13 +30,13 @@ struct PendingRow {
 pub struct Waiting {
     /// The peer.
     pub from: String,
-    /// What it owes, as `state of window 7`.
+    /// The missing message, as `state of window 7`.
     pub what: String,
-    /// The window of what it owes.
+    /// Window of the missing message.
     pub owed: u64,
-    /// When the wait began [ns].
+    /// Time at which the wait began, by the machine's clock [ns].
     pub since: u64,
-    /// When the last look at the channel began [ns].
+    /// Time at which the last look at the channel began, by the same clock [ns].
     pub looked: u64,
     /// The window that the component works on.
     pub window: u64,
@@ -44,7 +44,7 @@ pub struct Waiting {
     pub turn: u64,
 }
 
-/// What the orchestrator knows of a run in progress.
+/// Progress of a run: reports, rows of signals, waits.
 #[derive(Debug)]
 pub struct Monitor {
     run: u64,
@@ -56,7 +56,7 @@ pub struct Monitor {
     next: Vec<u64>,
     totals: Vec<ComponentTotals>,
     waiting: Vec<Option<Waiting>>,
-    /// When each component last reported.
+    /// Time of each component's last report.
     heard: Vec<Instant>,
     rows: VecDeque<PendingRow>,
 }
@@ -86,10 +86,10 @@ impl Monitor {
         }
     }
 
-    /// Takes component `index`'s account of a window.
+    /// Takes component `index`'s report on a window.
     ///
     /// # Errors
-    /// A fault if the account is not the one that the schedule foretells.
+    /// A fault if the report is not the one that the schedule foretells.
     pub fn report(
         &mut self,
         index: usize,
@@ -138,6 +138,7 @@ impl Monitor {
         let width = self.watched.iter().map(|component| component.signals).sum();
         let first = self.rows.front().map_or(window, |first| first.row.window);
         let place = (window - first) as usize;
+        // A component may report windows ahead of the others: their rows stand open until all have.
         while self.rows.len() <= place {
             let window = first + self.rows.len() as u64;
             let row = SignalRow { window, values: vec![f64::NAN; width] };
@@ -172,29 +173,30 @@ impl Monitor {
         &self.totals
     }
 
-    /// Component `index` says that it has looked for a peer's message in vain.
+    /// Takes word from component `index` that it has looked for a peer's message in vain.
     pub fn waiting(&mut self, index: usize, wait: Waiting) {
         self.waiting[index] = Some(wait);
     }
 
-    /// Component `index` waits no longer.
+    /// Takes word from component `index` that it waits no longer.
     pub fn resumed(&mut self, index: usize, now: Instant) {
         self.waiting[index] = None;
         self.heard[index] = now;
     }
 
-    /// Whether every component has done all windows through `granted`.
+    /// True if every component has completed all windows through `granted`.
     pub fn all_wait_for_credit(&self, granted: u64) -> bool {
         self.next.iter().all(|next| *next > granted)
     }
 
-    /// Components may advance further from now on: their silence counts from here.
+    /// Components may advance further from now on: deadlines for their reports count from `now`.
     pub fn granted(&mut self, now: Instant) {
         self.heard.fill(now);
     }
 
-    /// A message was lost: every component has looked for one after the last of them had sent all
-    /// it had to and began to wait. However slow the machine is, nothing can be under way then.
+    /// Fault of a lost message; `None` while a message may be under way. A message is lost if every
+    /// component has looked for one after the last of them had sent everything and begun to wait.
+    /// However slow the machine is, nothing can be under way then.
     pub fn lost_message(&self) -> Option<Fault> {
         let all: Option<Vec<&Waiting>> = self.waiting.iter().map(Option::as_ref).collect();
         let all = all?;
@@ -202,8 +204,9 @@ impl Monitor {
         if all.iter().any(|wait| wait.looked <= last_began) {
             return None;
         }
-        // A sender that has completed the window of what it owes claims to have sent it; inside a
-        // window, one that waits for a later message of the same exchange.
+        // A sender that has completed the window of the missing message claims to have sent it.
+        // Inside a window, a sender that waits for a later message of the same exchange claims it
+        // too.
         let claims_to_have_sent = |wait: &Waiting| {
             let Some(sender) = self.watched.iter().position(|c| c.name == wait.from) else {
                 return false;
@@ -213,6 +216,7 @@ impl Monitor {
         };
         let (index, wait) = (self.waiting.iter().enumerate())
             .filter_map(|(index, wait)| Some((index, wait.as_ref()?)))
+            // A waiter whose sender claims to have sent comes first; then the lowest index.
             .max_by_key(|(index, wait)| (claims_to_have_sent(wait), std::cmp::Reverse(*index)))?;
         Some(Fault {
             kind: FaultKind::Lost,
@@ -226,8 +230,8 @@ impl Monitor {
         })
     }
 
-    /// A component that may advance through `granted`, does not wait, and has said nothing for
-    /// longer than `deadline`.
+    /// Fault of a component that may advance through `granted`, does not wait, and has not reported
+    /// for longer than `deadline`.
     pub fn silent(&self, now: Instant, granted: u64, deadline: Duration) -> Option<Fault> {
         let index = (0..self.watched.len()).find(|&index| {
             self.next[index] <= granted

@@ -1,4 +1,4 @@
-//! Before the first window: components started, asked and planned for.
+//! Preparation of a run: components started and asked, and a plan made.
 
 use crate::manifest::Manifest;
 use crate::outputs::JudgedFinding;
@@ -17,26 +17,26 @@ use tremie_messages::Problem;
 use tremie_messages::start::{Description, InjectionKind};
 use tremie_messages::units;
 
-/// Components that were asked and a plan that fits them.
+/// Components with their descriptions, and a plan that fits them.
 pub struct Prepared {
     /// The components, in the order of the manifest.
     pub peers: Vec<Peer>,
-    /// What they said.
+    /// Descriptions of the components, in the same order.
     pub descriptions: Vec<Description>,
-    /// What they shall do.
+    /// Plan of the run.
     pub plan: Plan,
-    /// What the numbers of the run mean for its results.
+    /// Findings on the numbers of the run.
     pub findings: Vec<JudgedFinding>,
     pub(super) news: Receiver<Post>,
     pub(super) early: EarlyLog,
     pub(super) run: u64,
-    /// After the peers: what they use is removed when they have ended.
+    /// Declared after the peers: it is dropped after them, when nobody uses the places any more.
     pub(super) places: Option<RunPlaces>,
 }
 
-/// Starts the components of `manifest`, asks each what it is, and plans the run.
+/// Starts the components of `manifest`, asks each for its description, and plans the run.
 ///
-/// `folder` is where programs are looked for first; `output` where observers may write.
+/// Programs are looked for in `folder` first; observers may write into `output`.
 ///
 /// # Errors
 /// [`RunError::Input`] with every problem found, or [`RunError::Interrupted`]; all components have
@@ -74,6 +74,7 @@ pub fn prepare(
             let findings = preflight::examine(&manifest.spec, &plan, &descriptions, &machine);
             Ok(Prepared { peers, descriptions, plan, findings, news, early, run, places: None })
         }
+        // A fault of the plan, or of one component: the others are still up, and wait.
         Err(error) => {
             end_all(&mut peers, QUIT_GRACE);
             Err(error)

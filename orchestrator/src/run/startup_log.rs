@@ -1,9 +1,9 @@
-//! What components wrote to standard error before there was a log to write it to.
+//! Startup log: lines that components wrote to standard error before the run's log file was open.
 
 /// Most lines that are kept of one component.
 const KEPT: u64 = 1000;
 
-/// Lines that components wrote before windows go by, in the order in which they came.
+/// Lines that components wrote before the first window, in the order in which they came.
 #[derive(Debug, Default)]
 pub struct EarlyLog {
     lines: Vec<(usize, String)>,
@@ -12,7 +12,7 @@ pub struct EarlyLog {
 }
 
 impl EarlyLog {
-    /// Keeps a line of component `index`, unless that has said more than a log should hold.
+    /// Keeps a line of component `index`, unless [`KEPT`] lines of it are kept already.
     pub fn push(&mut self, index: usize, text: String) {
         if self.counts.len() <= index {
             self.counts.resize(index + 1, 0);
@@ -23,7 +23,7 @@ impl EarlyLog {
         }
     }
 
-    /// The lines, each with its component; after them how many are missing.
+    /// The lines, each with its component; after them the number of lines left out.
     pub fn into_lines(self) -> impl Iterator<Item = (usize, String)> {
         let missing = self.counts.into_iter().enumerate().filter(|(_, count)| *count > KEPT).map(
             |(index, count)| {

@@ -1,4 +1,4 @@
-//! Conditions of a manifest that end a run early.
+//! Stop conditions of a manifest, which end a run early.
 
 use crate::manifest::{Limit, StopCondition};
 use tremie_messages::start::Signal;
@@ -12,7 +12,7 @@ pub struct StopConditions {
 #[derive(Debug)]
 struct WatchedSignal {
     condition: StopCondition,
-    /// Place of its signal in a row, and whether that is measured in some windows only.
+    /// Index of its signal in a row. `sampled`: the signal is measured in some windows only.
     place: usize,
     sampled: bool,
     /// Simulated time since which it has held.
@@ -32,12 +32,13 @@ impl StopConditions {
         Self { conditions: conditions.iter().filter_map(watched).collect() }
     }
 
-    /// Whether there is anything to watch.
+    /// True if there are no conditions.
     pub fn is_idle(&self) -> bool {
         self.conditions.is_empty()
     }
 
-    /// Takes the row of simulated time `time` [s]; says which condition is met by it, if one is.
+    /// Takes the row of simulated time `time` [s]; returns the condition that it meets, if there is
+    /// one.
     pub fn look(&mut self, time: f64, values: &[f64]) -> Option<String> {
         self.conditions.iter_mut().find_map(|watched| watched.look(time, values))
     }

@@ -1,5 +1,5 @@
-//! The lines of a component that is a process: each pipe has a thread of its own, so that nothing
-//! that a component does, or leaves undone, holds up the orchestrator.
+//! Lines of a component that is a process. Each pipe has a thread of its own, so that no component,
+//! busy or silent, holds up the orchestrator.
 
 use super::{News, Post};
 use std::io::{BufRead, Read, Write};
@@ -22,10 +22,10 @@ pub(super) fn write_requests(mut to: impl Write, requests: Receiver<Request>) {
 const LOG_LINE: u64 = 64 << 10;
 /// Longest reply [bytes]: room for a problem with each of a hundred thousand bodies.
 const REPLY_LINE: u64 = 64 << 20;
-/// What is kept of a line that is no reply, for the message [characters].
+/// Longest part of a line that is no reply that goes into the message [characters].
 const GARBAGE: usize = 1000;
 
-/// Passes on what a component writes to its standard output.
+/// Passes on replies from a component's standard output; then, at its end, [`News::Closed`].
 pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSender<Post>) {
     for line in lines(output, REPLY_LINE) {
         let news = match serde_json::from_str(&line) {
@@ -37,7 +37,7 @@ pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSen
     let _ = post.send((index, News::Closed));
 }
 
-/// Passes on what a component writes to its standard error.
+/// Passes on lines from a component's standard error.
 pub(super) fn forward_log(errors: impl BufRead, index: usize, post: &SyncSender<Post>) {
     for line in lines(errors, LOG_LINE) {
         let _ = post.send((index, News::Log(line)));

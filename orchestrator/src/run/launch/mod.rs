@@ -1,4 +1,4 @@
-//! Starts components, as processes or as threads, and carries their lines.
+//! Launcher of components, as processes or as threads, and of the threads that carry their lines.
 
 mod lines;
 mod peer;
@@ -21,7 +21,7 @@ use tremie_messages::{INTERFACE_VERSION, Role};
 use tremie_sdk::ControlPipe;
 use with_us::{Signal, end_with_us};
 
-/// Something that a component said or did.
+/// Arrival from a component: a reply, a line, or its end.
 #[derive(Debug)]
 pub enum News {
     /// A reply on its line.
@@ -34,21 +34,21 @@ pub enum News {
     Closed,
 }
 
-/// News of a component, by its index in the list of peers.
+/// Arrival with the index of its component in the list of peers.
 pub type Post = (usize, News);
 
-/// Most news under way. A component that says more than the orchestrator hears waits, as it would
-/// for a slow terminal.
+/// Most arrivals under way. A component that writes faster than the orchestrator reads waits, as it
+/// would for a slow terminal.
 const NEWS_DEPTH: usize = 1024;
 
-/// Starts components and collects their news in one place.
+/// Starts components and collects their arrivals on one channel.
 pub struct Launcher {
     post: SyncSender<Post>,
     in_process: bool,
 }
 
 impl Launcher {
-    /// A launcher of processes, or of threads of this one, and where news arrive.
+    /// A launcher of processes, or of threads of this one, and the channel of arrivals.
     pub fn new(in_process: bool) -> (Self, Receiver<Post>) {
         let (post, news) = sync_channel(NEWS_DEPTH);
         (Self { post, in_process }, news)
@@ -71,6 +71,7 @@ impl Launcher {
         let (to, body) = match program {
             Program::BuiltIn(built) if self.in_process => self.start_thread(index, name, built)?,
             Program::BuiltIn(built) => {
+                // This very executable, even if its file was replaced since the program began.
                 let mut command = Command::new("/proc/self/exe");
                 command.arg("component").arg(built);
                 self.start_process(index, command)?

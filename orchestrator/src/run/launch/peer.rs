@@ -1,4 +1,4 @@
-//! A started component: what it is told, and its end.
+//! Peer: a started component, requests to it, and its end.
 
 use std::os::unix::process::ExitStatusExt;
 use std::process::Child;
@@ -13,16 +13,16 @@ use tremie_messages::start::Request;
 pub struct Peer {
     /// Its name in the run.
     pub name: String,
-    /// What it stands for.
+    /// Role that it takes.
     pub role: Role,
     /// `None` once the orchestrator has hung up.
     to: Option<Sender<Request>>,
     body: Body,
-    /// Whether its line has closed.
+    /// Its line has closed.
     pub closed: bool,
 }
 
-/// The signal that ends who touches memory which the system does not have (SIGBUS).
+/// Signal that ends a process which touches memory that the system does not have (SIGBUS).
 const BUS_ERROR: i32 = 7;
 
 pub(super) enum Body {
@@ -35,8 +35,8 @@ impl Peer {
         Self { name: name.to_string(), role, to: Some(to), body, closed: false }
     }
 
-    /// Sends a request; never waits. A component that is gone does not hear it; its end is news of
-    /// its own.
+    /// Sends a request; never waits. A component that is gone does not get it; its end arrives by
+    /// itself.
     pub fn send(&mut self, request: Request) {
         if let Some(to) = &self.to {
             let _ = to.send(request);
@@ -56,9 +56,11 @@ impl Peer {
         }
     }
 
-    /// Tells the component to quit, gives it `grace`, then ends it. Returns how it ended.
+    /// Tells the component to quit, gives it `grace`, then ends it by force. Returns a few words on
+    /// how it ended.
     ///
-    /// A thread cannot be ended from outside; one that does not heed is left behind, and said so.
+    /// A thread cannot be ended from outside. A thread that does not end is left behind, and the
+    /// words say so.
     pub fn end(&mut self, grace: Duration) -> String {
         self.quit();
         self.end_by(Instant::now() + grace)
@@ -80,6 +82,7 @@ impl Peer {
 /// Tells all `peers` to quit, gives them `grace` together, then ends those that are still there.
 pub fn end_all<'a>(peers: impl IntoIterator<Item = &'a mut Peer>, grace: Duration) {
     let mut peers: Vec<&mut Peer> = peers.into_iter().collect();
+    // All are told before any is waited for: they end at the same time.
     peers.iter_mut().for_each(|peer| peer.quit());
     let deadline = Instant::now() + grace;
     for peer in peers {
@@ -94,6 +97,7 @@ fn reap(child: &mut Child, deadline: Instant) -> String {
             Ok(None) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(1)),
             Ok(None) => {
                 let _ = child.kill();
+                // A killed process stays a zombie until it is waited for.
                 let _ = child.wait();
                 return "did not exit and had to be killed".into();
             }

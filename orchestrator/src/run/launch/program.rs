@@ -1,9 +1,9 @@
-//! Finds the programs that a manifest names.
+//! Programs of components, found by their names in a manifest.
 
 use crate::registry::{BuiltIn, built_in};
 use std::path::{Path, PathBuf};
 
-/// What runs a component.
+/// Program that runs a component.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Program {
     /// A component of this executable.
@@ -16,9 +16,9 @@ pub enum Program {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no component \"{name}\": not built in, and no program at {}", looked.join(", "))]
 pub struct MissingProgram {
-    /// What the manifest says.
+    /// Name in the manifest.
     pub name: String,
-    /// Where it was looked for.
+    /// Places that were searched.
     pub looked: Vec<String>,
 }
 

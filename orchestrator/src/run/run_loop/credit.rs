@@ -1,5 +1,5 @@
-//! How far components may advance: some way ahead of what is done, so that physics never waits for
-//! the orchestrator.
+//! Credit: windows through which components may advance. It runs ahead of the completed windows, so
+//! that physics never waits for the orchestrator.
 
 use super::ends::STOP_AHEAD;
 use super::{Course, Drive, Trouble};
@@ -7,7 +7,7 @@ use std::time::Instant;
 use tremie_channels::ChannelMedium;
 use tremie_messages::control::Credit;
 
-/// Wall time by which credit runs ahead: what a Ctrl-C takes to be heeded.
+/// Wall time by which credit runs ahead [s]: the delay of a Ctrl-C.
 const CREDIT_AHEAD: f64 = 0.1;
 
 impl<S: ChannelMedium> Drive<'_, S> {
@@ -18,16 +18,19 @@ impl<S: ChannelMedium> Drive<'_, S> {
         }
         let done = self.monitor.common_window().map_or(0, |window| window + 1);
         let since = now.duration_since(course.mark.1).as_secs_f64();
+        // Rates of shorter times than 50 ms are mostly noise.
         if since > 0.05 {
             course.rate = (done - course.mark.0) as f64 / since;
             course.mark = (done, now);
         }
-        // Less than to where a condition ends the run: who is allowed that window knows that it is the last.
+        // A condition ends the run STOP_AHEAD windows later. Credit stays below that window: a
+        // component that advances through it must know that it is the last.
         let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD - 1 };
         if !course.not_watching.is_empty() {
-            // Only the start exchange, until they have seen it.
+            // Only the start exchange, until lossless observers have taken their first frames.
             return self.grant_through(course, 0);
         }
+        // Never less than 4 windows: physics must not wait for the next look.
         let ahead = ((course.rate * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
         self.grant_through(course, (done + ahead).min(self.windows))
     }
@@ -36,6 +39,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         if course.granted.is_some_and(|granted| granted >= grant) {
             return Ok(());
         }
+        // Components without credit were silent rightly: their deadlines begin anew.
         if course.granted.is_none_or(|granted| self.monitor.all_wait_for_credit(granted)) {
             self.monitor.granted(Instant::now());
         }

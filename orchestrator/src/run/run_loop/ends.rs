@@ -1,4 +1,4 @@
-//! The ways a run ends: asked for early, by a condition or by the user; or at once, by a fault.
+//! Ends of a run: early and in order, by a condition or by the user; or at once, by a fault.
 
 use super::{Course, Drive, Trouble};
 use crate::manifest::ORCHESTRATOR;
@@ -8,12 +8,12 @@ use std::time::Duration;
 use tremie_channels::ChannelMedium;
 use tremie_messages::control::Credit;
 
-/// Windows by which the end lies behind the one that meets a stop condition: fixed, so that the
-/// last window does not depend on how fast the orchestrator looks.
+/// Windows between the one that meets a stop condition and the last one. The number is fixed, so
+/// the last window does not depend on the speed at which the orchestrator looks.
 pub(super) const STOP_AHEAD: u64 = 64;
 
 impl<S: ChannelMedium> Drive<'_, S> {
-    /// Ends in order if the user asks for it, at once if asked again.
+    /// Ends in order at the user's first interrupt, at once at the second.
     pub(super) fn heed_user(&mut self, course: &mut Course) -> Result<(), Trouble> {
         let asked = self.interrupts.load(Ordering::Relaxed);
         let before = std::mem::replace(&mut course.asked, asked);
@@ -22,6 +22,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
             (1, None) => {
                 self.note(LogLevel::Info, ORCHESTRATOR, "the user asked for the end")?;
                 self.terminal.say("ending in order, with whole outputs; once more to end at once");
+                // Not earlier: some components may have advanced through all that was granted.
                 let last = course.granted.unwrap_or(0);
                 self.ask_to_finish(course, last, Ending::Interrupted)
             }
@@ -52,7 +53,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         Ok(())
     }
 
-    /// How the run has ended, now that windows no longer go by; stops what `trouble` left running.
+    /// Ending of the run after the loop of windows; stops components that `trouble` left running.
     pub(super) fn conclude(&mut self, course: &mut Course, trouble: Option<Trouble>) -> Ending {
         let Some(trouble) = trouble else {
             return course.reason.take().unwrap_or(Ending::Completed);
@@ -68,7 +69,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         }
     }
 
-    /// The log's last word, at the last window that all components completed.
+    /// Writes the log's last line, at the last window that all components completed.
     pub(super) fn note_ending(&mut self, ending: &Ending, window: u64) -> Result<(), OutputError> {
         match ending {
             Ending::Failed { fault } => {
@@ -82,7 +83,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         }
     }
 
-    /// Tells physics to end at once, and ends what does not.
+    /// Tells physics to end at once, and ends by force components that do not.
     fn stop_physics(&mut self, course: &Course) {
         for index in &self.physics {
             if !course.finished[*index] && !self.peers[*index].closed {

@@ -1,4 +1,4 @@
-//! The run's log: what components wrote, and what the orchestrator notes itself.
+//! The run's log: lines of components, and notes of the orchestrator.
 
 use super::{Course, Drive, Trouble};
 use crate::manifest::ORCHESTRATOR;
@@ -8,11 +8,11 @@ use tremie_messages::Role;
 use tremie_messages::frame::LogHeader;
 
 impl<S: ChannelMedium> Drive<'_, S> {
-    /// What components wrote before windows go by.
+    /// Writes the startup log into the run's log.
     pub(super) fn hear_early(&mut self, course: &mut Course) -> Result<(), Trouble> {
         let bodies: u64 = self.descriptions.iter().map(|description| description.bodies).sum();
         let (windows, window) = (self.windows, self.clock.window());
-        // Where bodies come and go that is what there is room for.
+        // With inlets the descriptions give room for bodies, not their number.
         let room = if self.changing_bodies().is_some() { "room for " } else { "" };
         let text = format!("{windows} windows of {window:.4e} s begin, with {room}{bodies} bodies");
         self.note_at(0, LogLevel::Info, ORCHESTRATOR, &text)?;
@@ -46,8 +46,8 @@ impl<S: ChannelMedium> Drive<'_, S> {
             _ => self.terminal.warn(&format!("{name}: {message}")),
         }
         course.words[index].clone_from(&message);
-        // Into the file only: what a component says of itself (a port that it took, say) differs from
-        // run to run, and recordings of equal runs are equal.
+        // Into the file only. Such lines differ from run to run (the port of a server, say), and
+        // recordings of equal runs must be equal.
         let window = self.monitor.common_window().unwrap_or(0);
         let time = self.clock.seconds(window * self.clock.ticks_per_window);
         self.log.write(level, &name, window, time, &message)
@@ -64,8 +64,8 @@ impl<S: ChannelMedium> Drive<'_, S> {
         self.note_at(window, level, from, message)
     }
 
-    /// As [`Drive::note`], of a given window: what depends on the physics alone must not depend on
-    /// when the orchestrator looked.
+    /// As [`Drive::note`], for a given window: a line that depends on the physics alone must not
+    /// depend on the time of the orchestrator's look.
     pub(super) fn note_at(
         &mut self,
         window: u64,

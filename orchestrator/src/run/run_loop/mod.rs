@@ -1,4 +1,4 @@
-//! The second half of a run: windows go by, guards watch, and everything ends in order.
+//! The loop of windows: reports and rows come in, guards watch, and everything ends in order.
 
 mod credit;
 mod ends;
@@ -27,25 +27,25 @@ use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Clock, Description, Fault};
 use trouble::Trouble;
 
-/// What a run in progress is made of.
+/// Parts of a run in progress.
 pub struct Drive<'a, S: ChannelMedium> {
     /// Shared memory.
     pub control: Control<S>,
     /// All components, in the order of the plan.
     pub peers: &'a mut [Peer],
-    /// What they said at the handshake.
+    /// Their descriptions.
     pub descriptions: &'a [Description],
-    /// Where their news arrive.
+    /// Channel on which their replies, log lines and ends arrive.
     pub news: &'a Receiver<Post>,
-    /// What they wrote to standard error before.
+    /// Lines that they wrote to standard error before.
     pub early: EarlyLog,
-    /// What is known of the physics.
+    /// Progress of the physics.
     pub monitor: Monitor,
     /// Index of each watched component in `peers`.
     pub physics: Vec<usize>,
-    /// Threads that each component may use, and how they take turns.
+    /// Threads that each component may use.
     pub threads: Vec<u32>,
-    /// See there.
+    /// Order in which fluid and grains advance.
     pub schedule: Schedule,
     /// Indices of the observers that must not lose a frame.
     pub lossless: Vec<usize>,
@@ -67,21 +67,21 @@ pub struct Drive<'a, S: ChannelMedium> {
     pub trace: Option<Trace>,
     /// The user.
     pub terminal: &'a mut Terminal,
-    /// How often the user has asked for the end.
+    /// Number of the user's interrupts.
     pub interrupts: &'a AtomicUsize,
 }
 
-/// How a run went.
+/// Result of the loop of windows.
 pub struct Driven {
-    /// How it ended.
+    /// Ending of the run.
     pub ending: Ending,
     /// Last window that all components completed.
     pub window: u64,
     /// Sums over the reports of each component of the physics, by index in `peers`.
     pub totals: BTreeMap<usize, ComponentTotals>,
-    /// What the time of a window goes to, if there are some who share it.
+    /// Shares of a window's wall time, if there are components to share it.
     pub turns: Option<ScheduleTiming>,
-    /// What observers wrote or lost, by name.
+    /// Outputs that observers wrote or lost, by name.
     pub observers: BTreeMap<String, String>,
     /// Wall time of the windows.
     pub wall: Duration,
@@ -89,32 +89,32 @@ pub struct Driven {
     pub table: SignalTable,
 }
 
-/// What changes while windows go by.
+/// State of the loop.
 struct Course {
     begin: Instant,
     granted: Option<u64>,
     /// Last window of the run, once the end was asked for early.
     last: Option<u64>,
     reason: Option<Ending>,
-    /// How often the user had asked for the end at the last look.
+    /// Number of the user's interrupts at the last look.
     asked: usize,
-    /// When the start exchange was over.
+    /// Time at which the start exchange was first seen over.
     begun: Option<Instant>,
     finished: Vec<bool>,
     /// Lossless observers that have not yet taken a first frame of each stream.
     not_watching: Vec<usize>,
     words: Vec<String>,
-    /// When each observer last showed progress, once it was told to finish.
+    /// Time of each observer's last progress, once it was told to finish.
     heard: Vec<Instant>,
-    /// Why the outputs of an observer are not whole, once physics is over.
+    /// Fault that spoilt the outputs of an observer, once physics is over.
     spoilt: Option<Fault>,
-    /// Whether physics is over.
+    /// Physics is over.
     is_over: bool,
     notes: BTreeMap<String, String>,
     /// Window and time of the last measurement of the rate, and the rate.
     mark: (u64, Instant),
     rate: f64,
-    /// Whether the user was told what a window's time goes to.
+    /// The user has seen the shares of a window's time.
     told_turns: bool,
 }
 
@@ -143,7 +143,7 @@ impl Course {
 }
 
 impl<S: ChannelMedium> Drive<'_, S> {
-    /// Lets the windows go by, to the end of the run, whatever that is.
+    /// Runs the windows to the end of the run, and closes its outputs.
     pub fn run(mut self) -> Driven {
         let mut course = Course::begin(self.peers.len(), &self.lossless);
         let went = self.hear_early(&mut course).and_then(|()| self.windows_go_by(&mut course));
@@ -157,6 +157,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         if let Err(error) = rows.and(traced) {
             ending.spoil(error.into_fault(window));
         }
+        // Before observers finish: the line is part of their recordings.
         if let Err(error) = self.note_ending(&ending, window) {
             ending.spoil(error.into_fault(window));
         }

@@ -1,4 +1,4 @@
-//! What components say and do, apart from reports: replies, lines of their logs, their end.
+//! Replies, log lines and ends of components, as they arrive.
 
 use super::{Course, Drive, Trouble};
 use crate::run::launch::News;
@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
 use tremie_messages::start::{Fault, FaultKind, Reply};
 
-/// Most news that are heard in one look: a component that never stops talking must not keep reports,
-/// deadlines and Ctrl-C from being heeded.
+/// Most arrivals that are handled in one look: a component that never stops talking must not keep
+/// reports, deadlines and Ctrl-C waiting.
 const BATCH: usize = 256;
 
 impl<S: ChannelMedium> Drive<'_, S> {
-    /// Takes what components said since the last look, but not more than [`BATCH`]; sleeps a little
-    /// if they said nothing.
+    /// Handles arrivals since the last look, at most [`BATCH`]; sleeps up to `nap` if there are
+    /// none.
     pub(super) fn hear_news(&mut self, course: &mut Course, nap: Duration) -> Result<(), Trouble> {
         let mut nap = nap;
         for _ in 0..BATCH {
@@ -56,6 +56,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
             }
             Reply::Resumed {} => self.monitor.resumed(watched, Instant::now()),
             Reply::Finished { window, .. } => {
+                // A component that ends early, in good order, would leave the others waiting.
                 let last = course.last.unwrap_or(self.windows);
                 if window != last {
                     let text = format!("it finished at window {window} of {last}");
@@ -81,7 +82,8 @@ impl<S: ChannelMedium> Drive<'_, S> {
                 course.finished[index] = true;
                 course.notes.insert(self.peers[index].name.clone(), note);
             }
-            // An observer is looked through, but what it was told to write is what the run is made for.
+            // A lost observer is a warning only. An output that cannot be written ends the run: the
+            // run is made for it.
             Reply::Fault(fault) if fault.kind == FaultKind::Output => {
                 course.finished[index] = true;
                 course.not_watching.retain(|other| *other != index);
@@ -97,7 +99,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         Ok(())
     }
 
-    /// The line of a component closed: it has ended, in good order or not.
+    /// Handles the closed line of a component: it has ended, in good order or not.
     fn hear_end(
         &mut self,
         course: &mut Course,
@@ -105,7 +107,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         watched: Option<usize>,
     ) -> Result<(), Trouble> {
         self.peers[index].closed = true;
-        // What it had done before it ended counts.
+        // Reports that it sent before it ended count.
         self.take_reports()?;
         if course.finished[index] {
             return Ok(());

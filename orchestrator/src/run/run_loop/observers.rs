@@ -1,4 +1,5 @@
-//! Observers: they never stop the physics, and are waited for only so long.
+//! Observers in the loop of windows: they never stop the physics, and are waited for a bounded
+//! time.
 
 use super::{Course, Drive, Trouble};
 use crate::outputs::{LogLevel, OutputError};
@@ -11,11 +12,11 @@ use tremie_messages::units;
 
 /// Longest time for a lossless observer to take the frames of the start exchange.
 const FIRST_FRAMES: Duration = Duration::from_secs(10);
-/// An observer that shows no progress for so long, once all is sent, has hung.
+/// Longest time without progress of an observer, once all is sent; then it has hung.
 const SILENCE: Duration = Duration::from_secs(5);
 
 impl<S: ChannelMedium> Drive<'_, S> {
-    /// An observer failed: a warning, and nobody waits for it any longer.
+    /// Gives an observer up that failed: a warning, and nothing waits for it any longer.
     pub(super) fn lose_observer(
         &mut self,
         course: &mut Course,
@@ -30,11 +31,12 @@ impl<S: ChannelMedium> Drive<'_, S> {
         self.terminal.warn(&text);
         course.notes.insert(name.clone(), format!("lost: {why}"));
         self.peers[index].end(Duration::from_millis(100));
+        // Its channels would stay full, and senders of lossless frames would wait for it.
         self.control.clean_after_dead();
         self.note(LogLevel::Warning, &name, &text)
     }
 
-    /// Gives up observers that take nothing although the start exchange is long over.
+    /// Gives up lossless observers that took no frame although the start exchange is long over.
     pub(super) fn lose_blind_observers(
         &mut self,
         course: &mut Course,
@@ -53,7 +55,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         Ok(())
     }
 
-    /// A component sends no more to an observer: then the observer is of no more use.
+    /// Gives up an observer to which a component sends no more.
     pub(super) fn give_up(
         &mut self,
         course: &mut Course,
@@ -83,7 +85,8 @@ impl<S: ChannelMedium> Drive<'_, S> {
                     let _ = self.lose_observer(course, *index, &why);
                 }
             }
-            // The physics is over: what goes wrong now concerns observers only, and the files that they write.
+            // The physics is over: a fault now concerns observers only, and the files that they
+            // write.
             if let Err(Trouble::Fault(fault)) = self.hear_news(course, Duration::from_millis(5))
                 && fault.kind == FaultKind::Output
             {
@@ -92,7 +95,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         }
     }
 
-    /// Why observer `index`, told to finish at `begin`, is waited for no longer.
+    /// Reason to wait no longer for observer `index`, told to finish at `begin`; `None` to wait on.
     fn waited_enough(&self, course: &Course, index: usize, begin: Instant) -> Option<String> {
         // A deadline that is short for physics still leaves a moment to close files.
         let most = units::wait(self.deadline).max(SILENCE);

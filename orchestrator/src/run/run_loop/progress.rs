@@ -1,4 +1,4 @@
-//! What the user sees of a run in progress.
+//! Progress of a run for the user: windows, rates, shares of wall time, bodies.
 
 use super::{Course, Drive};
 use crate::manifest::ORCHESTRATOR;
@@ -12,15 +12,15 @@ use tremie_channels::ChannelMedium;
 use tremie_messages::Role;
 use tremie_messages::start::Description;
 
-/// So long windows go by before the user is told what their time goes to, and so many.
+/// Wall time, and number of windows, after which the user sees the shares of a window's time.
 const MEASURED: Duration = Duration::from_secs(5);
 const FEW_WINDOWS: u64 = 100;
 
-/// The signal of grains that says how many bodies are there, where they come and go.
+/// Signal of grains with the number of bodies, where bodies come and go.
 const BODIES: &str = "bodies";
 
 impl<S: ChannelMedium> Drive<'_, S> {
-    /// Name of the signal that says how many bodies are there, where they come and go.
+    /// Full name of the signal with the number of bodies, where bodies come and go.
     pub(super) fn changing_bodies(&self) -> Option<String> {
         let counted = |(peer, description): (&Peer, &Description)| {
             let has = description.signals.iter().any(|signal| signal.name == BODIES);
@@ -29,7 +29,8 @@ impl<S: ChannelMedium> Drive<'_, S> {
         self.peers.iter().zip(self.descriptions).find_map(counted)
     }
 
-    /// How many bodies there are: as the grains said last where they come and go, else as they said at first.
+    /// Number of bodies: the newest signal where bodies come and go, else the number in the
+    /// descriptions.
     fn bodies(&self) -> u64 {
         match self.changing_bodies() {
             Some(name) => self.table.newest(&name).unwrap_or(0.0) as u64,
@@ -37,7 +38,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         }
     }
 
-    /// What the time of a window goes to, over the first so many.
+    /// Shares of a window's wall time, over the first `windows`.
     pub(super) fn turns(&self, windows: u64) -> Option<ScheduleTiming> {
         let worked = self.physics.iter().zip(self.monitor.totals());
         let worked =
@@ -45,7 +46,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         ScheduleTiming::of(self.schedule, cores(), worked, windows)
     }
 
-    /// Says once, when some windows have gone by, what their time goes to.
+    /// Shows the shares of a window's time once, after some windows.
     pub(super) fn tell_turns(
         &mut self,
         course: &mut Course,
@@ -59,12 +60,13 @@ impl<S: ChannelMedium> Drive<'_, S> {
         course.told_turns = true;
         let Some(turns) = self.turns(window) else { return Ok(()) };
         self.terminal.say(&turns.to_string());
-        // Into the file only: measured times differ from run to run, and recordings of equal runs are equal.
+        // Into the file only: measured times differ from run to run, and recordings of equal runs
+        // must be equal.
         let time = self.clock.seconds(window * self.clock.ticks_per_window);
         self.log.write(LogLevel::Info, ORCHESTRATOR, window, time, &turns.to_string())
     }
 
-    /// Shows how far the run is, and how fast.
+    /// Shows windows done, their rate, and shares of wall time.
     pub(super) fn show_progress(&mut self, course: &Course, now: Instant) {
         let window = self.monitor.common_window().unwrap_or(0);
         let elapsed = now.duration_since(course.begin).as_secs_f64();
@@ -80,7 +82,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         for (watched, peer) in self.physics.iter().enumerate() {
             let totals = self.monitor.totals()[watched];
             let name = &self.peers[*peer].name;
-            // What was waited before the first window counts as well.
+            // The wait before the first window counts as well: shares never exceed 1.
             let spent = (totals.compute + totals.wait + totals.exchange) as f64 * 1e-9;
             let share = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / elapsed.max(spent).max(1e-9);
             progress.shares.push((name.clone(), share(totals.compute), share(totals.wait)));

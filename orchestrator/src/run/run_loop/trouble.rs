@@ -1,12 +1,12 @@
-//! Why the loop of windows ends before all are done.
+//! Reasons for which the loop of windows ends before all are done.
 
 use crate::outputs::OutputError;
 use tremie_channels::ChannelError;
 use tremie_messages::start::{Fault, FaultKind};
 
-/// Why the loop of windows ends before all are done.
+/// Reason for which the loop of windows ends before all are done.
 pub(super) enum Trouble {
-    /// The user asked again: at once, not in order.
+    /// A second interrupt: the run ends at once, not in order.
     Impatience,
     Fault(Box<Fault>),
     Output(OutputError),

@@ -1,4 +1,4 @@
-//! Windows go by: reports come in, rows become whole, guards look.
+//! One round of the loop of windows: arrivals, reports, rows, guards, credit.
 
 use super::ends::STOP_AHEAD;
 use super::{Course, Drive, Trouble};
@@ -9,16 +9,20 @@ use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
 use tremie_messages::units;
 
-/// How often the orchestrator looks at reports. Physics does not wait for it: credit runs ahead.
+/// Interval of the orchestrator's looks at reports. Physics does not wait for it: credit runs
+/// ahead.
 const LOOK: Duration = Duration::from_millis(1);
 
 impl<S: ChannelMedium> Drive<'_, S> {
     pub(super) fn windows_go_by(&mut self, course: &mut Course) -> Result<(), Trouble> {
         loop {
+            // Arrivals first: a component's word of a fault came before the silence that follows
+            // it.
             self.hear_news(course, LOOK)?;
             self.take_reports()?;
             self.take_rows(course)?;
             let now = Instant::now();
+            // A finished component sent its reports before, so all of them are taken by now.
             if self.physics.iter().all(|index| course.finished[*index]) {
                 return Ok(());
             }
@@ -54,6 +58,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         while let Some(row) = self.monitor.next_row() {
             let SignalRow { window, values, .. } = &row;
             let time = self.clock.seconds(window * self.clock.ticks_per_window);
+            // A later condition changes nothing: the last window is fixed once.
             if let Some(reason) = self.stop.look(time, values).filter(|_| course.last.is_none()) {
                 let last = (window + STOP_AHEAD).min(self.windows);
                 let text = format!("{reason}: the run ends at window {last}");
