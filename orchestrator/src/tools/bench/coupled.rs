@@ -1,4 +1,5 @@
-//! Whole runs by this very program: what a window costs in which nothing is computed, and where the time of a valve goes.
+//! Benchmarks of whole runs by this very program: windows in which nothing is computed, and a
+//! valve's wall time by component.
 
 use crate::manifest;
 use crate::outputs::{self, Ending, RunFolder, Summary};
@@ -12,12 +13,12 @@ use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 use tremie_sdk::benchmark::{Benchmark, Measurement, Quantity};
 
-/// Bodies of exchanges, and how many windows go by in a second, about.
+/// Bodies of exchanges, and windows that are done in a second, about.
 const EXCHANGES: [(usize, f64); 3] = [(1, 50_000.0), (1_000, 15_000.0), (100_000, 100.0)];
-/// Simulated time of the valve's runs: it is shut at first, and most of it open [ms].
+/// Simulated time of the valve's runs: it is shut at first, and open most of the time.
 const VALVE: &str = "4 ms";
 
-/// Runs.
+/// Benchmarks of exchanges and of the valve.
 pub fn benchmarks() -> Vec<Benchmark> {
     let mut cases = Vec::new();
     for (bodies, rate) in EXCHANGES {
@@ -35,6 +36,7 @@ pub fn benchmarks() -> Vec<Benchmark> {
 fn exchange(bodies: usize, rate: f64, waiting: &str, poll: Option<Duration>) -> Benchmark {
     let make = move || {
         let measure: Measurement = Box::new(move |seconds| {
+            // At least 10, so that a rate guessed too low still gives a mean.
             let windows = (rate * seconds).max(10.0) as u64;
             let summary = idle_run(bodies, windows, poll)?;
             let a_window = |seconds: f64| 1e6 * seconds / summary.windows as f64;
@@ -145,6 +147,7 @@ fn read(path: &Path) -> Result<Vec<f64>, String> {
     let (windows, wall) = (number(&summary["windows"]), number(&summary["wall_time"]));
     let computing = |name: &str| 1e6 * number(&summary["components"][name]["compute"]) / windows;
     let each = ["fluid", "grains", "rubber"].map(computing);
+    // In the serial schedule the three take turns: the rest is exchange and waiting.
     let rest = 1e6 * wall / windows - each.iter().sum::<f64>();
     Ok([&[windows / wall][..], &each, &[rest]].concat())
 }

@@ -1,8 +1,8 @@
-//! Bandwidth of the memory, as kernels see it.
+//! Bandwidth of the memory, measured by loops like those of the solvers.
 //!
-//! A lattice that streams in place reads and writes the same lines, so that its limit is the bandwidth of an update in
-//! place: reads and writes of one line travel side by side. Copy and triad write lines that they have not read, which
-//! the processor reads first.
+//! A lattice that streams in place reads and writes the same lines, so its limit is the bandwidth
+//! of an update in place. Copy and triad write lines that they have not read: the processor reads
+//! these lines first.
 
 use std::time::Instant;
 use tremie_sdk::benchmark::{Benchmark, Measurement, Quantity};
@@ -55,6 +55,7 @@ impl Stream {
         let start = Instant::now();
         let (b, c) = (&self.b, &self.c);
         self.team.for_pieces(Cut::every(&mut self.a, TOGETHER), |k, a: &mut [f64]| {
+            // Piece `k` of `a` lies at the same place in `b` and `c`.
             let own = k * TOGETHER..k * TOGETHER + a.len();
             for ((a, b), c) in a.iter_mut().zip(&b[own.clone()]).zip(&c[own]) {
                 *a = b + 3.0 * c;

@@ -1,8 +1,9 @@
-//! How fast Tremie is on this machine: `tremie bench`.
+//! Benchmarks of Tremie on this machine: `tremie bench`.
 //!
-//! Shared machines drift, so that seconds of one moment say little of another. Each case is measured several times, and
-//! before each time the memory's bandwidth is, with as many threads; what is told is the median, how far it spread,
-//! and which share of that bandwidth a kernel took. [`memory`] measures the bandwidth, each built-in
+//! Shared machines drift, so seconds of one moment say little of another. Each case is measured
+//! several times. Before each time the memory's bandwidth is measured, with as many threads. The
+//! results are the median, the range, and a kernel's share of that bandwidth. [`memory`] measures
+//! the bandwidth, each built-in
 //! component brings benchmarks of its own, and [`coupled`] measures whole runs by this very program.
 
 pub mod coupled;
@@ -13,7 +14,7 @@ use memory::Stream;
 use serde::Serialize;
 use tremie_sdk::benchmark::{Benchmark, BenchmarkSizes, Quantity};
 
-/// What is measured, and how long.
+/// Choice of benchmarks, their sizes, and the length of measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BenchmarkPlan {
     /// Words that the names of benchmarks must have.
@@ -22,11 +23,11 @@ pub struct BenchmarkPlan {
     pub sizes: BenchmarkSizes,
     /// Measurements of each benchmark.
     pub repeats: usize,
-    /// How long a measurement takes, about [s].
+    /// Length of a measurement, about [s].
     pub seconds: f64,
 }
 
-/// What was found of a quantity.
+/// Result of a quantity of a benchmark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BenchmarkRow {
     /// The case.
@@ -64,12 +65,12 @@ pub fn benchmarks(plan: &BenchmarkPlan) -> Vec<Benchmark> {
 /// Measures a benchmark.
 ///
 /// # Errors
-/// What keeps it from running.
+/// A sentence, if it cannot run.
 pub fn measure(benchmark: &Benchmark, plan: &BenchmarkPlan) -> Result<Vec<BenchmarkRow>, String> {
     let limited = benchmark.quantities.iter().any(|quantity| quantity.traffic.is_some());
     let mut stream = limited.then(|| Stream::new(benchmark.threads)).transpose()?;
     let mut measure = (benchmark.make)()?;
-    // Memory that lay idle may have to be found again.
+    // The first pass is not counted: it touches memory that lay idle.
     if let Some(stream) = &mut stream {
         stream.in_place();
     }
@@ -80,6 +81,7 @@ pub fn measure(benchmark: &Benchmark, plan: &BenchmarkPlan) -> Result<Vec<Benchm
         for (k, value) in measure(plan.seconds)?.into_iter().enumerate() {
             found[k].push(value);
             if let (Some(traffic), Some(bandwidth)) = (benchmark.quantities[k].traffic, bandwidth) {
+                // Millions of updates a second times bytes each, over GB/s.
                 shares[k].push(1e-3 * value * traffic / bandwidth);
             }
         }

@@ -1,4 +1,4 @@
-//! The checks, in the order in which a component is used.
+//! Checks of conformity, in the order in which a component is used.
 
 use super::subject::Subject;
 use crate::outputs::Ending;
@@ -9,9 +9,9 @@ use tremie_messages::{INTERFACE_VERSION, Role};
 
 /// Something that a component must do.
 pub struct ConformCheck {
-    /// What, as a user reads it.
+    /// Name, as a user reads it.
     pub name: &'static str,
-    /// Whether the program does it; else why not.
+    /// The trial: `Ok` if the program does it, else a sentence.
     pub holds: fn(&Subject) -> Result<(), String>,
 }
 

@@ -1,4 +1,4 @@
-//! `tremie conform PROGRAM`: what any component must do before a user trusts it, seen from outside.
+//! `tremie conform PROGRAM`: checks of a component's contract, seen from outside.
 
 mod checks;
 mod subject;
@@ -37,7 +37,7 @@ pub fn conform(arguments: &ConformArgs) -> ExitCode {
     let mut failed = 0;
     for check in checks::ALL {
         if is_lost() {
-            // Nobody reads on: how that ends is not for the program to say.
+            // No reader is left: `main` chooses the exit code.
             return ExitCode::SUCCESS;
         }
         match (check.holds)(&subject) {

@@ -1,4 +1,4 @@
-//! The program under trial, and runs with it.
+//! Subject: the program under trial, and runs with it.
 
 use super::ConformArgs;
 use crate::manifest::{self, Manifest, START_WITHIN};
@@ -17,14 +17,14 @@ use tremie_messages::{INTERFACE_VERSION, Role};
 /// The program under trial.
 pub struct Subject {
     program: Program,
-    /// What it stands for.
+    /// Role that it takes.
     pub role: Role,
     manifest: Option<PathBuf>,
-    /// What a manifest calls it.
+    /// Its name in the trial's manifest.
     name: String,
 }
 
-/// A run with the subject: how it ended, and its table of signals.
+/// A run with the subject: its summary, and its table of signals.
 pub struct Trial {
     /// The run's summary.
     pub summary: Summary,
@@ -47,6 +47,7 @@ impl Subject {
             manifest: arguments.manifest.clone(),
             name: name.clone(),
         };
+        // A program that takes both roles is tried as a fluid.
         let roles = match arguments.role.as_deref() {
             None => vec![Role::Fluid, Role::Grains],
             Some("fluid") => vec![Role::Fluid],
@@ -163,6 +164,7 @@ pub fn next_reply(news: &Receiver<Post>) -> Result<Reply, String> {
     let deadline = Instant::now() + units::wait(START_WITHIN);
     let mut words = String::new();
     while Instant::now() < deadline {
+        // One deadline for all lines: a program that only writes logs must not stop the clock.
         let left = deadline.saturating_duration_since(Instant::now());
         match news.recv_timeout(left) {
             Ok((_, News::Reply(reply))) => return Ok(*reply),

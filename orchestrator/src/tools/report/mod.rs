@@ -23,7 +23,7 @@ pub enum ReportError {
     Unknown {
         /// Folder of the run.
         out: PathBuf,
-        /// What is known instead.
+        /// A sentence, with the nearest signal there is.
         message: String,
     },
     /// A run ended before its first row.
@@ -35,9 +35,9 @@ pub enum ReportError {
     /// The picture could not be written.
     #[error("{}: cannot draw: {message}", path.display())]
     Picture {
-        /// Where it should have gone.
+        /// File of the picture.
         path: PathBuf,
-        /// What failed.
+        /// The error of the drawing.
         message: String,
     },
 }
@@ -45,18 +45,18 @@ pub enum ReportError {
 /// A finished run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// What legends call it: the name of its folder.
+    /// Name in legends: the name of its folder.
     pub name: String,
     /// Its signals.
     pub signals: Signals,
 }
 
-/// What a report shows.
+/// Content of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// Tables that were cut off.
     pub cuts: Vec<Cut>,
-    /// What is drawn.
+    /// Panels, in order.
     pub panels: Vec<Panel>,
     /// Signals that never change, and their values in the first run that has them.
     pub constant: Vec<(String, f64, String)>,

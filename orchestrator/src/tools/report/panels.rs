@@ -1,4 +1,4 @@
-//! Which signals share a panel, and in which order panels come.
+//! Panels of a report: groups of signals of one kind, and their order.
 
 use super::{Report, Run};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ const CURVES: usize = 6;
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// What its signals have in common: `pressure`, `momentum`.
+    /// Kind that its signals have in common: `pressure`, `momentum`.
     pub title: String,
     /// SI unit of its values.
     pub unit: String,
@@ -20,22 +20,22 @@ pub struct Panel {
 /// A signal of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelCurve {
-    /// What the legend says.
+    /// Name in the legend.
     pub name: String,
     /// Time [s] and value.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Whether a signal is one that was asked for: itself, or a group that it belongs to.
+/// True if a signal was asked for: by its own name, or by a group that it belongs to.
 pub fn begins(signal: &str, wanted: &str) -> bool {
     signal.strip_prefix(wanted).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '_']))
 }
 
-/// What a signal's name says.
+/// Parts of a signal's name.
 struct SignalName<'a> {
-    /// Where it was measured, or whose it is: `beneath`, `valve`; empty for the whole component.
+    /// Probe or part: `beneath`, `valve`; empty for the whole component.
     of: &'a str,
-    /// What was measured, without axis.
+    /// Quantity, without axis.
     kind: &'a str,
     /// `x`, `y`, `z`, or nothing.
     axis: &'a str,
@@ -72,6 +72,7 @@ pub fn sort(runs: &[Run], wanted: &[String]) -> Report {
         let SignalName { of, kind, axis } = place(&name);
         // What a component says of the whole is not mixed with another's of the same name.
         let component = if of.is_empty() { name.split('.').next().unwrap_or("") } else { "" };
+        // The order of keys is that of panels: `false` first, so probes and parts come first.
         let key = (of.is_empty(), component.to_string(), kind.to_string(), unit);
         let curves = with().map(|(run, values)| PanelCurve {
             name: legend(&[of, axis], (runs.len() > 1).then_some(&run.name), kind),

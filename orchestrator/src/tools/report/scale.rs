@@ -1,4 +1,4 @@
-//! Units that suit the numbers: millimetres for a lift, kilopascals for a pressure.
+//! Scales of axes: a prefix of the unit that suits the numbers, as mm for a lift.
 
 /// Units that take prefixes; all others get a power of ten.
 const PREFIXED: [&str; 8] = ["m", "s", "m/s", "Pa", "N", "J", "N m", "W"];
@@ -6,7 +6,7 @@ const PREFIXED: [&str; 8] = ["m", "s", "m/s", "Pa", "N", "J", "N m", "W"];
 const PREFIXES: [(i32, &str); 7] =
     [(-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G")];
 
-/// By what numbers are divided to be drawn, and what their unit is then called.
+/// Divisor of numbers that are drawn, and the unit of the quotients.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
     /// The divisor.

@@ -1,4 +1,4 @@
-//! Panels side by side on one sheet.
+//! Sheet of a report: panels side by side.
 
 use super::Report;
 use super::panels::Panel;
@@ -36,8 +36,8 @@ fn chart(panel: &Panel) -> Chart {
     }
 }
 
-/// Of many points least and greatest of each stretch, so that no peak is lost; a few as they are. What was not
-/// measured is left out.
+/// Least and greatest point of each stretch of a long curve, so that no peak is lost; all points of
+/// a short one. Points that were not measured are left out.
 fn thinned(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
     let stretch = points.len().div_ceil(POINTS).max(1);
     points.chunks(stretch).flat_map(move |part| {
@@ -46,6 +46,7 @@ fn thinned(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
         let least = measured().min_by(by_value).copied();
         let greatest = measured().max_by(by_value).copied().filter(|_| stretch > 1);
         let mut both: Vec<_> = least.into_iter().chain(greatest).collect();
+        // In the order of time again: a line is drawn through them.
         both.sort_by(|a, b| a.0.total_cmp(&b.0));
         both
     })

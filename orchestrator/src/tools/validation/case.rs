@@ -1,4 +1,4 @@
-//! `case.toml`: where a reference comes from, which runs to make, what they must give.
+//! `case.toml`: source of a reference, runs to make, checks on their results.
 
 use super::ValidationError;
 use serde::Deserialize;
@@ -15,11 +15,11 @@ pub struct Case {
     pub name: String,
     /// The folder.
     pub folder: PathBuf,
-    /// What is tried, in a few words.
+    /// Subject of the case, in a few words.
     pub title: String,
-    /// Where the reference comes from.
+    /// Source of the reference.
     pub source: String,
-    /// What a reader should know: box, resolution, deviations from the source.
+    /// Notes for a reader: box, resolution, deviations from the source.
     pub about: String,
     /// The runs.
     pub runs: Vec<CaseRun>,
@@ -52,11 +52,11 @@ pub struct CaseRun {
     /// Values of the manifest to change, by key.
     #[serde(default)]
     pub set: BTreeMap<String, toml::Value>,
-    /// Where the run stands in a picture over runs.
+    /// Abscissa of the run in a picture over runs.
     pub x: Option<f64>,
     /// A form that ends within seconds; a run without one is left out of the short validation.
     pub short: Option<Short>,
-    /// What it must give.
+    /// Checks on its results.
     #[serde(default)]
     pub checks: Vec<Check>,
 }
@@ -65,7 +65,7 @@ fn manifest() -> PathBuf {
     "manifest.toml".into()
 }
 
-/// What the short form of a run changes besides.
+/// Further changes to the manifest for the short form of a run.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Short {
@@ -74,19 +74,20 @@ pub struct Short {
     pub set: BTreeMap<String, toml::Value>,
 }
 
-/// Something that a run must give.
+/// Check of a result of a run against a reference.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
-    /// What it is, in a few words.
+    /// Name, in a few words.
     pub name: String,
-    /// What it is held against; a check with bounds says so.
+    /// Kind of reference; a check with bounds must give it.
     pub kind: Option<CheckKind>,
-    /// Why a failure of it stands: what is known of its cause. Such a failure is shown, and does not fail the validation.
+    /// Reason why a failure of it stands: its cause, as far as it is known. Such a failure is
+    /// shown, and does not fail the validation.
     pub stands: Option<String>,
     /// The number to take.
     pub value: Option<Measure>,
-    /// What it is divided by.
+    /// Divisor of the number.
     pub over: Option<Measure>,
     /// The reference for it.
     pub expected: Option<f64>,
@@ -109,7 +110,7 @@ pub struct Check {
     pub unit: String,
 }
 
-/// What a result is held against, and so what it says if it is near enough.
+/// Kind of reference, and so the meaning of a passed check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CheckKind {
@@ -118,7 +119,8 @@ pub enum CheckKind {
     Reference,
     /// A direction or an order that a source describes: the physics answers as it should.
     Trend,
-    /// What was found before, in bounds of our own: it has not changed. It says nothing of being right.
+    /// An earlier result, within bounds of our own: it has not changed. This says nothing of being
+    /// right.
     Record,
 }
 
@@ -146,11 +148,11 @@ fn one() -> f64 {
 pub struct Measure {
     /// The signal, `component.name`.
     pub signal: String,
-    /// Another run of the case, made before, that it is taken from.
+    /// Name of another run of the case, made before, whose signal is taken.
     pub run: Option<String>,
-    /// A signal that is taken away from it first.
+    /// A signal that is subtracted first.
     pub minus: Option<String>,
-    /// What of it.
+    /// Reduction of the signal to a number.
     pub take: Take,
     /// Time from which on it counts [s].
     #[serde(default)]
@@ -158,7 +160,7 @@ pub struct Measure {
     /// Time up to which it counts [s].
     #[serde(default = "for_ever")]
     pub until: f64,
-    /// It counts from when this has happened.
+    /// Event from which on it counts.
     pub once: Option<Threshold>,
     /// Factor.
     #[serde(default = "one")]
@@ -171,7 +173,7 @@ pub struct Measure {
 pub struct Threshold {
     /// The signal, `component.name`.
     pub signal: String,
-    /// What it is more than.
+    /// Bound that it exceeds, in the signal's unit.
     pub exceeds: f64,
 }
 
@@ -179,7 +181,7 @@ fn for_ever() -> f64 {
     f64::INFINITY
 }
 
-/// What is taken of a signal.
+/// Reduction of a signal over time to a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Take {
@@ -199,13 +201,13 @@ pub enum Take {
     PeakToPeak,
     /// Frequency of the crossings of its mean upwards [1/s].
     Frequency,
-    /// How fast it grows: the slope of the line of least squares [1/s].
+    /// Rate of growth: slope of the line of least squares [unit of the signal/s].
     Slope,
-    /// When the first value was that counts [s]: with `once`, when that happened.
+    /// Time of the first value that counts [s]; with `once`, the time of that event.
     TimeOfFirst,
-    /// When the greatest value was reached [s].
+    /// Time of the greatest value [s].
     TimeOfMax,
-    /// When the least value was reached [s].
+    /// Time of the least value [s].
     TimeOfMin,
 }
 
@@ -221,14 +223,14 @@ pub struct Picture {
     pub x: String,
     /// Label of the vertical axis.
     pub y: String,
-    /// What is drawn.
+    /// Curves and marks.
     pub draw: Draw,
-    /// Whether the horizontal axis is logarithmic.
+    /// The horizontal axis is logarithmic.
     #[serde(default)]
     pub log_x: bool,
 }
 
-/// What a picture shows.
+/// Content of a picture.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Draw {
@@ -266,7 +268,7 @@ impl Case {
         run.checks.iter().find(|other| other.name == check)
     }
 
-    /// What the types do not rule out.
+    /// First fault that the types do not rule out.
     fn fault(&self) -> Option<String> {
         let names: Vec<_> = self.runs.iter().map(|run| &run.name).collect();
         if let Some(k) = (1..names.len()).find(|k| names[..*k].contains(&names[*k])) {

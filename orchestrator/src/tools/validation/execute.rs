@@ -1,4 +1,4 @@
-//! Making a run of a case as a user makes it: by the program, in processes of its own.
+//! Execution of a case's run as a user makes it: by the program, in processes of its own.
 
 use super::ValidationError;
 use super::case::{Case, CaseRun};
@@ -9,12 +9,12 @@ use std::path::Path;
 use std::process::Stdio;
 use tremie_results::Signals;
 
-/// What a run left.
+/// Outputs of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Its signals.
     pub signals: Signals,
-    /// Resolution, as its components said: `fluid: cells` and the like.
+    /// Resolution, from its components' descriptions: `fluid: cells` and the like.
     pub resolution: BTreeMap<String, f64>,
     /// Wall time of its windows [s].
     pub wall_time: f64,
@@ -36,6 +36,7 @@ pub fn run(
     command.arg("run").arg(case.folder.join(&run.manifest)).arg("--out").arg(&out);
     command.args(["--quiet", "--set", "outputs.record=false"]);
     let shortened = run.short.iter().filter(|_| short).flat_map(|form| &form.set);
+    // The changes of the short form come last, and override those of the run.
     for (key, value) in run.set.iter().chain(shortened) {
         command.arg("--set").arg(format!("{key}={value}"));
     }

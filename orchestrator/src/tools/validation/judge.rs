@@ -1,4 +1,4 @@
-//! Results against their reference.
+//! Judging: findings on results against their references.
 
 use super::ValidationError;
 use super::case::{Case, CaseRun, Check, Measure};
@@ -9,7 +9,7 @@ use std::fmt;
 use std::path::Path;
 use tremie_results::Signals;
 
-/// How a result stands to its reference.
+/// Finding on a result against its reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// The check.
@@ -18,16 +18,16 @@ pub struct Finding {
     pub unit: String,
     /// The result; of a table the largest deviation.
     pub found: f64,
-    /// What it was held against.
+    /// Reference of the result.
     pub reference: Reference,
-    /// Whether it is near enough.
+    /// The result is near enough to the reference.
     pub passed: bool,
     /// Of a table, each entry.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub entries: Vec<TableEntry>,
 }
 
-/// What a result is held against.
+/// Reference of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reference {
@@ -42,7 +42,7 @@ pub enum Reference {
 /// An entry of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableEntry {
-    /// Where it stands in a picture.
+    /// Abscissa in a picture.
     pub x: f64,
     /// Reference.
     pub expected: f64,
@@ -138,6 +138,7 @@ fn scalar(
     let (reference, passed) = match (check.expected, check.bounds(short)) {
         (Some(expected), _) => (
             Reference::Number(expected, tolerance),
+            // A comparison with NaN is false, so a result that is no number never passes.
             (found - expected).abs() <= tolerance * expected.abs(),
         ),
         (None, Some([low, high])) => (Reference::Between(low, high), (low..=high).contains(&found)),

@@ -1,9 +1,9 @@
-//! Numbers from signals.
+//! Measures: numbers from signals over time.
 
 use super::case::{Measure, Take, Threshold};
 use tremie_results::Signals;
 
-/// Takes a number.
+/// Measures a number.
 ///
 /// # Errors
 /// A sentence, if the signal is not there or too short for it.
@@ -13,6 +13,7 @@ pub fn take(measure: &Measure, signals: &Signals) -> Result<f64, String> {
         column.iter_mut().zip(signals.column(other)?).for_each(|(value, other)| *value -= other);
     }
     let once = measure.once.as_ref().map_or(Ok(measure.from), |event| time_of(event, signals))?;
+    // `time_of` looks at the whole run: an event before `from` counts from `from` on.
     let from = measure.from.max(once);
     let points: Vec<(f64, f64)> = (signals.times.iter().copied().zip(column))
         .filter(|(time, _)| (from..=measure.until).contains(time))
@@ -24,7 +25,7 @@ pub fn take(measure: &Measure, signals: &Signals) -> Result<f64, String> {
     Ok(value * measure.scale)
 }
 
-/// When an event happens first.
+/// Time at which an event happens first [s].
 fn time_of(event: &Threshold, signals: &Signals) -> Result<f64, String> {
     let Threshold { signal, exceeds } = event;
     let mut values = signals.times.iter().zip(signals.column(signal)?);
@@ -64,7 +65,7 @@ fn mean(points: &[(f64, f64)]) -> Option<f64> {
     Some(points.windows(2).map(area).sum::<f64>() / span)
 }
 
-/// Of the line of least squares.
+/// Slope of the line of least squares.
 fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let count = points.len() as f64;
     let middle: [f64; 2] =
@@ -77,7 +78,8 @@ fn slope(points: &[(f64, f64)]) -> Option<f64> {
     (square > 0.0).then(|| product / square)
 }
 
-/// From the first to the last crossing of the mean upwards, each found by linear interpolation.
+/// Frequency of the crossings of the mean upwards, from the first to the last, each found by linear
+/// interpolation.
 fn frequency(points: &[(f64, f64)]) -> Option<f64> {
     let level = mean(points)?;
     let crossings: Vec<f64> = points

@@ -1,10 +1,11 @@
 //! Validation: scenes whose result is known from theory, experiment or other people's computations.
 //!
 //! A case is a folder with a manifest and a `case.toml` ([`case`]) that says where the reference comes
-//! from, which runs to make, and how far their results may be from it. Runs are made as a user makes
-//! them, by the program itself ([`execute`]); their tables of signals ([`Signals`](tremie_results::Signals)) give numbers
-//! ([`measure`]) that are held against the reference ([`judge`]). What came out is kept in the case's
-//! folder ([`record`]), and all cases together make `VALIDATION.md` ([`report`], [`picture`]).
+//! from, the runs to make, and the tolerances of their results. Runs are made as a user makes them,
+//! by the program itself ([`execute`]). Their tables of signals
+//! ([`Signals`](tremie_results::Signals)) give numbers ([`measure`]) that are compared with the
+//! reference ([`judge`]). Results are kept in the case's folder ([`record`]), and all cases
+//! together make `VALIDATION.md` ([`report`], [`picture`]).
 
 pub mod case;
 pub mod execute;
@@ -19,39 +20,39 @@ use record::Record;
 use std::path::{Path, PathBuf};
 use tremie_results::UnreadableSignals;
 
-/// Why a case could not be tried.
+/// Reason why a case could not be tried.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidationError {
     /// A file could not be read or written.
     #[error("{}: {error}", path.display())]
     Io {
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         error: std::io::Error,
     },
     /// A file does not hold what it should.
     #[error("{}: {message}", path.display())]
     Content {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of its content.
         message: String,
     },
     /// A run ended otherwise than well.
     #[error("{run}: the run failed:\n{said}")]
     Run {
-        /// Which run of which case.
+        /// Names of the case and the run.
         run: String,
-        /// What the program said.
+        /// Text on the program's standard error.
         said: String,
     },
     /// A picture could not be drawn.
     #[error("{}: cannot draw: {message}", path.display())]
     Picture {
-        /// Where it should have gone.
+        /// File of the picture.
         path: PathBuf,
-        /// What failed.
+        /// The error of the drawing.
         message: String,
     },
 }
@@ -97,7 +98,7 @@ pub fn cases(folder: &Path, names: &[String]) -> Result<Vec<Case>, ValidationErr
     found.iter().map(|path| Case::read(path)).collect()
 }
 
-/// Makes the runs of a case in `scratch` and judges them; `say` is told each as it ends.
+/// Makes the runs of a case in `scratch` and judges them; `say` gets a line for each finding.
 ///
 /// # Errors
 /// See [`ValidationError`]. A result outside its tolerance is none, nor is a run that fails: the record says so, and
@@ -117,7 +118,7 @@ pub fn try_case(
         });
         let (outcome, findings) = match judged {
             Ok(judged) => judged,
-            // A run may also be held against one that failed.
+            // The run may be compared with an earlier one that failed.
             Err(error) if record.any_failed() || matches!(error, ValidationError::Run { .. }) => {
                 say(&error.to_string());
                 record.fail(run, &error.to_string());

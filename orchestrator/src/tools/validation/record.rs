@@ -1,5 +1,5 @@
-//! What came out of a case, kept in its folder so that the report can be made from all cases at any
-//! time.
+//! Record of a case: its results, kept in its folder so that the report can be made from all cases
+//! at any time.
 
 use super::ValidationError;
 use super::case::{Case, CaseRun};
@@ -12,32 +12,33 @@ use std::path::{Path, PathBuf};
 /// The file of a case's results.
 pub const FILE: &str = "result.json";
 
-/// What came out of a case.
+/// Results of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Version of the program.
     pub version: String,
-    /// Whether the short form was run.
+    /// The short form was run.
     pub short: bool,
     /// Results of each run.
     pub runs: Vec<RunRecord>,
 }
 
-/// What came out of a run.
+/// Results of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// The run.
     pub name: String,
-    /// Where it stands in a picture over runs.
+    /// Abscissa in a picture over runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<f64>,
-    /// Resolution, as the components said.
+    /// Resolution, from the components' descriptions.
     pub resolution: BTreeMap<String, f64>,
     /// Wall time of its windows [s].
     pub wall_time: f64,
-    /// What the checks found.
+    /// Findings of the checks.
     pub findings: Vec<Finding>,
-    /// Why there is nothing to check: the run failed, or one that it is held against.
+    /// Reason why there is nothing to check: the run failed, or a run that it is compared with
+    /// failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
     /// Times and signals that pictures show; not kept.
@@ -45,16 +46,16 @@ pub struct RunRecord {
     pub signals: tremie_results::Signals,
 }
 
-/// How the checks of a kind came out.
+/// Verdicts on the checks of a kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OfKind {
-    /// How many there are.
+    /// Number of checks.
     pub checks: usize,
-    /// How many are near enough.
+    /// Number of passed checks.
     pub passed: usize,
 }
 
-/// How checks came out.
+/// Verdicts on checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verdicts {
     /// By kind, in the order of [`CheckKind::ALL`](super::case::CheckKind::ALL).
@@ -88,7 +89,7 @@ impl Record {
         Self { version: env!("CARGO_PKG_VERSION").into(), short, runs: Vec::new() }
     }
 
-    /// Adds what a run gave.
+    /// Adds the results of a run.
     pub fn add(&mut self, run: &CaseRun, outcome: Outcome, findings: Vec<Finding>) {
         let Outcome { signals, resolution, wall_time } = outcome;
         let (name, x) = (run.name.clone(), run.x);
@@ -109,12 +110,12 @@ impl Record {
         });
     }
 
-    /// Whether any run failed.
+    /// True if any run failed.
     pub fn any_failed(&self) -> bool {
         self.runs.iter().any(|run| run.failed.is_some())
     }
 
-    /// How its checks came out; a run that failed is a failure more.
+    /// Verdicts on its checks; a run that failed is a failure more.
     pub fn verdicts(&self, case: &Case) -> Verdicts {
         let mut verdicts = Verdicts::default();
         for run in &self.runs {
@@ -148,7 +149,7 @@ impl Record {
         Ok(path)
     }
 
-    /// What was kept of a case; `None` if it has not been run.
+    /// Kept results of a case; `None` if it has not been run.
     ///
     /// # Errors
     /// If it is there and cannot be read.

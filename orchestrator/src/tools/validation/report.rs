@@ -61,7 +61,7 @@ fn overview(out: &mut String, cases: &[(Case, Option<Record>)]) {
     let _ = writeln!(out, "| all | {references} | {trends} | {records} | |");
 }
 
-/// How many of so many passed; nothing of none.
+/// Number of passed checks of all; empty if there are none.
 fn passed(of_kind: OfKind) -> String {
     let OfKind { checks, passed } = of_kind;
     match (checks, passed) {
@@ -71,7 +71,7 @@ fn passed(of_kind: OfKind) -> String {
     }
 }
 
-/// How the usual renderers of Markdown call a heading.
+/// Anchor of a heading, as the usual renderers of Markdown make it.
 fn anchor(title: &str) -> String {
     let lower = title.to_lowercase();
     let kept = lower.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
