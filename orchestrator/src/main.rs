@@ -9,6 +9,7 @@ use tremie::run::limits;
 use tremie::terminal::standard;
 
 fn main() -> ExitCode {
+    // First: components inherit the limit of open files.
     limits::widen();
     let code = match cli::read() {
         Ok(Asked::Own(command)) => obey(command),
@@ -16,6 +17,7 @@ fn main() -> ExitCode {
         Ok(Asked::Reader(work, out, arguments)) => commands::reader(work, &out, &arguments),
         Err(word) => commands::usage(&word),
     };
+    // Last: output that could not be written must not end with code 0.
     standard::ending(code)
 }
 

@@ -13,19 +13,19 @@ use tremie_results::key_value;
 #[derive(Debug, Parser)]
 #[command(name = "tremie", version, about, arg_required_else_help = true)]
 pub struct Cli {
-    /// What to do.
+    /// The command, with its arguments.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What to do.
+/// Commands of the program itself.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a manifest.
     Run(RunArgs),
     /// Check a manifest completely and print the plan, without running it.
     Check(CheckArgs),
-    /// List the signals of a manifest's components: names, units, what they mean.
+    /// List the signals of a manifest's components: names, units, meanings.
     Signals(ManifestArgs),
     /// List the built-in components and the roles they can take.
     Components,
@@ -39,7 +39,7 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Measure how fast the parts are on this machine.
     Bench(BenchArgs),
-    /// Remove what killed runs left in shared memory.
+    /// Remove shared memory that killed runs left behind.
     Clean,
     /// Print the JSON schema of the manifest, for editors, or its reference page.
     Schema {
@@ -55,7 +55,7 @@ pub enum Command {
     },
 }
 
-/// What a command line asks for.
+/// Command that a command line asks for.
 pub enum Asked {
     /// A command of the program itself.
     Own(Command),
@@ -93,7 +93,7 @@ fn added<W>(package: &PackageCommand<W>, command: clap::Command) -> clap::Comman
 /// Reads the command line of this process.
 ///
 /// # Errors
-/// What is wrong with it, or the help that it asks for.
+/// clap's error, or the help that the command line asks for.
 pub fn read() -> Result<Asked, clap::Error> {
     of_matches(whole().try_get_matches()?)
 }
@@ -104,6 +104,7 @@ fn of_matches(mut matches: ArgMatches) -> Result<Asked, clap::Error> {
         let (name, inner) = inner.subcommand().expect("clap demands a scene");
         return Ok(Asked::OfPackage(named(SCENES, name).expect("clap knows").work, inner.clone()));
     }
+    // Packages before the program's own commands: `Cli` knows nothing of them.
     if let Some(tool) = named(TOOLS, name) {
         return Ok(Asked::OfPackage(tool.work, inner.clone()));
     }
@@ -121,7 +122,7 @@ fn named<W>(
     commands.iter().find(|command| command.name == name)
 }
 
-/// Options that say which manifest, and what to change in it.
+/// Arguments that choose a manifest, and change values in it.
 #[derive(Debug, Args)]
 pub struct ManifestArgs {
     /// Manifest, or a folder that holds a manifest.toml
@@ -129,7 +130,7 @@ pub struct ManifestArgs {
     /// Simulated time at which to end, as "0.5 s"
     #[arg(long, value_name = "TIME")]
     pub until: Option<String>,
-    /// How fluid and grains take turns
+    /// Order in which fluid and grains advance
     #[arg(long, value_name = "serial|parallel", value_parser = parse_schedule)]
     pub schedule: Option<Schedule>,
     /// Change a value of the manifest, as scene.fluid.viscosity="0.1 Pa s"
@@ -146,10 +147,10 @@ pub struct ManifestArgs {
 /// Arguments of `tremie check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Which manifest.
+    /// The manifest.
     #[command(flatten)]
     pub manifest: ManifestArgs,
-    /// Run some windows, throw them away, and tell how long the run will take
+    /// Run some windows, throw them away, and give the wall time of the whole run
     #[arg(long)]
     pub measure: bool,
 }
@@ -157,7 +158,7 @@ pub struct CheckArgs {
 /// Arguments of `tremie run`.
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// Which manifest.
+    /// The manifest.
     #[command(flatten)]
     pub manifest: ManifestArgs,
     /// Folder for the outputs [default: runs/NAME-001 and so on]
@@ -169,7 +170,8 @@ pub struct RunArgs {
     /// Run the components as threads of one process
     #[arg(long)]
     pub in_process: bool,
-    /// Write when each component waited and computed in some windows to OUT/trace.json, for ui.perfetto.dev
+    /// Write the times at which components waited and computed in some windows to OUT/trace.json,
+    /// for ui.perfetto.dev
     #[arg(long, value_name = "FROM-TO", num_args = 0..=1, require_equals = true, default_missing_value = "0-5000", value_parser = parse_windows)]
     pub trace: Option<RangeInclusive<u64>>,
     /// Make a component commit a fault, to see it caught: grains:drop@17
@@ -182,7 +184,7 @@ pub struct RunArgs {
 pub struct ViewArgs {
     /// Folder of a finished run
     pub out: PathBuf,
-    /// Where to show it
+    /// Viewer: in a browser, in its own window, in a file
     #[arg(long, value_name = "web|native|FILE.rrd", default_value = "web", value_parser = parse_view)]
     pub view: View,
 }
@@ -196,7 +198,7 @@ pub struct ReportArgs {
     /// Only these signals, or those that belong to them, as fluid.beneath [default: all]
     #[arg(long = "signal", value_name = "NAME")]
     pub signals: Vec<String>,
-    /// Where to write the picture [default: report.svg in the first folder]
+    /// File of the picture [default: report.svg in the first folder]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,
 }
@@ -212,7 +214,7 @@ pub struct ValidateArgs {
     /// Only the forms that end within seconds; keeps no results
     #[arg(long)]
     pub short: bool,
-    /// Where to write the report on all cases
+    /// File of the report on all cases
     #[arg(long, value_name = "FILE", default_value = "VALIDATION.md")]
     pub report: PathBuf,
 }
@@ -231,7 +233,7 @@ pub struct BenchArgs {
     /// Measurements of each case
     #[arg(long, value_name = "N", default_value_t = 7)]
     pub repeats: usize,
-    /// How long a measurement takes, about, in seconds
+    /// Length of a measurement, about, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
     pub seconds: f64,
     /// Only list the cases
@@ -242,10 +244,10 @@ pub struct BenchArgs {
     pub json: bool,
 }
 
-/// Where a run is shown.
+/// Viewer of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum View {
-    /// Nowhere.
+    /// No viewer.
     None,
     /// In a browser; this program serves the page.
     Web,
@@ -260,6 +262,7 @@ fn parse_view(text: &str) -> Result<View, String> {
         "none" => Ok(View::None),
         "web" => Ok(View::Web),
         "native" => Ok(View::Native),
+        // Absolute: the viewer is another process, and may have another working folder.
         file if file.ends_with(".rrd") => match std::path::absolute(file) {
             Ok(path) if path.to_str().is_some() => Ok(View::File(path)),
             Ok(path) => Err(format!("{path:?} is no UTF-8 text, which the viewer must be told")),
@@ -296,7 +299,8 @@ fn parse_injection(text: &str) -> Result<(String, Injection), String> {
 }
 
 impl ManifestArgs {
-    /// All changes to the manifest's values, those of the short options first.
+    /// All changes to the manifest's values, those of the short options first. A later change
+    /// overrides an earlier one.
     pub fn sets(&self) -> Vec<(String, String)> {
         let mut sets = Vec::new();
         if let Some(until) = &self.until {

@@ -1,4 +1,4 @@
-//! `tremie bench`: how fast the parts are on this machine.
+//! `tremie bench`: speed of the parts of the program on this machine.
 
 use super::WRONG_INPUT;
 use crate::program::cli::BenchArgs;

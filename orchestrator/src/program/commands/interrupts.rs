@@ -1,9 +1,9 @@
-//! The user's wish to end: Ctrl-C, and the signals that mean the same.
+//! Interrupts: Ctrl-C, and the signals that mean the same.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Counts from now on how often the user asks for the end.
+/// Counts the user's interrupts from now on.
 ///
 /// # Errors
 /// If the operating system refuses.

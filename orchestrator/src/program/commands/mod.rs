@@ -1,8 +1,8 @@
-//! What each command of the program does.
+//! Commands of the program.
 //!
-//! Standard output has what a command was asked for: the plan and the verdicts of `check`, lists, schemas, where
-//! things were written; with `--json` everything. Standard error has errors, and what `run` and `view` say of
-//! their work.
+//! Standard output has the answer of a command: the plan and the verdicts of `check`, lists,
+//! schemas, paths of written files; with `--json` everything. Standard error has errors, and the
+//! messages of `run` and `view` about their work.
 //!
 //! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
 //! user ended a run; 141 whoever read the answer stopped reading, as `head` does. A command whose answer could not be
@@ -40,7 +40,7 @@ const WRONG_INPUT: u8 = 2;
 /// The user asked for the end.
 const INTERRUPTED: u8 = 130;
 
-/// Answers what the command line itself asks for, `--help` and `--version`, or says what is wrong with it.
+/// Answers `--help` and `--version`, or reports an error of the command line.
 pub fn usage(word: &clap::Error) -> ExitCode {
     let text = word.render();
     let coloured = |is_terminal: bool| is_terminal && std::env::var_os("NO_COLOR").is_none();
@@ -58,7 +58,7 @@ pub fn usage(word: &clap::Error) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Says what is wrong with a manifest's text.
+/// Reports the errors in a manifest's text.
 fn refuse_text(errors: &ManifestErrors, json: bool, terminal: &Terminal) -> ExitCode {
     if json {
         answer_text(errors.json_lines());
@@ -68,7 +68,7 @@ fn refuse_text(errors: &ManifestErrors, json: bool, terminal: &Terminal) -> Exit
     ExitCode::from(WRONG_INPUT)
 }
 
-/// Says why a run or a check came to nothing.
+/// Reports the error that kept a run or a check from beginning.
 fn refuse(error: &RunError, manifest: &Manifest, json: bool, terminal: &mut Terminal) -> ExitCode {
     match error {
         RunError::Input(problems) => {

@@ -7,10 +7,10 @@ use crate::tools::report::{self, ReportError};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Signals that never change which are still listed.
+/// Most signals listed that never change.
 const LISTED: usize = 12;
 
-/// `tremie report`: one picture, and a line that says where it is.
+/// `tremie report`: one picture, and a line with its path.
 pub fn report(arguments: &ReportArgs) -> ExitCode {
     match make(arguments) {
         Ok(()) => ExitCode::SUCCESS,

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use tremie_messages::Verdict;
 
-/// `tremie check`: everything up to the plan, and what its numbers mean.
+/// `tremie check`: everything up to the plan, and the findings on its numbers.
 pub fn check(arguments: &CheckArgs) -> ExitCode {
     let mut terminal = Terminal::answering(style(&arguments.manifest));
     let json = arguments.manifest.json;
@@ -50,6 +50,7 @@ fn check_components(
     }
     show_plan(manifest, &prepared, terminal);
     let wrong = preflight::count(&prepared.findings, Verdict::Wrong);
+    // The components wait for an assignment: they are ended in good order.
     prepared.dismiss();
     Ok(wrong)
 }
@@ -75,6 +76,7 @@ fn run_checked(
     arguments: &RunArgs,
     terminal: &mut Terminal,
 ) -> Result<ExitCode, RunError> {
+    // Before the run needs shared memory: killed runs may hold most of it.
     if let Ok(swept @ 1..) = tremie_channels::sweep::sweep_dead_runs() {
         terminal.say(&format!("swept what {swept} killed runs had left in shared memory"));
     }
@@ -91,14 +93,17 @@ fn run_checked(
     };
     let mut out = RunFolder::choose(arguments.out.as_deref(), &arguments.manifest.manifest)?;
     let prepared = prepare(manifest, &folder, out.path(), &execution, &interrupts)?;
+    // Before the plan is shown: a machine that is too small ends the run here.
     if let Err(error) = prepared.fits(&execution) {
         prepared.dismiss();
         return Err(error);
     }
     show_plan(manifest, &prepared, terminal);
+    // Findings beyond these come from the run's signals, and are shown at its end.
     let known = prepared.findings.len();
     terminal.say(&format!("outputs in {}", out.path().display()));
     let executed = prepared.execute(manifest, &mut out, &execution, terminal, &interrupts);
+    // An error, unlike a fault, means that no window was made: its files are of no use.
     if executed.is_err() {
         out.clear();
     }
@@ -166,7 +171,7 @@ fn add_observers(manifest: &mut Manifest, view: &View) {
     }
 }
 
-/// What the viewer is told of where to show a run; `None` for nowhere.
+/// Settings of the viewer for a place to show a run; `None` for no viewer.
 pub(super) fn viewer_settings(view: &View) -> Option<serde_json::Map<String, Value>> {
     let mut settings = serde_json::Map::new();
     let mode = match view {
@@ -183,7 +188,8 @@ pub(super) fn viewer_settings(view: &View) -> Option<serde_json::Map<String, Val
     Some(settings)
 }
 
-/// Components that are threads log through this process, not on lines of their own.
+/// Shows log lines of components that are threads: they log through this process, not on lines of
+/// their own.
 fn show_logs_of_threads() {
     let filter = tracing_subscriber::EnvFilter::new(LOGS_SHOWN);
     let _ = tracing_subscriber::fmt()
@@ -191,7 +197,7 @@ fn show_logs_of_threads() {
         .without_time()
         .with_target(false)
         .with_writer(std::io::stderr)
-        // It would say so on standard error, and panic there.
+        // It would report them on standard error, and panic there.
         .log_internal_errors(false)
         .try_init();
 }
@@ -235,7 +241,7 @@ fn details(summary: &Summary) -> Value {
     serde_json::to_value(summary).unwrap_or(Value::Null)
 }
 
-/// What happened, where, at which window.
+/// Last line of a run: its ending, its windows and times, its folder.
 fn last_line(summary: &Summary, out: &Path) -> String {
     let Summary { windows, planned_windows, simulated_time, wall_time, .. } = summary;
     let went = format!(

@@ -1,4 +1,4 @@
-//! `tremie signals`: what a run will report, and what it means.
+//! `tremie signals`: names, units and meanings of the signals that a run will report.
 
 use super::run::{folder_of, style};
 use super::{interrupts::count_interrupts, refuse, refuse_text};

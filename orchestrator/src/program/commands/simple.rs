@@ -7,7 +7,7 @@ use crate::tools::conform::ConformArgs;
 use std::process::ExitCode;
 use tremie_sdk::main_of;
 
-/// `tremie components`: what can take which role.
+/// `tremie components`: the built-in components and their roles.
 pub fn components() -> ExitCode {
     for component in BUILT_IN {
         let (name, role) = (component.name, component.role.name());
@@ -28,7 +28,7 @@ pub fn component(name: &str) -> ExitCode {
     }
 }
 
-/// `tremie clean`: removes what killed runs left.
+/// `tremie clean`: removes shared memory and folders that killed runs left.
 pub fn clean() -> ExitCode {
     match tremie_channels::sweep::sweep_dead_runs() {
         Ok(0) => answer("nothing to clean"),

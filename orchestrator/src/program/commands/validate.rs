@@ -54,7 +54,7 @@ fn validate_cases(arguments: &ValidateArgs) -> Result<bool, ValidationError> {
     Ok(all.failed == 0)
 }
 
-/// Writes the report on all cases, from what each has kept.
+/// Writes the report on all cases, from their kept results.
 fn write_report(folder: &Path, path: &Path) -> Result<(), ValidationError> {
     let kept = |case: Case| Record::kept(&case.folder).map(|record| (case, record));
     let all: Vec<_> = cases(folder, &[])?.into_iter().map(kept).collect::<Result<_, _>>()?;
