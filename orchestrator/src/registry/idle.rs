@@ -1,11 +1,11 @@
-//! Components that compute nothing: what is left of a run is the exchange.
+//! Idle components, which compute nothing: a run of them measures the exchange alone.
 
 use std::collections::BTreeMap;
 use tremie_sdk::messages::start::Description;
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
 use tremie_sdk::{Fluid, Grains, Setup, SolverError};
 
-/// Length of a window [s]; means nothing here.
+/// Length of a window [s]; it has no physical meaning here.
 pub const WINDOW: f64 = 1e-6;
 
 /// A fluid that finds no loads.

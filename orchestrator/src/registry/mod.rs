@@ -1,4 +1,5 @@
-//! Everything that the program carries in its own executable: components, and commands of packages. No other room names one.
+//! The registry: components in the program's own executable, and commands of packages. No other
+//! room names one.
 
 mod idle;
 
@@ -19,16 +20,17 @@ use tremie_results::{CommandError, FinishedRun};
 use tremie_sdk::ControlPipe;
 use tremie_sdk::benchmark::{Benchmark, BenchmarkSizes};
 
-/// Log lines of components that a user sees where they are threads: warnings, and where the viewer shows the run.
+/// Filter of log lines that a user sees of components that are threads: warnings, and the viewer's
+/// address.
 pub const LOGS_SHOWN: &str = "warn,tremie_viewer=info";
 
 /// A component that `tremie` carries in its own executable.
 pub struct BuiltIn {
     /// Its name in manifests.
     pub name: &'static str,
-    /// What it can stand for.
+    /// Role that it can take.
     pub role: Role,
-    /// What it is, in a line.
+    /// Description, in a line.
     pub about: &'static str,
     /// The schema of its settings.
     pub settings: fn(&mut SchemaGenerator) -> Schema,
@@ -123,11 +125,11 @@ pub fn built_in(name: &str) -> Option<&'static BuiltIn> {
 pub struct PackageCommand<Work> {
     /// Its name on the command line.
     pub name: &'static str,
-    /// What it does, in a line.
+    /// Description, in a line.
     pub about: &'static str,
     /// Adds its arguments.
     pub arguments: fn(Command) -> Command,
-    /// Does it, and gives the text for standard output.
+    /// Carries the command out, and gives the text for standard output.
     pub work: Work,
 }
 
