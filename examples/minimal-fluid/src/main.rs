@@ -1,8 +1,8 @@
 //! The smallest fluid that can sit opposite Tremie's grains: Stokes drag and buoyancy.
 //!
-//! Each grain feels `F = -3 pi mu d (V - u) - rho_f V_g g` and the torque `T = -pi mu d^3 omega`
-//! (Stokes 1851), with `u` the fluid's constant velocity. There is no lattice, and grains do not
-//! feel each other through the fluid; right for a dilute suspension of very small grains, and a
+//! On each grain act `F = -3 pi mu d (V - u) - rho_f V_g g` and the torque `T = -pi mu d^3 omega`
+//! (Stokes 1851), with `u` the fluid's constant velocity. There is no lattice, and no grain acts on
+//! another through the fluid. This is right for a dilute suspension of very small grains, and a
 //! place to start for a fluid of your own. It uses nothing of Tremie but the sdk.
 
 use std::collections::BTreeMap;
@@ -90,6 +90,7 @@ impl Fluid for StokesFluid {
             let volume = PI / 6.0 * d * d * d;
             for axis in 0..3 {
                 let drag = 3.0 * PI * viscosity * d * (velocity[axis] - body.velocity[axis]);
+                // Buoyancy is part of the load: grains always apply their full weight.
                 load.force[axis] = drag - density * volume * self.gravity[axis];
                 load.torque[axis] = -PI * viscosity * d * d * d * body.angular_velocity[axis];
                 self.largest_drag = self.largest_drag.max(drag.abs());

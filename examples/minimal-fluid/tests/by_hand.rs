@@ -1,4 +1,4 @@
-//! What a user sees who starts the component by hand.
+//! Output of the component for a user who starts it by hand.
 
 use std::process::Command;
 

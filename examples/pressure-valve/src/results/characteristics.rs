@@ -16,10 +16,10 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use tremie_results::Signals;
 
-/// What of the scene a run's table of signals does not say.
+/// Data of the scene that a run's table of signals lacks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Site {
-    /// How many times the model is the whole valve: 2 for half of one.
+    /// Number of copies of the model that make the whole valve: 2 for half of one.
     pub copies: f64,
     /// Density of the fluid [kg/m³].
     pub density: f64,
@@ -31,20 +31,20 @@ pub struct Site {
     pub diameter: Option<f64>,
 }
 
-/// What was found.
+/// Characteristics of a valve in a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Characteristics {
     /// Lift above which it counts as open [m].
     pub open_at: f64,
-    /// When it opened first.
+    /// Cracking: its first opening.
     pub cracking: Option<Moment>,
-    /// When its lift was greatest.
+    /// The moment of its greatest lift.
     pub greatest: Moment,
-    /// When it shut for the last time; `None` if it is open at the end.
+    /// Reseating: its last closing; `None` if it is open at the end.
     pub reseating: Option<Moment>,
-    /// While it was held open.
+    /// Means while it was held open.
     pub held: Option<Stretch>,
-    /// While it was shut, at the end.
+    /// Means while it was shut, at the end.
     pub shut: Option<Stretch>,
     /// Greatest pressure of each seal on its seat: signal, time [s], pressure [Pa].
     pub seals: Vec<(String, f64, f64)>,
@@ -93,7 +93,7 @@ pub struct Stuck {
     pub debris: Option<f64>,
 }
 
-/// Of a run's signals, the valve's among which are `watched`.
+/// Characteristics of a valve, whose names among a run's signals are `watched`.
 ///
 /// # Errors
 /// A sentence, if the run is too short.
@@ -109,6 +109,7 @@ pub fn characteristics(
     let open_at = site.open_at.unwrap_or(run.lift[0] + 0.1 * (run.lift[peak] - run.lift[0]));
     let is_open = |k: usize| run.lift[k] > open_at;
     let cracked = (1..=last).find(|&k| is_open(k) && !is_open(k - 1));
+    // Only a valve that has opened can reseat, and only one that is shut at the end has.
     let reseated = cracked
         .and((1..=last).rfind(|&k| !is_open(k) && is_open(k - 1)))
         .filter(|_| !is_open(last));
@@ -118,6 +119,7 @@ pub fn characteristics(
         if is_open(peak) { (0..=last).find(is_far).zip((0..=last).rfind(is_far)) } else { None };
     let held = far.and_then(|(first, last)| {
         let (from, until) = (run.times[first], run.times[last]);
+        // The middle half: the ends still hold the opening and the closing.
         let quarter = 0.25 * (until - from);
         run.stretch(from + quarter, until - quarter, site)
     });
@@ -165,7 +167,7 @@ pub fn curves(
     Ok(curves)
 }
 
-/// Mean of what was measured of some rows.
+/// Mean of some rows, without those that were not measured.
 fn mean(rows: &[usize], of: &[f64]) -> f64 {
     let measured = || rows.iter().map(|&k| of[k]).filter(|value| value.is_finite());
     measured().sum::<f64>() / measured().count() as f64
@@ -238,7 +240,7 @@ fn seals(signals: &Signals) -> Vec<(String, f64, f64)> {
     greatest.filter(|(_, _, value)| *value > 0.0).collect()
 }
 
-/// What is stuck at the end, the valve at a lift [m].
+/// Grains stuck at the end in each ring probe, the valve at a lift [m].
 fn all_stuck(signals: &Signals, site: &Site, lift: f64) -> Vec<Stuck> {
     let of_ring = |(probe, area): (&String, &f64)| {
         let values = signals.columns.get(&format!("grains.{probe}.area_fraction"))?;

@@ -1,8 +1,9 @@
 //! Debris of grains that are stuck between a seat and what closes on it (Mutabaruka & Kamrin, *Comput. Part. Mech.* 5,
 //! 2018, appendix B).
 
-/// Debris if all of the stuck grains break, in cubes of a grain's diameter [m]: what is stuck, by its area,
-/// as high as the closure stands open, at a `lift` [m] over a `seat` [m²] (Eq. 34).
+/// Debris if all stuck grains break [cubes of a grain's diameter]: their projected area,
+/// `normalised_area` of the `seat` [m²], times the `lift` [m], over the cube of the `diameter` [m]
+/// (Eq. 34).
 pub(super) fn debris(lift: f64, seat: f64, normalised_area: f64, diameter: f64) -> f64 {
     lift * seat * normalised_area / (diameter * diameter * diameter)
 }
@@ -12,8 +13,8 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// What remains at least of a slurry of the solid fraction `fraction` under a closure that one layer of
-    /// grains holds open, over a cone that rises by `slope` [rad]: its normalised area (Eq. 33).
+    /// Least normalised area of a slurry of the solid fraction `fraction` under a closure that one
+    /// layer of grains holds open, over a cone that rises by `slope` [rad] (Eq. 33).
     fn least_normalised_area(fraction: f64, slope: f64) -> f64 {
         1.5 * fraction / libm::cos(slope)
     }

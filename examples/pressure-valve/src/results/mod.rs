@@ -1,4 +1,4 @@
-//! What the designer of a valve reads of a finished run: `tremie valve OUT`.
+//! Characteristics of a valve in a finished run, for its designer: `tremie valve OUT`.
 //!
 //! [`valve_signals`] finds the valve's signals, [`characteristics`] reads moments, means and curves out of them.
 
@@ -37,7 +37,7 @@ pub struct ValveArgs {
     /// Lift above which it counts as open, as "0.5 mm" [default: a tenth of its way]
     #[arg(long, value_name = "LENGTH")]
     pub open_at: Option<Length>,
-    /// Where to write the picture [default: valve.svg in the folder]
+    /// File of the picture [default: valve.svg in the folder]
     #[arg(long, value_name = "FILE.svg")]
     pub to: Option<PathBuf>,
     /// Print one JSON document instead of a table
@@ -78,7 +78,7 @@ fn answer(run: &FinishedRun, arguments: &ValveArgs) -> Result<String, String> {
     Ok(text)
 }
 
-/// What the scene says of the valve.
+/// Data of the scene about the valve.
 fn site(scene: &Scene, part: &str, open_at: Option<f64>) -> Site {
     let domain = &scene.domain;
     let origin = scene.parts.iter().find(|known| known.name == part).map(|part| part.pose.position);

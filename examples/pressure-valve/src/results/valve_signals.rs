@@ -1,15 +1,15 @@
-//! The signals of a run that are a valve's.
+//! Signals of a valve among those of a run.
 
 use tremie_results::Signals;
 
-/// What the user named.
+/// Names that the user gave.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Asked {
     /// The part that slides.
     pub part: Option<String>,
-    /// Where the pressure upstream is measured: a probe or a reservoir.
+    /// Probe or reservoir of the pressure upstream.
     pub upstream: Option<String>,
-    /// Where that downstream is.
+    /// Probe or reservoir of the pressure downstream.
     pub downstream: Option<String>,
     /// The probe that measures the rate of flow.
     pub flow: Option<String>,
@@ -33,8 +33,8 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Those that were asked for; where nothing was, the only part that slides, the only reservoir, the only probe of a
-    /// rate of flow.
+    /// The signals that were asked for. For a name that is not given: the only part that slides,
+    /// the only reservoir, the only probe of a rate of flow.
     ///
     /// # Errors
     /// A sentence, where there is none or there are several.
@@ -83,7 +83,7 @@ impl Watched {
     }
 }
 
-/// What stands between two ends in names of signals, where it begins with `kind`.
+/// Parts of signals' names between two ends, where they begin with `kind`.
 fn named<'a>(
     signals: &'a Signals,
     [head, tail]: [&'a str; 2],
@@ -93,7 +93,7 @@ fn named<'a>(
     signals.columns.keys().filter_map(between).filter(move |name| name.starts_with(kind))
 }
 
-/// The one that was asked for, or the only one of a kind.
+/// The name that was asked for, or the only one of a kind.
 fn one(
     signals: &Signals,
     ends: [&str; 2],

@@ -16,7 +16,7 @@ use tremie_rubber_table::table::Table;
 /// Arguments of `tremie scene pressure-valve`.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// Where to write it
+    /// Folder for the parts and manifests
     pub folder: PathBuf,
     /// Change a dimension, as bore_radius="4.75 mm"; dimensions.toml lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_value)]
@@ -32,7 +32,8 @@ pub struct SceneArgs {
     pub cell: Option<Length>,
 }
 
-/// Writes the scene of the valve, and says what it wrote.
+/// Writes the parts and manifests of the valve; returns a list of the files and some derived
+/// numbers.
 ///
 /// # Errors
 /// [`CommandError::Input`], if the numbers do not make a valve.
@@ -41,6 +42,8 @@ pub fn build(matches: &ArgMatches) -> Result<String, CommandError> {
     let numbers = numbers(&arguments.set)?;
     let works = working(&arguments, numbers.closure);
     let defaults = Steady::default();
+    // The valve is held at a lift of its own, in cells as wide as those of the run in which it
+    // works.
     let held =
         Steady { lift: arguments.lift.unwrap_or(defaults.lift), cell: works.cell, ..defaults };
     if held.lift < numbers.lip {
@@ -50,6 +53,7 @@ pub fn build(matches: &ArgMatches) -> Result<String, CommandError> {
         )));
     }
     let specification = super::specification(&numbers);
+    // The table before any file: a ring that cannot hold the valve leaves no folder behind.
     let spec = Spec::parse(Path::new("ring.toml"), specification.clone());
     let table = make(&spec.map_err(CommandError::input)?).map_err(CommandError::input)?;
     let rest = rest(&numbers, &works, &table)?;
@@ -88,7 +92,8 @@ fn rest(numbers: &Dimensions, works: &Working, table: &Table) -> Result<Resting,
 /// The surfaces of frame, valve and rigid ring.
 fn write_parts(numbers: &Dimensions, cell: f64, folder: &Path) -> Result<(), CommandError> {
     let bad = |error: GeometryError| CommandError::input(error);
-    // Past the openings by more than a cell, so that the domain's faces cut the space.
+    // The frame reaches past the openings by more than a cell, so that the domain's faces cut it
+    // and are open.
     let frame = super::frame(numbers, 4.0 * cell).map_err(bad)?;
     let turned = |profile| Mesh::of(&Geometry::Revolved { profile }).map_err(bad);
     let meshes = [
@@ -126,7 +131,7 @@ fn numbers(sets: &[(String, String)]) -> Result<Dimensions, CommandError> {
     }
 }
 
-/// What was written.
+/// Answer: the files written, and numbers derived from the dimensions.
 fn answer(numbers: &Dimensions, folder: &Path) -> String {
     format!(
         "frame.stl, valve.stl, ring.stl (in millimetres), dimensions.toml, ring.toml and ring.json (the ring's table) are in {folder}, \

@@ -1,10 +1,10 @@
-//! The numbers of a pressure valve.
+//! Dimensions of a pressure valve, quantities derived from them, and rules that they must keep.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use tremie_messages::units::{Angle, Density, Length, Mass, Pressure};
 
-/// The numbers that make a valve, in the valve's frame: y along its axis, zero on the flat of the seat
+/// Dimensions of a valve, in the valve's frame: y along its axis, zero on the flat of the seat
 /// and up with the lift; z along the conduit, in the direction of the flow; the plane x = 0 a mirror.
 ///
 /// Radii of the rubber, slope of the cone, lip and moving mass are those that Mutabaruka and Kamrin
@@ -17,31 +17,31 @@ pub struct Dimensions {
     pub bore_radius: Length,
     /// Height y of the conduit's axis.
     pub conduit_axis: Length,
-    /// Where the conduit begins, along z.
+    /// Begin of the conduit, along z.
     pub inlet: Length,
-    /// Where the conduit ends, along z: with a pressure closure.
+    /// End of the conduit with a pressure closure, along z.
     pub blind_end: Length,
-    /// What is at the conduit's end.
+    /// Closure at the conduit's end.
     pub closure: Closure,
     /// Safety closure: radius of the orifice in the conduit.
     pub orifice_radius: Length,
-    /// Safety closure: where the orifice begins and ends, along z.
+    /// Safety closure: begin and end of the orifice, along z.
     pub orifice: [Length; 2],
-    /// Safety closure: where the conduit opens, along z.
+    /// Safety closure: opening of the conduit, along z.
     pub second_outlet: Length,
     /// Slope of the seat's cone from the horizontal.
     pub cone_slope: Angle,
-    /// Inner radius of the rubber ring, where the cone ends.
+    /// Inner radius of the rubber ring, and outer radius of the cone.
     pub rubber_inner_radius: Length,
     /// Outer radius of the rubber ring and of the disc above it.
     pub rubber_outer_radius: Length,
     /// Height of the undeformed rubber ring.
     pub rubber_height: Length,
-    /// How far the undeformed ring protrudes below the metal.
+    /// Lip: height by which the undeformed ring protrudes below the metal.
     pub lip: Length,
     /// Radius of the chamber above the seat.
     pub chamber_radius: Length,
-    /// Height of the chamber: where the fluid leaves.
+    /// Height of the chamber, at which the fluid leaves.
     pub chamber_height: Length,
     /// Mass of steel and rubber that move.
     pub moving_mass: Mass,
@@ -51,7 +51,7 @@ pub struct Dimensions {
     pub rubber: Density,
 }
 
-/// What is at the end of the conduit.
+/// Closure of the conduit at its far end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Closure {
@@ -62,8 +62,8 @@ pub enum Closure {
 }
 
 impl Closure {
-    /// Pressure above the valve in the runs of Mutabaruka and Kamrin: at a safety valve both ways out
-    /// lead to the same.
+    /// Pressure above the valve in the runs of Mutabaruka and Kamrin [Pa]. At a safety valve both
+    /// outlets lead to the same pressure.
     pub fn outlet(self) -> Pressure {
         Pressure(match self {
             Self::Pressure => 10416.0,
@@ -106,7 +106,7 @@ pub struct Misfit {
     pub key: &'static str,
     /// Its value.
     pub found: String,
-    /// What must hold.
+    /// Rule that it breaks.
     pub rule: String,
 }
 
@@ -139,7 +139,8 @@ impl Dimensions {
         PI * (b * b - a * a) * self.rubber_height.0
     }
 
-    /// Thickness of the steel disc above the rubber [m]: what the moving mass leaves for it.
+    /// Thickness of the steel disc above the rubber [m]: the moving mass, less plug, hub and
+    /// rubber, sets it.
     pub fn disc_thickness(&self) -> f64 {
         let steel = (self.moving_mass.0 - self.rubber.0 * self.rubber_volume()) / self.steel.0;
         let disc = steel - self.plug_volume() - self.hub_volume();

@@ -18,7 +18,7 @@ pub fn frame(valve: &Dimensions, beyond: f64) -> Result<Mesh, GeometryError> {
     let step = 2.0 * PI / N as f64;
     let mut frame = Frame {
         mesh: Mesh::default(),
-        // Polygons with the areas of the circles.
+        // Polygons of the same area as the circles: flow areas are exact.
         stretch: (step / libm::sin(step)).sqrt(),
         axis: valve.conduit_axis.0,
     };
@@ -48,6 +48,7 @@ pub fn frame(valve: &Dimensions, beyond: f64) -> Result<Mesh, GeometryError> {
         }
     }
     let (chamber, top) = (valve.chamber_radius.0, valve.chamber_height.0 + beyond);
+    // Open at the bottom edge, where the bore's wall ends; `mend` joins equal corners.
     frame.about_valve(&[
         [valve.bore_radius.0, -valve.cone_depth()],
         [valve.rubber_inner_radius.0, 0.0],
@@ -60,9 +61,9 @@ pub fn frame(valve: &Dimensions, beyond: f64) -> Result<Mesh, GeometryError> {
 
 struct Frame {
     mesh: Mesh,
-    /// Of the radii of corners over those of circles.
+    /// Ratio of the radii of corners to those of circles.
     stretch: f64,
-    /// Height of the conduit's axis.
+    /// Height of the conduit's axis [m].
     axis: f64,
 }
 
@@ -112,7 +113,8 @@ impl Frame {
         }
     }
 
-    /// What a profile of corners `[r, z]` sweeps about the conduit's axis.
+    /// Adds the surface of revolution of a profile of corners `[r, z]` [m] about the conduit's
+    /// axis.
     fn about_conduit(&mut self, profile: &[[f64; 2]]) {
         let (axis, stretch) = (self.axis, self.stretch);
         self.sweep(profile, |[cos, sin], [r, z]| {
@@ -121,7 +123,7 @@ impl Frame {
         });
     }
 
-    /// What a profile of corners `[r, y]` sweeps about the valve's axis.
+    /// Adds the surface of revolution of a profile of corners `[r, y]` [m] about the valve's axis.
     fn about_valve(&mut self, profile: &[[f64; 2]]) {
         let stretch = self.stretch;
         self.sweep(profile, |[cos, sin], [r, y]| {

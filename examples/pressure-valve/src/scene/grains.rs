@@ -16,9 +16,9 @@ pub struct Grains {
     pub diameter: Length,
     /// Largest diameter over smallest.
     pub size_ratio: f64,
-    /// Solid fraction of what comes, and of what is beneath the valve at the start.
+    /// Solid fraction of the grains that come, and of those beneath the valve at the start.
     pub fraction: f64,
-    /// Of the grains.
+    /// Density of the grains [kg/m³].
     pub density: Density,
     /// Length of the region in the conduit, from its inlet, that is kept filled.
     pub zone: Length,
@@ -53,7 +53,8 @@ impl Default for Grains {
 }
 
 impl Grains {
-    /// Larger and softer ones, for cells of 0.6 mm: of 0.8 mm a cell would hardly see them.
+    /// Larger and softer grains, for cells of 0.6 mm: grains of 0.8 mm are too small for such
+    /// cells.
     pub fn coarse() -> Self {
         Self {
             diameter: Length(1.4e-3),
@@ -70,11 +71,14 @@ impl Grains {
     }
 }
 
-/// The tables of a manifest for them, with the probes that tell what becomes of them.
+/// The tables of a manifest for grains, with the probes that count them beneath the valve and in
+/// its seat.
 pub(super) fn tables(valve: &Dimensions, grains: &Grains, is_rubber: bool) -> String {
     let (bore, axis) = (valve.bore_radius.0, valve.conduit_axis.0);
     let (inlet, end, top) = (valve.inlet.0, end(valve), -valve.cone_depth());
     let [smallest, largest] = grains.diameters().map(mm);
+    // Packings and probes are boxes: this one holds half of conduit and bore, and solid around
+    // them.
     let whole = bore * (top - (axis - bore)) * (end - inlet);
     let share = 0.5 * beneath(valve) / whole;
     let floor = mm(axis - bore);
@@ -158,7 +162,7 @@ restitution = 1.0
     )
 }
 
-/// Where the conduit beneath the valve ends, along z [m].
+/// End of the conduit beneath the valve, along z [m].
 fn end(valve: &Dimensions) -> f64 {
     match valve.closure {
         Closure::Pressure => valve.blind_end.0,

@@ -8,13 +8,13 @@ use tremie_messages::units::{Length, Velocity, Viscosity};
 /// A steady flow through a valve that is held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steady {
-    /// How far the metal is lifted off the metal.
+    /// Lift of the valve: height of metal above metal [m].
     pub lift: Length,
-    /// Mean velocity in the conduit.
+    /// Mean velocity in the conduit [m/s].
     pub velocity: Velocity,
-    /// Dynamic viscosity of the fluid.
+    /// Dynamic viscosity of the fluid [Pa·s].
     pub viscosity: Viscosity,
-    /// Edge of a cell.
+    /// Edge of a cell [m].
     pub cell: Length,
 }
 
@@ -35,6 +35,7 @@ pub fn manifest(valve: &Dimensions, run: &Steady, frame: &str) -> String {
     let cell = run.cell.0;
     let room = Room::around(valve, cell);
     let (inner, outer) = (valve.rubber_inner_radius.0, valve.rubber_outer_radius.0);
+    // Halfway between the seat and the lower side of the ring.
     let middle = 0.5 * (run.lift.0 - valve.lip.0);
     let [near, far] = [0.2, 0.8].map(|s| inner + s * (outer - inner));
     format!(

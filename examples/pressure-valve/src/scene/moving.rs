@@ -1,4 +1,4 @@
-//! What moves: plug, hub and disc of steel, and the rubber ring on them.
+//! Moving parts: plug, hub and disc of steel, and the rubber ring on them.
 //!
 //! Profiles of corners `[r, y]` [m] at a lift of zero, where metal touches metal.
 

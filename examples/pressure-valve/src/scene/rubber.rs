@@ -1,4 +1,4 @@
-//! The rubber ring: what its table is made from, and how it rests on the seat.
+//! The rubber ring: specification of its table, and its rest on the seat.
 
 use super::dimensions::Dimensions;
 use super::text::mm;
@@ -48,12 +48,12 @@ pub struct Resting {
 }
 
 impl Resting {
-    /// Where the table's force holds what presses; `None` if it does not anywhere, or only with metal on
-    /// metal. The foot is in its seat as the usual `seat_stiffness` has it: a hundred times the ring's at
-    /// first, over the foot's area at rest.
+    /// Compression at which the table's force balances the closing force; `None` if there is none,
+    /// or only with metal on metal. The seat is as stiff as the usual `seat_stiffness` makes it: a
+    /// hundred times the ring's stiffness at first, over the foot's area at rest.
     pub fn of(valve: &Dimensions, run: &Working, table: &Table) -> Option<Self> {
         let pressing = run.closing_force(valve);
-        // The table's force ascends.
+        // Bisection: the table's force ascends with the compression.
         let (mut low, mut high) = (0.0, table.last_compression());
         if table.force(table.bracket(high).ok()?) < pressing {
             return None;
@@ -65,6 +65,7 @@ impl Resting {
                 false => high = middle,
             }
         }
+        // The foot widens as it is pressed, and a wider foot sinks less into its seat.
         let wider = foot(table, high)? / foot(table, 0.0)?;
         let depth = 0.01 * pressing / table.slope(table.bracket(0.0).ok()?) / wider;
         let lift = valve.lip.0 - high - depth;

@@ -1,4 +1,4 @@
-//! How lengths and profiles are written in a manifest.
+//! Text of lengths, profiles and tables in a manifest.
 
 use super::dimensions::{Closure, Dimensions};
 
@@ -24,9 +24,11 @@ pub(super) struct Room {
 
 impl Room {
     pub fn around(valve: &Dimensions, cell: f64) -> Self {
+        // Rounded up; the slack keeps a length that is whole already from gaining a cell.
         let whole = |length: f64| (length / cell - 1e-9).ceil() * cell;
         let floor = valve.conduit_axis.0 - valve.bore_radius.0;
         let height = whole(valve.chamber_height.0 - floor + 0.5 * cell);
+        // A blind end closes the conduit inside the domain, but the chamber above reaches further.
         let end = match valve.closure {
             Closure::Pressure => valve.chamber_radius.0 + 0.5 * cell,
             Closure::Safety => valve.second_outlet.0,
@@ -45,7 +47,7 @@ impl Room {
     }
 }
 
-/// What the conduit's far end is, as a manifest has it.
+/// Face at the conduit's far end, as a manifest has it.
 pub(super) fn second_end(valve: &Dimensions) -> &'static str {
     match valve.closure {
         Closure::Pressure => "\"wall\"",
@@ -75,7 +77,7 @@ file = "{frame}"
 unit = "mm"
 cavity = true
 "#,
-        // A rough guess that covers the jet in the cone; the user knows better.
+        // A rough bound that covers the jet in the cone; the user may know better.
         fastest = 8.0 * velocity,
         half_cell = mm(0.5 * cell),
         axis = mm(valve.conduit_axis.0),
@@ -94,7 +96,7 @@ point = ["{half_cell} mm", "{axis} mm", "0 mm"]
     )
 }
 
-/// The probe of what leaves.
+/// The probe of the flow that leaves.
 pub(super) fn outflow(valve: &Dimensions, cell: f64) -> String {
     let above = mm(valve.chamber_height.0 - 3.5 * cell);
     format!(

@@ -15,29 +15,29 @@ use tremie_messages::units::{Length, Pressure, Stiffness, Time, Velocity, Viscos
 /// reservoir chosen (they do not state it).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Working {
-    /// Edge of a cell.
+    /// Edge of a cell [m].
     pub cell: Length,
-    /// A cell in a time step of the fluid.
+    /// Lattice speed: edge of a cell over a time step of the fluid [m/s].
     pub lattice_speed: Velocity,
-    /// Volume between the piston and the conduit.
+    /// Volume between the piston and the conduit at the start [m³].
     pub reservoir: Volume,
-    /// Velocity of the piston.
+    /// Velocity of the piston [m/s].
     pub piston: Velocity,
-    /// When it stops.
+    /// Time at which the piston stops [s].
     pub stop: Time,
-    /// When the run ends.
+    /// End of the run [s].
     pub until: Time,
-    /// Dynamic viscosity of the fluid.
+    /// Dynamic viscosity of the fluid [Pa·s].
     pub viscosity: Viscosity,
-    /// Pressure above the valve, at the outlet.
+    /// Pressure above the valve, at the outlet [Pa].
     pub outlet: Pressure,
-    /// Stiffness of the spring where it begins.
+    /// Stiffness of the spring at lift 0 [N/m].
     pub spring_rate: Stiffness,
-    /// How far the spring is compressed at lift 0.
+    /// Compression of the spring at lift 0 [m].
     pub spring_preload: Length,
-    /// Lift at which the spring is solid.
+    /// Lift at which the spring is solid [m].
     pub spring_stroke: Length,
-    /// Stiffness of a rigid ring on its seat.
+    /// Stiffness of a rigid ring on its seat [N/m].
     pub ring_stiffness: Stiffness,
 }
 
@@ -90,26 +90,27 @@ impl Working {
     }
 }
 
-/// Walls of gaps slip where those are thinner, in cells: at all lifts. Walls that do not slip stop a flow
-/// through a few cells that real walls hardly slow.
+/// Width of gaps below which their walls slip [cells]: so wide that they slip at all lifts. Without
+/// slip a lattice stops a flow through a few cells that real walls hardly slow.
 const SLIPS_BELOW: f64 = 8.0;
 
-/// The same on cells too wide for that: an open valve would hold at lifts at which its seat freezes, and hunt. So
-/// there walls slip only where the valve would hang as it closes.
+/// The same on cells too wide for that. There an open valve would hold at lifts at which its seat
+/// freezes, and hunt. So walls slip only where the valve would hang as it closes.
 const SLIPS_BELOW_ON_WIDE_CELLS: f64 = 1.75;
 
-/// Cells wider than this part of the ring's lip are wide.
+/// Fraction of the ring's lip beyond which cells are wide.
 const WIDE: f64 = 0.8;
 
 impl Working {
-    /// What presses the ring on its seat when the valve is shut [N], at a lift of zero: spring and outlet.
+    /// Force of spring and outlet that presses the ring on its seat when the valve is shut, at a
+    /// lift of zero [N].
     pub fn closing_force(&self, valve: &Dimensions) -> f64 {
         let outer = valve.rubber_outer_radius.0;
         self.spring_rate.0 * self.spring_preload.0 + self.outlet.0 * PI * outer * outer
     }
 }
 
-/// What of the manifest depends on the ring.
+/// Parts of the manifest that depend on the ring.
 struct OfRing {
     valve: &'static str,
     profile: Vec<[f64; 2]>,
@@ -117,7 +118,7 @@ struct OfRing {
     lifts: [f64; 2],
     stop_stiffness: f64,
     surface: String,
-    /// What is above the seat's gap, and who shapes it.
+    /// Surface above the seat's gap, and the component that shapes it.
     side: &'static str,
     component: &'static str,
     settings: String,
@@ -131,6 +132,7 @@ impl OfRing {
 # seat at the lower stop, which has its stiffness.",
                 profile: moving::steel_and_ring(valve),
                 lifts: [
+                    // It begins as deep in its stop as the closing force presses it.
                     valve.lip.0 - run.closing_force(valve) / run.ring_stiffness.0,
                     valve.lip.0,
                 ],
