@@ -1,4 +1,4 @@
-//! What commands print, where nobody reads it or the disk is full.
+//! Answers of commands whose reader is gone or whose disk is full.
 
 use crate::tremie::{SMALL, run_text, tremie};
 use std::fs::File;

@@ -1,4 +1,4 @@
-//! What crosses between fluid and grains: impulse, momentum, substeps.
+//! Coupling of fluid and grains: impulse, momentum, substeps.
 
 use crate::tremie::{SMALL, run_text};
 

@@ -48,7 +48,7 @@ time_step = "0.05 us"
 record = false
 "#;
 
-/// What `tremie check --json` says about a manifest: its exit code and the event of the plan.
+/// Exit code of `tremie check --json` on a manifest, and the event of the plan.
 fn check(text: &str, options: &[&str]) -> (Option<i32>, Value) {
     let home = tempfile::tempdir().unwrap();
     let manifest = home.path().join("manifest.toml");

@@ -1,4 +1,4 @@
-//! How runs end: by the plan, by a condition, by the user, and after a kill.
+//! Ends of runs: by the plan, by a condition, by the user, and after a kill.
 
 use crate::running::{Running, children_of, is_alive, until};
 use crate::tremie::{Ran, SMALL, run_text, tremie};
@@ -76,7 +76,7 @@ fn a_recording_holds_the_last_window_however_the_run_ends() {
     assert!(file(&stopped) == file(&again), "two recordings of one run differ");
 }
 
-/// A run long enough to be disturbed; returns once windows go by.
+/// A run long enough to be disturbed; returns once windows are done.
 fn long_run(home: &Path) -> Running {
     let manifest = home.join("manifest.toml");
     std::fs::write(

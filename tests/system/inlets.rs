@@ -50,8 +50,8 @@ grains = "grains-dem"
 cell = "0.2 mm"
 "#;
 
-/// What came less what went is what lives, in number; processes and threads, and any number
-/// of them, give the same bits.
+/// Grains that came, less grains that went, are the grains that live. Processes and threads, and
+/// any number of them, give the same bits.
 #[test]
 fn a_stream_brings_grains_and_takes_them_away() {
     for schedule in ["serial", "parallel"] {

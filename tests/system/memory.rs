@@ -11,7 +11,7 @@ fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// What `check` says of shared memory [bytes], and its verdict.
+/// Shared memory that `check` plans [bytes], and its verdict.
 fn planned(manifest: &Path) -> (u64, String) {
     let told = tremie().args(["check", "--json"]).arg(manifest).output().unwrap();
     let text = String::from_utf8(told.stdout).unwrap();

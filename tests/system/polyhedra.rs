@@ -32,7 +32,7 @@ fn dice_fall_and_are_drawn_and_written_without_a_change_of_bits() {
     }
 }
 
-/// What `check` says of the example after a change of its text.
+/// Errors of `check` on the example after a change of its text.
 fn said(from: &str, to: &str) -> String {
     let manifest = std::fs::read_to_string("examples/dice/manifest.toml").unwrap();
     assert!(manifest.contains(from), "{from}");

@@ -64,7 +64,8 @@ fn resident(process: u32) -> Option<f64> {
     Some(1024.0 * line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()?)
 }
 
-/// What `check` says that a run takes, and the sum of the largest resident sets of its processes [bytes].
+/// Memory of a run as `check` gives it, and the sum of the largest resident sets of its processes
+/// [bytes].
 fn told_and_taken(manifest: &Path, options: &[&str]) -> (f64, f64) {
     let told = tremie().args(["check", "--json"]).arg(manifest).args(options).output().unwrap();
     let said = String::from_utf8_lossy(&told.stdout);

@@ -1,4 +1,4 @@
-//! A program while it runs: what it says, its children, signals to it.
+//! A program while it runs: its output, its children, signals to it.
 
 use std::io::{BufRead, BufReader, Lines, Read};
 use std::process::{Child, ChildStdout, Command};
@@ -56,7 +56,7 @@ impl Running {
         panic!("it did not end within {limit:?}");
     }
 
-    /// What it wrote to standard error, once it has ended.
+    /// Text on its standard error, once it has ended.
     pub fn errors(&mut self) -> String {
         let mut text = String::new();
         self.child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
@@ -77,7 +77,7 @@ pub fn children_of(id: u32) -> Vec<u32> {
     children.split_whitespace().map(|id| id.parse().unwrap()).collect()
 }
 
-/// Whether a process is there and has not ended.
+/// True if a process is there and has not ended.
 pub fn is_alive(id: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
     // A zombie has ended; somebody only has to collect it.
@@ -92,7 +92,7 @@ pub fn now() -> u64 {
     (100.0 * seconds) as u64
 }
 
-/// When a process started, in ticks from the machine's start; `None` if there is no such process.
+/// Start of a process, in ticks from the machine's start; `None` if there is no such process.
 pub fn started(id: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
     // The name before may hold anything; the state after it is the third field, the start the 22nd.

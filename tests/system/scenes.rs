@@ -2,8 +2,8 @@
 
 use crate::tremie::{run, tremie};
 
-/// What `tremie scene` writes, `tremie check` accepts; as many cells are fluid as the space has
-/// volume, 1 %. Both ways out of a safety valve lead to the same pressure.
+/// `tremie check` accepts the manifests that `tremie scene` writes. Cells that are fluid have the
+/// volume of the space, 1 %. Both outlets of a safety valve lead to the same pressure.
 #[test]
 fn a_valve_from_its_numbers_can_be_run() {
     let home = tempfile::tempdir().unwrap();

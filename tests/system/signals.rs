@@ -1,4 +1,4 @@
-//! What a run reports, and what that means.
+//! Signals of a run, and their meanings.
 
 use crate::inlets::STREAM;
 use crate::tremie::{Ran, SMALL, run_text, tremie};
@@ -149,8 +149,8 @@ grains = "grains-dem"
 record = false
 "#;
 
-/// What a section counts since the start it keeps, and its rate is a mean from row to row: all rows together give what
-/// passed, whatever the rows are and whoever looks.
+/// A section keeps its count since the start, and its rate is a mean from row to row. So all rows
+/// together give the mass that passed, whatever the rows are and whoever looks.
 #[test]
 fn rates_of_rows_add_up_to_what_passed() {
     for (rows, frames) in [("20 ms", None), ("1 ns", None), ("7 ms", Some("3 ms")), ("1 s", None)] {

@@ -10,7 +10,7 @@ use tremie_sdk::messages::INTERFACE_VERSION;
 /// Lines of a script that talks without end on standard error, with standard output left open.
 const TALKS: &str = "exec 3>&1\nexec yes noise >&2";
 
-/// What Ctrl-C may take, on a busy machine.
+/// Longest time of a Ctrl-C, on a busy machine.
 const SOON: Duration = Duration::from_secs(2);
 
 /// Starts `tremie COMMAND` with a fluid that is a script of these lines; outputs in `home/out`.

@@ -24,7 +24,7 @@ fn a_case_that_is_not_there_is_named() {
     assert!(said.contains("settling-spere") && said.contains("settling-sphere"), "{said}");
 }
 
-/// What starts runs of its own takes them along, whoever ends it.
+/// A program that starts runs of its own takes them along, whoever ends it.
 #[test]
 fn a_validation_that_is_ended_leaves_no_run() {
     for signal in ["-INT", "-TERM", "-KILL"] {

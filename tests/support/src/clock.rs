@@ -1,7 +1,7 @@
 //! Time that a thread spends on a processor.
 
-/// Seconds that this thread has spent on a processor; where the system does not tell, those since it asked first. Other
-/// programs may use the machine at the same time.
+/// Seconds that this thread has spent on a processor, whatever other programs do. Where the system
+/// does not tell, the seconds since the first call.
 ///
 /// (`/proc/thread-self/schedstat` tells it too, but on some systems in steps of a scheduler's tick.)
 pub fn processor_seconds() -> f64 {

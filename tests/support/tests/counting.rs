@@ -1,4 +1,4 @@
-//! What the counting allocator counts.
+//! Counts of the counting allocator.
 
 use std::hint::black_box;
 use tremie_test_support::{Counting, allocations, live_bytes};

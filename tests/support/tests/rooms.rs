@@ -76,6 +76,7 @@ fn sources(of: &str) -> Vec<Source> {
                 folders.push(path);
             } else if path.extension().is_some_and(|end| end == "rs") && folder != src {
                 let file = path.strip_prefix(&src).unwrap();
+                // Tests may import anything: their text is left out.
                 let is_tests = file.with_extension("").iter().any(|part| part == "tests");
                 let mut text = fs::read_to_string(&path).unwrap();
                 let end = text.find("#[cfg(test)]\nmod tests").unwrap_or(text.len());
@@ -90,7 +91,7 @@ fn sources(of: &str) -> Vec<Source> {
     found
 }
 
-/// What a text names as `crate::room::file`.
+/// Items that a text names as `crate::room::file`.
 fn imports(text: &str) -> BTreeSet<[String; 2]> {
     let code: String = text
         .lines()
@@ -225,7 +226,7 @@ fn architecture_names_files_that_are_there() {
     assert!(seen > 20, "{seen}");
 }
 
-/// What grep finds is the one: no two structs, enums or traits of these crates have one name.
+/// A grep for a type finds one: no two structs, enums or traits of these crates have one name.
 #[test]
 fn a_name_of_a_type_is_unique_in_its_crate() {
     for (component, _) in CRATES {
