@@ -233,6 +233,7 @@ fn assemble(
         windows: steps.windows,
         rows_every,
         body_capacity,
+        // In the order of the member's links: its script holds indices into them.
         edges: wiring.members[index].links.iter().map(|link| edges[*link].clone()).collect(),
         script: wiring.members[index].script.clone(),
         frames: frames

@@ -105,6 +105,7 @@ fn contents(
 ) -> Vec<(String, FrameContent, u64)> {
     let mut contents = Vec::new();
     if role == Role::Grains && watches.bodies {
+        // At least one: shared memory is never of size zero.
         contents.push(("bodies".to_string(), FrameContent::Bodies, room.bodies.max(1)));
     }
     if role == Role::Rubber && watches.surfaces {

@@ -42,6 +42,7 @@ pub(super) fn findings(scene: &Scene) -> Option<Finding> {
         "give them one course, or one face a pressure, as { pressure = \"0 Pa\" }",
     );
     Some(finding.wrong_if(
+        // Velocities that balance by hand may differ in their last digits.
         net.abs() > 1e-6 * gross,
         "faces with a given velocity do not balance and no face has a pressure, so the pressure rises or falls without end",
         "give one face a pressure, as { pressure = \"0 Pa\" }",

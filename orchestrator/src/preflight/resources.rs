@@ -30,6 +30,7 @@ pub(super) fn findings(
 ) -> Vec<Finding> {
     let shared = plan.shared_memory();
     let need = memory(scene, descriptions) + shared;
+    // Doubtful against the free memory, wrong only against all of it: other programs may end.
     let memory = within("memory", need, machine.available).wrong_if(
         machine.memory.is_some_and(|memory| need > memory),
         format!(

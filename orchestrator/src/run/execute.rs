@@ -242,6 +242,7 @@ impl Prepared {
             Reply::Fault(fault) => Err(fault.to_string()),
             other => Err(format!("it answered the assignment with {other:?}")),
         });
+        // Refusals name keys of the manifest, which a user can mend: they go before other failures.
         ready.map_err(|unanswered| match unanswered {
             Unanswered::Interrupted => RunError::Interrupted,
             Unanswered::Failed(failed) if refused.is_empty() => self.not_ready(&failed),

@@ -99,9 +99,11 @@ impl Monitor {
     ) -> Result<(), Fault> {
         let window = self.next[index];
         let component = &self.watched[index];
+        // The start exchange makes no substeps.
         let substeps = if window == 0 { 0 } else { component.substeps };
         let stamp = report.stamp;
         let wrong = |kind, message| Err(self.fault(kind, index, window, message));
+        // The stamp first: the rest of a report of another run or window means nothing.
         if stamp.run != self.run || stamp.window != window {
             return wrong(
                 FaultKind::Stamp,

@@ -235,6 +235,7 @@ fn picture(
         chart("flow over lift", ["lift [mm]", "rate of flow [m³/h]"], [1e3, 3600.0], flow),
         chart("flow coefficient over lift", ["lift [mm]", "Kv [m³/h]"], [1e3, 1.0], kv),
     ];
+    // The flow coefficient needs flow and drop in one direction, so its chart may be empty.
     let charts: Vec<Chart> =
         charts.into_iter().filter(|chart| !chart.curves[0].points.is_empty()).collect();
     draw_sheet(&charts, &run_name(&run.folder), &path)

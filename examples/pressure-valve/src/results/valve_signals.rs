@@ -59,6 +59,7 @@ impl Watched {
             .as_ref()
             .map(|name| one(signals, pressure, "", Some(name), ["--downstream", ""]));
         let flows = ["fluid.", ".flow_rate"];
+        // A run without a probe of a flow still has lifts and pressures.
         let flow = match named(signals, flows, "").next() {
             None if asked.flow.is_none() => None,
             _ => Some(one(

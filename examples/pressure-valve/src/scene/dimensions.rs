@@ -195,6 +195,7 @@ impl Dimensions {
     }
 
     fn check_conduit(&self, misfits: &mut Misfits) {
+        // The conduit's highest line: the bore must be long enough to part from the cone.
         let crown = self.conduit_axis.0 + self.bore_radius.0;
         misfits.rule(crown < -self.cone_depth(), "conduit_axis", self.conduit_axis, || {
             format!("must leave the conduit below the cone, which ends at {} m", -self.cone_depth())

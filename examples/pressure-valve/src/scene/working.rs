@@ -193,6 +193,7 @@ pub fn manifest(
     let room = Room::around(valve, cell);
     let bore = valve.bore_radius.0;
     let (inner, outer) = (valve.rubber_inner_radius.0, valve.rubber_outer_radius.0);
+    // The lattice speed sets the step; the speed of sound is 1/sqrt(3) of it.
     let step = cell / run.lattice_speed.0;
     let is_rubber = matches!(ring, Ring::Rubber(..));
     let own = OfRing::new(valve, run, ring);
@@ -276,6 +277,8 @@ signals = "20 us"
         origin = Room::listed(room.origin),
         size = Room::listed(room.size),
         outlet = run.outlet.0,
+        // Area and volume of the whole conduit: only their ratio counts, so half of it gives the
+        // same.
         area = short(PI * bore * bore * 1e6),
         volume = short(run.reservoir.0 * 1e6),
         piston = run.piston.0,
@@ -297,6 +300,7 @@ signals = "20 us"
         rate = run.spring_rate.0,
         preload = mm(run.spring_preload.0),
         stroke = mm(run.spring_stroke.0),
+        // A solid spring is the upper stop.
         upper = mm(run.spring_stroke.0),
         slip = if cell > WIDE * valve.lip.0 { SLIPS_BELOW_ON_WIDE_CELLS } else { SLIPS_BELOW },
         stiffness = own.stop_stiffness,

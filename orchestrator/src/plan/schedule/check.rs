@@ -194,7 +194,9 @@ fn channel(
     let counts = (sends.len(), receives.len());
     match (phase, counts) {
         (_, (1, 1)) => {}
+        // An edge may stay unused in the start exchange.
         (Phase::Start, (0, 0)) => return Ok(None),
+        // Sent, and taken by the first window: from then on one message is always under way.
         (Phase::Start, (1, 0)) => {
             *left = 1;
             return Ok(None);

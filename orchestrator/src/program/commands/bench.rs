@@ -15,6 +15,7 @@ pub fn bench(arguments: &BenchArgs) -> ExitCode {
     let mut threads = arguments.threads.clone();
     if threads.is_empty() {
         threads.extend([1, cores]);
+        // On a machine of one core.
         threads.dedup();
     }
     let plan = BenchmarkPlan {
@@ -37,6 +38,7 @@ pub fn bench(arguments: &BenchArgs) -> ExitCode {
     }
     let mut whole = true;
     for case in &cases {
+        // Measuring takes minutes, and there is no reader.
         if is_lost() {
             break;
         }

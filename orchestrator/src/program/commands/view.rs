@@ -54,6 +54,7 @@ fn show(arguments: &ViewArgs) -> Result<ExitCode, String> {
         ));
     }
     complain(note);
+    // This process serves the page.
     if arguments.view == View::Web {
         complain("the viewer stays up; Ctrl-C ends it");
         while wanted() {

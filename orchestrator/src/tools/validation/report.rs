@@ -96,6 +96,7 @@ fn section(out: &mut String, case: &Case, record: Option<&Record>, folder: &str)
             row(out, case, run, finding);
         }
         if let Some(why) = &run.failed {
+            // The last line holds the cause. An unescaped bar would end the cell of the table.
             let last = why.lines().last().unwrap_or_default().replace('|', "\\|");
             let _ = writeln!(out, "| {} | the run failed: {last} | | | | | | **no** |", run.name);
         }
