@@ -295,7 +295,7 @@ grains = "grains-dem"
 record = false
 "#;
 
-/// A run that nobody sees the end of is pointed out, with the grain, pair or key that makes its steps short.
+/// A run too long to end is pointed out, with the grain, pair or key that makes its steps short.
 #[test]
 fn runs_of_absurd_length_say_what_makes_them_long() {
     let quantity = "steps of the run";

@@ -79,8 +79,8 @@ fn a_slit_of_a_cell_between_flanges_is_found_at_its_place() {
     }
 }
 
-/// Hydrostatics: on a shut valve presses what is beneath on the area within the ring, and what is above on all
-/// of it, 1 %; which density the fluid has at no pressure plays no part.
+/// Hydrostatics: the pressure beneath acts on a shut valve over the area within the ring, the
+/// pressure above over all of it, 1 %. The fluid's density at zero pressure plays no part.
 #[test]
 fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
     let forces = ["1000 kg/m3", "1500 kg/m3"].map(|density| {

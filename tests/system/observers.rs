@@ -1,4 +1,4 @@
-//! Observers: what they leave, and that they never disturb a run.
+//! Observers: their outputs, and that they never disturb a run.
 
 use crate::running::{Running, children_of, now, send, until};
 use crate::tremie::{SMALL, left_nothing, run, run_text, tremie};

@@ -27,7 +27,7 @@ fn of_runs_begun_at_once_with_one_folder_one_gets_it() {
     let home = tempfile::tempdir().unwrap();
     let manifest = manifest(home.path(), &SMALL.replace("0.02 s", "2 ms"));
     let out = home.path().join("out");
-    // The folder is told in several ways.
+    // The same folder, written in several ways.
     let ways = [out.clone(), home.path().join("./out"), out.join("../out"), out.clone()];
     for round in 0..2 {
         let start = |way: &PathBuf| {

@@ -1,4 +1,4 @@
-//! The memory that `check` tells is what the processes of a run take together.
+//! Memory of a run: the number that `check` gives, and the sum that its processes take.
 
 use crate::tremie::{SMALL, root, tremie};
 use serde_json::Value;

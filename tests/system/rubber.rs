@@ -130,7 +130,7 @@ fn the_valve_comes_to_rest_on_its_ring() {
         let ran = valve.run(&["--set", &force]).succeeded();
         let signals = ran.signals();
         let value = |name: &str| last(&signals, name);
-        // F = h = the load, and what the grains feel is the same.
+        // F = h = the load, and the grains get the same force.
         for name in ["rubber.ring.force", "rubber.ring.table_force", "grains.disc.surface_force"] {
             assert!((value(name) / load - 1.0).abs() < 5e-3, "{name}: {} of {load}", value(name));
         }

@@ -46,8 +46,9 @@ fn a_person_reads_a_list_and_finds_it_in_the_summary() {
     assert_eq!(told["meaning"], "grains that are there", "{told:#}");
 }
 
-/// A probe is measured where a row is kept and in the last window, with the same bits as if in every window, whoever
-/// looks; extremes and conditions see what was measured.
+/// A probe is measured where a row is kept and in the last window. It has the same bits as if it
+/// were measured in every window, with and without observers. Extremes and conditions see the
+/// measured values.
 #[test]
 fn probes_are_measured_where_rows_are_kept() {
     let probe = "[[scene.probes]]\nname = \"middle\"\nregion = { min = [\"3 mm\", \"3 mm\", \"3 mm\"], max = [\"9 mm\", \"9 mm\", \"9 mm\"] }\n";

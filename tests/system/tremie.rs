@@ -1,4 +1,4 @@
-//! Running the program as a user does, and reading what it leaves.
+//! Runs of the program as a user makes them, and their outputs.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -76,7 +76,7 @@ impl Ran {
         self.output.status.code()
     }
 
-    /// The run, if it succeeded; else the test fails with what it said.
+    /// The run, if it succeeded; else the test fails with the run's errors.
     #[track_caller]
     pub fn succeeded(self) -> Self {
         assert!(self.output.status.success(), "{}", self.errors());
@@ -133,7 +133,7 @@ pub fn left_nothing(summary: &Value, ended: u64, about: &str) {
 }
 
 /// Components of the run that are still there. A process that started after the run's end is
-/// somebody else, who was given the same number.
+/// another one with the same number.
 fn processes_of(summary: &Value, ended: u64) -> Vec<u32> {
     let ids = summary["processes"].as_object().unwrap().values();
     ids.filter_map(|id| u32::try_from(id.as_u64()?).ok())

@@ -129,7 +129,7 @@ fn a_run_that_fails_is_told_among_the_results_of_the_others() {
     assert!(report.contains("| against the broken one | the run failed"));
 }
 
-/// A record that is missed for a reason that is said, a trend, and a check with bounds that does not say what it is.
+/// A record that is missed for a stated reason, a trend, and a check with bounds without a kind.
 #[test]
 fn failures_that_stand_are_told_apart() {
     let home = tempfile::tempdir().unwrap();

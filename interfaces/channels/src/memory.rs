@@ -152,7 +152,7 @@ pub fn provide(prefix: &str, need: u64) -> Result<(), NoMemory> {
 /// Has the system set aside all pages of the memory that a run made, so that none is missing when it is touched.
 ///
 /// # Errors
-/// If there are too few: somebody else has taken them since [`provide`].
+/// If there are too few: another program has taken them since [`provide`].
 pub fn commit(prefix: &str) -> Result<(), NoMemory> {
     let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
     for entry in entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(prefix)) {

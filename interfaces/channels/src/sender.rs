@@ -57,7 +57,7 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
 
     /// Loans a message of `count` values from shared memory, to be filled in place.
     ///
-    /// The values start as zeros or as those of some earlier message.
+    /// The values start as zeros, or as values of an earlier message.
     ///
     /// # Errors
     /// [`ChannelError::Capacity`] if the channel was made for less.

@@ -30,7 +30,7 @@ impl RunPlaces {
     /// Makes the folder of run `run`, open to its user only.
     ///
     /// # Errors
-    /// If it cannot be made, or belongs to somebody else.
+    /// If it cannot be made, or belongs to another user.
     pub fn create(run: u64) -> io::Result<Self> {
         let base = base()?;
         let folder = base.join(format!("{run:016x}"));

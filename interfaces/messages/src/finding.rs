@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// A number about a run, judged.
 ///
-/// A component says in its description what it knows of its own: relaxation time, cells across a
-/// grain, steps in a collision. The orchestrator adds what it knows of the whole: how steps fit,
+/// A component brings findings of its own in its description: relaxation time, cells across a
+/// grain, steps in a collision. The orchestrator adds findings on the whole: fit of the steps,
 /// memory, time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,7 +63,7 @@ impl Finding {
         }
     }
 
-    /// Says what the number means, without judging it.
+    /// Gives the number a meaning, without judging it.
     pub fn because(mut self, why: impl Into<String>) -> Self {
         self.why = why.into();
         self

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// One thing wrong with a user's input: where, what was found, what was expected, what to do.
+/// One fault of a user's input: its place, the values found and expected, a remedy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Problem {
     /// Path of the key in the manifest, as `scene.fluid.viscosity` or `scene.bodies[2].density`.

@@ -1,4 +1,4 @@
-//! The stamp on every message: which exchange of which run it belongs to.
+//! Stamps: the run, the window and the exchange to which a message belongs.
 
 use crate::Message;
 use serde::{Deserialize, Serialize};

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::time::Duration;
 use uom::si::f64 as si;
 
-/// Unit spellings as `uom` knows them, from those that a keyboard types.
+/// Unit spellings of `uom`, from spellings that a keyboard types.
 fn to_uom_spelling(unit: &str) -> String {
     let unit = unit.trim().replace(['*', '·'], " ");
     let unit = unit.split_whitespace().collect::<Vec<_>>().join(" · ");

@@ -23,7 +23,7 @@ const COLOURS: [RGBColor; 8] = [
 pub struct Curve {
     /// Name in the legend.
     pub name: String,
-    /// Its points, those that are not finite left out when drawn.
+    /// Its points; points that are not finite are not drawn.
     pub points: Vec<(f64, f64)>,
     /// Marks instead of a line: a reference.
     pub marks: bool,

@@ -202,7 +202,7 @@ mod tests {
         ] {
             assert!(why(text.as_bytes()).contains(part), "{text:?}: {}", why(text.as_bytes()));
         }
-        // Zeros are what a machine that lost its power leaves at the end of a file.
+        // A machine that lost its power leaves zeros at the end of a file.
         let torn = [TABLE.as_bytes(), &[0; 300]].concat();
         assert_eq!(Signals::parse(&torn).unwrap().cut.unwrap().rows, 3);
     }

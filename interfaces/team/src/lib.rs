@@ -6,7 +6,7 @@
 //! its own place for results.
 //!
 //! Other processes share the processor. A worker that is not running when a list begins is not
-//! waited for; whoever waits spins a little, then yields a little, then sleeps.
+//! waited for. A thread that waits spins a little, then yields a little, then sleeps.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 

@@ -133,7 +133,7 @@ impl RunFolder {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => return Err(OutputError::at(&name)(error)),
             };
-            // On a file system without locks two runs are told apart a little later: files are made new.
+            // On a file system without locks the files, which are made new, keep two runs apart.
             let locked = flock(&claim, FlockOperation::NonBlockingLockExclusive);
             if locked == Err(Errno::WOULDBLOCK) {
                 return Err(OutputError::Claimed(path));
@@ -212,7 +212,7 @@ impl Drop for RunFolder {
         if self.is_finished {
             return;
         }
-        // Removed while it is locked: nobody else can have taken it.
+        // Removed while it is locked: no other run can have taken it.
         let _ = std::fs::remove_file(self.path.join(CLAIM));
         // Fails, as it shall, unless the folder is empty.
         let _ = std::fs::remove_dir(&self.path);

@@ -51,7 +51,7 @@ impl ScheduleTiming {
         let each = |nanoseconds: u64| nanoseconds as f64 * 1e-9 / windows as f64;
         let (fluid, others) = (each(fluid), each(others));
         let in_other_schedule = match schedule {
-            // No core does more than its part, and nobody is faster than alone.
+            // Bounds: all cores share the work evenly, and neither side is faster than alone.
             Schedule::Serial => {
                 let shared = (fluid * f64::from(threads) + others) / f64::from(cores.max(1));
                 shared.max(fluid).max(others)

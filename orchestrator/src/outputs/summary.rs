@@ -27,7 +27,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// Makes a run that went well, or was ended, one that failed. The first fault counts.
+    /// Turns a success, a stop or an interrupt into a failure. The first fault counts.
     pub fn spoil(&mut self, fault: Fault) {
         if !matches!(self, Self::Failed { .. }) {
             *self = Self::Failed { fault };
@@ -129,6 +129,6 @@ pub struct Summary {
     pub signals: BTreeMap<String, Statistics>,
     /// Doubtful things about the plan.
     pub warnings: Vec<String>,
-    /// Numbers known before the run, and those that its signals gave, with verdicts and remedies.
+    /// Findings known before the run, and findings on its signals.
     pub findings: Vec<JudgedFinding>,
 }

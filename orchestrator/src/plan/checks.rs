@@ -1,4 +1,4 @@
-//! Parts of a manifest that can be checked only when components have said what they are.
+//! Checks of a manifest that need the components' descriptions: stop conditions, injections, ports.
 
 use super::{Described, Options};
 use crate::manifest::Spec;

@@ -57,7 +57,7 @@ pub struct Plan {
     pub components: Vec<PlannedComponent>,
     /// All edges between components.
     pub edges: Vec<Edge>,
-    /// All streams of frames, those of the log included.
+    /// All streams of frames, the log's included.
     pub frames: Vec<FrameStream>,
     /// Notes on what was adapted or derived, in sentences.
     pub notes: Vec<String>,
@@ -126,7 +126,7 @@ impl Plan {
     }
 }
 
-/// Plans a run. `descriptions` are those of all components, by name in the manifest.
+/// Plans a run. `descriptions` names the components as the manifest does.
 ///
 /// # Errors
 /// Every problem found, with keys of the manifest; `--inject` where an injection is wrong.
@@ -277,7 +277,7 @@ fn body_capacity(described: &[Described<'_>]) -> u64 {
     grains.map(|(_, description)| description.bodies).max().unwrap_or(0)
 }
 
-/// Substeps of all components; a rubber makes those of the grains, an observer counts in windows.
+/// Substeps of all components. A rubber makes the grains' substeps; an observer counts in windows.
 fn substeps_of_all(described: &[Described<'_>], steps: &Steps) -> Vec<u32> {
     let with_steps = described.iter().map(|(spec, _)| spec.role).filter(|role| has_steps(*role));
     let substeps = |role: Role| {

@@ -17,7 +17,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Asks the system; `out` is the folder of outputs, or one that will hold it.
+    /// Asks the system; `out` is the folder of outputs, which need not exist yet.
     pub fn ask(out: &Path) -> Self {
         let memory = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
         Self {

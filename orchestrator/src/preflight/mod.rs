@@ -23,8 +23,8 @@ use std::collections::BTreeMap;
 use tremie_messages::start::Description;
 use tremie_messages::{Limit, Verdict};
 
-/// All findings about a run: those of its components, in the order of the manifest, then those of
-/// the whole. `descriptions` are what the components said, in the order of the plan.
+/// All findings about a run: first the components' own, in the order of the manifest, then findings
+/// on the whole. `descriptions` are in the order of the plan.
 pub fn examine(
     spec: &Spec,
     plan: &Plan,

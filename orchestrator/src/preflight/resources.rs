@@ -55,7 +55,7 @@ pub(super) fn findings(
     ]
 }
 
-/// Memory of all processes, but for what they share [bytes].
+/// Memory of all processes, without shared memory [bytes].
 fn memory(scene: &Scene, descriptions: &[Description]) -> u64 {
     let own: u64 = descriptions.iter().map(|description| description.memory).sum();
     let sizes = scene.bodies.iter().map(|set| set.placement.sizes());

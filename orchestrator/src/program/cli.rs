@@ -195,7 +195,7 @@ pub struct ReportArgs {
     /// Folders of finished runs; their curves share the panels
     #[arg(required = true, value_name = "OUT")]
     pub outs: Vec<PathBuf>,
-    /// Only these signals, or those that belong to them, as fluid.beneath [default: all]
+    /// Only these signals, or all signals of a group, as fluid.beneath [default: all]
     #[arg(long = "signal", value_name = "NAME")]
     pub signals: Vec<String>,
     /// File of the picture [default: report.svg in the first folder]

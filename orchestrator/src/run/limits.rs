@@ -41,7 +41,8 @@ pub fn explain_bus_errors() {
         let _ = rustix::io::write(errors, WORDS);
         signal_hook::low_level::exit(1);
     };
-    // SAFETY: what it calls may be called in a handler, and does not return.
+    // SAFETY: `write` and `exit` may be called in a signal handler, and the handler does not
+    // return.
     let _ = unsafe { signal_hook::low_level::register(signal_hook::consts::SIGBUS, tell) };
 }
 

@@ -30,7 +30,8 @@ pub struct Prepared {
     pub(super) news: Receiver<Post>,
     pub(super) early: EarlyLog,
     pub(super) run: u64,
-    /// Declared after the peers: it is dropped after them, when nobody uses the places any more.
+    /// Declared after the peers: it is dropped after them, when no process uses the places any
+    /// more.
     pub(super) places: Option<RunPlaces>,
 }
 
@@ -68,7 +69,7 @@ pub fn prepare(
         Ok((plan, descriptions)) => {
             let mut machine = Machine::ask(output);
             if execution.in_process {
-                // Threads share what they have anyway.
+                // Threads need no shared memory.
                 machine.shared = None;
             }
             let findings = preflight::examine(&manifest.spec, &plan, &descriptions, &machine);

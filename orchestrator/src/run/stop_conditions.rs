@@ -20,7 +20,7 @@ struct WatchedSignal {
 }
 
 impl StopConditions {
-    /// Watches `conditions`; `signals` are those of a row's values, by full names (`component.signal`).
+    /// Watches `conditions`; `signals` gives the full names (`component.signal`) of a row's values.
     /// Conditions on other names were refused by the plan.
     pub fn new(conditions: &[StopCondition], signals: &[(String, Signal)]) -> Self {
         let watched = |c: &StopCondition| {
@@ -61,7 +61,7 @@ impl WatchedSignal {
             Limit::Below(bound) => ("below", bound),
             Limit::Above(bound) => ("above", bound),
         };
-        // A tolerance of the last bits: `time` is a product, `hold` what the user typed.
+        // A tolerance of the last bits: `time` is a product, `hold` a number of the manifest.
         let held = time - since >= hold * (1.0 - 1e-9);
         held.then(|| format!("{component}.{signal} = {value:.6e} is {word} {bound} at {time:.6} s"))
     }

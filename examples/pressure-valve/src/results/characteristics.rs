@@ -105,7 +105,7 @@ pub fn characteristics(
     let run = Run::of(signals, watched)?;
     let last = run.times.len().checked_sub(1).ok_or("the run has no signals")?;
     let peak = (0..=last).fold(0, |best, k| if run.lift[k] > run.lift[best] { k } else { best });
-    // A tenth of its way, unless told.
+    // A tenth of its way, unless the user gives a lift.
     let open_at = site.open_at.unwrap_or(run.lift[0] + 0.1 * (run.lift[peak] - run.lift[0]));
     let is_open = |k: usize| run.lift[k] > open_at;
     let cracked = (1..=last).find(|&k| is_open(k) && !is_open(k - 1));

@@ -5,11 +5,11 @@ use super::text::mm;
 use std::f64::consts::PI;
 use tremie_messages::units::{Density, Length, Stiffness, Time};
 
-/// Grains beneath the valve at the start, and those that come with the fluid.
+/// Grains beneath the valve at the start, and grains that come with the fluid.
 ///
-/// The defaults are those of Mutabaruka and Kamrin's runs, in which one after the other is varied; in place
-/// of a restitution they have a dashpot of 3 kg/s, which for grains of 0.8 mm amounts to 0.15 to 0.26 and wants a
-/// shorter step than theirs, and none on rubber.
+/// The defaults are from Mutabaruka and Kamrin's runs, which vary one after the other. In place of
+/// a restitution they have a dashpot of 3 kg/s, and none on rubber. For grains of 0.8 mm this
+/// amounts to a restitution of 0.15 to 0.26, and wants a shorter step than theirs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grains {
     /// Mean of the smallest and the largest diameter; sizes are uniform between them.

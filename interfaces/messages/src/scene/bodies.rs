@@ -174,7 +174,7 @@ pub enum Diameters {
         /// Largest.
         max: f64,
     },
-    /// A normal distribution by number, of which only what lies between two bounds is drawn.
+    /// A normal distribution by number, cut at two bounds.
     Normal {
         /// Mean of the uncut distribution.
         mean: f64,
@@ -185,7 +185,7 @@ pub enum Diameters {
         /// Largest.
         max: f64,
     },
-    /// A log-normal distribution by number, of which only what lies between two bounds is drawn.
+    /// A log-normal distribution by number, cut at two bounds.
     LogNormal {
         /// Median of the uncut distribution.
         median: f64,

@@ -20,7 +20,7 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// The material of faces that nobody gave another.
+    /// The default material of faces.
     pub const MATERIAL: &str = "wall";
 
     /// A box with the given faces, of the usual material.

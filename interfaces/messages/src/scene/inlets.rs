@@ -41,7 +41,7 @@ pub struct Inlet {
 }
 
 impl Inlet {
-    /// Places that are tried where nobody chose otherwise.
+    /// Default number of places that are tried for a sphere.
     pub const TRIES: u32 = 200;
 
     fn default_tries() -> u32 {

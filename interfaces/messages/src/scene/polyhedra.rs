@@ -30,8 +30,8 @@ pub struct Polyhedra {
 pub enum PolyhedronPlacement {
     /// Each given.
     Listed(Vec<Polyhedron>),
-    /// Packed at random places and orientations, so that the spheres around them do not overlap. The
-    /// fraction is that of the polyhedra, diameters are those of spheres of equal volume.
+    /// Packed at random places and orientations, so that the spheres around them do not overlap.
+    /// The fraction counts the polyhedra; diameters are of spheres of equal volume.
     Packed(Packing),
 }
 

@@ -29,9 +29,10 @@ pub enum ProbeShape {
         /// The other [m].
         to: [f64; 3],
     },
-    /// A rectangle across an axis. Of the fluid: `flow_rate` [m³/s] along the axis, mean `pressure`, and
-    /// `mass_flow_rate` [kg/s], mean over the time since the row before. Of the grains, counted as their centres pass: `mass_flow_rate` [kg/s] along the axis,
-    /// mean over the window; `crossings`, how many passed in the window, less those that passed back;
+    /// A rectangle across an axis. Of the fluid: `flow_rate` [m³/s] along the axis, mean `pressure`
+    /// [Pa], and `mass_flow_rate` [kg/s], mean over the time since the row before. Of the grains,
+    /// counted as their centres pass: `mass_flow_rate` [kg/s] along the axis, mean over the window;
+    /// `crossings`, the number that passed in the window, less the number that passed back;
     /// `mass_passed` [kg] since the start, likewise.
     Section {
         /// The axis: 0, 1, 2 for x, y, z.

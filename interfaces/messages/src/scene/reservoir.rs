@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 /// A cylinder beyond a face of the domain, closed by a piston.
 ///
 /// Of its fluid only the mass is followed: density and pressure are the same everywhere in it. So
-/// times must be long beside the one that sound takes from piston to face, and there is no friction.
+/// times must be long beside the time that sound takes from piston to face, and there is no
+/// friction.
 /// Only the ratio `volume/area` enters the physics: a model cut by symmetry planes takes the area and
 /// the volume of the whole, or of its part, with the same result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +47,7 @@ pub enum ReservoirMode {
 }
 
 impl Reservoir {
-    /// Relaxation that nobody chose otherwise.
+    /// Default relaxation.
     pub const RELAXATION: f64 = 0.02;
 
     fn default_relaxation() -> f64 {

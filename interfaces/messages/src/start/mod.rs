@@ -91,8 +91,8 @@ pub enum Reply {
         /// Reason, a sentence.
         why: String,
     },
-    /// An observer that was told to finish is still at it: it has taken frames since it last spoke,
-    /// or begins to close its outputs. One that says nothing for some seconds counts as hung.
+    /// An observer that must finish is still at work: it has taken frames since its last reply, or
+    /// begins to close its outputs. An observer that is silent for some seconds counts as hung.
     Busy {},
     /// The wait of the last [`Reply::Waiting`] is over.
     Resumed {},

@@ -135,7 +135,8 @@ fn events(wiring: &Wiring, phase: Phase) -> Result<Vec<usize>, ScheduleError> {
     Ok(events)
 }
 
-/// An edge inside a window is named by no operation, and holds what the exchange has under way.
+/// No operation names an edge inside a window, whose channel holds the messages that the exchange
+/// has under way.
 fn inside(wiring: &Wiring, link: &Link, hits: usize) -> Result<(), ScheduleError> {
     let edge = label(wiring, link);
     if hits > 0 {

@@ -191,9 +191,10 @@ fn before(script: &mut Script, belongs: impl Fn(Op) -> Option<Op>) {
 /// Most messages under way on an edge inside a window.
 const INSIDE_BOUND: u64 = 2;
 
-/// Most messages that a channel holds: those that the schedule has under way at once (1 serial,
-/// 2 parallel; [`check`] proves it) and one more. The one more keeps a sender that breaks the
-/// protocol from waiting: its message arrives, and the receiver's look at the stamp names the fault.
+/// Most messages that a channel holds: the messages that the schedule has under way at once (1
+/// serial, 2 parallel; [`check`] proves it), and one more. This one keeps a sender that breaks the
+/// protocol from waiting: its message arrives, and the receiver's look at the stamp names the
+/// fault.
 fn depth(schedule: Schedule) -> u64 {
     match schedule {
         Schedule::Serial => 2,

@@ -4,9 +4,9 @@
 //! schemas, paths of written files; with `--json` everything. Standard error has errors, and the
 //! messages of `run` and `view` about their work.
 //!
-//! Exit codes: 0 as asked; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
-//! user ended a run; 141 whoever read the answer stopped reading, as `head` does. A command whose answer could not be
-//! written is never 0.
+//! Exit codes: 0 success; 1 a run failed or a check did not hold; 2 the input is wrong; 130 the
+//! user ended a run; 141 the reader of the answer stopped reading, as `head` does. A command that
+//! could not write its answer never ends with 0.
 
 mod bench;
 mod interrupts;

@@ -223,7 +223,7 @@ fn show_plan(manifest: &Manifest, prepared: &Prepared, terminal: &Terminal) {
     }));
 }
 
-/// A table of all findings, and sentences about those that are not ok.
+/// Shows a table of all findings, and sentences about doubtful and wrong ones.
 fn show_findings(findings: &[JudgedFinding], terminal: &Terminal) {
     for line in preflight::table(findings) {
         terminal.say(&line);

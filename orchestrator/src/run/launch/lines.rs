@@ -45,7 +45,7 @@ pub(super) fn forward_log(errors: impl BufRead, index: usize, post: &SyncSender<
 }
 
 /// Lines of text, whatever bytes are in them: a component's pipe must be read to its end. A line of
-/// more than `most` bytes comes in pieces: one that never ends must not eat all memory.
+/// more than `most` bytes comes in pieces, so that an endless line does not fill the memory.
 fn lines(mut from: impl BufRead, most: u64) -> impl Iterator<Item = String> {
     std::iter::from_fn(move || {
         let mut bytes = Vec::new();

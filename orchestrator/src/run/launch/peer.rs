@@ -79,10 +79,10 @@ impl Peer {
     }
 }
 
-/// Tells all `peers` to quit, gives them `grace` together, then ends those that are still there.
+/// Tells all `peers` to quit, gives them `grace` together, then ends the others by force.
 pub fn end_all<'a>(peers: impl IntoIterator<Item = &'a mut Peer>, grace: Duration) {
     let mut peers: Vec<&mut Peer> = peers.into_iter().collect();
-    // All are told before any is waited for: they end at the same time.
+    // All get the request before any is waited for: they end at the same time.
     peers.iter_mut().for_each(|peer| peer.quit());
     let deadline = Instant::now() + grace;
     for peer in peers {

@@ -1,11 +1,12 @@
-//! Processes that do not outlive the one that started them.
+//! Parent-death signals: processes that do not outlive their parent.
 
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
 pub use rustix::process::Signal;
 
-/// Has the process of a command get a signal when the thread that starts it ends, however that comes about.
+/// Makes the kernel send a signal to the process of a command when the thread that starts it ends,
+/// for whatever reason.
 pub fn end_with_us(command: &mut Command, signal: Signal) -> &mut Command {
     // SAFETY: one system call, which is safe between fork and exec.
     unsafe {

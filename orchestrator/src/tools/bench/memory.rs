@@ -40,7 +40,7 @@ impl Stream {
         rate(16, start)
     }
 
-    /// `a = b`: bytes read and written, without those that are read because they are written [GB/s].
+    /// `a = b`: bytes read and written, without the reads of lines before they are written [GB/s].
     pub fn copy(&mut self) -> f64 {
         let start = Instant::now();
         let b = &self.b;

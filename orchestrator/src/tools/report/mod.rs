@@ -62,8 +62,8 @@ pub struct Report {
     pub constant: Vec<(String, f64, String)>,
 }
 
-/// Reads the runs in the folders `outs` and sorts their signals; only those that begin with one of
-/// `wanted`, unless that is empty.
+/// Reads the runs in the folders `outs` and sorts their signals. With `wanted`, only signals that
+/// begin with one of these names.
 ///
 /// # Errors
 /// Runs without signals, signals that none of them has.
