@@ -237,7 +237,8 @@ cell = "0.5 mm"
 
 #[test]
 fn a_low_relaxation_time_with_few_cells_a_grain_is_doubted() {
-    // At 0.51 the lattice itself is well damped; three cells a grain do not see the layer around it.
+    // At 0.51 the lattice itself is well damped; three cells a grain do not see the layer around
+    // it.
     let sets = [
         "settings.fluid-lbm.cell=1 mm",
         "settings.fluid-lbm.time_step=66.66666667 us",
@@ -357,7 +358,8 @@ fn runs_of_absurd_length_say_what_makes_them_long() {
     }
 }
 
-/// Contacts that are too soft are doubted before the run, by what it gives and lets fall, and after it, by what was.
+/// Contacts that are too soft are doubted before the run, by what it gives and lets fall, and after
+/// it, by what was.
 #[test]
 fn soft_contacts_are_doubted_before_and_after_a_run() {
     let plate = r#"

@@ -1,10 +1,11 @@
-//! Parts that go through periodic faces, as a manifest has them: fluid and grains see the same walls, and what cannot go
-//! on is refused once, with what to do.
+//! Parts that go through periodic faces, as a manifest has them: fluid and grains see the same
+//! walls, and what cannot go on is refused once, with what to do.
 
 use crate::tremie::{Ran, run_text};
 use std::f64::consts::PI;
 
-/// A plate that moves along itself, far longer than the domain along two periodic axes: Stokes' first problem.
+/// A plate that moves along itself, far longer than the domain along two periodic axes: Stokes'
+/// first problem.
 const PLATE: &str = r#"
 [run]
 until = "1 s"
@@ -110,8 +111,8 @@ fn a_grain_does_not_meet_the_cap_of_a_tube_beyond_the_domain() {
     assert_eq!(last(&ran, "grains.contacts"), 0.0);
 }
 
-/// A rod along the axis, longer than the domain, that turns and slides: it drags fluid and grain along, the same as
-/// one that is just as long as the domain.
+/// A rod along the axis, longer than the domain, that turns and slides: it drags fluid and grain
+/// along, the same as one that is just as long as the domain.
 #[test]
 fn a_rod_drags_fluid_and_grains_along_however_long_it_is() {
     let rod = |length: &str, x: &str| {
@@ -165,12 +166,14 @@ velocity = ["0.1 m/s", "0 m/s", "0 m/s"]"#;
     assert!(ahead > 3.9e-3 && ahead < 16.1e-3, "{ahead}");
 }
 
-/// A bar of a file, cut askew at its ends, one flat face up: the grain rests on it as on a floor of its own.
+/// A bar of a file, cut askew at its ends, one flat face up: the grain rests on it as on a floor of
+/// its own.
 #[test]
 fn a_bar_of_a_file_goes_on_whatever_its_ends_are() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bar.stl");
-    // A prism along x whose ends are slanted: corners (y, z) of its section, the ends at x = -7 - z and 31 + y.
+    // A prism along x whose ends are slanted: corners (y, z) of its section, the ends at x = -7 - z
+    // and 31 + y.
     let section = [[-4.0, -2.0], [4.0, -2.0], [4.0, 2.0], [-4.0, 2.0]];
     let low = section.map(|[y, z]: [f64; 2]| [-7.0 - z, y, z]);
     let high = section.map(|[y, z]| [31.0 + y, y, z]);

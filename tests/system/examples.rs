@@ -108,9 +108,10 @@ fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
     assert!((forces[1] / forces[0] - 1.0).abs() < 1e-3, "{forces:?}");
 }
 
-/// The coarse valve with its rubber ring, from its beginning to its end: it begins at rest, opens at the pressure that
-/// lifts it off its seat, 10 %, the ring having given back much of its compression; holds where the forces
-/// balance, 2 %, while as much flows as the piston displaces, 1 %; and shuts when the piston stops, and is tight.
+/// The coarse valve with its rubber ring, from its beginning to its end: it begins at rest, opens
+/// at the pressure that lifts it off its seat, 10 %, the ring having given back much of its
+/// compression; holds where the forces balance, 2 %, while as much flows as the piston displaces, 1
+/// %; and shuts when the piston stops, and is tight.
 #[test]
 fn pressure_valve() {
     let ran = run("examples/pressure-valve", &["--quiet"]).succeeded();
@@ -171,7 +172,8 @@ fn pressure_valve() {
     let valve: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
     let number =
         |path: &str| valve.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
-    // Half the valve is computed; 6 m/s through the whole conduit, of which these cells make one 6 % wider.
+    // Half the valve is computed; 6 m/s through the whole conduit, of which these cells make one 6
+    // % wider.
     let held = number("/held/flow") / (6.0 * PI * 4.75e-3 * 4.75e-3);
     assert!((0.97..1.08).contains(&held), "{valve}");
     let drop = mean(18e-3, 25e-3, &|k| signals["fluid.reservoir_z_lower.pressure"][k]);
@@ -182,9 +184,9 @@ fn pressure_valve() {
     assert!(ran.out.join("valve.svg").exists());
 }
 
-/// The coarse valve with a rigid ring opens at the pressure that lifts it off its ring, 10 %, and holds where fluid and spring balance,
-/// 2 %, while as much flows as the piston displaces, 1 %. Before 12 ms the reservoir's pressure still swings, which
-/// takes up some of it.
+/// The coarse valve with a rigid ring opens at the pressure that lifts it off its ring, 10 %, and
+/// holds where fluid and spring balance, 2 %, while as much flows as the piston displaces, 1 %.
+/// Before 12 ms the reservoir's pressure still swings, which takes up some of it.
 #[test]
 fn pressure_valve_with_a_rigid_ring() {
     let manifest = "examples/pressure-valve/rigid.toml";

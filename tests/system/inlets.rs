@@ -74,8 +74,8 @@ fn a_stream_brings_grains_and_takes_them_away() {
     }
 }
 
-/// The stream, slower at first, as long as it takes to fill the region many times, with heavy grains that
-/// keep the velocity with which they come: that of the fluid at the face.
+/// The stream, slower at first, as long as it takes to fill the region many times, with heavy
+/// grains that keep the velocity with which they come: that of the fluid at the face.
 fn ramp() -> String {
     let given = r#"velocity = ["0 m/s", "0 m/s", "1 m/s"]"#;
     let probe = r#"
@@ -98,8 +98,9 @@ region = { min = ["0 mm", "0 mm", "0 mm"], max = ["4 mm", "4 mm", "3 mm"] }
         .replace("\n[[scene.contacts]]", probe)
 }
 
-/// Grains come as fast as the fluid at the face, and fill what they fill in the mean over time although the
-/// stream grows: within 2 %. At rest, they would be half as fast. Processes and threads give the same bits.
+/// Grains come as fast as the fluid at the face, and fill what they fill in the mean over time
+/// although the stream grows: within 2 %. At rest, they would be half as fast. Processes and
+/// threads give the same bits.
 #[test]
 fn grains_come_as_fast_as_the_fluid_at_the_face() {
     for schedule in ["serial", "parallel"] {
@@ -124,8 +125,8 @@ fn grains_come_as_fast_as_the_fluid_at_the_face() {
     }
 }
 
-/// A message of the ports' edge with a wrong stamp, count or value is the fluid's fault, noticed by the
-/// grains; so is one that is lost.
+/// A message of the ports' edge with a wrong stamp, count or value is the fluid's fault, noticed by
+/// the grains; so is one that is lost.
 #[test]
 fn wrong_messages_of_ports_are_caught() {
     let cases = [("stale", "stamp"), ("count", "count"), ("nan", "not_finite"), ("drop", "lost")];
@@ -163,8 +164,8 @@ fn a_fluid_that_tells_no_velocities_is_refused_where_they_are_asked_for() {
     assert!(errors.contains("does not tell"), "{errors}");
 }
 
-/// A box that an inlet fills without a way out comes to rest, without a word of how many fit; a capacity below that is
-/// doubted with both numbers, and where it is met the error names the key.
+/// A box that an inlet fills without a way out comes to rest, without a word of how many fit; a
+/// capacity below that is doubted with both numbers, and where it is met the error names the key.
 #[test]
 fn a_box_fills_up_without_a_word_of_how_many_fit() {
     let text = r#"

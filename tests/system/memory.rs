@@ -22,7 +22,8 @@ fn planned(manifest: &Path) -> (u64, String) {
     (plan["plan"]["shared_memory"].as_u64().unwrap(), shared["verdict"].as_str().unwrap().into())
 }
 
-/// The small run: as it is, with frames to observers, with fields of a large lattice, with many grains.
+/// The small run: as it is, with frames to observers, with fields of a large lattice, with many
+/// grains.
 fn cases() -> [(&'static str, String); 4] {
     let frames = SMALL.replace("record = false", "frames = \"1 ms\"");
     let fields = SMALL

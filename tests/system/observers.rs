@@ -85,7 +85,8 @@ fn a_stopped_viewer_stops_nothing_and_changes_nothing() {
     let alone = rows(&run_text(SMALL, &every).succeeded().signals_text());
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("run.rrd");
-    // Lossy, as it is by default; without an end, so that the viewer is stopped in mid-run for sure.
+    // Lossy, as it is by default; without an end, so that the viewer is stopped in mid-run for
+    // sure.
     let view = ["--until", "100 s", "--set", "outputs.frames=1 ms", "--view"];
     let mut running =
         observed_run(home.path(), &[&every[..], &view, &[file.to_str().unwrap()]].concat());
@@ -116,7 +117,8 @@ fn a_stopped_recorder_is_given_up_in_time_and_changes_nothing() {
     let home = tempfile::tempdir().unwrap();
     let record = ["--set", "outputs.record=true", "--set", "outputs.frames=1 us"];
     let mut running = observed_run(home.path(), &[&window[..], &record].concat());
-    // A frame of each window, of which the physics can send only a few more than the recorder takes.
+    // A frame of each window, of which the physics can send only a few more than the recorder
+    // takes.
     let file = home.path().join("out/run.mcap");
     let size = || std::fs::metadata(&file).map_or(0, |data| data.len());
     until("the recorder writes windows", || size() > 100_000);

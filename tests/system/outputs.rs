@@ -1,4 +1,5 @@
-//! Outputs that go wrong: two runs that want one folder, tables and recordings that were cut off, full disks.
+//! Outputs that go wrong: two runs that want one folder, tables and recordings that were cut off,
+//! full disks.
 
 use crate::running::{Running, until};
 use crate::tremie::{SMALL, run_text, tremie};
@@ -227,7 +228,8 @@ fn limited(bytes: u64, manifest: &Path, options: &[&str]) -> (Output, PathBuf) {
     (command.args(options).stdin(Stdio::null()).output().unwrap(), out)
 }
 
-/// A run that a file ended which could not grow: the last line tells window, file and the system's words.
+/// A run that a file ended which could not grow: the last line tells window, file and the system's
+/// words.
 #[track_caller]
 fn ended_by_disk((output, out): (Output, PathBuf), file: &str, words: &str) {
     let said = errors(&output);
@@ -290,7 +292,8 @@ fn a_file_that_cannot_grow_ends_the_run_with_window_path_and_reason() {
     assert!(!home.path().join("out").exists());
 }
 
-/// Runs `script` in a place of its own where `disk` is a small file system; `None`, said, where that is not permitted.
+/// Runs `script` in a place of its own where `disk` is a small file system; `None`, said, where
+/// that is not permitted.
 fn on_a_disk(bytes: &str, disk: &Path, script: &str) -> Option<Output> {
     let mount = format!("mount -t tmpfs -o size={bytes} tmpfs \"$1\" || exit 99; {script}");
     let run = Command::new("unshare")

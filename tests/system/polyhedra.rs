@@ -160,8 +160,8 @@ cell = "2 mm"
 signals = "2 ms"
 "#;
 
-/// In processes and in one, on one thread and on two. The bodies are between weightless and falling freely: it is
-/// the fluid that holds them.
+/// In processes and in one, on one thread and on two. The bodies are between weightless and falling
+/// freely: it is the fluid that holds them.
 #[test]
 fn dice_sink_in_a_fluid_with_the_same_bits() {
     let alone = run_text(SINKING, &[]).succeeded();

@@ -1,5 +1,5 @@
-//! A rubber ring on a valve, in a run: the dry test of Mutabaruka and Kamrin (Fig. 11), and what can go
-//! wrong inside a window.
+//! A rubber ring on a valve, in a run: the dry test of Mutabaruka and Kamrin (Fig. 11), and what
+//! can go wrong inside a window.
 
 use crate::fields::reader::VtkFile;
 use crate::tremie::{Ran, run, tremie};
@@ -149,7 +149,8 @@ fn the_valve_comes_to_rest_on_its_ring() {
     }
 }
 
-/// Beads of different sizes on the floor from the ring's inner rim to its outer, and small ones that fly up at it.
+/// Beads of different sizes on the floor from the ring's inner rim to its outer, and small ones
+/// that fly up at it.
 fn squeezed_and_thrown() -> Vec<String> {
     let at = |turn: f64, r: f64| {
         let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
@@ -173,9 +174,9 @@ fn squeezed_and_thrown() -> Vec<String> {
     squeezed.chain(thrown).collect()
 }
 
-/// With friction and dashpots everywhere, contacts that open within a step, and grains on the ring's rims, which count
-/// with its foot or with its sides: it is thrown off nowhere, comes to rest on the largest, and all of it has the
-/// same bits in processes and threads.
+/// With friction and dashpots everywhere, contacts that open within a step, and grains on the
+/// ring's rims, which count with its foot or with its sides: it is thrown off nowhere, comes to
+/// rest on the largest, and all of it has the same bits in processes and threads.
 #[test]
 fn grains_with_dashpots_are_squeezed_and_thrown_at_the_ring() {
     let text = VALVE
@@ -291,7 +292,8 @@ fn faults_inside_a_window_are_caught_with_both_sides_named() {
         ("grains", "substep-less", &["substeps", "stamp"]),
     ] {
         let inject = format!("{component}:{fault}@5");
-        // Only one that hangs is found by the deadline; on a busy machine a short one would find others first.
+        // Only one that hangs is found by the deadline; on a busy machine a short one would find
+        // others first.
         let deadline = if fault == "hang" { 3.0 } else { 30.0 };
         let deadline = format!("run.deadline={deadline} s");
         let sets = ["--set", &deadline, "--set", "run.until=0.1 ms"];

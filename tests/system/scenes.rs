@@ -42,8 +42,8 @@ fn a_valve_from_its_numbers_can_be_run() {
     }
 }
 
-/// Beneath the valve the slurry has its fraction from the start, to half a grain of thirty; fluid and
-/// grains begin to move.
+/// Beneath the valve the slurry has its fraction from the start, to half a grain of thirty; fluid
+/// and grains begin to move.
 #[test]
 fn a_valve_begins_with_the_slurry_of_its_numbers() {
     let home = tempfile::tempdir().unwrap();
@@ -87,8 +87,8 @@ fn numbers_that_make_no_valve_are_refused() {
     assert!(!home.path().join("out").exists());
 }
 
-/// The table of a seal, made and read by the program: force as of the reference for this mesh (66.76 N
-/// at 0.48 mm with 18 x 12 elements), 0.2 %.
+/// The table of a seal, made and read by the program: force as of the reference for this mesh
+/// (66.76 N at 0.48 mm with 18 x 12 elements), 0.2 %.
 #[test]
 fn a_seal_becomes_a_table_with_pictures() {
     let home = tempfile::tempdir().unwrap();

@@ -114,7 +114,8 @@ fn a_trace_tells_when_components_waited_and_computed() {
     assert!(wrong.errors().contains("0-5000"), "{}", wrong.errors());
 }
 
-/// Balls that fall through a gate in rows that are kept rarely, and at times that the end is none of.
+/// Balls that fall through a gate in rows that are kept rarely, and at times that the end is none
+/// of.
 const FALLING: &str = r#"
 [run]
 until = "0.2 s"
@@ -181,8 +182,8 @@ fn rates_of_rows_add_up_to_what_passed() {
     }
 }
 
-/// A fixed ball in a fluid at rest, a slider, a prescribed part, a body and a clump: forces of the fluid on them mean the
-/// same, and have the same value.
+/// A fixed ball in a fluid at rest, a slider, a prescribed part, a body and a clump: forces of the
+/// fluid on them mean the same, and have the same value.
 const RESTING: &str = r#"
 [run]
 until = "2 ms"

@@ -50,7 +50,8 @@ pub struct ChannelSpec<'a> {
     pub depth: usize,
     /// Most messages that the receiver keeps at once.
     pub borrowed: usize,
-    /// `true`: a full channel makes the sender wait, boundedly. `false`: the oldest message gives way.
+    /// `true`: a full channel makes the sender wait, boundedly. `false`: the oldest message gives
+    /// way.
     pub lossless: bool,
 }
 
@@ -73,7 +74,8 @@ impl<S: ChannelMedium> Attachment<S> {
         config.global.prefix = FileName::new(prefix.as_bytes()).map_err(|e| open(&e))?;
         config.global.set_root_path(&Path::new(root.as_bytes()).map_err(|e| open(&e))?);
         config.global.creation_timeout = Duration::from_secs(5);
-        // The orchestrator sweeps after everyone has ended; sweeping while others start races with them.
+        // The orchestrator sweeps after everyone has ended; sweeping while others start races with
+        // them.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;

@@ -1,9 +1,9 @@
 //! Shared-memory channels between the components of a run.
 //!
 //! This crate is the only one that touches iceoryx2. Everything above it is generic over
-//! [`ChannelMedium`]: [`SharedMemory`] for components that are programs of their own, [`InProcess`] for the
-//! same components inside one program. Values travel in place: a sender fills the memory that the
-//! receiver reads.
+//! [`ChannelMedium`]: [`SharedMemory`] for components that are programs of their own, [`InProcess`]
+//! for the same components inside one program. Values travel in place: a sender fills the memory
+//! that the receiver reads.
 //!
 //! Rules that iceoryx2 0.10 makes necessary, all kept here:
 //! * overflow is off on every lossless channel, and a full channel is an error after a deadline,

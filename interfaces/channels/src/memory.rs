@@ -149,7 +149,8 @@ pub fn provide(prefix: &str, need: u64) -> Result<(), NoMemory> {
     }
 }
 
-/// Has the system set aside all pages of the memory that a run made, so that none is missing when it is touched.
+/// Has the system set aside all pages of the memory that a run made, so that none is missing when
+/// it is touched.
 ///
 /// # Errors
 /// If there are too few: another program has taken them since [`provide`].

@@ -3,8 +3,8 @@
 use crate::bell::Wait;
 use std::time::{Duration, Instant};
 
-/// Looks before the processor is given to others: a few microseconds. Where there are more processes than
-/// processors, the peer may wait for this very one.
+/// Looks before the processor is given to others: a few microseconds. Where there are more
+/// processes than processors, the peer may wait for this very one.
 const LOOKS: u32 = 32;
 /// A peer that takes longer than this is busy with something else: looks become rarer.
 const PROMPT: Duration = Duration::from_millis(20);
@@ -28,8 +28,8 @@ pub fn look<T, E>(mut check: impl FnMut() -> Result<Option<T>, E>) -> Result<Opt
 /// Waits until `check` gives something, at most until `deadline`, without a bell: looks again and
 /// again, giving way to others, and naps only where the answer takes long.
 ///
-/// For exchanges inside a window, where ringing and being woken would cost more than the work; after
-/// [`look`].
+/// For exchanges inside a window, where ringing and being woken would cost more than the work;
+/// after [`look`].
 ///
 /// # Errors
 /// Whatever `check` fails with.

@@ -46,7 +46,8 @@ pub struct BodyEvent {
     pub id: u64,
     /// Kind of event: [`BodyEvent::ADDED`] or [`BodyEvent::REMOVED`].
     pub kind: u32,
-    /// Shape of an added body: [`BodyEvent::SPHERE`], [`BodyEvent::PART`] or [`BodyEvent::POLYHEDRON`].
+    /// Shape of an added body: [`BodyEvent::SPHERE`], [`BodyEvent::PART`] or
+    /// [`BodyEvent::POLYHEDRON`].
     pub shape: u32,
     /// Motion of an added body: [`BodyEvent::FREE`], [`BodyEvent::FIXED`],
     /// [`BodyEvent::PRESCRIBED`] or [`BodyEvent::SLIDER`].
@@ -55,8 +56,9 @@ pub struct BodyEvent {
     pub set: u32,
     /// Mass [kg]; 0 for a part whose motion is prescribed.
     pub mass: f64,
-    /// Size of the shape [m]: `[radius, 0, 0]` for a sphere; for a part the radius about its reference
-    /// point that holds it; for a polyhedron that radius, and the diameter of a sphere of equal volume.
+    /// Size of the shape [m]: `[radius, 0, 0]` for a sphere; for a part the radius about its
+    /// reference point that holds it; for a polyhedron that radius, and the diameter of a sphere of
+    /// equal volume.
     pub size: [f64; 3],
     /// Index into the scene's list of parts, for a part, or of shapes, for a polyhedron; else 0.
     pub table: u64,

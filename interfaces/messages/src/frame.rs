@@ -32,14 +32,15 @@ pub struct SurfaceSample {
     /// Position and velocity.
     pub vertex: SurfaceVertex,
     /// Equivalent shear strain √(2/3 e:e), e the deviator of the logarithmic strain: 0 at rest, the
-    /// logarithm of the stretch in a uniaxial test without change of volume; not a number where it is not
-    /// known [1].
+    /// logarithm of the stretch in a uniaxial test without change of volume; not a number where it
+    /// is not known [1].
     pub strain: f64,
 }
 
 /// A plane cut through a field, sampled on a regular grid.
 ///
-/// Node `(i, j)` of the payload, at index `i + count[0] * j`, lies at `origin + i * step[0] + j * step[1]`.
+/// Node `(i, j)` of the payload, at index `i + count[0] * j`, lies at `origin + i * step[0] + j *
+/// step[1]`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SliceHeader {

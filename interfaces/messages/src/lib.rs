@@ -2,8 +2,9 @@
 //!
 //! Two kinds of things live here. *Messages* cross shared memory in every coupling window: plain
 //! `repr(C)` values in SI units, world frame, `f64`, without pointers ([`body`], [`surface`],
-//! [`port`], [`stamp`], [`control`], [`frame`]). *Documents* cross once, as JSON, when a component starts: the scene
-//! and the start contract ([`scene`], [`start`], [`schedule`]). Nothing here knows how they travel.
+//! [`port`], [`stamp`], [`control`], [`frame`]). *Documents* cross once, as JSON, when a component
+//! starts: the scene and the start contract ([`scene`], [`start`], [`schedule`]). Nothing here
+//! knows how they travel.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 

@@ -14,8 +14,8 @@ pub struct PortState {
     pub axis: u32,
     /// 0 for the lower face, 1 for the upper.
     pub side: u32,
-    /// Mean velocity through the face, volume flux over area of what is fluid there: positive into the
-    /// domain [m/s].
+    /// Mean velocity through the face, volume flux over area of what is fluid there: positive into
+    /// the domain [m/s].
     pub velocity: f64,
 }
 
@@ -25,8 +25,8 @@ unsafe impl Message for PortState {
 }
 
 impl PortState {
-    /// The faces whose velocity the inlets of a scene take, each once: by axis, lower before upper; at
-    /// rest.
+    /// The faces whose velocity the inlets of a scene take, each once: by axis, lower before upper;
+    /// at rest.
     pub fn all(scene: &Scene) -> Vec<Self> {
         let named = |face: (usize, usize)| {
             let (axis, side) = face;

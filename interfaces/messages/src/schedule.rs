@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 )]
 #[serde(rename_all = "lowercase")]
 pub enum Schedule {
-    /// One after the other (Gauss-Seidel), the order of Mutabaruka and Kamrin (2018): grains advance
-    /// under the loads of the window before, then the fluid with the bodies at the window's end.
+    /// One after the other (Gauss-Seidel), the order of Mutabaruka and Kamrin (2018): grains
+    /// advance under the loads of the window before, then the fluid with the bodies at the window's
+    /// end.
     #[default]
     Serial,
     /// At the same time (Jacobi): the fluid takes the bodies at the window's start, the grains the
@@ -36,15 +37,15 @@ pub enum Content {
     Surface,
     /// [`crate::FacetLoad`]s of a fluid, found in a window.
     SurfaceLoad,
-    /// Inside a window: [`crate::BodyState`]s of the parts that carry surfaces, at a substep's end; `id` is
-    /// the surface's number in the scene.
+    /// Inside a window: [`crate::BodyState`]s of the parts that carry surfaces, at a substep's end;
+    /// `id` is the surface's number in the scene.
     Carrier,
     /// Inside a window: [`crate::SurfaceVertex`]es of a trial, or of the accepted surfaces.
     Trial,
     /// Inside a window: [`crate::FacetLoad`]s of contacts on a trial.
     Contact,
-    /// Inside a window: [`crate::Load`]s that the accepted surfaces pass on to their carriers, contacts
-    /// left out; `id` is the surface's number in the scene.
+    /// Inside a window: [`crate::Load`]s that the accepted surfaces pass on to their carriers,
+    /// contacts left out; `id` is the surface's number in the scene.
     Resultant,
 }
 

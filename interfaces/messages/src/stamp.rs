@@ -21,11 +21,12 @@ pub struct Stamp {
     /// Number of the last event list that the content takes into account. Loads carry the number
     /// of the list that they answer, so that a changed set of bodies never meets old loads.
     pub events: u64,
-    /// Substeps that the sender made in this window (0 in the start exchange); inside the window, the
-    /// substep that is being made, from 1.
+    /// Substeps that the sender made in this window (0 in the start exchange); inside the window,
+    /// the substep that is being made, from 1.
     pub substep: u32,
-    /// Trial of a substep that the message belongs to, from 1; 0 outside the exchange inside a window.
-    /// With [`Stamp::FINAL`] it belongs to the accepted surface, which follows the last trial.
+    /// Trial of a substep that the message belongs to, from 1; 0 outside the exchange inside a
+    /// window. With [`Stamp::FINAL`] it belongs to the accepted surface, which follows the last
+    /// trial.
     pub iteration: u32,
 }
 

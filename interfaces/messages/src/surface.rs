@@ -1,8 +1,8 @@
 //! Deformable surfaces: positions of their vertices, and the loads on their facets.
 //!
 //! The vertices of a facet never change; they follow from the scene
-//! ([`crate::scene::DeformableSurface`]). Where a scene has several surfaces, their vertices and facets
-//! are numbered through, in the scene's order.
+//! ([`crate::scene::DeformableSurface`]). Where a scene has several surfaces, their vertices and
+//! facets are numbered through, in the scene's order.
 
 use crate::Message;
 
@@ -21,8 +21,8 @@ pub struct SurfaceVertex {
 /// Load on a facet of a deformable surface, world frame. 64 bytes.
 ///
 /// The `contact` and `surface_load` channels carry as many as there are loads, at most
-/// [`FacetLoad::MOST_PER_FACET`] times the number of facets; their order is the sender's. A facet that is
-/// left out bears nothing; one that is named again bears the sum.
+/// [`FacetLoad::MOST_PER_FACET`] times the number of facets; their order is the sender's. A facet
+/// that is left out bears nothing; one that is named again bears the sum.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FacetLoad {

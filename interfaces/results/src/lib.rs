@@ -1,7 +1,8 @@
 //! Finished runs read again, and commands that packages add to the `tremie` program.
 //!
-//! A package registers two kinds of commands in the orchestrator's `registry`: one that builds a scene (`tremie scene NAME`),
-//! and one that reads a [`FinishedRun`]. Both answer with text for standard output, or with a [`CommandError`].
+//! A package registers two kinds of commands in the orchestrator's `registry`: one that builds a
+//! scene (`tremie scene NAME`), and one that reads a [`FinishedRun`]. Both answer with text for
+//! standard output, or with a [`CommandError`].
 
 mod charts;
 mod command;

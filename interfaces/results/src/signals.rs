@@ -1,7 +1,7 @@
 //! The table of signals of a run, finished or not.
 //!
-//! A run that was killed leaves a table whose last row is cut off anywhere, also in the middle of a number that reads
-//! as another. A row therefore counts only with the end of its line.
+//! A run that was killed leaves a table whose last row is cut off anywhere, also in the middle of a
+//! number that reads as another. A row therefore counts only with the end of its line.
 
 use std::collections::BTreeMap;
 use std::io;

@@ -1,7 +1,7 @@
 //! Vector instructions that a processor has, found at run time: one program for all.
 //!
-//! The compiler neither fuses nor reorders operations on numbers, so that the same work gives the same bits in
-//! whichever instructions it is compiled for.
+//! The compiler neither fuses nor reorders operations on numbers, so that the same work gives the
+//! same bits in whichever instructions it is compiled for.
 
 /// Vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

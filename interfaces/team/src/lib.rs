@@ -216,13 +216,13 @@ impl Team {
         let thread = AtomicUsize::new(0);
         let rooms = Cut::every(rooms, 1);
         let take = || {
-            // SAFETY: each thread of the team calls this once a job, so that the number is one of the
-            // rooms and no other thread has it; the rooms are borrowed for the whole call.
+            // SAFETY: each thread of the team calls this once a job, so that the number is one of
+            // the rooms and no other thread has it; the rooms are borrowed for the whole call.
             let room = &mut unsafe { rooms.piece(thread.fetch_add(1, Relaxed)) }[0];
             while let Some(run) = next_run(&next, count, shares) {
                 for k in run {
-                    // SAFETY: `k` is one of the pieces and handed out once; what the pieces are of is
-                    // borrowed for the whole call, which outlives the job.
+                    // SAFETY: `k` is one of the pieces and handed out once; what the pieces are of
+                    // is borrowed for the whole call, which outlives the job.
                     work(room, k, unsafe { pieces.piece(k) });
                 }
             }

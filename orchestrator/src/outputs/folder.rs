@@ -76,8 +76,8 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Claims the folder of a run: `out` if the user chose one, else `runs/NAME-001` and so on, where
-    /// NAME is the manifest's folder or file.
+    /// Claims the folder of a run: `out` if the user chose one, else `runs/NAME-001` and so on,
+    /// where NAME is the manifest's folder or file.
     ///
     /// # Errors
     /// If the chosen folder holds something already or is another run's, or none can be made.

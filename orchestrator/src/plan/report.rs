@@ -63,8 +63,8 @@ impl Plan {
         })
     }
 
-    /// Shared memory of all channels and bells between processes, in bytes: all that a run sets aside before its
-    /// first message.
+    /// Shared memory of all channels and bells between processes, in bytes: all that a run sets
+    /// aside before its first message.
     pub fn shared_memory(&self) -> u64 {
         let bells = self.components.len() as u64 * memory::of_bell();
         self.channels().fold(bells, u64::saturating_add)

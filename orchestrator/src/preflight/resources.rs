@@ -14,7 +14,8 @@ const COMFORT: f64 = 0.8;
 /// Bytes of a number in the table of signals, with its comma; rarely more.
 const WRITTEN_NUMBER: u64 = 20;
 
-/// Resident set of a process of the run by itself [bytes]: for the most part pages of the program, which all processes share.
+/// Resident set of a process of the run by itself [bytes]: for the most part pages of the program,
+/// which all processes share.
 const PROCESS: u64 = 14_000_000;
 /// Memory of a listed body: in the manifest, with the source positions of its values, and in each
 /// component [bytes].

@@ -61,8 +61,9 @@ impl Prepared {
     /// Carries the run out and writes its outputs into `out`.
     ///
     /// # Errors
-    /// Anything that keeps the run from beginning; all components have ended then. A fault of a component or a disk
-    /// that takes no more is no error of this function: the run then has ended with that fault.
+    /// Anything that keeps the run from beginning; all components have ended then. A fault of a
+    /// component or a disk that takes no more is no error of this function: the run then has ended
+    /// with that fault.
     pub fn execute(
         self,
         manifest: &Manifest,

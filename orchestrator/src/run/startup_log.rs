@@ -12,7 +12,7 @@ pub struct EarlyLog {
 }
 
 impl EarlyLog {
-    /// Keeps a line of component `index`, unless [`KEPT`] lines of it are kept already.
+    /// Keeps a line of component `index`, unless `KEPT` lines of it are kept already.
     pub fn push(&mut self, index: usize, text: String) {
         if self.counts.len() <= index {
             self.counts.resize(index + 1, 0);

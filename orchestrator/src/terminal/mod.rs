@@ -97,7 +97,8 @@ impl Terminal {
         }
     }
 
-    /// Something that a user must read, and that says itself how bad it is; programs get it otherwise.
+    /// Something that a user must read, and that says itself how bad it is; programs get it
+    /// otherwise.
     pub fn point_out(&self, text: &str) {
         if matches!(self.style, Style::Person | Style::Quiet) {
             self.speak(text);

@@ -51,7 +51,8 @@ pub fn complain_text(text: impl Display) {
     let _ = io::stderr().write_all(text.to_string().as_bytes());
 }
 
-/// The exit code of a command that would end with `code`, had standard output taken all of its answer.
+/// The exit code of a command that would end with `code`, had standard output taken all of its
+/// answer.
 pub fn ending(code: ExitCode) -> ExitCode {
     // The last bytes may still be in the buffer, and fail only now.
     if let Err(error) = io::stdout().flush() {

@@ -3,7 +3,8 @@
 /// Seconds that this thread has spent on a processor, whatever other programs do. Where the system
 /// does not tell, the seconds since the first call.
 ///
-/// (`/proc/thread-self/schedstat` tells it too, but on some systems in steps of a scheduler's tick.)
+/// (`/proc/thread-self/schedstat` tells it too, but on some systems in steps of a scheduler's
+/// tick.)
 pub fn processor_seconds() -> f64 {
     of_thread().unwrap_or_else(|| {
         thread_local!(static START: std::time::Instant = std::time::Instant::now());

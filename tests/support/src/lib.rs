@@ -1,9 +1,9 @@
 //! Allocation counts and processor times for tests and benchmarks of several crates. No run needs
 //! them, so the crate stands beside the tests and not among the interfaces.
 //!
-//! [`Counting`] is the system's allocator, counting. A test that says that something allocates nothing, or
-//! how much it keeps, makes it the allocator of its program
-//! (`#[global_allocator]`). One such test to a program: others would count with it.
+//! [`Counting`] is the system's allocator, counting. A test that says that something allocates
+//! nothing, or how much it keeps, makes it the allocator of its program (`#[global_allocator]`).
+//! One such test to a program: others would count with it.
 //!
 //! [`processor_seconds`] times one thread, whatever other programs do beside it.
 

@@ -1,5 +1,5 @@
-//! Rooms of a crate: a folder of sources imports only folders below it, and within a folder few files import each other
-//! in circles. ARCHITECTURE.md says what each room is for.
+//! Rooms of a crate: a folder of sources imports only folders below it, and within a folder few
+//! files import each other in circles. ARCHITECTURE.md says what each room is for.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -46,7 +46,8 @@ const CARRIED: [&str; 7] = [
 /// Most files of a room that may import each other in a circle.
 const LARGEST_CIRCLE: usize = 8;
 
-/// A source file: its path below `src`, its text without tests, and what that imports of its crate, `room::file`.
+/// A source file: its path below `src`, its text without tests, and what that imports of its crate,
+/// `room::file`.
 struct Source {
     path: PathBuf,
     text: String,

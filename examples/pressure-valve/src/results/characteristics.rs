@@ -1,14 +1,16 @@
 //! Moments, means and curves of a valve in a run.
 //!
-//! A valve is a part that slides on an axis. With `drop` the pressure upstream less that downstream and `Q` the rate of
-//! flow through the whole valve:
+//! A valve is a part that slides on an axis. With `drop` the pressure upstream less that downstream
+//! and `Q` the rate of flow through the whole valve:
 //!
-//! * it *cracks* when its lift first exceeds a given one, and *reseats* when it last falls below it again;
-//! * it is *held* in the middle half of the time in which it is open at least half as far as at most, and *shut* in the
-//!   last tenth of what the run simulates, after it has reseated;
-//! * its flow coefficient is `Kv = Q sqrt((rho/1000 kg/m³) (1 bar/drop))`, `Q` in m³/h (IEC 60534-1);
-//! * grains stuck in a ring probe are counted by their projected area over the ring's (NASP), and by the debris
-//!   that they leave, see [`super::debris`].
+//! * it *cracks* when its lift first exceeds a given one, and *reseats* when it last falls below it
+//!   again;
+//! * it is *held* in the middle half of the time in which it is open at least half as far as at
+//!   most, and *shut* in the last tenth of what the run simulates, after it has reseated;
+//! * its flow coefficient is `Kv = Q sqrt((rho/1000 kg/m³) (1 bar/drop))`, `Q` in m³/h (IEC
+//!   60534-1);
+//! * grains stuck in a ring probe are counted by their projected area over the ring's (NASP), and
+//!   by the debris that they leave, see [`super::debris`].
 
 use super::debris::debris;
 use super::valve_signals::Watched;
@@ -139,8 +141,9 @@ pub fn characteristics(
     })
 }
 
-/// The curves of pressure drop over rate of flow, of rate of flow and of flow coefficient over lift, while it is open, in
-/// the order of time: means over the `parts` of the run, so that sound averages out.
+/// The curves of pressure drop over rate of flow, of rate of flow and of flow coefficient over
+/// lift, while it is open, in the order of time: means over the `parts` of the run, so that sound
+/// averages out.
 ///
 /// # Errors
 /// A sentence, if a signal is missing.
@@ -173,7 +176,8 @@ fn mean(rows: &[usize], of: &[f64]) -> f64 {
     measured().sum::<f64>() / measured().count() as f64
 }
 
-/// Flow coefficient [m³/h at 1 bar] of a rate of flow [m³/s] under a pressure drop [Pa], if both go downstream.
+/// Flow coefficient [m³/h at 1 bar] of a rate of flow [m³/s] under a pressure drop [Pa], if both go
+/// downstream.
 fn kv(flow: f64, drop: f64, density: f64) -> Option<f64> {
     (flow > 0.0 && drop > 0.0).then(|| 3600.0 * flow * (density / 1000.0 * 1e5 / drop).sqrt())
 }
@@ -256,7 +260,8 @@ mod tests {
     use super::super::valve_signals::Asked;
     use super::*;
 
-    /// Shut until 1 s, open by 2 mm until 3 s, then shut; 1 L/s in half of it under 4 bar while it is open.
+    /// Shut until 1 s, open by 2 mm until 3 s, then shut; 1 L/s in half of it under 4 bar while it
+    /// is open.
     fn run() -> Signals {
         let times: Vec<f64> = (0..=400).map(|k| f64::from(k) * 0.01).collect();
         let of = |open: f64, shut: f64| {

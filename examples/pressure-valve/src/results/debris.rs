@@ -1,5 +1,5 @@
-//! Debris of grains that are stuck between a seat and what closes on it (Mutabaruka & Kamrin, *Comput. Part. Mech.* 5,
-//! 2018, appendix B).
+//! Debris of grains that are stuck between a seat and what closes on it (Mutabaruka & Kamrin,
+//! *Comput. Part. Mech.* 5, 2018, appendix B).
 
 /// Debris if all stuck grains break [cubes of a grain's diameter]: their projected area,
 /// `normalised_area` of the `seat` [m²], times the `lift` [m], over the cube of the `diameter` [m]
@@ -19,15 +19,16 @@ mod tests {
         1.5 * fraction / libm::cos(slope)
     }
 
-    /// A square grid of spheres, one in each square of edge 2 d, hides a part of pi/16; it is stuck at the
-    /// lift that lets one sphere through a gap along a cone.
+    /// A square grid of spheres, one in each square of edge 2 d, hides a part of pi/16; it is stuck
+    /// at the lift that lets one sphere through a gap along a cone.
     #[test]
     fn a_known_layer_has_its_area_and_debris() {
         let (d, slope) = (0.8e-3, 29.53f64.to_radians());
         let seat = 400.0 * (2.0 * d) * (2.0 * d);
         let nasp = 400.0 * 0.25 * PI * d * d / seat;
         assert!((nasp - PI / 16.0).abs() < 1e-12, "{nasp}");
-        // As a layer as high as the lift, the grid has the solid fraction for which the bound is sharp.
+        // As a layer as high as the lift, the grid has the solid fraction for which the bound is
+        // sharp.
         let lift = d / slope.cos();
         let fraction = 400.0 * PI / 6.0 * d * d * d / (lift * seat);
         assert!((least_normalised_area(fraction, slope) - nasp).abs() < 1e-12);

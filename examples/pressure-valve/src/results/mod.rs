@@ -1,6 +1,7 @@
 //! Characteristics of a valve in a finished run, for its designer: `tremie valve OUT`.
 //!
-//! [`valve_signals`] finds the valve's signals, [`characteristics`] reads moments, means and curves out of them.
+//! [`valve_signals`] finds the valve's signals, [`characteristics`] reads moments, means and curves
+//! out of them.
 
 pub mod characteristics;
 mod debris;

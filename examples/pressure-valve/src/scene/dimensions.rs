@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use tremie_messages::units::{Angle, Density, Length, Mass, Pressure};
 
-/// Dimensions of a valve, in the valve's frame: y along its axis, zero on the flat of the seat
-/// and up with the lift; z along the conduit, in the direction of the flow; the plane x = 0 a mirror.
+/// Dimensions of a valve, in the valve's frame: y along its axis, zero on the flat of the seat and
+/// up with the lift; z along the conduit, in the direction of the flow; the plane x = 0 a mirror.
 ///
 /// Radii of the rubber, slope of the cone, lip and moving mass are those that Mutabaruka and Kamrin
 /// (*Comput. Part. Mech.* 5, 2018) state; the rest stands in drawings of theirs that were not

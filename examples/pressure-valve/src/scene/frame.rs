@@ -1,8 +1,8 @@
 //! The space of the fluid: conduit, bore, cone and chamber, as one closed surface.
 //!
-//! Conduit and bore have the same radius, so that they meet in two ellipses, in planes at 45 degrees to
-//! both. Cut into the same sectors, conduit and bore share the corners of these ellipses, and the
-//! surface closes without a cut.
+//! Conduit and bore have the same radius, so that they meet in two ellipses, in planes at 45
+//! degrees to both. Cut into the same sectors, conduit and bore share the corners of these
+//! ellipses, and the surface closes without a cut.
 
 use super::dimensions::{Closure, Dimensions};
 use std::cmp::Ordering;
@@ -12,8 +12,8 @@ use tremie_geometry::{CYLINDER_SEGMENTS, GeometryError, Mesh, Vec3, mend};
 /// Sectors around.
 const N: usize = CYLINDER_SEGMENTS as usize;
 
-/// The surface of the space that the fluid may fill, in the valve's frame [m]; it reaches `beyond` [m]
-/// past the openings, so that the faces of a domain there are open.
+/// The surface of the space that the fluid may fill, in the valve's frame [m]; it reaches `beyond`
+/// [m] past the openings, so that the faces of a domain there are open.
 pub fn frame(valve: &Dimensions, beyond: f64) -> Result<Mesh, GeometryError> {
     let step = 2.0 * PI / N as f64;
     let mut frame = Frame {
@@ -168,8 +168,8 @@ mod tests {
     use tremie_geometry::Surface;
     use tremie_messages::units::Length;
 
-    /// Volume of conduit, bore, cone and chamber; what conduit and bore share is half of Steinmetz's
-    /// solid, 8/3 R³. 1e-5, as the polygons share a little less.
+    /// Volume of conduit, bore, cone and chamber; what conduit and bore share is half of
+    /// Steinmetz's solid, 8/3 R³. 1e-5, as the polygons share a little less.
     #[test]
     fn the_frame_is_closed_and_has_its_volume() {
         for closure in [Closure::Pressure, Closure::Safety] {

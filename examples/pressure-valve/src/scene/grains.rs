@@ -30,8 +30,8 @@ pub struct Grains {
     pub friction: f64,
     /// Restitution of contacts with grains and with steel.
     pub restitution: f64,
-    /// Longest step of the grains. The default resolves single contacts, as the paper's does; a dense packing of
-    /// such grains wants a fifth of it.
+    /// Longest step of the grains. The default resolves single contacts, as the paper's does; a
+    /// dense packing of such grains wants a fifth of it.
     pub time_step: Time,
 }
 
@@ -193,7 +193,8 @@ mod tests {
         assert!((smallest - 0.727e-3).abs() < 1e-6 && (largest - 0.873e-3).abs() < 1e-6);
     }
 
-    /// A lattice of 0.3 mm counts 31,500 cells, 851 mm³, beneath half the valve if its conduit begins at -15 mm.
+    /// A lattice of 0.3 mm counts 31,500 cells, 851 mm³, beneath half the valve if its conduit
+    /// begins at -15 mm.
     #[test]
     fn the_volume_beneath_the_valve_is_the_known_one() {
         let valve = Dimensions { inlet: Length(-15e-3), ..Dimensions::default() };

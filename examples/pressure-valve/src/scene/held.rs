@@ -29,8 +29,8 @@ impl Default for Steady {
     }
 }
 
-/// The manifest, with the frame's surface in the file `frame`, whose unit is the millimetre. Half the
-/// valve is in the domain, on one side of its mirror.
+/// The manifest, with the frame's surface in the file `frame`, whose unit is the millimetre. Half
+/// the valve is in the domain, on one side of its mirror.
 pub fn manifest(valve: &Dimensions, run: &Steady, frame: &str) -> String {
     let cell = run.cell.0;
     let room = Room::around(valve, cell);

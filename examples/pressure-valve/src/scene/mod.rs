@@ -1,7 +1,7 @@
 //! Parts and manifests of the valve from its dimensions.
 //!
-//! Slurry comes along the conduit, turns up into the bore, lifts the valve, passes the cone and the gap
-//! under the rubber ring, and leaves through the chamber above.
+//! Slurry comes along the conduit, turns up into the bore, lifts the valve, passes the cone and the
+//! gap under the rubber ring, and leaves through the chamber above.
 
 mod command;
 mod dimensions;

@@ -6,9 +6,9 @@ use super::working::Working;
 use std::f64::consts::PI;
 use tremie_rubber_table::table::Table;
 
-/// The specification of the ring's table, for `tremie rubber make-table`. Rubber as Mutabaruka and Kamrin
-/// state it; compressed by up to three tenths of its height: a very viscous fluid does by more than a fifth. Its inner side lies
-/// against the hub.
+/// The specification of the ring's table, for `tremie rubber make-table`. Rubber as Mutabaruka and
+/// Kamrin state it; compressed by up to three tenths of its height: a very viscous fluid does by
+/// more than a fifth. Its inner side lies against the hub.
 pub fn specification(valve: &Dimensions) -> String {
     format!(
         r#"# The rubber ring of the valve. After a change: tremie rubber make-table ring.toml
@@ -96,8 +96,9 @@ mod tests {
         table_of(specification(valve))
     }
 
-    /// Forces of the same elements with a free inner side in an independent program, 57.52 N at 0.42 mm and
-    /// 67.76 N at 0.48 mm: 61.46 N between them. One that the hub guides is compressed by 5 to 10 % less.
+    /// Forces of the same elements with a free inner side in an independent program, 57.52 N at
+    /// 0.42 mm and 67.76 N at 0.48 mm: 61.46 N between them. One that the hub guides is compressed
+    /// by 5 to 10 % less.
     #[test]
     fn a_ring_rests_where_its_force_is_that_of_spring_and_outlet() {
         let (valve, run) = (Dimensions::default(), Working::default());
@@ -107,7 +108,8 @@ mod tests {
         let rest = Resting::of(&valve, &run, &table_of(free)).unwrap();
         let expected = 0.42e-3 + 0.06e-3 * (61.46 - 57.52) / (67.76 - 57.52);
         assert!((rest.compression / expected - 1.0).abs() < 2e-3, "{rest:?}, {expected}");
-        // The seat gives way by 61.46 N over a hundred times 1.117e5 N/m, and less, as the foot is wider.
+        // The seat gives way by 61.46 N over a hundred times 1.117e5 N/m, and less, as the foot is
+        // wider.
         let depth = 0.48e-3 - rest.compression - rest.lift;
         assert!((4e-6..5.5e-6).contains(&depth), "{rest:?}");
         let held = Resting::of(&valve, &run, &table(&valve)).unwrap();

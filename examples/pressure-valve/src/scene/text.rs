@@ -13,8 +13,8 @@ pub(super) fn written(profile: &[[f64; 2]]) -> String {
     corners.collect::<Vec<_>>().join(", ")
 }
 
-/// The domain's box around half the valve [m]: whole numbers of cells, and beyond its walls at least half a
-/// cell.
+/// The domain's box around half the valve [m]: whole numbers of cells, and beyond its walls at
+/// least half a cell.
 pub(super) struct Room {
     /// Lower corner.
     pub origin: [f64; 3],
@@ -55,8 +55,8 @@ pub(super) fn second_end(valve: &Dimensions) -> &'static str {
     }
 }
 
-/// The tables of a fluid of `viscosity` [Pa s] that enters at `velocity` [m/s], and of the frame around it, whose
-/// surface is in the file `frame`.
+/// The tables of a fluid of `viscosity` [Pa s] that enters at `velocity` [m/s], and of the frame
+/// around it, whose surface is in the file `frame`.
 pub(super) fn fluid_and_frame(
     valve: &Dimensions,
     cell: f64,

@@ -8,8 +8,8 @@ use super::text::{Room, beneath, fluid_and_frame, mm, outflow, second_end, writt
 use std::f64::consts::PI;
 use tremie_messages::units::{Length, Pressure, Stiffness, Time, Velocity, Viscosity, Volume};
 
-/// A run from rest: a piston compresses the fluid beneath the valve until it opens, and stops; the valve
-/// closes. It begins shut, at rest, the ring compressed.
+/// A run from rest: a piston compresses the fluid beneath the valve until it opens, and stops; the
+/// valve closes. It begins shut, at rest, the ring compressed.
 ///
 /// The defaults are the control run of Mutabaruka and Kamrin without grains, with the volume of the
 /// reservoir chosen (they do not state it).
@@ -44,8 +44,8 @@ pub struct Working {
 /// The ring of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ring<'a> {
-    /// One with the valve; it touches the seat at a lift as high as its lip, and the stop there is as stiff
-    /// as the rubber is on the whole when the valve is shut.
+    /// One with the valve; it touches the seat at a lift as high as its lip, and the stop there is
+    /// as stiff as the rubber is on the whole when the valve is shut.
     Rigid,
     /// Of rubber, at rest on its seat, its table in a file.
     Rubber(&'a str, Resting),
@@ -65,8 +65,8 @@ impl Default for Working {
             spring_rate: Stiffness(625.0),
             spring_preload: Length(92e-3),
             spring_stroke: Length(4.5e-3),
-            // 61.5 N compress a ring with free sides by 0.452 mm, by finite elements, and one that the hub guides by
-            // 0.421 mm.
+            // 61.5 N compress a ring with free sides by 0.452 mm, by finite elements, and one that
+            // the hub guides by 0.421 mm.
             ring_stiffness: Stiffness(1.36e5),
         }
     }
@@ -180,8 +180,9 @@ start = "{start} mm"
 /// Stiffness of metal on metal [N/m].
 const METAL: f64 = 1e7;
 
-/// The manifest, with the frame's surface in the file `frame`, whose unit is the millimetre. Half the
-/// valve is in the domain, on one side of its mirror. With `slurry`, grains come with the fluid.
+/// The manifest, with the frame's surface in the file `frame`, whose unit is the millimetre. Half
+/// the valve is in the domain, on one side of its mirror. With `slurry`, grains come with the
+/// fluid.
 pub fn manifest(
     valve: &Dimensions,
     run: &Working,

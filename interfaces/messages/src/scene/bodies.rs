@@ -16,8 +16,9 @@ pub struct BodySet {
     pub material: String,
     /// Motion of each body.
     pub motion: Motion,
-    /// The clump that they belong to: bodies of all sets with this name are joined rigidly, and move as one.
-    /// Where they overlap they do not touch. It is as heavy as they are together, unless [`super::Scene::unions`] names it.
+    /// The clump that they belong to: bodies of all sets with this name are joined rigidly, and
+    /// move as one. Where they overlap they do not touch. It is as heavy as they are together,
+    /// unless [`super::Scene::unions`] names it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clump: Option<String>,
     /// Places and sizes at the start.
@@ -33,7 +34,8 @@ pub enum Motion {
     /// Never moves.
     Fixed,
     /// Moves with velocities that are linear in time between points, constant before the first and
-    /// after the last, whatever the forces. Without points it keeps the velocity it was placed with.
+    /// after the last, whatever the forces. Without points it keeps the velocity it was placed
+    /// with.
     Prescribed(Vec<MotionPoint>),
     /// Moves with velocities times a factor over time, whatever the forces.
     Timed(Box<TimedMotion>),
@@ -45,8 +47,8 @@ pub enum Motion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimedMotion {
-    /// Velocity of a part at the factor 1 [m/s]; of a set of bodies each has the one that it is placed with, and this
-    /// is zero.
+    /// Velocity of a part at the factor 1 [m/s]; of a set of bodies each has the one that it is
+    /// placed with, and this is zero.
     pub velocity: [f64; 3],
     /// Angular velocity, likewise [rad/s].
     pub angular_velocity: [f64; 3],
@@ -106,8 +108,8 @@ pub enum BodySizes<'a> {
 }
 
 impl BodySizes<'_> {
-    /// The smallest and the largest diameter that there is or may be drawn [m]: infinity and zero where
-    /// there is none.
+    /// The smallest and the largest diameter that there is or may be drawn [m]: infinity and zero
+    /// where there is none.
     pub fn extremes(&self) -> [f64; 2] {
         match self {
             Self::Listed(list) => extremes(list.iter().copied()),

@@ -20,8 +20,8 @@ pub struct ContactLaw {
     pub spring: Spring,
     /// Coefficient of friction.
     pub friction: f64,
-    /// Coefficient of rolling friction: largest rolling torque over normal force and reduced radius.
-    /// 0 for none.
+    /// Coefficient of rolling friction: largest rolling torque over normal force and reduced
+    /// radius. 0 for none.
     pub rolling_friction: f64,
     /// Damping.
     pub damping: Damping,
@@ -41,7 +41,8 @@ pub enum Spring {
         tangential_stiffness: f64,
     },
     /// Hertz's normal force and Mindlin's tangential stiffness without slip, of bodies with reduced
-    /// radius `R*` that overlap by `delta`: `F_n = 4/3 E* sqrt(R*) delta^(3/2)`, `k_t = 8 G* sqrt(R* delta)`.
+    /// radius `R*` that overlap by `delta`: `F_n = 4/3 E* sqrt(R*) delta^(3/2)`, `k_t = 8 G*
+    /// sqrt(R* delta)`.
     Hertz {
         /// Effective Young's modulus `E*`, `1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2` [Pa].
         effective_modulus: f64,

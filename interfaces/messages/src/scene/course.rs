@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Course {
-    /// Linear between points `[time [s], factor]` in the order of time, constant before the first and after the
-    /// last. Without points it is 1.
+    /// Linear between points `[time [s], factor]` in the order of time, constant before the first
+    /// and after the last. Without points it is 1.
     Points(Vec<[f64; 2]>),
-    /// Linear between two points or more, which come again and again: the time from the first to the last is the period,
-    /// and they stand for all time before and after.
+    /// Linear between two points or more, which come again and again: the time from the first to
+    /// the last is the period, and they stand for all time before and after.
     Repeat(Vec<[f64; 2]>),
     /// A sine.
     Sine(Sine),

@@ -123,8 +123,9 @@ pub struct FluidMaterial {
     pub density: f64,
     /// Dynamic viscosity [Pa·s].
     pub viscosity: f64,
-    /// Acceleration that drives the fluid, besides gravity [m/s²] (a mean pressure gradient over density).
-    /// Gravity itself is balanced by hydrostatic pressure and enters as buoyancy of the bodies.
+    /// Acceleration that drives the fluid, besides gravity [m/s²] (a mean pressure gradient over
+    /// density). Gravity itself is balanced by hydrostatic pressure and enters as buoyancy of the
+    /// bodies.
     pub acceleration: [f64; 3],
     /// Velocity at the start [m/s].
     pub velocity: [f64; 3],

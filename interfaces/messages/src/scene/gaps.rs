@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 /// A gap between two surfaces that may become thinner than a fluid resolves.
 ///
 /// While it is, it holds no fluid: its cells are frozen, solid to the fluid around, and a pressure
-/// acts on both surfaces by a rule. Where it is a little wider, its walls may slip. What is meant in
-/// cells depends on the resolution, on purpose: it says what a lattice can do, not what the gap is.
+/// acts on both surfaces by a rule. Where it is a little wider, its walls may slip. What is meant
+/// in cells depends on the resolution, on purpose: it says what a lattice can do, not what the gap
+/// is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gap {
@@ -49,8 +50,8 @@ pub enum GapRule {
     Zero,
     /// The mean over the fluid cells next to it.
     Nearest,
-    /// The weighted mean of the pressures at probes. What the gap draws in as it widens a fluid may then take on their
-    /// sides of it, by the same weights.
+    /// The weighted mean of the pressures at probes. What the gap draws in as it widens a fluid may
+    /// then take on their sides of it, by the same weights.
     Probes(Vec<GapWeight>),
 }
 

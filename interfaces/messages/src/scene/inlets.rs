@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 
 /// A region that is kept filled with spheres, so that they flow on from it at a solid fraction.
 ///
-/// Spheres come at the end of a window, one by one, where they overlap nothing, without spin. While they
-/// fall short, the next one waits for a place. The fraction is that of the volume that spheres and region
-/// have in common over the region's volume outside of parts, in the mean over time, from the mean distance
-/// on at which they come. They come whole, some radii away from where the stream enters, and before that the region
-/// holds less: so the stream beyond has the fraction, however long the region is.
+/// Spheres come at the end of a window, one by one, where they overlap nothing, without spin. While
+/// they fall short, the next one waits for a place. The fraction is that of the volume that spheres
+/// and region have in common over the region's volume outside of parts, in the mean over time, from
+/// the mean distance on at which they come. They come whole, some radii away from where the stream
+/// enters, and before that the region holds less: so the stream beyond has the fraction, however
+/// long the region is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inlet {
@@ -25,7 +26,8 @@ pub struct Inlet {
     pub fraction: f64,
     /// Their diameters.
     pub diameters: Diameters,
-    /// Time between insertions [s], which is rounded up to whole windows; `None`: 50 steps of the grains.
+    /// Time between insertions [s], which is rounded up to whole windows; `None`: 50 steps of the
+    /// grains.
     #[serde(default)]
     pub every: Option<f64>,
     /// Velocity with which they come.
@@ -55,8 +57,8 @@ impl Inlet {
 pub enum InletVelocity {
     /// Given [m/s].
     Given([f64; 3]),
-    /// The mean velocity of the fluid at an open face of the domain, normal to it, as the fluid told it
-    /// last ([`crate::PortState`]).
+    /// The mean velocity of the fluid at an open face of the domain, normal to it, as the fluid
+    /// told it last ([`crate::PortState`]).
     Face {
         /// The axis: 0, 1, 2 for x, y, z.
         axis: usize,
@@ -65,7 +67,8 @@ pub enum InletVelocity {
     },
 }
 
-/// A half space in which no sphere stays: those whose centre lies in it at a window's end are removed.
+/// A half space in which no sphere stays: those whose centre lies in it at a window's end are
+/// removed.
 ///
 /// An open face of the domain on its side no longer holds spheres back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

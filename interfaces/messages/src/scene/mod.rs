@@ -45,7 +45,8 @@ pub struct Scene {
     pub domain: Domain,
     /// The fluid's material; `None` for a dry run.
     pub fluid: Option<FluidMaterial>,
-    /// Plane walls besides the domain's faces, seen by grains; a fluid that cannot honour them refuses.
+    /// Plane walls besides the domain's faces, seen by grains; a fluid that cannot honour them
+    /// refuses.
     pub planes: Vec<Plane>,
     /// Surfaces of rigid parts: walls, things that move, regions with boundary conditions.
     pub parts: Vec<Part>,
@@ -57,9 +58,9 @@ pub struct Scene {
     pub shapes: Vec<Shape>,
     /// Spheres and polyhedra, in sets of one material and motion.
     pub bodies: Vec<BodySet>,
-    /// Clumps, by name, whose mass, centre, inertia and displaced volume are those of the union of their bodies. All others
-    /// are as heavy as their bodies together, and displace as much, also where these overlap. In a union each place has the
-    /// mean density of the bodies that hold it.
+    /// Clumps, by name, whose mass, centre, inertia and displaced volume are those of the union of
+    /// their bodies. All others are as heavy as their bodies together, and displace as much, also
+    /// where these overlap. In a union each place has the mean density of the bodies that hold it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unions: Vec<String>,
     /// Inlets, which add spheres during the run.
@@ -68,8 +69,8 @@ pub struct Scene {
     /// Outlets, which remove spheres.
     #[serde(default)]
     pub outlets: Vec<Outlet>,
-    /// Names of sets of bodies, and of clumps, whose motion and loads are to be signals, body by body, besides those that
-    /// are anyway.
+    /// Names of sets of bodies, and of clumps, whose motion and loads are to be signals, body by
+    /// body, besides those that are anyway.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub followed: Vec<String>,
     /// Contact laws, one for each pair of materials that may touch.

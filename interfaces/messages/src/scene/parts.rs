@@ -58,8 +58,8 @@ pub enum Geometry {
     /// Solid of revolution of a profile about the z axis: a nozzle, a valve, a ring.
     Revolved {
         /// Corners `[r, z]` of the profile [m], either way round. A profile that begins and ends on
-        /// the axis is closed by it; any other is closed by its last edge, from the last corner to the
-        /// first.
+        /// the axis is closed by it; any other is closed by its last edge, from the last corner to
+        /// the first.
         profile: Vec<[f64; 2]>,
     },
 }

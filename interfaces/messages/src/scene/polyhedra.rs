@@ -3,8 +3,8 @@
 use super::Packing;
 use serde::{Deserialize, Serialize};
 
-/// A shape of polyhedra, without a size: the convex hull of its corners. The frame of a body has their
-/// axes, its origin is the centroid.
+/// A shape of polyhedra, without a size: the convex hull of its corners. The frame of a body has
+/// their axes, its origin is the centroid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shape {

@@ -20,7 +20,8 @@ pub struct Probe {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProbeShape {
-    /// At a point [m], interpolated between cells: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`.
+    /// At a point [m], interpolated between cells: `pressure`, `velocity_x`, `velocity_y`,
+    /// `velocity_z`.
     Point([f64; 3]),
     /// Mean along a line: the same values.
     Line {
@@ -44,8 +45,8 @@ pub enum ProbeShape {
         /// Upper corner [m].
         max: [f64; 3],
     },
-    /// A rectangle across an axis, cut into strips along another: of the fluid `u0`, `u1`, ..., the mean velocity along the
-    /// axis in each strip, in the order of the other axis.
+    /// A rectangle across an axis, cut into strips along another: of the fluid `u0`, `u1`, ..., the
+    /// mean velocity along the axis in each strip, in the order of the other axis.
     Profile {
         /// The axis: 0, 1, 2 for x, y, z.
         axis: usize,
@@ -61,20 +62,20 @@ pub enum ProbeShape {
         bins: usize,
     },
     /// Mean over a box. Of the fluid: `pressure`, `velocity_x`, `velocity_y`, `velocity_z`, and
-    /// `solid_fraction`, the part of its cells that moving bodies cover. Of the grains: `solid_fraction`,
-    /// the part of its volume that spheres fill, by the volumes that they and the box have in common;
-    /// `number` of centres in it; and `velocity_x`, `velocity_y`, `velocity_z`, the mean over the
-    /// volume filled.
+    /// `solid_fraction`, the part of its cells that moving bodies cover. Of the grains:
+    /// `solid_fraction`, the part of its volume that spheres fill, by the volumes that they and the
+    /// box have in common; `number` of centres in it; and `velocity_x`, `velocity_y`, `velocity_z`,
+    /// the mean over the volume filled.
     Region {
         /// Lower corner [m].
         min: [f64; 3],
         /// Upper corner [m].
         max: [f64; 3],
     },
-    /// In a ring. Of the fluid: the same means as in a box. Of the grains: `number` of centres in it;
-    /// `projected_area` [m²] of their spheres, seen along the ring's axis; and `area_fraction`, that over the
-    /// area of the ring's cross-section in the domain. Of a ring between a seat and what closes on it this
-    /// is the normalised area of stuck particles (Mutabaruka & Kamrin 2018).
+    /// In a ring. Of the fluid: the same means as in a box. Of the grains: `number` of centres in
+    /// it; `projected_area` [m²] of their spheres, seen along the ring's axis; and `area_fraction`,
+    /// that over the area of the ring's cross-section in the domain. Of a ring between a seat and
+    /// what closes on it this is the normalised area of stuck particles (Mutabaruka & Kamrin 2018).
     Ring(Ring),
 }
 

@@ -7,9 +7,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// Of its fluid only the mass is followed: density and pressure are the same everywhere in it. So
 /// times must be long beside the time that sound takes from piston to face, and there is no
-/// friction.
-/// Only the ratio `volume/area` enters the physics: a model cut by symmetry planes takes the area and
-/// the volume of the whole, or of its part, with the same result.
+/// friction. Only the ratio `volume/area` enters the physics: a model cut by symmetry planes takes
+/// the area and the volume of the whole, or of its part, with the same result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reservoir {

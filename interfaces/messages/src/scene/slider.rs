@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// M y'' = (fluid + grains + M g).axis - spring(y) + stops(y, y') + force
 /// ```
 ///
-/// y is the lift. The part does not turn. A part that symmetry planes cut, because the origin of its
-/// frame lies on them, is a whole: mass, spring, force and stops are those of the whole part, and
-/// loads count what the mirrored half gives.
+/// y is the lift. The part does not turn. A part that symmetry planes cut, because the origin of
+/// its frame lies on them, is a whole: mass, spring, force and stops are those of the whole part,
+/// and loads count what the mirrored half gives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slider {
@@ -43,9 +43,9 @@ pub enum SliderSpring {
         /// Force at lift 0 [N].
         preload: f64,
     },
-    /// `preload + rate (2 a/pi) tan(pi y/(2 a))`, a the stroke: coils that close one by one (Mutabaruka
-    /// & Kamrin, *Comput. Part. Mech.* 5, 2018). From where the tangent stiffness exceeds that of
-    /// the stops on, the force goes on as a straight line of that stiffness.
+    /// `preload + rate (2 a/pi) tan(pi y/(2 a))`, a the stroke: coils that close one by one
+    /// (Mutabaruka & Kamrin, *Comput. Part. Mech.* 5, 2018). From where the tangent stiffness
+    /// exceeds that of the stops on, the force goes on as a straight line of that stiffness.
     Tangent {
         /// Stiffness at lift 0 [N/m].
         rate: f64,
@@ -58,8 +58,8 @@ pub enum SliderSpring {
     Table(Vec<[f64; 2]>),
 }
 
-/// Ends of the travel: each a contact of the one mass, with a linear spring, and a dashpot that does not
-/// pull.
+/// Ends of the travel: each a contact of the one mass, with a linear spring, and a dashpot that
+/// does not pull.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stops {

@@ -23,8 +23,8 @@ pub struct DeformableSurface {
     pub sectors: u32,
     /// Name of the material, for contacts.
     pub material: String,
-    /// Stiffness of its contact with walls, planes and parts other than its carrier, for each unit of its
-    /// area [N/m³].
+    /// Stiffness of its contact with walls, planes and parts other than its carrier, for each unit
+    /// of its area [N/m³].
     pub seat_stiffness: f64,
     /// Shape at the start.
     #[serde(default)]
@@ -47,10 +47,11 @@ pub struct SurfaceStart {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
-    /// Radius and height `[r, z]` of each point at rest [m]. One with the radius 0 stays on the axis.
+    /// Radius and height `[r, z]` of each point at rest [m]. One with the radius 0 stays on the
+    /// axis.
     pub points: Vec<[f64; 2]>,
-    /// Its edges, the material to their left: those of the seat first, then the exposed, the covered and
-    /// the bonded.
+    /// Its edges, the material to their left: those of the seat first, then the exposed, the
+    /// covered and the bonded.
     pub edges: Vec<SectionEdge>,
 }
 

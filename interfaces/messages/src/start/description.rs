@@ -73,7 +73,8 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// A signal; its meaning is what `meanings` has for the last part of its name, after the last `.`.
+    /// A signal; its meaning is what `meanings` has for the last part of its name, after the last
+    /// `.`.
     pub fn new(name: impl Into<String>, unit: &str, meanings: &[(&str, &str)]) -> Self {
         let name = name.into();
         let last = name.rsplit('.').next().unwrap_or_default();

@@ -72,8 +72,8 @@ pub enum Reply {
         what: String,
         /// Window of the missing message.
         owed: u64,
-        /// When this wait began, after everything that the component had to send before: nanoseconds
-        /// of the machine's clock, comparable between processes.
+        /// When this wait began, after everything that the component had to send before:
+        /// nanoseconds of the machine's clock, comparable between processes.
         since: u64,
         /// When the last look at the channel began, by the same clock.
         looked: u64,

@@ -99,8 +99,8 @@ pub fn check(wiring: &Wiring) -> Result<(), ScheduleError> {
     Ok(())
 }
 
-/// Events of all operations, counted through the members: a number of its own for each, but one for the
-/// advances of two members with an exchange inside the window.
+/// Events of all operations, counted through the members: a number of its own for each, but one for
+/// the advances of two members with an exchange inside the window.
 fn events(wiring: &Wiring, phase: Phase) -> Result<Vec<usize>, ScheduleError> {
     let firsts: Vec<usize> = (wiring.members.iter())
         .scan(0, |next, member| {

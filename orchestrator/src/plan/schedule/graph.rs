@@ -2,9 +2,9 @@
 //! that happen again and again, and places with tokens between them.
 //!
 //! An event can happen when each place into it has a token; it takes one from each and puts one
-//! into each place out of it. The number of tokens on a cycle never changes. Hence two theorems: all events can go on
-//! for ever exactly when no cycle is without tokens; and a place holds at most as many tokens as
-//! lie on the poorest cycle through it.
+//! into each place out of it. The number of tokens on a cycle never changes. Hence two theorems:
+//! all events can go on for ever exactly when no cycle is without tokens; and a place holds at most
+//! as many tokens as lie on the poorest cycle through it.
 
 /// A place between two events.
 #[derive(Clone, Copy, Debug)]

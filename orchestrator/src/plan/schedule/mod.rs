@@ -12,21 +12,22 @@
 //! | fluid, parallel | as serial | advance, send loads; take events, state, surface |
 //!
 //! In a parallel schedule the fluid of window k advances with the bodies at the window's start, and
-//! takes the bodies at its end only afterwards; its loads of window k answer event list k-1. The surface is
-//! treated as a body is, and its loads as those on bodies. Inlets of grains may take velocities of
-//! the fluid at open faces. These velocities go along with the loads, before them
+//! takes the bodies at its end only afterwards; its loads of window k answer event list k-1. The
+//! surface is treated as a body is, and its loads as those on bodies. Inlets of grains may take
+//! velocities of the fluid at open faces. These velocities go along with the loads, before them
 //! ([`Wiring::with_ports`]).
 //!
 //! # Inside a window
 //!
-//! Grains and rubber advance together, in an exchange of their own that has as many messages as the rubber
-//! needs trials (`tremie_sdk`, `inside.rs`): its edges are in no script, and outside the marked graph. What
-//! the graph must know of it is that both advances are one event, which neither begins alone: [`check`]
-//! merges them, and a schedule in which one of them had to wait for the other's next window locks up.
-//! Inside, each side sends only what the other waits for, and sends nothing more until it has the answer:
-//! so at most one message is under way on each edge, whatever the number of trials; and two where the
-//! carriers of the start exchange, which nobody answers, are followed by those of the first substep. The
-//! tests carry the exchange out in any order of turns and count.
+//! Grains and rubber advance together, in an exchange of their own that has as many messages as the
+//! rubber needs trials (`tremie_sdk`, `inside.rs`): its edges are in no script, and outside the
+//! marked graph. What the graph must know of it is that both advances are one event, which neither
+//! begins alone: [`check`] merges them, and a schedule in which one of them had to wait for the
+//! other's next window locks up. Inside, each side sends only what the other waits for, and sends
+//! nothing more until it has the answer: so at most one message is under way on each edge, whatever
+//! the number of trials; and two where the carriers of the start exchange, which nobody answers,
+//! are followed by those of the first substep. The tests carry the exchange out in any order of
+//! turns and count.
 
 mod check;
 mod graph;
@@ -149,8 +150,8 @@ fn immerse(wiring: &mut Wiring, schedule: Schedule, rubber: usize, fluid: usize,
 }
 
 impl Wiring {
-    /// With the velocities at open faces that the fluid tells the grains: each time just before the loads,
-    /// of the same window.
+    /// With the velocities at open faces that the fluid tells the grains: each time just before the
+    /// loads, of the same window.
     pub fn with_ports(mut self) -> Self {
         let Some(load) = self.links.iter().find(|link| link.content == Content::Load) else {
             return self;

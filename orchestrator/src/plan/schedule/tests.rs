@@ -10,8 +10,8 @@ const SCHEDULES: [Schedule; 2] = [Schedule::Serial, Schedule::Parallel];
 const FLUID: usize = 0;
 const GRAINS: usize = 1;
 
-/// Carries scripts out step by step, as real components do, with channels of bounded depth; advances
-/// that belong to an exchange inside the window message by message.
+/// Carries scripts out step by step, as real components do, with channels of bounded depth;
+/// advances that belong to an exchange inside the window message by message.
 struct Play<'a> {
     wiring: &'a Wiring,
     /// Next operation of each member: window, index, and message inside an advance.
@@ -65,7 +65,8 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// The channel of a content inside the window that the member has; and whether it is the sender.
+    /// The channel of a content inside the window that the member has; and whether it is the
+    /// sender.
     fn inside(&self, member: usize, content: Content) -> Option<(usize, bool)> {
         let link = self.wiring.links.iter().position(|link| link.content == content)?;
         let Link { from, to, .. } = self.wiring.links[link];
@@ -265,8 +266,8 @@ fn rubber_takes_part_as_fluid_and_grains_do() {
 
 #[test]
 fn an_exchange_inside_a_window_that_cannot_begin_is_named() {
-    // The fluid wants the surface before it gives the loads of the window before; the rubber advances
-    // only with the grains, which want those loads first.
+    // The fluid wants the surface before it gives the loads of the window before; the rubber
+    // advances only with the grains, which want those loads first.
     let mut wiring = wire(Schedule::Serial, &TRIO);
     let rubber = &mut wiring.members[2].script;
     rubber.start = vec![Op::Send { edge: 4 }, Op::Advance];
@@ -355,7 +356,8 @@ proptest! {
         prop_assert!(play.most.iter().all(|most| *most <= 1 + usize::from(parallel)));
     }
 
-    /// Whatever is swapped, dropped or doubled in a script: if the check accepts it, it runs in any order.
+    /// Whatever is swapped, dropped or doubled in a script: if the check accepts it, it runs in any
+    /// order.
     #[test]
     fn what_the_check_accepts_runs(
         damage in prop::collection::vec((0usize..3, any::<bool>(), 0usize..3, 0usize..4, 0usize..4), 1..3),

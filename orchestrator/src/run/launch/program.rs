@@ -23,8 +23,9 @@ pub struct MissingProgram {
 }
 
 impl Program {
-    /// Finds the program that a manifest in `folder` calls `name`: a built-in component; else a path
-    /// from the manifest's folder; else a program beside this one; else one on the search path.
+    /// Finds the program that a manifest in `folder` calls `name`: a built-in component; else a
+    /// path from the manifest's folder; else a program beside this one; else one on the search
+    /// path.
     ///
     /// # Errors
     /// [`MissingProgram`], with the places that were looked at.

@@ -68,8 +68,8 @@ impl<S: ChannelMedium> Drive<'_, S> {
         }
     }
 
-    /// Tells observers that all is sent, and waits until they have written it: as long as each shows
-    /// progress, but no longer than the deadline.
+    /// Tells observers that all is sent, and waits until they have written it: as long as each
+    /// shows progress, but no longer than the deadline.
     pub(super) fn finish_observers(&mut self, course: &mut Course, window: u64) {
         let observers: Vec<usize> = (0..self.peers.len())
             .filter(|index| !self.physics.contains(index) && !course.finished[*index])

@@ -3,8 +3,8 @@
 //! Shared machines drift, so seconds of one moment say little of another. Each case is measured
 //! several times. Before each time the memory's bandwidth is measured, with as many threads. The
 //! results are the median, the range, and a kernel's share of that bandwidth. [`memory`] measures
-//! the bandwidth, each built-in
-//! component brings benchmarks of its own, and [`coupled`] measures whole runs by this very program.
+//! the bandwidth, each built-in component brings benchmarks of its own, and [`coupled`] measures
+//! whole runs by this very program.
 
 pub mod coupled;
 pub mod memory;

@@ -1,8 +1,8 @@
 //! `tremie report OUT`: the curves of finished runs on one sheet.
 //!
-//! Signals of one kind share a panel ([`panels`]): the pressures of all probes, the three components of
-//! a momentum. Several runs are drawn into the same panels. Signals that never change are listed
-//! beneath instead.
+//! Signals of one kind share a panel ([`panels`]): the pressures of all probes, the three
+//! components of a momentum. Several runs are drawn into the same panels. Signals that never change
+//! are listed beneath instead.
 
 pub mod panels;
 pub mod scale;

@@ -93,8 +93,8 @@ pub struct Check {
     pub expected: Option<f64>,
     /// Or bounds for it.
     pub between: Option<[f64; 2]>,
-    /// Or many numbers at once: a file with columns `signal`, `expected` and, for pictures, `x`. Their
-    /// last values count.
+    /// Or many numbers at once: a file with columns `signal`, `expected` and, for pictures, `x`.
+    /// Their last values count.
     pub table: Option<PathBuf>,
     /// Factor on all signals of the table.
     #[serde(default = "one")]
@@ -114,7 +114,8 @@ pub struct Check {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CheckKind {
-    /// Theory, experiment, or other people's computations: the physics is right within the tolerance.
+    /// Theory, experiment, or other people's computations: the physics is right within the
+    /// tolerance.
     #[default]
     Reference,
     /// A direction or an order that a source describes: the physics answers as it should.

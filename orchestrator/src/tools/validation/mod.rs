@@ -1,8 +1,8 @@
 //! Validation: scenes whose result is known from theory, experiment or other people's computations.
 //!
-//! A case is a folder with a manifest and a `case.toml` ([`case`]) that says where the reference comes
-//! from, the runs to make, and the tolerances of their results. Runs are made as a user makes them,
-//! by the program itself ([`execute`]). Their tables of signals
+//! A case is a folder with a manifest and a `case.toml` ([`case`]) that says where the reference
+//! comes from, the runs to make, and the tolerances of their results. Runs are made as a user makes
+//! them, by the program itself ([`execute`]). Their tables of signals
 //! ([`Signals`](tremie_results::Signals)) give numbers ([`measure`]) that are compared with the
 //! reference ([`judge`]). Results are kept in the case's folder ([`record`]), and all cases
 //! together make `VALIDATION.md` ([`report`], [`picture`]).
@@ -101,8 +101,8 @@ pub fn cases(folder: &Path, names: &[String]) -> Result<Vec<Case>, ValidationErr
 /// Makes the runs of a case in `scratch` and judges them; `say` gets a line for each finding.
 ///
 /// # Errors
-/// See [`ValidationError`]. A result outside its tolerance is none, nor is a run that fails: the record says so, and
-/// the other runs are made.
+/// See [`ValidationError`]. A result outside its tolerance is none, nor is a run that fails: the
+/// record says so, and the other runs are made.
 pub fn try_case(
     case: &Case,
     short: bool,
