@@ -9,7 +9,7 @@
 //! * overflow is off on every lossless channel, and a full channel is an error after a deadline,
 //!   never a silent loss and never an endless wait;
 //! * shared memory is set aside before it is touched ([`memory`]): touching a page that a full
-//! memory lacks ends the process by a signal;
+//!   memory lacks ends the process by a signal;
 //! * nodes install no signal handlers;
 //! * every run has a folder and a name prefix of its own, so that runs never meet and what a
 //!   killed run left can be told apart and swept ([`sweep`]).

@@ -13,7 +13,8 @@ pub enum Role {
     Fluid,
     /// Takes loads on bodies, gives their poses and the events of their lives.
     Grains,
-    /// Takes loads on deformable surfaces, gives their shapes and the forces on their carriers.
+    /// Takes loads on deformable surfaces, gives their shapes and what they pass on to their
+    /// carriers.
     Rubber,
     /// Watches; physics never waits for it longer than its bounded buffer allows.
     Observer,

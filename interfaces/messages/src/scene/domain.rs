@@ -104,11 +104,11 @@ pub struct OpenVelocity {
     pub course: Course,
 }
 
-/// Profile of a velocity over a face.
+/// Variation of a velocity over a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
-    /// The same velocity everywhere.
+    /// Not at all.
     Uniform,
     /// A parabola, zero at the edges, along each edge of the face that does not wrap around: the
     /// factor is the product of `4 s (1 - s)`, `s` running from 0 to 1 along the edge.
