@@ -111,8 +111,8 @@ fn a_grain_does_not_meet_the_cap_of_a_tube_beyond_the_domain() {
     assert_eq!(last(&ran, "grains.contacts"), 0.0);
 }
 
-/// A rod along the axis, longer than the domain, that turns and slides: it drags fluid and grain
-/// along, the same as one that is just as long as the domain.
+/// A rod along the axis, longer than the domain, turns and slides. It drags fluid and grain along,
+/// as a rod does that is just as long as the domain.
 #[test]
 fn a_rod_drags_fluid_and_grains_along_however_long_it_is() {
     let rod = |length: &str, x: &str| {

@@ -108,10 +108,10 @@ fn a_shut_valve_feels_what_is_beneath_within_its_ring() {
     assert!((forces[1] / forces[0] - 1.0).abs() < 1e-3, "{forces:?}");
 }
 
-/// The coarse valve with its rubber ring, from its beginning to its end: it begins at rest, opens
-/// at the pressure that lifts it off its seat, 10 %, the ring having given back much of its
-/// compression; holds where the forces balance, 2 %, while as much flows as the piston displaces, 1
-/// %; and shuts when the piston stops, and is tight.
+/// The coarse valve with its rubber ring, from its beginning to its end. It begins at rest. It
+/// opens at the pressure that lifts it off its seat, 10 %, when the ring has given back much of its
+/// compression. It holds where the forces balance, 2 %, while as much flows as the piston
+/// displaces, 1 %. It shuts when the piston stops, and is tight.
 #[test]
 fn pressure_valve() {
     let ran = run("examples/pressure-valve", &["--quiet"]).succeeded();
@@ -184,9 +184,9 @@ fn pressure_valve() {
     assert!(ran.out.join("valve.svg").exists());
 }
 
-/// The coarse valve with a rigid ring opens at the pressure that lifts it off its ring, 10 %, and
+/// The coarse valve with a rigid ring opens at the pressure that lifts it off its ring, 10 %. It
 /// holds where fluid and spring balance, 2 %, while as much flows as the piston displaces, 1 %.
-/// Before 12 ms the reservoir's pressure still swings, which takes up some of it.
+/// Before 12 ms the reservoir's pressure still swings, which takes up some of the flow.
 #[test]
 fn pressure_valve_with_a_rigid_ring() {
     let manifest = "examples/pressure-valve/rigid.toml";

@@ -1,5 +1,5 @@
-//! Faults committed on purpose, at random windows of both schedules: each is caught, both sides are
-//! named, outputs stay readable up to the last common window, and nothing is left behind.
+//! Faults committed on purpose, at random windows of both schedules. Each is caught, and both sides
+//! are named. Outputs stay readable up to the last common window, and nothing is left behind.
 
 use crate::tremie::{Ran, SMALL, run_text};
 

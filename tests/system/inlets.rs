@@ -74,8 +74,8 @@ fn a_stream_brings_grains_and_takes_them_away() {
     }
 }
 
-/// The stream, slower at first, as long as it takes to fill the region many times, with heavy
-/// grains that keep the velocity with which they come: that of the fluid at the face.
+/// The stream, slower at first, long enough to fill the region many times. Its heavy grains keep
+/// the velocity with which they come: the fluid's at the face.
 fn ramp() -> String {
     let given = r#"velocity = ["0 m/s", "0 m/s", "1 m/s"]"#;
     let probe = r#"

@@ -174,9 +174,9 @@ fn squeezed_and_thrown() -> Vec<String> {
     squeezed.chain(thrown).collect()
 }
 
-/// With friction and dashpots everywhere, contacts that open within a step, and grains on the
-/// ring's rims, which count with its foot or with its sides: it is thrown off nowhere, comes to
-/// rest on the largest, and all of it has the same bits in processes and threads.
+/// Friction and dashpots everywhere, contacts that open within a step, grains on the ring's rims,
+/// which count with its foot or with its sides. The ring is thrown off nowhere, and comes to rest
+/// on the largest grains. Processes and threads give the same bits.
 #[test]
 fn grains_with_dashpots_are_squeezed_and_thrown_at_the_ring() {
     let text = VALVE

@@ -182,8 +182,8 @@ fn rates_of_rows_add_up_to_what_passed() {
     }
 }
 
-/// A fixed ball in a fluid at rest, a slider, a prescribed part, a body and a clump: forces of the
-/// fluid on them mean the same, and have the same value.
+/// A fluid at rest with a fixed ball, a slider, a prescribed part, a body and a clump. Forces of
+/// the fluid on them mean the same, and have the same value.
 const RESTING: &str = r#"
 [run]
 until = "2 ms"

@@ -1,9 +1,9 @@
 //! The smallest fluid that can sit opposite Tremie's grains: Stokes drag and buoyancy.
 //!
-//! On each grain act `F = -3 pi mu d (V - u) - rho_f V_g g` and the torque `T = -pi mu d^3 omega`
-//! (Stokes 1851), with `u` the fluid's constant velocity. There is no lattice, and no grain acts on
-//! another through the fluid. This is right for a dilute suspension of very small grains, and a
-//! place to start for a fluid of your own. It uses nothing of Tremie but the sdk.
+//! On each grain act the force `F = -3 pi mu d (V - u) - rho_f V_g g` and the torque `T = -pi mu
+//! d^3 omega` (Stokes 1851). The fluid's velocity `u` is constant. There is no lattice, and no
+//! grain acts on another through the fluid. This is right for a dilute suspension of very small
+//! grains, and a place to start for a fluid of your own. It uses nothing of Tremie but the sdk.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

@@ -91,7 +91,7 @@ impl<S: ChannelMedium> Attachment<S> {
     /// Opens the sending end of a channel.
     ///
     /// # Errors
-    /// [`ChannelError::Open`], for example if the other end says other types or sizes.
+    /// [`ChannelError::Open`], for example if the other end has other types or sizes.
     pub fn sender<H: Message + Default, T: Message>(
         &self,
         spec: ChannelSpec<'_>,
@@ -114,7 +114,7 @@ impl<S: ChannelMedium> Attachment<S> {
     /// Opens the receiving end of a channel.
     ///
     /// # Errors
-    /// [`ChannelError::Open`], for example if the other end says other types or sizes.
+    /// [`ChannelError::Open`], for example if the other end has other types or sizes.
     pub fn receiver<H: Message + Default, T: Message>(
         &self,
         spec: ChannelSpec<'_>,
@@ -123,7 +123,7 @@ impl<S: ChannelMedium> Attachment<S> {
     }
 
     /// Frees the shared memory of members of the run that died. A sender whose receiver was killed
-    /// stays blocked until somebody does this.
+    /// stays blocked until then.
     pub fn clean_after_dead(&self) {
         self.node.try_cleanup_dead_nodes();
     }

@@ -73,7 +73,7 @@ impl<S: ChannelMedium, H: Message + Default, T: Message> Sender<S, H, T> {
             .publisher
             .loan_slice_uninit(count)
             .map_err(|e| ChannelError::failed(&self.name, e))?;
-        // Only the operating system hands out zeroed memory; a `T` must not be read before that.
+        // The memory of threads is not zeroed, and values that were never written must not be read.
         if !S::ZEROED {
             for slot in sample.payload_mut() {
                 *slot = MaybeUninit::zeroed();

@@ -32,9 +32,9 @@ pub struct FacetLoad {
     pub force: [f64; 3],
     /// A point on its line of action, near the facet [m].
     pub point: [f64; 3],
-    /// Rate at which the normal force of the contacts on the facet falls as the facet retreats
-    /// through the substep [N/m]: their springs' stiffness, and their dashpots' coefficients over
-    /// the substep's length; 0 from a fluid.
+    /// Rate at which the normal force of the contacts falls as the facet retreats through the
+    /// substep [N/m]. It is the stiffness of their springs, and the coefficients of their dashpots
+    /// over the substep's length; 0 from a fluid.
     pub stiffness: f64,
 }
 

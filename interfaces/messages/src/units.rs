@@ -154,7 +154,7 @@ pub fn wait(seconds: f64) -> Duration {
 /// The longest wait for anything: a day.
 pub const LONGEST_WAIT: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// Reads a quantity from a string and says, of anything else, what was expected.
+/// Reads a quantity from a string; its errors name the value found and the kind expected.
 struct QuantityVisitor<T> {
     kind: &'static str,
     example: &'static str,

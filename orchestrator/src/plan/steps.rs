@@ -48,12 +48,13 @@ impl Steps {
 
 /// Assigns steps for a run of `until` [s].
 ///
-/// The component with the largest step sets the window: one step of it, or `sync_iter` of them
-/// where the manifest fixes that (of several with the same step, the one with the fewest). Each
-/// other one makes `n = ceil(window/step)` substeps, and its step is shortened to `window/n`; it is
-/// never lengthened. A fixed `sync_iter` is taken as it is, and refused where it would lengthen a
-/// step. A component that can take any step takes the window, or `window/sync_iter`. Where all can,
-/// as grains that can touch nothing, a thousand windows make the run.
+/// The component with the largest step sets the window. The window is one step of it, or
+/// `sync_iter` steps where the manifest fixes that number. Of several with the same step, the one
+/// with the fewest steps sets it. Every other component makes `n = ceil(window/step)` substeps. Its
+/// step is shortened to `window/n`, and never lengthened. A fixed `sync_iter` is taken as it is,
+/// and refused where it would lengthen a step. A component that can take any step takes the window,
+/// or `window/sync_iter`. Where all can, as grains that can touch nothing, a thousand windows make
+/// the run.
 ///
 /// # Errors
 /// A fixed `sync_iter` that cannot be, more than 1000 substeps, no component at all, or more

@@ -100,7 +100,7 @@ fn reasons<'a>(
     [Some(most), other].into_iter().flatten().map(of).collect()
 }
 
-/// A time as a person says it.
+/// A time [s] in words.
 fn human(seconds: f64) -> String {
     const YEAR: f64 = 365.25 * 86_400.0;
     if seconds > 2.0 * YEAR {

@@ -97,8 +97,7 @@ impl Terminal {
         }
     }
 
-    /// Something that a user must read, and that says itself how bad it is; programs get it
-    /// otherwise.
+    /// Something that a user must read, with its verdict in the text; programs get it otherwise.
     pub fn point_out(&self, text: &str) {
         if matches!(self.style, Style::Person | Style::Quiet) {
             self.speak(text);

@@ -141,9 +141,9 @@ pub fn characteristics(
     })
 }
 
-/// The curves of pressure drop over rate of flow, of rate of flow and of flow coefficient over
-/// lift, while it is open, in the order of time: means over the `parts` of the run, so that sound
-/// averages out.
+/// The curves of pressure drop over rate of flow, of rate of flow over lift, and of flow
+/// coefficient over lift, in the order of time. Each point is a mean over one of `parts` of the
+/// run, so that sound averages out; only the open valve counts.
 ///
 /// # Errors
 /// A sentence, if a signal is missing.

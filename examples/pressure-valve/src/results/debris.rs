@@ -1,9 +1,9 @@
 //! Debris of grains that are stuck between a seat and what closes on it (Mutabaruka & Kamrin,
 //! *Comput. Part. Mech.* 5, 2018, appendix B).
 
-/// Debris if all stuck grains break [cubes of a grain's diameter]: their projected area,
-/// `normalised_area` of the `seat` [m²], times the `lift` [m], over the cube of the `diameter` [m]
-/// (Eq. 34).
+/// Debris if all stuck grains break [cubes of a grain's diameter] (Eq. 34). Its volume is the
+/// projected area of the grains, `normalised_area` of the `seat` [m²], times the `lift` [m]. It is
+/// divided by the cube of the `diameter` [m].
 pub(super) fn debris(lift: f64, seat: f64, normalised_area: f64, diameter: f64) -> f64 {
     lift * seat * normalised_area / (diameter * diameter * diameter)
 }

@@ -44,8 +44,8 @@ pub struct Working {
 /// The ring of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ring<'a> {
-    /// One with the valve; it touches the seat at a lift as high as its lip, and the stop there is
-    /// as stiff as the rubber is on the whole when the valve is shut.
+    /// Rigid, in one piece with the valve. It touches the seat at a lift as high as its lip. The
+    /// stop there is as stiff as the rubber is on the whole when the valve is shut.
     Rigid,
     /// Of rubber, at rest on its seat, its table in a file.
     Rubber(&'a str, Resting),

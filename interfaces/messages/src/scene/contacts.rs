@@ -40,9 +40,9 @@ pub enum Spring {
         /// Tangential stiffness [N/m].
         tangential_stiffness: f64,
     },
-    /// Hertz's normal force and Mindlin's tangential stiffness without slip, of bodies with reduced
-    /// radius `R*` that overlap by `delta`: `F_n = 4/3 E* sqrt(R*) delta^(3/2)`, `k_t = 8 G*
-    /// sqrt(R* delta)`.
+    /// Hertz's normal force, `F_n = 4/3 E* sqrt(R*) delta^(3/2)`, and Mindlin's tangential
+    /// stiffness without slip, `k_t = 8 G* sqrt(R* delta)`. The bodies have the reduced radius `R*`
+    /// and overlap by `delta`.
     Hertz {
         /// Effective Young's modulus `E*`, `1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2` [Pa].
         effective_modulus: f64,

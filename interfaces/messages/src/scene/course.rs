@@ -10,8 +10,8 @@ pub enum Course {
     /// Linear between points `[time [s], factor]` in the order of time, constant before the first
     /// and after the last. Without points it is 1.
     Points(Vec<[f64; 2]>),
-    /// Linear between two points or more, which come again and again: the time from the first to
-    /// the last is the period, and they stand for all time before and after.
+    /// Linear between two points or more, which come again and again, for all time before and
+    /// after. The time from the first to the last is the period.
     Repeat(Vec<[f64; 2]>),
     /// A sine.
     Sine(Sine),

@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 /// A region that is kept filled with spheres, so that they flow on from it at a solid fraction.
 ///
 /// Spheres come at the end of a window, one by one, where they overlap nothing, without spin. While
-/// they fall short, the next one waits for a place. The fraction is that of the volume that spheres
-/// and region have in common over the region's volume outside of parts, in the mean over time, from
-/// the mean distance on at which they come. They come whole, some radii away from where the stream
-/// enters, and before that the region holds less: so the stream beyond has the fraction, however
-/// long the region is.
+/// they fall short, the next one waits for a place.
+///
+/// The fraction is the volume that spheres and region have in common over the region's volume
+/// outside of parts. It is a mean over time, and holds from the mean distance on at which spheres
+/// come. They come whole, some radii away from where the stream enters, and before that the region
+/// holds less. So the stream beyond has the fraction, however long the region is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inlet {

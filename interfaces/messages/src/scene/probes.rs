@@ -45,8 +45,8 @@ pub enum ProbeShape {
         /// Upper corner [m].
         max: [f64; 3],
     },
-    /// A rectangle across an axis, cut into strips along another: of the fluid `u0`, `u1`, ..., the
-    /// mean velocity along the axis in each strip, in the order of the other axis.
+    /// A rectangle across an axis, cut into strips along another. Of the fluid: `u0`, `u1`, ...,
+    /// the mean velocity along the axis in each strip [m/s], in the order of the other axis.
     Profile {
         /// The axis: 0, 1, 2 for x, y, z.
         axis: usize,

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// M y'' = (fluid + grains + M g).axis - spring(y) + stops(y, y') + force
 /// ```
 ///
-/// y is the lift. The part does not turn. A part that symmetry planes cut, because the origin of
-/// its frame lies on them, is a whole: mass, spring, force and stops are those of the whole part,
-/// and loads count what the mirrored half gives.
+/// y is the lift. The part does not turn. Symmetry planes cut a part if the origin of its frame
+/// lies on them. Mass, spring, force and stops are then of the whole part, and loads count the
+/// mirrored half too.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slider {

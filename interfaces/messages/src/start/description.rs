@@ -42,7 +42,7 @@ pub struct Description {
     pub notes: Vec<String>,
     /// Doubtful things, with the remedy, that are no matter of a number.
     pub warnings: Vec<String>,
-    /// Numbers that say how far the results can be trusted, each with a verdict.
+    /// Findings: numbers with verdicts on how far the results can be trusted.
     #[serde(default)]
     pub findings: Vec<Finding>,
     /// Limits of its signals, judged when the run is over.

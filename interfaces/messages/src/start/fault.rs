@@ -37,7 +37,7 @@ pub enum FaultKind {
     Count,
     /// A number is not finite.
     NotFinite,
-    /// A message was sent, so its sender says, and never arrived.
+    /// A message was sent, as its sender reports, and never arrived.
     Lost,
     /// A peer's message did not come in time.
     Deadline,
@@ -47,11 +47,11 @@ pub enum FaultKind {
     Solver,
     /// A channel failed.
     Channel,
-    /// A component's process ended without a word.
+    /// A component's process ended without a reply.
     Exit,
     /// The start contract was broken.
     Contract,
-    /// An output could not be written, or not all of it: the disk is full, say.
+    /// An output could not be written, or not all of it: a full disk, for example.
     Output,
 }
 

@@ -1,7 +1,7 @@
 //! The start contract: a component process is started, describes itself, and gets its assignment.
 //!
 //! It is plain text, so that any language can take part. The orchestrator starts the program with
-//! the environment variable [`INTERFACE_VARIABLE`] set and speaks with it in lines of JSON, one
+//! the environment variable [`INTERFACE_VARIABLE`] set. Both exchange lines of JSON, one
 //! [`Request`] or [`Reply`] a line: requests on the component's standard input, replies on its
 //! standard output. Standard error is the component's own, and lands in the run's log.
 //!

@@ -55,9 +55,9 @@ struct Hit {
     lag: u64,
 }
 
-/// Checks that every edge is sent and received once a window, that every receive finds the message
-/// of its window, that no operations wait for each other in a circle, and that no channel has to
-/// hold more than its depth.
+/// Checks that every edge is sent and received once a window, and that every receive finds the
+/// message of its window. Checks that no operations wait for each other in a circle, and that no
+/// channel has to hold more than its depth.
 ///
 /// Each operation of the scripts is an event of a marked graph; the order inside a script and the
 /// edges are its places; a message that is received `lag` windows after it was sent makes `lag`

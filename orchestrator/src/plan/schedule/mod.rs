@@ -20,14 +20,15 @@
 //! # Inside a window
 //!
 //! Grains and rubber advance together, in an exchange of their own that has as many messages as the
-//! rubber needs trials (`tremie_sdk`, `inside.rs`): its edges are in no script, and outside the
-//! marked graph. What the graph must know of it is that both advances are one event, which neither
-//! begins alone: [`check`] merges them, and a schedule in which one of them had to wait for the
-//! other's next window locks up. Inside, each side sends only what the other waits for, and sends
-//! nothing more until it has the answer: so at most one message is under way on each edge, whatever
-//! the number of trials; and two where the carriers of the start exchange, which nobody answers,
-//! are followed by those of the first substep. The tests carry the exchange out in any order of
-//! turns and count.
+//! rubber needs trials (`tremie_sdk`, `substep_coupling.rs`). Its edges are in no script, and
+//! outside the marked graph. In the graph both advances are one event, because neither begins
+//! alone: [`check`] merges them. A schedule in which one of them had to wait for the other's next
+//! window locks up.
+//!
+//! Inside, each side sends only the message that the other waits for, and nothing more until the
+//! answer comes. So at most one message is under way on each edge, whatever the number of trials.
+//! There are two at the start: the carriers of the start exchange, which have no answer, and those
+//! of the first substep. The tests carry the exchange out in any order of turns and count.
 
 mod check;
 mod graph;
@@ -150,8 +151,8 @@ fn immerse(wiring: &mut Wiring, schedule: Schedule, rubber: usize, fluid: usize,
 }
 
 impl Wiring {
-    /// With the velocities at open faces that the fluid tells the grains: each time just before the
-    /// loads, of the same window.
+    /// Adds an edge for the velocities at open faces from fluid to grains: each message just before
+    /// the loads of the same window.
     pub fn with_ports(mut self) -> Self {
         let Some(load) = self.links.iter().find(|link| link.content == Content::Load) else {
             return self;

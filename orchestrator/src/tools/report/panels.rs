@@ -70,7 +70,8 @@ pub fn sort(runs: &[Run], wanted: &[String]) -> Report {
             continue;
         }
         let SignalName { of, kind, axis } = place(&name);
-        // What a component says of the whole is not mixed with another's of the same name.
+        // A component's signals of the whole are not mixed with another component's of the same
+        // name.
         let component = if of.is_empty() { name.split('.').next().unwrap_or("") } else { "" };
         // The order of keys is that of panels: `false` first, so probes and parts come first.
         let key = (of.is_empty(), component.to_string(), kind.to_string(), unit);

@@ -60,7 +60,7 @@ pub struct OfKind {
 pub struct Verdicts {
     /// By kind, in the order of [`CheckKind::ALL`](super::case::CheckKind::ALL).
     pub of_kind: [OfKind; 3],
-    /// Failures whose reason is known and said.
+    /// Failures with a stated reason.
     pub standing: usize,
     /// Other failures, of checks and of runs.
     pub failed: usize,
