@@ -171,7 +171,7 @@ impl Prepared {
         Ok((table, log, trace.transpose()?))
     }
 
-    /// Watches over the physics from now on.
+    /// Monitor of the physics, whose deadlines count from now on.
     fn monitor(&self, physics: &[usize]) -> Monitor {
         let watched = physics.iter().map(|&index| WatchedComponent {
             name: self.peers[index].name.clone(),
