@@ -163,10 +163,8 @@ fn private_folder(path: &Path) -> io::Result<()> {
 fn is_dead(folder: &Path) -> bool {
     match File::open(folder.join("lock")) {
         // The lock is let go when `lock` is dropped here. A living run holds it for good.
-        Ok(lock) => !matches!(
-            flock(&lock, FlockOperation::NonBlockingLockExclusive),
-            Err(Errno::WOULDBLOCK)
-        ),
+        // Any refusal means that it may live, also that of a file system without locks.
+        Ok(lock) => flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok(),
         // Gone meanwhile, or not ours to judge.
         Err(_) => false,
     }

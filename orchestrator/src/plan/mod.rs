@@ -14,6 +14,7 @@ mod streams;
 mod tests;
 
 pub(crate) use report::bytes;
+pub use steps::TOLERANCE;
 
 use crate::manifest::{ComponentSpec, Spec};
 use schedule::Wiring;

@@ -6,7 +6,7 @@ use tremie_messages::finding::short;
 use tremie_messages::start::Clock;
 
 /// Ratios this close to a whole number are that number: steps come from divisions.
-const TOLERANCE: f64 = 1e-9;
+pub const TOLERANCE: f64 = 1e-9;
 /// Windows of a run in which nothing asks for a step.
 const WINDOWS: f64 = 1000.0;
 /// Most ticks in a run: every count of them is exact in a 64-bit float too.

@@ -12,7 +12,7 @@ use tremie_messages::{Finding, Role};
 const LONG: f64 = 1e8;
 const ENDLESS: f64 = 1e10;
 /// Wall time beyond which a run is doubtful [s].
-const WEEK: f64 = 7.0 * 86_400.0;
+pub const WEEK: f64 = 7.0 * 86_400.0;
 
 /// Speed of a machine, for a guess before anything has run: least time of a window [s], cell
 /// updates and grain steps a second [1/s]. `check --measure` measures it.

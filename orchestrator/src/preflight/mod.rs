@@ -13,6 +13,7 @@ mod resources;
 mod steps;
 mod table;
 
+pub use length::WEEK;
 pub use machine::Machine;
 pub use table::{sentences, table, total};
 

@@ -101,13 +101,13 @@ fn disk(plan: &Plan, descriptions: &[Description]) -> u64 {
             FrameContent::Signals(_) => size_of::<f64>(),
             FrameContent::Log => 0,
         };
-        // The frame of the start exchange is one more.
-        let count = plan.windows / stream.every.max(1) + 1;
+        // The start exchange is one more, and the last window has a frame and a row whenever it comes.
+        let count = plan.windows.div_ceil(stream.every.max(1)) + 1;
         count.saturating_mul(stream.capacity.saturating_mul(value as u64))
     });
     let physics =
         plan.components.iter().zip(descriptions).filter(|(c, _)| c.role != Role::Observer);
     let columns: u64 = physics.map(|(_, description)| description.signals.len() as u64).sum();
-    let rows = plan.windows / plan.signal_rows_every.max(1) + 1;
+    let rows = plan.windows.div_ceil(plan.signal_rows_every.max(1)) + 1;
     frames.fold(rows.saturating_mul((columns + 2) * WRITTEN_NUMBER), u64::saturating_add)
 }

@@ -1,13 +1,11 @@
 //! Fit of the components' steps into windows.
 
 use crate::manifest::{ComponentSpec, Spec};
+use crate::plan::TOLERANCE;
 use crate::plan::{Plan, PlannedComponent};
 use tremie_messages::Finding;
 use tremie_messages::Role;
 use tremie_messages::finding::short;
-
-/// Ratios this close to a whole number are that number, as in the plan.
-const TOLERANCE: f64 = 1e-9;
 
 /// The ratio of window and step of each component that makes substeps.
 pub(super) fn findings(spec: &Spec, plan: &Plan) -> Vec<Finding> {

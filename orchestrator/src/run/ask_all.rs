@@ -1,6 +1,6 @@
 //! Round of questions: every component was asked something, and each answers in its own time.
 
-use crate::run::launch::{News, Peer, Post};
+use crate::run::launch::{ComponentEvent, Peer, PeerEvent};
 use crate::run::startup_log::EarlyLog;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -15,7 +15,7 @@ pub struct Round<'a> {
     /// The components.
     pub peers: &'a mut [Peer],
     /// Channel on which their answers arrive.
-    pub news: &'a Receiver<Post>,
+    pub news: &'a Receiver<PeerEvent>,
     /// Startup log, for lines of their standard error.
     pub early: &'a mut EarlyLog,
     /// Longest time for all to answer.
@@ -77,25 +77,25 @@ impl Round<'_> {
         &mut self,
         answers: &mut Answers,
         index: usize,
-        news: News,
+        news: ComponentEvent,
         take: &mut impl FnMut(usize, Reply) -> Result<(), String>,
     ) {
         match news {
-            News::Reply(reply) => match take(index, *reply) {
+            ComponentEvent::Reply(reply) => match take(index, *reply) {
                 Ok(()) => answers.open[index] = false,
                 Err(why) => answers.fail(index, why),
             },
-            News::Log(text) => {
+            ComponentEvent::Log(text) => {
                 answers.words[index].clone_from(&text);
                 self.early.push(index, text);
             }
-            News::Garbage(text) => answers.fail(
+            ComponentEvent::Garbage(text) => answers.fail(
                 index,
                 format!(
                     "it wrote a line on standard output that is no reply, which belongs on standard error: {text}"
                 ),
             ),
-            News::Closed => self.hear_end(answers, index),
+            ComponentEvent::Closed => self.hear_end(answers, index),
         }
     }
 

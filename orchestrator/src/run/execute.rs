@@ -2,17 +2,16 @@
 
 use crate::manifest::Manifest;
 use crate::outputs::{
-    self, ComponentSummary, Ending, OutputError, RunFolder, RunLog, SignalTable, Statistics,
-    Summary, Trace,
+    self, ComponentSummary, OutputError, RunFolder, RunLog, SignalTable, Statistics, Summary, Trace,
 };
 use crate::plan::REPORT_DEPTH;
 use crate::preflight;
 use crate::run::ask_all::{Round, Unanswered};
 use crate::run::control::Control;
 use crate::run::handshake::cores;
-use crate::run::launch::{News, Peer, Post, end_all};
+use crate::run::launch::{ComponentEvent, Peer, PeerEvent, end_all};
 use crate::run::monitor::{Monitor, WatchedComponent};
-use crate::run::run_loop::{Drive, Driven};
+use crate::run::run_loop::{LoopOutcome, RunLoop};
 use crate::run::stop_conditions::StopConditions;
 use crate::run::{EXIT_GRACE, Execution, Prepared, QUIT_GRACE, RunError, limits};
 use crate::terminal::Terminal;
@@ -36,7 +35,7 @@ pub struct Ended {
     pub summary: Summary,
     /// All components; observers among them may still be serving.
     peers: Vec<Peer>,
-    news: Receiver<Post>,
+    news: Receiver<PeerEvent>,
     _places: Option<RunPlaces>,
 }
 
@@ -117,7 +116,7 @@ impl Prepared {
 
         let physics: Vec<usize> =
             (0..self.peers.len()).filter(|i| self.peers[*i].role != Role::Observer).collect();
-        let drive = Drive {
+        let drive = RunLoop {
             control,
             descriptions: &self.descriptions,
             news: &self.news,
@@ -256,8 +255,8 @@ impl Prepared {
         RunError::NotReady(failed.iter().map(say).collect::<Vec<_>>().join("\n"))
     }
 
-    fn summarise(&self, driven: Driven) -> Summary {
-        let Driven { ending, window, totals, turns, observers, wall, table, .. } = driven;
+    fn summarise(&self, driven: LoopOutcome) -> Summary {
+        let LoopOutcome { ending, window, totals, turns, observers, wall, table, .. } = driven;
         let components = totals
             .into_iter()
             .map(|(index, totals)| {
@@ -301,14 +300,9 @@ impl Ended {
     pub fn is_serving(&mut self, name: &str) -> bool {
         // Not all that ever comes: an observer that never stops talking must not hold up its user.
         for (index, news) in self.news.try_iter().take(1000) {
-            self.peers[index].closed |= matches!(news, News::Closed);
+            self.peers[index].closed |= matches!(news, ComponentEvent::Closed);
         }
         self.peers.iter().any(|peer| peer.name == name && !peer.closed)
-    }
-
-    /// Ending of the run.
-    pub fn ending(&self) -> &Ending {
-        &self.summary.ending
     }
 
     /// Ends observers that are still there.

@@ -2,6 +2,7 @@
 
 use crate::manifest::Manifest;
 use crate::outputs::{Ending, JudgedFinding, RunFolder};
+use crate::preflight::WEEK;
 use crate::run::{Execution, RunError, prepare};
 use crate::terminal::{Style, Terminal};
 use indicatif::HumanDuration;
@@ -17,8 +18,6 @@ const TRIES: [Duration; 3] =
     [Duration::from_secs(2), Duration::from_secs(8), Duration::from_secs(60)];
 /// Interval of looks at the user's interrupts.
 const LOOK: Duration = Duration::from_millis(50);
-/// Wall time beyond which a run is doubtful [s].
-const LONG: f64 = 7.0 * 86_400.0;
 
 /// Runs some windows of the manifest without observers, throws their outputs away, and returns the
 /// wall time of all `windows` [s]. Programs are looked for in `folder` first.
@@ -112,5 +111,5 @@ fn judged((count, seconds): (u64, f64), windows: u64) -> Finding {
     let rate = count as f64 / seconds;
     let why = format!("about {human}: {windows} windows at {rate:.1} a second");
     let remedy = "a coarser grid: half as many cells along each axis take a sixteenth of the time, a tenth less a third less";
-    Finding::new("wall time", total, "s").because(&why).doubtful_if(total > LONG, why, remedy)
+    Finding::new("wall time", total, "s").because(&why).doubtful_if(total > WEEK, why, remedy)
 }

@@ -6,7 +6,7 @@ use crate::plan::{self, Plan};
 use crate::preflight::{self, Machine};
 use crate::run::ask_all::Round;
 use crate::run::handshake::{find_programs, introduce, start_all};
-use crate::run::launch::{Launcher, Peer, Post, end_all};
+use crate::run::launch::{Launcher, Peer, PeerEvent, end_all};
 use crate::run::startup_log::EarlyLog;
 use crate::run::{Execution, QUIT_GRACE, RunError};
 use std::path::Path;
@@ -27,7 +27,7 @@ pub struct Prepared {
     pub plan: Plan,
     /// Findings on the numbers of the run.
     pub findings: Vec<JudgedFinding>,
-    pub(super) news: Receiver<Post>,
+    pub(super) news: Receiver<PeerEvent>,
     pub(super) early: EarlyLog,
     pub(super) run: u64,
     /// Declared after the peers: it is dropped after them, when no process uses the places any

@@ -8,6 +8,9 @@ use standard::{answer, complain};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+/// Time between progress events in JSON.
+const JSON_INTERVAL: Duration = Duration::from_secs(1);
+
 /// Time between progress lines where there is no terminal to draw on.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
 
@@ -138,31 +141,40 @@ impl Terminal {
         }
     }
 
+    /// True if the user would see progress now.
+    pub fn wants_progress(&self) -> bool {
+        let since = self.last_plain.elapsed();
+        match self.style {
+            Style::Quiet | Style::Silent => false,
+            Style::Json => since > JSON_INTERVAL,
+            Style::Person if std::io::stderr().is_terminal() => true,
+            Style::Person => since > if self.told { PLAIN_INTERVAL } else { FIRST_LINE },
+        }
+    }
+
     /// Shows progress.
     pub fn progress(&mut self, progress: &Progress) {
+        if !self.wants_progress() {
+            return;
+        }
         match self.style {
             Style::Quiet | Style::Silent => {}
             Style::Json => {
-                // At most one event a second: the loop of windows comes here every millisecond.
-                if self.last_plain.elapsed() > Duration::from_secs(1) {
-                    self.last_plain = Instant::now();
-                    self.json(json!({
-                        "event": "progress", "window": progress.window, "windows": progress.windows,
-                        "time": progress.time, "windows_per_second": progress.rate,
-                        "seconds_left": progress.seconds_left(),
-                    }));
-                }
+                self.last_plain = Instant::now();
+                self.json(json!({
+                    "event": "progress", "window": progress.window, "windows": progress.windows,
+                    "time": progress.time, "windows_per_second": progress.rate,
+                    "seconds_left": progress.seconds_left(),
+                }));
             }
             Style::Person if std::io::stderr().is_terminal() => self.draw(progress),
-            Style::Person => {
-                let due = if self.told { PLAIN_INTERVAL } else { FIRST_LINE };
-                if progress.rate > 0.0 && self.last_plain.elapsed() > due {
-                    self.told = true;
-                    self.last_plain = Instant::now();
-                    let percent = 100 * progress.window / progress.windows.max(1);
-                    self.print(&format!("{percent:3} %  {}", progress.line()));
-                }
+            Style::Person if progress.rate > 0.0 => {
+                self.told = true;
+                self.last_plain = Instant::now();
+                let percent = 100 * progress.window / progress.windows.max(1);
+                self.print(&format!("{percent:3} %  {}", progress.line()));
             }
+            Style::Person => {}
         }
     }
 

@@ -1,7 +1,7 @@
 //! Lines of a component that is a process. Each pipe has a thread of its own, so that no component,
 //! busy or silent, holds up the orchestrator.
 
-use super::{News, Post};
+use super::{ComponentEvent, PeerEvent};
 use std::io::{BufRead, Read, Write};
 use std::sync::mpsc::{Receiver, SyncSender};
 use tremie_messages::start::Request;
@@ -25,22 +25,22 @@ const REPLY_LINE: u64 = 64 << 20;
 /// Longest part of a line that is no reply that goes into the message [characters].
 const GARBAGE: usize = 1000;
 
-/// Passes on replies from a component's standard output; then, at its end, [`News::Closed`].
-pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSender<Post>) {
+/// Passes on replies from a component's standard output; then, at its end, [`ComponentEvent::Closed`].
+pub(super) fn forward_replies(output: impl BufRead, index: usize, post: &SyncSender<PeerEvent>) {
     for line in lines(output, REPLY_LINE) {
         let news = match serde_json::from_str(&line) {
-            Ok(reply) => News::Reply(Box::new(reply)),
-            Err(_) => News::Garbage(line.chars().take(GARBAGE).collect()),
+            Ok(reply) => ComponentEvent::Reply(Box::new(reply)),
+            Err(_) => ComponentEvent::Garbage(line.chars().take(GARBAGE).collect()),
         };
         let _ = post.send((index, news));
     }
-    let _ = post.send((index, News::Closed));
+    let _ = post.send((index, ComponentEvent::Closed));
 }
 
 /// Passes on lines from a component's standard error.
-pub(super) fn forward_log(errors: impl BufRead, index: usize, post: &SyncSender<Post>) {
+pub(super) fn forward_log(errors: impl BufRead, index: usize, post: &SyncSender<PeerEvent>) {
     for line in lines(errors, LOG_LINE) {
-        let _ = post.send((index, News::Log(line)));
+        let _ = post.send((index, ComponentEvent::Log(line)));
     }
 }
 

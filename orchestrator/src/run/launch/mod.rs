@@ -23,7 +23,7 @@ use with_us::{Signal, end_with_us};
 
 /// Arrival from a component: a reply, a line, or its end.
 #[derive(Debug)]
-pub enum News {
+pub enum ComponentEvent {
     /// A reply on its line.
     Reply(Box<Reply>),
     /// A line on its standard output that is no reply.
@@ -35,22 +35,22 @@ pub enum News {
 }
 
 /// Arrival with the index of its component in the list of peers.
-pub type Post = (usize, News);
+pub type PeerEvent = (usize, ComponentEvent);
 
 /// Most arrivals under way. A component that writes faster than the orchestrator reads waits, as it
 /// would for a slow terminal.
-const NEWS_DEPTH: usize = 1024;
+const EVENT_DEPTH: usize = 1024;
 
 /// Starts components and collects their arrivals on one channel.
 pub struct Launcher {
-    post: SyncSender<Post>,
+    post: SyncSender<PeerEvent>,
     in_process: bool,
 }
 
 impl Launcher {
     /// A launcher of processes, or of threads of this one, and the channel of arrivals.
-    pub fn new(in_process: bool) -> (Self, Receiver<Post>) {
-        let (post, news) = sync_channel(NEWS_DEPTH);
+    pub fn new(in_process: bool) -> (Self, Receiver<PeerEvent>) {
+        let (post, news) = sync_channel(EVENT_DEPTH);
         (Self { post, in_process }, news)
     }
 
@@ -128,15 +128,15 @@ impl Launcher {
         let (post, errors) = (self.post.clone(), self.post.clone());
         thread(move || {
             for reply in from {
-                let _ = post.send((index, News::Reply(Box::new(reply))));
+                let _ = post.send((index, ComponentEvent::Reply(Box::new(reply))));
             }
-            let _ = post.send((index, News::Closed));
+            let _ = post.send((index, ComponentEvent::Closed));
         })?;
         let handle = std::thread::Builder::new()
             .name(name.to_string())
             .spawn(move || {
                 if let Err(message) = (component.run)(line) {
-                    let _ = errors.send((index, News::Log(message)));
+                    let _ = errors.send((index, ComponentEvent::Log(message)));
                 }
             })
             .map_err(no_thread)?;

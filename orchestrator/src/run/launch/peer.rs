@@ -23,7 +23,7 @@ pub struct Peer {
 }
 
 /// Signal that ends a process which touches memory that the system does not have (SIGBUS).
-const BUS_ERROR: i32 = 7;
+const BUS_ERROR: i32 = signal_hook::consts::SIGBUS;
 
 pub(super) enum Body {
     Process(Child),

@@ -2,7 +2,7 @@
 //! that physics never waits for the orchestrator.
 
 use super::ends::STOP_AHEAD;
-use super::{Course, Drive, Trouble};
+use super::{EndReason, LoopState, RunLoop};
 use std::time::Instant;
 use tremie_channels::ChannelMedium;
 use tremie_messages::control::Credit;
@@ -10,40 +10,40 @@ use tremie_messages::control::Credit;
 /// Wall time by which credit runs ahead [s]: the delay of a Ctrl-C.
 const CREDIT_AHEAD: f64 = 0.1;
 
-impl<S: ChannelMedium> Drive<'_, S> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Lets components advance some windows beyond the last that all have completed.
-    pub(super) fn grant(&mut self, course: &mut Course, now: Instant) -> Result<(), Trouble> {
-        if course.last.is_some() {
+    pub(super) fn grant(&mut self, state: &mut LoopState, now: Instant) -> Result<(), EndReason> {
+        if state.last.is_some() {
             return Ok(());
         }
         let done = self.monitor.common_window().map_or(0, |window| window + 1);
-        let since = now.duration_since(course.mark.1).as_secs_f64();
+        let since = now.duration_since(state.mark.1).as_secs_f64();
         // Rates of shorter times than 50 ms are mostly noise.
         if since > 0.05 {
-            course.rate = (done - course.mark.0) as f64 / since;
-            course.mark = (done, now);
+            state.rate = (done - state.mark.0) as f64 / since;
+            state.mark = (done, now);
         }
         // A condition ends the run STOP_AHEAD windows later. Credit stays below that window: a
         // component that advances through it must know that it is the last.
         let most = if self.stop.is_idle() { self.report_depth / 2 } else { STOP_AHEAD - 1 };
-        if !course.not_watching.is_empty() {
+        if !state.not_watching.is_empty() {
             // Only the start exchange, until lossless observers have taken their first frames.
-            return self.grant_through(course, 0);
+            return self.grant_through(state, 0);
         }
         // Never less than 4 windows: physics must not wait for the next look.
-        let ahead = ((course.rate * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
-        self.grant_through(course, (done + ahead).min(self.windows))
+        let ahead = ((state.rate * CREDIT_AHEAD) as u64).clamp(4.min(most), most);
+        self.grant_through(state, (done + ahead).min(self.windows))
     }
 
-    fn grant_through(&mut self, course: &mut Course, grant: u64) -> Result<(), Trouble> {
-        if course.granted.is_some_and(|granted| granted >= grant) {
+    fn grant_through(&mut self, state: &mut LoopState, grant: u64) -> Result<(), EndReason> {
+        if state.granted.is_some_and(|granted| granted >= grant) {
             return Ok(());
         }
         // Components without credit were silent rightly: their deadlines begin anew.
-        if course.granted.is_none_or(|granted| self.monitor.all_wait_for_credit(granted)) {
+        if state.granted.is_none_or(|granted| self.monitor.all_wait_for_credit(granted)) {
             self.monitor.granted(Instant::now());
         }
-        course.granted = Some(grant);
+        state.granted = Some(grant);
         for peer in &self.physics {
             self.control.say(*peer, Credit::ADVANCE, grant)?;
         }

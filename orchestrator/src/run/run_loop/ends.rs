@@ -1,6 +1,6 @@
 //! Ends of a run: early and in order, by a condition or by the user; or at once, by a fault.
 
-use super::{Course, Drive, Trouble};
+use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
 use crate::outputs::{Ending, LogLevel, OutputError};
 use std::sync::atomic::Ordering;
@@ -12,19 +12,19 @@ use tremie_messages::control::Credit;
 /// the last window does not depend on the speed at which the orchestrator looks.
 pub(super) const STOP_AHEAD: u64 = 64;
 
-impl<S: ChannelMedium> Drive<'_, S> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Ends in order at the user's first interrupt, at once at the second.
-    pub(super) fn heed_user(&mut self, course: &mut Course) -> Result<(), Trouble> {
+    pub(super) fn take_interrupts(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
         let asked = self.interrupts.load(Ordering::Relaxed);
-        let before = std::mem::replace(&mut course.asked, asked);
-        match (asked, course.last) {
+        let before = std::mem::replace(&mut state.asked, asked);
+        match (asked, state.last) {
             (0, _) => Ok(()),
             (1, None) => {
                 self.note(LogLevel::Info, ORCHESTRATOR, "the user asked for the end")?;
                 self.terminal.say("ending in order, with whole outputs; once more to end at once");
                 // Not earlier: some components may have advanced through all that was granted.
-                let last = course.granted.unwrap_or(0);
-                self.ask_to_finish(course, last, Ending::Interrupted)
+                let last = state.granted.unwrap_or(0);
+                self.ask_to_finish(state, last, Ending::Interrupted)
             }
             (1, Some(last)) => {
                 if before == 0 {
@@ -33,36 +33,36 @@ impl<S: ChannelMedium> Drive<'_, S> {
                 }
                 Ok(())
             }
-            _ => Err(Trouble::Impatience),
+            _ => Err(EndReason::Impatience),
         }
     }
 
     /// Makes `last` the last window of the run.
     pub(super) fn ask_to_finish(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         last: u64,
         reason: Ending,
-    ) -> Result<(), Trouble> {
-        course.last = Some(last);
-        course.granted = Some(last);
-        course.reason = Some(reason);
+    ) -> Result<(), EndReason> {
+        state.last = Some(last);
+        state.granted = Some(last);
+        state.reason = Some(reason);
         for peer in &self.physics {
             self.control.say(*peer, Credit::FINISH, last)?;
         }
         Ok(())
     }
 
-    /// Ending of the run after the loop of windows; stops components that `trouble` left running.
-    pub(super) fn conclude(&mut self, course: &mut Course, trouble: Option<Trouble>) -> Ending {
-        let Some(trouble) = trouble else {
-            return course.reason.take().unwrap_or(Ending::Completed);
+    /// Ending of the run after the loop of windows; stops components that `reason` left running.
+    pub(super) fn conclude(&mut self, state: &mut LoopState, reason: Option<EndReason>) -> Ending {
+        let Some(reason) = reason else {
+            return state.reason.take().unwrap_or(Ending::Completed);
         };
-        self.stop_physics(course);
-        match trouble {
-            Trouble::Impatience => Ending::Interrupted,
-            Trouble::Fault(fault) => Ending::Failed { fault: *fault },
-            Trouble::Output(error) => {
+        self.stop_physics(state);
+        match reason {
+            EndReason::Impatience => Ending::Interrupted,
+            EndReason::Fault(fault) => Ending::Failed { fault: *fault },
+            EndReason::Output(error) => {
                 let window = self.monitor.common_window().unwrap_or(0);
                 Ending::Failed { fault: error.into_fault(window) }
             }
@@ -70,7 +70,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
     }
 
     /// Writes the log's last line, at the last window that all components completed.
-    pub(super) fn note_ending(&mut self, ending: &Ending, window: u64) -> Result<(), OutputError> {
+    pub(super) fn log_ending(&mut self, ending: &Ending, window: u64) -> Result<(), OutputError> {
         match ending {
             Ending::Failed { fault } => {
                 self.note(LogLevel::Error, &fault.blamed, &fault.to_string())
@@ -84,9 +84,9 @@ impl<S: ChannelMedium> Drive<'_, S> {
     }
 
     /// Tells physics to end at once, and ends by force components that do not.
-    fn stop_physics(&mut self, course: &Course) {
+    fn stop_physics(&mut self, state: &LoopState) {
         for index in &self.physics {
-            if !course.finished[*index] && !self.peers[*index].closed {
+            if !state.finished[*index] && !self.peers[*index].closed {
                 // A broken channel changes nothing: the component is ended next.
                 let _ = self.control.say(*index, Credit::ABORT, 0);
             }

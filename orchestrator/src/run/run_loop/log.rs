@@ -1,15 +1,15 @@
 //! The run's log: lines of components, and notes of the orchestrator.
 
-use super::{Course, Drive, Trouble};
+use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
 use crate::outputs::{LogLevel, OutputError};
 use tremie_channels::ChannelMedium;
 use tremie_messages::Role;
 use tremie_messages::frame::LogHeader;
 
-impl<S: ChannelMedium> Drive<'_, S> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Writes the startup log into the run's log.
-    pub(super) fn hear_early(&mut self, course: &mut Course) -> Result<(), Trouble> {
+    pub(super) fn write_startup_log(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
         let bodies: u64 = self.descriptions.iter().map(|description| description.bodies).sum();
         let (windows, window) = (self.windows, self.clock.window());
         // With inlets the descriptions give room for bodies, not their number.
@@ -17,15 +17,15 @@ impl<S: ChannelMedium> Drive<'_, S> {
         let text = format!("{windows} windows of {window:.4e} s begin, with {room}{bodies} bodies");
         self.note_at(0, LogLevel::Info, ORCHESTRATOR, &text)?;
         for (index, text) in std::mem::take(&mut self.early).into_lines() {
-            self.hear_log(course, index, &text)?;
+            self.write_log(state, index, &text)?;
         }
         Ok(())
     }
 
     /// A component's line on standard error: JSON from the sdk's logger, or anything else.
-    pub(super) fn hear_log(
+    pub(super) fn write_log(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         index: usize,
         text: &str,
     ) -> Result<(), OutputError> {
@@ -45,7 +45,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
             LogLevel::Info => {}
             _ => self.terminal.warn(&format!("{name}: {message}")),
         }
-        course.words[index].clone_from(&message);
+        state.words[index].clone_from(&message);
         // Into the file only. Such lines differ from run to run (the port of a server, say), and
         // recordings of equal runs must be equal.
         let window = self.monitor.common_window().unwrap_or(0);
@@ -64,7 +64,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         self.note_at(window, level, from, message)
     }
 
-    /// As [`Drive::note`], for a given window: a line that depends on the physics alone must not
+    /// As [`RunLoop::note`], for a given window: a line that depends on the physics alone must not
     /// depend on the time of the orchestrator's look.
     pub(super) fn note_at(
         &mut self,

@@ -1,23 +1,24 @@
 //! The loop of windows: reports and rows come in, guards watch, and everything ends in order.
 
+mod component_events;
 mod credit;
+mod end_reason;
 mod ends;
 mod log;
-mod news;
 mod observers;
 mod progress;
-mod trouble;
 mod windows;
 
 use crate::outputs::ComponentTotals;
 use crate::outputs::ScheduleTiming;
 use crate::outputs::{Ending, RunLog, SignalTable, Trace};
 use crate::run::control::Control;
-use crate::run::launch::{Peer, Post};
+use crate::run::launch::{Peer, PeerEvent};
 use crate::run::monitor::Monitor;
 use crate::run::startup_log::EarlyLog;
 use crate::run::stop_conditions::StopConditions;
 use crate::terminal::Terminal;
+use end_reason::EndReason;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 use std::sync::mpsc::Receiver;
@@ -25,10 +26,9 @@ use std::time::{Duration, Instant};
 use tremie_channels::ChannelMedium;
 use tremie_messages::schedule::Schedule;
 use tremie_messages::start::{Clock, Description, Fault};
-use trouble::Trouble;
 
 /// Parts of a run in progress.
-pub struct Drive<'a, S: ChannelMedium> {
+pub struct RunLoop<'a, S: ChannelMedium> {
     /// Shared memory.
     pub control: Control<S>,
     /// All components, in the order of the plan.
@@ -36,7 +36,7 @@ pub struct Drive<'a, S: ChannelMedium> {
     /// Their descriptions.
     pub descriptions: &'a [Description],
     /// Channel on which their replies, log lines and ends arrive.
-    pub news: &'a Receiver<Post>,
+    pub news: &'a Receiver<PeerEvent>,
     /// Lines that they wrote to standard error before.
     pub early: EarlyLog,
     /// Progress of the physics.
@@ -72,7 +72,7 @@ pub struct Drive<'a, S: ChannelMedium> {
 }
 
 /// Result of the loop of windows.
-pub struct Driven {
+pub struct LoopOutcome {
     /// Ending of the run.
     pub ending: Ending,
     /// Last window that all components completed.
@@ -90,7 +90,7 @@ pub struct Driven {
 }
 
 /// State of the loop.
-struct Course {
+struct LoopState {
     begin: Instant,
     granted: Option<u64>,
     /// Last window of the run, once the end was asked for early.
@@ -115,10 +115,10 @@ struct Course {
     mark: (u64, Instant),
     rate: f64,
     /// The user has seen the shares of a window's time.
-    told_turns: bool,
+    shown_timing: bool,
 }
 
-impl Course {
+impl LoopState {
     fn begin(peers: usize, lossless: &[usize]) -> Self {
         let now = Instant::now();
         Self {
@@ -137,18 +137,18 @@ impl Course {
             notes: BTreeMap::new(),
             mark: (0, now),
             rate: 0.0,
-            told_turns: false,
+            shown_timing: false,
         }
     }
 }
 
-impl<S: ChannelMedium> Drive<'_, S> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Runs the windows to the end of the run, and closes its outputs.
-    pub fn run(mut self) -> Driven {
-        let mut course = Course::begin(self.peers.len(), &self.lossless);
-        let went = self.hear_early(&mut course).and_then(|()| self.windows_go_by(&mut course));
-        let wall = course.begin.elapsed();
-        let mut ending = self.conclude(&mut course, went.err());
+    pub fn run(mut self) -> LoopOutcome {
+        let mut state = LoopState::begin(self.peers.len(), &self.lossless);
+        let went = self.write_startup_log(&mut state).and_then(|()| self.run_windows(&mut state));
+        let wall = state.begin.elapsed();
+        let mut ending = self.conclude(&mut state, went.err());
         // Rows that were complete when the end came belong to the record.
         let _ = self.take_reports();
         let rows = self.take_last_rows().and_then(|()| self.table.close());
@@ -158,17 +158,25 @@ impl<S: ChannelMedium> Drive<'_, S> {
             ending.spoil(error.into_fault(window));
         }
         // Before observers finish: the line is part of their recordings.
-        if let Err(error) = self.note_ending(&ending, window) {
+        if let Err(error) = self.log_ending(&ending, window) {
             ending.spoil(error.into_fault(window));
         }
-        course.is_over = true;
-        self.finish_observers(&mut course, window);
-        if let Some(fault) = course.spoilt.take() {
+        state.is_over = true;
+        self.finish_observers(&mut state, window);
+        if let Some(fault) = state.spoilt.take() {
             ending.spoil(fault);
         }
         let turns = self.turns(window);
         let totals =
             self.physics.iter().copied().zip(self.monitor.totals().iter().copied()).collect();
-        Driven { ending, window, totals, turns, observers: course.notes, wall, table: self.table }
+        LoopOutcome {
+            ending,
+            window,
+            totals,
+            turns,
+            observers: state.notes,
+            wall,
+            table: self.table,
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Observers in the loop of windows: they never stop the physics, and are waited for a bounded
 //! time.
 
-use super::{Course, Drive, Trouble};
+use super::{EndReason, LoopState, RunLoop};
 use crate::outputs::{LogLevel, OutputError};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -15,21 +15,21 @@ const FIRST_FRAMES: Duration = Duration::from_secs(10);
 /// Longest time without progress of an observer, once all is sent; then it has hung.
 const SILENCE: Duration = Duration::from_secs(5);
 
-impl<S: ChannelMedium> Drive<'_, S> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Gives an observer up that failed: a warning, and nothing waits for it any longer.
     pub(super) fn lose_observer(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         index: usize,
         why: &str,
     ) -> Result<(), OutputError> {
-        course.finished[index] = true;
-        course.not_watching.retain(|other| *other != index);
+        state.finished[index] = true;
+        state.not_watching.retain(|other| *other != index);
         let name = self.peers[index].name.clone();
-        let goes_on = if course.is_over { "" } else { ", the run goes on" };
+        let goes_on = if state.is_over { "" } else { ", the run goes on" };
         let text = format!("{name} is lost{goes_on}: {why}");
         self.terminal.warn(&text);
-        course.notes.insert(name.clone(), format!("lost: {why}"));
+        state.notes.insert(name.clone(), format!("lost: {why}"));
         self.peers[index].end(Duration::from_millis(100));
         // Its channels would stay full, and senders of lossless frames would wait for it.
         self.control.clean_after_dead();
@@ -39,17 +39,17 @@ impl<S: ChannelMedium> Drive<'_, S> {
     /// Gives up lossless observers that took no frame although the start exchange is long over.
     pub(super) fn lose_blind_observers(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         now: Instant,
     ) -> Result<(), OutputError> {
         if self.monitor.common_window().is_none() {
             return Ok(());
         }
-        let begun = *course.begun.get_or_insert(now);
+        let begun = *state.begun.get_or_insert(now);
         if now.duration_since(begun) > FIRST_FRAMES {
-            for index in std::mem::take(&mut course.not_watching) {
+            for index in std::mem::take(&mut state.not_watching) {
                 let why = format!("it took no frame within {} s", FIRST_FRAMES.as_secs());
-                self.lose_observer(course, index, &why)?;
+                self.lose_observer(state, index, &why)?;
             }
         }
         Ok(())
@@ -58,52 +58,52 @@ impl<S: ChannelMedium> Drive<'_, S> {
     /// Gives up an observer to which a component sends no more.
     pub(super) fn give_up(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         name: &str,
         why: &str,
     ) -> Result<(), OutputError> {
         match self.peers.iter().position(|peer| peer.name == name) {
-            Some(index) if !course.finished[index] => self.lose_observer(course, index, why),
+            Some(index) if !state.finished[index] => self.lose_observer(state, index, why),
             _ => Ok(()),
         }
     }
 
     /// Tells observers that all is sent, and waits until they have written it: as long as each
     /// shows progress, but no longer than the deadline.
-    pub(super) fn finish_observers(&mut self, course: &mut Course, window: u64) {
+    pub(super) fn finish_observers(&mut self, state: &mut LoopState, window: u64) {
         let observers: Vec<usize> = (0..self.peers.len())
-            .filter(|index| !self.physics.contains(index) && !course.finished[*index])
+            .filter(|index| !self.physics.contains(index) && !state.finished[*index])
             .collect();
         for index in &observers {
             let _ = self.control.say(*index, Credit::FINISH, window);
         }
         let begin = Instant::now();
-        course.heard.fill(begin);
-        while observers.iter().any(|index| !course.finished[*index]) {
+        state.heard.fill(begin);
+        while observers.iter().any(|index| !state.finished[*index]) {
             for index in &observers {
-                if let Some(why) = self.waited_enough(course, *index, begin) {
-                    let _ = self.lose_observer(course, *index, &why);
+                if let Some(why) = self.waited_enough(state, *index, begin) {
+                    let _ = self.lose_observer(state, *index, &why);
                 }
             }
             // The physics is over: a fault now concerns observers only, and the files that they
             // write.
-            if let Err(Trouble::Fault(fault)) = self.hear_news(course, Duration::from_millis(5))
+            if let Err(EndReason::Fault(fault)) = self.take_events(state, Duration::from_millis(5))
                 && fault.kind == FaultKind::Output
             {
-                course.spoilt.get_or_insert(*fault);
+                state.spoilt.get_or_insert(*fault);
             }
         }
     }
 
     /// Reason to wait no longer for observer `index`, told to finish at `begin`; `None` to wait on.
-    fn waited_enough(&self, course: &Course, index: usize, begin: Instant) -> Option<String> {
+    fn waited_enough(&self, state: &LoopState, index: usize, begin: Instant) -> Option<String> {
         // A deadline that is short for physics still leaves a moment to close files.
         let most = units::wait(self.deadline).max(SILENCE);
-        if course.finished[index] {
+        if state.finished[index] {
             None
-        } else if self.interrupts.load(Ordering::Relaxed) > course.asked {
+        } else if self.interrupts.load(Ordering::Relaxed) > state.asked {
             Some("the user did not want to wait for it".into())
-        } else if course.heard[index].elapsed() > SILENCE {
+        } else if state.heard[index].elapsed() > SILENCE {
             Some(format!("it did not finish: no progress within {} s", SILENCE.as_secs()))
         } else if begin.elapsed() > most {
             let seconds = most.as_secs_f64();

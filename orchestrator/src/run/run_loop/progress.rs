@@ -1,6 +1,6 @@
 //! Progress of a run for the user: windows, rates, shares of wall time, bodies.
 
-use super::{Course, Drive};
+use super::{LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
 use crate::outputs::ScheduleTiming;
 use crate::outputs::{LogLevel, OutputError};
@@ -19,7 +19,7 @@ const FEW_WINDOWS: u64 = 100;
 /// Signal of grains with the number of bodies, where bodies come and go.
 const BODIES: &str = "bodies";
 
-impl<S: ChannelMedium> Drive<'_, S> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Full name of the signal with the number of bodies, where bodies come and go.
     pub(super) fn changing_bodies(&self) -> Option<String> {
         let counted = |(peer, description): (&Peer, &Description)| {
@@ -47,17 +47,17 @@ impl<S: ChannelMedium> Drive<'_, S> {
     }
 
     /// Shows the shares of a window's time once, after some windows.
-    pub(super) fn tell_turns(
+    pub(super) fn show_timing(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         now: Instant,
     ) -> Result<(), OutputError> {
-        let begun = course.begun.is_some_and(|begun| now.duration_since(begun) > MEASURED);
+        let begun = state.begun.is_some_and(|begun| now.duration_since(begun) > MEASURED);
         let window = self.monitor.common_window().unwrap_or(0);
-        if course.told_turns || !begun || window < FEW_WINDOWS {
+        if state.shown_timing || !begun || window < FEW_WINDOWS {
             return Ok(());
         }
-        course.told_turns = true;
+        state.shown_timing = true;
         let Some(turns) = self.turns(window) else { return Ok(()) };
         self.terminal.say(&turns.to_string());
         // Into the file only: measured times differ from run to run, and recordings of equal runs
@@ -67,14 +67,18 @@ impl<S: ChannelMedium> Drive<'_, S> {
     }
 
     /// Shows windows done, their rate, and shares of wall time.
-    pub(super) fn show_progress(&mut self, course: &Course, now: Instant) {
+    pub(super) fn show_progress(&mut self, state: &LoopState, now: Instant) {
+        // This is asked after every look at the channels, some thousand times a second.
+        if !self.terminal.wants_progress() {
+            return;
+        }
         let window = self.monitor.common_window().unwrap_or(0);
-        let elapsed = now.duration_since(course.begin).as_secs_f64();
+        let elapsed = now.duration_since(state.begin).as_secs_f64();
         let mut progress = Progress {
             window,
             windows: self.windows,
             time: self.clock.seconds(window * self.clock.ticks_per_window),
-            rate: course.rate,
+            rate: state.rate,
             work: Vec::new(),
             shares: Vec::new(),
             bodies: self.bodies(),

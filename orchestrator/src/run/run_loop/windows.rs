@@ -1,7 +1,7 @@
 //! One round of the loop of windows: arrivals, reports, rows, guards, credit.
 
 use super::ends::STOP_AHEAD;
-use super::{Course, Drive, Trouble};
+use super::{EndReason, LoopState, RunLoop};
 use crate::manifest::ORCHESTRATOR;
 use crate::outputs::SignalRow;
 use crate::outputs::{Ending, LogLevel, OutputError};
@@ -13,57 +13,57 @@ use tremie_messages::units;
 /// ahead.
 const LOOK: Duration = Duration::from_millis(1);
 
-impl<S: ChannelMedium> Drive<'_, S> {
-    pub(super) fn windows_go_by(&mut self, course: &mut Course) -> Result<(), Trouble> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
+    pub(super) fn run_windows(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
         loop {
             // Arrivals first: a component's word of a fault came before the silence that follows
             // it.
-            self.hear_news(course, LOOK)?;
+            self.take_events(state, LOOK)?;
             self.take_reports()?;
-            self.take_rows(course)?;
+            self.take_rows(state)?;
             let now = Instant::now();
             // A finished component sent its reports before, so all of them are taken by now.
-            if self.physics.iter().all(|index| course.finished[*index]) {
+            if self.physics.iter().all(|index| state.finished[*index]) {
                 return Ok(());
             }
             // Later than the components' own deadline: a peer that waits names both sides.
             let deadline = units::wait(1.2 * self.deadline + 0.1);
             let lost = self.monitor.lost_message();
-            let granted = course.granted.unwrap_or(0);
+            let granted = state.granted.unwrap_or(0);
             if let Some(fault) = lost.or_else(|| self.monitor.silent(now, granted, deadline)) {
                 return Err(fault.into());
             }
-            self.lose_blind_observers(course, now)?;
-            self.heed_user(course)?;
-            self.grant(course, now)?;
-            self.tell_turns(course, now)?;
-            self.show_progress(course, now);
+            self.lose_blind_observers(state, now)?;
+            self.take_interrupts(state)?;
+            self.grant(state, now)?;
+            self.show_timing(state, now)?;
+            self.show_progress(state, now);
         }
     }
 
-    pub(super) fn take_reports(&mut self) -> Result<(), Trouble> {
+    pub(super) fn take_reports(&mut self) -> Result<(), EndReason> {
         let now = Instant::now();
         let (monitor, trace) = (&mut self.monitor, &mut self.trace);
         for (watched, peer) in self.physics.iter().enumerate() {
             self.control.reports(*peer, |report, signals| {
                 monitor.report(watched, report, signals, now)?;
                 let trace = trace.as_mut();
-                Ok::<_, Trouble>(trace.map_or(Ok(()), |trace| trace.take(watched, report))?)
+                Ok::<_, EndReason>(trace.map_or(Ok(()), |trace| trace.take(watched, report))?)
             })?;
         }
         Ok(())
     }
 
-    fn take_rows(&mut self, course: &mut Course) -> Result<(), Trouble> {
+    fn take_rows(&mut self, state: &mut LoopState) -> Result<(), EndReason> {
         while let Some(row) = self.monitor.next_row() {
             let SignalRow { window, values, .. } = &row;
             let time = self.clock.seconds(window * self.clock.ticks_per_window);
             // A later condition changes nothing: the last window is fixed once.
-            if let Some(reason) = self.stop.look(time, values).filter(|_| course.last.is_none()) {
+            if let Some(reason) = self.stop.look(time, values).filter(|_| state.last.is_none()) {
                 let last = (window + STOP_AHEAD).min(self.windows);
                 let text = format!("{reason}: the run ends at window {last}");
                 self.note_at(*window, LogLevel::Info, ORCHESTRATOR, &text)?;
-                self.ask_to_finish(course, last, Ending::Stopped { reason })?;
+                self.ask_to_finish(state, last, Ending::Stopped { reason })?;
             }
             self.table.take(row)?;
         }

@@ -2,7 +2,7 @@
 
 use super::subject::Subject;
 use crate::outputs::Ending;
-use crate::run::launch::News;
+use crate::run::launch::ComponentEvent;
 use std::time::{Duration, Instant};
 use tremie_messages::start::{Fault, FaultKind, Hello, InjectionKind, Reply};
 use tremie_messages::{INTERFACE_VERSION, Role};
@@ -69,7 +69,7 @@ fn ends_alone(subject: &Subject) -> Result<(), String> {
     let deadline = Instant::now() + EXIT;
     loop {
         match news.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
-            Ok((_, News::Closed)) => return Ok(()),
+            Ok((_, ComponentEvent::Closed)) => return Ok(()),
             Ok(_) => {}
             Err(_) => {
                 let text = "it still ran after its standard input was closed";

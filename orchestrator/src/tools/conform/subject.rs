@@ -3,7 +3,7 @@
 use super::ConformArgs;
 use crate::manifest::{self, Manifest, START_WITHIN};
 use crate::outputs::{RunFolder, Summary};
-use crate::run::launch::{Launcher, News, Peer, Post, Program};
+use crate::run::launch::{ComponentEvent, Launcher, Peer, PeerEvent, Program};
 use crate::run::{Execution, prepare};
 use crate::terminal::{Style, Terminal};
 use std::path::{Path, PathBuf};
@@ -86,7 +86,7 @@ impl Subject {
     }
 
     /// Starts the program alone.
-    pub fn start(&self) -> Result<(Peer, Receiver<Post>), String> {
+    pub fn start(&self) -> Result<(Peer, Receiver<PeerEvent>), String> {
         let (launcher, news) = Launcher::new(false);
         let peer = launcher.start(0, self.role.name(), self.role, &self.program)?;
         Ok((peer, news))
@@ -110,7 +110,7 @@ impl Subject {
     }
 
     /// Starts the program, says `hello`, and returns it with its answer.
-    pub fn greet(&self, hello: Hello) -> Result<(Peer, Receiver<Post>, Reply), String> {
+    pub fn greet(&self, hello: Hello) -> Result<(Peer, Receiver<PeerEvent>, Reply), String> {
         let (mut peer, news) = self.start()?;
         peer.send(Request::Hello(Box::new(hello)));
         let reply = next_reply(&news)?;
@@ -160,19 +160,21 @@ impl Subject {
 }
 
 /// The next reply of the program.
-pub fn next_reply(news: &Receiver<Post>) -> Result<Reply, String> {
+pub fn next_reply(news: &Receiver<PeerEvent>) -> Result<Reply, String> {
     let deadline = Instant::now() + units::wait(START_WITHIN);
     let mut words = String::new();
     while Instant::now() < deadline {
         // One deadline for all lines: a program that only writes logs must not stop the clock.
         let left = deadline.saturating_duration_since(Instant::now());
         match news.recv_timeout(left) {
-            Ok((_, News::Reply(reply))) => return Ok(*reply),
-            Ok((_, News::Log(text))) => words = text,
-            Ok((_, News::Garbage(text))) => {
+            Ok((_, ComponentEvent::Reply(reply))) => return Ok(*reply),
+            Ok((_, ComponentEvent::Log(text))) => words = text,
+            Ok((_, ComponentEvent::Garbage(text))) => {
                 return Err(format!("it wrote a line on standard output that is no reply: {text}"));
             }
-            Ok((_, News::Closed)) => return Err(format!("it ended without an answer; {words}")),
+            Ok((_, ComponentEvent::Closed)) => {
+                return Err(format!("it ended without an answer; {words}"));
+            }
             Err(_) => break,
         }
     }

@@ -50,16 +50,6 @@ pub struct TableEntry {
     pub found: f64,
 }
 
-impl Finding {
-    /// Deviation from a reference number, relative.
-    pub fn deviation(&self) -> Option<f64> {
-        match self.reference {
-            Reference::Number(expected, _) => Some(self.found / expected - 1.0),
-            _ => None,
-        }
-    }
-}
-
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { check, unit, found, reference, passed, .. } = self;

@@ -109,7 +109,7 @@ pub fn try_case(
     scratch: &Path,
     say: &mut dyn FnMut(&str),
 ) -> Result<Record, ValidationError> {
-    let mut record = Record::new(case, short);
+    let mut record = Record::new(short);
     let mut before = Vec::new();
     for run in case.runs.iter().filter(|run| !short || run.short.is_some()) {
         let judged = execute::run(case, run, short, scratch).and_then(|outcome| {

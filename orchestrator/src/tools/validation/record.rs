@@ -85,7 +85,7 @@ impl Verdicts {
 
 impl Record {
     /// Nothing has come out yet.
-    pub fn new(_case: &Case, short: bool) -> Self {
+    pub fn new(short: bool) -> Self {
         Self { version: env!("CARGO_PKG_VERSION").into(), short, runs: Vec::new() }
     }
 

@@ -1,7 +1,7 @@
 //! Replies, log lines and ends of components, as they arrive.
 
-use super::{Course, Drive, Trouble};
-use crate::run::launch::News;
+use super::{EndReason, LoopState, RunLoop};
+use crate::run::launch::ComponentEvent;
 use crate::run::monitor::Waiting;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -12,14 +12,18 @@ use tremie_messages::start::{Fault, FaultKind, Reply};
 /// reports, deadlines and Ctrl-C waiting.
 const BATCH: usize = 256;
 
-impl<S: ChannelMedium> Drive<'_, S> {
+impl<S: ChannelMedium> RunLoop<'_, S> {
     /// Handles arrivals since the last look, at most [`BATCH`]; sleeps up to `nap` if there are
     /// none.
-    pub(super) fn hear_news(&mut self, course: &mut Course, nap: Duration) -> Result<(), Trouble> {
+    pub(super) fn take_events(
+        &mut self,
+        state: &mut LoopState,
+        nap: Duration,
+    ) -> Result<(), EndReason> {
         let mut nap = nap;
         for _ in 0..BATCH {
             match self.news.recv_timeout(nap) {
-                Ok((index, news)) => self.hear(course, index, news)?,
+                Ok((index, news)) => self.hear(state, index, news)?,
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => break,
             }
             nap = Duration::ZERO;
@@ -27,28 +31,35 @@ impl<S: ChannelMedium> Drive<'_, S> {
         Ok(())
     }
 
-    fn hear(&mut self, course: &mut Course, index: usize, news: News) -> Result<(), Trouble> {
+    fn hear(
+        &mut self,
+        state: &mut LoopState,
+        index: usize,
+        news: ComponentEvent,
+    ) -> Result<(), EndReason> {
         let watched = self.physics.iter().position(|peer| *peer == index);
         match (news, watched) {
-            (News::Reply(reply), Some(watched)) => {
-                self.hear_physics(course, index, watched, *reply)
+            (ComponentEvent::Reply(reply), Some(watched)) => {
+                self.take_reply(state, index, watched, *reply)
             }
-            (News::Reply(reply), None) => self.hear_observer(course, index, *reply),
-            (News::Garbage(text), Some(_)) => {
+            (ComponentEvent::Reply(reply), None) => self.take_observer_reply(state, index, *reply),
+            (ComponentEvent::Garbage(text), Some(_)) => {
                 Err(self.broken(index, format!("it wrote a line that is no reply: {text}")))
             }
-            (News::Garbage(text) | News::Log(text), _) => Ok(self.hear_log(course, index, &text)?),
-            (News::Closed, watched) => self.hear_end(course, index, watched),
+            (ComponentEvent::Garbage(text) | ComponentEvent::Log(text), _) => {
+                Ok(self.write_log(state, index, &text)?)
+            }
+            (ComponentEvent::Closed, watched) => self.take_end(state, index, watched),
         }
     }
 
-    fn hear_physics(
+    fn take_reply(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         index: usize,
         watched: usize,
         reply: Reply,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), EndReason> {
         match reply {
             Reply::Waiting { from, what, owed, since, looked, window, turn } => {
                 let wait = Waiting { from, what, owed, since, looked, window, turn };
@@ -57,66 +68,66 @@ impl<S: ChannelMedium> Drive<'_, S> {
             Reply::Resumed {} => self.monitor.resumed(watched, Instant::now()),
             Reply::Finished { window, .. } => {
                 // A component that ends early, in good order, would leave the others waiting.
-                let last = course.last.unwrap_or(self.windows);
+                let last = state.last.unwrap_or(self.windows);
                 if window != last {
                     let text = format!("it finished at window {window} of {last}");
                     return Err(self.broken(index, text));
                 }
-                course.finished[index] = true;
+                state.finished[index] = true;
             }
-            Reply::GaveUp { observer, why } => self.give_up(course, &observer, &why)?,
+            Reply::GaveUp { observer, why } => self.give_up(state, &observer, &why)?,
             Reply::Fault(fault) => return Err(fault.into()),
             other => return Err(self.broken(index, format!("it said {other:?} in mid-run"))),
         }
         Ok(())
     }
 
-    fn hear_observer(
+    fn take_observer_reply(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         index: usize,
         reply: Reply,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), EndReason> {
         match reply {
             Reply::Finished { note, .. } => {
-                course.finished[index] = true;
-                course.notes.insert(self.peers[index].name.clone(), note);
+                state.finished[index] = true;
+                state.notes.insert(self.peers[index].name.clone(), note);
             }
             // A lost observer is a warning only. An output that cannot be written ends the run: the
             // run is made for it.
             Reply::Fault(fault) if fault.kind == FaultKind::Output => {
-                course.finished[index] = true;
-                course.not_watching.retain(|other| *other != index);
+                state.finished[index] = true;
+                state.not_watching.retain(|other| *other != index);
                 let note = format!("not whole: {}", fault.message);
-                course.notes.insert(self.peers[index].name.clone(), note);
+                state.notes.insert(self.peers[index].name.clone(), note);
                 return Err(fault.into());
             }
-            Reply::Fault(fault) => self.lose_observer(course, index, &fault.message)?,
-            Reply::Busy {} => course.heard[index] = Instant::now(),
-            Reply::Watching {} => course.not_watching.retain(|other| *other != index),
+            Reply::Fault(fault) => self.lose_observer(state, index, &fault.message)?,
+            Reply::Busy {} => state.heard[index] = Instant::now(),
+            Reply::Watching {} => state.not_watching.retain(|other| *other != index),
             _ => {}
         }
         Ok(())
     }
 
     /// Handles the closed line of a component: it has ended, in good order or not.
-    fn hear_end(
+    fn take_end(
         &mut self,
-        course: &mut Course,
+        state: &mut LoopState,
         index: usize,
         watched: Option<usize>,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), EndReason> {
         self.peers[index].closed = true;
         // Reports that it sent before it ended count.
         self.take_reports()?;
-        if course.finished[index] {
+        if state.finished[index] {
             return Ok(());
         }
         let how = self.peers[index].end(Duration::from_millis(100));
-        let last = Some(&course.words[index]).filter(|text| !text.is_empty());
+        let last = Some(&state.words[index]).filter(|text| !text.is_empty());
         let words = last.map_or(String::new(), |text| format!("; its last words: {text}"));
         let Some(watched) = watched else {
-            return Ok(self.lose_observer(course, index, &format!("its process {how}{words}"))?);
+            return Ok(self.lose_observer(state, index, &format!("its process {how}{words}"))?);
         };
         let fault = Fault {
             kind: FaultKind::Exit,
@@ -128,7 +139,7 @@ impl<S: ChannelMedium> Drive<'_, S> {
         Err(fault.into())
     }
 
-    fn broken(&self, index: usize, message: String) -> Trouble {
+    fn broken(&self, index: usize, message: String) -> EndReason {
         let fault = Fault {
             kind: FaultKind::Contract,
             noticed_by: "the orchestrator".into(),

@@ -5,26 +5,26 @@ use tremie_channels::ChannelError;
 use tremie_messages::start::{Fault, FaultKind};
 
 /// Reason for which the loop of windows ends before all are done.
-pub(super) enum Trouble {
+pub(super) enum EndReason {
     /// A second interrupt: the run ends at once, not in order.
     Impatience,
     Fault(Box<Fault>),
     Output(OutputError),
 }
 
-impl From<Fault> for Trouble {
+impl From<Fault> for EndReason {
     fn from(fault: Fault) -> Self {
         Self::Fault(Box::new(fault))
     }
 }
 
-impl From<OutputError> for Trouble {
+impl From<OutputError> for EndReason {
     fn from(error: OutputError) -> Self {
         Self::Output(error)
     }
 }
 
-impl From<ChannelError> for Trouble {
+impl From<ChannelError> for EndReason {
     fn from(error: ChannelError) -> Self {
         Self::Fault(Box::new(Fault {
             kind: FaultKind::Channel,
