@@ -246,8 +246,8 @@ impl<T: Real> PostCollision<'_, T> {
 
     /// Whether links from a cell are cut: not where what slips there slips past edges, too.
     pub fn is_cut(&self, cell: u32) -> bool {
-        let in_gap = || self.gap_of.get(cell as usize).is_some_and(|&gap| gap != NO_GAP);
-        self.owners.is_fluid(cell) && !(self.slips && in_gap())
+        let in_gap = || self.gaps.gap_of.get(cell as usize).is_some_and(|&gap| gap != NO_GAP);
+        self.flags.is_fluid(cell) && !(self.gaps.slips && in_gap())
     }
 
     fn read_end(&self, body: &Body, part: &MeshBody, end: &CutEnd, nearest: f64) -> Read {
@@ -259,7 +259,7 @@ impl<T: Real> PostCollision<'_, T> {
         let push = 6.0 * W[i] * density * along;
         let g = self.field.get(end.slots.own(self.parity));
         let near = q < 0.5;
-        let fallback = near && (end.is_shut || !end.slots.is_behind_fluid(self.owners));
+        let fallback = near && (end.is_shut || !end.slots.is_behind_fluid(self.flags));
         if fallback {
             return Read { g, f: g - push };
         }

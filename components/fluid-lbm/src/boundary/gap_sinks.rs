@@ -8,6 +8,7 @@
 //! its surface; and so it does where an intake has no links.
 
 use crate::boundary::post_collision::LinkItem;
+use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
@@ -15,6 +16,19 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// What the table of cells has where no modelled gap is.
 pub const NO_GAP: u16 = u16::MAX;
+
+/// What links have to know of gaps that hold no fluid.
+#[derive(Clone, Debug, Default)]
+pub struct GapTables {
+    /// Where links of cells meet what stands still, if gaps press.
+    pub walls: Option<WallDistances>,
+    /// For each stored cell the modelled gap that it may be frozen in; empty without such gaps.
+    pub gap_of: Vec<u16>,
+    /// Whether walls slip in such gaps.
+    pub slips: bool,
+    /// Where what such gaps draw in leaves the fluid.
+    pub sinks: GapSinks,
+}
 
 /// A probe that says a gap's pressure.
 #[derive(Clone, Copy, Debug)]
@@ -93,14 +107,14 @@ impl GapSinks {
 
     /// Finds for each cell the nearest, if that is not known: through fluid outside of gaps first, then through what
     /// bodies cover there now and may leave later, then into the gaps.
-    pub fn look(&mut self, in_gap: &[u16], owners: &CellFlags, layout: &Layout) {
+    pub fn look(&mut self, in_gap: &[u16], flags: &CellFlags, layout: &Layout) {
         if !self.nearest.is_empty() || self.list.is_empty() {
             return;
         }
         self.nearest = vec![FAR; in_gap.len()];
         let rank = |cell: u32| {
             let is_in_gap = in_gap[cell as usize] != NO_GAP;
-            2 * usize::from(is_in_gap) + usize::from(!owners.is_fluid(cell))
+            2 * usize::from(is_in_gap) + usize::from(!flags.is_fluid(cell))
         };
         let mut reached = [const { VecDeque::new() }; 4];
         for (intake, cell) in std::mem::take(&mut self.seeds) {

@@ -268,7 +268,7 @@ impl Batch {
     /// Adds what links give to the intakes of gaps; see `modelled`.
     fn give<T: Real>(&mut self, after: &PostCollision<T>, known: Known) {
         for (k, &PopulationAddresses { cell, .. }) in known.slots.iter().enumerate() {
-            if let Some((intake, rate)) = after.intakes.at(cell) {
+            if let Some((intake, rate)) = after.gaps.sinks.at(cell) {
                 let (s, l) = (&mut self.eights[k / LANES], k % LANES);
                 s.push[l] += rate * s.weight[l];
                 let weight = s.weight[l] * (1.0 + after.drho.get(cell as usize));
@@ -284,7 +284,7 @@ impl Batch {
             // A link that meets the body in its first half needs the population of the cell behind. Without a branch:
             // in which half a link meets it cannot be foretold.
             let near = self.eights[k / LANES].q[k % LANES] < 0.5;
-            let is_there = !near | slots.is_behind_fluid(after.owners);
+            let is_there = !near | slots.is_behind_fluid(after.flags);
             let other = slots.other(parity, near);
             let other = if is_there { other } else { NOWHERE };
             let places = [slots.own(parity), other, slots.result(parity)];

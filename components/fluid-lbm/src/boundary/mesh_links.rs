@@ -341,8 +341,8 @@ impl<T: Real> PostCollision<'_, T> {
                 prefetch(run.as_ptr().wrapping_add(AHEAD + k));
             }
             let mine = hits.split_off(..run.len().min(hits.len())).unwrap_or_default();
-            if !self.owners.is_fluid(cell) {
-                if self.walls.is_some() {
+            if !self.flags.is_fluid(cell) {
+                if self.gaps.walls.is_some() {
                     self.gaps_of_run((bodies, body, part), (run, mine), batch);
                 }
                 continue;
@@ -352,7 +352,7 @@ impl<T: Real> PostCollision<'_, T> {
                 let hit = mine.get(k).copied().unwrap_or(Hit::NONE);
                 let link = found.now(body, part, hit);
                 let is_mine = !body.shares
-                    || !self.owners.is_shared(found.end)
+                    || !self.flags.is_shared(found.end)
                     || self.is_first(bodies, body, cell, found.dir.into(), found.end);
                 if is_mine {
                     batch.push(link);
@@ -366,7 +366,7 @@ impl<T: Real> PostCollision<'_, T> {
                 }
             }
         }
-        if self.walls.is_some() {
+        if self.gaps.walls.is_some() {
             self.press_on(body, part, &list.gaps, &mut batch.gaps);
         }
     }
@@ -376,8 +376,8 @@ impl<T: Real> PostCollision<'_, T> {
     fn is_bonded(&self, bodies: &Bodies, body: &Body, cell: u32) -> bool {
         let is_own =
             |handle: u32| handle == body.handle || body.is_bonded_to(bodies.with_handle(handle));
-        match self.owners.of(cell) {
-            SHARED => self.owners.claimants(cell).all(is_own),
+        match self.flags.of(cell) {
+            SHARED => self.flags.claimants(cell).all(is_own),
             owner => owner.checked_sub(BODY).is_some_and(is_own),
         }
     }
@@ -392,8 +392,8 @@ impl<T: Real> PostCollision<'_, T> {
     ) {
         let cell = run[0].slots.cell;
         let hit = |k: usize| hits.get(k).copied().unwrap_or(Hit::NONE);
-        if self.owners.of(cell) == FROZEN {
-            let gap = self.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
+        if self.flags.of(cell) == FROZEN {
+            let gap = self.gaps.gap_of.get(cell as usize).copied().filter(|&gap| gap != NO_GAP);
             for (k, link) in run.iter().enumerate() {
                 let link = link.now(body, part, hit(k));
                 let receded = recession(&link, wall_velocity(body, &link, hit(k)));

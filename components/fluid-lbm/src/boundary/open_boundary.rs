@@ -154,7 +154,7 @@ pub struct PostStreaming<'a, T: Real> {
     /// Where they are.
     pub layout: &'a Layout,
     /// Which cells are fluid.
-    pub owners: &'a CellFlags,
+    pub flags: &'a CellFlags,
     /// Parity of the next collision.
     pub parity: Parity,
     /// Acceleration of the fluid.
@@ -324,7 +324,7 @@ impl<T: Real> PostStreaming<'_, T> {
             if let Some(next) = own.get(k + AHEAD) {
                 self.ask_for(next, &own[k + AHEAD - 1]);
             }
-            if !self.owners.is_fluid(open.cell) {
+            if !self.flags.is_fluid(open.cell) {
                 continue;
             }
             item.share += open.share;
@@ -362,7 +362,7 @@ impl<T: Real> PostStreaming<'_, T> {
     /// The next cell inside, if there is fluid.
     fn inner(&self, open: &OpenCell) -> Option<u32> {
         let is_there =
-            open.inner != crate::lattice::cell_list::NONE && self.owners.is_fluid(open.inner);
+            open.inner != crate::lattice::cell_list::NONE && self.flags.is_fluid(open.inner);
         is_there.then_some(open.inner)
     }
 

@@ -54,9 +54,9 @@ impl PopulationAddresses {
 
     /// Whether there is a cell behind, and fluid.
     #[inline(always)]
-    pub fn is_behind_fluid(&self, owners: &CellFlags) -> bool {
+    pub fn is_behind_fluid(&self, flags: &CellFlags) -> bool {
         let is_there = self.behind != NONE;
         // Any cell in its place spares a branch.
-        owners.is_fluid(if is_there { self.behind } else { self.cell }) & is_there
+        flags.is_fluid(if is_there { self.behind } else { self.cell }) & is_there
     }
 }

@@ -26,12 +26,11 @@
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
 use crate::bodies::change_blocks::ChangeBlocks;
-use crate::boundary::gap_sinks::GapSinks;
+use crate::boundary::gap_sinks::GapTables;
 use crate::boundary::link_batch::Batch;
 use crate::boundary::mesh_links::{LinkSearch, PartLinks, as_seen};
 use crate::boundary::sphere_links::SphereLinks;
 use crate::boundary::unresolved_gaps::Gaps;
-use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::aa_pattern::Parity;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, OPPOSITE, Q, each};
@@ -102,7 +101,7 @@ pub struct PostCollision<'a, T: Real> {
     /// Where they are.
     pub layout: &'a Layout,
     /// Who owns which cell.
-    pub owners: &'a CellFlags,
+    pub flags: &'a CellFlags,
     /// Where cells joined the fluid or left it.
     pub bricks: &'a ChangeBlocks,
     /// Parity of the collision just done.
@@ -117,14 +116,8 @@ pub struct PostCollision<'a, T: Real> {
     pub keeps_mass: bool,
     /// See [`nearest_wall`].
     pub nearest_wall: f64,
-    /// The static geometry, if gaps press.
-    pub walls: Option<&'a WallDistances>,
-    /// For each cell the declared gap that it may be frozen in; empty without such gaps.
-    pub gap_of: &'a [u16],
-    /// Whether walls slip in such gaps.
-    pub slips: bool,
-    /// Where what such gaps draw in leaves the fluid.
-    pub intakes: &'a GapSinks,
+    /// Gaps that hold no fluid.
+    pub gaps: &'a GapTables,
 }
 
 impl LinkItem {
@@ -181,7 +174,7 @@ impl<T: Real> PostCollision<'_, T> {
             self.gaps_of_sphere(bodies, body, &mut item.of_sphere, &mut batch.gaps);
         }
         std::mem::swap(&mut batch.gaps, &mut item.gaps);
-        if let Some(walls) = self.walls.filter(|_| item.layers.start == 0) {
+        if let Some(walls) = self.gaps.walls.as_ref().filter(|_| item.layers.start == 0) {
             self.gaps_at_faces(bodies, body, walls, &mut item.gaps);
         }
         batch.exchange()
@@ -192,7 +185,7 @@ impl<T: Real> PostCollision<'_, T> {
     pub fn is_first(&self, bodies: &Bodies, body: &Body, cell: u32, i: usize, end: u32) -> bool {
         let at = self.layout.at(cell);
         let q = self.met_at(body, at, i);
-        self.owners.claimants(end).filter(|&handle| handle != body.handle).all(|handle| {
+        self.flags.claimants(end).filter(|&handle| handle != body.handle).all(|handle| {
             let other = bodies.with_handle(handle);
             let of_other = self.met_at(other, at, i);
             q < of_other || (q == of_other && body.id < other.id)

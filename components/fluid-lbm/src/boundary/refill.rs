@@ -99,14 +99,14 @@ impl<T: Real> PreCollision<'_, T> {
 
     /// Fills a cell that `body` uncovered, from cells that were fluid before, or with the density `1 +
     /// alone` if there are none near. Returns what the cell now holds.
-    pub fn refill(&self, owners: &CellFlags, cell: u32, body: &Body, alone: f64) -> Content {
+    pub fn refill(&self, flags: &CellFlags, cell: u32, body: &Body, alone: f64) -> Content {
         let arm = self.layout.grid.arm(body.position, self.layout.at(cell));
         // Inside a body that was removed fluid is as far away as its surface.
         let farthest = body.radius.ceil() as i32 + 2;
-        let drho = (1..=farthest).find_map(|reach| self.mean_around(owners, cell, reach));
+        let drho = (1..=farthest).find_map(|reach| self.mean_around(flags, cell, reach));
         let (drho, u) = (drho.unwrap_or(alone), body.velocity_of(body.hit_near(arm), arm));
         let mut h = equilibria(drho, u);
-        if let Some(of_donor) = self.donor(owners, cell, body.outward(arm)) {
+        if let Some(of_donor) = self.donor(flags, cell, body.outward(arm)) {
             let content = Content::of(&of_donor);
             let u = content.velocity(self.acceleration);
             let of_equilibrium = equilibria(content.drho, u);
@@ -121,8 +121,8 @@ impl<T: Real> PreCollision<'_, T> {
     /// Mean deviation of the density over fluid cells: lattice neighbours for `reach` 1, the cube
     /// of cells up to `reach` away beyond. `None` if there is no
     /// fluid.
-    fn mean_around(&self, owners: &CellFlags, cell: u32, reach: i32) -> Option<f64> {
-        let is_fluid = |neighbour: u32| neighbour != cell && owners.is_fluid(neighbour);
+    fn mean_around(&self, flags: &CellFlags, cell: u32, reach: i32) -> Option<f64> {
+        let is_fluid = |neighbour: u32| neighbour != cell && flags.is_fluid(neighbour);
         let (mut sum, mut count) = (0.0, 0);
         if reach == 1 {
             // All places first: memory is slower than anything here.
@@ -152,7 +152,7 @@ impl<T: Real> PreCollision<'_, T> {
 
     /// Populations of the neighbour in the direction closest to `normal`, if it is fluid; mirrored,
     /// if it is seen in a mirror.
-    fn donor(&self, owners: &CellFlags, cell: u32, normal: [f64; 3]) -> Option<[f64; Q]> {
+    fn donor(&self, flags: &CellFlags, cell: u32, normal: [f64; 3]) -> Option<[f64; Q]> {
         let (mut best, mut cosine) = (None, 0.0);
         for i in 1..Q {
             let c = dot(C_F64[i], normal) / dot(C_F64[i], C_F64[i]).sqrt();
@@ -162,7 +162,7 @@ impl<T: Real> PreCollision<'_, T> {
         }
         let best = best?;
         let donor = self.layout.neighbour(cell, best)?;
-        if donor == cell || !owners.is_fluid(donor) {
+        if donor == cell || !flags.is_fluid(donor) {
             return None;
         }
         let (_, mirrors) = self.layout.near(self.layout.at(cell), C[best])?;

@@ -136,7 +136,7 @@ impl<T: Real> PostCollision<'_, T> {
     ) {
         let (shell, beyond) = (&body.shell, layers.start - BEYOND..layers.end + BEYOND);
         let all = || shell.near(beyond.clone());
-        let fluid = |near: &Near| near.free & self.owners.fluid_among(near.cells, near.number);
+        let fluid = |near: &Near| near.free & self.flags.fluid_among(near.cells, near.number);
         let before = std::mem::replace(&mut links.seen, self.bricks.step());
         let holds = links.fit == shell.fits()
             && !links.shares
@@ -164,7 +164,7 @@ impl<T: Real> PostCollision<'_, T> {
             let fluid = links.fluid[own + number];
             let row = Row::new(self, bodies, body, near);
             self.find_row(&row, near, fluid, links);
-            if let Some(walls) = self.walls {
+            if let Some(walls) = &self.gaps.walls {
                 self.find_gaps(&row, walls, near.free & !fluid, links);
             }
         }
@@ -241,7 +241,7 @@ impl<T: Real> PostCollision<'_, T> {
     /// Whether a link ends at no thin solid, and no other body holds its end and is met before.
     fn is_mine(&self, row: &Row, cell: u32, i: usize) -> bool {
         self.layout.neighbour(cell, i).is_some_and(|end| {
-            !self.owners.is_shared(end) || self.is_first(row.bodies, row.body, cell, i, end)
+            !self.flags.is_shared(end) || self.is_first(row.bodies, row.body, cell, i, end)
         })
     }
 
@@ -271,7 +271,7 @@ impl<T: Real> PostCollision<'_, T> {
             return *witnesses;
         }
         let first = links.witnesses.len() as u32;
-        let fluid = self.layout.places.neighbours(cell).filter(|&next| self.owners.is_fluid(next));
+        let fluid = self.layout.places.neighbours(cell).filter(|&next| self.flags.is_fluid(next));
         links.witnesses.extend(fluid);
         [first, links.witnesses.len() as u32]
     }
@@ -416,12 +416,12 @@ mod tests {
                 }
             }
             let before: Vec<u64> =
-                solver.link_items.iter().map(|item| item.of_sphere.finds).collect();
+                solver.bodies.links.iter().map(|item| item.of_sphere.finds).collect();
             if forgetful {
-                solver.link_items.iter_mut().for_each(|item| item.of_sphere.fit = 0);
+                solver.bodies.links.iter_mut().for_each(|item| item.of_sphere.fit = 0);
             }
             solver.step(&bodies, &mut loads).unwrap();
-            let items = solver.link_items.iter().zip(before);
+            let items = solver.bodies.links.iter().zip(before);
             kept += items.filter(|(item, before)| item.of_sphere.finds == *before).count();
             for load in &loads {
                 bits.extend(load.force.iter().chain(&load.torque).map(|x| x.to_bits()));

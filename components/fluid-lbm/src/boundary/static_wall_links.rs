@@ -255,7 +255,7 @@ impl<T: Real> PostCollision<'_, T> {
             if k + AHEAD < links.cells.len() {
                 self.ask_for_cell(links.cells[k + AHEAD], links.of(k + AHEAD));
             }
-            if !self.owners.is_fluid(cell) {
+            if !self.flags.is_fluid(cell) {
                 continue;
             }
             let at = row.at(&self.layout.grid, self.layout.cells.index(cell));
@@ -302,7 +302,7 @@ impl<T: Real> PostCollision<'_, T> {
         reference: &[[f64; 3]],
         mut met: MetByCell,
     ) {
-        let all_fluid = self.owners.all_fluid();
+        let all_fluid = self.flags.all_fluid();
         let mut values = [(0.0, 0.0); Q];
         for (link, value) in links.iter().zip(&mut values) {
             let (own, other) = self.places_of(cell, link);
@@ -434,7 +434,7 @@ impl<T: Real> PostCollision<'_, T> {
     /// Whether the cell behind a link's beginning, against direction `i`, is fluid.
     #[inline(always)]
     fn has_behind(&self, cell: u32, i: usize) -> bool {
-        self.layout.behind(cell, i).is_some_and(|behind| self.owners.is_fluid(behind))
+        self.layout.behind(cell, i).is_some_and(|behind| self.flags.is_fluid(behind))
     }
 
     /// Where the next step finds a population.

@@ -255,7 +255,7 @@ impl<T: Real> PostCollision<'_, T> {
             // A part's links to what stands still, and into frozen cells, are known.
             let is_known = body.part.is_some()
                 && match beyond(self.layout, at) {
-                    Beyond::Stored { cell, .. } => self.owners.of(cell) == FROZEN,
+                    Beyond::Stored { cell, .. } => self.flags.of(cell) == FROZEN,
                     Beyond::BoundaryId(_) | Beyond::Open => true,
                 };
             if !is_known {
@@ -293,7 +293,7 @@ impl<T: Real> PostCollision<'_, T> {
         let met = &mut MetInGap::default();
         if let Some(gap) = self.press((bodies, body), link, (meeting, met), gaps) {
             for next in self.layout.places.neighbours(cell) {
-                if self.owners.is_fluid(next) {
+                if self.flags.is_fluid(next) {
                     gap.drho += self.drho.get(next as usize);
                     gap.cells += 1.0;
                 }
@@ -386,8 +386,8 @@ impl<T: Real> PostCollision<'_, T> {
         let arm = std::array::from_fn(|a| f64::from(from[a]) + 0.5 - body.position[a]);
         let of_body = |handle: u32| {
             let both = !is_image
-                && self.owners.of(cell) == SHARED
-                && self.owners.claimants(cell).any(|claimant| claimant == handle);
+                && self.flags.of(cell) == SHARED
+                && self.flags.claimants(cell).any(|claimant| claimant == handle);
             let (other, back) = (bodies.with_handle(handle), mirrored(back, mirrors));
             let distance =
                 if both { 0.0 } else { met.of(other, || self.distance(body, other, arm, back)) };
@@ -395,11 +395,11 @@ impl<T: Real> PostCollision<'_, T> {
         };
         // A surface is bonded to the part that carries it.
         let is_apart = |handle: u32| !body.is_bonded_to(bodies.with_handle(handle));
-        match self.owners.of(other) {
+        match self.flags.of(other) {
             FLUID | VACATED => None,
             ISOLATED | FROZEN => Some((OtherSide::FROZEN, 1.0)),
             SHARED => {
-                let all = self.owners.claimants(other);
+                let all = self.flags.claimants(other);
                 let all = all.filter(|&handle| is_image || handle != body.handle);
                 let all = all.filter(|&handle| is_apart(handle));
                 all.map(of_body).min_by(|a, b| a.1.total_cmp(&b.1))

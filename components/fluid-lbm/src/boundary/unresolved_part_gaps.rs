@@ -99,7 +99,7 @@ impl<T: Real> PostCollision<'_, T> {
             }
             let gap = gaps.add(link.across, arm, (link.dir.into(), link.q + by), hit.facet);
             for &cell in witnesses {
-                if self.owners.is_fluid(cell) {
+                if self.flags.is_fluid(cell) {
                     gap.drho += self.drho.get(cell as usize);
                     gap.cells += 1.0;
                 }

@@ -112,7 +112,7 @@ impl LbmFluid {
         };
         if !scene.unions.is_empty() {
             let shares = union_shares(scene, axes, parameters.cell.0);
-            solver!(&mut solver, s => s.share_unions(shares));
+            solver!(&mut solver, s => s.bodies.list.share_unions(shares));
         }
         Ok(Self {
             solver,
@@ -128,12 +128,12 @@ impl LbmFluid {
     /// tried for some steps, anew when there are half as many fluid cells again, or two thirds, and now and then.
     /// Results do not depend on it.
     pub fn choose_threads(&mut self) {
-        solver!(&mut self.solver, s => s.choose_threads());
+        solver!(&mut self.solver, s => s.exec.choose_threads());
     }
 
     /// What was found of threads since this was asked last.
     pub fn take_found(&mut self) -> Option<Found> {
-        solver!(&mut self.solver, s => s.take_found())
+        solver!(&mut self.solver, s => s.exec.take_found())
     }
 
     /// Adds and removes bodies; effective with the next states.
@@ -200,7 +200,7 @@ impl LbmFluid {
 
     /// Balance of momentum and mass of the last step.
     pub fn ledger(&self) -> Ledger {
-        self.axes.ledger(solver!(&self.solver, s => s.ledger()))
+        self.axes.ledger(solver!(&self.solver, s => &s.budget.ledger))
     }
 
     /// Force [N] and torque [N m] of the fluid in the last step on each part that stands still, as on bodies and parts that
@@ -217,7 +217,7 @@ impl LbmFluid {
     /// gauge pressure without its hydrostatic part, shear, and the pressure in gaps. Zero at other faces. A
     /// link through an edge of the box counts to one of the two faces: a sixth of the pressure on each cell of an edge.
     pub fn wall_forces(&self) -> [[[f64; 3]; 2]; 3] {
-        let forces = solver!(&self.solver, s => s.wall_forces());
+        let forces = solver!(&self.solver, s => s.walls.wall_forces(s.lattice.units.force()));
         self.axes.to_world(&forces).map(|sides| sides.map(|force| self.axes.to_world(&force)))
     }
 
@@ -231,7 +231,7 @@ impl LbmFluid {
 
     /// Begins what probes tell as means over time anew: the rates of mass through sections.
     pub fn restart_means(&mut self) {
-        solver!(&mut self.solver, s => s.restart_means());
+        solver!(&mut self.solver, s => s.probes.restart_means());
     }
 
     /// Mean velocities through the open faces whose velocity inlets of grains take, in the order of
@@ -246,7 +246,7 @@ impl LbmFluid {
     /// upper, x before y before z. `states` is cleared before.
     pub fn reservoirs(&self, states: &mut Vec<ReservoirState>) {
         states.clear();
-        solver!(&self.solver, s => states.extend(s.reservoirs()));
+        solver!(&self.solver, s => states.extend(s.faces.states(&s.lattice)));
         self.axes.turn_back_reservoirs(states);
     }
 
@@ -274,26 +274,26 @@ impl LbmFluid {
     pub fn slice(&self, axis: usize, position: f64, out: &mut Vec<SliceNode>) -> [usize; 2] {
         let others = [[1, 2], [0, 2], [0, 1]][axis].map(|axis| self.axes.axis_to_lattice(axis));
         let axis = self.axes.axis_to_lattice(axis);
-        let count = solver!(&self.solver, s => s.slice(axis, position, others, out));
+        let count = solver!(&self.solver, s => s.lattice.slice(axis, position, others, out));
         out.iter_mut().for_each(|node| *node = self.axes.node(*node));
         count
     }
 
     /// Cells along each axis.
     pub fn cells(&self) -> [usize; 3] {
-        self.axes.to_world(&solver!(&self.solver, s => s.cells()))
+        self.axes.to_world(&solver!(&self.solver, s => s.lattice.cells()))
     }
 
     /// Centre of a cell [m].
     pub fn centre(&self, cell: [usize; 3]) -> [f64; 3] {
         let cell = self.axes.to_lattice(&cell);
-        self.axes.to_world(&solver!(&self.solver, s => s.centre(cell)))
+        self.axes.to_world(&solver!(&self.solver, s => s.lattice.centre(cell)))
     }
 
     /// What a cell holds.
     pub fn node(&self, cell: [usize; 3]) -> SliceNode {
         let cell = self.axes.to_lattice(&cell);
-        self.axes.node(solver!(&self.solver, s => s.node(cell)))
+        self.axes.node(solver!(&self.solver, s => s.lattice.node(cell)))
     }
 
     /// Velocity in a cell [m/s]; zero inside a solid.
@@ -310,7 +310,7 @@ impl LbmFluid {
     /// order of [`crate::lattice::d3q19::C`]; zeros in a static solid.
     pub fn populations_at(&self, cell: [usize; 3]) -> [f64; crate::lattice::d3q19::Q] {
         let cell = self.axes.to_lattice(&cell);
-        self.axes.populations(solver!(&self.solver, s => s.populations_at(cell)))
+        self.axes.populations(solver!(&self.solver, s => s.lattice.populations_at(cell)))
     }
 
     /// Puts the fluid into local equilibrium with the velocity [m/s] and gauge pressure [Pa] that
@@ -326,12 +326,12 @@ impl LbmFluid {
 
     /// Time step [s].
     pub fn time_step(&self) -> f64 {
-        solver!(&self.solver, s => s.time_step())
+        solver!(&self.solver, s => s.lattice.units.time_step)
     }
 
     /// Relaxation time [time steps].
     pub fn tau(&self) -> f64 {
-        solver!(&self.solver, s => s.tau())
+        solver!(&self.solver, s => s.lattice.tau)
     }
 }
 

@@ -289,18 +289,18 @@ impl ModelledGaps {
     }
 
     /// Freezes and thaws cells, between the bodies' claims and [`CellFlags::settle`].
-    pub fn freeze(&mut self, owners: &mut CellFlags, bodies: &Bodies, team: &mut Team) {
+    pub fn freeze(&mut self, flags: &mut CellFlags, bodies: &Bodies, team: &mut Team) {
         let mut turning = std::mem::take(&mut self.turning);
         team.for_each(&mut turning, |number, turning| {
-            let turns = self.item(number).iter().filter(|candidate| self.turns(owners, candidate));
+            let turns = self.item(number).iter().filter(|candidate| self.turns(flags, candidate));
             turning.clear();
             turning.extend(turns.map(|candidate| (candidate.cell, candidate.gap)));
         });
         for &(cell, gap) in turning.iter().flatten() {
-            if owners.of(cell) != FROZEN {
-                owners.freeze(cell);
+            if flags.of(cell) != FROZEN {
+                flags.freeze(cell);
             } else if let Some(body) = self.gaps[usize::from(gap)].mover(bodies) {
-                owners.thaw(Vacated { cell, handle: body.handle });
+                flags.thaw(Vacated { cell, handle: body.handle });
             }
         }
         self.turning = turning;
@@ -310,10 +310,10 @@ impl ModelledGaps {
     }
 
     /// Whether a cell freezes or thaws.
-    fn turns(&self, owners: &CellFlags, candidate: &Candidate) -> bool {
+    fn turns(&self, flags: &CellFlags, candidate: &Candidate) -> bool {
         let &Candidate { cell, thickness, gap, .. } = candidate;
         let gap = &self.gaps[usize::from(gap)];
-        match owners.of(cell) {
+        match flags.of(cell) {
             FLUID => thickness < gap.close_at || (gap.is_new && thickness < gap.open_at),
             VACATED => thickness < gap.open_at,
             FROZEN => thickness >= gap.open_at && !self.is_pocket(cell),
@@ -361,7 +361,7 @@ impl Weighted {
     /// before it was measured.
     fn measure<T: Real>(&mut self, after: &PostCollision<T>) -> Option<f64> {
         let (mut drho, mut all) = (0.0, 0.0);
-        for &(cell, part) in self.cells.iter().filter(|(cell, _)| after.owners.is_fluid(*cell)) {
+        for &(cell, part) in self.cells.iter().filter(|(cell, _)| after.flags.is_fluid(*cell)) {
             drho += part * (density(&after.post(cell)) - 1.0);
             all += part;
         }

@@ -24,38 +24,38 @@ struct Fill {
 
 impl ModelledGaps {
     /// Freezes pockets and thaws those that got a way out, after [`CellFlags::settle`].
-    pub fn close_pockets(&mut self, owners: &mut CellFlags, layout: &Layout, team: &mut Team) {
+    pub fn close_pockets(&mut self, flags: &mut CellFlags, layout: &Layout, team: &mut Team) {
         // Which cells may have lost their way: neighbours of those that are fluid no more, and new ones.
         self.seeds.clear();
         let mut next = 0;
-        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
-        while next < owners.vacated.len() {
-            let Vacated { cell, handle } = owners.vacated[next];
+        self.pockets.retain(|&cell| flags.of(cell) == FROZEN);
+        while next < flags.vacated.len() {
+            let Vacated { cell, handle } = flags.vacated[next];
             for neighbour in faces(layout, cell) {
-                if owners.of(neighbour) == FROZEN && self.is_pocket(neighbour) {
-                    owners.thaw(Vacated { cell: neighbour, handle });
+                if flags.of(neighbour) == FROZEN && self.is_pocket(neighbour) {
+                    flags.thaw(Vacated { cell: neighbour, handle });
                 }
             }
             self.seeds.push(cell);
             next += 1;
         }
-        self.pockets.retain(|&cell| owners.of(cell) == FROZEN);
-        let gone = owners.covered.iter().chain(&owners.enclosed);
+        self.pockets.retain(|&cell| flags.of(cell) == FROZEN);
+        let gone = flags.covered.iter().chain(&flags.enclosed);
         self.seeds.extend(gone.flat_map(|&cell| faces(layout, cell)));
         self.seeds.sort_unstable();
         self.seeds.dedup();
-        self.find_closed(owners, layout, team);
+        self.find_closed(flags, layout, team);
         for (&seed, _) in self.seeds.iter().zip(&self.closed).filter(|(_, is_closed)| **is_closed) {
             // Those of a pocket all say so, and the first freezes it.
-            if is_wet(owners, seed) {
-                for &cell in Fill::from(owners, layout, seed, &Fill::EMPTY).reached() {
-                    owners.freeze(cell);
+            if is_wet(flags, seed) {
+                for &cell in Fill::from(flags, layout, seed, &Fill::EMPTY).reached() {
+                    flags.freeze(cell);
                     self.pockets.push(cell);
                 }
             }
         }
         self.pockets.sort_unstable();
-        owners.forget_frozen_vacated();
+        flags.forget_frozen_vacated();
     }
 
     /// Whether a frozen cell is one of a pocket.
@@ -65,7 +65,7 @@ impl ModelledGaps {
 
     /// Finds which of the seeds are in pockets. What one freezes has no way to the others, so that they may be
     /// asked at the same time.
-    fn find_closed(&mut self, owners: &CellFlags, layout: &Layout, team: &mut Team) {
+    fn find_closed(&mut self, flags: &CellFlags, layout: &Layout, team: &mut Team) {
         self.closed.clear();
         self.closed.resize(self.seeds.len(), false);
         let seeds = &self.seeds;
@@ -74,8 +74,8 @@ impl ModelledGaps {
             // Neighbours follow each other: mostly the next is where the last fill has been.
             let mut open = Fill::EMPTY;
             for (&seed, is_closed) in seeds[number * SEEDS_PER_PIECE..].iter().zip(piece) {
-                if is_wet(owners, seed) && !open.reached().contains(&seed) {
-                    let fill = Fill::from(owners, layout, seed, &open);
+                if is_wet(flags, seed) && !open.reached().contains(&seed) {
+                    let fill = Fill::from(flags, layout, seed, &open);
                     *is_closed = fill.is_closed;
                     if !fill.is_closed {
                         open = fill;
@@ -91,7 +91,7 @@ impl Fill {
 
     /// Goes from a fluid cell until it has been everywhere, or knows that it is in no pocket: at an open face, next to a
     /// cell of `open`, all of which are in none, or when there are too many.
-    fn from(owners: &CellFlags, layout: &Layout, seed: u32, open: &Self) -> Self {
+    fn from(flags: &CellFlags, layout: &Layout, seed: u32, open: &Self) -> Self {
         let mut fill = Self::EMPTY;
         fill.add(seed);
         let mut next = 0;
@@ -100,7 +100,7 @@ impl Fill {
             if fill.count >= POCKET || is_at_open_face(layout, cell) {
                 return fill;
             }
-            for neighbour in faces(layout, cell).filter(|&cell| is_wet(owners, cell)) {
+            for neighbour in faces(layout, cell).filter(|&cell| is_wet(flags, cell)) {
                 if open.reached().contains(&neighbour) {
                     return fill;
                 }
@@ -125,8 +125,8 @@ impl Fill {
 }
 
 /// Whether a cell is fluid or becomes so.
-fn is_wet(owners: &CellFlags, cell: u32) -> bool {
-    matches!(owners.of(cell), FLUID | VACATED)
+fn is_wet(flags: &CellFlags, cell: u32) -> bool {
+    matches!(flags.of(cell), FLUID | VACATED)
 }
 
 /// Whether a cell is at an open face.

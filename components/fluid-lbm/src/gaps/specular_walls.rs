@@ -136,13 +136,13 @@ impl SpecularWalls {
         &mut self,
         gaps: &ModelledGaps,
         bodies: &Bodies,
-        owners: &CellFlags,
+        flags: &CellFlags,
         layout: &Layout,
         team: &mut Team,
     ) {
         let is_new = !std::mem::replace(&mut self.is_found, true) || bodies.parts_moved();
         if !is_new {
-            self.mark(owners, layout);
+            self.mark(flags, layout);
         }
         if !is_new && self.stale.is_empty() {
             return;
@@ -162,8 +162,8 @@ impl SpecularWalls {
                     while let Some(&link) = known.next_if(|link| link.number < end) {
                         item.links.push(link);
                     }
-                } else if let Some(axis) = gaps.slips_at(cell).filter(|_| owners.is_fluid(cell)) {
-                    let site = SlipSite { gaps, bodies, owners, layout, inside: cell, first };
+                } else if let Some(axis) = gaps.slips_at(cell).filter(|_| flags.is_fluid(cell)) {
+                    let site = SlipSite { gaps, bodies, flags, layout, inside: cell, first };
                     let begin = item.links.len();
                     site.find(axis, &mut item.links);
                     for link in &mut item.links[begin..] {
@@ -182,8 +182,8 @@ impl SpecularWalls {
     }
 
     /// Marks the cells whose links may differ since cells changed hands: those around them.
-    fn mark(&mut self, owners: &CellFlags, layout: &Layout) {
-        for &cell in owners.changed().iter().filter(|&&cell| self.matters[cell as usize]) {
+    fn mark(&mut self, flags: &CellFlags, layout: &Layout) {
+        for &cell in flags.changed().iter().filter(|&&cell| self.matters[cell as usize]) {
             for near in around(layout, cell) {
                 if !std::mem::replace(&mut self.is_stale[near as usize], true) {
                     self.stale.push(near);
@@ -207,7 +207,7 @@ impl SpecularWalls {
                         motion = Motion { arm, velocity: body.velocity_of(link.hit, arm) };
                         let u = motion.velocity;
                         // With what it pays back, see `mass_correction`.
-                        let given = || after.intakes.at(link.cell).map_or(0.0, |(_, rate)| rate);
+                        let given = || after.gaps.sinks.at(link.cell).map_or(0.0, |(_, rate)| rate);
                         let paid = if after.keeps_mass { body.account.pay - given() } else { 0.0 };
                         let rho = 1.0 + after.drho.get(link.cell as usize);
                         6.0 * W[i] * rho * (C_F64[i][axis] * u[axis] - paid)
@@ -342,7 +342,7 @@ fn give(
 struct SlipSite<'a> {
     gaps: &'a ModelledGaps,
     bodies: &'a Bodies,
-    owners: &'a CellFlags,
+    flags: &'a CellFlags,
     layout: &'a Layout,
     /// A cell of the gap in question, and the number of its first link.
     inside: u32,
@@ -376,7 +376,7 @@ impl SlipSite<'_> {
         }
         let (source, mirrors) = self.layout.near(at, along)?;
         let from = mirrored(MIRROR[axis][OPPOSITE[i]], mirrors);
-        if !self.owners.is_fluid(source) || self.whose(source, from).is_none() {
+        if !self.flags.is_fluid(source) || self.whose(source, from).is_none() {
             return None;
         }
         let mirrors = self.layout.grid.mirrors_to(std::array::from_fn(|a| at[a] + C[i][a]));
@@ -416,10 +416,10 @@ impl SlipSite<'_> {
             Some(Whose::Fixture(number as u16))
         };
         let Some(end) = self.layout.neighbour(cell, i) else { return still() };
-        let owner: Owner = self.owners.of(end);
+        let owner: Owner = self.flags.of(end);
         let is_side = |handle: &u32| self.gaps.is_side_at(self.inside, self.bodies, *handle);
         match owner {
-            SHARED => self.owners.claimants(end).find(is_side).map(Whose::Body),
+            SHARED => self.flags.claimants(end).find(is_side).map(Whose::Body),
             owner => owner.checked_sub(BODY).filter(is_side).map(Whose::Body),
         }
     }

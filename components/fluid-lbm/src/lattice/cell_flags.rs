@@ -362,66 +362,66 @@ mod tests {
 
     fn setup() -> (Layout, CellFlags, impl Fn([i32; 3]) -> u32) {
         let layout = Layout::open(Grid::walled([6, 6, 6], [true; 3]));
-        let owners = CellFlags::new(layout.cells.len());
+        let flags = CellFlags::new(layout.cells.len());
         let place = {
             let layout = layout.clone();
             move |at| layout.cell(at).unwrap()
         };
-        (layout, owners, place)
+        (layout, flags, place)
     }
 
     #[test]
     fn a_cell_handed_from_body_to_body_never_becomes_fluid() {
-        let (layout, mut owners, place) = setup();
+        let (layout, mut flags, place) = setup();
         let cell = place([2, 2, 2]);
-        owners.claim(cell, 7);
-        owners.settle(&layout);
-        assert_eq!(owners.covered, [cell]);
-        owners.begin();
-        owners.release(cell, 7);
-        owners.claim(cell, 3);
-        owners.settle(&layout);
-        assert!(owners.covered.is_empty() && owners.vacated.is_empty());
-        assert_eq!(owners.of(cell), BODY + 3);
+        flags.claim(cell, 7);
+        flags.settle(&layout);
+        assert_eq!(flags.covered, [cell]);
+        flags.begin();
+        flags.release(cell, 7);
+        flags.claim(cell, 3);
+        flags.settle(&layout);
+        assert!(flags.covered.is_empty() && flags.vacated.is_empty());
+        assert_eq!(flags.of(cell), BODY + 3);
     }
 
     #[test]
     fn a_shared_cell_stays_solid_until_the_last_body_leaves() {
-        let (layout, mut owners, place) = setup();
+        let (layout, mut flags, place) = setup();
         let cell = place([1, 2, 3]);
         for handle in [4, 2, 9] {
-            owners.claim(cell, handle);
+            flags.claim(cell, handle);
         }
-        assert_eq!(owners.claimants(cell).collect::<Vec<_>>(), [2, 4, 9]);
-        owners.release(cell, 2);
-        assert_eq!(owners.of(cell), SHARED);
-        owners.release(cell, 9);
-        assert_eq!(owners.of(cell), BODY + 4);
-        owners.begin();
-        owners.release(cell, 4);
-        owners.settle(&layout);
-        assert_eq!(owners.vacated, [Vacated { cell, handle: 4 }]);
-        owners.admit();
-        assert_eq!(owners.fluid_cells, 216);
+        assert_eq!(flags.claimants(cell).collect::<Vec<_>>(), [2, 4, 9]);
+        flags.release(cell, 2);
+        assert_eq!(flags.of(cell), SHARED);
+        flags.release(cell, 9);
+        assert_eq!(flags.of(cell), BODY + 4);
+        flags.begin();
+        flags.release(cell, 4);
+        flags.settle(&layout);
+        assert_eq!(flags.vacated, [Vacated { cell, handle: 4 }]);
+        flags.admit();
+        assert_eq!(flags.fluid_cells, 216);
     }
 
     #[test]
     fn a_cell_without_fluid_neighbours_is_frozen_and_freed_again() {
-        let (layout, mut owners, place) = setup();
+        let (layout, mut flags, place) = setup();
         let middle = place([3, 3, 3]);
         let around: Vec<u32> = (1..Q).map(|i| layout.neighbour(middle, i).unwrap()).collect();
         for &cell in &around {
-            owners.claim(cell, 0);
+            flags.claim(cell, 0);
         }
-        owners.settle(&layout);
-        assert_eq!(owners.of(middle), ISOLATED);
-        assert_eq!(owners.enclosed, [middle]);
-        assert_eq!(owners.isolated, 1);
-        owners.begin();
-        owners.release(place([2, 3, 3]), 0);
-        owners.settle(&layout);
-        owners.admit();
-        assert_eq!(owners.of(middle), FLUID);
-        assert_eq!((owners.isolated, owners.fluid_cells), (0, 216 - 17));
+        flags.settle(&layout);
+        assert_eq!(flags.of(middle), ISOLATED);
+        assert_eq!(flags.enclosed, [middle]);
+        assert_eq!(flags.isolated, 1);
+        flags.begin();
+        flags.release(place([2, 3, 3]), 0);
+        flags.settle(&layout);
+        flags.admit();
+        assert_eq!(flags.of(middle), FLUID);
+        assert_eq!((flags.isolated, flags.fluid_cells), (0, 216 - 17));
     }
 }

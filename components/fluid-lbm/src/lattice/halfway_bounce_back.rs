@@ -98,7 +98,7 @@ impl HalfwayLinks {
         variant: Variant,
         field: &Field<T>,
         stride: usize,
-        owners: &CellFlags,
+        flags: &CellFlags,
     ) {
         for (_, exchange) in &mut self.exchanges {
             *exchange = MomentumExchange::default();
@@ -107,7 +107,7 @@ impl HalfwayLinks {
         for run in &self.runs {
             let plane = OPPOSITE[run.dir] * stride + run.first as usize;
             let exchange = &mut exchanges[run.fixture].1;
-            variant.run(Feel { run, field, plane, owners, exchange });
+            variant.run(Feel { run, field, plane, flags, exchange });
         }
     }
 }
@@ -144,22 +144,22 @@ struct Feel<'a, T: Real> {
     field: &'a Field<T>,
     /// Where the first cell's populations of the direction are that the collision left.
     plane: usize,
-    owners: &'a CellFlags,
+    flags: &'a CellFlags,
     exchange: &'a mut MomentumExchange,
 }
 
 impl<T: Real> Work for Feel<'_, T> {
     #[inline(always)]
     fn run(self) {
-        let Self { run, field, plane, owners, exchange } = self;
-        let all_fluid = owners.all_fluid();
+        let Self { run, field, plane, flags, exchange } = self;
+        let all_fluid = flags.all_fluid();
         // The sum of `g_i` of fluid cells, and its first moments about the first cell.
         let mut sums = [[0.0; LANES]; 4];
         let (mut links, mut left) = (0, run.links);
         for eight in &run.eights {
             let mut g = [0.0; LANES];
             for (g, cell) in g.iter_mut().zip(eight.cells).take(left) {
-                let is_fluid = all_fluid || owners.is_fluid(run.first + u32::from(cell));
+                let is_fluid = all_fluid || flags.is_fluid(run.first + u32::from(cell));
                 *g = if is_fluid { field.get(plane + usize::from(cell)) } else { 0.0 };
                 links += usize::from(is_fluid);
             }

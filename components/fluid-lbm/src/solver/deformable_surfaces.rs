@@ -1,41 +1,70 @@
 //! Deformable surfaces of the scene in the fluid: their vertices come in. What such a surface is to the lattice, see
 //! `deformable_shape`; the loads on its facets, see `facet_loads`.
 
-use crate::lattice::collision_kernel::CollisionKernel;
+use crate::bodies::body_list::Bodies;
+use crate::bodies::deformable_surface::SoftSurface;
 use crate::lattice::error::FluidError;
-use crate::solver::lbm_solver::LbmSolver;
+use crate::lattice::grid::Grid;
+use crate::lattice::units::Units;
 use tremie_messages::SurfaceVertex;
+use tremie_messages::scene::Scene;
 
-impl<T: CollisionKernel> LbmSolver<T> {
+/// Surfaces that become bodies with their first vertices.
+pub struct AwaitedSurfaces {
+    /// Those whose vertices have not come yet: all or none.
+    waiting: Vec<SoftSurface>,
+    /// Vertices of all surfaces of the scene.
+    vertices: usize,
+    /// Parts of the scene: surfaces are numbered after them.
+    parts: usize,
+    /// How far a vertex moves until cells and links are found anew [cells].
+    pose_spacing: f64,
+}
+
+impl AwaitedSurfaces {
+    /// Those of a scene.
+    pub fn new(scene: &Scene, pose_spacing: f64) -> Self {
+        let waiting = SoftSurface::all(scene);
+        let vertices = waiting.iter().map(|soft| soft.vertices().len()).sum();
+        Self { waiting, vertices, parts: scene.parts.len(), pose_spacing }
+    }
+
+    /// Gives all surfaces their vertices; true if they have become bodies by it.
+    ///
+    /// # Errors
     /// See [`crate::LbmFluid::set_surfaces`].
-    pub fn set_surfaces(&mut self, vertices: &[SurfaceVertex]) -> Result<(), FluidError> {
-        let expected = self.soft_vertices;
+    pub fn take(
+        &mut self,
+        vertices: &[SurfaceVertex],
+        bodies: &mut Bodies,
+        units: &Units,
+        grid: &Grid,
+    ) -> Result<bool, FluidError> {
+        let expected = self.vertices;
         if vertices.len() != expected {
             return Err(FluidError::Vertices { expected, found: vertices.len() });
         }
         if let Some(vertex) = vertices.iter().position(|vertex| !vertex.is_finite()) {
             return Err(FluidError::NonFiniteVertex { vertex });
         }
-        if !self.waiting.is_empty() {
-            let step = self.pose_spacing;
+        let are_new = !self.waiting.is_empty();
+        if are_new {
             let mut parts = Vec::new();
             for (k, soft) in self.waiting.iter().enumerate() {
-                parts.push(soft.body(self.parts + k, vertices, step, &self.units)?);
+                parts.push(soft.body(self.parts + k, vertices, self.pose_spacing, units)?);
             }
-            let softs = std::mem::take(&mut self.waiting);
-            self.bodies.add_softs(softs, parts, &self.layout.grid);
-            self.list_items();
+            bodies.add_softs(std::mem::take(&mut self.waiting), parts, grid);
         }
-        self.bodies.vertices.clear();
-        self.bodies.vertices.extend_from_slice(vertices);
-        Ok(())
+        bodies.vertices.clear();
+        bodies.vertices.extend_from_slice(vertices);
+        Ok(are_new)
     }
 
     /// That vertices of deformable surfaces came, if the scene has some.
-    pub(crate) fn check_surfaces(&self) -> Result<(), FluidError> {
+    pub fn check(&self) -> Result<(), FluidError> {
         match self.waiting.is_empty() {
             true => Ok(()),
-            false => Err(FluidError::Vertices { expected: self.soft_vertices, found: 0 }),
+            false => Err(FluidError::Vertices { expected: self.vertices, found: 0 }),
         }
     }
 }

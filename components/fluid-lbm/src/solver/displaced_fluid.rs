@@ -3,41 +3,29 @@
 //! It goes back to the reservoir whose face is nearest: so what enters there in the mean, bodies and
 //! fluid together, is what the piston displaces. Without a reservoir it is lost, as the ledger says.
 
-use crate::lattice::collision_kernel::CollisionKernel;
-use crate::solver::lbm_solver::LbmSolver;
+use crate::bodies::body_list::Bodies;
+use crate::lattice::populations::Real;
+use crate::solver::gap_model::GapModel;
+use crate::solver::lattice_state::LatticeState;
+use crate::solver::open_boundaries::OpenBoundaries;
 
-impl<T: CollisionKernel> LbmSolver<T> {
-    /// Gives reservoirs the mass of the cells that newcomers have covered or cut off in this step.
-    pub(crate) fn give_back(&mut self) {
-        if !self.reservoirs.is_empty() && !self.bodies.newcomers.is_empty() {
-            let cells = self.owners.covered.len() + self.owners.enclosed.len();
-            for k in 0..cells {
-                let enclosed = k.checked_sub(self.owners.covered.len());
-                let cell = enclosed.map_or_else(
-                    || self.owners.covered[k],
-                    |enclosed| self.owners.enclosed[enclosed],
-                );
-                self.give_back_cell(cell);
-            }
-        }
-        self.bodies.newcomers.clear();
-    }
-
-    fn give_back_cell(&mut self, cell: u32) {
-        let Some(handle) = self.holder_of(cell) else { return };
-        let Some(body) = self.bodies.living_with_handle(handle) else { return };
-        let (position, handle) = (body.position, body.handle);
-        if !self.bodies.newcomers.contains(&handle) {
-            return;
-        }
-        let mass = 1.0 + self.before().content(cell).drho;
-        let grid = &self.layout.grid;
-        let nearest = self
-            .reservoirs
-            .iter_mut()
-            .min_by(|a, b| a.distance(position, grid).total_cmp(&b.distance(position, grid)));
-        if let Some(reservoir) = nearest {
-            reservoir.take_back(mass);
+/// Gives reservoirs the mass of the cells that newcomers have covered or cut off in this step.
+pub fn return_displaced<T: Real>(
+    faces: &mut OpenBoundaries,
+    bodies: &mut Bodies,
+    gaps: &GapModel,
+    lattice: &LatticeState<T>,
+) {
+    if !faces.reservoirs.is_empty() && !bodies.newcomers.is_empty() {
+        for &cell in lattice.flags.covered.iter().chain(&lattice.flags.enclosed) {
+            let holder = gaps.holder_of(lattice, bodies, cell);
+            let newcomer = holder.filter(|handle| bodies.newcomers.contains(handle));
+            let Some(body) = newcomer.and_then(|handle| bodies.living_with_handle(handle)) else {
+                continue;
+            };
+            let mass = 1.0 + lattice.before().content(cell).drho;
+            faces.take_back(body.position, mass, &lattice.layout.grid);
         }
     }
+    bodies.newcomers.clear();
 }

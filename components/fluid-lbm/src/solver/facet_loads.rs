@@ -1,15 +1,23 @@
 //! The loads on the facets of deformable surfaces: what they felt becomes force and place on each.
 
+use crate::bodies::body::Body;
+use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_shape::DeformableShape;
 use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
+use crate::boundary::post_collision::LinkItem;
 use crate::domain::mirrors::mirrors_of_part;
-use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::{cross, dot};
 use crate::lattice::grid::Grid;
 use crate::lattice::ledger::{Ledger, add_scaled};
 use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::populations::Real;
+use crate::lattice::units::Units;
+use crate::solver::budget::Budget;
+use crate::solver::execution::Execution;
+use crate::solver::gap_model::GapModel;
 use crate::solver::gap_pressure::each_felt;
-use crate::solver::lbm_solver::LbmSolver;
+use crate::solver::lattice_state::LatticeState;
+use crate::solver::moving_bodies::MovingBodies;
 use tremie_messages::FacetLoad;
 use tremie_team::Cut;
 
@@ -29,7 +37,52 @@ struct Finish<'a> {
     cell: f64,
 }
 
-impl Finish<'_> {
+impl<'a> Finish<'a> {
+    /// Of a deformable surface.
+    fn of<T: Real>(lattice: &'a LatticeState<T>, bodies: &MovingBodies, body: &Body) -> Self {
+        let grid = &lattice.layout.grid;
+        let mirrors = mirrors_of_part(grid, body.position);
+        Self {
+            grid,
+            average: bodies.average_force,
+            mirrors,
+            copies: mirrors.iter().map(|is_cut| if *is_cut { 2.0 } else { 1.0 }).product(),
+            lift: bodies.lift,
+            middle: body.middle(),
+            from: body.position,
+            cell: lattice.units.cell,
+        }
+    }
+
+    /// Makes loads of what the facets felt, and balances them.
+    fn all(
+        &self,
+        body: &Body,
+        exchange: &MomentumExchange,
+        shape: &mut DeformableShape,
+        balance: &mut Ledger,
+        exec: &mut Execution,
+    ) {
+        let (facets, loads, carried, sums) = shape.parts();
+        let pieces = (
+            Cut::every(loads, FACETS_PER_PIECE),
+            Cut::every(carried, FACETS_PER_PIECE),
+            Cut::every(sums, 1),
+        );
+        exec.team.for_pieces(pieces, |piece, (loads, carried, sums)| {
+            sums[0] = FacetSums::default();
+            let all = (piece * FACETS_PER_PIECE..).zip(loads.iter_mut().zip(carried));
+            for (facet, (load, carried)) in all {
+                self.facet(facets.corners(facet), load, carried, &mut sums[0]);
+            }
+        });
+        sums.iter().for_each(|sums| sums.balance(balance));
+        add_scaled(&mut balance.gaps, body.pressed[0], 1.0);
+        add_scaled(&mut balance.images, exchange.force, -1.0);
+        add_scaled(&mut balance.images, body.pressed[0], -1.0);
+        add_scaled(&mut balance.images, exchange.image, 1.0);
+    }
+
     /// Counts the load for the mirrored half too, averages it, and adds buoyancy.
     fn facet(
         &self,
@@ -88,123 +141,94 @@ impl FacetSums {
     }
 }
 
-impl<T: CollisionKernel> LbmSolver<T> {
-    /// Gives the facets of deformable surfaces their loads, from what they felt, and balances them.
-    pub(crate) fn load_facets(&mut self) {
-        for place in self.bodies.rigid()..self.bodies.living.len() {
-            let items = self.bodies.living[place].items.clone();
-            let mut exchange: MomentumExchange = self.exchanges[items].iter().sum();
-            if self.slips {
-                exchange.join(&self.slip.on_body(self.bodies.living[place].handle));
-            }
-            self.exchange.join(&exchange);
-            let Some(mut shape) =
-                self.bodies.living[place].part.as_mut().and_then(|part| part.shape.take())
-            else {
-                continue;
-            };
-            self.feel(place, &mut shape);
-            self.finish_facets(place, &exchange, &mut shape);
-            if let Some(part) = &mut self.bodies.living[place].part {
-                part.shape = Some(shape);
-            }
+/// Gives the facets of deformable surfaces their loads, from what they felt, and balances them.
+pub fn load_facets<T: Real>(
+    lattice: &LatticeState<T>,
+    bodies: &mut MovingBodies,
+    gaps: &GapModel,
+    budget: &mut Budget,
+    exec: &mut Execution,
+) {
+    for place in bodies.list.rigid()..bodies.list.living.len() {
+        let body = &mut bodies.list.living[place];
+        let mut exchange: MomentumExchange = bodies.exchanges[body.items.clone()].iter().sum();
+        if let Some(slip) = gaps.slip_on_body(body.handle) {
+            exchange.join(&slip);
         }
-    }
-
-    /// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping. Each thread looks at all of it
-    /// and takes what is of its own facets: so each facet's sum has the order of what it felt.
-    fn feel(&mut self, place: usize, shape: &mut DeformableShape) {
-        let items = self.bodies.living[place].items.clone();
-        let (in_gaps, felt) = (&self.in_gaps[items.clone()], &self.link_items[items]);
-        let slip = &self.slip;
-        let handle = self.bodies.living[place].handle;
-        let length = shape.loads.len().div_ceil(self.team.threads()).max(1);
-        let pieces = Cut::every(&mut shape.loads, length);
-        self.team.for_pieces(pieces, |piece, loads: &mut [[[f64; 3]; 2]]| {
-            loads.fill([[0.0; 3]; 2]);
-            let first = piece * length;
-            let mut give = |facet: usize, force: [f64; 3], at: [f64; 3]| {
-                if let Some(load) = loads.get_mut(facet.wrapping_sub(first)) {
-                    add_scaled(&mut load[0], force, 1.0);
-                    add_scaled(&mut load[1], cross(at, force), 1.0);
-                }
-            };
-            each_felt(felt, in_gaps, &mut give);
-            for felt in slip.on_facets(handle) {
-                give(felt.facet as usize, felt.force, felt.at);
-            }
-        });
-    }
-
-    /// Makes loads of what the facets felt, and balances them.
-    fn finish_facets(
-        &mut self,
-        place: usize,
-        exchange: &MomentumExchange,
-        shape: &mut DeformableShape,
-    ) {
-        let body = &self.bodies.living[place];
-        let mirrors = mirrors_of_part(&self.layout.grid, body.position);
-        let finish = Finish {
-            grid: &self.layout.grid,
-            average: self.average_force,
-            mirrors,
-            copies: mirrors.iter().map(|is_cut| if *is_cut { 2.0 } else { 1.0 }).product(),
-            lift: self.lift,
-            middle: body.middle(),
-            from: body.position,
-            cell: self.units.cell,
+        bodies.total.join(&exchange);
+        let Some(mut shape) = body.part.as_mut().and_then(|part| part.shape.take()) else {
+            continue;
         };
-        let (facets, loads, carried, sums) = shape.parts();
-        let pieces = (
-            Cut::every(loads, FACETS_PER_PIECE),
-            Cut::every(carried, FACETS_PER_PIECE),
-            Cut::every(sums, 1),
-        );
-        self.team.for_pieces(pieces, |piece, (loads, carried, sums)| {
-            sums[0] = FacetSums::default();
-            let all = (piece * FACETS_PER_PIECE..).zip(loads.iter_mut().zip(carried));
-            for (facet, (load, carried)) in all {
-                finish.facet(facets.corners(facet), load, carried, &mut sums[0]);
+        let body = &bodies.list.living[place];
+        sum_felt(&mut shape, body, &bodies.links, gaps, exec);
+        let finish = Finish::of(lattice, bodies, body);
+        finish.all(body, &exchange, &mut shape, &mut budget.balance, exec);
+        if let Some(part) = &mut bodies.list.living[place].part {
+            part.shape = Some(shape);
+        }
+    }
+}
+
+/// Adds up what the facets of a surface felt of the fluid, of gaps, and of slipping. Each thread looks at all of it
+/// and takes what is of its own facets: so each facet's sum has the order of what it felt.
+fn sum_felt(
+    shape: &mut DeformableShape,
+    body: &Body,
+    links: &[LinkItem],
+    gaps: &GapModel,
+    exec: &mut Execution,
+) {
+    let (in_gaps, felt) = (&gaps.in_gaps[body.items.clone()], &links[body.items.clone()]);
+    let length = shape.loads.len().div_ceil(exec.team.threads()).max(1);
+    let pieces = Cut::every(&mut shape.loads, length);
+    exec.team.for_pieces(pieces, |piece, loads: &mut [[[f64; 3]; 2]]| {
+        loads.fill([[0.0; 3]; 2]);
+        let first = piece * length;
+        let mut give = |facet: usize, force: [f64; 3], at: [f64; 3]| {
+            if let Some(load) = loads.get_mut(facet.wrapping_sub(first)) {
+                add_scaled(&mut load[0], force, 1.0);
+                add_scaled(&mut load[1], cross(at, force), 1.0);
+            }
+        };
+        each_felt(felt, in_gaps, &mut give);
+        for felt in gaps.slip.on_facets(body.handle) {
+            give(felt.facet as usize, felt.force, felt.at);
+        }
+    });
+}
+
+/// See [`crate::LbmFluid::surface_loads`].
+pub fn surface_loads(
+    bodies: &Bodies,
+    units: &Units,
+    mut loads: &mut [FacetLoad],
+    exec: &mut Execution,
+) {
+    let mut number = 0;
+    for body in &bodies.living[bodies.rigid()..] {
+        let Some((part, shape)) =
+            body.part.as_ref().and_then(|part| Some((part, part.shape.as_ref()?)))
+        else {
+            continue;
+        };
+        let (reference, facets) = (part.reference(), shape.facets());
+        let own = loads.split_off_mut(..shape.loads.len()).unwrap_or_default();
+        let (first, count) = (number, own.len());
+        number += count;
+        exec.team.for_pieces(Cut::every(own, FACETS_PER_PIECE), |piece, loads: &mut [_]| {
+            for (facet, load) in (piece * FACETS_PER_PIECE..).zip(loads) {
+                let [force, torque] = shape.loads[facet];
+                let corners = facets.corners(facet).map(|v| v.map(|x| x / units.cell));
+                let point = acting_at(corners, force, torque);
+                let world = |a: usize| units.min[a] + (reference[a] + point[a]) * units.cell;
+                *load = FacetLoad {
+                    facet: (first + facet) as u64,
+                    force: force.map(|f| f * units.force()),
+                    point: std::array::from_fn(world),
+                    stiffness: 0.0,
+                };
             }
         });
-        let balance = &mut self.balance;
-        sums.iter().for_each(|sums| sums.balance(balance));
-        add_scaled(&mut balance.gaps, body.pressed[0], 1.0);
-        add_scaled(&mut balance.images, exchange.force, -1.0);
-        add_scaled(&mut balance.images, body.pressed[0], -1.0);
-        add_scaled(&mut balance.images, exchange.image, 1.0);
-    }
-
-    /// See [`crate::LbmFluid::surface_loads`].
-    pub fn surface_loads(&mut self, mut loads: &mut [FacetLoad]) {
-        let units = &self.units;
-        let mut number = 0;
-        for body in &self.bodies.living[self.bodies.rigid()..] {
-            let Some((part, shape)) =
-                body.part.as_ref().and_then(|part| Some((part, part.shape.as_ref()?)))
-            else {
-                continue;
-            };
-            let (reference, facets) = (part.reference(), shape.facets());
-            let own = loads.split_off_mut(..shape.loads.len()).unwrap_or_default();
-            let (first, count) = (number, own.len());
-            number += count;
-            self.team.for_pieces(Cut::every(own, FACETS_PER_PIECE), |piece, loads: &mut [_]| {
-                for (facet, load) in (piece * FACETS_PER_PIECE..).zip(loads) {
-                    let [force, torque] = shape.loads[facet];
-                    let corners = facets.corners(facet).map(|v| v.map(|x| x / units.cell));
-                    let point = acting_at(corners, force, torque);
-                    let world = |a: usize| units.min[a] + (reference[a] + point[a]) * units.cell;
-                    *load = FacetLoad {
-                        facet: (first + facet) as u64,
-                        force: force.map(|f| f * units.force()),
-                        point: std::array::from_fn(world),
-                        stiffness: 0.0,
-                    };
-                }
-            });
-        }
     }
 }
 

@@ -3,11 +3,12 @@
 use crate::bodies::body_list::Bodies;
 use crate::boundary::post_collision::LinkItem;
 use crate::boundary::unresolved_gaps::{Gap, Gaps, OtherSide, ROOM};
-use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::cross;
+use crate::lattice::grid::Grid;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
-use crate::solver::lbm_solver::LbmSolver;
+use crate::solver::execution::Execution;
+use crate::solver::gap_model::GapModel;
 use tremie_team::Cut;
 
 /// Items whose gaps one thread looks at together.
@@ -99,18 +100,17 @@ pub fn each_felt(
     }
 }
 
-impl<T: CollisionKernel> LbmSolver<T> {
+impl GapModel {
     /// Finds the densities in the gaps of all items.
-    fn find_densities(&mut self) {
-        let (seen, bodies, declared) = (&self.seen, &self.bodies, &self.declared);
-        let press = self.gaps_press;
-        let pieces = Cut::every(&mut self.in_gaps, ITEMS_PER_PIECE);
-        self.team.for_pieces(pieces, |number, piece: &mut [InGaps]| {
+    fn find_densities(&mut self, bodies: &Bodies, exec: &mut Execution) {
+        let Self { press, modelled, seen, in_gaps, .. } = self;
+        let pieces = Cut::every(in_gaps, ITEMS_PER_PIECE);
+        exec.team.for_pieces(pieces, |number, piece: &mut [InGaps]| {
             for (own, in_gaps) in seen[number * ITEMS_PER_PIECE..].iter().zip(piece) {
                 for (gap, drho) in own.gaps().iter().zip(in_gaps) {
                     *drho = match gap.across.as_declared() {
-                        Some(number) => declared.drho(number),
-                        None if press => drho_in(seen, bodies, own.body(), gap.across),
+                        Some(number) => modelled.drho(number),
+                        None if *press => drho_in(seen, bodies, own.body(), gap.across),
                         None => 0.0,
                     };
                 }
@@ -119,41 +119,43 @@ impl<T: CollisionKernel> LbmSolver<T> {
     }
 
     /// Finds what the pressure in gaps gives to bodies and fixtures, from what the links' search
-    /// found.
-    pub(crate) fn press(&mut self) {
+    /// found; `references` are the points of fixtures about which torques count.
+    pub fn press_on(
+        &mut self,
+        bodies: &mut Bodies,
+        grid: &Grid,
+        references: &[[f64; 3]],
+        exec: &mut Execution,
+    ) {
         if !self.feels_gaps() {
             return;
         }
         let seen = &self.seen;
-        self.declared.settle_nearest(|gap| around(seen, |to| to == OtherSide::declared(gap)));
-        self.find_densities();
+        self.modelled.settle_nearest(|gap| around(seen, |to| to == OtherSide::declared(gap)));
+        self.find_densities(bodies, exec);
         self.pressed.fill(MomentumExchange::default());
-        for place in 0..self.bodies.living.len() {
+        for body in &mut bodies.living {
             let mut load = [[0.0; 3]; 2];
-            let items = self.bodies.living[place].items.clone();
-            for (seen, in_gaps) in self.seen[items.clone()].iter().zip(&self.in_gaps[items]) {
-                for (gap, &drho) in seen.gaps().iter().zip(in_gaps) {
-                    let declared = gap.across.as_declared();
-                    let part = gap.load.map(|v| v.map(|x| x * drho));
-                    add_scaled(&mut load[0], part[0], 1.0);
-                    add_scaled(&mut load[1], part[1], 1.0);
-                    let still = declared.map_or_else(
-                        || gap.across.as_fixture(),
-                        |number| self.declared.still_side(number),
-                    );
-                    if let Some(number) = still {
-                        let position = self.bodies.living[place].position;
-                        let to = self.surroundings.references[number];
-                        // From the fixture's reference to the body, by the shortest way.
-                        let arm = self.layout.grid.shortest(to, position);
-                        let fixture = &mut self.pressed[number];
-                        add_scaled(&mut fixture.force, part[0], -1.0);
-                        add_scaled(&mut fixture.torque, part[1], -1.0);
-                        add_scaled(&mut fixture.torque, cross(arm, part[0]), -1.0);
-                    }
+            let items = body.items.clone();
+            let of_items = self.seen[items.clone()].iter().zip(&self.in_gaps[items]);
+            for (gap, &drho) in of_items.flat_map(|(seen, drho)| seen.gaps().iter().zip(drho)) {
+                let part = gap.load.map(|v| v.map(|x| x * drho));
+                add_scaled(&mut load[0], part[0], 1.0);
+                add_scaled(&mut load[1], part[1], 1.0);
+                let still = match gap.across.as_declared() {
+                    Some(number) => self.modelled.still_side(number),
+                    None => gap.across.as_fixture(),
+                };
+                if let Some(number) = still {
+                    // From the fixture's reference to the body, by the shortest way.
+                    let arm = grid.shortest(references[number], body.position);
+                    let fixture = &mut self.pressed[number];
+                    add_scaled(&mut fixture.force, part[0], -1.0);
+                    add_scaled(&mut fixture.torque, part[1], -1.0);
+                    add_scaled(&mut fixture.torque, cross(arm, part[0]), -1.0);
                 }
             }
-            self.bodies.living[place].pressed = load;
+            body.pressed = load;
         }
     }
 }

@@ -14,11 +14,6 @@
 //! keep accounts: those count it. A part that prescribes velocity or pressure lets fluid through, and what its links brought is no
 //! loss, interpolated or not. A step in which bodies appear or vanish counts nothing: what they displace is no loss.
 
-use crate::domain::boundary_condition::BoundaryCondition;
-use crate::lattice::cell_list::BoundaryId;
-use crate::lattice::collision_kernel::CollisionKernel;
-use crate::solver::lbm_solver::LbmSolver;
-
 /// What is known of it [cells at density 1].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lost {
@@ -33,62 +28,30 @@ pub struct Lost {
 }
 
 impl Lost {
+    /// Begins anew, in a fluid of so many cells: nothing is lost.
+    pub fn restart(&mut self, cells: usize) {
+        *self = Self { cells, ..Self::default() };
+    }
+
     /// Takes note that bodies come or go.
     pub fn change(&mut self) {
         self.is_other = true;
     }
 
+    /// Counts a step at whose end the fluid has so many cells; see above for `took`, `receded` and `mean`. Returns what was lost
+    /// since the start.
+    pub fn count(&mut self, cells: usize, took: f64, receded: f64, mean: f64) -> f64 {
+        if std::mem::take(&mut self.is_other) {
+            *self = Self { before: self.total(mean), ..Self::default() };
+        } else {
+            self.took += took;
+            self.space += cells as f64 - self.cells as f64 - receded;
+        }
+        self.cells = cells;
+        self.total(mean)
+    }
+
     fn total(&self, mean: f64) -> f64 {
         self.before + self.took + mean * self.space
-    }
-}
-
-impl<T: CollisionKernel> LbmSolver<T> {
-    /// Begins anew: nothing is lost.
-    pub(crate) fn lose_nothing(&mut self) {
-        self.patches.forgive(&mut self.fixed_items);
-        self.lost = Lost { cells: self.owners.fluid_cells, ..Lost::default() };
-    }
-
-    /// Adds what a step lost, once its balance is known.
-    pub(crate) fn count_lost(&mut self) {
-        let cells = self.owners.fluid_cells;
-        let mean = self.balance.mass / cells.max(1) as f64;
-        let (through, receded) = (self.through_parts(), self.receded());
-        let lost = &mut self.lost;
-        if std::mem::take(&mut lost.is_other) {
-            *lost = Lost { before: lost.total(mean), ..Lost::default() };
-        } else {
-            lost.took += self.balance.mass_open + through - self.balance.mass_change;
-            lost.space += cells as f64 - lost.cells as f64 - receded;
-        }
-        lost.cells = cells;
-        self.balance.mass_lost = lost.total(mean);
-        self.ledger.mass_lost = self.balance.mass_lost * self.units.mass();
-    }
-
-    /// Mass that came in the last step through parts that let fluid through.
-    fn through_parts(&self) -> f64 {
-        let all = self.surroundings.laws.iter().zip(&self.fixtures);
-        let lets_through = |law: &Option<BoundaryCondition>| {
-            !matches!(law, None | Some(BoundaryCondition::Wall { .. }))
-        };
-        all.skip(usize::from(BoundaryId::FACES))
-            .filter(|(law, _)| lets_through(law))
-            .map(|(_, exchange)| exchange.mass)
-            .sum()
-    }
-
-    /// Volume by which the walls of bodies receded in the last step, those of gaps without fluid among them.
-    fn receded(&self) -> f64 {
-        let counted = self.bodies.living.iter().filter(|body| self.keeps_mass || body.is_part());
-        let items = counted.flat_map(|body| body.items.clone());
-        items
-            .map(|number| {
-                let exchange = &self.exchanges[number];
-                let gaps: f64 = self.link_items[number].gaps.drawn.iter().sum();
-                exchange.receded + exchange.drawn + gaps
-            })
-            .sum()
     }
 }

@@ -27,85 +27,73 @@
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.
 
-use crate::lattice::collision_kernel::CollisionKernel;
-use crate::lattice::d3q19::Q;
 use crate::lattice::momentum_exchange::MomentumExchange;
-use crate::solver::lbm_solver::LbmSolver;
+use crate::lattice::populations::Real;
+use crate::solver::gap_model::GapModel;
+use crate::solver::lattice_state::LatticeState;
+use crate::solver::moving_bodies::MovingBodies;
 
-impl<T: CollisionKernel> LbmSolver<T> {
-    /// Handle of the body that covers a cell or cut it off from the fluid.
-    pub(crate) fn holder_of(&self, cell: u32) -> Option<u32> {
-        let (owners, layout) = (&self.owners, &self.layout);
-        let of_neighbours = || (1..Q).find_map(|i| owners.holder(layout.neighbour(cell, i)?));
-        let of_gaps = || self.declared.any_mover(&self.bodies);
-        owners.holder(cell).or_else(of_neighbours).or_else(of_gaps)
+/// Charges a body for a cell that it covered or cut off from the fluid.
+pub fn charge<T: Real>(
+    bodies: &mut MovingBodies,
+    gaps: &GapModel,
+    lattice: &LatticeState<T>,
+    cell: u32,
+    drho: f64,
+) {
+    if !bodies.keeps_mass {
+        return;
     }
-
-    /// Charges a body for a cell that it covered or cut off from the fluid.
-    pub(crate) fn charge(&mut self, cell: u32, drho: f64) {
-        if !self.keeps_mass {
-            return;
-        }
-        if let Some(handle) = self.holder_of(cell)
-            && let Some(body) = self.bodies.living_with_handle(handle)
-            && body.account.is_open
-        {
-            body.account.cover(drho);
-        }
+    if let Some(handle) = gaps.holder_of(lattice, &bodies.list, cell)
+        && let Some(body) = bodies.list.living_with_handle(handle)
+        && body.account.is_open
+    {
+        body.account.cover(drho);
     }
+}
 
-    /// Credits the body that uncovered a cell.
-    pub(crate) fn credit(&mut self, handle: u32, drho: f64) {
-        if self.keeps_mass
-            && let Some(body) = self.bodies.living_with_handle(handle)
-            && body.account.is_open
-        {
-            body.account.uncover(drho);
-        }
+/// Credits the body that uncovered a cell.
+pub fn credit(bodies: &mut MovingBodies, handle: u32, drho: f64) {
+    if bodies.keeps_mass
+        && let Some(body) = bodies.list.living_with_handle(handle)
+        && body.account.is_open
+    {
+        body.account.uncover(drho);
     }
+}
 
-    /// Settles the accounts of walls and bodies at the end of a step, once its balance is known.
-    pub(crate) fn settle_accounts(&mut self) {
-        let owed = self.patches.settle(&mut self.fixed_items) + self.settle_bodies();
-        self.balance.mass_owed = owed;
-        self.ledger.mass_owed = owed * self.units.mass();
+/// Settles the accounts of bodies at the end of a step in a fluid of a mean density; returns what they owe.
+pub fn settle_bodies(bodies: &mut MovingBodies, gaps: &mut GapModel, mean: f64) -> f64 {
+    let MovingBodies { list, links, exchanges, keeps_mass, .. } = bodies;
+    if !*keeps_mass {
+        return 0.0;
     }
-
-    /// Settles the accounts of bodies; returns what they owe.
-    fn settle_bodies(&mut self) -> f64 {
-        if !self.keeps_mass {
-            return 0.0;
-        }
-        let mean = self.balance.mass / self.owners.fluid_cells.max(1) as f64;
-        let mut owed = 0.0;
-        let parts = self.bodies.living.iter().filter(|body| body.is_part());
-        let of_parts = parts.flat_map(|body| &self.link_items[body.items.clone()]);
-        let mut left = self.intakes.receive(of_parts);
-        for body in &mut self.bodies.living {
-            let (mut all, mut taken) = (MomentumExchange::default(), 0.0);
-            for number in body.items.clone() {
-                all.join(&self.exchanges[number]);
-                // Grains draw nothing in, and give nothing.
-                let Some(item) = body.is_part().then(|| &self.link_items[number]) else { continue };
-                // What links gave to intakes the body does not owe.
-                all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
-                for (gap, drawn) in (0..).zip(&item.gaps.drawn) {
-                    all.drawn += drawn;
-                    taken += self.intakes.draw(gap, mean * drawn);
-                }
+    let mut owed = 0.0;
+    let parts = list.living.iter().filter(|body| body.is_part());
+    let of_parts = parts.flat_map(|body| &links[body.items.clone()]);
+    let mut left = gaps.tables.sinks.receive(of_parts);
+    for body in &mut list.living {
+        let (mut all, mut taken) = (MomentumExchange::default(), 0.0);
+        for number in body.items.clone() {
+            all.join(&exchanges[number]);
+            // Grains draw nothing in, and give nothing.
+            let Some(item) = body.is_part().then(|| &links[number]) else { continue };
+            // What links gave to intakes the body does not owe.
+            all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
+            for (gap, drawn) in (0..).zip(&item.gaps.drawn) {
+                all.drawn += drawn;
+                taken += gaps.tables.sinks.draw(gap, mean * drawn);
             }
+        }
+        if body.is_part() {
             // What intakes cannot give any more, a body has to.
-            if body.is_part() {
-                taken -= std::mem::take(&mut left);
-            }
-            if self.slips && body.is_part() {
-                all.mass += self.slip.on_body(body.handle).mass;
-            }
-            body.account.is_open = true;
-            body.account.settle(&all, mean, taken);
-            owed += body.account.owed;
+            taken -= std::mem::take(&mut left);
+            all.mass += gaps.slip_on_body(body.handle).map_or(0.0, |slip| slip.mass);
         }
-        self.intakes.decide();
-        owed - self.intakes.due()
+        body.account.is_open = true;
+        body.account.settle(&all, mean, taken);
+        owed += body.account.owed;
     }
+    gaps.tables.sinks.decide();
+    owed - gaps.tables.sinks.due()
 }

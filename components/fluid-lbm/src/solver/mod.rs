@@ -1,18 +1,25 @@
 //! The step: bodies, collision, reflection, loads, balance; and the fluid in SI units.
 
-pub mod bounce_back;
+pub mod budget;
+pub mod collide_and_stream;
 pub mod deformable_surfaces;
 pub mod diagnostics;
 pub mod displaced_fluid;
+pub mod execution;
 pub mod facet_loads;
+pub mod gap_model;
 pub mod gap_pressure;
+pub mod lattice_state;
 pub mod lbm_solver;
 pub mod loads;
 pub mod lost_mass;
 pub mod mass_correction;
+pub mod moving_bodies;
 pub mod moving_boundaries;
+pub mod open_boundaries;
 pub mod oriented_messages;
 pub mod pinched_cells;
 pub mod ports;
 pub mod probes;
 pub mod section_flux;
+pub mod static_boundaries;

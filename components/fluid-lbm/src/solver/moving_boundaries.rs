@@ -3,11 +3,16 @@
 use crate::boundary::mesh_links::LinkSearch;
 use crate::boundary::refill::Content;
 use crate::lattice::cell_flags::{CellFlags, Vacated};
-use crate::lattice::collision_kernel::CollisionKernel;
+use crate::lattice::collision_kernel::DensityRequests;
 use crate::lattice::ledger::add_scaled;
-use crate::solver::lbm_solver::{LbmSolver, before};
+use crate::lattice::populations::Real;
+use crate::solver::budget::Budget;
+use crate::solver::execution::Execution;
+use crate::solver::gap_model::GapModel;
+use crate::solver::lattice_state::LatticeState;
+use crate::solver::mass_correction::{charge, credit};
+use crate::solver::moving_bodies::MovingBodies;
 use std::sync::atomic::Ordering::Relaxed;
-use tremie_messages::BodyState;
 
 /// A cell to refill, and what it then holds.
 #[derive(Clone, Copy, Debug)]
@@ -16,91 +21,62 @@ pub struct Filled {
     content: Content,
 }
 
-impl<T: CollisionKernel> LbmSolver<T> {
-    /// Moves the bodies: covers and uncovers cells, refills.
-    pub(crate) fn move_bodies(&mut self, states: &[BodyState]) {
-        self.owners.begin();
-        let moved = self.bodies.take(states, &self.units, &self.layout.grid);
-        if !moved && !self.declared.is_fresh() {
-            return;
-        }
-        let all_want = self.wanted.begin();
-        let (layout, lines) = (&self.layout, &self.wanted.lines);
+impl MovingBodies {
+    /// Finds the cells that bodies hold now, and asks for the densities near them, if `all_want` for those of all. True if
+    /// links need other items.
+    pub fn rasterise<T: Real>(
+        &mut self,
+        lattice: &LatticeState<T>,
+        requests: &DensityRequests<T>,
+        all_want: bool,
+        exec: &mut Execution,
+    ) -> bool {
+        let (layout, lines) = (&lattice.layout, &requests.lines);
         let mut outgrown = false;
-        for body in &mut self.bodies.living {
-            outgrown |= body.cover_part(layout, &mut self.team);
+        for body in &mut self.list.living {
+            outgrown |= body.cover_part(layout, &mut exec.team);
         }
-        self.team.for_each(&mut self.bodies.living, |_, body| {
+        exec.team.for_each(&mut self.list.living, |_, body| {
             let wants_others = body.cover(layout, T::LINE);
             if all_want || wants_others {
                 body.want(lines);
             }
         });
-        for body in self.bodies.leaving.iter().chain(&self.bodies.living) {
+        outgrown
+    }
+
+    /// Gives the cells that bodies left back, and claims those that they entered.
+    pub fn claim_cells(&mut self, flags: &mut CellFlags) {
+        for body in self.list.leaving.iter().chain(&self.list.living) {
             for &cell in &body.left {
-                self.owners.release(cell, body.handle);
+                flags.release(cell, body.handle);
             }
         }
-        for body in &self.bodies.living {
+        for body in &self.list.living {
             for &cell in &body.entered {
-                self.owners.claim(cell, body.handle);
+                flags.claim(cell, body.handle);
             }
         }
-        self.bodies.note_sharing(self.owners.sharing());
-        self.freeze();
-        self.count_losses();
-        self.refill();
-        self.owners.admit();
-        self.find_pinched_anew();
-        self.note_changes();
-        if !self.declared.is_empty() {
-            self.declared.find_mouths(&self.owners, &self.layout);
-            self.intakes.look(self.declared.by_cell(), &self.owners, &self.layout);
-        }
-        if self.slips {
-            let (gaps, bodies, owners) = (&self.declared, &self.bodies, &self.owners);
-            self.slip.find(gaps, bodies, owners, &self.layout, &mut self.team);
-        }
-        self.owners.forget_changes();
-        self.bodies.forget_leaving();
-        if outgrown {
-            self.list_items();
-        }
-        self.find_links(all_want);
+        self.list.note_sharing(flags.sharing());
     }
 
-    /// Notes where cells joined the fluid or left it.
-    fn note_changes(&mut self) {
-        let CellFlags { covered, enclosed, vacated, .. } = &self.owners;
-        let changed = covered.iter().chain(enclosed).copied();
-        let changed = changed.chain(vacated.iter().map(|vacated| vacated.cell));
-        self.bricks.begin(&self.layout, changed);
-    }
-
-    /// Freezes and thaws cells of gaps, and decides which cells are isolated.
-    fn freeze(&mut self) {
-        let (layout, bodies, owners) = (&self.layout, &self.bodies, &mut self.owners);
-        if self.declared.is_empty() {
-            return owners.settle(layout);
-        }
-        if bodies.parts_moved() || self.declared.is_fresh() {
-            self.declared.measure(layout, bodies, &mut self.team);
-        }
-        self.declared.freeze(owners, bodies, &mut self.team);
-        owners.settle(layout);
-        self.declared.close_pockets(owners, layout, &mut self.team);
-    }
-
-    /// Finds the links of parts and polyhedra that have moved, and wants the densities that they need, if `all_want`
-    /// those of all.
-    fn find_links(&mut self, all_want: bool) {
-        let walls = self.feels_gaps().then_some(&self.walls);
-        let layout = &self.layout;
-        let gap_between = |part, fixture, at| self.declared.between(part, fixture, at);
+    /// Finds the links of parts and polyhedra that have moved, and asks for the densities that they need, if `all_want`
+    /// for those of all.
+    pub fn find_links<T: Real>(
+        &mut self,
+        lattice: &LatticeState<T>,
+        gaps: &GapModel,
+        requests: &DensityRequests<T>,
+        all_want: bool,
+        exec: &mut Execution,
+    ) {
+        let layout = &lattice.layout;
+        let gap_between = |part, fixture, at| gaps.modelled.between(part, fixture, at);
+        let walls = gaps.tables.walls.as_ref();
         let site = LinkSearch { layout, walls, gap_between: &gap_between, line: T::LINE };
-        let (bodies, lines) = (&self.bodies, &self.wanted.lines);
-        let items = &mut self.link_items[bodies.items_with_surface()];
-        self.team.for_each(items, |_, item| {
+        let (bodies, lines) = (&self.list, &requests.lines);
+        let items = &mut self.links[bodies.items_with_surface()];
+        exec.team.for_each(items, |_, item| {
             if item.find(&site, bodies) || all_want {
                 for &line in item.found.lines() {
                     lines[line as usize].store(1, Relaxed);
@@ -108,43 +84,52 @@ impl<T: CollisionKernel> LbmSolver<T> {
             }
         });
     }
+}
 
-    /// Balances what left the fluid with covered and isolated cells.
-    fn count_losses(&mut self) {
-        for k in 0..self.owners.covered.len() {
-            let cell = self.owners.covered[k];
-            let content = self.before().content(cell);
-            add_scaled(&mut self.balance.covered, content.j, -1.0);
-            self.balance.mass_covered -= 1.0 + content.drho;
-            self.charge(cell, content.drho);
-        }
-        for k in 0..self.owners.enclosed.len() {
-            let cell = self.owners.enclosed[k];
-            let content = self.before().content(cell);
-            add_scaled(&mut self.balance.isolated, content.j, -1.0);
-            self.balance.mass_isolated -= 1.0 + content.drho;
-            self.charge(cell, content.drho);
-        }
+/// Balances what left the fluid with covered and isolated cells.
+pub fn count_losses<T: Real>(
+    lattice: &LatticeState<T>,
+    bodies: &mut MovingBodies,
+    gaps: &GapModel,
+    budget: &mut Budget,
+) {
+    let balance = &mut budget.balance;
+    for &cell in &lattice.flags.covered {
+        let content = lattice.before().content(cell);
+        add_scaled(&mut balance.covered, content.j, -1.0);
+        balance.mass_covered -= 1.0 + content.drho;
+        charge(bodies, gaps, lattice, cell, content.drho);
     }
+    for &cell in &lattice.flags.enclosed {
+        let content = lattice.before().content(cell);
+        add_scaled(&mut balance.isolated, content.j, -1.0);
+        balance.mass_isolated -= 1.0 + content.drho;
+        charge(bodies, gaps, lattice, cell, content.drho);
+    }
+}
 
-    /// Fills the cells that joined the fluid.
-    fn refill(&mut self) {
-        self.refills.clear();
-        for &vacated in &self.owners.vacated {
-            self.refills.push(Filled { vacated, content: Content::default() });
-        }
-        let before = before!(self);
-        let (owners, bodies, declared) = (&self.owners, &self.bodies, &self.declared);
-        self.team.for_each(&mut self.refills, |_, refill| {
-            let Vacated { cell, handle } = refill.vacated;
-            let body = bodies.any_with_handle(handle);
-            refill.content = before.refill(owners, cell, body, declared.drho_at(cell));
-        });
-        for k in 0..self.refills.len() {
-            let Filled { vacated, content } = self.refills[k];
-            add_scaled(&mut self.balance.uncovered, content.j, 1.0);
-            self.balance.mass_uncovered += 1.0 + content.drho;
-            self.credit(vacated.handle, content.drho);
-        }
+/// Fills the cells that joined the fluid; see `refill`.
+pub fn refill<T: Real>(
+    lattice: &LatticeState<T>,
+    bodies: &mut MovingBodies,
+    gaps: &GapModel,
+    budget: &mut Budget,
+    exec: &mut Execution,
+) {
+    let mut refills = std::mem::take(&mut bodies.refills);
+    refills.clear();
+    let empty = |&vacated: &Vacated| Filled { vacated, content: Content::default() };
+    refills.extend(lattice.flags.vacated.iter().map(empty));
+    let (before, list) = (lattice.before(), &bodies.list);
+    exec.team.for_each(&mut refills, |_, refill| {
+        let Vacated { cell, handle } = refill.vacated;
+        let (body, alone) = (list.any_with_handle(handle), gaps.modelled.drho_at(cell));
+        refill.content = before.refill(&lattice.flags, cell, body, alone);
+    });
+    for &Filled { vacated, content } in &refills {
+        add_scaled(&mut budget.balance.uncovered, content.j, 1.0);
+        budget.balance.mass_uncovered += 1.0 + content.drho;
+        credit(bodies, vacated.handle, content.drho);
     }
+    bodies.refills = refills;
 }

@@ -13,10 +13,10 @@
 
 use crate::boundary::open_boundary::open_faces;
 use crate::boundary::refill::Content;
-use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::d3q19::{C_F64, Q, W, dot};
 use crate::lattice::ledger::add_scaled;
-use crate::solver::lbm_solver::{LbmSolver, before};
+use crate::lattice::populations::Real;
+use crate::solver::lattice_state::LatticeState;
 
 /// Links into fluid from which on fluid flows through a cell: those of a cell along the edge of a box.
 const OPEN_LINKS: usize = 9;
@@ -68,89 +68,63 @@ impl Pinched {
     pub fn bytes(&self) -> usize {
         size_of_val(self.cells.as_slice()) + size_of_val(self.listed.as_slice())
     }
-}
-
-impl<T: CollisionKernel> LbmSolver<T> {
-    /// Whether a cell is fluid through which nothing flows.
-    fn is_pinched(&self, cell: u32) -> bool {
-        let (layout, owners) = (&self.layout, &self.owners);
-        let is_open = |&i: &usize| {
-            let neighbour = layout.neighbour(cell, i);
-            neighbour.is_some_and(|n| owners.is_fluid(n)) || layout.sees_itself(cell, i)
-        };
-        owners.is_fluid(cell)
-            && (1..Q).filter(is_open).take(OPEN_LINKS).count() < OPEN_LINKS
-            && open_faces(&layout.grid, layout.at(cell)).next().is_none()
-    }
 
     /// Looks for pinched cells everywhere.
-    pub(crate) fn find_pinched(&mut self) {
-        for cell in 0..self.layout.cells.len() as u32 {
-            self.list_if_pinched(cell);
+    pub fn find<T: Real>(&mut self, lattice: &LatticeState<T>) {
+        for cell in 0..lattice.layout.cells.len() as u32 {
+            self.list_if_pinched(lattice, cell);
         }
     }
 
-    fn list_if_pinched(&mut self, cell: u32) {
-        if !self.pinched.is_listed(cell) && self.is_pinched(cell) {
-            self.pinched.list(cell);
+    fn list_if_pinched<T: Real>(&mut self, lattice: &LatticeState<T>, cell: u32) {
+        if !self.is_listed(cell) && is_pinched(lattice, cell) {
+            self.list(cell);
         }
     }
 
     /// Looks for pinched cells where cells joined the fluid or left it in this step.
-    pub(crate) fn find_pinched_anew(&mut self) {
-        for k in 0..self.owners.vacated.len() {
-            self.list_if_pinched(self.owners.vacated[k].cell);
+    pub fn find_anew<T: Real>(&mut self, lattice: &LatticeState<T>) {
+        let flags = &lattice.flags;
+        for vacated in &flags.vacated {
+            self.list_if_pinched(lattice, vacated.cell);
         }
-        for k in 0..self.owners.covered.len() {
-            self.list_beside(self.owners.covered[k]);
-        }
-        for k in 0..self.owners.enclosed.len() {
-            self.list_beside(self.owners.enclosed[k]);
-        }
-    }
-
-    fn list_beside(&mut self, cell: u32) {
-        for i in 1..Q {
-            if let Some(neighbour) = self.layout.neighbour(cell, i) {
-                self.list_if_pinched(neighbour);
+        for &cell in flags.covered.iter().chain(&flags.enclosed) {
+            for neighbour in (1..Q).filter_map(|i| lattice.layout.neighbour(cell, i)) {
+                self.list_if_pinched(lattice, neighbour);
             }
         }
     }
 
     /// Calms pinched cells at the end of a step, if it is their turn.
-    pub(crate) fn calm_pinched(&mut self) {
-        self.pinched.impulse = [0.0; 3];
-        match self.steps % EVERY {
-            0 => self.note_pinched(),
-            1 => self.mean_pinched(),
+    pub fn calm<T: Real>(&mut self, lattice: &LatticeState<T>) {
+        self.impulse = [0.0; 3];
+        match lattice.steps % EVERY {
+            0 => self.note(lattice),
+            1 => self.mean(lattice),
             _ => {}
         }
     }
 
     /// Takes the momentum of pinched cells, and forgets those that are not any more.
-    fn note_pinched(&mut self) {
-        let mut cells = std::mem::take(&mut self.pinched.cells);
+    fn note<T: Real>(&mut self, lattice: &LatticeState<T>) {
+        let Self { cells, listed, .. } = self;
         cells.retain_mut(|pinched| {
-            let stays = self.is_pinched(pinched.cell);
+            let stays = is_pinched(lattice, pinched.cell);
             if stays {
-                pinched.j = self.before().content(pinched.cell).j;
+                pinched.j = lattice.before().content(pinched.cell).j;
             } else {
-                self.pinched.listed[pinched.cell as usize / 64] &= !(1 << (pinched.cell % 64));
+                listed[pinched.cell as usize / 64] &= !(1 << (pinched.cell % 64));
             }
             stays
         });
-        self.pinched.noted = cells.len();
-        self.pinched.cells = cells;
+        self.noted = cells.len();
     }
 
     /// Gives those whose momentum was taken one step before the mean of both.
-    fn mean_pinched(&mut self) {
-        let before = before!(self);
-        let Pinched { cells, noted, impulse, .. } = &mut self.pinched;
-        for pinched in &cells[..*noted] {
-            if !self.owners.is_fluid(pinched.cell) {
-                continue;
-            }
+    fn mean<T: Real>(&mut self, lattice: &LatticeState<T>) {
+        let before = lattice.before();
+        let Self { cells, noted, impulse, .. } = self;
+        for pinched in cells[..*noted].iter().filter(|cell| lattice.flags.is_fluid(cell.cell)) {
             let mut h = before.populations(pinched.cell);
             let now = Content::of(&h).j;
             let change = std::array::from_fn(|a| 0.5 * (pinched.j[a] - now[a]));
@@ -163,4 +137,16 @@ impl<T: CollisionKernel> LbmSolver<T> {
             add_scaled(impulse, now, -1.0);
         }
     }
+}
+
+/// Whether a cell is fluid through which nothing flows.
+fn is_pinched<T: Real>(lattice: &LatticeState<T>, cell: u32) -> bool {
+    let LatticeState { layout, flags, .. } = lattice;
+    let is_open = |&i: &usize| {
+        let neighbour = layout.neighbour(cell, i);
+        neighbour.is_some_and(|n| flags.is_fluid(n)) || layout.sees_itself(cell, i)
+    };
+    flags.is_fluid(cell)
+        && (1..Q).filter(is_open).take(OPEN_LINKS).count() < OPEN_LINKS
+        && open_faces(&layout.grid, layout.at(cell)).next().is_none()
 }

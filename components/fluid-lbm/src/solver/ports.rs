@@ -2,12 +2,13 @@
 //! layer at the face.
 
 use crate::domain::solids::Centres;
-use crate::lattice::collision_kernel::CollisionKernel;
 use crate::lattice::layout::Layout;
-use crate::solver::lbm_solver::{LbmSolver, before};
+use crate::lattice::populations::Real;
+use crate::solver::lattice_state::LatticeState;
 use crate::solver::probes::Probes;
 use tremie_messages::PortState;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
+use tremie_team::Team;
 
 /// Such faces, each with a probe of its layer of cells.
 #[derive(Clone, Debug, Default)]
@@ -41,15 +42,12 @@ impl PortFaces {
             faces,
         }
     }
-}
 
-impl<T: CollisionKernel> LbmSolver<T> {
     /// See [`crate::LbmFluid::ports`].
-    pub fn ports(&mut self) -> &[PortState] {
-        let before = before!(self);
-        let PortFaces { faces, layers, values } = &mut self.ports;
+    pub fn measure<T: Real>(&mut self, lattice: &LatticeState<T>, team: &mut Team) -> &[PortState] {
+        let Self { faces, layers, values } = self;
         values.clear();
-        layers.read(&mut self.team, &before, &self.owners, &self.units, values);
+        layers.read(team, &lattice.before(), &lattice.flags, &lattice.units, values);
         for (face, values) in faces.iter_mut().zip(values.chunks(VALUES)) {
             let inward = if face.side == 0 { 1.0 } else { -1.0 };
             face.velocity = inward * values[1 + face.axis as usize];

@@ -273,7 +273,7 @@ impl Probes {
         &mut self,
         team: &mut Team,
         before: &PreCollision<T>,
-        owners: &CellFlags,
+        flags: &CellFlags,
         units: &Units,
         out: &mut Vec<f64>,
     ) {
@@ -288,7 +288,7 @@ impl Probes {
                     before.contents(number, T::LINE.min(before.layout.cells.len() - first))
                 });
                 for &(cell, weight) in samples {
-                    if owners.is_fluid(cell) {
+                    if flags.is_fluid(cell) {
                         let content = match &together {
                             Some(contents) => contents[cell as usize - first],
                             None => before.content(cell),

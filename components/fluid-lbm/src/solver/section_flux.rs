@@ -50,7 +50,7 @@ pub struct Sight<'a, T: Real> {
     /// The fluid.
     pub before: PreCollision<'a, T>,
     /// Who owns which cell.
-    pub owners: &'a CellFlags,
+    pub flags: &'a CellFlags,
     /// The bodies.
     pub bodies: &'a Bodies,
     /// What fixtures prescribe.
@@ -87,7 +87,7 @@ impl Crossing {
     pub fn look<T: Real>(&mut self, sight: &Sight<T>) {
         self.passed = 0.0;
         for link in &self.links {
-            if sight.owners.is_fluid(link.cell) {
+            if sight.flags.is_fluid(link.cell) {
                 self.passed += f64::from(link.weight) * sight.passed(link);
             }
         }
@@ -100,7 +100,7 @@ impl<T: Real> Sight<'_, T> {
         let PreCollision { layout, parity, field, .. } = self.before;
         let i = usize::from(link.dir);
         match link.end {
-            FluxEnd::Cell { cell, dir, .. } if self.owners.is_fluid(cell) => {
+            FluxEnd::Cell { cell, dir, .. } if self.flags.is_fluid(cell) => {
                 let arrived = |cell: u32, i: usize| field.get(layout.place(parity, cell, i));
                 arrived(cell, dir.into()) - arrived(link.cell, OPPOSITE[i])
             }
@@ -121,7 +121,7 @@ impl<T: Real> Sight<'_, T> {
 
     /// Velocity of the body that holds a cell, if one does; as seen in mirrors.
     fn velocity_in(&self, cell: u32, mirrors: u8) -> Option<[f64; 3]> {
-        let body = self.bodies.with_handle(self.owners.holder(cell)?);
+        let body = self.bodies.with_handle(self.flags.holder(cell)?);
         let layout = self.before.layout;
         let u = body.velocity_at(layout.grid.arm(body.position, layout.at(cell)));
         Some(std::array::from_fn(|a| if mirrors >> a & 1 == 1 { -u[a] } else { u[a] }))

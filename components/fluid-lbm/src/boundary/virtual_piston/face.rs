@@ -321,7 +321,7 @@ impl<T: Real> View<'_, T> {
 
     fn measure(&self, cells: &[FaceCell], item: &mut PistonItem) {
         (item.sum, item.fastest, item.wet) = (0.0, 0.0, 0);
-        for open in cells.iter().filter(|open| self.next.owners.is_fluid(open.cell)) {
+        for open in cells.iter().filter(|open| self.next.flags.is_fluid(open.cell)) {
             let u = self.normal_velocity(&self.next.populations(open.cell));
             item.sum += u;
             item.fastest = item.fastest.max(u.abs());
@@ -331,7 +331,7 @@ impl<T: Real> View<'_, T> {
 
     fn fill(&self, cells: &[FaceCell], mean: f64, relaxation: f64, item: &mut PistonItem) {
         (item.impulse, item.mass) = ([0.0; 3], 0.0);
-        for open in cells.iter().filter(|open| self.next.owners.is_fluid(open.cell)) {
+        for open in cells.iter().filter(|open| self.next.flags.is_fluid(open.cell)) {
             let old = self.next.populations(open.cell);
             let u = self.normal_velocity(&old);
             let mut velocity = [0.0; 3];

@@ -124,7 +124,7 @@ fn edges_belong_to_the_same_faces() {
         let [nx, ny, nz] = fluid.cells();
         for k in 0..nx * ny * nz {
             let at = [k % nx, k / nx % ny, k / (nx * ny)];
-            let (turned, own) = (fluid.populations_at(at), plain.populations_at(at));
+            let (turned, own) = (fluid.populations_at(at), plain.lattice.populations_at(at));
             for i in 0..Q {
                 assert!((turned[i] - own[i]).abs() < 1e-14, "{at:?} {i}: {} {}", turned[i], own[i]);
                 largest = largest.max(own[i].abs());

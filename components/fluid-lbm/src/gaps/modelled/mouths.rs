@@ -50,14 +50,14 @@ impl Mouths {
     }
 
     /// Adds those into a frozen cell.
-    fn add(&mut self, owners: &CellFlags, layout: &Layout, cell: u32, gap: u16) {
+    fn add(&mut self, flags: &CellFlags, layout: &Layout, cell: u32, gap: u16) {
         self.note(cell);
         let at = layout.at(cell);
         for i in 1..Q {
             let Some((from, mirrors)) = layout.near(at, C[i]) else { continue };
             self.note(from);
             let dir = mirrored(OPPOSITE[i], mirrors);
-            if owners.is_fluid(from) && layout.neighbour(from, dir) == Some(cell) {
+            if flags.is_fluid(from) && layout.neighbour(from, dir) == Some(cell) {
                 self.list.push(Mouth { cell: from, dir: dir as u8, gap });
             }
         }
@@ -73,10 +73,10 @@ impl Mouths {
 
 impl ModelledGaps {
     /// Lists the links from fluid cells into frozen ones, if cells changed hands on which these depend.
-    pub fn find_mouths(&mut self, owners: &CellFlags, layout: &Layout) {
+    pub fn find_mouths(&mut self, flags: &CellFlags, layout: &Layout) {
         let mouths = &self.mouths;
-        let changed = owners.changed().iter();
-        let depends = |&cell: &u32| mouths.matters[cell as usize] || owners.of(cell) == FROZEN;
+        let changed = flags.changed().iter();
+        let depends = |&cell: &u32| mouths.matters[cell as usize] || flags.of(cell) == FROZEN;
         if mouths.are_listed && !changed.copied().any(|cell| depends(&cell)) {
             return;
         }
@@ -84,9 +84,9 @@ impl ModelledGaps {
         mouths.begin();
         let of_gaps = self.candidates.iter().map(|candidate| candidate.cell);
         for cell in of_gaps.chain(self.pockets.iter().copied()) {
-            if owners.of(cell) == FROZEN {
+            if flags.of(cell) == FROZEN {
                 let gap = if self.is_pocket(cell) { NO_GAP } else { self.of[cell as usize] };
-                mouths.add(owners, layout, cell, gap);
+                mouths.add(flags, layout, cell, gap);
             }
         }
         // A pocket's cell that is also a gap's candidate was seen twice.

@@ -1,0 +1,144 @@
+//! Gaps that hold no fluid: those that the scene declares, and those that links see across.
+
+use crate::bodies::body_list::Bodies;
+use crate::boundary::boundaries::Boundaries;
+use crate::boundary::gap_sinks::GapTables;
+use crate::boundary::wall_distances::WallDistances;
+use crate::domain::parameters::{GapPressure, Parameters};
+use crate::domain::solids::Centres;
+use crate::gaps::modelled::ModelledGaps;
+use crate::gaps::specular_walls::SpecularWalls;
+use crate::lattice::d3q19::{CS2, Q};
+use crate::lattice::layout::Layout;
+use crate::lattice::momentum_exchange::MomentumExchange;
+use crate::lattice::populations::Real;
+use crate::solver::execution::Execution;
+use crate::solver::gap_pressure::{InGaps, Seen, UNKNOWN};
+use crate::solver::lattice_state::LatticeState;
+use tremie_messages::scene::Scene;
+
+/// The gaps of a scene, what fills them, and what they give.
+pub struct GapModel {
+    /// Whether gaps without cells press on bodies.
+    pub press: bool,
+    /// Gaps that the scene declares.
+    pub modelled: ModelledGaps,
+    /// What links have to know of them.
+    pub tables: GapTables,
+    /// Links that slip in them.
+    pub slip: SpecularWalls,
+    /// The gaps that each item of links found, if gaps press.
+    pub seen: Vec<Seen>,
+    /// Density minus 1 in the gaps of each item of links.
+    pub in_gaps: Vec<InGaps>,
+    /// What gaps without cells gave to each fixture.
+    pub pressed: Vec<MomentumExchange>,
+}
+
+impl GapModel {
+    /// Of a scene that was checked, for a fluid of a relaxation time.
+    pub fn new(
+        scene: &Scene,
+        parameters: &Parameters,
+        boundaries: &Boundaries,
+        layout: &Layout,
+        centres: Centres,
+        tau: f64,
+    ) -> Self {
+        let modelled = ModelledGaps::new(scene, boundaries, layout, centres);
+        let slips = modelled.any_slips() && (tau - 0.5) * CS2 < parameters.slip_viscosity;
+        let press = parameters.gap_pressure == GapPressure::Nearest;
+        let feels_gaps = press || !modelled.is_empty();
+        Self {
+            press,
+            tables: GapTables {
+                walls: feels_gaps.then(WallDistances::default),
+                gap_of: modelled.by_cell().to_vec(),
+                slips,
+                sinks: modelled.intakes(),
+            },
+            slip: if slips {
+                SpecularWalls::in_gaps(&modelled, layout)
+            } else {
+                SpecularWalls::default()
+            },
+            modelled,
+            seen: Vec::new(),
+            in_gaps: Vec::new(),
+            pressed: vec![MomentumExchange::default(); boundaries.laws.len()],
+        }
+    }
+
+    /// Whether the links' search looks across gaps that hold no fluid.
+    pub fn feels_gaps(&self) -> bool {
+        self.tables.walls.is_some()
+    }
+
+    /// Makes room for what so many items of links find.
+    pub fn make_room(&mut self, items: usize) {
+        self.seen = vec![Seen::NONE; if self.feels_gaps() { items } else { 0 }];
+        self.in_gaps.resize(items, UNKNOWN);
+    }
+
+    /// Handle of the body that covers a cell or cut it off from the fluid.
+    pub fn holder_of<T: Real>(
+        &self,
+        lattice: &LatticeState<T>,
+        bodies: &Bodies,
+        cell: u32,
+    ) -> Option<u32> {
+        let (flags, layout) = (&lattice.flags, &lattice.layout);
+        let of_neighbours = || (1..Q).find_map(|i| flags.holder(layout.neighbour(cell, i)?));
+        let of_gaps = || self.modelled.any_mover(bodies);
+        flags.holder(cell).or_else(of_neighbours).or_else(of_gaps)
+    }
+
+    /// Freezes and thaws cells of gaps, and decides which cells are isolated.
+    pub fn freeze<T: Real>(
+        &mut self,
+        lattice: &mut LatticeState<T>,
+        bodies: &Bodies,
+        exec: &mut Execution,
+    ) {
+        let LatticeState { layout, flags, .. } = lattice;
+        if self.modelled.is_empty() {
+            return flags.settle(layout);
+        }
+        if bodies.parts_moved() || self.modelled.is_fresh() {
+            self.modelled.measure(layout, bodies, &mut exec.team);
+        }
+        self.modelled.freeze(flags, bodies, &mut exec.team);
+        flags.settle(layout);
+        self.modelled.close_pockets(flags, layout, &mut exec.team);
+    }
+
+    /// Finds what follows from which cells are frozen: openings, sinks, links that slip.
+    pub fn find_openings<T: Real>(
+        &mut self,
+        lattice: &LatticeState<T>,
+        bodies: &Bodies,
+        exec: &mut Execution,
+    ) {
+        let LatticeState { layout, flags, .. } = lattice;
+        if !self.modelled.is_empty() {
+            self.modelled.find_mouths(flags, layout);
+            self.tables.sinks.look(self.modelled.by_cell(), flags, layout);
+        }
+        if self.tables.slips {
+            self.slip.find(&self.modelled, bodies, flags, layout, &mut exec.team);
+        }
+    }
+
+    /// What slipping adds to a body's exchange, if anything slips.
+    pub fn slip_on_body(&self, handle: u32) -> Option<MomentumExchange> {
+        self.tables.slips.then(|| self.slip.on_body(handle))
+    }
+
+    /// Memory that the tables take [bytes].
+    pub fn bytes(&self) -> usize {
+        self.modelled.bytes()
+            + self.tables.sinks.bytes()
+            + self.tables.walls.as_ref().map_or(0, WallDistances::bytes)
+            + size_of_val(self.seen.as_slice())
+    }
+}

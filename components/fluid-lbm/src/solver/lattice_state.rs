@@ -1,0 +1,104 @@
+//! The lattice between two steps: its cells, what they hold, and which of them are fluid.
+
+use crate::bodies::change_blocks::ChangeBlocks;
+use crate::boundary::refill::PreCollision;
+use crate::lattice::aa_pattern::Parity;
+use crate::lattice::cell_flags::CellFlags;
+use crate::lattice::collision::Relaxation;
+use crate::lattice::d3q19::{CS2, equilibria};
+use crate::lattice::layout::Layout;
+use crate::lattice::populations::{Field, Real};
+use crate::lattice::reductions::CellStatistics;
+use crate::lattice::units::Units;
+
+/// Cells, populations and flags of a lattice.
+pub struct LatticeState<T: Real> {
+    /// Cell, time step and density in SI units.
+    pub units: Units,
+    /// Cells, and where their populations are.
+    pub layout: Layout,
+    /// The populations.
+    pub field: Field<T>,
+    /// Which cells are fluid, and who holds the others.
+    pub flags: CellFlags,
+    /// Where cells joined the fluid or left it, and when.
+    pub changes: ChangeBlocks,
+    /// Relaxation times and acceleration of the collision.
+    pub relaxation: Relaxation,
+    /// Relaxation time of the viscosity, without a turbulence model [steps].
+    pub tau: f64,
+    /// Parity of the next collision.
+    pub parity: Parity,
+    /// Steps done.
+    pub steps: u64,
+    /// Sums and extremes over the fluid cells that the last collision found.
+    pub statistics: CellStatistics,
+}
+
+impl<T: Real> LatticeState<T> {
+    /// On cells that are all fluid, with populations zero.
+    pub fn new(layout: Layout, units: Units, relaxation: Relaxation, tau: f64) -> Self {
+        Self {
+            units,
+            field: Field::new(layout.places.stride()),
+            flags: CellFlags::new(layout.cells.len()),
+            changes: ChangeBlocks::new(&layout.grid),
+            layout,
+            relaxation,
+            tau,
+            parity: Parity::Even,
+            steps: 0,
+            statistics: CellStatistics { min_drho: 0.0, max_drho: 0.0, ..CellStatistics::NONE },
+        }
+    }
+
+    /// The fluid before the next collision.
+    pub fn before(&self) -> PreCollision<'_, T> {
+        PreCollision {
+            field: &self.field,
+            layout: &self.layout,
+            parity: self.parity,
+            acceleration: self.relaxation.acceleration,
+        }
+    }
+
+    /// Time that has passed [s].
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * self.units.time_step
+    }
+
+    /// Mean density of the fluid in the last collision.
+    pub fn mean_density(&self) -> f64 {
+        1.0 + self.statistics.excess / (self.flags.fluid_cells as f64).max(1.0)
+    }
+
+    /// Notes where cells joined the fluid or left it in this step.
+    pub fn note_changes(&mut self) {
+        let CellFlags { covered, enclosed, vacated, .. } = &self.flags;
+        let changed = covered.iter().chain(enclosed).copied();
+        let changed = changed.chain(vacated.iter().map(|vacated| vacated.cell));
+        self.changes.begin(&self.layout, changed);
+    }
+
+    /// Puts all cells into local equilibrium; see [`crate::LbmFluid::set_state`].
+    pub fn set_state(&mut self, state: impl Fn([f64; 3]) -> ([f64; 3], f64)) {
+        let a = self.relaxation.acceleration;
+        for cell in 0..self.layout.cells.len() as u32 {
+            let (u, pressure) = state(self.units.centre(self.layout.at(cell)));
+            let drho = pressure / self.units.pressure() / CS2;
+            // Without half the force, which outputs and the collision add: see
+            // `Content::velocity`.
+            let u = std::array::from_fn(|k| u[k] / self.units.velocity() - 0.5 * a[k]);
+            self.before().put(cell, &equilibria(drho, u));
+        }
+    }
+
+    /// Memory that populations and tables take [bytes].
+    pub fn bytes(&self) -> usize {
+        Field::<T>::bytes(self.layout.places.stride() as u64) as usize
+            + self.layout.cells.bytes()
+            + self.layout.places.bytes()
+            + self.flags.bytes()
+            + self.changes.bytes()
+    }
+}
