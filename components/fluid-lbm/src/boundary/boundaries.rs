@@ -1,26 +1,28 @@
 //! What stands around the fluid: faces of the domain and static solids, and what they prescribe.
 
+use crate::boundary::face_scheme::{FaceCell, FaceScheme};
+use crate::boundary::face_schemes::{FaceSite, scheme_of};
 use crate::boundary::open_area::OpenAreas;
-use crate::boundary::open_boundary::{self, OpenCells, open_faces};
 use crate::boundary::post_collision::nearest_wall;
 use crate::boundary::sheet_links::{SheetItem, SheetLinks};
 use crate::boundary::static_wall_links::{self, StaticWallLinks};
-use crate::boundary::virtual_piston::face::{ReservoirFace, face_of};
+use crate::boundary::virtual_piston::face::ReservoirFace;
 use crate::boundary::wall_distances::WallDistances;
 use crate::boundary::wall_mass::Patches;
 use crate::domain::boundary_condition::BoundaryCondition;
 use crate::domain::displaced_volume::Displaced;
 use crate::domain::mirrors::mirrors_of_part;
-use crate::domain::parameters::{Parameters, Walls};
+use crate::domain::parameters::{OpenFaces, Parameters, Walls};
 use crate::domain::solids::Centres;
 use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern::{Blocked, Reflection};
 use crate::lattice::cell_list::{BoundaryId, Obstacles};
 use crate::lattice::layout::Layout;
+use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
 use std::sync::Arc;
 use tremie_geometry::Surface;
-use tremie_messages::scene::{Face, Reservoir, Scene};
+use tremie_messages::scene::{Face, Scene};
 
 /// Faces of the domain and static solids.
 pub struct Boundaries {
@@ -28,10 +30,9 @@ pub struct Boundaries {
     halfway: bool,
     /// How near curved walls may be, see [`nearest_wall`].
     nearest: f64,
-    /// Which faces let sound out, `2 axis + side`.
-    absorbing: [bool; 6],
-    /// Which faces have a reservoir, `2 axis + side`.
-    reservoirs: [Option<Reservoir>; 6],
+    /// The scene's faces, `2 axis + side`, and the scheme of those that prescribe velocity or pressure.
+    faces: Vec<Face>,
+    scheme: OpenFaces,
     units: Units,
     /// Surfaces of the parts that move, by index of the part.
     pub moving: Vec<Option<Arc<Surface>>>,
@@ -44,7 +45,7 @@ pub struct Boundaries {
 }
 
 /// What follows from the surroundings for cells in lines of a given length.
-pub struct Built {
+pub struct Built<T: Real> {
     /// Cells and places.
     pub layout: Layout,
     /// Links that need no work.
@@ -60,10 +61,8 @@ pub struct Built {
     pub patches: Patches,
     /// Links at walls at rest that are met half-way, by cell.
     pub halfway: Vec<Blocked>,
-    /// Cells at open faces.
-    pub open: OpenCells,
-    /// Their items of work.
-    pub open_items: Vec<open_boundary::OpenItem>,
+    /// Open faces but for those with a reservoir.
+    pub faces: Vec<Box<dyn FaceScheme<T>>>,
     /// Faces with a reservoir.
     pub reservoirs: Vec<ReservoirFace>,
 }
@@ -103,13 +102,6 @@ impl Boundaries {
         references.push([0.0; 3]);
         displaced.push(Displaced::default());
         let moving = std::mem::take(&mut ground.moving);
-        let faces: Vec<_> = scene.domain.faces.iter().flatten().collect();
-        let absorbing =
-            std::array::from_fn(|k| matches!(faces[k], Face::Pressure { absorbing: true, .. }));
-        let reservoirs = std::array::from_fn(|k| match faces[k] {
-            Face::Reservoir(reservoir) => Some(reservoir.clone()),
-            _ => None,
-        });
         let halfway = parameters.walls == Walls::Halfway;
         let nu = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.viscosity / fluid.density);
         let nearest = nearest_wall(parameters.tau_of(units.time_step, nu));
@@ -118,8 +110,8 @@ impl Boundaries {
             ground,
             halfway,
             nearest,
-            absorbing,
-            reservoirs,
+            faces: scene.domain.faces.iter().flatten().cloned().collect(),
+            scheme: parameters.open_faces,
             units,
             moving,
             laws,
@@ -151,11 +143,11 @@ impl Boundaries {
         &self.ground.voxels.obstacles
     }
 
-    /// Lays out the cells in lines of `line`.
-    pub fn build(&mut self, line: usize) -> Built {
+    /// Lays out the cells, and finds all links and cells that need work.
+    pub fn build<T: Real>(&mut self) -> Built<T> {
         let special = |fixture| self.is_special(fixture);
         let (layout, survey) =
-            Layout::new(self.ground.grid.clone(), self.obstacles(), line, special);
+            Layout::new(self.ground.grid.clone(), self.obstacles(), T::LINE, special);
         let is_open = |fixture: BoundaryId| {
             fixture.as_solid().is_none()
                 && !matches!(
@@ -165,12 +157,6 @@ impl Boundaries {
         };
         let (open, fixed): (Vec<_>, Vec<_>) =
             survey.blocked.into_iter().partition(|blocked| is_open(blocked.fixture));
-        let reservoirs = self.reservoir_faces(&layout, &open);
-        let has_reservoir = |blocked: &Blocked| {
-            let face = face_of(&layout.grid, layout.at(blocked.cell));
-            face.is_some_and(|(axis, side)| self.reservoirs[2 * axis + side].is_some())
-        };
-        let open: Vec<_> = open.into_iter().filter(|blocked| !has_reservoir(blocked)).collect();
         let met = fixed.iter().map(|blocked| {
             let (met, q) = self.meet(&layout, blocked);
             (met, if self.halfway { 0.5 } else { q.max(self.nearest) })
@@ -179,7 +165,7 @@ impl Boundaries {
         let (sheets, sheet_items) =
             SheetLinks::new(&layout, &met, |fixture| self.laws[usize::from(fixture.0)].clone());
         let areas = self.open_areas(&layout, &open, &met);
-        let (open, open_items) = OpenCells::new(&layout, &self.laws, self.absorbing, &open, &areas);
+        let (faces, reservoirs) = self.open_faces(&layout, &open, &areas);
         let is_at_rest = |met: &Blocked| {
             self.laws[usize::from(met.fixture.0)]
                 .as_ref()
@@ -208,8 +194,7 @@ impl Boundaries {
             sheet_items,
             patches,
             halfway,
-            open,
-            open_items,
+            faces,
             reservoirs,
         }
     }
@@ -222,7 +207,7 @@ impl Boundaries {
         }
         let at_velocity = open.chunk_by(|a, b| a.cell == b.cell).filter_map(|links| {
             let cell = links[0].cell;
-            let (axis, side) = open_faces(&layout.grid, layout.at(cell)).next()?;
+            let (axis, side) = layout.grid.open_faces(layout.at(cell)).next()?;
             let law = &self.laws[2 * axis + side];
             matches!(law, Some(BoundaryCondition::Velocity { .. })).then_some((cell, axis))
         });
@@ -250,13 +235,24 @@ impl Boundaries {
         WallDistances::new(links.map(|link| self.meet(layout, &link)))
     }
 
-    /// The faces with a reservoir, of the links that open faces block.
-    fn reservoir_faces(&self, layout: &Layout, open: &[Blocked]) -> Vec<ReservoirFace> {
-        let faces = self.reservoirs.iter().enumerate();
-        let of = |(k, reservoir): (usize, &Option<Reservoir>)| {
-            let reservoir = reservoir.as_ref()?;
-            Some(ReservoirFace::new(layout, [k / 2, k % 2], reservoir, open, &self.units))
-        };
-        faces.filter_map(of).collect()
+    /// The schemes of open faces, and those with a reservoir, of the links that open faces block.
+    fn open_faces<T: Real>(
+        &self,
+        layout: &Layout,
+        blocked: &[Blocked],
+        areas: &OpenAreas,
+    ) -> (Vec<Box<dyn FaceScheme<T>>>, Vec<ReservoirFace>) {
+        let (mut schemes, mut reservoirs) = (Vec::new(), Vec::new());
+        for (number, face) in self.faces.iter().enumerate().filter(|(_, face)| face.is_open()) {
+            let cells = FaceCell::of_face(layout, number, blocked);
+            if let Face::Reservoir(reservoir) = face {
+                reservoirs.push(ReservoirFace::new(number, cells, reservoir, &self.units));
+                continue;
+            }
+            let condition = self.laws[number].as_ref();
+            let site = FaceSite { layout, number, cells, condition, areas, scheme: self.scheme };
+            schemes.push(scheme_of(face, site));
+        }
+        (schemes, reservoirs)
     }
 }

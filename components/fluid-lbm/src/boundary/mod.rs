@@ -2,6 +2,8 @@
 
 pub mod boundaries;
 pub mod cut_links;
+pub mod face_scheme;
+pub mod face_schemes;
 pub mod gap_sinks;
 pub mod link_batch;
 pub mod link_kernels;
@@ -20,3 +22,4 @@ pub mod unresolved_part_gaps;
 pub mod virtual_piston;
 pub mod wall_distances;
 pub mod wall_mass;
+pub mod zou_he;

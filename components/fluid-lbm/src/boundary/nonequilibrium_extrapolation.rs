@@ -3,6 +3,7 @@
 //! Written once for plain arrays and compiled for each set of vector instructions, as `link_kernels` is, with the operations of
 //! [`equilibria`] and [`moments`] in their order: every variant yields the same bits.
 
+use crate::boundary::face_scheme::gained;
 use crate::boundary::link_kernels::{LANES, Lane};
 use crate::lattice::d3q19::{Q, each, equilibria, moments};
 use tremie_team::instructions::Work;
@@ -98,17 +99,4 @@ impl Work for AddUp<'_> {
             }
         }
     }
-}
-
-/// Mass and momentum that fluid gains in a cell whose populations grow by `gain` from `old`, the `unknown` ones coming
-/// through an open face.
-#[inline(always)]
-pub fn gained(mut gain: [f64; Q], old: &[f64; Q], unknown: u32) -> (f64, [f64; 3]) {
-    let (mass, _) = moments(&gain);
-    for i in 0..Q {
-        // What was there had left through the face in the opposite direction.
-        let left = gain[i] + 2.0 * old[i];
-        gain[i] = if unknown >> i & 1 == 1 { left } else { gain[i] };
-    }
-    (mass, moments(&gain).1)
 }

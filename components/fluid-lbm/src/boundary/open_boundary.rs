@@ -8,17 +8,8 @@
 //! ```
 //!
 //! with `rho` given and `u = u(x_I)` at a pressure face, `u` given and `rho = rho(x_I)` at a velocity
-//! face (non-equilibrium extrapolation, Guo, Zheng & Shi 2002); or, with sums over the directions
-//! along the face (0) and out of the fluid (-),
-//!
-//! ```text
-//! NEBB  u.n = 1 - (S_0 + 2 S_-)/rho     (pressure)      rho = (S_0 + 2 S_-)/(1 - u.n)     (velocity)
-//!       N_t = 1/2 sum_{c_j.n = 0} c_j,t f_j - rho u_t/3
-//!       f_i = f_i' + 6 w_i rho (c_i.u) - (c_i - (c_i.n) n).N_t                      for c_i.n > 0
-//! ```
-//!
-//! (non-equilibrium bounce-back, Zou & He 1997, Hecht & Harting 2010), `u_t` being that of `x_I` at a
-//! pressure face. What is prescribed holds at the centre of `x_B`, half a cell inside the face. At a
+//! face (non-equilibrium extrapolation, Guo, Zheng & Shi 2002); or by
+//! non-equilibrium bounce-back (see `zou_he`), `u_t` being that of `x_I` at a pressure face. What is prescribed holds at the centre of `x_B`, half a cell inside the face. At a
 //! pressure face through which the fluid enters, `u_t = 0`; such cells are counted.
 //!
 //! An *absorbing* pressure face lets sound out. Of the two waves that meet there, the one that comes in
@@ -54,28 +45,24 @@
 //! link leaves through a wall and an open face at once, it belongs to the wall; there, and at two open
 //! faces, NEBB would lack equations and NEE takes its place.
 
+use crate::boundary::face_scheme::{FaceCell, FaceScheme, Gain, PostStreaming, items_of};
 use crate::boundary::link_kernels::{LANES, Lane};
-use crate::boundary::nonequilibrium_extrapolation::{
-    AddUp, Extrapolate, InnerCells, LookInside, gained,
-};
+use crate::boundary::nonequilibrium_extrapolation::{AddUp, Extrapolate, InnerCells, LookInside};
 use crate::boundary::open_area::OpenAreas;
 use crate::boundary::refill::Content;
-use crate::boundary::wall_mass::Brought;
+use crate::boundary::zou_he::Inward;
 use crate::domain::boundary_condition::{BoundaryCondition, BoundaryValue};
 use crate::domain::parameters::OpenFaces;
-use crate::lattice::aa_pattern::{Blocked, Parity};
-use crate::lattice::cell_flags::CellFlags;
-use crate::lattice::d3q19::{C, C_F64, CS2, OPPOSITE, Q, W, dot, each};
-use crate::lattice::grid::{Grid, Side};
+use crate::lattice::cell_list::NONE;
+use crate::lattice::d3q19::{CS2, Q};
+use crate::lattice::error::FluidError;
+use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
-use crate::lattice::populations::{Field, Real};
+use crate::lattice::populations::Real;
 use std::ops::Range;
 use tremie_messages::scene::Profile;
-use tremie_team::Variant;
-
-/// Cells that are one item of work.
-pub const CELLS_PER_ITEM: usize = 512;
+use tremie_team::Team;
 
 /// Part of the way that the mean velocity at an absorbing face goes in the time in which sound crosses
 /// the domain.
@@ -93,30 +80,25 @@ const AHEAD: usize = 8;
 /// A cell at an open face.
 #[derive(Clone, Copy, Debug)]
 struct OpenCell {
-    cell: u32,
-    /// The next cell inside; [`crate::lattice::cell_list::NONE`] if that is solid.
-    inner: u32,
-    /// Bits of the directions that come from beyond an open face.
-    unknown: u32,
-    /// `2 axis + side`.
-    face: u8,
-    /// Whether all unknown directions come through this face, and no other wall is near.
-    plain: bool,
+    at: FaceCell,
     /// Factor of the velocity's profile.
     profile: f64,
     /// Mean of that factor over the cell times the area of the face that is open there.
     share: f64,
+}
+
+/// A face that prescribes a velocity or a pressure.
+#[derive(Clone, Debug)]
+pub struct OpenFace {
+    /// `2 axis + side`.
+    face: usize,
+    scheme: OpenFaces,
     /// What part of its difference the mean velocity takes over in a step, where the face absorbs; else
     /// 0.
     relax: f64,
-}
-
-/// The cells at open faces.
-#[derive(Clone, Debug, Default)]
-pub struct OpenCells {
     cells: Vec<OpenCell>,
-    /// How each face with a velocity is held to what it is to deliver, `2 axis + side`.
-    steering: [Steering; 6],
+    items: Vec<OpenItem>,
+    steering: Steering,
 }
 
 /// By how much the velocities of a face are larger than given, so that it delivers what is asked for.
@@ -130,41 +112,15 @@ struct Steering {
 
 /// Cells that are one item of work, and what entered through them in the last step.
 #[derive(Clone, Debug)]
-pub struct OpenItem {
+struct OpenItem {
     cells: Range<usize>,
-    /// The face: `2 axis + side`.
-    face: usize,
     /// Sum of the shares of its cells that are fluid.
     share: f64,
     /// For each cell the mean velocity out of the fluid, at absorbing faces; not a number at first.
     means: Vec<f64>,
-    /// Momentum that the fluid gained.
-    pub impulse: [f64; 3],
-    /// Mass that the fluid gained.
-    pub mass: f64,
+    gain: Gain,
     /// Cells of pressure faces through which fluid enters.
-    pub entering: usize,
-}
-
-/// The fluid as the next collision will find it.
-#[derive(Clone, Copy)]
-pub struct PostStreaming<'a, T: Real> {
-    /// Populations.
-    pub field: &'a Field<T>,
-    /// Where they are.
-    pub layout: &'a Layout,
-    /// Which cells are fluid.
-    pub flags: &'a CellFlags,
-    /// Parity of the next collision.
-    pub parity: Parity,
-    /// Acceleration of the fluid.
-    pub acceleration: [f64; 3],
-    /// What the faces prescribe, by number.
-    pub now: &'a [BoundaryValue],
-    /// Which scheme.
-    pub scheme: OpenFaces,
-    /// Which vector instructions.
-    pub variant: Variant,
+    entering: usize,
 }
 
 /// Cells that wait to be extrapolated together.
@@ -189,113 +145,99 @@ impl Waiting {
     };
 }
 
-impl OpenCells {
-    /// Of the links that open faces block. `absorbing` says it of each face; `areas` how much of each cell is open.
+impl OpenFace {
+    /// A face, `2 axis + side`, by a scheme; of these cells, of which `areas` says how much is open.
     pub fn new(
         layout: &Layout,
-        laws: &[Option<BoundaryCondition>],
-        absorbing: [bool; 6],
-        blocked: &[Blocked],
+        face: usize,
+        scheme: OpenFaces,
+        condition: Option<&BoundaryCondition>,
+        cells: &[FaceCell],
         areas: &OpenAreas,
-    ) -> (Self, Vec<OpenItem>) {
-        let mut own = Self::default();
-        for links in blocked.chunk_by(|a, b| a.cell == b.cell) {
-            let grid = &layout.grid;
-            let at = layout.at(links[0].cell);
-            let open: Vec<_> = open_faces(grid, at).collect();
-            let Some(&(axis, side)) = open.first() else { continue };
-            let mut normal = [0; 3];
-            for &(axis, side) in &open {
-                normal[axis] = [1, -1][side];
-            }
-            let unknown = links.iter().fold(0, |bits, l| bits | 1 << OPPOSITE[l.dir as usize]);
-            let across: u32 =
-                (0..Q).filter(|&i| C[i][axis] == [1, -1][side]).fold(0, |bits, i| bits | 1 << i);
-            let [profile, mean] = match &laws[2 * axis + side] {
+    ) -> Self {
+        let open_cell = |at: &FaceCell| {
+            let [profile, mean] = match condition {
                 Some(BoundaryCondition::Velocity { profile: Profile::Parabolic, .. }) => {
-                    parabola(grid, axis, at)
+                    parabola(&layout.grid, face / 2, layout.at(at.cell))
                 }
                 _ => [1.0; 2],
             };
-            own.cells.push(OpenCell {
-                cell: links[0].cell,
-                inner: layout
-                    .near(at, normal)
-                    .map_or(crate::lattice::cell_list::NONE, |(cell, _)| cell),
-                unknown,
-                face: (2 * axis + side) as u8,
-                plain: unknown == across && open.len() == 1,
-                profile,
-                share: mean * areas.of(links[0].cell),
-                relax: if absorbing[2 * axis + side] {
-                    RELAX * CS2.sqrt() / f64::from(grid.n[axis])
-                } else {
-                    0.0
-                },
-            });
+            OpenCell { at: *at, profile, share: mean * areas.of(at.cell) }
+        };
+        let item = |cells: Range<usize>| OpenItem {
+            share: 0.0,
+            means: vec![f64::NAN; cells.len()],
+            cells,
+            gain: Gain::default(),
+            entering: 0,
+        };
+        Self {
+            face,
+            scheme,
+            relax: 0.0,
+            items: items_of(cells.len()).map(item).collect(),
+            cells: cells.iter().map(open_cell).collect(),
+            steering: Steering::default(),
         }
-        own.cells.sort_by_key(|open| open.face);
-        let mut items = Vec::new();
-        let mut first = 0;
-        for of_face in own.cells.chunk_by(|a, b| a.face == b.face) {
-            for cells in of_face.chunks(CELLS_PER_ITEM) {
-                items.push(OpenItem {
-                    cells: first..first + cells.len(),
-                    face: of_face[0].face.into(),
-                    share: 0.0,
-                    means: vec![f64::NAN; cells.len()],
-                    impulse: [0.0; 3],
-                    mass: 0.0,
-                    entering: 0,
-                });
-                first += cells.len();
-            }
-        }
-        (own, items)
     }
 
-    /// Memory that the table takes [bytes].
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.cells.as_slice())
+    /// That lets sound out; of a domain of so many cells along the face's axis.
+    pub fn absorbing(self, length: i32) -> Self {
+        Self { relax: relaxation(length), ..self }
     }
 
-    /// Compares what entered through faces with a velocity in a step, and what links brought to their cells, with what was to, in a
-    /// fluid of a mean density. Sums are in the order of the items.
-    pub fn steer(
-        &mut self,
-        items: &[OpenItem],
-        now: &[BoundaryValue],
-        density: f64,
-        brought: &[Brought; 6],
-    ) {
-        for of_face in items.chunk_by(|a, b| a.face == b.face) {
-            let face = of_face[0].face;
-            let BoundaryValue::Wall(velocity) = now[face] else { continue };
-            let inward = velocity[face / 2] * [1.0, -1.0][face % 2];
-            let (mut mass, mut share) = (brought[face].total(), 0.0);
-            for item in of_face {
-                (mass, share) = (mass + item.mass, share + item.share);
-            }
-            let Steering { more, most } = &mut self.steering[face];
-            let wanted = density * inward * share;
-            *most = most.max(wanted.abs());
-            if *most > 0.0 {
-                let step = STEER * (wanted - mass) / *most * (wanted / *most);
-                *more = (*more + step).clamp(-STEER_LIMIT, STEER_LIMIT);
-            }
+    /// Compares what entered through a face with a velocity in a step, and what links brought to its cells, with what was to, in
+    /// a fluid of a mean density. Sums are in the order of the items.
+    fn steer<T: Real>(&mut self, next: &PostStreaming<T>) {
+        let BoundaryValue::Wall(velocity) = next.now[self.face] else { return };
+        let inward = velocity[self.face / 2] * [1.0, -1.0][self.face % 2];
+        let (mut mass, mut share) = (next.brought[self.face].total(), 0.0);
+        for item in &self.items {
+            (mass, share) = (mass + item.gain.mass, share + item.share);
+        }
+        let Steering { more, most } = &mut self.steering;
+        let wanted = next.density * inward * share;
+        *most = most.max(wanted.abs());
+        if *most > 0.0 {
+            let step = STEER * (wanted - mass) / *most * (wanted / *most);
+            *more = (*more + step).clamp(-STEER_LIMIT, STEER_LIMIT);
         }
     }
 }
 
-/// The open faces at which a cell lies, in the order of the world's axes.
-pub fn open_faces(grid: &Grid, at: [i32; 3]) -> impl Iterator<Item = (usize, usize)> {
-    let is_at = move |axis: usize, side: usize| {
-        grid.sides[axis][side] == Side::Open && at[axis] == [0, grid.n[axis] - 1][side]
-    };
-    grid.order.into_iter().filter_map(move |axis| {
-        let side = (0..2).find(|&side| is_at(axis, side))?;
-        Some((axis, side))
-    })
+impl<T: Real> FaceScheme<T> for OpenFace {
+    fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError> {
+        let Self { cells, items, face, scheme, relax, steering, .. } = self;
+        let view = FaceView {
+            next,
+            inward: Inward::of(*face),
+            value: next.now[*face],
+            bounces: *scheme == OpenFaces::Nebb && *relax == 0.0,
+            relax: *relax,
+            more: steering.more,
+        };
+        team.for_each(items, |_, item| view.fill(&cells[item.cells.clone()], item));
+        self.steer(next);
+        Ok(())
+    }
+
+    fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64)) {
+        self.items.iter().for_each(|item| add(item.gain.impulse, item.gain.mass));
+    }
+
+    fn entering(&self) -> usize {
+        self.items.iter().map(|item| item.entering).sum()
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+}
+
+/// The part of a difference from what is given that an open face makes up for in a step, so that sound passes and the
+/// mean is held: in a domain of so many cells along the face's axis.
+pub fn relaxation(length: i32) -> f64 {
+    RELAX * CS2.sqrt() / f64::from(length)
 }
 
 /// The product of `4 s (1 - s)` over the face's edges that do not wrap around, at the centre of a cell and its mean over
@@ -312,72 +254,62 @@ fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> [f64; 2] {
     factors
 }
 
-impl<T: Real> PostStreaming<'_, T> {
+/// A face in a step.
+struct FaceView<'a, T: Real> {
+    next: &'a PostStreaming<'a, T>,
+    inward: Inward,
+    /// What it prescribes.
+    value: BoundaryValue,
+    /// Whether plain cells are filled by non-equilibrium bounce-back.
+    bounces: bool,
+    /// See [`OpenFace`].
+    relax: f64,
+    more: f64,
+}
+
+impl<T: Real> FaceView<'_, T> {
     /// Gives an item's cells their populations and records what entered.
-    pub fn open(&self, cells: &OpenCells, item: &mut OpenItem) {
-        (item.impulse, item.mass, item.entering) = ([0.0; 3], 0.0, 0);
-        item.share = 0.0;
-        let more = cells.steering[item.face].more;
-        let own = &cells.cells[item.cells.clone()];
+    fn fill(&self, own: &[OpenCell], item: &mut OpenItem) {
+        (item.gain, item.entering, item.share) = (Gain::default(), 0, 0.0);
         let mut waiting = Waiting::NONE;
         for (k, open) in own.iter().enumerate() {
             if let Some(next) = own.get(k + AHEAD) {
-                self.ask_for(next, &own[k + AHEAD - 1]);
+                self.ask_for(&next.at, &own[k + AHEAD - 1].at);
             }
-            if !self.flags.is_fluid(open.cell) {
+            if !self.next.flags.is_fluid(open.at.cell) {
                 continue;
             }
             item.share += open.share;
-            if self.scheme == OpenFaces::Nebb && open.plain && open.relax == 0.0 {
-                self.bounce_cell(open, more, item);
+            if self.bounces && open.at.plain {
+                self.bounce_cell(open, item);
                 continue;
             }
-            self.take(open, k, &mut waiting);
+            self.take(&open.at, k, &mut waiting);
             if waiting.count == LANES {
-                self.extrapolate(own, more, &mut waiting, item);
+                self.extrapolate(own, &mut waiting, item);
             }
         }
-        self.extrapolate(own, more, &mut waiting, item);
+        self.extrapolate(own, &mut waiting, item);
     }
 
     /// Asks memory for what a cell needs, unless it lies in one line with the cell before.
-    fn ask_for(&self, open: &OpenCell, before: &OpenCell) {
+    fn ask_for(&self, open: &FaceCell, before: &FaceCell) {
         let line = |cell: u32| cell as usize / T::LINE;
         let pairs = [(open.cell, before.cell), (open.inner, before.inner)];
         for (cell, before) in pairs {
-            if cell != crate::lattice::cell_list::NONE && line(cell) != line(before) {
-                for place in self.layout.places.of_cell(self.parity, cell) {
-                    self.field.prefetch(place);
+            if cell != NONE && line(cell) != line(before) {
+                for place in self.next.layout.places.of_cell(self.next.parity, cell) {
+                    self.next.field.prefetch(place);
                 }
             }
         }
     }
 
-    /// Populations that the next collision finds in a cell.
-    #[inline]
-    pub fn populations(&self, cell: u32) -> [f64; Q] {
-        self.layout.populations(self.field, self.parity, cell)
-    }
-
-    /// The next cell inside, if there is fluid.
-    fn inner(&self, open: &OpenCell) -> Option<u32> {
-        let is_there =
-            open.inner != crate::lattice::cell_list::NONE && self.flags.is_fluid(open.inner);
-        is_there.then_some(open.inner)
-    }
-
-    fn bounce_cell(&self, open: &OpenCell, more: f64, item: &mut OpenItem) {
-        let old = self.populations(open.cell);
-        let inner = self.inner(open).map(|cell| self.populations(cell));
-        let new = self.zou_he(open, more, (&old, inner.as_ref()), item);
-        self.replace(open.cell, open.unknown, [&old, &new], &mut item.impulse, &mut item.mass);
-    }
-
     /// Takes a cell of an item among those that wait.
-    fn take(&self, open: &OpenCell, number: usize, waiting: &mut Waiting) {
+    fn take(&self, open: &FaceCell, number: usize, waiting: &mut Waiting) {
         let lane = waiting.count;
         waiting.own[lane] = open.cell;
-        waiting.from[lane] = self.inner(open).unwrap_or(open.cell);
+        waiting.from[lane] = self.next.inner(open).unwrap_or(open.cell);
         waiting.cells.unknown[lane] = open.unknown;
         waiting.numbers[lane] = number;
         waiting.count += 1;
@@ -387,10 +319,10 @@ impl<T: Real> PostStreaming<'_, T> {
     #[inline(always)]
     fn each_place(&self, cells: &[u32], mut visit: impl FnMut(usize, usize, usize)) {
         let mut first = 0;
-        for run in self.layout.places.runs(cells) {
+        for run in self.next.layout.places.runs(cells) {
             for i in 0..Q {
                 let each = |k, place| visit(i, first + k, place);
-                self.layout.places.each_of(self.parity, run, i, each);
+                self.next.layout.places.each_of(self.next.parity, run, i, each);
             }
             first += run.1;
         }
@@ -398,19 +330,19 @@ impl<T: Real> PostStreaming<'_, T> {
 
     /// Reads the populations of cells.
     fn read(&self, cells: &[u32], populations: &mut [Lane; Q]) {
-        self.each_place(cells, |i, lane, place| populations[i][lane] = self.field.get(place));
+        self.each_place(cells, |i, lane, place| populations[i][lane] = self.next.field.get(place));
     }
 
     /// Writes the populations of cells, and leaves of them what they gained.
     fn write(&self, cells: &[u32], populations: &mut [Lane; Q], old: &[Lane; Q]) {
         self.each_place(cells, |i, lane, place| {
-            let new = self.field.set(place, populations[i][lane]);
+            let new = self.next.field.set(place, populations[i][lane]);
             populations[i][lane] = new - old[i][lane];
         });
     }
 
     /// Gives the cells that wait their populations by extrapolation.
-    fn extrapolate(&self, own: &[OpenCell], more: f64, waiting: &mut Waiting, item: &mut OpenItem) {
+    fn extrapolate(&self, own: &[OpenCell], waiting: &mut Waiting, item: &mut OpenItem) {
         let Waiting { cells, numbers, own: places, from, count } = waiting;
         let count = std::mem::take(count);
         if count == 0 {
@@ -419,46 +351,29 @@ impl<T: Real> PostStreaming<'_, T> {
         let (numbers, places) = (&numbers[..count], &places[..count]);
         self.read(places, &mut cells.old);
         self.read(&from[..count], &mut cells.from);
-        self.variant.run(LookInside(cells, self.acceleration));
+        self.next.variant.run(LookInside(cells, self.next.acceleration));
         for (lane, &number) in numbers.iter().enumerate() {
             let u = cells.velocity.map(|u| u[lane]);
             let inside = (cells.drho[lane], u);
-            let (drho, u) = self.prescribed(&own[number], more, number, inside, item);
+            let (drho, u) = self.prescribed(&own[number], number, inside, item);
             cells.given.0[lane] = drho;
             for (given, u) in cells.given.1.iter_mut().zip(u) {
                 given[lane] = u;
             }
         }
-        self.variant.run(Extrapolate(cells));
+        self.next.variant.run(Extrapolate(cells));
         self.write(places, &mut cells.new, &cells.old);
-        self.variant.run(AddUp(cells));
+        self.next.variant.run(AddUp(cells));
         for lane in 0..numbers.len() {
-            item.mass += cells.mass[lane];
-            add_scaled(&mut item.impulse, cells.impulse.map(|p| p[lane]), 1.0);
+            item.gain.mass += cells.mass[lane];
+            add_scaled(&mut item.gain.impulse, cells.impulse.map(|p| p[lane]), 1.0);
         }
     }
 
-    /// Replaces the old populations of a cell by new ones and adds up what the fluid gained. The
-    /// `unknown` ones come through an open face.
-    pub fn replace(
-        &self,
-        cell: u32,
-        unknown: u32,
-        [old, new]: [&[f64; Q]; 2],
-        impulse: &mut [f64; 3],
-        mass: &mut f64,
-    ) {
-        let places = self.layout.places.of_cell(self.parity, cell);
-        let gain = each(|i| self.field.set(places[i], new[i]) - old[i]);
-        let (more, momentum) = gained(gain, old, unknown);
-        *mass += more;
-        add_scaled(impulse, momentum, 1.0);
-    }
-
     /// Velocity as the face lets it pass: without its part along the face where fluid enters.
-    fn limited(&self, open: &OpenCell, u: [f64; 3], item: &mut OpenItem) -> [f64; 3] {
-        let (axis, inward) = (usize::from(open.face / 2), [1.0, -1.0][usize::from(open.face % 2)]);
-        if u[axis] * inward <= 0.0 {
+    fn limited(&self, u: [f64; 3], item: &mut OpenItem) -> [f64; 3] {
+        let Inward { axis, sign } = self.inward;
+        if u[axis] * f64::from(sign) <= 0.0 {
             return u;
         }
         item.entering += 1;
@@ -467,22 +382,15 @@ impl<T: Real> PostStreaming<'_, T> {
 
     /// Density, less 1, and velocity at an absorbing face with density `given`, from those of the next
     /// cell inside.
-    fn absorb(
-        &self,
-        open: &OpenCell,
-        mean: &mut f64,
-        given: f64,
-        drho: f64,
-        u: [f64; 3],
-    ) -> (f64, [f64; 3]) {
-        let (axis, outward) = (usize::from(open.face / 2), [-1.0, 1.0][usize::from(open.face % 2)]);
+    fn absorb(&self, mean: &mut f64, given: f64, drho: f64, u: [f64; 3]) -> (f64, [f64; 3]) {
+        let (axis, outward) = (self.inward.axis, -f64::from(self.inward.sign));
         let (v, sound) = (u[axis] * outward, CS2.sqrt());
         if mean.is_nan() {
             *mean = v;
         }
         let here = 0.5 * (drho + given) + 0.5 * (v - *mean) / sound;
         let out = v + sound * (drho - here);
-        *mean += open.relax * (out - *mean);
+        *mean += self.relax * (out - *mean);
         let mut velocity = u;
         velocity[axis] = out * outward;
         (here, velocity)
@@ -492,68 +400,49 @@ impl<T: Real> PostStreaming<'_, T> {
     fn prescribed(
         &self,
         open: &OpenCell,
-        more: f64,
         number: usize,
         (drho, u): (f64, [f64; 3]),
         item: &mut OpenItem,
     ) -> (f64, [f64; 3]) {
-        match self.now[open.face as usize] {
-            BoundaryValue::Wall(given) => (drho, given.map(|v| v * (open.profile * (1.0 + more)))),
-            BoundaryValue::Density(given) if open.relax > 0.0 => {
-                let (drho, u) = self.absorb(open, &mut item.means[number], given, drho, u);
-                (drho, self.limited(open, u, item))
+        match self.value {
+            BoundaryValue::Wall(given) => (drho, self.steered(open, given)),
+            BoundaryValue::Density(given) if self.relax > 0.0 => {
+                let (drho, u) = self.absorb(&mut item.means[number], given, drho, u);
+                (drho, self.limited(u, item))
             }
-            BoundaryValue::Density(given) => (given, self.limited(open, u, item)),
+            BoundaryValue::Density(given) => (given, self.limited(u, item)),
         }
     }
 
-    fn zou_he(
-        &self,
-        open: &OpenCell,
-        more: f64,
-        (old, inner): (&[f64; Q], Option<&[f64; Q]>),
-        item: &mut OpenItem,
-    ) -> [f64; Q] {
-        let (axis, inward) = (usize::from(open.face / 2), [1, -1][usize::from(open.face % 2)]);
-        let n = f64::from(inward);
-        let half = self.acceleration.map(|a| 0.5 * a);
-        // S_0 + 2 S_-, less what it is at rest, which is 1.
-        let mut s = 0.0;
-        for i in 0..Q {
-            match C[i][axis] * inward {
-                0 => s += old[i],
-                -1 => s += 2.0 * old[i],
-                _ => {}
-            }
-        }
+    /// Velocity of a cell where the face has a given one.
+    fn steered(&self, open: &OpenCell, given: [f64; 3]) -> [f64; 3] {
+        given.map(|v| v * (open.profile * (1.0 + self.more)))
+    }
+
+    /// Gives a plain cell its populations by non-equilibrium bounce-back.
+    fn bounce_cell(&self, open: &OpenCell, item: &mut OpenItem) {
+        let old = self.next.populations(open.at.cell);
+        let Inward { axis, sign } = self.inward;
+        let n = f64::from(sign);
+        let half = self.next.acceleration.map(|a| 0.5 * a);
+        let s = self.inward.known_sum(&old);
         // `u` is the momentum over the density: without half the step's force.
-        let (drho, u) = match self.now[open.face as usize] {
+        let (drho, u) = match self.value {
             BoundaryValue::Wall(given) => {
-                let u: [f64; 3] =
-                    std::array::from_fn(|a| given[a] * (open.profile * (1.0 + more)) - half[a]);
+                let given = self.steered(open, given);
+                let u: [f64; 3] = std::array::from_fn(|a| given[a] - half[a]);
                 ((s + u[axis] * n) / (1.0 - u[axis] * n), u)
             }
             BoundaryValue::Density(drho) => {
-                let along = inner.map_or([0.0; 3], |h| Content::of(h).velocity(self.acceleration));
-                let mut u = along;
+                let inner = self.next.inner(&open.at).map(|cell| self.next.populations(cell));
+                let velocity = |h: &[f64; Q]| Content::of(h).velocity(self.next.acceleration);
+                let mut u = inner.as_ref().map_or([0.0; 3], velocity);
                 u[axis] = n * (drho - s) / (1.0 + drho) + half[axis];
-                let u = self.limited(open, u, item);
+                let u = self.limited(u, item);
                 (drho, std::array::from_fn(|a| u[a] - half[a]))
             }
         };
-        let rho = 1.0 + drho;
-        let transverse: [f64; 3] = std::array::from_fn(|a| {
-            if a == axis {
-                return 0.0;
-            }
-            let along = (0..Q).filter(|&j| C[j][axis] == 0).map(|j| C_F64[j][a] * old[j]);
-            0.5 * along.sum::<f64>() - rho * u[a] / 3.0
-        });
-        let mut new = *old;
-        for i in (0..Q).filter(|&i| C[i][axis] == inward) {
-            new[i] =
-                old[OPPOSITE[i]] + 6.0 * W[i] * rho * dot(C_F64[i], u) - dot(C_F64[i], transverse);
-        }
-        new
+        let new = self.inward.zou_he(&old, drho, u);
+        self.next.replace(&open.at, &old, &new, &mut item.gain);
     }
 }

@@ -14,7 +14,6 @@
 //!
 //! Not those that end at an open face, which replaces what its cells hold, nor those at what prescribes a pressure.
 
-use crate::boundary::open_boundary::open_faces;
 use crate::boundary::post_collision::PostCollision;
 use crate::domain::boundary_condition::BoundaryCondition;
 use crate::lattice::aa_pattern::{Blocked, Parity};
@@ -81,8 +80,7 @@ impl SheetLinks {
             let key = |(met, _): &(Blocked, f64)| (met.cell, met.dir);
             let Ok(place) = blocked.binary_search_by_key(&other, key) else { continue };
             let (there, other_q) = &blocked[place];
-            let at_open_face =
-                |cell: u32| open_faces(&layout.grid, layout.at(cell)).next().is_some();
+            let at_open_face = |cell: u32| layout.grid.open_faces(layout.at(cell)).next().is_some();
             if there.fixture != fixture || at_open_face(cell) || at_open_face(other.0) {
                 continue;
             }

@@ -28,7 +28,6 @@
 //! All links of a cell are one unit of work: the place of a link's result is that of its own `g_i`
 //! (see `aa_pattern`), which another link of the same cell may want to read before.
 
-use crate::boundary::open_boundary::open_faces;
 use crate::boundary::post_collision::{PostCollision, density};
 use crate::boundary::wall_mass::{Patch, Patches, WEIGHT};
 use crate::domain::boundary_condition::BoundaryValue;
@@ -387,7 +386,7 @@ impl<T: Real> PostCollision<'_, T> {
         }
         // Cells at open faces get other populations yet.
         let more = brought + self.mean * slid;
-        if more != 0.0 && open_faces(&self.layout.grid, at).next().is_none() {
+        if more != 0.0 && self.layout.grid.open_faces(at).next().is_none() {
             let exchanges = &mut met.exchanges;
             let is_face =
                 |link: &&WallLink| exchanges[link.fixture as usize].0.as_solid().is_none();

@@ -28,7 +28,6 @@
 //! Cubes are counted from the reference of the solid that a cell meets first: a part has the same patches wherever it stands, and half
 //! of one at a symmetry plane those of the whole.
 
-use crate::boundary::open_boundary::open_faces;
 use crate::boundary::static_wall_links::WallItem;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{Q, W};
@@ -149,7 +148,7 @@ impl Patches {
         (fixture, reference): (BoundaryId, [f64; 3]),
         of_item: &mut Vec<Patch>,
     ) -> u16 {
-        let holder = match open_faces(grid, at).next() {
+        let holder = match grid.open_faces(at).next() {
             Some((axis, side)) => Holder::Face((2 * axis + side) as u8),
             None => Holder::Account(self.number(cube(grid, at, fixture, reference))),
         };

@@ -63,6 +63,17 @@ impl Grid {
         Self::new(n, periodic.map(|p| [if p { Side::Periodic } else { Side::Wall }; 2]))
     }
 
+    /// The open faces at which a cell lies, axis and side, in the order of the world's axes: it belongs to the first.
+    pub fn open_faces(&self, at: [i32; 3]) -> impl Iterator<Item = (usize, usize)> {
+        let is_at = move |axis: usize, side: usize| {
+            self.sides[axis][side] == Side::Open && at[axis] == [0, self.n[axis] - 1][side]
+        };
+        self.order.into_iter().filter_map(move |axis| {
+            let side = (0..2).find(|&side| is_at(axis, side))?;
+            Some((axis, side))
+        })
+    }
+
     /// Number of cells of the box.
     pub fn len(&self) -> usize {
         self.n.iter().map(|&n| n as usize).product()

@@ -1,7 +1,7 @@
 //! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
 
 use crate::bodies::body_memory;
-use crate::boundary::virtual_piston::face::{face_of, reservoirs_of};
+use crate::boundary::virtual_piston::face::reservoirs_of;
 use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::domain::parameters::{Parameters, Precision};
 use crate::domain::static_geometry::StaticGeometry;
@@ -296,8 +296,9 @@ fn reservoir_cells(
     ground: &StaticGeometry,
 ) -> Result<Vec<(usize, usize, usize)>, Vec<Problem>> {
     let of = |(axis, side, _)| {
-        let own =
-            |index: &usize| face_of(&ground.grid, ground.grid.at(*index)) == Some((axis, side));
+        let own = |index: &usize| {
+            ground.grid.open_faces(ground.grid.at(*index)).next() == Some((axis, side))
+        };
         let solid = &ground.voxels.obstacles.solid;
         let count = (0..ground.grid.len()).filter(|k| solid[*k] == 0).filter(own).count();
         if count > 0 {

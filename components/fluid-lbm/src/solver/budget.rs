@@ -57,7 +57,7 @@ impl Budget {
     }
 
     /// Adds what came through open faces, after walls: what the face replaced came through it, not from them.
-    pub fn add_open_faces(&mut self, faces: &OpenBoundaries, walls: &StaticBoundaries) {
+    pub fn add_open_faces<T: Real>(&mut self, faces: &OpenBoundaries<T>, walls: &StaticBoundaries) {
         let balance = &mut self.balance;
         faces.each_gain(|impulse, mass| {
             add_scaled(&mut balance.open, impulse, 1.0);

@@ -40,7 +40,7 @@ pub struct CollideAndStream<T: CollisionKernel> {
 
 impl<T: CollisionKernel> CollideAndStream<T> {
     /// Of the cells that were laid out; `references` are the points about which torques on fixtures count.
-    pub fn new(built: &Built, references: &[[f64; 3]], variant: Variant) -> Self {
+    pub fn new(built: &Built<T>, references: &[[f64; 3]], variant: Variant) -> Self {
         let count = built.layout.places.lines().len();
         let step = CELLS_PER_BLOCK / T::LINE;
         let ranges: Vec<_> =

@@ -59,7 +59,7 @@ impl Diagnostics {
     pub fn of<T: Real>(
         lattice: &LatticeState<T>,
         bodies: &MovingBodies,
-        faces: &OpenBoundaries,
+        faces: &OpenBoundaries<T>,
     ) -> Self {
         let (statistics, flags) = (&lattice.statistics, &lattice.flags);
         let speed = statistics.speed2.sqrt();

@@ -11,7 +11,7 @@ use crate::solver::open_boundaries::OpenBoundaries;
 
 /// Gives reservoirs the mass of the cells that newcomers have covered or cut off in this step.
 pub fn return_displaced<T: Real>(
-    faces: &mut OpenBoundaries,
+    faces: &mut OpenBoundaries<T>,
     bodies: &mut Bodies,
     gaps: &GapModel,
     lattice: &LatticeState<T>,

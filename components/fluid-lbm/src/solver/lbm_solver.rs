@@ -48,7 +48,7 @@ pub struct LbmSolver<T: CollisionKernel> {
     /// Static walls and solids, and their links.
     pub walls: StaticBoundaries,
     /// Open faces, and reservoirs behind faces.
-    pub faces: OpenBoundaries,
+    pub faces: OpenBoundaries<T>,
     /// Gaps that hold no fluid.
     pub gaps: GapModel,
     /// Cells that nothing flows through.
@@ -105,12 +105,12 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let tau = parameters.tau_of(time_step, fluid.viscosity / fluid.density);
         let upright = ground.upright;
         let mut boundaries = Boundaries::new(scene, ground, parameters, &units);
-        let mut built = boundaries.build(T::LINE);
+        let mut built = boundaries.build::<T>();
         let bodies = bodies_of(scene, parameters, &units, upright, &mut boundaries);
         let collision = CollideAndStream::new(&built, &boundaries.references, variant);
         let gaps = GapModel::new(scene, parameters, &boundaries, &built.layout, centres, tau);
         let walls = StaticBoundaries::new(boundaries, &mut built);
-        let faces = OpenBoundaries::new(parameters.open_faces, &mut built);
+        let faces = OpenBoundaries::new(&mut built);
         let relaxation = relaxation_of(parameters, fluid, &units, tau);
         let mut lattice = LatticeState::new(built.layout, units, relaxation, tau);
         if !gaps.modelled.is_empty() {
@@ -214,7 +214,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         self.bodies.list.check(states, loads.len())?;
         self.bodies.awaited.check()?;
         // dH/dt = v_p: the piston's way makes the density at its face (Mutabaruka & Kamrin 2018, Eqs. 29, 30).
-        self.faces.advance_pistons(self.lattice.time(), &self.lattice.units)?;
+        self.faces.begin(&self.lattice, &mut self.exec)?;
         self.budget.begin(&self.bodies.list.leaving);
         // Cells change between fluid and solid; what bodies uncover is refilled before it collides.
         self.update_cover(states);

@@ -1,54 +1,61 @@
 //! Open faces with what they prescribe, and reservoirs behind faces.
 
 use crate::boundary::boundaries::Built;
-use crate::boundary::open_boundary::{OpenCells, OpenItem, PostStreaming};
+use crate::boundary::face_scheme::{FaceScheme, PostStreaming, StepBegin};
 use crate::boundary::virtual_piston::face::{ReservoirFace, ReservoirState};
-use crate::domain::parameters::OpenFaces;
 use crate::lattice::error::FluidError;
 use crate::lattice::grid::Grid;
 use crate::lattice::populations::Real;
-use crate::lattice::units::Units;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::static_boundaries::StaticBoundaries;
 
 /// The faces through which fluid enters and leaves.
-pub struct OpenBoundaries {
-    /// Which scheme velocity and pressure faces use.
-    scheme: OpenFaces,
-    /// Cells at such faces.
-    cells: OpenCells,
-    /// Their items of work.
-    pub items: Vec<OpenItem>,
+pub struct OpenBoundaries<T: Real> {
+    /// Faces that prescribe velocity or pressure.
+    faces: Vec<Box<dyn FaceScheme<T>>>,
     /// Faces with a reservoir.
     pub reservoirs: Vec<ReservoirFace>,
 }
 
-impl OpenBoundaries {
+impl<T: Real> OpenBoundaries<T> {
     /// Of the faces that were found.
-    pub fn new(scheme: OpenFaces, built: &mut Built) -> Self {
+    pub fn new(built: &mut Built<T>) -> Self {
         Self {
-            scheme,
-            cells: std::mem::take(&mut built.open),
-            items: std::mem::take(&mut built.open_items),
+            faces: std::mem::take(&mut built.faces),
             reservoirs: std::mem::take(&mut built.reservoirs),
         }
     }
 
-    /// Moves the pistons of reservoirs through the step that begins at a time [s].
+    /// All schemes; reservoirs first, because other faces read the cells inside.
+    fn schemes(&mut self) -> impl Iterator<Item = &mut dyn FaceScheme<T>> {
+        let reservoirs = self.reservoirs.iter_mut().map(|face| face as &mut dyn FaceScheme<T>);
+        reservoirs.chain(self.faces.iter_mut().map(|face| &mut **face as &mut dyn FaceScheme<T>))
+    }
+
+    /// Begins a step: moves the pistons of reservoirs.
     ///
     /// # Errors
     /// A reservoir that is spent.
-    pub fn advance_pistons(&mut self, begin: f64, units: &Units) -> Result<(), FluidError> {
-        self.reservoirs.iter_mut().try_for_each(|reservoir| reservoir.advance(begin, units))
+    pub fn begin(
+        &mut self,
+        lattice: &LatticeState<T>,
+        exec: &mut Execution,
+    ) -> Result<(), FluidError> {
+        let begin = StepBegin {
+            before: lattice.before(),
+            flags: &lattice.flags,
+            time: lattice.time(),
+            units: &lattice.units,
+        };
+        self.schemes().try_for_each(|scheme| scheme.begin(&begin, &mut exec.team))
     }
 
-    /// Gives the cells at open faces their populations; those at reservoirs first, because other faces
-    /// read the cells inside.
+    /// Gives the cells at open faces their populations.
     ///
     /// # Errors
     /// A flow from a reservoir that is too fast for the lattice.
-    pub fn apply<T: Real>(
+    pub fn apply(
         &mut self,
         lattice: &LatticeState<T>,
         walls: &StaticBoundaries,
@@ -60,31 +67,24 @@ impl OpenBoundaries {
             flags: &lattice.flags,
             parity: lattice.parity,
             acceleration: lattice.relaxation.acceleration,
+            density: lattice.mean_density(),
             now: &walls.now,
-            scheme: self.scheme,
+            brought: &walls.brought,
+            units: &lattice.units,
             variant: exec.variant,
         };
-        for reservoir in &mut self.reservoirs {
-            reservoir.apply(&next, &mut exec.team, &lattice.units, &walls.brought)?;
-        }
-        let cells = &self.cells;
-        exec.team.for_each(&mut self.items, |_, item| next.open(cells, item));
-        if !self.items.is_empty() {
-            let density = lattice.mean_density();
-            self.cells.steer(&self.items, &walls.now, density, &walls.brought);
-        }
-        Ok(())
+        self.schemes().try_for_each(|scheme| scheme.apply(&next, &mut exec.team))
     }
 
     /// Calls `add` with momentum and mass that the fluid gained in the last step, piece by piece.
     pub fn each_gain(&self, mut add: impl FnMut([f64; 3], f64)) {
-        self.items.iter().for_each(|item| add(item.impulse, item.mass));
-        let gained = self.reservoirs.iter().flat_map(ReservoirFace::gained);
-        gained.for_each(|(impulse, mass)| add(impulse, mass));
+        self.faces.iter().for_each(|face| face.each_gain(&mut add));
+        let reservoirs = self.reservoirs.iter().map(|face| face as &dyn FaceScheme<T>);
+        reservoirs.for_each(|face| face.each_gain(&mut add));
     }
 
     /// Gives the reservoirs the mean density and velocity of the cells at their faces.
-    pub fn fill_reservoirs<T: Real>(&mut self, lattice: &LatticeState<T>) {
+    pub fn fill_reservoirs(&mut self, lattice: &LatticeState<T>) {
         let before = lattice.before();
         for reservoir in &mut self.reservoirs {
             let (axis, inward) = (reservoir.axis(), reservoir.inward());
@@ -109,21 +109,20 @@ impl OpenBoundaries {
     }
 
     /// See [`crate::LbmFluid::reservoirs`].
-    pub fn states<T: Real>(
-        &self,
-        lattice: &LatticeState<T>,
-    ) -> impl Iterator<Item = ReservoirState> {
+    pub fn states(&self, lattice: &LatticeState<T>) -> impl Iterator<Item = ReservoirState> {
         let (acceleration, units) = (lattice.relaxation.acceleration, &lattice.units);
         self.reservoirs.iter().map(move |reservoir| reservoir.state(acceleration, units))
     }
 
     /// Cells at pressure faces through which fluid enters.
     pub fn entering(&self) -> usize {
-        self.items.iter().map(|item| item.entering).sum()
+        self.faces.iter().map(|face| face.entering()).sum()
     }
 
     /// Memory that the tables take [bytes].
     pub fn bytes(&self) -> usize {
-        self.cells.bytes() + self.reservoirs.iter().map(ReservoirFace::bytes).sum::<usize>()
+        let reservoirs = self.reservoirs.iter().map(|face| face as &dyn FaceScheme<T>);
+        let faces = self.faces.iter().map(|face| &**face as &dyn FaceScheme<T>);
+        faces.chain(reservoirs).map(FaceScheme::bytes).sum()
     }
 }

@@ -11,7 +11,6 @@
 //! f_i += 3 w_i c_i.(j(t-1) - j(t))/2
 //! ```
 
-use crate::boundary::open_boundary::open_faces;
 use crate::boundary::refill::Content;
 use crate::lattice::d3q19::{C_F64, Q, W, dot};
 use crate::lattice::ledger::add_scaled;
@@ -148,5 +147,5 @@ fn is_pinched<T: Real>(lattice: &LatticeState<T>, cell: u32) -> bool {
     };
     flags.is_fluid(cell)
         && (1..Q).filter(is_open).take(OPEN_LINKS).count() < OPEN_LINKS
-        && open_faces(&layout.grid, layout.at(cell)).next().is_none()
+        && layout.grid.open_faces(layout.at(cell)).next().is_none()
 }

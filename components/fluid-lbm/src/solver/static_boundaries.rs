@@ -46,7 +46,7 @@ pub struct StaticBoundaries {
 
 impl StaticBoundaries {
     /// With the links that were found.
-    pub fn new(conditions: Boundaries, built: &mut Built) -> Self {
+    pub fn new<T: Real>(conditions: Boundaries, built: &mut Built<T>) -> Self {
         let fixtures = conditions.laws.len();
         Self {
             conditions,

@@ -21,15 +21,15 @@
 //! bodies cover are left out. A body that appears in the middle of a run gives back what it displaces
 //! (`displaced_fluid`); one that moves there does not.
 
-use crate::boundary::open_boundary::{CELLS_PER_ITEM, PostStreaming, open_faces};
+use crate::boundary::face_scheme::{
+    FaceCell, FaceScheme, Gain, PostStreaming, StepBegin, items_of,
+};
 use crate::boundary::virtual_piston::cylinder::Cylinder;
-use crate::boundary::wall_mass::Brought;
-use crate::lattice::aa_pattern::Blocked;
-use crate::lattice::d3q19::{C, CS2, OPPOSITE, Q, equilibria};
+use crate::boundary::zou_he::Inward;
+use crate::lattice::d3q19::{CS2, Q, equilibria};
 use crate::lattice::error::FluidError;
 use crate::lattice::grid::Grid;
 use crate::lattice::grid::face_name;
-use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
 use std::ops::Range;
@@ -38,14 +38,6 @@ use tremie_team::Team;
 
 /// Largest velocity at a face [cells a step]; the lattice fails soon beyond it.
 pub const FASTEST: f64 = 0.1;
-
-/// A cell at the face.
-#[derive(Clone, Copy, Debug)]
-struct FaceCell {
-    cell: u32,
-    /// Bits of the directions that come from beyond an open face.
-    unknown: u32,
-}
 
 /// Cells that are one item of work, and what the last step found there.
 #[derive(Clone, Debug)]
@@ -57,10 +49,7 @@ struct PistonItem {
     fastest: f64,
     /// Cells that are fluid.
     wet: usize,
-    /// Momentum that the fluid gained.
-    impulse: [f64; 3],
-    /// Mass that it gained.
-    mass: f64,
+    gain: Gain,
 }
 
 /// A face with the cylinder behind it.
@@ -136,60 +125,31 @@ impl ReservoirState {
     }
 }
 
-/// The open face to which a cell belongs.
-pub fn face_of(grid: &Grid, at: [i32; 3]) -> Option<(usize, usize)> {
-    open_faces(grid, at).next()
-}
-
 impl ReservoirFace {
-    /// Of the links that open faces block, those of this face's cells.
-    pub fn new(
-        layout: &Layout,
-        [axis, side]: [usize; 2],
-        reservoir: &Reservoir,
-        blocked: &[Blocked],
-        units: &Units,
-    ) -> Self {
-        let own = |links: &&[Blocked]| {
-            face_of(&layout.grid, layout.at(links[0].cell)) == Some((axis, side))
-        };
-        let bits = |bits: u32, link: &Blocked| bits | 1 << OPPOSITE[usize::from(link.dir)];
-        let cells: Vec<_> = (blocked.chunk_by(|a, b| a.cell == b.cell).filter(own))
-            .map(|links| FaceCell { cell: links[0].cell, unknown: links.iter().fold(0, bits) })
-            .collect();
-        let items = (0..cells.len()).step_by(CELLS_PER_ITEM).map(|first| PistonItem {
-            cells: first..(first + CELLS_PER_ITEM).min(cells.len()),
+    /// A face of these cells, `2 axis + side`.
+    pub fn new(face: usize, cells: Vec<FaceCell>, reservoir: &Reservoir, units: &Units) -> Self {
+        let item = |cells: Range<usize>| PistonItem {
+            cells,
             sum: 0.0,
             fastest: 0.0,
             wet: 0,
-            impulse: [0.0; 3],
-            mass: 0.0,
-        });
+            gain: Gain::default(),
+        };
         Self {
-            axis,
-            side,
+            axis: face / 2,
+            side: face % 2,
             relaxation: reservoir.relaxation,
             volume: reservoir.volume,
-            items: items.collect(),
+            items: items_of(cells.len()).map(item).collect(),
             cylinder: Cylinder::new(reservoir, cells.len(), units),
             cells,
             mean: 0.0,
         }
     }
 
-    /// Memory that the table takes [bytes].
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.cells.as_slice())
-    }
-
     /// Cells at the face.
     pub fn cells(&self) -> impl Iterator<Item = u32> {
         self.cells.iter().map(|cell| cell.cell)
-    }
-
-    /// Momentum and mass that the fluid gained in the last step.
-    pub fn gained(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
-        self.items.iter().map(|item| (item.impulse, item.mass))
     }
 
     /// Puts the cylinder's fluid into the state of the face: density, less 1, and velocity into the
@@ -220,64 +180,6 @@ impl ReservoirFace {
         self.axis
     }
 
-    /// Moves the piston through the step that begins at a time [s].
-    ///
-    /// # Errors
-    /// A piston that comes too close to the face; nothing has changed then.
-    pub fn advance(&mut self, time: f64, units: &Units) -> Result<(), FluidError> {
-        if self.cylinder.advance(time, self.mean, units) {
-            return Ok(());
-        }
-        Err(FluidError::ReservoirSpent {
-            axis: self.axis,
-            side: self.side,
-            left: 100.0 * self.cylinder.part_left(),
-            volume: self.volume,
-            time,
-        })
-    }
-
-    /// Gives the cells at the face their populations, and lets the cylinder lose what they gained.
-    ///
-    /// # Errors
-    /// A flow through the face that is too fast for the lattice, or not finite.
-    pub fn apply<T: Real>(
-        &mut self,
-        next: &PostStreaming<'_, T>,
-        team: &mut Team,
-        units: &Units,
-        brought: &[Brought; 6],
-    ) -> Result<(), FluidError> {
-        let (cells, drho) = (&self.cells, self.cylinder.drho());
-        let [axis, side] = [self.axis, self.side];
-        let view = View { next, axis, inward: [1, -1][side], drho };
-        team.for_each(&mut self.items, |_, item| view.measure(&cells[item.cells.clone()], item));
-        // In the order of the items: the same bits on any number of threads.
-        let (mut sum, mut wet, mut fastest) = (0.0, 0, 0.0);
-        for item in &self.items {
-            (sum, wet) = (sum + item.sum, wet + item.wet);
-            fastest = f64::max(fastest, item.fastest);
-        }
-        let mean = if wet > 0 { sum / wet as f64 } else { 0.0 };
-        let relaxation = self.relaxation;
-        team.for_each(&mut self.items, |_, item| {
-            view.fill(&cells[item.cells.clone()], mean, relaxation, item);
-        });
-        self.mean = mean;
-        let at_walls = brought[2 * axis + side].total();
-        self.cylinder.drain(self.items.iter().map(|item| item.mass).sum::<f64>() + at_walls);
-        if fastest <= FASTEST && mean.is_finite() {
-            return Ok(());
-        }
-        Err(FluidError::ReservoirFlow {
-            axis,
-            side,
-            speed: fastest * units.velocity(),
-            limit: FASTEST * units.velocity(),
-            pressure: CS2 * drho * units.pressure(),
-        })
-    }
-
     /// What the reservoir is like.
     pub fn state(&self, acceleration: [f64; 3], units: &Units) -> ReservoirState {
         let half = 0.5 * acceleration[self.axis] * self.inward();
@@ -295,11 +197,67 @@ impl ReservoirFace {
     }
 }
 
+impl<T: Real> FaceScheme<T> for ReservoirFace {
+    /// Moves the piston through the step; fails where it comes too close to the face, and nothing has changed then.
+    fn begin(&mut self, begin: &StepBegin<T>, _team: &mut Team) -> Result<(), FluidError> {
+        if self.cylinder.advance(begin.time, self.mean, begin.units) {
+            return Ok(());
+        }
+        Err(FluidError::ReservoirSpent {
+            axis: self.axis,
+            side: self.side,
+            left: 100.0 * self.cylinder.part_left(),
+            volume: self.volume,
+            time: begin.time,
+        })
+    }
+
+    /// Gives the cells at the face their populations, and lets the cylinder lose what they gained; fails where the flow through
+    /// the face is too fast for the lattice, or not finite.
+    fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError> {
+        let (cells, drho) = (&self.cells, self.cylinder.drho());
+        let [axis, side] = [self.axis, self.side];
+        let view = View { next, inward: Inward::of(2 * axis + side), drho };
+        team.for_each(&mut self.items, |_, item| view.measure(&cells[item.cells.clone()], item));
+        // In the order of the items: the same bits on any number of threads.
+        let (mut sum, mut wet, mut fastest) = (0.0, 0, 0.0);
+        for item in &self.items {
+            (sum, wet) = (sum + item.sum, wet + item.wet);
+            fastest = f64::max(fastest, item.fastest);
+        }
+        let mean = if wet > 0 { sum / wet as f64 } else { 0.0 };
+        let relaxation = self.relaxation;
+        team.for_each(&mut self.items, |_, item| {
+            view.fill(&cells[item.cells.clone()], mean, relaxation, item);
+        });
+        self.mean = mean;
+        let at_walls = next.brought[2 * axis + side].total();
+        self.cylinder.drain(self.items.iter().map(|item| item.gain.mass).sum::<f64>() + at_walls);
+        if fastest <= FASTEST && mean.is_finite() {
+            return Ok(());
+        }
+        Err(FluidError::ReservoirFlow {
+            axis,
+            side,
+            speed: fastest * next.units.velocity(),
+            limit: FASTEST * next.units.velocity(),
+            pressure: CS2 * drho * next.units.pressure(),
+        })
+    }
+
+    fn each_gain(&self, add: &mut dyn FnMut([f64; 3], f64)) {
+        self.items.iter().for_each(|item| add(item.gain.impulse, item.gain.mass));
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+}
+
 /// A face in a step.
 struct View<'a, T: Real> {
     next: &'a PostStreaming<'a, T>,
-    axis: usize,
-    inward: i32,
+    inward: Inward,
     /// Density minus 1 of the cylinder.
     drho: f64,
 }
@@ -307,16 +265,7 @@ struct View<'a, T: Real> {
 impl<T: Real> View<'_, T> {
     /// Velocity into the fluid that the density and the populations say.
     fn normal_velocity(&self, h: &[f64; Q]) -> f64 {
-        // S_0 + 2 S_-, less what it is at rest, which is 1.
-        let mut s = 0.0;
-        for i in 0..Q {
-            match C[i][self.axis] * self.inward {
-                0 => s += h[i],
-                -1 => s += 2.0 * h[i],
-                _ => {}
-            }
-        }
-        (self.drho - s) / (1.0 + self.drho)
+        (self.drho - self.inward.known_sum(h)) / (1.0 + self.drho)
     }
 
     fn measure(&self, cells: &[FaceCell], item: &mut PistonItem) {
@@ -330,15 +279,15 @@ impl<T: Real> View<'_, T> {
     }
 
     fn fill(&self, cells: &[FaceCell], mean: f64, relaxation: f64, item: &mut PistonItem) {
-        (item.impulse, item.mass) = ([0.0; 3], 0.0);
+        item.gain = Gain::default();
         for open in cells.iter().filter(|open| self.next.flags.is_fluid(open.cell)) {
             let old = self.next.populations(open.cell);
             let u = self.normal_velocity(&old);
             let mut velocity = [0.0; 3];
-            velocity[self.axis] = f64::from(self.inward) * (u + relaxation * (mean - u));
+            velocity[self.inward.axis] =
+                f64::from(self.inward.sign) * (u + relaxation * (mean - u));
             let new = equilibria(self.drho, velocity);
-            let (impulse, mass) = (&mut item.impulse, &mut item.mass);
-            self.next.replace(open.cell, open.unknown, [&old, &new], impulse, mass);
+            self.next.replace(open, &old, &new, &mut item.gain);
         }
     }
 }
