@@ -6,8 +6,8 @@ use common::*;
 use std::f64::consts::PI;
 use tremie_fluid_lbm::{LbmFluid, Refill, Walls};
 use tremie_messages::scene::{
-    Course, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Geometry, Motion, Part, Probe,
-    ProbeShape, Scene,
+    Course, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Geometry, Motion, Outflow, Part,
+    Probe, ProbeShape, Scene,
 };
 use tremie_messages::{BodyState, Load};
 
@@ -30,7 +30,11 @@ fn gap() -> Gap {
 fn channel(gap: Option<Gap>) -> (Case, Scene) {
     let case = Case::new([32, 4, 12], [WALL, SYMMETRY, WALL], 0.6);
     let mut scene = case.scene();
-    let open = |pressure| Face::Pressure { pressure, course: Course::default(), absorbing: true };
+    let open = |pressure| Face::Pressure {
+        pressure,
+        course: Course::default(),
+        outflow: Outflow::Absorbing,
+    };
     scene.domain.faces[0] = [open(P), open(0.0)];
     let mut plate = part("plate", Geometry::Box { size: [12.0, 8.0, 16.0] }, [16.0, 2.0, 0.0]);
     plate.motion = Motion::Prescribed(Vec::new());
@@ -284,7 +288,8 @@ fn sinks(slip_below: f64) -> Option<usize> {
     // As in a run: else the plate answers the lattice's two-step oscillation.
     case.average_force = true;
     let mut scene = case.scene();
-    let open = || Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: true };
+    let open =
+        || Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Absorbing };
     scene.domain.faces[0] = [open(), open()];
     let mut plate = part("plate", Geometry::Box { size: [24.0, 8.0, 3.0] }, [20.0, 2.0, 5.1]);
     plate.motion = Motion::Prescribed(Vec::new());

@@ -6,7 +6,7 @@ use common::*;
 use std::f64::consts::PI;
 use tremie_fluid_lbm::{LbmFluid, OpenFaces, Walls};
 use tremie_messages::scene::{
-    Course, Face, Geometry, OpenVelocity, Probe, ProbeShape, Profile, Scene, Sine,
+    Course, Face, Geometry, OpenVelocity, Outflow, Probe, ProbeShape, Profile, Scene, Sine,
 };
 
 const SPEED: f64 = 1e-3;
@@ -17,7 +17,7 @@ fn inflow(velocity: [f64; 3], profile: Profile) -> Face {
 }
 
 const OUTLET: Face =
-    Face::Pressure { pressure: 0.0, course: Course::Points(Vec::new()), absorbing: false };
+    Face::Pressure { pressure: 0.0, course: Course::Points(Vec::new()), outflow: Outflow::Fixed };
 
 /// Volume that passes the middle of the channel in a step.
 fn rate(fluid: &LbmFluid, axis: usize) -> f64 {

@@ -6,7 +6,7 @@ use common::*;
 use tremie_fluid_lbm::{Collision, LbmFluid, Precision, Refill, Walls};
 use tremie_messages::BodyState;
 use tremie_messages::scene::{
-    Course, Face, Geometry, Motion, PartBoundary, Probe, ProbeShape, Scene,
+    Course, Face, Geometry, Motion, Outflow, PartBoundary, Probe, ProbeShape, Scene,
 };
 
 /// Share of the mass that a fluid without bodies gains in so many steps; what it says to have lost is that.
@@ -126,7 +126,8 @@ fn a_thin_plate_keeps_the_mass_in_each_step() {
 /// A tube aslant between a face at a pressure and one without.
 fn tube(case: &Case) -> Scene {
     let mut scene = case.scene();
-    let face = |pressure| Face::Pressure { pressure, course: Course::default(), absorbing: false };
+    let face =
+        |pressure| Face::Pressure { pressure, course: Course::default(), outflow: Outflow::Fixed };
     scene.domain.faces[2] = [face(2e-4), face(0.0)];
     let mut tube =
         part("tube", Geometry::Cylinder { radius: 4.3, length: 90.0 }, [13.0, 6.0, 22.0]);
@@ -194,7 +195,7 @@ fn what_a_part_lets_through_is_not_lost() {
         case.walls = Walls::Halfway;
         let mut scene = case.scene();
         scene.domain.faces[2][1] =
-            Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+            Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Fixed };
         let mut source = part("source", Geometry::Box { size: [12.0, 12.0, 3.0] }, [6.0, 6.0, 1.5]);
         source.boundary = inlet.clone();
         scene.parts.push(source);

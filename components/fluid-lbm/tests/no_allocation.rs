@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use tremie_fluid_lbm::Refill;
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Course, Face, Geometry, Motion, Reservoir};
+use tremie_messages::scene::{Course, Face, Geometry, Motion, Outflow, Reservoir};
 use tremie_test_support::{Counting, allocations};
 
 #[global_allocator]
@@ -20,7 +20,7 @@ fn a_step_allocates_nothing() {
     let mut scene = case.scene();
     scene.domain.faces[1] = [
         Face::Symmetry,
-        Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: true },
+        Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Absorbing },
     ];
     scene.domain.faces[2][0] = Face::Reservoir(Reservoir::new(960.0, 96_000.0, 1e-3));
     scene.parts.push(part(

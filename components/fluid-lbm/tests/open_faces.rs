@@ -4,12 +4,12 @@ mod common;
 
 use common::*;
 use tremie_fluid_lbm::{LbmFluid, OpenFaces};
-use tremie_messages::scene::{Course, Face, OpenVelocity, Profile, Scene};
+use tremie_messages::scene::{Course, Face, OpenVelocity, Outflow, Profile, Scene};
 
 const SCHEMES: [OpenFaces; 2] = [OpenFaces::Nee, OpenFaces::Nebb];
 
 fn pressure(pressure: f64) -> Face {
-    Face::Pressure { pressure, course: Course::default(), absorbing: false }
+    Face::Pressure { pressure, course: Course::default(), outflow: Outflow::Fixed }
 }
 
 fn velocity(velocity: [f64; 3], profile: Profile) -> Face {
@@ -151,7 +151,7 @@ fn a_course_is_followed() {
     case.open_faces = OpenFaces::Nee;
     let mut scene = case.scene();
     let course = Course::Points(vec![[0.0, 0.0], [100.0, 1.0]]);
-    scene.domain.faces[0][1] = Face::Pressure { pressure: 1e-3, course, absorbing: false };
+    scene.domain.faces[0][1] = Face::Pressure { pressure: 1e-3, course, outflow: Outflow::Fixed };
     let mut fluid = case.fluid_of(&scene);
     for step in 0..20_000 {
         fluid.step(&[], &mut []).unwrap();
@@ -193,14 +193,14 @@ fn sound_leaves_through_an_absorbing_face() {
         (OpenFaces::Nebb, 1, 1),
         (OpenFaces::Nee, 2, 1),
     ] {
-        let returned = [false, true].map(|absorbing| {
+        let returned = [Outflow::Fixed, Outflow::Absorbing].map(|outflow| {
             let mut case = Case::new([3; 3], [PERIODIC; 3], 0.51);
             case.cells[axis] = length;
             case.faces[axis] = WALL;
             case.open_faces = scheme;
             let mut scene = case.scene();
             scene.domain.faces[axis][side] =
-                Face::Pressure { pressure: 0.0, course: Course::default(), absorbing };
+                Face::Pressure { pressure: 0.0, course: Course::default(), outflow };
             let mut fluid = case.fluid_of(&scene);
             let sign = [-1.0, 1.0][side];
             fluid.set_state(|x| {
@@ -231,12 +231,12 @@ fn sound_leaves_through_an_absorbing_face() {
 fn a_channel_with_an_absorbing_end_does_not_ring() {
     let (speed, given) = (0.01, 2e-3);
     let sound = speed / 3.0_f64.sqrt();
-    let ringing = [false, true].map(|absorbing| {
+    let ringing = [Outflow::Fixed, Outflow::Absorbing].map(|outflow| {
         let case = Case::new([80, 3, 3], [WALL, PERIODIC, PERIODIC], 0.51);
         let mut scene = case.scene();
         scene.domain.faces[0] = [
             velocity([speed, 0.0, 0.0], Profile::Uniform),
-            Face::Pressure { pressure: given, course: Course::default(), absorbing },
+            Face::Pressure { pressure: given, course: Course::default(), outflow },
         ];
         scene.fluid.as_mut().unwrap().pressure = given;
         let mut fluid = case.fluid_of(&scene);

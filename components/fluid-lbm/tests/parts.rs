@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use tremie_fluid_lbm::{Precision, Walls};
-use tremie_messages::scene::{Course, Face, Geometry, Motion, PartBoundary, Pose};
+use tremie_messages::scene::{Course, Face, Geometry, Motion, Outflow, PartBoundary, Pose};
 use tremie_messages::{BodyState, Load};
 
 fn cuboid(size: [f64; 3]) -> Geometry {
@@ -225,7 +225,7 @@ fn parts_may_prescribe_velocities() {
     let case = Case::new([24, 8, 8], [WALL, SYMMETRY, SYMMETRY], 0.8);
     let mut scene = case.scene();
     scene.domain.faces[0][1] =
-        Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+        Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Fixed };
     let mut feed = part("feed", cuboid([6.0, 30.0, 30.0]), [0.2, 4.0, 4.0]);
     let velocity = [0.01, 0.0, 0.0];
     feed.boundary =

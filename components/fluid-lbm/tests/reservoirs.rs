@@ -5,7 +5,7 @@ mod common;
 
 use common::*;
 use tremie_fluid_lbm::{Collision, FluidError, LbmFluid, ReservoirState};
-use tremie_messages::scene::{Course, Face, Geometry, Reservoir, ReservoirMode, Scene};
+use tremie_messages::scene::{Course, Face, Geometry, Outflow, Reservoir, ReservoirMode, Scene};
 
 /// A tube of `length` cells and one across, with a reservoir of `cells` cells at one end of the axis.
 struct Tube {
@@ -18,7 +18,8 @@ struct Tube {
     end: Face,
 }
 
-const OUTLET: Face = Face::Pressure { pressure: 0.0, course: Course::CONSTANT, absorbing: false };
+const OUTLET: Face =
+    Face::Pressure { pressure: 0.0, course: Course::CONSTANT, outflow: Outflow::Fixed };
 
 impl Tube {
     fn new(length: usize, tau: f64, end: Face) -> Self {

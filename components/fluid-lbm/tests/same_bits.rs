@@ -7,7 +7,7 @@ mod common;
 use common::*;
 use tremie_fluid_lbm::{Collision, Precision, Refill, Variant};
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Course, Face, Geometry, Motion};
+use tremie_messages::scene::{Course, Face, Geometry, Motion, Outflow};
 
 /// Every bit of loads, balance and populations of a run.
 fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> Vec<u64> {
@@ -24,8 +24,8 @@ fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> V
         case.refill = Refill::Mass;
         let course = Course::default();
         scene.domain.faces[0] = [
-            Face::Pressure { pressure: 1e-3, course: course.clone(), absorbing: false },
-            Face::Pressure { pressure: 0.0, course, absorbing: true },
+            Face::Pressure { pressure: 1e-3, course: course.clone(), outflow: Outflow::Fixed },
+            Face::Pressure { pressure: 0.0, course, outflow: Outflow::Absorbing },
         ];
         scene.domain.faces[2] = [Face::Symmetry, Face::Symmetry];
         let rod = Geometry::Cylinder { radius: 3.1, length: 40.0 };
@@ -110,7 +110,7 @@ fn bits_of_rows(case: &Case) -> Vec<u64> {
 #[test]
 fn where_rows_end_with_lines_in_every_kernel() {
     let course = Course::default();
-    let open = Face::Pressure { pressure: 0.0, course, absorbing: false };
+    let open = Face::Pressure { pressure: 0.0, course, outflow: Outflow::Fixed };
     for face in [PERIODIC, WALL, Face::Symmetry, open] {
         for kernel in 0..16 {
             let has = |bit: u32| kernel >> bit & 1 == 1;

@@ -6,7 +6,7 @@ mod common;
 use common::*;
 use tremie_fluid_lbm::{Collision, LbmFluid, Refill};
 use tremie_messages::BodyState;
-use tremie_messages::scene::{Course, Face, Geometry, Motion, Reservoir, Scene};
+use tremie_messages::scene::{Course, Face, Geometry, Motion, Outflow, Reservoir, Scene};
 
 /// Cells across the tube, from the interface to the orifice's plate, of the plate, and behind it.
 const WIDTH: usize = 8;
@@ -35,7 +35,7 @@ fn tube(interface: usize, sides: Face) -> (Case, Scene) {
     case.refill = Refill::Mass;
     let mut scene = case.scene();
     scene.domain.faces[0][1] =
-        Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+        Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Fixed };
     let (width, quarter) = (WIDTH as f64, WIDTH as f64 / 4.0);
     let x = (interface + BEFORE) as f64 + 0.5 * PLATE as f64;
     for (k, at) in [0.5 * quarter - 1.0, width - 0.5 * quarter + 1.0].into_iter().enumerate() {

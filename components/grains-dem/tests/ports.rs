@@ -6,8 +6,8 @@ use tremie_grains_dem::{GrainsDem, GrainsError, Parameters};
 use tremie_messages::{
     body::{BodyEvent, BodyState},
     scene::{
-        Course, Damping, Diameters, Face, Geometry, Inlet, InletVelocity, Motion, Outlet, Part,
-        PartBoundary, Pose, Probe, ProbeShape, Scene,
+        Course, Damping, Diameters, Face, Geometry, Inlet, InletVelocity, Motion, Outflow, Outlet,
+        Part, PartBoundary, Pose, Probe, ProbeShape, Scene,
     },
 };
 
@@ -16,7 +16,7 @@ const SPEED: f64 = 1.0;
 const DT: f64 = 5e-6;
 
 fn open() -> Face {
-    Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false }
+    Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Fixed }
 }
 
 fn inlet(min: [f64; 3], max: [f64; 3], fraction: f64, velocity: [f64; 3]) -> Inlet {

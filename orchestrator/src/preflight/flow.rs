@@ -84,7 +84,7 @@ fn rate(scene: &Scene, axis: usize, open: &OpenVelocity) -> f64 {
 mod tests {
     use super::*;
     use tremie_messages::Verdict;
-    use tremie_messages::scene::{Domain, FluidMaterial, Reservoir};
+    use tremie_messages::scene::{Domain, FluidMaterial, Outflow, Reservoir};
 
     fn scene(lower: Face, upper: Face) -> Scene {
         let domain = Domain::new(
@@ -115,7 +115,7 @@ mod tests {
         let apart = findings(&scene(inflow.clone(), late)).unwrap();
         assert_eq!(apart.verdict, Verdict::Doubtful, "{apart:?}");
         let pressure =
-            Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+            Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Fixed };
         assert_eq!(findings(&scene(inflow, pressure)), None);
         assert_eq!(findings(&scene(Face::WALL, Face::WALL)), None);
     }
@@ -128,7 +128,8 @@ mod tests {
         reservoir.stop = Some(1.0);
         let stroke = findings(&scene(Face::Reservoir(reservoir.clone()), Face::WALL)).unwrap();
         assert_eq!(stroke.verdict, Verdict::Ok);
-        let outlet = Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+        let outlet =
+            Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Fixed };
         assert_eq!(findings(&scene(Face::Reservoir(reservoir), outlet)), None);
     }
 }

@@ -7,7 +7,7 @@ use crate::domain::boundary_condition::BoundaryCondition;
 use crate::domain::parameters::OpenFaces;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
-use tremie_messages::scene::Face;
+use tremie_messages::scene::{Face, Outflow};
 
 /// What is known of an open face before the first step.
 pub struct FaceSite<'a> {
@@ -37,7 +37,9 @@ pub fn scheme_of<T: Real>(face: &Face, site: FaceSite) -> Box<dyn FaceScheme<T>>
     let FaceSite { layout, number, ref cells, condition, areas, scheme } = site;
     let open = OpenFace::new(layout, number, scheme, condition, cells, areas);
     match face {
-        Face::Pressure { absorbing: true, .. } => Box::new(open.absorbing(site.length())),
+        Face::Pressure { outflow: Outflow::Absorbing, .. } => {
+            Box::new(open.absorbing(site.length()))
+        }
         _ => Box::new(open),
     }
 }

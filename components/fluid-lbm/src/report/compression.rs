@@ -98,7 +98,7 @@ fn needed(scene: &Scene, axis: usize, speed: f64, viscosity: f64) -> Option<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tremie_messages::scene::{Course, Domain, FluidMaterial, OpenVelocity, Profile};
+    use tremie_messages::scene::{Course, Domain, FluidMaterial, OpenVelocity, Outflow, Profile};
 
     /// A duct in which the pressure drops by 1.1 % of the stiffness is doubtful, and a wider or shorter one is not; a
     /// stream that no wall bounds has no such number.
@@ -111,7 +111,7 @@ mod tests {
         });
         let judge = |size: [f64; 3], sides: [Face; 2], stiffness: f64| {
             let outflow =
-                Face::Pressure { pressure: 0.0, course: Course::CONSTANT, absorbing: false };
+                Face::Pressure { pressure: 0.0, course: Course::CONSTANT, outflow: Outflow::Fixed };
             let faces = [[inflow.clone(), outflow], sides.clone(), sides];
             let mut fluid = FluidMaterial::at_rest(1000.0, 0.1);
             fluid.expected_speed = Some(0.1);

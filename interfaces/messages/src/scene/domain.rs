@@ -66,10 +66,9 @@ pub enum Face {
         pressure: f64,
         /// Factor on the pressure over time.
         course: Course,
-        /// The face lets sound out and does not reflect it. The pressure then holds on average over
-        /// the time that sound takes to cross the domain a few times.
+        /// Way in which what arrives from inside leaves.
         #[serde(default)]
-        absorbing: bool,
+        outflow: Outflow,
     },
     /// The fluid comes from, and goes to, a reservoir with a piston that is not simulated.
     Reservoir(Reservoir),
@@ -90,6 +89,17 @@ impl Face {
     pub fn is_open(&self) -> bool {
         matches!(self, Self::Velocity(_) | Self::Pressure { .. } | Self::Reservoir(_))
     }
+}
+
+/// How what arrives at a face with a pressure leaves through it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Outflow {
+    /// The pressure holds all over the face at any time, and throws sound back.
+    #[default]
+    Fixed,
+    /// Sound passes through; the pressure holds on average over the time that sound takes to cross the domain a few times.
+    Absorbing,
 }
 
 /// A velocity given at a face.

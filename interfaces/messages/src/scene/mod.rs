@@ -22,7 +22,7 @@ pub use bodies::{
 };
 pub use contacts::{ContactLaw, Damping, PairLaw, Spring};
 pub use course::{Course, Sine};
-pub use domain::{Domain, Face, FluidMaterial, OpenVelocity, Plane, Profile};
+pub use domain::{Domain, Face, FluidMaterial, OpenVelocity, Outflow, Plane, Profile};
 pub use gaps::{Gap, GapRegion, GapRule, GapSide, GapWeight};
 pub use inlets::{Inlet, InletVelocity, Outlet};
 pub use parts::{Geometry, Part, PartBoundary, Pose};

@@ -4,7 +4,7 @@ use super::super::document::{AxisEntry, DomainTable, FaceEntry, FaceName, FaceTa
 use super::super::path;
 use super::super::read::Findings;
 use super::course::course;
-use tremie_messages::scene::{Domain, Face, OpenVelocity, Profile, Reservoir};
+use tremie_messages::scene::{Domain, Face, OpenVelocity, Outflow, Profile, Reservoir};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -75,6 +75,10 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
             format!("a face with a {kind} throws sound back; only a pressure can absorb it");
         findings.problem(&path::join(at, "absorbing"), message);
     }
+    if kind != "pressure" && table.outflow.is_some() {
+        let message = format!("found an outflow at a face with a {kind}; only a pressure has one");
+        findings.problem(&path::join(at, "outflow"), message);
+    }
     match kind {
         "wall" => moving_wall(table, axis, at, findings),
         "velocity" => open_velocity(table, axis, at, findings),
@@ -85,10 +89,22 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
                 findings.problem(&path::join(at, "profile"), message);
             }
             let course = course(table.ramp, table.course.as_ref(), at, findings);
-            let absorbing = table.absorbing.unwrap_or(false);
-            Some(Face::Pressure { pressure: table.pressure?.0, course: course?, absorbing })
+            let outflow = outflow(table, at, findings)?;
+            Some(Face::Pressure { pressure: table.pressure?.0, course: course?, outflow })
         }
     }
+}
+
+/// How what arrives at a face with a pressure leaves.
+fn outflow(table: &FaceTable, at: &str, findings: &mut Findings) -> Option<Outflow> {
+    let is_absorbing = table.absorbing == Some(true);
+    if is_absorbing && table.outflow.is_some_and(|outflow| outflow != Outflow::Absorbing) {
+        let message = "found absorbing = true and another outflow, expected one of them";
+        findings.problem(&path::join(at, "outflow"), message);
+        return None;
+    }
+    let otherwise = if is_absorbing { Outflow::Absorbing } else { Outflow::Fixed };
+    Some(table.outflow.unwrap_or(otherwise))
 }
 
 fn moving_wall(table: &FaceTable, axis: usize, at: &str, findings: &mut Findings) -> Option<Face> {

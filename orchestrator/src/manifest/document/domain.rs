@@ -4,7 +4,7 @@ use super::course::CourseEntry;
 use super::forms::read_by_form;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tremie_messages::scene::Profile;
+use tremie_messages::scene::{Outflow, Profile};
 use tremie_messages::units::{
     Acceleration, Area, Density, Length, Pressure, Time, Velocity, Viscosity, Volume,
 };
@@ -86,6 +86,9 @@ pub(in super::super) struct FaceTable {
     /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
     /// holds on average (default: false).
     pub absorbing: Option<bool>,
+    /// How what arrives from inside leaves through a pressure face (default: fixed); `absorbing = true` is short for
+    /// `outflow = "absorbing"`.
+    pub outflow: Option<Outflow>,
     /// The fluid comes from a reservoir with a piston that is not simulated.
     pub reservoir: Option<ReservoirTable>,
     /// Time in which velocity or pressure rise from zero, that of a moving wall too (default: none).

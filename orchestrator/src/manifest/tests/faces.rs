@@ -2,8 +2,8 @@
 
 use super::*;
 use tremie_messages::scene::{
-    Course, Face, GapRegion, GapRule, GapSide, GapWeight, OpenVelocity, ProbeShape, Profile,
-    Reservoir, Ring, Sine,
+    Course, Face, GapRegion, GapRule, GapSide, GapWeight, OpenVelocity, Outflow, ProbeShape,
+    Profile, Reservoir, Ring, Sine,
 };
 
 /// The good manifest with other lines for the domain's faces.
@@ -35,7 +35,7 @@ z = { lower = { velocity = ["0 m/s", "0 m/s", "1 m/s"], profile = "parabolic", r
         course: Course::Points(vec![[0.0, 0.0], [0.1, 1.0]]),
     };
     let course = Course::Points(vec![[0.0, 0.0], [1.0, 1.0]]);
-    let outflow = Face::Pressure { pressure: 2000.0, course, absorbing: true };
+    let outflow = Face::Pressure { pressure: 2000.0, course, outflow: Outflow::Absorbing };
     assert_eq!(*z, [Face::Velocity(inflow), outflow]);
     reads_back(&text);
 }
@@ -87,8 +87,11 @@ fn a_face_that_is_left_out_is_a_wall() {
     let text = with_faces("x = { upper = { pressure = \"0 Pa\" } }");
     let faces = read(&text).unwrap().spec.scene.domain.faces;
     assert_eq!(faces[0][0], Face::WALL);
-    let open = Face::Pressure { pressure: 0.0, course: Course::default(), absorbing: false };
+    let open = Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Fixed };
     assert_eq!(faces[0][1], open);
+    let text = with_faces("x = { upper = { pressure = \"0 Pa\", outflow = \"absorbing\" } }");
+    let face = read(&text).unwrap().spec.scene.domain.faces[0][1].clone();
+    assert!(matches!(face, Face::Pressure { outflow: Outflow::Absorbing, .. }));
 }
 
 #[test]
@@ -104,11 +107,16 @@ fn a_wrong_face_is_one_problem() {
     refused(pushing, &["moves only along itself"]);
     let deaf = "x = { lower = { wall = { velocity = [\"0 m/s\", \"1 m/s\", \"0 m/s\"] }, absorbing = true } }";
     refused(deaf, &["x.lower.absorbing", "only a pressure"]);
+    let still = "x = { lower = { wall = { velocity = [\"0 m/s\", \"1 m/s\", \"0 m/s\"] }, outflow = \"absorbing\" } }";
+    refused(still, &["x.lower.outflow", "only a pressure"]);
     let both =
         "x = { lower = { pressure = \"1 Pa\", velocity = [\"1 m/s\", \"0 m/s\", \"0 m/s\"] } }";
     refused(both, &["found both velocity and pressure"]);
     let pressure = |more: &str| format!("x = {{ lower = {{ pressure = \"1 Pa\", {more} }} }}");
     refused(&pressure("profile = \"parabolic\""), &["has no profile"]);
+    let twice = pressure("absorbing = true, outflow = \"fixed\"");
+    refused(&twice, &["x.lower.outflow", "expected one of them"]);
+    refused(&pressure("outflow = \"open\""), &["outflow", "fixed", "absorbing"]);
     refused(&pressure("ramp = \"0 s\""), &["x.lower.ramp", "more than zero"]);
     refused(&pressure("ramp = \"1 s\", course = [[\"0 s\", 1.0]]"), &["both ramp and course"]);
     refused(&pressure("course = []"), &["an empty list"]);
