@@ -22,6 +22,8 @@ fn a_step_allocates_nothing() {
         Face::Symmetry,
         Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Absorbing },
     ];
+    scene.domain.faces[2][1] =
+        Face::Pressure { pressure: 0.0, course: Course::default(), outflow: Outflow::Convective };
     scene.domain.faces[2][0] = Face::Reservoir(Reservoir::new(960.0, 96_000.0, 1e-3));
     scene.parts.push(part(
         "rod",

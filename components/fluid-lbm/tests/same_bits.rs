@@ -25,8 +25,10 @@ fn bits(precision: Precision, variant: Variant, threads: usize, rich: bool) -> V
         let course = Course::default();
         scene.domain.faces[0] = [
             Face::Pressure { pressure: 1e-3, course: course.clone(), outflow: Outflow::Fixed },
-            Face::Pressure { pressure: 0.0, course, outflow: Outflow::Absorbing },
+            Face::Pressure { pressure: 0.0, course: course.clone(), outflow: Outflow::Absorbing },
         ];
+        scene.domain.faces[1][1] =
+            Face::Pressure { pressure: 0.0, course, outflow: Outflow::Convective };
         scene.domain.faces[2] = [Face::Symmetry, Face::Symmetry];
         let rod = Geometry::Cylinder { radius: 3.1, length: 40.0 };
         scene.parts.push(part("rod", rod, [30.2, 10.3, 9.0]));

@@ -1,5 +1,6 @@
 //! Which open face has which scheme: a new one is registered here.
 
+use crate::boundary::convective_outflow::ConvectiveOutflow;
 use crate::boundary::face_scheme::{FaceCell, FaceScheme};
 use crate::boundary::open_area::OpenAreas;
 use crate::boundary::open_boundary::OpenFace;
@@ -39,6 +40,9 @@ pub fn scheme_of<T: Real>(face: &Face, site: FaceSite) -> Box<dyn FaceScheme<T>>
     match face {
         Face::Pressure { outflow: Outflow::Absorbing, .. } => {
             Box::new(open.absorbing(site.length()))
+        }
+        Face::Pressure { outflow: Outflow::Convective, .. } => {
+            Box::new(ConvectiveOutflow::new(number, site.cells.clone(), site.length()))
         }
         _ => Box::new(open),
     }

@@ -100,6 +100,9 @@ pub enum Outflow {
     Fixed,
     /// Sound passes through; the pressure holds on average over the time that sound takes to cross the domain a few times.
     Absorbing,
+    /// What arrives is carried out with the face's mean velocity `U`, as `df/dt + U df/dn = 0`: vortices and wakes pass;
+    /// the pressure holds on average, as at an absorbing face.
+    Convective,
 }
 
 /// A velocity given at a face.
