@@ -37,7 +37,7 @@ mod solver;
 #[cfg(feature = "component")]
 pub use fluid::{benchmark::benchmarks, component};
 
-pub use boundary::virtual_piston::face::{ReservoirState, reservoir_signals};
+pub use boundary::virtual_piston::face::ReservoirState;
 pub use domain::parameters::{
     Collision, GapPressure, OpenFaces, Parameters, Precision, Refill, Walls,
 };
@@ -50,5 +50,5 @@ pub use report::gap_width_check::Narrow;
 pub use report::part_extent::PartExtent;
 pub use report::resolution::{Mended, Resolution};
 pub use solver::diagnostics::{Diagnostics, SliceNode};
-pub use solver::probes::{probe_meanings, probe_signals};
+pub use solver::probe_signals::probe_signals;
 pub use tremie_team::Variant;

@@ -28,7 +28,7 @@ fn probes_read_a_linear_flow() {
     for (name, shape) in shapes {
         scene.probes.push(Probe { name: name.into(), shape });
     }
-    let names: Vec<_> = probe_signals(&scene).into_iter().map(|(name, _)| name).collect();
+    let names: Vec<_> = probe_signals(&scene).into_iter().map(|(name, ..)| name).collect();
     assert_eq!(names.len(), 4 + 4 + 3 + 5);
     assert_eq!(
         [&names[0], &names[8], &names[15]],
@@ -77,7 +77,7 @@ fn rates_are_means_and_profiles_are_strips() {
     for (name, shape) in [("section", section), ("profile", profile)] {
         scene.probes.push(Probe { name: name.into(), shape });
     }
-    let names: Vec<_> = probe_signals(&scene).into_iter().map(|(name, _)| name).collect();
+    let names: Vec<_> = probe_signals(&scene).into_iter().map(|(name, ..)| name).collect();
     assert_eq!(
         names[2..],
         ["section.mass_flow_rate", "profile.u0", "profile.u1", "profile.u2", "profile.u3"]

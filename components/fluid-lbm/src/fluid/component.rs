@@ -1,18 +1,15 @@
 //! The lattice fluid as a component of a run.
 
-use crate::boundary::virtual_piston::face::{ReservoirState, reservoir_signals};
+use crate::boundary::virtual_piston::face::ReservoirState;
 use crate::domain::parameters::Parameters;
 use crate::fluid::lbm_fluid::LbmFluid;
-use crate::fluid::signal_meanings::MEANINGS;
-use crate::lattice::grid::face_name;
-use crate::lattice::ledger::Ledger;
+use crate::fluid::signals::{FluidState, OF_FLUID, OF_PARTS, OF_WALLS, signals, walls};
 use crate::report::findings::{findings, limits};
 use crate::solver::diagnostics::SliceNode;
-use crate::solver::probes::{probe_meanings, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::frame::{self, SliceHeader, VolumeHeader};
-use tremie_sdk::messages::scene::{DeformableSurface, Face, Motion, Placement, Scene};
-use tremie_sdk::messages::start::{Description, Signal, SliceSpec, VolumeGrid, VolumeSpec};
+use tremie_sdk::messages::scene::{DeformableSurface, Motion, Placement, Scene};
+use tremie_sdk::messages::start::{Description, SliceSpec, VolumeGrid, VolumeSpec};
 use tremie_sdk::messages::{
     BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex,
 };
@@ -60,80 +57,6 @@ struct Cut {
 const CUT: &str = "velocity";
 /// Name of the volume.
 const LATTICE: &str = "lattice";
-
-/// Signals, in the order in which they are pushed.
-const SIGNALS: [(&str, &str); 25] = [
-    ("max_speed", "m/s"),
-    ("max_mach", "1"),
-    ("min_pressure", "Pa"),
-    ("max_pressure", "Pa"),
-    ("links", "1"),
-    ("fallback_links", "1"),
-    ("isolated_cells", "1"),
-    ("mass", "kg"),
-    ("mass_change", "kg"),
-    ("mass_residual", "kg"),
-    ("momentum_x", "kg m/s"),
-    ("momentum_y", "kg m/s"),
-    ("momentum_z", "kg m/s"),
-    ("momentum_residual", "kg m/s"),
-    ("wall_impulse_x", "kg m/s"),
-    ("wall_impulse_y", "kg m/s"),
-    ("wall_impulse_z", "kg m/s"),
-    ("body_impulse_x", "kg m/s"),
-    ("body_impulse_y", "kg m/s"),
-    ("body_impulse_z", "kg m/s"),
-    ("max_relaxation_time", "1"),
-    ("backflow_cells", "1"),
-    ("mass_owed", "kg"),
-    ("mass_lost", "kg"),
-    ("mass_lost_share", "1"),
-];
-
-/// Signals of each wall and symmetry plane of the domain, named `x_lower.value`.
-const OF_WALLS: [(&str, &str); 3] =
-    [("wall_force_x", "N"), ("wall_force_y", "N"), ("wall_force_z", "N")];
-
-/// Signals of each part, named `part.value`.
-const OF_PARTS: [(&str, &str); 6] = [
-    ("force_x", "N"),
-    ("force_y", "N"),
-    ("force_z", "N"),
-    ("torque_x", "N m"),
-    ("torque_y", "N m"),
-    ("torque_z", "N m"),
-];
-
-/// All signals of a scene, in the order in which they are pushed.
-fn signals(scene: &Scene) -> Vec<Signal> {
-    let mut signals: Vec<_> = SIGNALS.iter().map(|(name, unit)| signal(name, unit)).collect();
-    for (axis, side) in walls(scene) {
-        let of = |(name, unit): &(&str, &str)| {
-            signal(&format!("{}.{name}", face_name(axis, side)), unit)
-        };
-        signals.extend(OF_WALLS.iter().map(of));
-    }
-    for part in &scene.parts {
-        let of_part = OF_PARTS.iter();
-        signals.extend(of_part.map(|(name, unit)| signal(&format!("{}.{name}", part.name), unit)));
-    }
-    let of_reservoirs = reservoir_signals(scene);
-    signals.extend(of_reservoirs.iter().map(|(name, unit)| signal(name, unit)));
-    for ((name, unit), meaning) in probe_signals(scene).iter().zip(probe_meanings(scene)) {
-        let mut own = signal(name, unit).sampled();
-        own.meaning = meaning.unwrap_or(own.meaning);
-        signals.push(own);
-    }
-    signals
-}
-
-/// Axis and side of the faces on which the fluid acts: walls and symmetry planes.
-fn walls(scene: &Scene) -> impl Iterator<Item = (usize, usize)> {
-    let all = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
-    all.filter(|&(axis, side)| {
-        matches!(scene.domain.faces[axis][side], Face::Wall { .. } | Face::Symmetry)
-    })
-}
 
 impl Cut {
     /// A plane through the first listed sphere, or the middle of the domain, that contains gravity
@@ -297,35 +220,22 @@ impl Fluid for LbmComponent {
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
-        let diagnostics = self.fluid.diagnostics();
-        let ledger = self.fluid.ledger();
-        values.extend([
-            diagnostics.max_speed,
-            diagnostics.max_mach,
-            diagnostics.min_density_deviation * self.stiffness,
-            diagnostics.max_density_deviation * self.stiffness,
-            diagnostics.links as f64,
-            diagnostics.fallback_links as f64,
-            diagnostics.isolated as f64,
-            ledger.mass,
-            ledger.mass_change,
-            ledger.mass_change - ledger.mass_terms(),
-        ]);
-        values.extend(ledger.momentum);
-        values.push(largest_gap(&ledger));
-        values.extend(ledger.walls);
-        values.extend(ledger.bodies);
-        values.extend([diagnostics.max_tau, diagnostics.entering as f64, ledger.mass_owed]);
-        values.extend([ledger.mass_lost, ledger.lost_share()]);
+        let state = FluidState {
+            diagnostics: self.fluid.diagnostics(),
+            ledger: self.fluid.ledger(),
+            stiffness: self.stiffness,
+        };
+        values.extend(OF_FLUID.iter().map(|(_, _, _, value)| value(&state)));
         let forces = self.fluid.wall_forces();
-        values.extend(self.walls.iter().flat_map(|&(axis, side)| forces[axis][side]));
+        for &(axis, side) in &self.walls {
+            values.extend(OF_WALLS.iter().map(|(_, _, _, value)| value(&forces[axis][side])));
+        }
         self.fluid.loads_on_parts(&mut self.on_parts);
         let mut fixed = self.on_parts.iter();
         for part in &self.parts {
             let still = if part.is_fixed { fixed.next() } else { None };
             let load = still.unwrap_or(&part.load);
-            values.extend(load.force);
-            values.extend(load.torque);
+            values.extend(OF_PARTS.iter().map(|(_, _, _, value)| value(load)));
         }
         self.fluid.reservoirs(&mut self.reservoirs);
         values.extend(self.reservoirs.iter().flat_map(ReservoirState::values));
@@ -441,14 +351,4 @@ fn join_facet(load: &mut FacetLoad, other: &FacetLoad, share: f64) {
     for a in 0..3 {
         load.force[a] += share * other.force[a];
     }
-}
-
-fn signal(name: &str, unit: &str) -> Signal {
-    Signal::new(name, unit, MEANINGS)
-}
-
-/// What the listed terms do not account for in the change of momentum: rounding, if nothing is missing.
-fn largest_gap(ledger: &Ledger) -> f64 {
-    let terms = ledger.momentum_terms();
-    (0..3).map(|k| (ledger.momentum_change[k] - terms[k]).abs()).fold(0.0, f64::max)
 }

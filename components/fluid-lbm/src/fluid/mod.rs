@@ -6,4 +6,4 @@ pub mod benchmark;
 pub mod component;
 pub mod lbm_fluid;
 #[cfg(feature = "component")]
-pub mod signal_meanings;
+pub mod signals;

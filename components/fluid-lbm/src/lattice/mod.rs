@@ -19,5 +19,6 @@ pub mod momentum_exchange;
 pub mod populations;
 pub mod reductions;
 pub mod reflection_impulse;
+pub mod signal_row;
 pub mod simd;
 pub mod units;

@@ -8,9 +8,9 @@ use crate::lattice::d3q19::CS2;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
+use crate::solver::probe_signals::{Measured, rows};
 use crate::solver::section_flux::{Crossing, Sight};
-use tremie_messages::finding::short;
-use tremie_messages::scene::{Probe, ProbeShape, Scene};
+use tremie_messages::scene::{Probe, ProbeShape};
 use tremie_team::Team;
 
 /// Samples that are one item of work.
@@ -18,130 +18,6 @@ const SAMPLES_PER_ITEM: usize = 2048;
 
 /// Fewer samples of a line than these are read one by one.
 const FEW: usize = 3;
-
-/// Names and units of the values of a scene's probes, in their order: `probe.value`.
-pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
-    scene.probe_signals(values)
-}
-
-/// Mean velocities in the strips of a profile.
-const STRIPS: [(&str, &str); ProbeShape::MOST_BINS] = [
-    ("u0", "m/s"),
-    ("u1", "m/s"),
-    ("u2", "m/s"),
-    ("u3", "m/s"),
-    ("u4", "m/s"),
-    ("u5", "m/s"),
-    ("u6", "m/s"),
-    ("u7", "m/s"),
-    ("u8", "m/s"),
-    ("u9", "m/s"),
-    ("u10", "m/s"),
-    ("u11", "m/s"),
-    ("u12", "m/s"),
-    ("u13", "m/s"),
-    ("u14", "m/s"),
-    ("u15", "m/s"),
-    ("u16", "m/s"),
-    ("u17", "m/s"),
-    ("u18", "m/s"),
-    ("u19", "m/s"),
-    ("u20", "m/s"),
-    ("u21", "m/s"),
-    ("u22", "m/s"),
-    ("u23", "m/s"),
-    ("u24", "m/s"),
-    ("u25", "m/s"),
-    ("u26", "m/s"),
-    ("u27", "m/s"),
-    ("u28", "m/s"),
-    ("u29", "m/s"),
-    ("u30", "m/s"),
-    ("u31", "m/s"),
-    ("u32", "m/s"),
-    ("u33", "m/s"),
-    ("u34", "m/s"),
-    ("u35", "m/s"),
-    ("u36", "m/s"),
-    ("u37", "m/s"),
-    ("u38", "m/s"),
-    ("u39", "m/s"),
-    ("u40", "m/s"),
-    ("u41", "m/s"),
-    ("u42", "m/s"),
-    ("u43", "m/s"),
-    ("u44", "m/s"),
-    ("u45", "m/s"),
-    ("u46", "m/s"),
-    ("u47", "m/s"),
-    ("u48", "m/s"),
-    ("u49", "m/s"),
-    ("u50", "m/s"),
-    ("u51", "m/s"),
-    ("u52", "m/s"),
-    ("u53", "m/s"),
-    ("u54", "m/s"),
-    ("u55", "m/s"),
-    ("u56", "m/s"),
-    ("u57", "m/s"),
-    ("u58", "m/s"),
-    ("u59", "m/s"),
-    ("u60", "m/s"),
-    ("u61", "m/s"),
-    ("u62", "m/s"),
-    ("u63", "m/s"),
-];
-
-fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
-    const REGION: [(&str, &str); 5] = [
-        ("pressure", "Pa"),
-        ("velocity_x", "m/s"),
-        ("velocity_y", "m/s"),
-        ("velocity_z", "m/s"),
-        ("solid_fraction", "1"),
-    ];
-    match shape {
-        ProbeShape::Point(_) | ProbeShape::Line { .. } => &REGION[..4],
-        ProbeShape::Section { .. } => {
-            &[("flow_rate", "m³/s"), ("pressure", "Pa"), ("mass_flow_rate", "kg/s")]
-        }
-        ProbeShape::Profile { bins, .. } => &STRIPS[..(*bins).min(STRIPS.len())],
-        ProbeShape::Region { .. } | ProbeShape::Ring(_) => &REGION,
-    }
-}
-
-/// What the values of a scene's probes are, in the order of [`probe_signals`], where that is not by their names alone.
-pub fn probe_meanings(scene: &Scene) -> Vec<Option<String>> {
-    let of = |probe: &Probe| match &probe.shape {
-        ProbeShape::Profile { axis, min, max, along, bins, .. } => {
-            let width = (max[*along] - min[*along]) / *bins as f64;
-            let names = ["x", "y", "z"];
-            let strip = |k: usize| {
-                let at = |k: usize| short(min[*along] + width * k as f64);
-                Some(format!(
-                    "mean velocity of the fluid along {} where {} is {} to {} m",
-                    names[*axis],
-                    names[*along],
-                    at(k),
-                    at(k + 1)
-                ))
-            };
-            (0..*bins).map(strip).collect()
-        }
-        shape => vec![None; count(shape)],
-    };
-    scene.probes.iter().flat_map(of).collect()
-}
-
-/// How many values a probe of a shape has.
-pub fn count(shape: &ProbeShape) -> usize {
-    values(shape).len()
-}
-
-/// Which of the values of a probe of a shape is the first of the three of a velocity, if it has one.
-pub fn first_velocity(shape: &ProbeShape) -> Option<usize> {
-    values(shape).iter().position(|(name, _)| *name == "velocity_x")
-}
 
 /// Weighted sums over samples.
 #[derive(Clone, Copy, Debug, Default)]
@@ -329,26 +205,20 @@ fn strip_of(shape: &ProbeShape, centres: &Centres, at: [i32; 3]) -> usize {
 /// Appends the values of one probe.
 fn push(shape: &ProbeShape, sum: &Sum, passing: Option<f64>, units: &Units, out: &mut Vec<f64>) {
     let mean = |x: f64| if sum.fluid > 0.0 { x / sum.fluid } else { 0.0 };
-    let pressure = mean(sum.drho) * CS2 * units.pressure();
     let velocity = sum.u.map(|u| mean(u) * units.velocity());
-    match shape {
-        ProbeShape::Section { axis, .. } => {
-            let area = units.cell * units.cell;
-            // Before the first look, as it is.
-            let now = || sum.u[*axis] * (1.0 + mean(sum.drho));
-            let rate = passing.unwrap_or_else(now) * units.mass() / units.time_step;
-            out.extend([sum.u[*axis] * units.velocity() * area, pressure, rate]);
-        }
-        ProbeShape::Profile { axis, .. } => out.push(velocity[*axis]),
-        ProbeShape::Point(_) | ProbeShape::Line { .. } => {
-            out.push(pressure);
-            out.extend(velocity);
-        }
-        ProbeShape::Region { .. } | ProbeShape::Ring(_) => {
-            out.push(pressure);
-            out.extend(velocity);
-            let all = sum.fluid + sum.covered;
-            out.push(if all > 0.0 { sum.covered / all } else { 0.0 });
-        }
+    if let ProbeShape::Profile { axis, .. } = shape {
+        return out.push(velocity[*axis]);
     }
+    let across = if let ProbeShape::Section { axis, .. } = shape { *axis } else { 0 };
+    let all = sum.fluid + sum.covered;
+    // Before the first look, as it is.
+    let now = || sum.u[across] * (1.0 + mean(sum.drho));
+    let measured = Measured {
+        pressure: mean(sum.drho) * CS2 * units.pressure(),
+        velocity,
+        solid_fraction: if all > 0.0 { sum.covered / all } else { 0.0 },
+        flow_rate: sum.u[across] * units.velocity() * (units.cell * units.cell),
+        mass_flow_rate: passing.unwrap_or_else(now) * units.mass() / units.time_step,
+    };
+    out.extend(rows(shape).iter().map(|(_, _, _, value)| value(&measured)));
 }

@@ -29,8 +29,8 @@ use crate::boundary::zou_he::Inward;
 use crate::lattice::d3q19::{CS2, Q, equilibria};
 use crate::lattice::error::FluidError;
 use crate::lattice::grid::Grid;
-use crate::lattice::grid::face_name;
 use crate::lattice::populations::Real;
+use crate::lattice::signal_row::SignalRow;
 use crate::lattice::units::Units;
 use std::ops::Range;
 use tremie_messages::scene::{Face, Reservoir, Scene};
@@ -100,28 +100,19 @@ pub fn reservoirs_of(scene: &Scene) -> impl Iterator<Item = (usize, usize, &Rese
 }
 
 /// Signals of each reservoir, named `reservoir_z_lower.density`.
-const OF_RESERVOIRS: [(&str, &str); 6] = [
-    ("density", "kg/m3"),
-    ("pressure", "Pa"),
-    ("volume", "m3"),
-    ("piston_velocity", "m/s"),
-    ("velocity", "m/s"),
-    ("mass_entered", "kg"),
+pub const OF_RESERVOIRS: [SignalRow<ReservoirState>; 6] = [
+    ("density", "kg/m3", "density of the fluid in the reservoir", |r| r.density),
+    ("pressure", "Pa", "gauge pressure there, a mean over the fluid", |r| r.pressure),
+    ("volume", "m3", "volume between piston and face", |r| r.volume),
+    ("piston_velocity", "m/s", "velocity of the piston towards the domain", |r| r.piston),
+    ("velocity", "m/s", "mean velocity through the face into the domain", |r| r.velocity),
+    ("mass_entered", "kg", "mass that has entered the domain since the start", |r| r.entered),
 ];
 
-/// Names and units of what reservoirs tell, in the order of [`ReservoirState::values`].
-pub fn reservoir_signals(scene: &Scene) -> Vec<(String, &'static str)> {
-    let of = |(axis, side, _): (usize, usize, &Reservoir)| {
-        let name = face_name(axis, side);
-        OF_RESERVOIRS.map(|(value, unit)| (format!("reservoir_{name}.{value}"), unit))
-    };
-    reservoirs_of(scene).flat_map(of).collect()
-}
-
 impl ReservoirState {
-    /// The values of [`reservoir_signals`].
+    /// The values of the reservoir's signals, in their order.
     pub fn values(&self) -> [f64; 6] {
-        [self.density, self.pressure, self.volume, self.piston, self.velocity, self.entered]
+        OF_RESERVOIRS.map(|(_, _, _, value)| value(self))
     }
 }
 

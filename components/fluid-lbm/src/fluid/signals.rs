@@ -1,0 +1,160 @@
+//! Signals of the fluid: name, unit, meaning and value of each, in the order in which they are told.
+
+use crate::boundary::virtual_piston::face::{OF_RESERVOIRS, reservoirs_of};
+use crate::lattice::grid::face_name;
+use crate::lattice::ledger::Ledger;
+use crate::lattice::signal_row::SignalRow;
+use crate::solver::diagnostics::Diagnostics;
+use crate::solver::probe_signals::probe_signals;
+use tremie_sdk::messages::Load;
+use tremie_sdk::messages::scene::{Face, Scene};
+use tremie_sdk::messages::start::Signal;
+
+/// What signals of the whole fluid are read from.
+pub struct FluidState {
+    /// Of the last step.
+    pub diagnostics: Diagnostics,
+    /// Balance of the last step.
+    pub ledger: Ledger,
+    /// Gauge pressure of a relative density deviation of one [Pa].
+    pub stiffness: f64,
+}
+
+impl FluidState {
+    /// What the listed terms do not account for in the change of momentum: rounding, if nothing is missing.
+    fn momentum_residual(&self) -> f64 {
+        let terms = self.ledger.momentum_terms();
+        let change = self.ledger.momentum_change;
+        (0..3).map(|k| (change[k] - terms[k]).abs()).fold(0.0, f64::max)
+    }
+}
+
+const FORCE: &str = "force of the fluid on the part, fixed or moving: gauge pressure, shear, the pressure in gaps, and \
+    buoyancy as if fluid stood all around what of it lies in the domain (of a cavity the weight of what fills it; none along a \
+    straight pipe from face to face); no contacts, nor what acts on surfaces that it carries; a mean over the window, of a fixed part in its last step";
+const TORQUE: &str = "torque of the same about the origin of the part's frame";
+const WALL: &str = "force of the fluid on this face of the domain in the last step: gauge pressure without its hydrostatic \
+    part, shear, and the pressure in gaps; no contacts";
+
+const MOMENTUM: &str = "momentum of the fluid";
+const WALL_IMPULSE: &str = "given to the fluid by the domain's walls in the last step";
+const BODY_IMPULSE: &str = "given to the fluid by bodies in the last step";
+
+/// Signals of the whole fluid.
+pub const OF_FLUID: [SignalRow<FluidState>; 25] = [
+    ("max_speed", "m/s", "largest speed of the fluid", |s| s.diagnostics.max_speed),
+    ("max_mach", "1", "largest Mach number of the lattice", |s| s.diagnostics.max_mach),
+    (
+        "min_pressure",
+        "Pa",
+        "lowest gauge pressure without its hydrostatic part, 0 if all are above",
+        |s| s.diagnostics.min_density_deviation * s.stiffness,
+    ),
+    (
+        "max_pressure",
+        "Pa",
+        "highest gauge pressure without its hydrostatic part, 0 if all are below",
+        |s| s.diagnostics.max_density_deviation * s.stiffness,
+    ),
+    ("links", "1", "lattice links from the fluid into bodies", |s| s.diagnostics.links as f64),
+    (
+        "fallback_links",
+        "1",
+        "of these, those without a second fluid cell: walls half-way there",
+        |s| s.diagnostics.fallback_links as f64,
+    ),
+    ("isolated_cells", "1", "cells that are frozen because no neighbour is fluid", |s| {
+        s.diagnostics.isolated as f64
+    }),
+    ("mass", "kg", "mass of the fluid", |s| s.ledger.mass),
+    ("mass_change", "kg", "its change in the last step", |s| s.ledger.mass_change),
+    ("mass_residual", "kg", "what of that no term of the balance accounts for: rounding", |s| {
+        s.ledger.mass_change - s.ledger.mass_terms()
+    }),
+    ("momentum_x", "kg m/s", MOMENTUM, |s| s.ledger.momentum[0]),
+    ("momentum_y", "kg m/s", MOMENTUM, |s| s.ledger.momentum[1]),
+    ("momentum_z", "kg m/s", MOMENTUM, |s| s.ledger.momentum[2]),
+    (
+        "momentum_residual",
+        "kg m/s",
+        "largest part of its change that no term of the balance accounts for: rounding",
+        FluidState::momentum_residual,
+    ),
+    ("wall_impulse_x", "kg m/s", WALL_IMPULSE, |s| s.ledger.walls[0]),
+    ("wall_impulse_y", "kg m/s", WALL_IMPULSE, |s| s.ledger.walls[1]),
+    ("wall_impulse_z", "kg m/s", WALL_IMPULSE, |s| s.ledger.walls[2]),
+    ("body_impulse_x", "kg m/s", BODY_IMPULSE, |s| s.ledger.bodies[0]),
+    ("body_impulse_y", "kg m/s", BODY_IMPULSE, |s| s.ledger.bodies[1]),
+    ("body_impulse_z", "kg m/s", BODY_IMPULSE, |s| s.ledger.bodies[2]),
+    ("max_relaxation_time", "1", "largest relaxation time, which a turbulence model raises", |s| {
+        s.diagnostics.max_tau
+    }),
+    ("backflow_cells", "1", "cells at pressure faces through which fluid enters", |s| {
+        s.diagnostics.entering as f64
+    }),
+    (
+        "mass_owed",
+        "kg",
+        "what interpolated walls took, and moving bodies beyond their volume, and have not paid back",
+        |s| s.ledger.mass_owed,
+    ),
+    (
+        "mass_lost",
+        "kg",
+        "mass that links to walls and moving bodies took since the start, beyond what bodies displaced; negative: made",
+        |s| s.ledger.mass_lost,
+    ),
+    ("mass_lost_share", "1", "its size over the mass of the fluid", |s| s.ledger.lost_share()),
+];
+
+/// Signals of each wall and symmetry plane of the domain, named `x_lower.value`; of its force [N].
+pub const OF_WALLS: [SignalRow<[f64; 3]>; 3] = [
+    ("wall_force_x", "N", WALL, |force| force[0]),
+    ("wall_force_y", "N", WALL, |force| force[1]),
+    ("wall_force_z", "N", WALL, |force| force[2]),
+];
+
+/// Signals of each part, named `part.value`.
+pub const OF_PARTS: [SignalRow<Load>; 6] = [
+    ("force_x", "N", FORCE, |load| load.force[0]),
+    ("force_y", "N", FORCE, |load| load.force[1]),
+    ("force_z", "N", FORCE, |load| load.force[2]),
+    ("torque_x", "N m", TORQUE, |load| load.torque[0]),
+    ("torque_y", "N m", TORQUE, |load| load.torque[1]),
+    ("torque_z", "N m", TORQUE, |load| load.torque[2]),
+];
+
+/// All signals of a scene, in the order in which they are told.
+pub fn signals(scene: &Scene) -> Vec<Signal> {
+    let mut all: Vec<_> = OF_FLUID.iter().map(|row| signal(row.0.into(), row.1, row.2)).collect();
+    for (axis, side) in walls(scene) {
+        add(&mut all, &face_name(axis, side), &OF_WALLS);
+    }
+    for part in &scene.parts {
+        add(&mut all, &part.name, &OF_PARTS);
+    }
+    for (axis, side, _) in reservoirs_of(scene) {
+        add(&mut all, &format!("reservoir_{}", face_name(axis, side)), &OF_RESERVOIRS);
+    }
+    let of_probes = probe_signals(scene).into_iter();
+    all.extend(of_probes.map(|(name, unit, meaning)| signal(name, unit, &meaning).sampled()));
+    all
+}
+
+/// Adds the signals of something that has a name.
+fn add<S>(all: &mut Vec<Signal>, name: &str, rows: &[SignalRow<S>]) {
+    let of = |row: &SignalRow<S>| signal(format!("{name}.{}", row.0), row.1, row.2);
+    all.extend(rows.iter().map(of));
+}
+
+fn signal(name: String, unit: &str, meaning: &str) -> Signal {
+    Signal { name, unit: unit.into(), meaning: meaning.into(), sampled: false }
+}
+
+/// Axis and side of the faces on which the fluid acts: walls and symmetry planes.
+pub fn walls(scene: &Scene) -> impl Iterator<Item = (usize, usize)> {
+    let all = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    all.filter(|&(axis, side)| {
+        matches!(scene.domain.faces[axis][side], Face::Wall { .. } | Face::Symmetry)
+    })
+}
