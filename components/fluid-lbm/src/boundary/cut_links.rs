@@ -24,10 +24,11 @@ use crate::bodies::body::Body;
 use crate::bodies::body::late;
 use crate::bodies::deformable_shape::Hit;
 use crate::bodies::mesh_body::{MeshBody, NearFacets};
+use crate::boundary::bouzidi::Bouzidi;
 use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::population_addresses::PopulationAddresses;
 use crate::boundary::post_collision::PostCollision;
-use crate::lattice::d3q19::{C, C_F64, OPPOSITE, W, cross, dot, mirrored};
+use crate::lattice::d3q19::{C, C_F64, OPPOSITE, W, dot, mirrored};
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
@@ -207,10 +208,10 @@ fn ends_of([one, other]: &[CutEnd; 2]) -> usize {
     if (one.slots.cell, one.dir) == (other.slots.cell, other.dir) { 1 } else { 2 }
 }
 
-/// What comes back so that both ends together lose nothing: half of what is too much leaves each.
-fn balanced(ends: [Read; 2]) -> [Read; 2] {
-    let more = ends.iter().map(|end| end.f - end.g).sum::<f64>();
-    ends.map(|end| Read { f: end.f - 0.5 * more, ..end })
+/// What each end of a cut link has to give back of what both got, `f_i' - g_i`, so that together they lose nothing; of one end alone
+/// all of it.
+pub fn share_of_both(got: [Option<f64>; 2]) -> f64 {
+    got.iter().flatten().sum::<f64>() / got.iter().flatten().count().max(1) as f64
 }
 
 impl CutEnd {
@@ -239,7 +240,9 @@ impl<T: Real> PostCollision<'_, T> {
         read.extend(links.iter().map(|ends| {
             let is_cut = ends.iter().all(|end| self.is_cut(end.slots.cell));
             is_cut.then(|| {
-                balanced(ends.each_ref().map(|end| self.read_end(body, part, end, nearest)))
+                let read = ends.each_ref().map(|end| self.read_end(body, part, end, nearest));
+                let share = share_of_both(read.map(|end| Some(end.f - end.g)));
+                read.map(|end| Read { f: end.f - share, ..end })
             })
         }));
     }
@@ -264,13 +267,7 @@ impl<T: Real> PostCollision<'_, T> {
             return Read { g, f: g - push };
         }
         let other = self.field.get(end.slots.other(self.parity, near));
-        let f = if near {
-            2.0 * q * g + (1.0 - 2.0 * q) * other - push
-        } else {
-            let part = 0.5 / q;
-            part * g + (1.0 - part) * other - part * push
-        };
-        Read { g, f }
+        Read { g, f: Bouzidi::at(q).reflect(g, other, push) }
     }
 
     /// Writes the cut links of an item, after all links were reflected; returns what they exchanged.
@@ -291,16 +288,11 @@ impl<T: Real> PostCollision<'_, T> {
                 let f = self.field.set(end.slots.result(self.parity), read.f);
                 let (arm, q) = end.now(body, part, nearest);
                 let (wall, u) = end.wall(body, arm, q);
-                let (sum, gain) = (read.g + f, f - read.g);
                 let c = C_F64[usize::from(end.dir)];
-                let force = std::array::from_fn(|a| sum * c[a] + gain * u[a]);
-                add_scaled(&mut exchange.force, force, 1.0);
-                add_scaled(&mut exchange.torque, cross(wall, force), 1.0);
-                add_scaled(&mut exchange.swept, u, gain);
+                exchange.add_link(c, [read.g + f, f - read.g], u, wall);
                 // Cells on both sides being fluid, the mirror's account holds what it would have turned.
                 let turned = |a: usize| if end.mirrors >> a & 1 == 1 { -2.0 * c[a] } else { 0.0 };
                 add_scaled(&mut exchange.unmirrored, std::array::from_fn(turned), read.g);
-                exchange.mass += gain;
             }
         }
         exchange

@@ -5,6 +5,7 @@
 
 use crate::bodies::body::Body;
 use crate::bodies::deformable_shape::{Felt, NO_FACET};
+use crate::boundary::bouzidi::Bouzidi;
 use crate::boundary::link_kernels::{
     CorrectMass, ExchangeSums, InterpolateBouzidi, LANES, Lane, LinkBlock, Paid, PlaceLinks,
     SumMomentumExchange, Surface,
@@ -237,7 +238,7 @@ impl Batch {
             let (s, l) = (&mut self.eights[k / LANES], k % LANES);
             let u = self.walls[k].0;
             let push = s.weight[l] * (s.c[0][l] * u[0] + s.c[1][l] * u[1] + s.c[2][l] * u[2]);
-            s.push[l] = if s.q[l] >= 0.5 { 0.5 / s.q[l] * push } else { push };
+            s.push[l] = Bouzidi::at(s.q[l]).push * push;
             for a in 0..3 {
                 s.u[a][l] = u[a];
             }

@@ -5,7 +5,9 @@
 //! fused or reordered, so that every variant yields the same bits. Sums run in eight lanes.
 
 use crate::bodies::body::late;
+use crate::boundary::bouzidi::Bouzidi;
 use crate::lattice::d3q19::W;
+use crate::lattice::momentum_exchange::LinkExchange;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
 use tremie_team::instructions::Work;
 
@@ -170,11 +172,10 @@ impl Work for InterpolateBouzidi<'_> {
                 let q = q.max(body.nearest);
                 let later = late(q) * (c[0] * change[0] + c[1] * change[1] + c[2] * change[2]);
                 let push = eight.weight[k] * (c[0] * u[0] + c[1] * u[1] + c[2] * u[2] + later);
-                let part = 0.5 / q;
-                let far = q >= 0.5;
-                eight.own[k] = if far { part } else { 2.0 * q };
-                eight.other[k] = if far { 1.0 - part } else { 1.0 - 2.0 * q };
-                eight.push[k] = if far { part * push } else { push };
+                let bouzidi = Bouzidi::at(q);
+                eight.own[k] = bouzidi.own;
+                eight.other[k] = bouzidi.other;
+                eight.push[k] = bouzidi.push * push;
                 for a in 0..3 {
                     eight.arm[a][k] = wall[a];
                     eight.u[a][k] = u[a];
@@ -238,21 +239,16 @@ impl Work for SumMomentumExchange<'_> {
         let mut own = *self.sums;
         for eight in self.links {
             for k in 0..LANES {
-                let (sum, gain) = (eight.sum[k], eight.gain[k]);
-                let [wx, wy, wz] = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
-                let swept = [gain * eight.u[0][k], gain * eight.u[1][k], gain * eight.u[2][k]];
-                let fx = sum * eight.c[0][k] + swept[0];
-                let fy = sum * eight.c[1][k] + swept[1];
-                let fz = sum * eight.c[2][k] + swept[2];
-                own[0][k] += fx;
-                own[1][k] += fy;
-                own[2][k] += fz;
-                own[3][k] += wy * fz - wz * fy;
-                own[4][k] += wz * fx - wx * fz;
-                own[5][k] += wx * fy - wy * fx;
-                own[6][k] += swept[0];
-                own[7][k] += swept[1];
-                own[8][k] += swept[2];
+                let arm = [eight.arm[0][k], eight.arm[1][k], eight.arm[2][k]];
+                let c = [eight.c[0][k], eight.c[1][k], eight.c[2][k]];
+                let u = [eight.u[0][k], eight.u[1][k], eight.u[2][k]];
+                let gain = eight.gain[k];
+                let link = LinkExchange::of(c, eight.sum[k], gain, u, arm);
+                for a in 0..3 {
+                    own[a][k] += link.force[a];
+                    own[3 + a][k] += link.torque[a];
+                    own[6 + a][k] += link.swept[a];
+                }
                 own[9][k] += gain;
             }
         }

@@ -1,6 +1,7 @@
 //! What reflects and prescribes, one scheme a file: bounce-back, momentum exchange, open faces, the virtual piston.
 
 pub mod boundaries;
+pub mod bouzidi;
 pub mod convective_outflow;
 pub mod cut_links;
 pub mod face_scheme;

@@ -1,13 +1,8 @@
 //! Links between fluid and bodies: reflection at a moving curved wall, and the force that it takes.
 //!
 //! A link runs from the fluid cell `x_f` along `c_i` into a body and meets its surface at `x_f + q
-//! c_i`. The reflected population is interpolated linearly (Bouzidi, Firdaouss & Lallemand 2001),
-//! `i'` being the opposite direction, `u_w` the surface's velocity, `rho` the density at `x_f`:
-//!
-//! ```text
-//! q < 1/2 :  f_i'(x_f) = 2q g_i(x_f) + (1-2q) g_i(x_f - c_i)               - 6 w_i rho (c_i.u_w)
-//! q >= 1/2:  f_i'(x_f) = g_i(x_f)/(2q) + (2q-1)/(2q) g_i'(x_f)             - 3 (w_i/q) rho (c_i.u_w)
-//! ```
+//! c_i`. The reflected population is interpolated linearly (see `bouzidi`), `i'` being the opposite direction, `u_w` the
+//! surface's velocity there.
 //!
 //! Where `x_f - c_i` is not fluid and `q < 1/2`, the wall is taken half-way (`q = 1/2`). If several
 //! bodies hold the link's end, the one with the smallest `q` has it. A link that ends beyond a face

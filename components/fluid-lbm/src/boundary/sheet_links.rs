@@ -2,26 +2,21 @@
 //!
 //! `static_wall_links` reflects each end by itself, as any link at a wall. But what interpolation makes or takes at the one end, it mostly does at
 //! the other, and beside an edge that is most (see `cut_links`, of solids that move). A rigid solid displaces nothing along
-//! such a link. So what both ends got together is taken from them again, half from each:
-//!
-//! ```text
-//! f_i'(x)       -= m/2        m = f_i'(x) - g_i(x) + f_i(x + c_i) - g_i'(x + c_i)
-//! f_i(x + c_i)  -= m/2
-//! ```
+//! such a link. So what both ends got together is taken from them again, half from each, as `cut_links` says.
 //!
 //! Force and torque on the solid stay the same. Such links keep the mass, so patches of wall (`wall_mass`) hold none of them.
 //! Where a body covers one end, the other keeps its mass by itself: it is reflected half-way.
 //!
 //! Not those that end at an open face, which replaces what its cells hold, nor those at what prescribes a pressure.
 
+use crate::boundary::cut_links::share_of_both;
 use crate::boundary::post_collision::PostCollision;
 use crate::domain::boundary_condition::BoundaryCondition;
 use crate::lattice::aa_pattern::{Blocked, Parity};
 use crate::lattice::cell_list::BoundaryId;
-use crate::lattice::d3q19::{C, C_F64, OPPOSITE, cross};
+use crate::lattice::d3q19::{C, C_F64, OPPOSITE};
 use crate::lattice::grid::Reach;
 use crate::lattice::layout::Layout;
-use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::Range;
@@ -153,11 +148,8 @@ impl<T: Real> PostCollision<'_, T> {
         }
         for (k, sent) in item.links.clone().zip(&item.sent) {
             let (ends, fixture) = (&links.links[k], links.fixtures[k]);
-            let got = |(end, sent): (&SheetEnd, &Option<f64>)| {
-                sent.map_or(0.0, |g| self.field.get(end.place as usize) - g)
-            };
-            let more = ends.iter().zip(sent).map(got).sum::<f64>();
-            let share = more / sent.iter().flatten().count().max(1) as f64;
+            let got = |k: usize| sent[k].map(|g| self.field.get(ends[k].place as usize) - g);
+            let share = share_of_both([got(0), got(1)]);
             if share == 0.0 {
                 continue;
             }
@@ -167,11 +159,8 @@ impl<T: Real> PostCollision<'_, T> {
             for end in ends.iter().zip(sent).filter_map(|(end, sent)| sent.and(Some(end))) {
                 let old = self.field.get(end.place as usize);
                 let gain = self.field.set(end.place as usize, old - share) - old;
-                let force = C_F64[usize::from(end.dir)].map(|c| gain * c);
                 let arm = self.layout.grid.arm(reference, self.layout.at(end.cell));
-                add_scaled(&mut exchange.force, force, 1.0);
-                add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
-                exchange.mass += gain;
+                exchange.add_link(C_F64[usize::from(end.dir)], [gain; 2], [0.0; 3], arm);
             }
         }
     }

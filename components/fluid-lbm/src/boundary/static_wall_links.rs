@@ -5,7 +5,7 @@
 //! meeting the surface at `x_f + q c_i`:
 //!
 //! ```text
-//! wall      f_i'(x_f) as in `post_collision`, with the wall's velocity (Bouzidi et al. 2001)
+//! wall      f_i'(x_f) as in `bouzidi`, with the wall's velocity (Bouzidi et al. 2001)
 //! pressure  f_i'(x_f) = -g_i(x_f) + 2 w_i rho_w [1 + 9/2 (c_i.u)^2 - 3/2 u.u],  u that of x_f
 //! ```
 //!
@@ -28,12 +28,13 @@
 //! All links of a cell are one unit of work: the place of a link's result is that of its own `g_i`
 //! (see `aa_pattern`), which another link of the same cell may want to read before.
 
+use crate::boundary::bouzidi::Bouzidi;
 use crate::boundary::post_collision::{PostCollision, density};
 use crate::boundary::wall_mass::{Patch, Patches, WEIGHT};
 use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::aa_pattern::{Blocked, Parity};
 use crate::lattice::cell_list::BoundaryId;
-use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, cross, dot};
+use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
@@ -199,7 +200,7 @@ impl StaticWallLinks {
             }
             own.links.push(WallLink {
                 odd: layout.places.odd(cell, dir.into()) as u32,
-                own: (if q < 0.5 { 2.0 * q } else { 0.5 / q }) as f32,
+                own: Bouzidi::at(q).own as f32,
                 dir,
                 kind: if q < 0.5 { NEAR } else { 0 }
                     | if sheets.binary_search(&(cell, dir)).is_ok() { CUT } else { 0 },
@@ -330,8 +331,7 @@ impl<T: Real> PostCollision<'_, T> {
                 let (fixture, exchange) = &mut met.exchanges[usize::from(link.fixture)];
                 // The arm to the surface is that to the cell but for a part along the force.
                 let arm = self.layout.grid.arm(reference[usize::from(fixture.0)], at);
-                add_scaled(&mut exchange.force, force, 1.0);
-                add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
+                exchange.add_force(force, arm);
                 exchange.mass += gain;
                 exchange.links += count;
                 (force, gain, unpaired, count) = ([0.0; 3], 0.0, 0.0, 0);
@@ -370,12 +370,9 @@ impl<T: Real> PostCollision<'_, T> {
                 met.gain(link.fixture, f - g);
             }
             let (fixture, exchange) = &mut met.exchanges[link.fixture as usize];
-            let force = c.map(|c| (g + f) * c);
-            add_scaled(&mut exchange.force, force, 1.0);
-            // The arm to the surface is that to the cell but for a part along the force.
+            // The arm to the surface is that to the cell but for a part along the force. What is at rest sweeps nothing.
             let arm = self.layout.grid.arm(reference[fixture.0 as usize], at);
-            add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
-            exchange.mass += f - g;
+            exchange.add_link(c, [g + f, f - g], [0.0; 3], arm);
             exchange.links += 1;
             if fixture.as_solid().is_none() {
                 brought += f - g;
@@ -415,19 +412,17 @@ impl<T: Real> PostCollision<'_, T> {
     ) -> f64 {
         let (i, q) = (link.dir as usize, link.q());
         let push = all.map_or(0.0, |all| 6.0 * W[i] * density(all) * dot(C_F64[i], u));
-        if q == 0.5 {
-            g - push
+        let place = if q == 0.5 {
+            return g - push;
         } else if q > 0.5 {
-            let part = 0.5 / q;
-            let other = self.field.get(self.layout.place(self.parity, cell, i));
-            part * g + (1.0 - part) * other - part * push
+            self.layout.place(self.parity, cell, i)
         } else if self.has_behind(cell, i) {
-            let behind = self.field.get(self.next_place(cell, i));
-            2.0 * q * g + (1.0 - 2.0 * q) * behind - push
+            self.next_place(cell, i)
         } else {
             exchange.fallbacks += 1;
-            g - push
-        }
+            return g - push;
+        };
+        Bouzidi::at(q).reflect(g, self.field.get(place), push)
     }
 
     /// Whether the cell behind a link's beginning, against direction `i`, is fluid.

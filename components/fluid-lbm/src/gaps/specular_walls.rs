@@ -26,7 +26,7 @@ use crate::boundary::post_collision::PostCollision;
 use crate::gaps::modelled::ModelledGaps;
 use crate::lattice::aa_pattern::Parity;
 use crate::lattice::cell_flags::{BODY, CellFlags, Owner, SHARED};
-use crate::lattice::d3q19::{C, C_F64, MIRROR, OPPOSITE, Q, W, cross, mirrored};
+use crate::lattice::d3q19::{C, C_F64, MIRROR, OPPOSITE, Q, W, mirrored};
 use crate::lattice::grid::{Reach, Side};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
@@ -244,8 +244,7 @@ impl SpecularWalls {
                         let force = C_F64[usize::from(link.dir)].map(|c| gain * c);
                         let reference = references[usize::from(number)];
                         let arm = after.layout.grid.arm(reference, link.begin(after.layout));
-                        add_scaled(&mut exchange.force, force, 1.0);
-                        add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
+                        exchange.add_force(force, arm);
                     }
                     Whose::Body(handle) => {
                         let Motion { arm, velocity } = *motion;
@@ -327,8 +326,7 @@ fn give(
 ) -> [f64; 3] {
     let c = C_F64[usize::from(link.seen)];
     let force: [f64; 3] = std::array::from_fn(|a| gain * (c[a] + u[a]));
-    add_scaled(&mut exchange.force, force, 1.0);
-    add_scaled(&mut exchange.torque, cross(arm, force), 1.0);
+    exchange.add_force(force, arm);
     add_scaled(&mut exchange.swept, u, gain);
     for a in (0..3).filter(|a| link.mirrors >> a & 1 == 1) {
         exchange.image[a] += 2.0 * force[a];

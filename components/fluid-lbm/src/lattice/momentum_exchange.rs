@@ -1,5 +1,6 @@
 //! Momentum exchange at links: what populations that ran into a wall or a body gave to it (Ladd 1994; Wen et al. 2014).
 
+use crate::lattice::d3q19::cross;
 use crate::lattice::ledger::add_scaled;
 use std::iter::Sum;
 
@@ -34,7 +35,54 @@ pub struct MomentumExchange {
     pub fallbacks: usize,
 }
 
+/// What one link exchanged.
+#[derive(Clone, Copy, Debug)]
+pub struct LinkExchange {
+    /// Force on the wall.
+    pub force: [f64; 3],
+    /// Torque about the point from which the arm is.
+    pub torque: [f64; 3],
+    /// Momentum that went to the fluid besides.
+    pub swept: [f64; 3],
+}
+
+impl LinkExchange {
+    /// Of a link along `c`, on which `g_i` ran into a wall of velocity `u` at an `arm` and `f_i'` came back, `sum` being `g_i + f_i'`
+    /// and `gain` `f_i' - g_i`: the Galilean-invariant exchange of Wen et al. 2014,
+    /// `g_i (c_i - u) - f_i' (c_i' - u)`.
+    #[inline(always)]
+    pub fn of(c: [f64; 3], sum: f64, gain: f64, u: [f64; 3], arm: [f64; 3]) -> Self {
+        let swept = [gain * u[0], gain * u[1], gain * u[2]];
+        let force = [sum * c[0] + swept[0], sum * c[1] + swept[1], sum * c[2] + swept[2]];
+        Self { force, torque: cross(arm, force), swept }
+    }
+}
+
 impl MomentumExchange {
+    /// Adds a link; see [`LinkExchange::of`]. Returns the force.
+    #[inline(always)]
+    pub fn add_link(
+        &mut self,
+        c: [f64; 3],
+        [sum, gain]: [f64; 2],
+        u: [f64; 3],
+        arm: [f64; 3],
+    ) -> [f64; 3] {
+        let LinkExchange { force, torque, swept } = LinkExchange::of(c, sum, gain, u, arm);
+        add_scaled(&mut self.force, force, 1.0);
+        add_scaled(&mut self.torque, torque, 1.0);
+        add_scaled(&mut self.swept, swept, 1.0);
+        self.mass += gain;
+        force
+    }
+
+    /// Adds a force that acts at an arm, of links that share it.
+    #[inline(always)]
+    pub fn add_force(&mut self, force: [f64; 3], arm: [f64; 3]) {
+        add_scaled(&mut self.force, force, 1.0);
+        add_scaled(&mut self.torque, cross(arm, force), 1.0);
+    }
+
     /// Adds another.
     pub fn join(&mut self, other: &Self) {
         add_scaled(&mut self.force, other.force, 1.0);
