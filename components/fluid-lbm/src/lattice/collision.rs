@@ -10,22 +10,21 @@
 //! (Ginzburg, Verhaeghe & d'Humieres 2008; forcing of Guo, Zheng & Shi 2002 split into its even and
 //! odd parts). Equal times give the BGK collision. Each step adds `F` to a cell's momentum.
 //!
-//! With Smagorinsky's closure `nu_t = (C dx)^2 |S|` the even time of each cell is
+//! Where the viscosity of a cell follows from its flow (see `operators`), it follows from the stress
 //!
 //! ```text
-//! tau* = [tau + sqrt(tau^2 + 18 sqrt(2) C^2 P/rho)]/2,   P = sqrt(Pi_ab Pi_ab)
-//! Pi_ab = sum_i c_ia c_ib (h_i - heq_i) + (u_a F_b + F_a u_b)/2
+//! Pi_ab = sum_i c_ia c_ib (h_i - heq_i) + (u_a F_b + F_a u_b)/2 = -2 rho cs^2 tau+ S_ab
 //! ```
 //!
-//! the fixed point of the closure with the strain of the second-order expansion, `Pi_ab = -2 rho cs^2
-//! tau* S_ab` (Hou et al. 1996; the force's share after Guo, Zheng & Shi 2002, eq. 18). The odd time
-//! is the same for BGK, or follows from `tau*` by the magic number.
+//! (the strain rate `S_ab` of the second-order expansion; the force's share after Guo, Zheng & Shi 2002, eq. 18).
 
+pub mod operators;
 mod relaxation;
 
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
 use crate::lattice::populations::{Real, prefetch_early};
 use crate::lattice::simd::SimdVector;
+use operators::CollisionOperator;
 pub use relaxation::relax;
 
 /// Constants of a collision.
@@ -263,12 +262,12 @@ pub fn ask_ahead<T: Real>(places: &[*mut T; Q], x: usize) {
 
 /// Measures a vector of cells with some populations.
 ///
-/// `FORCED`: there is an acceleration; `LES`: there is a closure; `SINGLE`: both times are the same.
+/// `FORCED`: there is an acceleration.
 ///
 /// # Safety
 /// As for [`Populations::load`].
 #[inline(always)]
-pub unsafe fn measure<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+pub unsafe fn measure<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
     populations: &impl Populations<V>,
     k: &Constants<V>,
 ) -> Moments<V> {
@@ -322,7 +321,7 @@ pub unsafe fn measure<V: SimdVector, const FORCED: bool, const LES: bool, const 
         v2 = kinetic * per_rho;
         rest = drho - kinetic;
     }
-    let rates = if LES {
+    let rates = if O::IS_LOCAL {
         // 2/3 rho u
         let momentum = if FORCED {
             let factor = k.four_ninths * rho;
@@ -332,7 +331,7 @@ pub unsafe fn measure<V: SimdVector, const FORCED: bool, const LES: bool, const 
         };
         let shear = [shear_xy, shear_xz, shear_yz];
         let square = stress2::<V, FORCED>(drho, normal, shear, &momentum, &v, k);
-        smagorinsky_rates::<V, SINGLE>(square, per_rho, k)
+        O::rates(square, per_rho, k)
     } else {
         k.rates
     };
@@ -392,25 +391,6 @@ fn stress2<V: SimdVector, const FORCED: bool>(
         ];
     }
     k.two.mul_add(square(&shear), square(&normal))
-}
-
-/// Rates by Smagorinsky's closure from `Pi_ab Pi_ab` and `3/(2 rho)`.
-#[inline(always)]
-fn smagorinsky_rates<V: SimdVector, const SINGLE: bool>(
-    stress2: V,
-    per_rho: V,
-    k: &Constants<V>,
-) -> RelaxationRates<V> {
-    let twice_tau = k.tau + (k.smagorinsky_rates * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
-    let even = k.two / twice_tau;
-    let odd = if SINGLE {
-        even
-    } else {
-        // 1/tau- = 1/(1/2 + magic/(tau+ - 1/2))
-        let over = k.half * twice_tau - k.half;
-        over / k.half.mul_add(over, k.magic)
-    };
-    RelaxationRates { twice_tau, even, odd }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 use crate::lattice::aa_gather::{self, PIECES_AHEAD, Scratch};
 use crate::lattice::aa_pattern::{AaPattern, Parity};
+use crate::lattice::collision::operators::{CollisionOperator, SingleTime, Smagorinsky, TwoTimes};
 use crate::lattice::collision::{Constants, Relaxation};
 use crate::lattice::contiguous_lines::{self, LineRun};
 use crate::lattice::halfway_bounce_back::HalfwayLinks;
@@ -110,8 +111,7 @@ pub trait CollisionKernel: Real {
     fn kernel(variant: Variant) -> Kernel<Self>;
 }
 
-/// Collides a run of lines, see [`contiguous_lines::collide`]; one function for each variant, with and without an acceleration,
-/// with and without a closure, and for one and two times.
+/// Collides a run of lines, see [`contiguous_lines::collide`]; one function for each variant and operator, with and without an acceleration.
 type RunKernel<V> = unsafe fn(
     &Sweep<<V as SimdVector>::Scalar>,
     &LineRun<<V as SimdVector>::Scalar>,
@@ -158,26 +158,26 @@ macro_rules! kernels {
     };
     (run, $lanes:ty, #[$($feature:tt)*]) => {
         #[$($feature)*]
-        unsafe fn run<const FORCED: bool, const LES: bool, const SINGLE: bool>(
+        unsafe fn run<O: CollisionOperator, const FORCED: bool>(
             sweep: &Sweep<<$lanes as SimdVector>::Scalar>,
             run: &LineRun<<$lanes as SimdVector>::Scalar>,
             constants: &Constants<$lanes>,
             sums: &mut StatisticsSums<$lanes>,
         ) {
             // SAFETY: by contract.
-            unsafe { contiguous_lines::collide::<$lanes, FORCED, LES, SINGLE>(sweep, run, constants, sums) }
+            unsafe { contiguous_lines::collide::<$lanes, O, FORCED>(sweep, run, constants, sums) }
         }
     };
     (choose, $relaxation:expr) => {{
         let r = $relaxation;
         match (r.acceleration != [0.0; 3], r.smagorinsky != 0.0, r.magic.is_none()) {
-            (false, false, false) => run::<false, false, false>,
-            (false, false, true) => run::<false, false, true>,
-            (false, true, false) => run::<false, true, false>,
-            (false, true, true) => run::<false, true, true>,
-            (true, false, _) => run::<true, false, false>,
-            (true, true, false) => run::<true, true, false>,
-            (true, true, true) => run::<true, true, true>,
+            (false, false, false) => run::<TwoTimes, false>,
+            (false, false, true) => run::<SingleTime, false>,
+            (false, true, false) => run::<Smagorinsky<false>, false>,
+            (false, true, true) => run::<Smagorinsky<true>, false>,
+            (true, false, _) => run::<TwoTimes, true>,
+            (true, true, false) => run::<Smagorinsky<false>, true>,
+            (true, true, true) => run::<Smagorinsky<true>, true>,
         }
     }};
 }

@@ -2,6 +2,7 @@
 
 use crate::lattice::aa_row_ends::{self, AtEnd};
 use crate::lattice::aa_rows::{RowEnd, Way};
+use crate::lattice::collision::operators::CollisionOperator;
 use crate::lattice::collision::{
     After, Constants, Equilibrium, Moments, Populations, RelaxationRates, ask_ahead, measure, relax,
 };
@@ -64,7 +65,7 @@ impl<T: Real> LineRun<T> {
 /// As for [`crate::lattice::collision_kernel::Kernel`]; so many lines of numbers may be read and written from each place on, and in lanes of
 /// cells these belong to the line.
 #[inline(always)]
-pub unsafe fn collide<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+pub unsafe fn collide<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &LineRun<V::Scalar>,
     k: &Constants<V>,
@@ -92,21 +93,15 @@ pub unsafe fn collide<V: SimdVector, const FORCED: bool, const LES: bool, const 
                 let this = (line, lanes);
                 match row_end {
                     None => {
-                        collide_line::<V, FORCED, LES, SINGLE>(
-                            sweep, this, &at, k, sums, &mut held,
-                        );
+                        collide_line::<V, O, FORCED>(sweep, this, &at, k, sums, &mut held);
                     }
                     Some(RowEnd::Lower) => {
                         let at = AtEnd::<V, false>::new(sweep, line, at);
-                        collide_line::<V, FORCED, LES, SINGLE>(
-                            sweep, this, &at, k, sums, &mut held,
-                        );
+                        collide_line::<V, O, FORCED>(sweep, this, &at, k, sums, &mut held);
                     }
                     Some(RowEnd::Upper) => {
                         let at = AtEnd::<V, true>::new(sweep, line, at);
-                        collide_line::<V, FORCED, LES, SINGLE>(
-                            sweep, this, &at, k, sums, &mut held,
-                        );
+                        collide_line::<V, O, FORCED>(sweep, this, &at, k, sums, &mut held);
                     }
                 }
             }
@@ -116,7 +111,7 @@ pub unsafe fn collide<V: SimdVector, const FORCED: bool, const LES: bool, const 
             while start < run.lines.end {
                 let lines = start..run.lines.end.min(start + LINES_TOGETHER);
                 start = lines.end;
-                measure_lines::<V, FORCED, LES, SINGLE>(
+                measure_lines::<V, O, FORCED>(
                     sweep,
                     run,
                     lines.clone(),
@@ -125,7 +120,7 @@ pub unsafe fn collide<V: SimdVector, const FORCED: bool, const LES: bool, const 
                     &mut held,
                     &mut measured,
                 );
-                relax_lines::<V, FORCED, LES, SINGLE>(sweep, run, lines, k, &measured);
+                relax_lines::<V, O, FORCED>(sweep, run, lines, k, &measured);
             }
         }
     }
@@ -137,12 +132,7 @@ pub unsafe fn collide<V: SimdVector, const FORCED: bool, const LES: bool, const 
 /// # Safety
 /// As for [`collide`].
 #[inline(always)]
-pub unsafe fn collide_line<
-    V: SimdVector,
-    const FORCED: bool,
-    const LES: bool,
-    const SINGLE: bool,
->(
+pub unsafe fn collide_line<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     (line, lanes): (usize, u32),
     populations: &impl Populations<V>,
@@ -152,18 +142,17 @@ pub unsafe fn collide_line<
 ) {
     // SAFETY: by contract.
     unsafe {
-        let flow =
-            measure_vector::<V, FORCED, LES, SINGLE>(sweep, (line, 0, lanes), populations, k, held);
+        let flow = measure_vector::<V, O, FORCED>(sweep, (line, 0, lanes), populations, k, held);
         sums.end_line(held);
         // The compiler is to read populations a second time: to keep all takes more registers than there are.
         compiler_fence(SeqCst);
-        relax_vector::<V, FORCED, LES, SINGLE>(lanes, populations, (&flow.target, &flow.rates), k);
+        relax_vector::<V, O, FORCED>(lanes, populations, (&flow.target, &flow.rates), k);
     }
 }
 
 /// Measures the vector `x` cells from the beginning of a line, with fluid in some lanes.
 #[inline(always)]
-unsafe fn measure_vector<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn measure_vector<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     (line, x, lanes): (usize, usize, u32),
     populations: &impl Populations<V>,
@@ -172,11 +161,11 @@ unsafe fn measure_vector<V: SimdVector, const FORCED: bool, const LES: bool, con
 ) -> Moments<V> {
     // SAFETY: by contract of [`collide`].
     unsafe {
-        let mut flow = measure::<V, FORCED, LES, SINGLE>(populations, k);
+        let mut flow = measure::<V, O, FORCED>(populations, k);
         if lanes != all_lanes::<V>() {
             flow = flow.keep(V::mask(lanes));
         }
-        held.add::<LES>(x, &flow);
+        held.add(x, &flow, O::IS_LOCAL);
         let drho = sweep.wanted.room(line);
         if !drho.is_null() {
             flow.drho.store(drho.add(x));
@@ -187,7 +176,7 @@ unsafe fn measure_vector<V: SimdVector, const FORCED: bool, const LES: bool, con
 
 /// Relaxes a vector with fluid in some lanes.
 #[inline(always)]
-unsafe fn relax_vector<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn relax_vector<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
     lanes: u32,
     populations: &impl Populations<V>,
     to: (&Equilibrium<V>, &RelaxationRates<V>),
@@ -197,9 +186,9 @@ unsafe fn relax_vector<V: SimdVector, const FORCED: bool, const LES: bool, const
     unsafe {
         let mask = V::mask(lanes);
         if lanes == all_lanes::<V>() {
-            relax::<V, FORCED, LES, SINGLE, true>(populations, mask, to, k);
+            relax::<V, O, FORCED, true>(populations, mask, to, k);
         } else {
-            relax::<V, FORCED, LES, SINGLE, false>(populations, mask, to, k);
+            relax::<V, O, FORCED, false>(populations, mask, to, k);
         }
     }
 }
@@ -228,7 +217,7 @@ impl<V: SimdVector> Measured<V> {
 
 /// Measures lines of a run, see [`collide`].
 #[inline(always)]
-unsafe fn measure_lines<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn measure_lines<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &LineRun<V::Scalar>,
     lines: Range<usize>,
@@ -251,15 +240,10 @@ unsafe fn measure_lines<V: SimdVector, const FORCED: bool, const LES: bool, cons
                 let at = After(&run.places, run.reach(line) + x);
                 // SAFETY: by contract; there is room for all vectors of the lines.
                 unsafe {
-                    let flow = measure_vector::<V, FORCED, LES, SINGLE>(
-                        sweep,
-                        (line, x, lanes),
-                        &at,
-                        k,
-                        held,
-                    );
+                    let flow =
+                        measure_vector::<V, O, FORCED>(sweep, (line, x, lanes), &at, k, held);
                     measured.targets.get_unchecked_mut(vector).write(flow.target);
-                    if LES {
+                    if O::IS_LOCAL {
                         measured.rates.get_unchecked_mut(vector).write(flow.rates);
                     }
                 }
@@ -275,7 +259,7 @@ unsafe fn measure_lines<V: SimdVector, const FORCED: bool, const LES: bool, cons
 
 /// Relaxes lines of a run that were measured, see [`collide`].
 #[inline(always)]
-unsafe fn relax_lines<V: SimdVector, const FORCED: bool, const LES: bool, const SINGLE: bool>(
+unsafe fn relax_lines<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &LineRun<V::Scalar>,
     lines: Range<usize>,
@@ -294,12 +278,12 @@ unsafe fn relax_lines<V: SimdVector, const FORCED: bool, const LES: bool, const 
                 // SAFETY: by contract; the vector was measured.
                 unsafe {
                     let target = measured.targets.get_unchecked(vector).assume_init_ref();
-                    let rates = if LES {
+                    let rates = if O::IS_LOCAL {
                         measured.rates.get_unchecked(vector).assume_init()
                     } else {
                         k.rates
                     };
-                    relax_vector::<V, FORCED, LES, SINGLE>(lanes, &at, (target, &rates), k);
+                    relax_vector::<V, O, FORCED>(lanes, &at, (target, &rates), k);
                 }
             }
             x += V::N;

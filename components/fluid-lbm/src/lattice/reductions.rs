@@ -92,9 +92,9 @@ impl<V: SimdVector> Held<V> {
         own
     }
 
-    /// Adds the vector at lane `lane` of a line.
+    /// Adds the vector at lane `lane` of a line, whose cells have rates of their own or not.
     #[inline(always)]
-    pub fn add<const LES: bool>(&mut self, lane: usize, flow: &Moments<V>) {
+    pub fn add(&mut self, lane: usize, flow: &Moments<V>, is_local: bool) {
         const { assert!(V::N * VECTORS >= V::Scalar::LINE) };
         // Of no effect; the compiler sees that the vector is there.
         let vector = (lane / V::N) % VECTORS;
@@ -106,7 +106,7 @@ impl<V: SimdVector> Held<V> {
         self.v2 = flow.v2.max(self.v2);
         self.min_drho = flow.drho.min(self.min_drho);
         self.max_drho = flow.drho.max(self.max_drho);
-        if LES {
+        if is_local {
             self.max_twice_tau = flow.rates.twice_tau.max(self.max_twice_tau);
         }
     }

@@ -3,6 +3,7 @@
 //! They are read for the second time here, from the first-level cache, pair by pair, so that nearly all values stay in
 //! registers.
 
+use super::operators::CollisionOperator;
 use super::{Constants, Equilibrium, Populations, RelaxationRates};
 use crate::lattice::simd::SimdVector;
 
@@ -77,18 +78,12 @@ impl<V: SimdVector, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WHOLE
 /// Replaces the populations of a vector of cells by their post-collision values, each in the place of the opposite
 /// direction. Lanes that `mask` lacks become zero.
 ///
-/// See [`super::measure`] for the flags; `WHOLE`: the mask lacks no lane.
+/// See [`super::measure`] for the operator and the flag; `WHOLE`: the mask lacks no lane.
 ///
 /// # Safety
 /// As for [`Populations::store`].
 #[inline(always)]
-pub unsafe fn relax<
-    V: SimdVector,
-    const FORCED: bool,
-    const LES: bool,
-    const SINGLE: bool,
-    const WHOLE: bool,
->(
+pub unsafe fn relax<V: SimdVector, O: CollisionOperator, const FORCED: bool, const WHOLE: bool>(
     populations: &impl Populations<V>,
     mask: V::Mask,
     (target, rates): (&Equilibrium<V>, &RelaxationRates<V>),
@@ -97,10 +92,10 @@ pub unsafe fn relax<
     let vector = Vector::<V, _, WHOLE> { populations, mask };
     // SAFETY: by contract.
     unsafe {
-        if LES {
-            relax_each::<V, _, FORCED, SINGLE, WHOLE>(&vector, target, rates, k);
+        if O::IS_LOCAL {
+            relax_each::<V, _, O, FORCED, WHOLE>(&vector, target, rates, k);
         } else {
-            relax_alike::<V, _, FORCED, SINGLE, WHOLE>(&vector, target, k);
+            relax_alike::<V, _, O, FORCED, WHOLE>(&vector, target, k);
         }
     }
 }
@@ -127,8 +122,8 @@ fn pull<V: SimdVector, const FORCED: bool>(
 unsafe fn relax_alike<
     V: SimdVector,
     P: Populations<V>,
+    O: CollisionOperator,
     const FORCED: bool,
-    const SINGLE: bool,
     const WHOLE: bool,
 >(
     vector: &Vector<V, P, WHOLE>,
@@ -141,7 +136,7 @@ unsafe fn relax_alike<
     macro_rules! mixed {
         ($own:expr, $other:expr, $rest:expr) => {{
             let kept = k.keep.mul_add($own, $rest);
-            if SINGLE { kept } else { k.swap.mul_from($other, kept) }
+            if O::IS_SINGLE { kept } else { k.swap.mul_from($other, kept) }
         }};
     }
     let (mut g, mut balance) = (k.even[0] * rest, k.even[1] * rest);
@@ -149,14 +144,14 @@ unsafe fn relax_alike<
         (g, balance) = (k.w0.mul_from(rho_va, g), k.w.mul_from(rho_va, balance));
     }
     let (balance, flow) = (both!(balance), both!(k.twice[0] * rho));
-    let flow_odd = if SINGLE { flow } else { both!(k.twice[1] * rho) };
+    let flow_odd = if O::IS_SINGLE { flow } else { both!(k.twice[1] * rho) };
     let h = at!(vector, 0);
     put!(vector, 0, mixed!(h, h, g));
     macro_rules! relax {
         ($n:literal, $kind:literal, $cv:expr) => {{
             let cv = $cv;
             let mut grown = flow[$kind] * cv;
-            let mut odd = if SINGLE { grown } else { flow_odd[$kind] * cv };
+            let mut odd = if O::IS_SINGLE { grown } else { flow_odd[$kind] * cv };
             if FORCED {
                 grown = k.even_pair[$n].mul_add(rho, grown);
                 odd = k.odd_pair[$n].mul_add(rho, odd);
@@ -182,8 +177,8 @@ unsafe fn relax_alike<
 unsafe fn relax_each<
     V: SimdVector,
     P: Populations<V>,
+    O: CollisionOperator,
     const FORCED: bool,
-    const SINGLE: bool,
     const WHOLE: bool,
 >(
     vector: &Vector<V, P, WHOLE>,
@@ -220,7 +215,7 @@ unsafe fn relax_each<
             } else {
                 (even, odd)
             };
-            if SINGLE {
+            if O::IS_SINGLE {
                 let (mut more, mut less) = (even + odd - forth, even - odd - back);
                 if FORCED {
                     let (sum, difference) = (even_source + odd_source, even_source - odd_source);

@@ -1,5 +1,6 @@
 //! One cell against the formulas.
 
+use super::operators::{SingleTime, Smagorinsky, TwoTimes};
 use super::*;
 use crate::lattice::d3q19::equilibrium;
 use crate::lattice::simd::Portable;
@@ -8,30 +9,27 @@ type One = Portable<f64, 1>;
 
 /// Collides one cell.
 fn collided(h: &[f64; Q], r: &Relaxation, forced: bool) -> [f64; Q] {
-    fn collide<const FORCED: bool, const LES: bool, const SINGLE: bool>(
-        places: &[*mut f64; Q],
-        r: &Relaxation,
-    ) {
+    fn collide<O: CollisionOperator, const FORCED: bool>(places: &[*mut f64; Q], r: &Relaxation) {
         // SAFETY: plain arrays need no instructions; each pointer is to one number.
         unsafe {
             let k = Constants::<One>::new(r);
-            let flow = measure::<One, FORCED, LES, SINGLE>(&After(places, 0), &k);
+            let flow = measure::<One, O, FORCED>(&After(places, 0), &k);
             let to = (&flow.target, &flow.rates);
-            relax::<One, FORCED, LES, SINGLE, false>(&After(places, 0), 1, to, &k);
+            relax::<One, O, FORCED, false>(&After(places, 0), 1, to, &k);
         }
     }
     let mut g = *h;
     let first = g.as_mut_ptr();
     let places = std::array::from_fn(|i| first.wrapping_add(i));
     match (forced, r.smagorinsky != 0.0, r.magic.is_none()) {
-        (false, false, false) => collide::<false, false, false>(&places, r),
-        (false, false, true) => collide::<false, false, true>(&places, r),
-        (false, true, false) => collide::<false, true, false>(&places, r),
-        (false, true, true) => collide::<false, true, true>(&places, r),
-        (true, false, false) => collide::<true, false, false>(&places, r),
-        (true, false, true) => collide::<true, false, true>(&places, r),
-        (true, true, false) => collide::<true, true, false>(&places, r),
-        (true, true, true) => collide::<true, true, true>(&places, r),
+        (false, false, false) => collide::<TwoTimes, false>(&places, r),
+        (false, false, true) => collide::<SingleTime, false>(&places, r),
+        (false, true, false) => collide::<Smagorinsky<false>, false>(&places, r),
+        (false, true, true) => collide::<Smagorinsky<true>, false>(&places, r),
+        (true, false, false) => collide::<TwoTimes, true>(&places, r),
+        (true, false, true) => collide::<SingleTime, true>(&places, r),
+        (true, true, false) => collide::<Smagorinsky<false>, true>(&places, r),
+        (true, true, true) => collide::<Smagorinsky<true>, true>(&places, r),
     }
     std::array::from_fn(|i| g[OPPOSITE[i]])
 }

@@ -1,0 +1,67 @@
+//! The seam of collision operators: how fast the populations of a cell relax.
+//!
+//! An operator is a type, chosen once for all cells (`collision_kernel`), so that each has loops of its own. A new one, a
+//! turbulence model or a fluid whose viscosity depends on the rate of strain, says its rates here, gets an arm where kernels are chosen,
+//! and its constants in [`Constants`].
+
+use super::{Constants, RelaxationRates};
+use crate::lattice::simd::SimdVector;
+
+/// A collision operator.
+pub trait CollisionOperator {
+    /// Whether rates differ from cell to cell; else they are those of [`Constants`].
+    const IS_LOCAL: bool;
+    /// Whether both times are the same.
+    const IS_SINGLE: bool;
+
+    /// Rates of cells with a stress `Pi_ab Pi_ab` and `3/(2 rho)`; asked where rates differ.
+    fn rates<V: SimdVector>(_stress2: V, _per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
+        k.rates
+    }
+}
+
+/// One relaxation time (Bhatnagar, Gross & Krook 1954; Qian, d'Humieres & Lallemand 1992).
+pub struct SingleTime;
+
+impl CollisionOperator for SingleTime {
+    const IS_LOCAL: bool = false;
+    const IS_SINGLE: bool = true;
+}
+
+/// Two relaxation times (Ginzburg, Verhaeghe & d'Humieres 2008).
+pub struct TwoTimes;
+
+impl CollisionOperator for TwoTimes {
+    const IS_LOCAL: bool = false;
+    const IS_SINGLE: bool = false;
+}
+
+/// Smagorinsky's model `nu_t = (C dx)^2 |S|`:
+///
+/// ```text
+/// tau* = [tau + sqrt(tau^2 + 18 sqrt(2) C^2 P/rho)]/2,   P = sqrt(Pi_ab Pi_ab)
+/// ```
+///
+/// the fixed point of the model with the strain that the stress says (Hou et al. 1996). The odd time is the same if `SINGLE`, or
+/// follows from `tau*` by the magic number.
+pub struct Smagorinsky<const SINGLE: bool>;
+
+impl<const SINGLE: bool> CollisionOperator for Smagorinsky<SINGLE> {
+    const IS_LOCAL: bool = true;
+    const IS_SINGLE: bool = SINGLE;
+
+    #[inline(always)]
+    fn rates<V: SimdVector>(stress2: V, per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
+        let twice_tau =
+            k.tau + (k.smagorinsky_rates * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
+        let even = k.two / twice_tau;
+        let odd = if SINGLE {
+            even
+        } else {
+            // 1/tau- = 1/(1/2 + magic/(tau+ - 1/2))
+            let over = k.half * twice_tau - k.half;
+            over / k.half.mul_add(over, k.magic)
+        };
+        RelaxationRates { twice_tau, even, odd }
+    }
+}
