@@ -1,7 +1,8 @@
 //! The surfaces of bodies that are no spheres: those of the scene's parts that move, and its shapes of
 //! polyhedra, at the size of each.
 
-use crate::bodies::mesh_body::{MeshBody, Rounding};
+use crate::bodies::mesh_body::MeshBody;
+use crate::bodies::pose_rounding::Rounding;
 use crate::lattice::error::FluidError;
 use std::sync::Arc;
 use tremie_geometry::{Convex, Surface};

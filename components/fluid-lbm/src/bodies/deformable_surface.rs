@@ -1,6 +1,7 @@
 //! Deformable surfaces of a scene.
 
-use crate::bodies::mesh_body::{MeshBody, Rounding};
+use crate::bodies::mesh_body::MeshBody;
+use crate::bodies::pose_rounding::Rounding;
 use crate::lattice::error::FluidError;
 use crate::lattice::units::Units;
 use std::ops::Range;

@@ -3,22 +3,15 @@
 //! Both answers come from the part's surface, for the same points: cell centres taken into the
 //! part's frame row by row. Lengths in cells, but where the surface is asked.
 //!
-//! # Rounded poses
-//! A part moves by a small part of a cell in a step, and looking for its cells and links costs many
-//! times what the step does. So they are looked for at its pose rounded to multiples of `part_step`
-//! from its pose in the scene (`a`, the next power of two below): each coordinate to multiples of
-//! `a`, each component of the quaternion to multiples of `a / (4 r)`, `r` being the distance of the
-//! part's farthest point. They are found anew when the rounded pose changes. As long as it does not,
-//! wall distances follow the motion to first order (see `mesh_links`); which cells are covered is
-//! that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by turning.
-//! What is found depends on the pose alone, not on how the part came there. So what was found at the pose before the last
-//! is kept: a part that trembles about the border of two rounded poses costs no search.
+//! They are looked for at rounded poses, see `pose_rounding`.
 
-use crate::bodies::deformable_shape::{DeformableShape, Hit, NO_FACET};
+mod link_intersections;
+
+use crate::bodies::deformable_shape::{DeformableShape, Hit};
 use crate::bodies::mesh_raster::{Cover, Layer, room_for};
+use crate::bodies::pose_rounding::{PlacedMesh, Rounding, product};
 use crate::bodies::ridges::Ridges;
 use crate::domain::displaced_volume::{Displaced, window};
-use crate::lattice::d3q19::dot;
 use crate::lattice::grid::Grid;
 use crate::lattice::units::Units;
 use std::ops::RangeInclusive;
@@ -28,27 +21,7 @@ use tremie_messages::SurfaceVertex;
 use tremie_messages::scene::Pose;
 use tremie_team::Team;
 
-/// Links that meet the surface at a smaller cosine do not follow its motion: their end is not where
-/// a flat wall's would be.
-const GRAZING: f64 = 0.1;
-
-/// The poses at which a part's cells and links are found.
-#[derive(Clone, Copy, Debug)]
-pub struct Rounding {
-    /// Position of the part in the scene [cells].
-    pub position: [f64; 3],
-    /// Its orientation there.
-    pub orientation: [f64; 4],
-    /// Edge of the grid of positions; 0 for poses as they are.
-    pub step: f64,
-}
-
-/// A position [cells] and an orientation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct PlacedMesh {
-    position: [f64; 3],
-    orientation: [f64; 4],
-}
+pub use self::link_intersections::NearFacets;
 
 /// A part, or a polyhedron, as a body in the fluid.
 #[derive(Clone, Debug)]
@@ -84,74 +57,6 @@ pub struct MeshBody {
     endless: Endless,
     now: Cover,
     previous: Cover,
-}
-
-/// Where a link meets a part.
-#[derive(Clone, Copy, Debug)]
-pub struct Intersection {
-    /// As part of the link's length, in `(0, 1]`.
-    pub q: f64,
-    /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal; zero
-    /// where it is met at a grazing angle.
-    pub slope: [f64; 3],
-    /// Where on the surface that is, if that can deform.
-    pub hit: Hit,
-}
-
-/// Facets near a cell at most, to try each for each of its links; where there are more, the surface's
-/// tree is faster.
-const MOST_FACETS: usize = 16;
-
-/// Facets near a cell, for the links that begin there.
-#[derive(Clone, Debug, Default)]
-pub struct NearFacets {
-    list: Vec<u32>,
-    is_complete: bool,
-}
-
-impl NearFacets {
-    /// Room for as many as there may be.
-    pub fn make_room(&mut self) {
-        self.list.reserve((MOST_FACETS + 1).saturating_sub(self.list.len()));
-    }
-}
-
-impl Default for Rounding {
-    /// Poses as they are.
-    fn default() -> Self {
-        Self { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0], step: 0.0 }
-    }
-}
-
-impl Rounding {
-    /// The pose for a position and orientation, `radius` being the distance of the farthest point.
-    fn of(&self, position: [f64; 3], orientation: [f64; 4], radius: f64) -> PlacedMesh {
-        if self.step <= 0.0 {
-            return PlacedMesh { position, orientation };
-        }
-        let to = |x: f64, step: f64| (x / step).round() * step;
-        let away = std::array::from_fn(|a| {
-            self.position[a] + to(position[a] - self.position[a], self.step)
-        });
-        let [x, y, z, w] = self.orientation;
-        let turn = product(orientation, [-x, -y, -z, w]);
-        let fine = self.step / (4.0 * radius);
-        let turn = turn.map(|q| to(q, fine));
-        let length = turn.iter().map(|q| q * q).sum::<f64>().sqrt();
-        let turn = turn.map(|q| q / length);
-        PlacedMesh { position: away, orientation: product(turn, self.orientation) }
-    }
-}
-
-/// The rotation `b`, then `a`.
-fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    let ([ax, ay, az, aw], [bx, by, bz, bw]) = (a, b);
-    [
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    ]
 }
 
 impl MeshBody {
@@ -413,52 +318,6 @@ impl MeshBody {
         self.now.row(y, z).is_some()
     }
 
-    /// Where a link between the centres of cells meets the surface first, as part of its length, in
-    /// `(0, 1]`; half-way if it does not.
-    pub fn meet(&self, from: [i32; 3], c: [i32; 3]) -> f64 {
-        self.meet_facet(from, c).0
-    }
-
-    /// As [`MeshBody::meet`], and the facet, if the surface can deform.
-    pub fn meet_facet(&self, from: [i32; 3], c: [i32; 3]) -> (f64, u32) {
-        let from = self.own(from);
-        let to = std::array::from_fn(|a| from[a] + c[a]);
-        let (start, end) = (self.point(from), self.point(to));
-        match self.surface.first_crossing(start, end) {
-            Some(crossing) => {
-                let facet = self.shape.as_ref().map_or(NO_FACET, |_| crossing.triangle);
-                (crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0), facet)
-            }
-            None => (0.5, self.hit_between(start, end).facet),
-        }
-    }
-
-    /// The place on a deformable surface nearest to the middle of a link that does not meet it.
-    fn hit_between(&self, start: [f64; 3], end: [f64; 3]) -> Hit {
-        if self.shape.is_none() {
-            return Hit::NONE;
-        }
-        let closest = self.surface.closest(std::array::from_fn(|a| 0.5 * (start[a] + end[a])));
-        Hit::on(self.surface.mesh(), closest.triangle, closest.point)
-    }
-
-    /// Finds the facets that links from a cell may meet.
-    pub fn facets_near(&self, at: [i32; 3], facets: &mut NearFacets) {
-        let reach: [f64; 3] = std::array::from_fn(|k| {
-            let along = |a: usize| {
-                let mut axis = [0.0; 3];
-                axis[a] = self.cell;
-                self.frame.turn_to_part(axis)[k].abs()
-            };
-            (along(0) + along(1) + along(2)) * (1.0 + 1e-9)
-        });
-        let centre = self.point(self.own(at));
-        let min = std::array::from_fn(|k| centre[k] - reach[k]);
-        let max = std::array::from_fn(|k| centre[k] + reach[k]);
-        let bounds = Bounds { min, max };
-        facets.is_complete = self.surface.triangles_in(&bounds, MOST_FACETS, &mut facets.list);
-    }
-
     /// Calls `visit` with begin and direction of links between cells outside that it may cut, see [`Ridges::each_link`].
     /// Cells that `skip` has are left out.
     pub fn each_cut(
@@ -470,46 +329,6 @@ impl MeshBody {
         if !self.ridges.is_empty() {
             self.ridges.each_link(&self.frame, self.cell, layers, skip, visit);
         }
-    }
-
-    /// As [`MeshBody::meet`], among the facets near `from`.
-    pub fn meet_among(&self, facets: &NearFacets, from: [i32; 3], c: [i32; 3]) -> Intersection {
-        self.meets_among(facets, from, c).unwrap_or_else(|| {
-            let from = self.own(from);
-            let to = std::array::from_fn(|a| from[a] + c[a]);
-            let hit = self.hit_between(self.point(from), self.point(to));
-            Intersection { q: 0.5, slope: [0.0; 3], hit }
-        })
-    }
-
-    /// Where a link meets the surface first, among the facets near its beginning or its end; none if it does not.
-    pub fn meets_among(
-        &self,
-        facets: &NearFacets,
-        from: [i32; 3],
-        c: [i32; 3],
-    ) -> Option<Intersection> {
-        let from = self.own(from);
-        let to = std::array::from_fn(|a| from[a] + c[a]);
-        let (start, end) = (self.point(from), self.point(to));
-        let crossing = if facets.is_complete {
-            self.surface.first_crossing_among(&facets.list, start, end)
-        } else {
-            self.surface.first_crossing(start, end)
-        }?;
-        let hit = self.shape.as_ref().map_or(Hit::NONE, |_| {
-            let point = |a: usize| start[a] + crossing.fraction * (end[a] - start[a]);
-            Hit::on(self.surface.mesh(), crossing.triangle, std::array::from_fn(point))
-        });
-        let normal = self.frame.turn_to_world(self.surface.normal(crossing.triangle));
-        let c = c.map(f64::from);
-        let along = dot(normal, c);
-        let is_steep = along * along > GRAZING * GRAZING * dot(c, c);
-        Some(Intersection {
-            q: crossing.fraction.clamp(f64::MIN_POSITIVE, 1.0),
-            slope: if is_steep { normal.map(|n| n / along) } else { [0.0; 3] },
-            hit,
-        })
     }
 
     /// A cell's coordinates where its surface has been made: in the domain along axes on which it is endless.

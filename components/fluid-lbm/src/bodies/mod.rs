@@ -13,5 +13,6 @@ pub mod mass_account;
 pub mod mesh_body;
 pub mod mesh_raster;
 pub mod near_cells;
+pub mod pose_rounding;
 pub mod ridges;
 pub mod sphere_raster;

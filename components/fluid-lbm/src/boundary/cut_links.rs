@@ -168,6 +168,11 @@ impl CutLinks {
             };
             self.links.push([one(cell, at, i, there), one(end, to, back, here)]);
         }
+        self.mark_shut();
+    }
+
+    /// Marks the ends whose links behind are cut, too.
+    fn mark_shut(&mut self) {
         self.shut.clear();
         self.shut.extend(self.links.iter().flatten().map(|end| (end.slots.cell, end.dir)));
         self.shut.sort_unstable();

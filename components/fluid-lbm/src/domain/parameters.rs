@@ -294,6 +294,11 @@ impl Parameters {
                 .help("0.03125, a 32nd of a cell, is hardly to be told from 0 and much faster"),
             );
         }
+        self.check_time(problems);
+    }
+
+    /// Checks what the time step follows from.
+    fn check_time(&self, problems: &mut Vec<Problem>) {
         if self.mach_limit > 0.5 {
             problems.push(
                 Problem::of_parameter(

@@ -130,6 +130,11 @@ fn check_open(scene: &Scene, problems: &mut Vec<Problem>) {
             PartBoundary::Pressure { pressure, course } => check(key, &[*pressure], course),
         }
     }
+    check_probes(scene, problems);
+}
+
+/// Checks probes and planes.
+fn check_probes(scene: &Scene, problems: &mut Vec<Problem>) {
     for (index, probe) in scene.probes.iter().enumerate() {
         let numbers: Vec<f64> = match &probe.shape {
             ProbeShape::Point(point) => point.to_vec(),

@@ -2,7 +2,7 @@
 
 use crate::bodies::body_list::Bodies;
 use crate::bodies::body_shapes::BodyShapes;
-use crate::bodies::mesh_body::Rounding;
+use crate::bodies::pose_rounding::Rounding;
 use crate::boundary::boundaries::Boundaries;
 use crate::domain::parameters::{Collision, Parameters, Refill};
 use crate::domain::solids::Centres;

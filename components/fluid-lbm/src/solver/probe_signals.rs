@@ -6,7 +6,7 @@ use tremie_messages::scene::{Probe, ProbeShape, Scene};
 
 /// What a probe measures, SI units.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Measured {
+pub struct ProbeValues {
     /// Mean over the fluid [Pa].
     pub pressure: f64,
     /// Mean over the fluid [m/s].
@@ -20,7 +20,7 @@ pub struct Measured {
 }
 
 /// Of points, lines, regions and rings; points and lines have no share of solid.
-const OF_PLACES: [SignalRow<Measured>; 5] = [
+const OF_PLACES: [SignalRow<ProbeValues>; 5] = [
     ("pressure", "Pa", "gauge pressure there, a mean over the fluid", |m| m.pressure),
     ("velocity_x", "m/s", "mean velocity of the fluid there", |m| m.velocity[0]),
     ("velocity_y", "m/s", "mean velocity of the fluid there", |m| m.velocity[1]),
@@ -29,7 +29,7 @@ const OF_PLACES: [SignalRow<Measured>; 5] = [
 ];
 
 /// Of sections.
-const OF_SECTIONS: [SignalRow<Measured>; 3] = [
+const OF_SECTIONS: [SignalRow<ProbeValues>; 3] = [
     (
         "flow_rate",
         "m³/s",
@@ -46,7 +46,7 @@ const OF_SECTIONS: [SignalRow<Measured>; 3] = [
 ];
 
 /// The signals of a probe of a shape; of a profile, whose strips have one each, none.
-pub fn rows(shape: &ProbeShape) -> &'static [SignalRow<Measured>] {
+pub fn rows(shape: &ProbeShape) -> &'static [SignalRow<ProbeValues>] {
     match shape {
         ProbeShape::Point(_) | ProbeShape::Line { .. } => &OF_PLACES[..4],
         ProbeShape::Section { .. } => &OF_SECTIONS,

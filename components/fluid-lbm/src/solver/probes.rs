@@ -8,7 +8,7 @@ use crate::lattice::d3q19::CS2;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
-use crate::solver::probe_signals::{Measured, rows};
+use crate::solver::probe_signals::{ProbeValues, rows};
 use crate::solver::section_flux::{Crossing, Sight};
 use tremie_messages::scene::{Probe, ProbeShape};
 use tremie_team::Team;
@@ -213,7 +213,7 @@ fn push(shape: &ProbeShape, sum: &Sum, passing: Option<f64>, units: &Units, out:
     let all = sum.fluid + sum.covered;
     // Before the first look, as it is.
     let now = || sum.u[across] * (1.0 + mean(sum.drho));
-    let measured = Measured {
+    let measured = ProbeValues {
         pressure: mean(sum.drho) * CS2 * units.pressure(),
         velocity,
         solid_fraction: if all > 0.0 { sum.covered / all } else { 0.0 },

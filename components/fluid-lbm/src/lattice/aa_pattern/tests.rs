@@ -1,9 +1,10 @@
 //! Places of random porous boxes with every kind of face.
 
 use super::*;
-use crate::lattice::cell_list::Sheet;
+use crate::lattice::aa_rows::RowEnd;
+use crate::lattice::cell_list::{CellList, LinkEnd, Obstacles, Sheet};
 use crate::lattice::d3q19::C;
-use crate::lattice::grid::Side;
+use crate::lattice::grid::{Grid, Side};
 use proptest::prelude::*;
 use std::collections::HashSet;
 
