@@ -12,11 +12,11 @@
 //! 2. All fluid cells collide and stream in one array (`lattice/collision_kernel`). The addresses of populations already see to
 //!    half-way walls, mirrors and periodic faces (`lattice/aa_pattern`).
 //! 3. Populations that ran into bodies (`boundary/link_batch`), and into curved or moving walls (`boundary/static_wall_links`), are
-//!    reflected by Bouzidi's interpolation. The momentum exchanged is the load on bodies and parts.
+//!    reflected by Bouzidi's interpolation (`boundary/bouzidi`). The momentum exchanged is the load on bodies and parts.
 //! 4. Gaps that hold no cell press on bodies (`boundary/unresolved_gaps`). Declared gaps are frozen while they are thin
 //!    (`gaps/modelled`), and their walls may slip (`gaps/specular_walls`).
-//! 5. Cells at open faces get what these prescribe (`boundary/open_boundary`, `boundary/nonequilibrium_extrapolation`,
-//!    `boundary/virtual_piston`).
+//! 5. Cells at open faces get what these prescribe, each face by its scheme (`boundary/face_schemes`, `boundary/open_boundary`,
+//!    `boundary/zou_he`, `boundary/convective_outflow`, `boundary/virtual_piston`).
 //! 6. Loads are put together (`solver/loads`, `solver/facet_loads`), and what walls and bodies took from the mass is paid back
 //!    (`solver/mass_correction`, `boundary/wall_mass`).
 //!

@@ -9,7 +9,7 @@
 //! One home for bodies, edges of bodies, and static walls. Where the other population is none of the fluid the wall is taken
 //! half-way: `f_i' = g_i - 6 w_i rho (c_i.u_w)`.
 
-/// What follows from where a link meets the wall.
+/// Coefficients of a link that meets the wall at `q`.
 #[derive(Clone, Copy, Debug)]
 pub struct Bouzidi {
     /// Factor of `g_i`.
@@ -33,7 +33,7 @@ impl Bouzidi {
         }
     }
 
-    /// What comes back, of `g_i`, the other population, and `push = 6 w_i rho (c_i.u_w)`.
+    /// Population that comes back, from `g_i`, the other population, and `push = 6 w_i rho (c_i.u_w)`.
     #[inline(always)]
     pub fn reflect(self, g: f64, other: f64, push: f64) -> f64 {
         self.own * g + self.other * other - self.push * push

@@ -55,7 +55,7 @@ pub struct ConvectiveOutflow {
 #[derive(Clone, Debug)]
 struct OutflowItem {
     cells: Range<usize>,
-    /// What each cell held at the beginning of the step; nothing where it was no fluid.
+    /// Populations of each cell at the beginning of the step; none if it was no fluid.
     before: Vec<Option<[f64; Q]>>,
     sums: OutflowSums,
     gain: Gain,
@@ -145,7 +145,7 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
     }
 }
 
-/// What arrives at a cell: the populations of the next one inside; where that is no fluid, its own.
+/// Populations that arrive at a cell: those of the next one inside; its own if that is no fluid.
 fn arriving<T: Real>(next: &PostStreaming<T>, open: &FaceCell) -> [f64; Q] {
     next.populations(next.inner(open).unwrap_or(open.cell))
 }

@@ -213,7 +213,7 @@ fn ends_of([one, other]: &[CutEnd; 2]) -> usize {
     if (one.slots.cell, one.dir) == (other.slots.cell, other.dir) { 1 } else { 2 }
 }
 
-/// What each end of a cut link has to give back of what both got, `f_i' - g_i`, so that together they lose nothing; of one end alone
+/// Mass that each end of a cut link gives back of what both got, `f_i' - g_i`, so that together they lose nothing; of one end alone
 /// all of it.
 pub fn share_of_both(got: [Option<f64>; 2]) -> f64 {
     got.iter().flatten().sum::<f64>() / got.iter().flatten().count().max(1) as f64

@@ -25,7 +25,7 @@ pub trait FaceScheme<T: Real>: Send {
     /// Begins a step, before cells change hands and collide. Most schemes need nothing of it.
     ///
     /// # Errors
-    /// What ends the run.
+    /// A state that ends the run.
     fn begin(&mut self, _begin: &StepBegin<T>, _team: &mut Team) -> Result<(), FluidError> {
         Ok(())
     }
@@ -34,7 +34,7 @@ pub trait FaceScheme<T: Real>: Send {
     /// as that does, and keeps what the fluid gained by it.
     ///
     /// # Errors
-    /// What ends the run.
+    /// A state that ends the run.
     fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError>;
 
     /// Calls `add` with momentum and mass that the fluid gained in the last step, in an order that does not depend on
@@ -53,9 +53,9 @@ pub trait FaceScheme<T: Real>: Send {
 /// The fluid at the beginning of a step.
 #[derive(Clone, Copy)]
 pub struct StepBegin<'a, T: Real> {
-    /// What the last step left.
+    /// Populations that the last step left.
     pub before: PreCollision<'a, T>,
-    /// Which cells were fluid in it.
+    /// Cells that were fluid in it.
     pub flags: &'a CellFlags,
     /// Time that has passed [s].
     pub time: f64,
@@ -78,9 +78,9 @@ pub struct PostStreaming<'a, T: Real> {
     pub acceleration: [f64; 3],
     /// Mean density of the fluid.
     pub density: f64,
-    /// What the faces prescribe at the end of the step, `2 axis + side`.
+    /// Values that the faces prescribe at the end of the step, `2 axis + side`.
     pub now: &'a [BoundaryValue],
-    /// What links to walls brought to the cells of each face: it came through the face, which replaces it.
+    /// Mass that links to walls brought to the cells of each face: it came through the face, which replaces it.
     pub brought: &'a [Brought; 6],
     /// Units of the lattice.
     pub units: &'a Units,
@@ -97,7 +97,7 @@ pub struct FaceCell {
     pub inner: u32,
     /// Bits of the directions that come from beyond an open face.
     pub unknown: u32,
-    /// Whether all of these come through this face, and no other wall is near.
+    /// True if all of these come through this face, and no other wall is near.
     pub plain: bool,
 }
 
@@ -133,7 +133,7 @@ pub fn items_of(cells: usize) -> impl Iterator<Item = Range<usize>> {
     starts.map(move |first| first..(first + CELLS_PER_ITEM).min(cells))
 }
 
-/// What the fluid gained through cells of a face.
+/// Momentum and mass that the fluid gained through cells of a face.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gain {
     /// Momentum.

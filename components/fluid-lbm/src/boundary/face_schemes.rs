@@ -1,4 +1,4 @@
-//! Which open face has which scheme: a new one is registered here.
+//! The list of schemes of open faces: a new one is registered here.
 
 use crate::boundary::convective_outflow::ConvectiveOutflow;
 use crate::boundary::face_scheme::{FaceCell, FaceScheme};
@@ -10,7 +10,7 @@ use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use tremie_messages::scene::{Face, Outflow};
 
-/// What is known of an open face before the first step.
+/// An open face before the first step.
 pub struct FaceSite<'a> {
     /// Cells and places.
     pub layout: &'a Layout,
@@ -20,7 +20,7 @@ pub struct FaceSite<'a> {
     pub cells: Vec<FaceCell>,
     /// What it prescribes.
     pub condition: Option<&'a BoundaryCondition>,
-    /// How much of its cells is open.
+    /// Open areas of its cells.
     pub areas: &'a OpenAreas,
     /// The scheme of faces that prescribe velocity or pressure.
     pub scheme: OpenFaces,

@@ -17,16 +17,16 @@ use std::collections::{BTreeMap, VecDeque};
 /// What the table of cells has where no modelled gap is.
 pub const NO_GAP: u16 = u16::MAX;
 
-/// What links have to know of gaps that hold no fluid.
+/// Gaps that hold no fluid, as links need them.
 #[derive(Clone, Debug, Default)]
 pub struct GapTables {
-    /// Where links of cells meet what stands still, if gaps press.
+    /// Distances of cells from static walls along links, if gaps press.
     pub walls: Option<WallDistances>,
     /// For each stored cell the modelled gap that it may be frozen in; empty without such gaps.
     pub gap_of: Vec<u16>,
-    /// Whether walls slip in such gaps.
+    /// True if walls slip in such gaps.
     pub slips: bool,
-    /// Where what such gaps draw in leaves the fluid.
+    /// Places through which such gaps draw fluid in.
     pub sinks: GapSinks,
 }
 

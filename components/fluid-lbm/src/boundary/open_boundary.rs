@@ -260,7 +260,7 @@ struct FaceView<'a, T: Real> {
     inward: Inward,
     /// What it prescribes.
     value: BoundaryValue,
-    /// Whether plain cells are filled by non-equilibrium bounce-back.
+    /// True if plain cells are filled by non-equilibrium bounce-back.
     bounces: bool,
     /// See [`OpenFace`].
     relax: f64,

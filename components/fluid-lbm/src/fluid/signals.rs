@@ -10,7 +10,7 @@ use tremie_sdk::messages::Load;
 use tremie_sdk::messages::scene::{Face, Scene};
 use tremie_sdk::messages::start::Signal;
 
-/// What signals of the whole fluid are read from.
+/// Sources of the signals of the whole fluid.
 pub struct FluidState {
     /// Of the last step.
     pub diagnostics: Diagnostics,
@@ -21,7 +21,7 @@ pub struct FluidState {
 }
 
 impl FluidState {
-    /// What the listed terms do not account for in the change of momentum: rounding, if nothing is missing.
+    /// Change of momentum that no listed term accounts for: rounding, if nothing is missing.
     fn momentum_residual(&self) -> f64 {
         let terms = self.ledger.momentum_terms();
         let change = self.ledger.momentum_change;

@@ -10,7 +10,7 @@
 //! (Ginzburg, Verhaeghe & d'Humieres 2008; forcing of Guo, Zheng & Shi 2002 split into its even and
 //! odd parts). Equal times give the BGK collision. Each step adds `F` to a cell's momentum.
 //!
-//! Where the viscosity of a cell follows from its flow (see `operators`), it follows from the stress
+//! A viscosity that follows from a cell's flow (see `operators`) follows from the stress
 //!
 //! ```text
 //! Pi_ab = sum_i c_ia c_ib (h_i - heq_i) + (u_a F_b + F_a u_b)/2 = -2 rho cs^2 tau+ S_ab

@@ -35,7 +35,7 @@ pub struct MomentumExchange {
     pub fallbacks: usize,
 }
 
-/// What one link exchanged.
+/// Exchange of one link.
 #[derive(Clone, Copy, Debug)]
 pub struct LinkExchange {
     /// Force on the wall.

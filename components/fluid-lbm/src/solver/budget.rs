@@ -12,14 +12,14 @@ use crate::solver::moving_bodies::MovingBodies;
 use crate::solver::open_boundaries::OpenBoundaries;
 use crate::solver::static_boundaries::StaticBoundaries;
 
-/// What the last step's momentum and mass are accounted for by.
+/// Account of the last step's momentum and mass.
 #[derive(Default)]
 pub struct Budget {
     /// In lattice units.
     pub balance: Ledger,
     /// In SI units.
     pub ledger: Ledger,
-    /// What the scheme lost since the start.
+    /// Mass that the scheme lost since the start.
     pub lost: Lost,
 }
 

@@ -17,7 +17,7 @@ pub struct AwaitedSurfaces {
     vertices: usize,
     /// Parts of the scene: surfaces are numbered after them.
     parts: usize,
-    /// How far a vertex moves until cells and links are found anew [cells].
+    /// Distance that a vertex moves until cells and links are found anew [cells].
     pose_spacing: f64,
 }
 

@@ -13,7 +13,7 @@ pub struct Execution {
     pub variant: Variant,
     /// Room for the links of a body, for each thread.
     pub batches: Vec<Batch>,
-    /// Whether a step is faster on the whole team or alone, once that may be tried, and what was found.
+    /// The search for the faster of the whole team and one thread, once that may be tried, and its last result.
     choice: Option<Choice>,
     found: Option<Found>,
 }

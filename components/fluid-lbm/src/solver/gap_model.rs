@@ -19,11 +19,11 @@ use tremie_messages::scene::Scene;
 
 /// The gaps of a scene, what fills them, and what they give.
 pub struct GapModel {
-    /// Whether gaps without cells press on bodies.
+    /// True if gaps without cells press on bodies.
     pub press: bool,
     /// Gaps that the scene declares.
     pub modelled: ModelledGaps,
-    /// What links have to know of them.
+    /// The same as links need them.
     pub tables: GapTables,
     /// Links that slip in them.
     pub slip: SpecularWalls,
@@ -31,7 +31,7 @@ pub struct GapModel {
     pub seen: Vec<Seen>,
     /// Density minus 1 in the gaps of each item of links.
     pub in_gaps: Vec<InGaps>,
-    /// What gaps without cells gave to each fixture.
+    /// Exchange of gaps without cells with each fixture.
     pub pressed: Vec<MomentumExchange>,
 }
 
@@ -69,7 +69,7 @@ impl GapModel {
         }
     }
 
-    /// Whether the links' search looks across gaps that hold no fluid.
+    /// True if the links' search looks across gaps that hold no fluid.
     pub fn feels_gaps(&self) -> bool {
         self.tables.walls.is_some()
     }
@@ -129,7 +129,7 @@ impl GapModel {
         }
     }
 
-    /// What slipping adds to a body's exchange, if anything slips.
+    /// The addition of slipping to a body's exchange, if anything slips.
     pub fn slip_on_body(&self, handle: u32) -> Option<MomentumExchange> {
         self.tables.slips.then(|| self.slip.on_body(handle))
     }

@@ -19,9 +19,9 @@ pub struct LatticeState<T: Real> {
     pub layout: Layout,
     /// The populations.
     pub field: Field<T>,
-    /// Which cells are fluid, and who holds the others.
+    /// Fluid cells, and who holds the others.
     pub flags: CellFlags,
-    /// Where cells joined the fluid or left it, and when.
+    /// Places and times at which cells joined the fluid or left it.
     pub changes: ChangeBlocks,
     /// Relaxation times and acceleration of the collision.
     pub relaxation: Relaxation,

@@ -55,7 +55,7 @@ pub struct LbmSolver<T: CollisionKernel> {
     pub pinched: Pinched,
     /// Momentum and mass of a step.
     pub budget: Budget,
-    /// What the scene measures.
+    /// Probes of the scene.
     pub probes: Probes,
     /// Velocities that inlets of grains take.
     pub ports: PortFaces,

@@ -20,15 +20,15 @@ pub struct MovingBodies {
     pub awaited: AwaitedSurfaces,
     /// Links from the fluid into bodies, in items of work.
     pub links: Vec<LinkItem>,
-    /// What each item exchanged in the last step.
+    /// Exchange of each item in the last step.
     pub exchanges: Vec<MomentumExchange>,
     /// Sum of what all bodies exchanged.
     pub total: MomentumExchange,
     /// Cells that bodies uncovered in this step.
     pub refills: Vec<Filled>,
-    /// Whether bodies keep accounts of the mass that they owe; see `mass_correction`.
+    /// True if bodies keep accounts of the mass that they owe; see `mass_correction`.
     pub keeps_mass: bool,
-    /// Whether loads are means over two steps.
+    /// True if loads are means over two steps.
     pub average_force: bool,
     /// Force per volume of a body by hydrostatic pressure and mean pressure gradient.
     pub lift: [f64; 3],

@@ -138,7 +138,7 @@ impl Pinched {
     }
 }
 
-/// Whether a cell is fluid through which nothing flows.
+/// True if a cell is fluid through which nothing flows.
 fn is_pinched<T: Real>(lattice: &LatticeState<T>, cell: u32) -> bool {
     let LatticeState { layout, flags, .. } = lattice;
     let is_open = |&i: &usize| {

@@ -4,7 +4,7 @@ use crate::lattice::signal_row::SignalRow;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
 
-/// What a probe measures, SI units.
+/// Values of a probe, SI units.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ProbeValues {
     /// Mean over the fluid [Pa].

@@ -1,4 +1,4 @@
-//! What stands around the fluid, with its links: curved and sliding walls, solids, and what they felt.
+//! Static surroundings of the fluid with their links: curved and sliding walls, solids, and the forces on them.
 
 use crate::boundary::boundaries::{Boundaries, Built};
 use crate::boundary::post_collision::PostCollision;
@@ -20,9 +20,9 @@ use tremie_messages::Load;
 
 /// Faces and static solids, and their links that need work.
 pub struct StaticBoundaries {
-    /// What stands there, and what it prescribes over time.
+    /// Their geometry, and the conditions that they prescribe over time.
     pub conditions: Boundaries,
-    /// What each fixture prescribes at the end of the step.
+    /// Values that fixtures prescribe at the end of the step.
     pub now: Vec<BoundaryValue>,
     /// Links at curved walls, walls that slide, and regions that prescribe something.
     pub links: StaticWallLinks,
@@ -34,9 +34,9 @@ pub struct StaticBoundaries {
     pub sheet_items: Vec<SheetItem>,
     /// Patches of wall that pay back what links take.
     pub patches: Patches,
-    /// What links brought to the cells at each open face in the last step, `2 axis + side`.
+    /// Mass that links brought to the cells at each open face in the last step, `2 axis + side`.
     pub brought: [Brought; 6],
-    /// What each fixture exchanged in the last step.
+    /// Exchange of each fixture in the last step.
     pub exchanges: Vec<MomentumExchange>,
     /// Force of the fluid on each symmetry plane, `2 axis + side`.
     pub mirrors: [[f64; 3]; 6],

@@ -1,4 +1,4 @@
-//! Where links meet the surface of a body.
+//! Intersections of links with the surface of a body.
 
 use super::MeshBody;
 use crate::bodies::deformable_shape::{Hit, NO_FACET};

@@ -157,7 +157,7 @@ impl AaPattern {
         self.ways.push(Way { follows, row_end });
     }
 
-    /// Whether the places of a line follow those of the last one.
+    /// True if the places of a line follow those of the last one.
     fn follows(&self, entry: &[u32; Q], row_end: Option<RowEnd>) -> bool {
         let is_straight =
             |entry: &[u32; Q], row_end: Option<RowEnd>| entry[0] == 0 || row_end.is_some();

@@ -9,9 +9,9 @@ use crate::lattice::simd::SimdVector;
 
 /// A collision operator.
 pub trait CollisionOperator {
-    /// Whether rates differ from cell to cell; else they are those of [`Constants`].
+    /// True if rates differ from cell to cell; else they are those of [`Constants`].
     const IS_LOCAL: bool;
-    /// Whether both times are the same.
+    /// True if both times are the same.
     const IS_SINGLE: bool;
 
     /// Rates of cells with a stress `Pi_ab Pi_ab` and `3/(2 rho)`; asked where rates differ.
