@@ -91,7 +91,7 @@ impl Face {
     }
 }
 
-/// How what arrives at a face with a pressure leaves through it.
+/// Ways in which what arrives at a face with a pressure leaves through it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Outflow {

@@ -95,7 +95,7 @@ fn face(entry: &FaceEntry, axis: usize, at: &str, findings: &mut Findings) -> Op
     }
 }
 
-/// How what arrives at a face with a pressure leaves.
+/// The outflow of a face with a pressure.
 fn outflow(table: &FaceTable, at: &str, findings: &mut Findings) -> Option<Outflow> {
     let is_absorbing = table.absorbing == Some(true);
     if is_absorbing && table.outflow.is_some_and(|outflow| outflow != Outflow::Absorbing) {

@@ -86,7 +86,7 @@ pub(in super::super) struct FaceTable {
     /// Whether sound passes through a pressure face instead of being thrown back; the pressure then
     /// holds on average (default: false).
     pub absorbing: Option<bool>,
-    /// How what arrives from inside leaves through a pressure face (default: fixed); `absorbing = true` is short for
+    /// Way in which what arrives from inside leaves through a pressure face (default: fixed); `absorbing = true` is short for
     /// `outflow = "absorbing"`.
     pub outflow: Option<Outflow>,
     /// The fluid comes from a reservoir with a piston that is not simulated.
