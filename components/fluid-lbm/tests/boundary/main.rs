@@ -1,0 +1,14 @@
+//! Tests of the room `boundary`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cubes;
+mod delivered;
+mod endless;
+mod mirrors;
+mod near_walls;
+mod open_faces;
+mod oscillating;
+mod reservoirs;
+mod virtual_piston;

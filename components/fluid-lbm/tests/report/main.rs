@@ -1,0 +1,6 @@
+//! Tests of the room `report`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod parameters;
