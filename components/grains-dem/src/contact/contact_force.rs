@@ -24,7 +24,8 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::Twist;
-use crate::contact::contact_law::{Law, Reduced, Stiffness};
+use crate::contact::contact_law::Law;
+use crate::contact::springs::{Reduced, Stiffness};
 
 /// Geometry and kinematics of a contact at the end of a step.
 #[derive(Clone, Copy, Debug)]

@@ -3,8 +3,9 @@
 use crate::Vec3;
 use crate::bodies::mesh_contact::MOST;
 use crate::contact::contact_force::ContactHistory;
-use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::contact_law::Law;
 use crate::contact::region_shares::of_one_region;
+use crate::contact::springs::Reduced;
 
 /// A contact at the last evaluation.
 #[derive(Clone, Copy, Debug)]

@@ -3,8 +3,8 @@
 
 use crate::contact::contact_force::Steps;
 use crate::contact::contact_law::Law;
+use crate::contact::springs::{Dashpot, Dashpots};
 use crate::math::simd::lanes::{Lane3, Plain, SimdLane};
-use tremie_messages::scene::Spring;
 use tremie_team::Variant;
 
 #[cfg(target_arch = "x86_64")]
@@ -51,8 +51,7 @@ pub(crate) struct LinearLaw {
     inverse_k_t: f64,
     mu: f64,
     tension: bool,
-    gamma_n: [f64; 2],
-    gamma_t: [f64; 2],
+    dashpots: Dashpots,
     /// With which instructions.
     pub variant: Variant,
 }
@@ -60,21 +59,14 @@ pub(crate) struct LinearLaw {
 impl LinearLaw {
     /// The law in this form, if it has it.
     pub fn of(law: &Law) -> Option<Self> {
-        let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
-            return None;
-        };
-        if law.mu_rolling > 0.0 {
-            return None;
-        }
-        let (gamma_n, gamma_t) = law.dashpots();
+        let spring = law.as_linear().filter(|_| law.mu_rolling <= 0.0)?;
         Some(Self {
-            k_n: normal_stiffness,
-            k_t: tangential_stiffness,
-            inverse_k_t: law.inverse_k_t(),
+            k_n: spring.normal_stiffness,
+            k_t: spring.tangential_stiffness,
+            inverse_k_t: spring.inverse_k_t,
             mu: law.mu,
             tension: law.tension,
-            gamma_n,
-            gamma_t,
+            dashpots: law.dashpots,
             variant: Variant::widest(),
         })
     }
@@ -94,7 +86,7 @@ impl LinearLaw {
 
         let v_n = velocity.dot(n);
         let elastic = like.all(self.k_n) * overlap;
-        let mut f_n = elastic + gamma(self.gamma_n, b.root_mass) * v_n;
+        let mut f_n = elastic + gamma(self.dashpots.normal, b.root_mass) * v_n;
         if !self.tension {
             f_n = f_n.positive();
         }
@@ -116,7 +108,7 @@ impl LinearLaw {
             let kept = turned(b.xi, b.old, n, twist * dt) + v * like.all(0.5 * steps.before);
             let xi = Lane3::at_most(b.touching, zero, v * since, kept);
             let xi = xi - n * xi.dot(n);
-            let damping = v * gamma(self.gamma_t, b.root_mass);
+            let damping = v * gamma(self.dashpots.tangential, b.root_mass);
             let trial = -(xi * like.all(self.k_t) + damping);
             let square = trial.dot(trial);
             let slipping = trial * limit.over(square.sqrt());
@@ -132,8 +124,8 @@ impl LinearLaw {
 
 /// Coefficient of a dashpot.
 #[inline(always)]
-fn gamma<L: SimdLane>([fixed, per]: [f64; 2], root_mass: L) -> L {
-    root_mass.all(fixed) + root_mass.all(per) * root_mass
+fn gamma<L: SimdLane>(dashpot: Dashpot, root_mass: L) -> L {
+    root_mass.all(dashpot.fixed) + root_mass.all(dashpot.per_root_mass) * root_mass
 }
 
 /// See [`crate::contact`]'s function of this name.
@@ -215,7 +207,7 @@ mod tests {
         body::BodyState,
         scene::{
             BodySet, ContactLaw, Damping, Diameters, Domain, Face, Motion, Packing, PairLaw,
-            Placement, Scene,
+            Placement, Scene, Spring,
         },
     };
 

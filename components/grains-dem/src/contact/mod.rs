@@ -8,4 +8,5 @@ pub mod lubrication;
 pub mod material_laws;
 pub mod plane_walls;
 pub mod region_shares;
+pub mod springs;
 pub mod stability;

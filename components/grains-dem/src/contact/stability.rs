@@ -1,6 +1,7 @@
 //! How fast bodies in contact can oscillate and decay, and which time step follows them.
 
-use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::contact_law::Law;
+use crate::contact::springs::Reduced;
 
 /// Upper estimates of the fastest oscillation and the fastest decay of a body in contact.
 #[derive(Clone, Copy, Debug, Default)]

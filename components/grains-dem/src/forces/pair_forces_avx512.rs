@@ -6,8 +6,8 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::contact::contact_force::Steps;
-use crate::contact::contact_law::Reduced;
 use crate::contact::linear_contact::{Batch, LinearLaw};
+use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::Block;
 use crate::math::periodic::SELF_IMAGE;
 use crate::math::simd::avx512_wide::{Wide, columns, rows, transposed};

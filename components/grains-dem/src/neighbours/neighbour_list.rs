@@ -13,7 +13,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::{NEW, Wrench};
 use crate::contact::contact_force::{Contact, ContactHistory};
-use crate::contact::contact_law::Reduced;
+use crate::contact::springs::Reduced;
 use crate::neighbours::active_contacts::Acting;
 
 /// A possible contact.

@@ -11,8 +11,9 @@ use crate::bodies::body_arrays::SPHERE;
 use crate::bodies::body_arrays::Wrench;
 use crate::bodies::placed_parts::PlacedPart;
 use crate::contact::contact_force::{self, Contact};
-use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::contact_law::Law;
 use crate::contact::plane_walls::Wall;
+use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::{Other, Tally};
 
@@ -194,7 +195,7 @@ impl SolidPairEntry {
     }
 }
 
-/// Normal stiffness of a linear law [N/m]; others are refused where there are polyhedra.
+/// Normal stiffness where faces touch over the reference area [N/m].
 pub(super) fn stiffness(law: &Law) -> f64 {
-    law.normal_slope(0.0, Reduced { root_mass: 0.0, radius: 0.0 })
+    law.over_faces().normal_stiffness
 }

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::Vec3;
 use crate::bodies::body_arrays::SPHERE;
-use crate::contact::contact_law::Reduced;
+use crate::contact::springs::Reduced;
 
 /// Adds up `h^2/2 m.n` over the pieces of a polygon.
 struct Half<'a> {

@@ -23,7 +23,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::Wrench;
 use crate::contact::contact_force::{self, Steps};
 use crate::contact::contact_law::Law;
-use tremie_messages::scene::Spring;
+use crate::contact::springs::Dashpot;
 
 /// What a contact of a polyhedron remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,9 +124,6 @@ pub(crate) fn load(
     memory: &mut OverlapHistory,
     (touching, steps): (bool, Steps),
 ) -> Response {
-    let Spring::Linear { normal_stiffness, tangential_stiffness } = law.spring else {
-        return Response::NONE;
-    };
     let elastic = press.force * pair.kappa;
     let strength = elastic.norm_squared().sqrt();
     if !(press.acts() && strength > 0.0) {
@@ -134,11 +131,11 @@ pub(crate) fn load(
     }
     let n = elastic / -strength;
     let centre = press.centre();
-    let part = pair.kappa * press.area.norm_squared().sqrt() / normal_stiffness;
+    let spring = law.over_faces();
+    let part = pair.kappa * press.area.norm_squared().sqrt() / spring.normal_stiffness;
     let root = pair.region.map_or(part.sqrt(), |region| part / region.sqrt());
-    let (gamma_n, gamma_t) = law.dashpots();
-    let gamma = |[fixed, per_root]: [f64; 2]| root * (fixed + per_root * pair.root_mass);
-    let (gamma_n, gamma_t) = (gamma(gamma_n), gamma(gamma_t));
+    let gamma = |dashpot: Dashpot| root * dashpot.at(pair.root_mass);
+    let (gamma_n, gamma_t) = (gamma(law.dashpots.normal), gamma(law.dashpots.tangential));
 
     let torque = press.torque * pair.kappa;
     let about_centre = torque - centre.cross(&elastic);
@@ -159,7 +156,7 @@ pub(crate) fn load(
     let old = std::mem::replace(&mut memory.normal, n);
     memory.overlap = press.deepest;
     if law.mu > 0.0 {
-        let k_t = tangential_stiffness * part;
+        let k_t = spring.tangential_stiffness * part;
         let along = velocity.dot(&n);
         let since = if touching {
             0.0

@@ -1,10 +1,11 @@
 //! What can be wrong with the law of a contact.
 
+use crate::contact::springs::RegisteredSpring;
 use crate::math::numbers::is_positive;
 use crate::setup::check::not_positive;
 use tremie_messages::{
     Problem,
-    scene::{ContactLaw, Damping, Spring},
+    scene::{ContactLaw, Damping},
 };
 
 /// Checks the numbers of a law.
@@ -15,16 +16,9 @@ pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(format!("{key}.{name}"), message));
         }
     };
-    let stiffest = match law.spring {
-        Spring::Linear { normal_stiffness, tangential_stiffness } => {
-            not_negative("tangential_stiffness", tangential_stiffness);
-            ("normal_stiffness", normal_stiffness)
-        }
-        Spring::Hertz { effective_modulus, effective_shear_modulus } => {
-            not_negative("effective_shear_modulus", effective_shear_modulus);
-            ("effective_modulus", effective_modulus)
-        }
-    };
+    let spring = RegisteredSpring::of(&law.spring);
+    let numbers = spring.law().numbers();
+    numbers[1..].iter().for_each(|&(name, value)| not_negative(name, value));
     not_negative("friction", law.friction);
     not_negative("rolling_friction", law.rolling_friction);
     match law.damping {
@@ -39,14 +33,14 @@ pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
             }
         }
     }
-    let (name, value) = stiffest;
-    if !is_positive(value) {
+    if let Some(&(name, value)) = numbers.first().filter(|(_, value)| !is_positive(*value)) {
         problems.push(not_positive(format!("{key}.{name}"), value));
     }
-    let hertz = matches!(law.spring, Spring::Hertz { .. });
-    if hertz && matches!(law.damping, Damping::Coefficients { .. }) {
-        let message = "gives dashpots by coefficients, which goes with linear springs only";
-        let help = "give the restitution of Hertz's springs";
+    let coefficients = matches!(law.damping, Damping::Coefficients { .. });
+    if coefficients && !spring.law().takes_coefficients() {
+        let name = spring.law().name();
+        let message = format!("gives dashpots by coefficients, but the spring is {name}");
+        let help = "give the restitution";
         problems.push(Problem::new(format!("{key}.damping"), message).help(help));
     }
 }

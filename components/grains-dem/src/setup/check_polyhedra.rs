@@ -1,5 +1,6 @@
 //! What can be wrong with polyhedra.
 
+use crate::contact::springs::RegisteredSpring;
 use crate::math::numbers::is_positive;
 use crate::math::parameters::Parameters;
 use crate::polyhedra::Shape;
@@ -9,7 +10,7 @@ use tremie_messages::{
     Problem,
     scene::{
         BodySet, Motion, Packing, Placement, Polyhedra as Set, Polyhedron, PolyhedronPlacement,
-        Scene, Spring,
+        Scene,
     },
 };
 
@@ -46,12 +47,10 @@ pub(crate) fn shapes(scene: &Scene, parameters: &Parameters, problems: &mut Vec<
         let met = |set: &&BodySet| {
             matches!(set.placement, Placement::Polyhedra(_)) && pair.between.contains(&set.material)
         };
-        if let (Some(set), Spring::Hertz { .. }) = (scene.bodies.iter().find(met), &pair.law.spring)
-        {
-            let message = format!(
-                "is Hertz's law, which is that of spheres, but \"{}\" are polyhedra",
-                set.name
-            );
+        let spring = RegisteredSpring::of(&pair.law.spring);
+        if let (Some(set), None) = (scene.bodies.iter().find(met), spring.law().as_linear()) {
+            let (name, set) = (spring.law().name(), &set.name);
+            let message = format!("is {name}, which has no form for polyhedra, as \"{set}\" are");
             let help = "give a normal and a tangential stiffness";
             problems
                 .push(Problem::new(format!("scene.contacts[{i}].law.spring"), message).help(help));

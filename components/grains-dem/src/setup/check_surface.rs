@@ -2,10 +2,11 @@
 
 use crate::bodies::deformable_surface::{DeformableSurface, area_vectors};
 use crate::bodies::slider::unit;
-use crate::contact::contact_law::Reduced;
+use crate::contact::contact_law::Law;
+use crate::contact::springs::Reduced;
 use crate::math::numbers::is_positive;
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
-use crate::setup::material_pairs::{BodyStatistics, contact_time};
+use crate::setup::material_pairs::BodyStatistics;
 use crate::solver::clumps::{self, Whole};
 use core::f64::consts::PI;
 use tremie_geometry::{Mesh, Surface};
@@ -79,7 +80,7 @@ fn meets(
     let Some((mass, radius)) = BodyStatistics::lightest(set, whole) else { return };
     let speed = slowest(scene);
     let pair = Reduced { root_mass: mass.sqrt(), radius };
-    too_few(key, "a sphere", contact_time(law, pair, speed), dt, problems);
+    too_few(key, "a sphere", Law::new(law).contact_time(pair, speed), dt, problems);
 }
 
 /// Relative speed for which collisions under Hertz's law are looked at [m/s].

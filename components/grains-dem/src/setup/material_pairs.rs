@@ -1,17 +1,14 @@
 //! Who may meet whom under which law, and the extreme pairs under each.
 
-use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::contact_law::Law;
 use crate::contact::material_laws::{Surface, surfaces};
+use crate::contact::springs::Reduced;
 use crate::packing::random_packing;
 use crate::solver::clumps::{self, Whole};
 use crate::solver::placement;
-use core::f64::consts::PI;
 use tremie_messages::{
     Problem,
-    scene::{
-        BodySet, ContactLaw, Face, InletVelocity, Motion, Placement, PolyhedronPlacement, Scene,
-        Spring,
-    },
+    scene::{BodySet, Face, InletVelocity, Motion, Placement, PolyhedronPlacement, Scene},
 };
 
 /// A body that may meet others.
@@ -87,7 +84,7 @@ pub(crate) struct MaterialPair<'a> {
     /// The materials, that of a surface last.
     pub materials: [&'a str; 2],
     /// Their law.
-    pub law: &'a ContactLaw,
+    pub law: Law,
     /// The lightest pair.
     pub light: Reduced,
     /// The heaviest pair.
@@ -199,7 +196,7 @@ impl<'a> BodyStatistics<'a> {
     pub fn encounters(&self) -> Vec<MaterialPair<'a>> {
         let mut found: Vec<MaterialPair<'a>> = Vec::new();
         self.each(|a, b, _, Pairs { light, heavy, dense, contacts }| {
-            let Some(law) = self.scene.law(a, b) else { return };
+            let Some(law) = self.scene.law(a, b).map(Law::new) else { return };
             let with_surface = light[1].radius.is_infinite();
             let side = if with_surface { "surface of " } else { "" };
             let name = format!("{a} with {side}{b}");
@@ -396,42 +393,4 @@ fn motion_speed(motion: &Motion) -> f64 {
     }
     let Motion::Prescribed(points) = motion else { return 0.0 };
     points.iter().fold(0.0, |v: f64, point| v.max(norm(&point.velocity)))
-}
-
-/// Duration of a collision without damping at a relative speed [s]: `pi sqrt(m*/k_n)` for linear
-/// springs; under Hertz's law `2.9432 delta_max/v` (Landau & Lifshitz, *Theory of Elasticity*, sec. 9).
-pub(crate) fn contact_time(law: &ContactLaw, pair: Reduced, speed: f64) -> f64 {
-    let mass = pair.root_mass * pair.root_mass;
-    match law.spring {
-        Spring::Linear { normal_stiffness, .. } => PI * (mass / normal_stiffness).sqrt(),
-        Spring::Hertz { .. } => 2.943_225_5 * largest_overlap(law, pair, speed) / speed,
-    }
-}
-
-/// Largest overlap of an undamped head-on collision at a relative speed [m].
-pub(crate) fn largest_overlap(law: &ContactLaw, pair: Reduced, speed: f64) -> f64 {
-    let mass = pair.root_mass * pair.root_mass;
-    match law.spring {
-        Spring::Linear { normal_stiffness, .. } => speed * (mass / normal_stiffness).sqrt(),
-        Spring::Hertz { effective_modulus, .. } => {
-            let hertz = 4.0 / 3.0 * effective_modulus * pair.radius.sqrt();
-            libm::pow(1.25 * mass * speed * speed / hertz, 0.4)
-        }
-    }
-}
-
-/// Damping ratio of the normal dashpot; that of Hertz's law in the sense of [`Law`].
-pub(crate) fn damping_ratio(law: &ContactLaw, pair: Reduced) -> f64 {
-    let resolved = Law::new(law);
-    match law.spring {
-        Spring::Linear { normal_stiffness, .. } => {
-            let gamma = resolved.at(1.0, 1.0, pair).gamma_n;
-            gamma / (2.0 * pair.root_mass * normal_stiffness.sqrt())
-        }
-        Spring::Hertz { effective_modulus, .. } => {
-            let hertz = 4.0 / 3.0 * effective_modulus * pair.radius.sqrt();
-            let gamma = resolved.at(1.0, 1.0, pair).gamma_n;
-            gamma / (5f64.sqrt() * pair.root_mass * hertz.sqrt())
-        }
-    }
 }

@@ -5,7 +5,7 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Mobility, Twist, Wrench};
-use crate::contact::contact_law::Reduced;
+use crate::contact::springs::Reduced;
 use crate::math::parameters::Parameters;
 use crate::neighbours::neighbour_list::{ContactState, ListedPair, Rolling};
 use crate::neighbours::size_classes::Skins;

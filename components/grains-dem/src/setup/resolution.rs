@@ -1,16 +1,15 @@
 //! From a scene and parameters to a time step and what the contacts will be like.
 
 use crate::bodies::placed_parts;
-use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::contact_law::Law;
 use crate::contact::lubrication::Squeeze;
+use crate::contact::springs::Reduced;
 use crate::contact::stability::Stability;
 use crate::math::damping::restitution;
 use crate::math::parameters::Parameters;
 use crate::setup::check::MIN_STEPS_PER_CONTACT;
 use crate::setup::check_clumps::{self, ClumpOverlap};
-use crate::setup::material_pairs::{
-    BodyStatistics, MaterialPair, contact_time, damping_ratio, largest_overlap,
-};
+use crate::setup::material_pairs::{BodyStatistics, MaterialPair};
 use crate::setup::memory_need::Need;
 use crate::setup::slider_times::{self, Grains, SliderTimes};
 use crate::setup::softness::Softness;
@@ -19,10 +18,7 @@ use crate::setup::{check, check_ports};
 use crate::solver::ports::{self, Room};
 use crate::solver::{overlaps, placement};
 use serde::Serialize;
-use tremie_messages::{
-    Problem,
-    scene::{ContactLaw, Scene, Spring},
-};
+use tremie_messages::{Problem, scene::Scene};
 use tremie_team::Team;
 
 /// What scene and parameters lead to, before any body is placed.
@@ -149,7 +145,7 @@ impl Parameters {
             stable_time_step: finite(limits.dense),
             contact_time: finite(limits.contact),
             expected_speed: speed,
-            hertz: encounters.iter().any(|e| matches!(e.law.spring, Spring::Hertz { .. })),
+            hertz: encounters.iter().any(|e| e.law.as_linear().is_none()),
             bodies: capacity + parts.iter().filter(|part| part.moves()).count(),
             spheres: population.bodies(),
             room: (!scene.inlets.is_empty()).then_some(room),
@@ -236,14 +232,14 @@ fn extremes(encounter: &MaterialPair<'_>, speed: f64) -> [PairDamping; 2] {
     ]
 }
 
-fn pair_damping(pair: String, law: &ContactLaw, reduced: Reduced, speed: f64) -> PairDamping {
-    let zeta = damping_ratio(law, reduced);
+fn pair_damping(pair: String, law: &Law, reduced: Reduced, speed: f64) -> PairDamping {
+    let zeta = law.damping_ratio(reduced);
     PairDamping {
         pair,
         reduced_mass: reduced.root_mass * reduced.root_mass,
         damping_ratio: zeta,
         restitution: restitution(zeta, law.tension),
-        contact_time: contact_time(law, reduced, speed),
+        contact_time: law.contact_time(reduced, speed),
     }
 }
 
@@ -261,12 +257,11 @@ fn limits(
         (Stability::default(), Stability::default(), Stability::default());
     let (mut contact, mut tightest) = (f64::INFINITY, Tightest::default());
     for (index, encounter) in encounters.iter().enumerate() {
-        let (law, pair, inverse_mass) =
-            (Law::new(encounter.law), encounter.light, encounter.inverse_mass);
+        let &MaterialPair { law, light: pair, inverse_mass, .. } = encounter;
         let felt = Reduced { root_mass: (1.0 / inverse_mass).sqrt(), ..pair };
-        let time = contact_time(encounter.law, felt, speed);
+        let time = law.contact_time(felt, speed);
         contact = contact.min(time);
-        let overlap = deepest(encounter, pair, speed);
+        let overlap = law.largest_overlap(pair, speed);
         let lubrication = squeeze.map_or(0.0, |squeeze| squeeze.largest(pair.radius));
         let of = |contacts| {
             Stability::of(&law, pair, inverse_mass * lever, overlap, contacts)
@@ -286,19 +281,11 @@ fn limits(
     (limits, tightest)
 }
 
-/// Overlap at which the stiffness of an encounter counts [m].
-fn deepest(encounter: &MaterialPair<'_>, pair: Reduced, speed: f64) -> f64 {
-    match encounter.law.spring {
-        Spring::Linear { .. } => 0.0,
-        Spring::Hertz { .. } => largest_overlap(encounter.law, pair, speed),
-    }
-}
-
 /// Largest normal stiffness of a contact with a surface [N/m].
 fn stiffest_at_surfaces(encounters: &[MaterialPair<'_>], speed: f64) -> f64 {
     let at_surfaces = encounters.iter().filter(|encounter| encounter.with_surface);
     let slope =
-        |e: &MaterialPair<'_>| Law::new(e.law).normal_slope(deepest(e, e.heavy, speed), e.heavy);
+        |e: &MaterialPair<'_>| e.law.normal_slope(e.law.largest_overlap(e.heavy, speed), e.heavy);
     at_surfaces.map(slope).fold(0.0, f64::max)
 }
 

@@ -13,16 +13,17 @@
 
 use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;
+use crate::contact::contact_law::Law;
 use crate::packing::random_packing;
-use crate::setup::material_pairs::{MaterialPair, damping_ratio, largest_overlap};
+use crate::setup::material_pairs::MaterialPair;
 use core::f64::consts::PI;
 use serde::Serialize;
 use tremie_messages::{
     Finding,
     finding::short,
     scene::{
-        BodySet, ContactLaw, Course, Face, FluidMaterial, Inlet, InletVelocity, Motion, Part,
-        Placement, PolyhedronPlacement, Scene, Spring,
+        BodySet, Course, Face, FluidMaterial, Inlet, InletVelocity, Motion, Part, Placement,
+        PolyhedronPlacement, Scene,
     },
 };
 
@@ -96,14 +97,12 @@ impl Softness {
 fn at_impact(encounter: &MaterialPair<'_>, impacts: &Impacts) -> Option<Overlap> {
     let (speed, whence) = impacts.speed(encounter.with_surface);
     let (pair, radius) = encounter.soft;
-    let left = damped(damping_ratio(encounter.law, pair));
-    let left = if is_linear(encounter.law) { left } else { libm::pow(left, 0.8) };
-    let depth = largest_overlap(encounter.law, pair, speed) * left;
+    let power = encounter.law.spring.law().exponent() + 1.0;
+    let left = libm::pow(damped(encounter.law.damping_ratio(pair)), 2.0 / power);
+    let depth = encounter.law.largest_overlap(pair, speed) * left;
     let ratio = depth / radius;
-    // Linear in v over the root of the stiffness; under Hertz's law the power -2/5 of the modulus.
-    let power = if is_linear(encounter.law) { 2.0 } else { 2.5 };
     let why = format!("{} at {} m/s, {whence}", encounter.name, short(speed));
-    let remedy = stiffer(encounter.law, libm::pow(ratio / GOOD, power));
+    let remedy = stiffer(&encounter.law, libm::pow(ratio / GOOD, power));
     (ratio.is_finite() && speed > 0.0).then_some(Overlap { ratio, why, remedy })
 }
 
@@ -113,14 +112,8 @@ fn at_rest(encounter: &MaterialPair<'_>, scene: &Scene, pressure: f64) -> Option
     let gravity = Vec3::from(scene.gravity).norm_squared().sqrt();
     let own = if encounter.with_surface { pair.root_mass * pair.root_mass * gravity } else { 0.0 };
     let force = (pressure * 4.0 * radius * radius).max(own);
-    let depth = match encounter.law.spring {
-        Spring::Linear { normal_stiffness, .. } => force / normal_stiffness,
-        Spring::Hertz { effective_modulus, .. } => {
-            let hertz = 4.0 / 3.0 * effective_modulus * pair.radius.sqrt();
-            libm::pow(force / hertz, 2.0 / 3.0)
-        }
-    };
-    let ratio = depth / radius;
+    let spring = encounter.law.spring.law();
+    let ratio = spring.overlap_under(force, pair) / radius;
     let why = format!(
         "{} under {} N, the pressure {} Pa of the bed on a grain of {} m, or its own weight",
         encounter.name,
@@ -128,27 +121,13 @@ fn at_rest(encounter: &MaterialPair<'_>, scene: &Scene, pressure: f64) -> Option
         short(pressure),
         short(2.0 * radius)
     );
-    let power = if is_linear(encounter.law) { 1.0 } else { 1.5 };
-    let remedy = stiffer(encounter.law, libm::pow(ratio / GOOD, power));
+    let remedy = stiffer(&encounter.law, libm::pow(ratio / GOOD, spring.exponent()));
     (ratio.is_finite() && force > 0.0).then_some(Overlap { ratio, why, remedy })
 }
 
-fn is_linear(law: &ContactLaw) -> bool {
-    matches!(law.spring, Spring::Linear { .. })
-}
-
-fn stiffer(law: &ContactLaw, factor: f64) -> String {
-    match law.spring {
-        Spring::Linear { normal_stiffness, .. } => format!(
-            "a normal_stiffness of {} N/m makes it {GOOD} (now {} N/m), with a shorter time step; or lower speeds and lighter loads",
-            short(normal_stiffness * factor),
-            short(normal_stiffness)
-        ),
-        Spring::Hertz { .. } => format!(
-            "Young's moduli {} times as large make it {GOOD}, with a shorter time step; or lower speeds and lighter loads",
-            short(factor)
-        ),
-    }
+fn stiffer(law: &Law, factor: f64) -> String {
+    let remedy = law.spring.law().remedy(factor);
+    format!("{remedy} {GOOD}, with a shorter time step; or lower speeds and lighter loads")
 }
 
 /// What a dashpot leaves of the depth of an impact.

@@ -6,7 +6,7 @@ use crate::setup::material_pairs::MaterialPair;
 use crate::setup::slider_times::SliderTimes;
 use tremie_messages::{
     finding::short,
-    scene::{BodySizes, Scene, Spring},
+    scene::{BodySizes, Scene},
 };
 
 /// What bounds steps: the encounters, by index, of the shortest collision and of the least stability in a packing.
@@ -69,14 +69,7 @@ fn quickest(sliders: &[SliderTimes]) -> String {
 
 /// The lightest pair of an encounter, with its smallest grain and its stiffness.
 fn lightest(scene: &Scene, encounter: &MaterialPair<'_>) -> String {
-    let stiffness = match encounter.law.spring {
-        Spring::Linear { normal_stiffness, .. } => {
-            format!("normal_stiffness {} N/m", short(normal_stiffness))
-        }
-        Spring::Hertz { effective_modulus, .. } => {
-            format!("an effective modulus of {} Pa under Hertz's law", short(effective_modulus))
-        }
-    };
+    let stiffness = encounter.law.spring.law().stiffness_in_words();
     let grain =
         smallest(scene, &encounter.materials).map_or(String::new(), |grain| format!(", {grain}"));
     format!("{}{grain}, {stiffness}", encounter.name)

@@ -3,6 +3,7 @@
 use crate::bodies::body_arrays::PlacedSolid;
 use crate::bodies::body_arrays::{BoundingSphere, Joined, PlacedSphere, Twist};
 use crate::bodies::placed_parts::PlacedPart;
+use crate::contact::contact_law::Law;
 use crate::contact::plane_walls::Wall;
 use crate::math::periodic::PeriodicBox;
 use crate::math::random::Random;
@@ -13,9 +14,7 @@ use core::f64::consts::{PI, TAU};
 use tremie_geometry::{ClumpPiece, clump};
 use tremie_messages::{
     Problem,
-    scene::{
-        BodySet, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Scene, Sphere, Spring,
-    },
+    scene::{BodySet, Placement, Polyhedra, Polyhedron, PolyhedronPlacement, Scene, Sphere},
 };
 
 /// Mass of a sphere [kg].
@@ -47,10 +46,8 @@ pub(crate) fn corner_depth(scene: &Scene, speed: f64) -> f64 {
         let shape = Shape::of(&scene.shapes[shape as usize]).ok()?;
         let size = random_packing::diameters_of(set).into_iter().fold(0.0, f64::max);
         let laws = scene.contacts.iter().filter(|pair| pair.between.contains(&set.material));
-        let stiffness = laws.filter_map(|pair| match pair.law.spring {
-            Spring::Linear { normal_stiffness, .. } => Some(normal_stiffness),
-            Spring::Hertz { .. } => None,
-        });
+        let stiffness =
+            laws.filter_map(|pair| Some(Law::new(&pair.law).as_linear()?.normal_stiffness));
         let softest = stiffness.fold(f64::INFINITY, f64::min);
         let area = shape.largest_face * size * size;
         let mass = whole.map_or_else(|| mass(set.density, size), |whole| whole.mass);

@@ -7,8 +7,9 @@
 
 use crate::bodies::mesh_contact::{MOST, ReachedPoints, WallPoint, WallPoints};
 use crate::contact::contact_history::WallContactHistory;
-use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::contact_law::Law;
 use crate::contact::region_shares::shares;
+use crate::contact::springs::Reduced;
 
 /// Owners from this one on are surfaces that deform, by number; those before it are rigid.
 const SOFT: u32 = 1 << 31;

@@ -8,9 +8,10 @@ use crate::bodies::mesh_contact::{
 };
 use crate::contact::contact_force::{self, Contact, Steps};
 use crate::contact::contact_history::{Remembered, WallContactHistory};
-use crate::contact::contact_law::{Law, Reduced};
+use crate::contact::contact_law::Law;
 use crate::contact::material_laws::Laws;
 use crate::contact::region_shares::shares;
+use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::error::GrainsError;
 use crate::math::tally::{Other, Tally};

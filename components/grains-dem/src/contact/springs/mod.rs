@@ -1,0 +1,154 @@
+//! The springs of a contact: the trait that a contact law implements, and the laws there are.
+//!
+//! Everything else asks a law through [`ContactSpring`]; which laws exist is said in this file alone, and ARCHITECTURE.md
+//! says how one is added.
+
+pub mod hertz_mindlin;
+pub mod linear_spring;
+
+use crate::contact::springs::hertz_mindlin::HertzMindlin;
+use crate::contact::springs::linear_spring::LinearSpring;
+use tremie_messages::scene::Spring;
+
+/// Reduced quantities of a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub(crate) struct Reduced {
+    /// `sqrt(m*)` [kg^(1/2)].
+    pub root_mass: f64,
+    /// `R*` [m].
+    pub radius: f64,
+}
+
+/// Springs and dashpots of a contact at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stiffness {
+    /// Elastic normal force [N].
+    pub elastic: f64,
+    /// Normal dashpot [kg/s].
+    pub gamma_n: f64,
+    /// Tangential spring [N/m].
+    pub k_t: f64,
+    /// `1/k_t`, or 0 without a spring [m/N].
+    pub inverse_k_t: f64,
+    /// Tangential dashpot [kg/s].
+    pub gamma_t: f64,
+    /// Factor on remembered tangential displacements since the overlap before.
+    pub remembered: f64,
+}
+
+/// A dashpot's coefficient [kg/s] as `fixed + per_root_mass sqrt(m*)`; under Hertz's law as `fixed + per_root_mass
+/// sqrt(m* k_H) delta^(1/4)`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dashpot {
+    pub fixed: f64,
+    pub per_root_mass: f64,
+}
+
+impl Dashpot {
+    /// The coefficient where what stands for `sqrt(m*)` has a value.
+    #[inline(always)]
+    pub fn at(self, root_mass: f64) -> f64 {
+        self.fixed + self.per_root_mass * root_mass
+    }
+}
+
+/// Both dashpots of a law.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dashpots {
+    pub normal: Dashpot,
+    pub tangential: Dashpot,
+}
+
+/// Normal and tangential springs of a contact: what a contact law has to say.
+///
+/// The first four functions are asked in every step, the others before a run.
+pub(crate) trait ContactSpring {
+    /// Springs and dashpots at an overlap, after `before` at the last evaluation [m].
+    fn at(&self, overlap: f64, before: f64, pair: Reduced, dashpots: &Dashpots) -> Stiffness;
+
+    /// Elastic energy of the normal spring at an overlap [J].
+    fn normal_energy(&self, overlap: f64, pair: Reduced) -> f64;
+
+    /// Slope of the elastic normal force over the overlap [N/m].
+    fn normal_slope(&self, overlap: f64, pair: Reduced) -> f64;
+
+    /// The law as a linear spring, if it is one: of others there is no form side by side in registers, and none for
+    /// polyhedra, which need `k_n` and `k_t` per area.
+    #[inline(always)]
+    fn as_linear(&self) -> Option<LinearSpring> {
+        None
+    }
+
+    /// Normal and tangential [`Dashpot::per_root_mass`] for a damping ratio.
+    fn dashpots(&self, zeta: f64) -> [f64; 2];
+
+    /// Normal dashpot of damping ratio 1 at an overlap of 1 m [kg/s].
+    fn critical_dashpot(&self, pair: Reduced) -> f64;
+
+    /// Whether dashpots may be given by fixed coefficients.
+    fn takes_coefficients(&self) -> bool {
+        self.as_linear().is_some()
+    }
+
+    /// The power of the overlap to which the elastic force goes.
+    fn exponent(&self) -> f64;
+
+    /// Overlap under a force at rest [m].
+    fn overlap_under(&self, force: f64, pair: Reduced) -> f64;
+
+    /// Largest overlap of an undamped head-on collision at a relative speed [m].
+    fn largest_overlap(&self, pair: Reduced, speed: f64) -> f64;
+
+    /// Duration of a collision without damping at a relative speed [s].
+    fn contact_time(&self, pair: Reduced, speed: f64) -> f64;
+
+    /// Name in messages to the user.
+    fn name(&self) -> &'static str;
+
+    /// Numbers of the law with their keys in the scene: the first must be positive, the others 0 or more.
+    fn numbers(&self) -> Vec<(&'static str, f64)>;
+
+    /// The stiffness, in words, with its value and unit.
+    fn stiffness_in_words(&self) -> String;
+
+    /// What makes overlaps small when the law's stiffness has to be larger by a factor: a sentence up to "makes it".
+    fn remedy(&self, factor: f64) -> String;
+}
+
+/// The laws there are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum RegisteredSpring {
+    Linear(LinearSpring),
+    Hertz(HertzMindlin),
+}
+
+/// Asks whichever law it is; each is compiled by itself.
+macro_rules! ask {
+    ($any:expr, $law:ident => $answer:expr) => {
+        match $any {
+            RegisteredSpring::Linear($law) => $answer,
+            RegisteredSpring::Hertz($law) => $answer,
+        }
+    };
+}
+pub(crate) use ask;
+
+impl RegisteredSpring {
+    /// That of a scene.
+    pub fn of(spring: &Spring) -> Self {
+        match *spring {
+            Spring::Linear { normal_stiffness, tangential_stiffness } => {
+                Self::Linear(LinearSpring::new(normal_stiffness, tangential_stiffness))
+            }
+            Spring::Hertz { effective_modulus, effective_shear_modulus } => {
+                Self::Hertz(HertzMindlin { effective_modulus, effective_shear_modulus })
+            }
+        }
+    }
+
+    /// The law behind its trait, for questions that are not asked in a step.
+    pub fn law(&self) -> &dyn ContactSpring {
+        ask!(self, law => law)
+    }
+}
