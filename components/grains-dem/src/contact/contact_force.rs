@@ -25,6 +25,7 @@
 use crate::Vec3;
 use crate::bodies::body_arrays::Twist;
 use crate::contact::contact_law::Law;
+use crate::contact::friction::{FrameMotion, TangentialSpring, time_since_touch};
 use crate::contact::springs::{Reduced, Stiffness};
 
 /// Geometry and kinematics of a contact at the end of a step.
@@ -104,82 +105,30 @@ pub(crate) fn force(
     memory.normal = n;
     memory.overlap = contact.overlap;
     let mut force = ContactForce { normal: f_n, ..ContactForce::default() };
-    let since = if touching { 0.0 } else { time_since_touch(contact.overlap, v_n, steps.before) };
-    let motion = Motion { n, old, twist: contact.twist, touching, since, steps };
+    let motion = FrameMotion {
+        n: n.into(),
+        old: old.into(),
+        twist: contact.twist,
+        touching: f64::from(u8::from(touching)),
+        since: if touching { 0.0 } else { time_since_touch(contact.overlap, v_n, steps.before) },
+        steps,
+    };
+    let Stiffness { k_t, inverse_k_t, gamma_t, remembered, .. } = stiffness;
+    let spring = TangentialSpring { k_t, inverse_k_t, gamma_t, remembered };
     if law.mu > 0.0 {
         let v_t = contact.velocity - n * v_n;
         let limit = law.mu * f_n.max(0.0);
-        (force.tangential, memory.xi) = friction(&stiffness, limit, memory.xi, v_t, &motion);
+        let (tangential, xi) = spring.resist(limit, memory.xi.into(), v_t.into(), &motion);
+        (force.tangential, memory.xi) = (tangential.into(), xi.into());
     }
     if law.mu_rolling > 0.0 {
         let v_r = (contact.rolling - n * contact.rolling.dot(&n)) * pair.radius;
         let limit = law.mu_rolling * f_n.max(0.0);
-        let (rolling, displacement) = friction(&stiffness, limit, memory.rolling, v_r, &motion);
-        memory.rolling = displacement;
-        force.rolling = rolling * pair.radius;
+        let (rolling, xi) = spring.resist(limit, memory.rolling.into(), v_r.into(), &motion);
+        memory.rolling = xi.into();
+        force.rolling = Vec3::from(rolling) * pair.radius;
     }
     force
-}
-
-/// How a contact's frame moved in the step, and whether it was there before.
-struct Motion {
-    n: Vec3,
-    old: Vec3,
-    twist: f64,
-    touching: bool,
-    since: f64,
-    steps: Steps,
-}
-
-/// Spring, dashpot and slider across the normal: the force at the velocity `v`, which has no part
-/// along the normal, and the displacement to remember.
-#[inline(always)]
-fn friction(
-    stiffness: &Stiffness,
-    limit: f64,
-    remembered: Vec3,
-    v: Vec3,
-    motion: &Motion,
-) -> (Vec3, Vec3) {
-    let n = motion.n;
-    let mut xi = if motion.touching {
-        let before = remembered * stiffness.remembered;
-        turned(before, motion.old, n, motion.twist * motion.steps.before)
-            + v * (0.5 * motion.steps.before)
-    } else {
-        v * motion.since
-    };
-    xi -= n * xi.dot(&n);
-    let damping = v * stiffness.gamma_t;
-    let trial = -(xi * stiffness.k_t + damping);
-    let square = trial.norm_squared();
-    let force = if square <= limit * limit {
-        trial
-    } else {
-        let slipping = trial * (limit / square.sqrt());
-        xi = (slipping + damping) * -stiffness.inverse_k_t;
-        slipping
-    };
-    (force, xi + v * (0.5 * motion.steps.after))
-}
-
-/// How long ago two bodies met that overlap by `overlap` and approach at `v_n`; at most `dt`.
-#[inline(always)]
-pub(crate) fn time_since_touch(overlap: f64, v_n: f64, dt: f64) -> f64 {
-    if overlap < v_n * dt { overlap / v_n } else { dt }
-}
-
-/// The displacement `xi` across `old`, turned with the pair: by the rotation that takes the old
-/// normal to `n`, then by `angle` about `n`.
-#[inline(always)]
-pub(crate) fn turned(xi: Vec3, old: Vec3, n: Vec3, angle: f64) -> Vec3 {
-    // Rodrigues' formula between two unit vectors a, b, for xi normal to a:
-    // R xi = xi - (xi.b)/(1 + a.b) (a + b)
-    let xi = xi - (old + n) * (xi.dot(&n) / (1.0 + old.dot(&n)));
-    // Cayley's form of a rotation keeps lengths exactly and needs no trigonometric function.
-    let t = 0.5 * angle;
-    let cross = n.cross(&xi);
-    xi + (cross - xi * t) * (2.0 * t / (1.0 + t * t))
 }
 
 /// The contact of two spheres with centres `d` apart. Its point lies half way between the two

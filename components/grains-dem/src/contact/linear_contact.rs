@@ -3,6 +3,7 @@
 
 use crate::contact::contact_force::Steps;
 use crate::contact::contact_law::Law;
+use crate::contact::friction::{FrameMotion, TangentialSpring, time_since_touch};
 use crate::contact::springs::{Dashpot, Dashpots};
 use crate::math::simd::lanes::{Lane3, Plain, SimdLane};
 use tremie_team::Variant;
@@ -100,23 +101,22 @@ impl LinearLaw {
             xi: b.xi,
         };
         if self.mu > 0.0 {
-            let v = velocity - n * v_n;
+            let motion = FrameMotion {
+                n,
+                old: b.old,
+                twist,
+                touching: b.touching,
+                since: time_since_touch(overlap, v_n, steps.before),
+                steps,
+            };
+            let spring = TangentialSpring {
+                k_t: like.all(self.k_t),
+                inverse_k_t: like.all(self.inverse_k_t),
+                gamma_t: gamma(self.dashpots.tangential, b.root_mass),
+                remembered: one,
+            };
             let limit = like.all(self.mu) * f_n.positive();
-            let dt = like.all(steps.before);
-            let reach = v_n * dt;
-            let since = overlap.less(reach, overlap.over(v_n), dt);
-            let kept = turned(b.xi, b.old, n, twist * dt) + v * like.all(0.5 * steps.before);
-            let xi = Lane3::at_most(b.touching, zero, v * since, kept);
-            let xi = xi - n * xi.dot(n);
-            let damping = v * gamma(self.dashpots.tangential, b.root_mass);
-            let trial = -(xi * like.all(self.k_t) + damping);
-            let square = trial.dot(trial);
-            let slipping = trial * limit.over(square.sqrt());
-            let pulled = (slipping + damping) * like.all(-self.inverse_k_t);
-            let capacity = limit * limit;
-            out.tangential = Lane3::at_most(square, capacity, trial, slipping);
-            let xi = Lane3::at_most(square, capacity, xi, pulled);
-            out.xi = xi + v * like.all(0.5 * steps.after);
+            (out.tangential, out.xi) = spring.resist(limit, b.xi, velocity - n * v_n, &motion);
         }
         out
     }
@@ -126,16 +126,6 @@ impl LinearLaw {
 #[inline(always)]
 fn gamma<L: SimdLane>(dashpot: Dashpot, root_mass: L) -> L {
     root_mass.all(dashpot.fixed) + root_mass.all(dashpot.per_root_mass) * root_mass
-}
-
-/// See [`crate::contact`]'s function of this name.
-#[inline(always)]
-fn turned<L: SimdLane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<L> {
-    let one = angle.all(1.0);
-    let xi = xi - (old + n) * xi.dot(n).over(one + old.dot(n));
-    let t = angle.all(0.5) * angle;
-    let cross = n.cross(xi);
-    xi + (cross - xi * t) * (angle.all(2.0) * t).over(one + t * t)
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -3,6 +3,7 @@
 pub mod contact_force;
 pub mod contact_history;
 pub mod contact_law;
+pub mod friction;
 pub mod linear_contact;
 pub mod lubrication;
 pub mod material_laws;

@@ -21,14 +21,16 @@
 use super::overlap_integrals::Press;
 use crate::Vec3;
 use crate::bodies::body_arrays::Wrench;
-use crate::contact::contact_force::{self, Steps};
+use crate::contact::contact_force::Steps;
 use crate::contact::contact_law::Law;
+use crate::contact::friction::{FrameMotion, TangentialSpring, time_since_touch};
 use crate::contact::springs::Dashpot;
+use crate::math::simd::lanes::Lane3;
 
 /// What a contact of a polyhedron remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OverlapHistory {
-    /// Tangential displacement [m]; see [`contact_force::ContactHistory::xi`].
+    /// Tangential displacement [m]; see [`ContactHistory::xi`](crate::contact::contact_force::ContactHistory::xi).
     pub xi: Vec3,
     /// Angle about the normal [rad], likewise.
     pub turn: f64,
@@ -158,37 +160,30 @@ pub(crate) fn load(
     if law.mu > 0.0 {
         let k_t = spring.tangential_stiffness * part;
         let along = velocity.dot(&n);
-        let since = if touching {
-            0.0
-        } else {
-            contact_force::time_since_touch(press.deepest, along, steps.before)
+        let since =
+            if touching { 0.0 } else { time_since_touch(press.deepest, along, steps.before) };
+        let motion = FrameMotion {
+            n: n.into(),
+            old: old.into(),
+            twist: 0.5 * relative.both.dot(&n),
+            touching: f64::from(u8::from(touching)),
+            since,
+            steps,
         };
-        let across = velocity - n * along;
-        let mut xi = if touching {
-            let before = memory.xi * kept(memory.k_t, k_t);
-            let angle = 0.5 * relative.both.dot(&n) * steps.before;
-            contact_force::turned(before, old, n, angle) + across * (0.5 * steps.before)
-        } else {
-            across * since
-        };
-        xi -= n * xi.dot(&n);
+        let remembered = kept(memory.k_t, k_t);
+        let tangential = TangentialSpring { k_t, inverse_k_t: 0.0, gamma_t, remembered };
+        let across = Lane3::from(velocity - n * along);
         let limit = law.mu * pushing;
-        let mut sliding = -(xi * k_t + across * gamma_t);
-        let trial = sliding.norm_squared();
-        if trial > limit * limit {
-            let slip = limit / trial.sqrt();
-            sliding *= slip;
-            xi *= slip;
-        }
+        let (sliding, xi) = tangential.resist_alike(limit, memory.xi.into(), across, &motion);
         let spin =
             Spin { rate: relative.w.dot(&n), k: k_t * square, gamma: gamma_t * square, since };
         let most = OF_DISC * limit * square.sqrt();
         let twisting = spin.resist(memory, most, touching, steps);
-        memory.energy = 0.5 * (k_t * xi.norm_squared() + spin.k * memory.turn * memory.turn);
+        memory.energy = 0.5 * (k_t * xi.dot(xi) + spin.k * memory.turn * memory.turn);
         memory.turn += spin.rate * (0.5 * steps.after);
-        (memory.xi, memory.k_t) = (xi + across * (0.5 * steps.after), k_t);
-        force += sliding;
-        friction = sliding;
+        (memory.xi, memory.k_t) = (motion.ahead(xi, across).into(), k_t);
+        friction = sliding.into();
+        force += friction;
         turning += n * twisting;
     }
     let torque = about_centre * scale + turning + centre.cross(&force);

@@ -25,6 +25,50 @@ pub(crate) trait SimdLane:
     fn less(self, other: Self, yes: Self, no: Self) -> Self;
     /// `yes` where this is no more than `other`, else `no`.
     fn at_most(self, other: Self, yes: Self, no: Self) -> Self;
+
+    /// Whether a formula may leave out what only numbers above `other` need. Many side by side never ask.
+    #[inline(always)]
+    fn none_above(self, _: Self) -> bool {
+        false
+    }
+}
+
+/// A contact alone.
+impl SimdLane for f64 {
+    #[inline(always)]
+    fn all(self, value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self / other
+    }
+
+    #[inline(always)]
+    fn positive(self) -> Self {
+        if self > 0.0 { self } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self, yes: Self, no: Self) -> Self {
+        if self < other { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+        if self <= other { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn none_above(self, other: Self) -> bool {
+        self <= other
+    }
 }
 
 /// A vector of each contact.
@@ -260,6 +304,20 @@ macro_rules! lane_of_register {
 }
 #[cfg(target_arch = "x86_64")]
 pub(crate) use lane_of_register;
+
+impl From<Vec3> for Lane3<f64> {
+    #[inline(always)]
+    fn from(v: Vec3) -> Self {
+        Self { x: v.x, y: v.y, z: v.z }
+    }
+}
+
+impl From<Lane3<f64>> for Vec3 {
+    #[inline(always)]
+    fn from(v: Lane3<f64>) -> Self {
+        Self::new(v.x, v.y, v.z)
+    }
+}
 
 impl Lane3<Plain> {
     pub const ZERO: Self = Self { x: Plain::ZERO, y: Plain::ZERO, z: Plain::ZERO };
