@@ -23,6 +23,7 @@ use crate::math::periodic::PeriodicBox;
 use crate::math::tally::Tally;
 use crate::neighbours::neighbour_list_build::SolidPair;
 use crate::neighbours::size_classes::Skins;
+use crate::walls::contact_rows::ContactRows;
 use crate::walls::part_contacts::WallId;
 use tremie_team::{Cut, Team};
 
@@ -47,16 +48,8 @@ pub(crate) struct PolyContacts {
     triangles: Vec<(u32, u32)>,
     /// Most walls and parts, and most triangles, near one.
     most: (usize, usize),
-    /// Bodies that have entries, in the order of memory.
-    pub bodies: Vec<u32>,
-    /// Sum of the loads on each.
-    pub wrench: Vec<Wrench>,
-    /// Which of `bodies` belong to each block of bodies.
-    pub bounds: Vec<u32>,
-    /// `places[start[p]..start[p + 1]]` are the entries of `bodies[p]`: twice the entry, and one more where
-    /// the body is the other.
-    start: Vec<u32>,
-    places: Vec<u32>,
+    /// The entries of each body: twice the entry, and one more where the body is the other.
+    pub rows: ContactRows<u32>,
     tallies: Vec<Tally>,
     benches: Vec<Bench>,
     before: Vec<SolidPairEntry>,
@@ -85,8 +78,8 @@ impl PolyContacts {
         bodies: &Bodies,
         at: &SolidSearch<'_>,
     ) {
-        self.bounds.clear();
-        self.bounds.resize(bodies.len().div_ceil(BLOCK) + 1, 0);
+        self.rows.on.bounds.clear();
+        self.rows.on.bounds.resize(bodies.len().div_ceil(BLOCK) + 1, 0);
         if polyhedra.is_empty() {
             return;
         }
@@ -103,7 +96,7 @@ impl PolyContacts {
         }
         self.entries.sort_unstable_by_key(|entry| entry.key);
         self.inherit();
-        self.distribute(bodies);
+        self.distribute();
         self.gather(polyhedra, bodies);
     }
 
@@ -208,55 +201,53 @@ impl PolyContacts {
     }
 
     /// Tells which entries belong to which body.
-    fn distribute(&mut self, bodies: &Bodies) {
+    fn distribute(&mut self) {
         let of_both =
             |entry: &SolidPairEntry| if entry.key.1 == SolidPairKind::Body { 2 } else { 1 };
-        self.bodies.clear();
+        let ContactRows { on, start, entries: places, .. } = &mut self.rows;
+        on.bodies.clear();
         for entry in &self.entries {
-            self.bodies.extend(&entry.places[..of_both(entry)]);
+            on.bodies.extend(&entry.places[..of_both(entry)]);
         }
-        self.bodies.sort_unstable();
-        self.bodies.dedup();
-        let place = |bodies: &[u32], slot: u32| bodies.partition_point(|&b| b < slot);
-        self.start.clear();
-        self.start.resize(self.bodies.len() + 1, 0);
+        on.bodies.sort_unstable();
+        on.bodies.dedup();
+        let place = |slot: u32| on.bodies.partition_point(|&b| b < slot);
+        start.clear();
+        start.resize(on.bodies.len() + 1, 0);
         for entry in &self.entries {
             for &slot in &entry.places[..of_both(entry)] {
-                self.start[place(&self.bodies, slot) + 1] += 1;
+                start[place(slot) + 1] += 1;
             }
         }
-        for p in 0..self.bodies.len() {
-            self.start[p + 1] += self.start[p];
+        for p in 0..on.bodies.len() {
+            start[p + 1] += start[p];
         }
-        self.places.clear();
-        self.places.resize(self.start[self.bodies.len()] as usize, 0);
+        places.clear();
+        places.resize(start[on.bodies.len()] as usize, 0);
         for (number, entry) in (0..).zip(&self.entries) {
             for (side, &slot) in (0..).zip(&entry.places[..of_both(entry)]) {
-                let p = place(&self.bodies, slot);
-                self.places[self.start[p] as usize] = 2 * number + side;
-                self.start[p] += 1;
+                let p = place(slot);
+                places[start[p] as usize] = 2 * number + side;
+                start[p] += 1;
             }
         }
         // Each start has moved on to the next one's.
-        self.start.rotate_right(1);
-        self.start[0] = 0;
-        self.wrench.clear();
-        self.wrench.resize(self.bodies.len(), Wrench::zero());
-        for (b, bound) in self.bounds.iter_mut().enumerate() {
-            *bound = place(&self.bodies, (b * BLOCK).min(bodies.len()) as u32) as u32;
-        }
+        start.rotate_right(1);
+        start[0] = 0;
+        on.set_forces(|_| Wrench::zero());
+        on.give_bounds();
     }
 
     /// Adds up the loads on each body, in the order of the others' ids.
     fn gather(&mut self, polyhedra: &mut Polyhedra, bodies: &Bodies) {
-        for (p, &slot) in self.bodies.iter().enumerate() {
-            let mut sum = Wrench::zero();
-            for &place in &self.places[self.start[p] as usize..self.start[p + 1] as usize] {
+        for p in 0..self.rows.on.bodies.len() {
+            let (slot, mut sum) = (self.rows.on.bodies[p], Wrench::zero());
+            for &place in self.rows.row(p) {
                 let load = &self.entries[place as usize / 2].loads[place as usize % 2];
                 sum.force += load.force;
                 sum.torque += load.torque;
             }
-            self.wrench[p] = sum;
+            self.rows.on.wrench[p] = sum;
             let grain = bodies.poly[slot as usize];
             if grain != SPHERE {
                 polyhedra.grains[grain as usize].torque = sum.torque;

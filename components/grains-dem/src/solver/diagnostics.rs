@@ -213,10 +213,10 @@ fn add_springs(springs: &mut [f64], b: usize, seen: &Seen) {
         let of_pair = |&place: &u32| spring_of_pair(pairs, at, i, place);
         *energy = pairs.places_of(i).iter().filter_map(of_pair).sum();
     }
-    for p in walls.bounds[b] as usize..walls.bounds[b + 1] as usize {
-        let i = walls.bodies[p] as usize;
+    for p in walls.rows.on.bounds[b] as usize..walls.rows.on.bounds[b + 1] as usize {
+        let i = walls.rows.on.bodies[p] as usize;
         let (ball, twist) = (&at.bodies.balls[i], &at.bodies.predicted[i]);
-        for entry in walls.row(p) {
+        for entry in walls.rows.row(p) {
             let (contact, _) = touch_of_wall(ball, twist, &seen.walls[entry.wall as usize]);
             if contact.overlap > 0.0 {
                 let (law, pair) = (&at.laws[entry.law as usize], entry.reduced);
@@ -225,8 +225,8 @@ fn add_springs(springs: &mut [f64], b: usize, seen: &Seen) {
             }
         }
     }
-    for p in parts.bounds[b] as usize..parts.bounds[b + 1] as usize {
-        springs[parts.bodies[p] as usize - first] += parts.elastic_energy(p, at.laws);
+    for p in parts.rows.on.bounds[b] as usize..parts.rows.on.bounds[b + 1] as usize {
+        springs[parts.rows.on.bodies[p] as usize - first] += parts.elastic_energy(p, at.laws);
     }
 }
 

@@ -7,6 +7,7 @@ use crate::math::simd::prefetch::fetch_ahead;
 use crate::math::simd::vec4::Four;
 use crate::neighbours::neighbour_list::{ContactState, NeighbourList};
 use crate::solver::neighbour_search::Contacts;
+use crate::walls::contact_rows::LoadedBodies;
 use tremie_team::Variant;
 
 /// So many bodies ahead records are fetched: few enough to stay close.
@@ -31,9 +32,9 @@ struct Few<'a> {
 }
 
 impl<'a> Few<'a> {
-    fn of_block(bodies: &'a [u32], wrench: &'a [Wrench], bounds: &[u32], b: usize) -> Self {
-        let own = bounds[b] as usize..bounds[b + 1] as usize;
-        Self { bodies: &bodies[own.clone()], wrench: &wrench[own] }
+    fn of_block(on: &'a LoadedBodies, b: usize) -> Self {
+        let own = on.bounds[b] as usize..on.bounds[b + 1] as usize;
+        Self { bodies: &on.bodies[own.clone()], wrench: &on.wrench[own] }
     }
 
     /// Leaves out bodies before `i`.
@@ -60,10 +61,10 @@ impl<'a> ForceSum<'a> {
     pub fn new(contacts: Contacts<'a>, b: usize, range: std::ops::Range<usize>) -> Self {
         let Contacts { walls, parts, surfaces: soft, solids, .. } = contacts;
         let surfaces = [
-            Few::of_block(&walls.bodies, &walls.wrench, &walls.bounds, b),
-            Few::of_block(&parts.bodies, &parts.wrench, &parts.bounds, b),
-            Few::of_block(&soft.bodies, &soft.wrench, &soft.bounds, b),
-            Few::of_block(&solids.bodies, &solids.wrench, &solids.bounds, b),
+            Few::of_block(&walls.rows.on, b),
+            Few::of_block(&parts.rows.on, b),
+            Few::of_block(&soft.on, b),
+            Few::of_block(&solids.rows.on, b),
         ];
         let any = surfaces.iter().any(|few| !few.bodies.is_empty());
         Self { pairs: contacts.pairs, surfaces, any, wide: false, end: range.end }

@@ -9,6 +9,7 @@ use crate::contact::plane_walls::Wall;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::error::GrainsError;
 use crate::math::tally::Tally;
+use crate::walls::contact_rows::LoadedBodies;
 use crate::walls::part_contacts::PartContacts;
 use crate::walls::reached_walls::Reached;
 use crate::walls::surface_contacts::{SurfaceContacts, SurfaceSurroundings, WallsBeside};
@@ -17,13 +18,9 @@ use crate::walls::surface_contacts::{SurfaceContacts, SurfaceSurroundings, Walls
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surfaces {
     pub held: Vec<SurfaceContacts>,
-    /// Indices of the bodies near any, ascending.
-    pub bodies: Vec<u32>,
-    /// Sum of the surfaces' forces on each.
-    pub wrench: Vec<Wrench>,
-    /// Which of `bodies` belong to each block of bodies.
-    pub bounds: Vec<u32>,
-    /// What each of `bodies` reaches of rigid walls, and of surfaces.
+    /// The bodies near any.
+    pub on: LoadedBodies,
+    /// What each of them reaches of rigid walls, and of surfaces.
     rigid: Vec<Reached>,
     soft: Vec<Reached>,
     /// Whether bodies moved, or others are near, since rigid walls were looked at.
@@ -51,7 +48,10 @@ impl Surfaces {
         };
         Self {
             held: surfaces.iter().map(hold).collect(),
-            bounds: vec![0; bodies.div_ceil(BLOCK) + 1],
+            on: LoadedBodies {
+                bounds: vec![0; bodies.div_ceil(BLOCK) + 1],
+                ..LoadedBodies::default()
+            },
             ..Self::default()
         }
     }
@@ -63,10 +63,10 @@ impl Surfaces {
 
     /// What a body, by its place in memory, reaches of the shapes that were looked at last.
     pub fn reached_by(&self, body: u32) -> Option<&Reached> {
-        if self.bodies.is_empty() {
+        if self.on.bodies.is_empty() {
             return None;
         }
-        self.bodies.binary_search(&body).ok().and_then(|place| self.soft.get(place))
+        self.on.place(body).and_then(|place| self.soft.get(place))
     }
 
     /// Bodies changed their places in memory: what is near must be listed anew.
@@ -78,15 +78,16 @@ impl Surfaces {
     /// stay as they are until the next shape.
     pub fn follow(&mut self, previous: &[u32], ids: &[u64]) {
         self.held.iter_mut().for_each(|held| held.forget(ids));
-        let (old, wrench) = (std::mem::take(&mut self.bodies), std::mem::take(&mut self.wrench));
+        let (old, wrench) =
+            (std::mem::take(&mut self.on.bodies), std::mem::take(&mut self.on.wrench));
         for (body, before) in (0..).zip(previous) {
             if let Ok(place) = old.binary_search(before) {
-                self.bodies.push(body);
-                self.wrench.push(wrench[place]);
+                self.on.bodies.push(body);
+                self.on.wrench.push(wrench[place]);
             }
         }
-        self.bounds.resize(previous.len().div_ceil(BLOCK) + 1, 0);
-        self.give_bounds();
+        self.on.bounds.resize(previous.len().div_ceil(BLOCK) + 1, 0);
+        self.on.give_bounds();
         self.give_room();
     }
 
@@ -144,11 +145,11 @@ impl Surfaces {
         scenery: &ContactContext<'_>,
         tally: &mut Tally,
     ) {
-        self.wrench.fill(Wrench::zero());
+        self.on.wrench.fill(Wrench::zero());
         for (number, (held, state)) in self.held.iter_mut().zip(states).enumerate() {
             let beside = WallsBeside { number, rigid: &self.rigid, soft: &self.soft };
             let shape = (state.vertices, state.velocities);
-            held.accept(shape, &beside, scenery, &mut self.wrench, tally);
+            held.accept(shape, &beside, scenery, &mut self.on.wrench, tally);
         }
     }
 
@@ -160,7 +161,7 @@ impl Surfaces {
         }
         if std::mem::replace(&mut self.moved, false) {
             let RigidWalls { contacts, parts, walls } = walls;
-            for (&body, reached) in self.bodies.iter().zip(&mut self.rigid) {
+            for (&body, reached) in self.on.bodies.iter().zip(&mut self.rigid) {
                 contacts.reach(body, (parts, walls), scenery, reached);
             }
         }
@@ -183,33 +184,26 @@ impl Surfaces {
 
     /// Gives each body near any surface one place.
     fn give_places(&mut self) {
-        self.bodies.clear();
+        self.on.bodies.clear();
         for held in &self.held {
-            self.bodies.extend(held.entries.iter().map(|entry| entry.body));
+            self.on.bodies.extend(held.entries.iter().map(|entry| entry.body));
         }
-        self.bodies.sort_unstable();
-        self.bodies.dedup();
+        self.on.bodies.sort_unstable();
+        self.on.bodies.dedup();
         for entry in self.held.iter_mut().flat_map(|held| &mut held.entries) {
             // Every body of an entry is among them.
-            entry.place = self.bodies.partition_point(|&body| body < entry.body) as u32;
+            entry.place = self.on.bodies.partition_point(|&body| body < entry.body) as u32;
         }
-        self.wrench.clear();
-        self.wrench.resize(self.bodies.len(), Wrench::zero());
-        self.give_bounds();
+        self.on.wrench.clear();
+        self.on.wrench.resize(self.on.bodies.len(), Wrench::zero());
+        self.on.give_bounds();
         self.give_room();
     }
 
     /// Room for what each body reaches.
     fn give_room(&mut self) {
-        self.rigid.resize(self.bodies.len(), Reached::NONE);
-        self.soft.resize(self.bodies.len(), Reached::NONE);
+        self.rigid.resize(self.on.bodies.len(), Reached::NONE);
+        self.soft.resize(self.on.bodies.len(), Reached::NONE);
         self.moved = true;
-    }
-
-    fn give_bounds(&mut self) {
-        for (b, bound) in self.bounds.iter_mut().enumerate() {
-            let first = (b * BLOCK) as u32;
-            *bound = self.bodies.partition_point(|&body| body < first) as u32;
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! Contacts with what bounds: planes, parts, and surfaces that deform.
 
+pub mod contact_rows;
 pub mod deformable_surfaces;
 pub mod part_contacts;
 pub mod part_finder;

@@ -17,6 +17,7 @@ use crate::contact::plane_walls::Wall;
 use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::ContactContext;
 use crate::math::tally::Tally;
+use crate::walls::contact_rows::ContactRows;
 use crate::walls::deformable_surfaces::Surfaces;
 use crate::walls::part_finder::{FoundParts, PartSearch, SOME};
 use crate::walls::part_forces::{NearWalls, SphereAtWalls};
@@ -47,17 +48,8 @@ pub(crate) struct ListedWall {
 /// Rows of entries, one for each body here, in the order of memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PartContacts {
-    /// Indices of the bodies.
-    pub bodies: Vec<u32>,
-    /// Sum of the forces on each.
-    pub wrench: Vec<Wrench>,
-    /// Which of `bodies` belong to each block of bodies.
-    pub bounds: Vec<u32>,
+    pub rows: ContactRows<ListedWall>,
     histories: Vec<WallContactHistory>,
-    /// `start[p]..start[p + 1]` are the entries of `bodies[p]`.
-    start: Vec<u32>,
-    entries: Vec<ListedWall>,
-    entry_bounds: Vec<u32>,
     /// `near[e]..near[e + 1]` are the triangles of entry e, with the images that see them.
     near: Vec<u32>,
     triangles: Vec<(u32, u32)>,
@@ -92,82 +84,63 @@ impl PartContacts {
         self.clear();
         found.resize_with(bodies.len().div_ceil(BLOCK), FoundParts::default);
         if at.is_any() {
-            self.bodies.reserve(SOME);
+            self.rows.on.bodies.reserve(SOME);
+            self.rows.on.wrench.reserve(SOME);
+            self.rows.start.reserve(SOME);
+            self.rows.entries.reserve(SOME);
             self.histories.reserve(SOME);
-            self.start.reserve(SOME);
-            self.entries.reserve(SOME);
             self.near.reserve(SOME);
             self.triangles.reserve(8 * SOME);
-            self.wrench.reserve(SOME);
             team.for_each(found, |b, found| found.find(b, (before, walls), bodies, at));
             for found in found {
-                let (first, triangles) = (self.entries.len() as u32, self.triangles.len() as u32);
-                self.bodies.extend(&found.bodies);
+                let triangles = self.triangles.len() as u32;
                 self.histories.extend(&found.histories);
-                self.start.extend(found.ends.iter().map(|end| first + end));
-                self.entries.extend(&found.entries);
                 self.near.extend(found.near.iter().map(|end| triangles + end));
                 self.triangles.extend(&found.triangles);
-                self.end_block();
+                self.triangle_bounds.push(self.triangles.len() as u32);
+                self.rows.append(&found.rows);
             }
         } else {
-            found.iter().for_each(|_| self.end_block());
+            for _ in found {
+                self.triangle_bounds.push(0);
+                self.rows.end_block();
+            }
         }
         self.distances.clear();
         self.distances.resize(self.triangles.len(), 0.0);
-        let previous = |&body: &u32| {
-            let (parts, walls) = (
-                before.force_on(at.previous[body as usize]),
-                walls.force_on(at.previous[body as usize]),
-            );
+        self.rows.on.set_forces(|&body| {
+            let place = at.previous[body as usize];
+            let (parts, walls) = (before.rows.on.force_on(place), walls.rows.on.force_on(place));
             Wrench { force: parts.force + walls.force, torque: parts.torque + walls.torque }
-        };
-        self.wrench.clear();
-        self.wrench.extend(self.bodies.iter().map(previous));
+        });
         self.on_parts.clear();
         self.on_parts.extend(&before.on_parts);
         self.pushes.clear();
         self.pushes.extend(&before.pushes);
         self.on_parts.resize(at.parts.len(), Wrench::zero());
         self.pushes.resize(at.parts.len(), Along::default());
-        let blocks = self.bounds.len() - 1;
+        let blocks = self.rows.on.bounds.len() - 1;
         self.loads.resize(blocks * loads_of(at.parts), PartLoad::NONE);
     }
 
     fn clear(&mut self) {
-        self.bodies.clear();
+        self.rows.clear();
         self.histories.clear();
-        self.start.clear();
-        self.start.push(0);
-        self.entries.clear();
-        self.bounds.clear();
-        self.entry_bounds.clear();
         self.near.clear();
         self.near.push(0);
         self.triangles.clear();
         self.triangle_bounds.clear();
-        self.end_block();
-    }
-
-    fn end_block(&mut self) {
-        self.bounds.push(self.bodies.len() as u32);
-        self.entry_bounds.push(self.entries.len() as u32);
-        self.triangle_bounds.push(self.triangles.len() as u32);
+        self.triangle_bounds.push(0);
     }
 
     /// Whether a body is here, by its place in memory.
     pub fn has(&self, body: u32) -> bool {
-        self.bodies.binary_search(&body).is_ok()
-    }
-
-    /// The force on a body, by its place in memory.
-    pub fn force_on(&self, body: u32) -> Wrench {
-        self.bodies.binary_search(&body).map_or(Wrench::zero(), |p| self.wrench[p])
+        self.rows.on.place(body).is_some()
     }
 
     /// The contacts of a body, by its place in memory.
     pub fn history(&self, body: u32) -> Option<&WallContactHistory> {
-        self.bodies.binary_search(&body).ok().map(|p| &self.histories[p])
+        self.rows.on.place(body).map(|p| &self.histories[p])
     }
 
     /// What the contact of a body, by its place in memory, with a wall remembers, if it touched.
@@ -185,12 +158,12 @@ impl PartContacts {
         reached: &mut Reached,
     ) {
         reached.clear();
-        let Ok(p) = self.bodies.binary_search(&body) else { return };
-        let own = self.start[p] as usize..self.start[p + 1] as usize;
+        let Some(p) = self.rows.on.place(body) else { return };
+        let own = self.rows.range(p);
         let of_row = self.near[own.start] as usize..self.near[own.end] as usize;
         let mut near = NearWalls {
             ends: &self.near[own.start..=own.end],
-            entries: &mut self.entries[own],
+            entries: &mut self.rows.entries[own],
             distances: &mut self.distances[of_row.clone()],
             triangles: &self.triangles[of_row],
         };
@@ -208,19 +181,20 @@ impl PartContacts {
         scenery: ContactContext<'_>,
         tallies: &mut [Tally],
     ) {
-        if tallies.is_empty() || (parts.is_empty() && self.bodies.is_empty()) {
+        if tallies.is_empty() || (parts.is_empty() && self.rows.on.bodies.is_empty()) {
             return;
         }
         let pieces = (
-            Cut::at(&mut self.entries, &self.entry_bounds),
+            Cut::at(&mut self.rows.entries, &self.rows.entry_bounds),
             Cut::at(&mut self.distances, &self.triangle_bounds),
-            Cut::at(&mut self.histories, &self.bounds),
-            Cut::at(&mut self.wrench, &self.bounds),
+            Cut::at(&mut self.histories, &self.rows.on.bounds),
+            Cut::at(&mut self.rows.on.wrench, &self.rows.on.bounds),
             Cut::every(&mut self.loads, loads_of(parts)),
             Cut::every(tallies, 1),
         );
-        let (bodies, start, bounds) = (&self.bodies, &self.start, &self.bounds);
-        let (near, triangles, first) = (&self.near, &self.triangles, &self.entry_bounds);
+        let (bodies, bounds) = (&self.rows.on.bodies, &self.rows.on.bounds);
+        let (start, first) = (&self.rows.start, &self.rows.entry_bounds);
+        let (near, triangles) = (&self.near, &self.triangles);
         let of_block = &self.triangle_bounds;
         team.for_pieces(pieces, |b, (entries, distances, histories, wrench, loads, tally)| {
             loads.fill(PartLoad::NONE);
@@ -258,7 +232,7 @@ impl PartContacts {
 
     /// Adds the forces on walls, by their numbers.
     pub fn add_wall_forces(&self, sums: &mut [Vec3]) {
-        for entry in &self.entries {
+        for entry in &self.rows.entries {
             if let WallId::Wall(wall) = entry.met {
                 sums[wall as usize] += entry.on_wall;
             }

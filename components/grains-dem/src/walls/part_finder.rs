@@ -12,6 +12,7 @@ use crate::contact::plane_walls::{Wall, WallLaws};
 use crate::contact::springs::Reduced;
 use crate::math::periodic::PeriodicBox;
 use crate::neighbours::size_classes::Skins;
+use crate::walls::contact_rows::FoundRows;
 use crate::walls::deformable_surfaces::Surfaces;
 use crate::walls::part_contacts::{ListedWall, PartContacts, WallId};
 use crate::walls::wall_contacts::{WallContacts, WallEntry};
@@ -22,11 +23,8 @@ pub(crate) const SOME: usize = 128;
 /// What one block of bodies found.
 #[derive(Debug, Default)]
 pub(crate) struct FoundParts {
-    pub bodies: Vec<u32>,
+    pub rows: FoundRows<ListedWall>,
     pub histories: Vec<WallContactHistory>,
-    /// Number of entries at the end of each body's row.
-    pub ends: Vec<u32>,
-    pub entries: Vec<ListedWall>,
     /// Number of triangles at the end of each entry.
     pub near: Vec<u32>,
     pub triangles: Vec<(u32, u32)>,
@@ -81,37 +79,32 @@ impl FoundParts {
             if !bodies.mobility[i].is_free() || bodies.poly[i] != SPHERE {
                 continue;
             }
-            let known = self.entries.len();
+            let known = self.rows.entries.len();
             self.find_parts(i, bodies, at);
-            let beside_parts = self.entries.len() > known || at.is_near_surface(i, bodies);
+            let beside_parts = self.rows.entries.len() > known || at.is_near_surface(i, bodies);
             if beside_parts || at.walls_lean {
                 self.find_walls(i, bodies, at);
             }
             // In corners of walls these do not share anything.
             let least = if beside_parts { 1 } else { 2 };
-            if self.entries.len() >= known + least {
-                self.bodies.push(i as u32);
-                self.ends.push(self.entries.len() as u32);
+            if self.rows.entries.len() >= known + least {
+                self.rows.end_row(i);
                 self.histories.push(history(before, at.previous[i], at));
             } else {
-                self.entries.truncate(known);
+                self.rows.entries.truncate(known);
                 self.near.truncate(known);
             }
         }
     }
 
     fn clear(&mut self) {
-        self.bodies.clear();
+        self.rows.clear();
         self.histories.clear();
-        self.ends.clear();
-        self.entries.clear();
         self.near.clear();
         self.triangles.clear();
         // Short lists vary by large factors: what they may come to is there from the beginning.
-        self.bodies.reserve(SOME);
+        self.rows.reserve(SOME);
         self.histories.reserve(SOME);
-        self.ends.reserve(SOME);
-        self.entries.reserve(SOME);
         self.near.reserve(SOME);
         self.triangles.reserve(8 * SOME);
     }
@@ -143,7 +136,7 @@ impl FoundParts {
     fn enter(&mut self, met: WallId, law: u16, root_mass: f64, radius: f64) {
         let reduced = Reduced { root_mass, radius };
         self.near.push(self.triangles.len() as u32);
-        self.entries.push(ListedWall {
+        self.rows.entries.push(ListedWall {
             met,
             law,
             reduced,
@@ -172,7 +165,7 @@ fn history(
     at: &PartSearch<'_>,
 ) -> WallContactHistory {
     let mut history = parts.history(body).copied().unwrap_or(WallContactHistory::NONE);
-    for entry in walls.of(body).iter().filter(|entry| entry.touching) {
+    for entry in walls.rows.of(body).iter().filter(|entry| entry.touching) {
         if !at.walls[entry.wall as usize].mirror {
             let WallEntry { memory, law, reduced, .. } = *entry;
             history.add(Remembered { memory, share: 1.0, law, reduced });

@@ -33,11 +33,11 @@ pub(crate) fn evaluate(
     tallies: &mut [Tally],
 ) {
     let pieces = (
-        Cut::at(&mut list.entries, &list.entry_bounds),
-        Cut::at(&mut list.wrench, &list.bounds),
+        Cut::at(&mut list.rows.entries, &list.rows.entry_bounds),
+        Cut::at(&mut list.rows.on.wrench, &list.rows.on.bounds),
         Cut::every(tallies, 1),
     );
-    let (bodies, start, bounds) = (&list.bodies, &list.start, &list.bounds);
+    let (bodies, start, bounds) = (&list.rows.on.bodies, &list.rows.start, &list.rows.on.bounds);
     team.for_pieces(pieces, |b, (entries, wrench, tally)| {
         let mut entries = entries.iter_mut();
         for (p, wrench) in (bounds[b] as usize..).zip(wrench) {
