@@ -2,13 +2,15 @@
 
 use crate::contact::plane_walls;
 use crate::grains::findings::{findings, limits};
-use crate::grains::followed::{self, FLUID, Follow, MOTION, push_motion};
-use crate::grains::signal_meanings::MEANINGS;
+use crate::grains::followed::{self, Follow};
+use crate::grains::signals::{
+    BODIES, FACE, FLUID, INLET, MOTION, OF_ALL, OUTLET, PART, PATH, SLIDER, describe, push,
+};
 use crate::grains::surface_messages::{Carried, check_start, in_scene, surfaces};
 use crate::math::parameters::Parameters;
 use crate::setup::resolution::Resolution;
 use crate::solver::dem_solver::GrainsDem;
-use crate::solver::probes::probe_signals;
+use crate::solver::probes::{PROBE_MEANINGS, probe_signals};
 use std::collections::BTreeMap;
 use tremie_sdk::messages::scene::{Motion, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
@@ -33,57 +35,6 @@ pub struct SoftSpheres {
 
 /// So few bodies are followed one by one.
 const FEW: usize = 4;
-
-/// Signals of all bodies together, in the order in which they are pushed.
-const SIGNALS: [(&str, &str); 12] = [
-    ("max_speed", "m/s"),
-    ("mean_height", "m"),
-    ("kinetic_energy", "J"),
-    ("rotational_energy", "J"),
-    ("potential_energy", "J"),
-    ("elastic_energy", "J"),
-    ("momentum_x", "kg m/s"),
-    ("momentum_y", "kg m/s"),
-    ("momentum_z", "kg m/s"),
-    ("contacts", "1"),
-    ("max_overlap_ratio", "1"),
-    ("list_rebuilds", "1"),
-];
-
-/// Signals of each followed body.
-const PATH: [(&str, &str); 6] =
-    [("x", "m"), ("y", "m"), ("z", "m"), ("vx", "m/s"), ("vy", "m/s"), ("vz", "m/s")];
-
-/// Signals of each face of the domain that holds grains, named `x_lower.value`.
-const FACE: [(&str, &str); 3] =
-    [("wall_force_x", "N"), ("wall_force_y", "N"), ("wall_force_z", "N")];
-
-/// Signals of each part: force of the grains, and torque about its reference point.
-const PART: [(&str, &str); 6] = [
-    ("force_x", "N"),
-    ("force_y", "N"),
-    ("force_z", "N"),
-    ("torque_x", "N m"),
-    ("torque_y", "N m"),
-    ("torque_z", "N m"),
-];
-
-/// Signals of each slider: forces are along its axis, on the whole part. Those of the deformable surfaces
-/// that it carries are by themselves: of contacts, and of what else acts on them.
-const SLIDER: [(&str, &str); 8] = [
-    ("lift", "m"),
-    ("velocity", "m/s"),
-    ("spring_force", "N"),
-    ("contact_force", "N"),
-    ("stop_force", "N"),
-    ("fluid_force", "N"),
-    ("surface_force", "N"),
-    ("carrier_force", "N"),
-];
-
-/// Signals of each inlet, and of each outlet: since the start.
-const INLET: [(&str, &str); 3] = [("inserted", "1"), ("deficit", "m3"), ("mass_inserted", "kg")];
-const OUTLET: [(&str, &str); 2] = [("removed", "1"), ("mass_removed", "kg")];
 
 impl Grains for SoftSpheres {
     const PROGRAM: &'static str = concat!("grains-dem ", env!("CARGO_PKG_VERSION"));
@@ -195,50 +146,29 @@ impl Grains for SoftSpheres {
     }
 
     fn signals(&mut self, values: &mut Vec<f64>) {
-        let d = self.grains.diagnostics();
-        values.extend([
-            d.max_speed,
-            d.mean_height,
-            d.kinetic_energy,
-            d.rotational_energy,
-            d.potential_energy,
-            d.elastic_energy,
-        ]);
-        values.extend(d.momentum);
-        values.extend([d.contacts as f64, d.max_overlap_ratio, d.list_rebuilds as f64]);
+        push(OF_ALL, &self.grains.diagnostics(), values);
         if !self.tracked.is_empty() {
             self.grains.write_state(&mut self.tracked);
         }
-        for body in &self.tracked[..self.few] {
-            values.extend(body.position);
-            values.extend(body.velocity);
-        }
+        self.tracked[..self.few].iter().for_each(|body| push(PATH, body, values));
         self.follow.push(&self.grains, values);
         let on_faces = self.grains.face_forces();
-        values.extend(self.faces.iter().flat_map(|&(axis, side)| on_faces[axis][side]));
+        self.faces.iter().for_each(|&(axis, side)| push(FACE, &on_faces[axis][side], values));
         let mut sliders = self.grains.sliders().peekable();
-        for (part, (force, torque)) in self.grains.part_loads().enumerate() {
-            values.extend(force);
-            values.extend(torque);
+        for (part, loads) in self.grains.part_loads().enumerate() {
+            push(PART, &loads, values);
             if let Some(state) = self.grains.part(part).filter(|_| self.follow.moves(part)) {
-                push_motion(&state, values);
+                push(MOTION, &state, values);
             }
-            if let Some(s) = sliders.next_if(|slider| slider.part == part) {
-                let forces = [s.spring_force, s.contact_force, s.stop_force, s.fluid_force];
-                values.extend([s.lift, s.velocity]);
-                values.extend(forces);
-                values.extend([s.surface_force, s.carrier_force]);
+            if let Some(slider) = sliders.next_if(|slider| slider.part == part) {
+                push(SLIDER, &slider, values);
             }
         }
         drop(sliders);
-        for inlet in self.grains.inlets() {
-            values.extend([inlet.inserted as f64, inlet.deficit, inlet.mass_inserted]);
-        }
-        for outlet in self.grains.outlets() {
-            values.extend([outlet.removed as f64, outlet.mass_removed]);
-        }
+        self.grains.inlets().for_each(|inlet| push(INLET, &inlet, values));
+        self.grains.outlets().for_each(|outlet| push(OUTLET, &outlet, values));
         if self.grains.inlets().len() + self.grains.outlets().len() > 0 {
-            values.push(self.grains.radii().len() as f64);
+            push(BODIES, &self.grains.radii().len(), values);
         }
         self.grains.read_probes(values);
     }
@@ -263,53 +193,39 @@ fn is_followed(scene: &Scene, spheres: usize) -> bool {
 }
 
 fn signals(scene: &Scene, spheres: usize) -> Vec<Signal> {
-    let signal = |name: String, unit: &str| Signal::new(name, unit, MEANINGS);
-    let mut all: Vec<_> =
-        SIGNALS.iter().map(|(name, unit)| signal((*name).to_string(), unit)).collect();
+    let mut all: Vec<_> = describe(OF_ALL, "").collect();
     if is_followed(scene, spheres) {
-        for body in 0..spheres {
-            all.extend(PATH.iter().map(|(name, unit)| Signal {
-                name: format!("body{body}_{name}"),
-                ..signal((*name).to_string(), unit)
-            }));
-        }
+        (0..spheres).for_each(|body| all.extend(describe(PATH, &format!("body{body}_"))));
     }
     for (followed, _) in followed::of_scene(scene) {
-        let of = |(name, unit): &(&str, &str)| signal(format!("{followed}.{name}"), unit);
-        all.extend(MOTION.iter().map(of));
+        let before = format!("{followed}.");
+        all.extend(describe(MOTION, &before));
         if scene.fluid.is_some() {
-            all.extend(FLUID.iter().map(of));
+            all.extend(describe(FLUID, &before));
         }
     }
     for (axis, side) in plane_walls::faces(scene) {
-        let face = format!("{}_{}", ["x", "y", "z"][axis], ["lower", "upper"][side]);
-        let of = |(name, unit): &(&str, &str)| signal(format!("{face}.{name}"), unit);
-        all.extend(FACE.iter().map(of));
+        let face = format!("{}_{}.", ["x", "y", "z"][axis], ["lower", "upper"][side]);
+        all.extend(describe(FACE, &face));
     }
     for part in &scene.parts {
-        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", part.name), unit);
-        all.extend(PART.iter().map(of));
+        let before = format!("{}.", part.name);
+        all.extend(describe(PART, &before));
         if part.motion != Motion::Fixed {
-            all.extend(MOTION.iter().map(of));
+            all.extend(describe(MOTION, &before));
         }
         if matches!(part.motion, Motion::Slider(_)) {
-            all.extend(SLIDER.iter().map(of));
+            all.extend(describe(SLIDER, &before));
         }
     }
-    for inlet in &scene.inlets {
-        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", inlet.name), unit);
-        all.extend(INLET.iter().map(of));
-    }
-    for outlet in &scene.outlets {
-        let of = |(name, unit): &(&str, &str)| signal(format!("{}.{name}", outlet.name), unit);
-        all.extend(OUTLET.iter().map(of));
-    }
+    scene.inlets.iter().for_each(|i| all.extend(describe(INLET, &format!("{}.", i.name))));
+    scene.outlets.iter().for_each(|o| all.extend(describe(OUTLET, &format!("{}.", o.name))));
     if !scene.inlets.is_empty() || !scene.outlets.is_empty() {
-        all.push(signal("bodies".into(), "1"));
+        all.extend(describe(BODIES, ""));
     }
     all.extend(probe_signals(scene).into_iter().map(|(name, unit)| {
         let is_mean = name.ends_with(".mass_flow_rate");
-        let own = signal(name, unit);
+        let own = Signal::new(name, unit, PROBE_MEANINGS);
         if is_mean { own.sampled() } else { own }
     }));
     all

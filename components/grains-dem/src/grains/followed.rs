@@ -4,6 +4,7 @@
 //! [`BY_THEMSELVES`] of these in all; and the bodies of sets, and the clumps, that the scene asks for. Parts that move always are.
 
 use crate::bodies::placed_parts::PlacedPart;
+use crate::grains::signals::{FLUID, MOTION, push};
 use crate::solver::clumps;
 use crate::solver::dem_solver::GrainsDem;
 use std::collections::BTreeSet;
@@ -12,33 +13,6 @@ use tremie_messages::{BodyEvent, BodyState, Load};
 
 /// Up to so many single bodies and clumps are followed without being asked for.
 pub(crate) const BY_THEMSELVES: usize = 16;
-
-/// Signals of the motion of each.
-pub(crate) const MOTION: [(&str, &str); 13] = [
-    ("x", "m"),
-    ("y", "m"),
-    ("z", "m"),
-    ("qx", "1"),
-    ("qy", "1"),
-    ("qz", "1"),
-    ("qw", "1"),
-    ("vx", "m/s"),
-    ("vy", "m/s"),
-    ("vz", "m/s"),
-    ("wx", "rad/s"),
-    ("wy", "rad/s"),
-    ("wz", "rad/s"),
-];
-
-/// Signals of what the fluid does to each body and clump; of parts the fluid itself tells.
-pub(crate) const FLUID: [(&str, &str); 6] = [
-    ("fluid_force_x", "N"),
-    ("fluid_force_y", "N"),
-    ("fluid_force_z", "N"),
-    ("fluid_torque_x", "N m"),
-    ("fluid_torque_y", "N m"),
-    ("fluid_torque_z", "N m"),
-];
 
 /// What is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,26 +135,17 @@ impl Follow {
                 values.extend(std::iter::repeat_n(f64::NAN, count));
                 continue;
             };
-            push_motion(&state, values);
+            push(MOTION, &state, values);
             if self.has_fluid {
-                values.extend(load.force);
-                values.extend(load.torque);
+                push(FLUID, &load, values);
             }
         }
     }
 
-    /// Whether a part moves, whose motion then follows with [`push_motion`].
+    /// Whether a part moves, whose motion then follows.
     pub fn moves(&self, part: usize) -> bool {
         self.parts[part]
     }
-}
-
-/// Pushes the values of [`MOTION`].
-pub(crate) fn push_motion(state: &BodyState, values: &mut Vec<f64>) {
-    values.extend(state.position);
-    values.extend(state.orientation);
-    values.extend(state.velocity);
-    values.extend(state.angular_velocity);
 }
 
 impl GrainsDem {

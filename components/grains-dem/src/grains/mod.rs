@@ -9,6 +9,6 @@ pub mod findings;
 pub mod followed;
 pub mod from_scene;
 #[cfg(feature = "component")]
-pub mod signal_meanings;
+pub mod signals;
 #[cfg(feature = "component")]
 pub mod surface_messages;

@@ -29,6 +29,29 @@ pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
     scene.probe_signals(values)
 }
 
+/// Meanings of these values.
+pub(crate) const PROBE_MEANINGS: &[(&str, &str)] = &[
+    (
+        "mass_flow_rate",
+        "mass of grains that passes in a second, positive along the axis: the mean since the row before",
+    ),
+    (
+        "crossings",
+        "grains that passed since the start, less those that came back; in a clump each piece counts",
+    ),
+    ("mass_passed", "mass of grains that passed since the start, less what came back"),
+    (
+        "solid_fraction",
+        "volume of grains over that of the region; overlaps in a clump count twice unless its mass is that of the union",
+    ),
+    ("number", "grains there"),
+    ("velocity_x", "mean velocity of the grains there, by volume"),
+    ("velocity_y", "mean velocity of the grains there, by volume"),
+    ("velocity_z", "mean velocity of the grains there, by volume"),
+    ("projected_area", "area of the ring that grains hide, seen along its axis"),
+    ("area_fraction", "that area over the ring's"),
+];
+
 fn values(shape: &ProbeShape) -> &'static [(&'static str, &'static str)] {
     match shape {
         ProbeShape::Point(_) | ProbeShape::Line { .. } | ProbeShape::Profile { .. } => &[],
