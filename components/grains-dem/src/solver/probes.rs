@@ -30,6 +30,7 @@ pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
 }
 
 /// Meanings of these values.
+#[cfg(feature = "component")]
 pub(crate) const PROBE_MEANINGS: &[(&str, &str)] = &[
     (
         "mass_flow_rate",
