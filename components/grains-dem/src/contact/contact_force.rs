@@ -5,7 +5,8 @@
 //! v.n`, positive while approaching (Cundall & Strack 1979; Luding 2008):
 //!
 //! ```text
-//! f_n  = max(0, k_n delta + gamma_n v_n)       without max() where the dashpot may pull
+//! f_n  = max(0, k_n delta + gamma_n v_n)       without max() where the dashpot may pull; of springs that pull
+//!                                               themselves, with their force in place of 0
 //! F_t* = -k_t xi - gamma_t v_t                 d(xi)/dt = v_t
 //! F_t  = F_t*                                  if |F_t*| <= mu f_n
 //!        mu f_n F_t*/|F_t*|                    else, and xi := -(F_t + gamma_t v_t)/k_t
@@ -99,7 +100,8 @@ pub(crate) fn force(
     let stiffness = law.at(contact.overlap, memory.overlap, pair);
     let mut f_n = stiffness.elastic + stiffness.gamma_n * v_n;
     if !law.tension {
-        f_n = f_n.max(0.0);
+        // The dashpot may not pull; adhesion may.
+        f_n = f_n.max(stiffness.elastic.min(0.0));
     }
     let old = memory.normal;
     memory.normal = n;
@@ -113,17 +115,18 @@ pub(crate) fn force(
         since: if touching { 0.0 } else { time_since_touch(contact.overlap, v_n, steps.before) },
         steps,
     };
-    let Stiffness { k_t, inverse_k_t, gamma_t, remembered, .. } = stiffness;
+    let Stiffness { k_t, inverse_k_t, gamma_t, remembered, adhesion, .. } = stiffness;
+    let pressing = (f_n + adhesion).max(0.0);
     let spring = TangentialSpring { k_t, inverse_k_t, gamma_t, remembered };
     if law.mu > 0.0 {
         let v_t = contact.velocity - n * v_n;
-        let limit = law.mu * f_n.max(0.0);
+        let limit = law.mu * pressing;
         let (tangential, xi) = spring.resist(limit, memory.xi.into(), v_t.into(), &motion);
         (force.tangential, memory.xi) = (tangential.into(), xi.into());
     }
     if law.mu_rolling > 0.0 {
         let v_r = (contact.rolling - n * contact.rolling.dot(&n)) * pair.radius;
-        let limit = law.mu_rolling * f_n.max(0.0);
+        let limit = law.mu_rolling * pressing;
         let (rolling, xi) = spring.resist(limit, memory.rolling.into(), v_r.into(), &motion);
         memory.rolling = xi.into();
         force.rolling = Vec3::from(rolling) * pair.radius;

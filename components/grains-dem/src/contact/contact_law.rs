@@ -67,7 +67,7 @@ impl Law {
         ask!(&self.spring, law => law.at(overlap, before, pair, &self.dashpots))
     }
 
-    /// Elastic energy of the normal spring [J].
+    /// Work of the elastic normal force since the overlap was 0 [J].
     #[inline(always)]
     pub fn normal_energy(&self, overlap: f64, pair: Reduced) -> f64 {
         ask!(&self.spring, law => law.normal_energy(overlap, pair))
@@ -85,10 +85,16 @@ impl Law {
         ask!(&self.spring, law => law.as_linear())
     }
 
-    /// What the spring of a contact alone brings into a region of contacts: the square root of twice its energy, see
-    /// [`crate::contact::region_shares`]. Nothing where it does not touch.
+    /// Weight of a contact in a region of contacts; see [`ContactSpring::normal_root`].
+    #[inline(always)]
     pub fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
-        (2.0 * self.normal_energy(overlap.max(0.0), pair)).sqrt()
+        ask!(&self.spring, law => law.normal_root(overlap, pair))
+    }
+
+    /// Whether there is a contact at an overlap, where bodies were `touching` before or not.
+    #[inline(always)]
+    pub fn holds(&self, overlap: f64, pair: Reduced, touching: bool) -> bool {
+        overlap > 0.0 || (touching && overlap > -ask!(&self.spring, law => law.neck(pair)))
     }
 
     /// Energy that a contact's springs hold [J], by what it remembers.

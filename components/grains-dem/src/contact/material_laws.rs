@@ -4,6 +4,7 @@ use crate::bodies::deformable_surface::DeformableSurface;
 use crate::bodies::mirrors;
 use crate::contact::contact_law::Law;
 use crate::contact::linear_contact::LinearLaw;
+use crate::contact::springs::{Reduced, RegisteredSpring};
 use tremie_messages::scene::{Face, Motion, Scene};
 
 /// Materials of a scene by number, and the law of each pair of them.
@@ -100,6 +101,16 @@ impl Laws {
     pub fn resist_rolling(&self) -> bool {
         self.laws.iter().any(|law| law.mu_rolling > 0.0)
     }
+}
+
+/// The longest neck of a contact between bodies of a scene, the largest of a diameter, or of these with walls [m].
+pub(crate) fn longest_neck(scene: &Scene, largest: f64) -> f64 {
+    let pair = Reduced { root_mass: 0.0, radius: 0.5 * largest };
+    let necks = scene
+        .contacts
+        .iter()
+        .map(|contact| RegisteredSpring::of(&contact.law.spring).law().neck(pair));
+    necks.fold(0.0, f64::max)
 }
 
 /// Everything but bodies that grains may meet.

@@ -37,15 +37,11 @@ pub(crate) struct ContactContext<'a> {
     pub one_law: Option<LinearLaw>,
     /// Lubrication, if there is any.
     pub squeeze: Option<Squeeze>,
+    /// Gap up to which surfaces feel each other [m].
+    pub reach: f64,
 }
 
 impl ContactContext<'_> {
-    /// Gap up to which surfaces feel each other [m].
-    #[inline(always)]
-    pub fn reach(&self) -> f64 {
-        self.squeeze.map_or(0.0, |squeeze| squeeze.cutoff)
-    }
-
     /// Normal force of lubrication [N].
     #[inline(always)]
     pub fn lubrication(&self, contact: &Contact, pair: Reduced) -> f64 {
@@ -170,7 +166,7 @@ impl Block<'_> {
     #[inline(always)]
     fn find(&mut self, range: Range<usize>, hits: &mut [u32]) -> usize {
         let scenery = self.scenery;
-        let (balls, gap) = (&scenery.bodies.balls, scenery.reach());
+        let (balls, gap) = (&scenery.bodies.balls, scenery.reach);
         let mut found = 0;
         for k in range {
             if let Some(entry) = self.entries.get(k + AHEAD) {
@@ -214,7 +210,8 @@ impl Block<'_> {
         let (record, pair) = (&mut self.records[k], self.reduced[k]);
         let squeezed = scenery.lubrication(&contact, pair);
         let touching = std::mem::replace(&mut self.state[k], ACTING) & TOUCHING != 0;
-        if contact.overlap <= 0.0 {
+        let law = &scenery.laws[self.entries[k].law()];
+        if !law.holds(contact.overlap, pair, touching) {
             *record = ContactState::at_a_distance(&contact, squeezed);
             if let Some(rolling) = self.rolling.get_mut(k) {
                 *rolling = Rolling::NONE;
@@ -228,7 +225,6 @@ impl Block<'_> {
             normal: record.normal,
             overlap: record.overlap,
         };
-        let law = &scenery.laws[self.entries[k].law()];
         let force = contact_force::force(law, pair, &contact, &mut memory, touching, scenery.steps);
         self.xi[k] = memory.xi;
         *record = ContactState {

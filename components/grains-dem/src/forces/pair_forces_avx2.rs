@@ -72,7 +72,7 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
         HitsAvx2 { count: 0, k: [0; ROOM], touched: [0; ROOM], rows: [[0.0; QUAD]; ROOM] };
     let entries = block.entries.len();
     assert!(entries <= block.records.len() && entries <= block.xi.len());
-    let reach = block.scenery.reach();
+    let reach = block.scenery.reach;
     for begin in (0..entries).step_by(TOGETHER) {
         let end = entries.min(begin + TOGETHER);
         let waiting = hits.count;

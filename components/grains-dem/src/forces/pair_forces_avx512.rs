@@ -147,7 +147,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
         y: Wide(_mm512_add_pd(_mm512_sub_pd(y_j, y_i), shift[1])),
         z: Wide(_mm512_add_pd(_mm512_sub_pd(z_j, z_i), shift[2])),
     };
-    let reach = _mm512_add_pd(_mm512_add_pd(r_i, r_j), _mm512_set1_pd(block.scenery.reach()));
+    let reach = _mm512_add_pd(_mm512_add_pd(r_i, r_j), _mm512_set1_pd(block.scenery.reach));
     let touches = valid & _mm512_cmp_pd_mask::<_CMP_LT_OQ>(d.dot(d).0, _mm512_mul_pd(reach, reach));
 
     let state = &mut block.state[k..k + some.len()];

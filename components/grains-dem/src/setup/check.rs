@@ -254,7 +254,8 @@ fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     free = scene.inlets.iter().fold(free, |d, inlet| d.max(inlet.diameters.extremes()[1]));
     check_clumps::wholes(scene, problems);
     problems.extend(BodyStatistics::of(scene).problems());
-    let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    let film = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    let reach = film.max(material_laws::longest_neck(scene, free.max(held)));
     let skin = parameters.skin_fraction() * free.max(held);
     let needed = if free > 0.0 { free + free.max(held) + 2.0 * (skin + reach) } else { 0.0 };
     for axis in 0..3 {

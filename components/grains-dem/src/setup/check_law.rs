@@ -1,6 +1,6 @@
 //! What can be wrong with the law of a contact.
 
-use crate::contact::springs::RegisteredSpring;
+use crate::contact::springs::{Bound, RegisteredSpring};
 use crate::math::numbers::is_positive;
 use crate::setup::check::not_positive;
 use tremie_messages::{
@@ -18,7 +18,9 @@ pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
     };
     let spring = RegisteredSpring::of(&law.spring);
     let numbers = spring.law().numbers();
-    numbers[1..].iter().for_each(|&(name, value)| not_negative(name, value));
+    for &(name, value, _) in numbers.iter().filter(|(.., bound)| *bound == Bound::NotNegative) {
+        not_negative(name, value);
+    }
     not_negative("friction", law.friction);
     not_negative("rolling_friction", law.rolling_friction);
     match law.damping {
@@ -33,7 +35,8 @@ pub(crate) fn law(key: &str, law: &ContactLaw, problems: &mut Vec<Problem>) {
             }
         }
     }
-    if let Some(&(name, value)) = numbers.first().filter(|(_, value)| !is_positive(*value)) {
+    let positive = numbers.iter().filter(|(.., bound)| *bound == Bound::Positive);
+    for &(name, value, _) in positive.filter(|(_, value, _)| !is_positive(*value)) {
         problems.push(not_positive(format!("{key}.{name}"), value));
     }
     let coefficients = matches!(law.damping, Damping::Coefficients { .. });

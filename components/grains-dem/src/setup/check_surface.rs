@@ -80,7 +80,15 @@ fn meets(
     let Some((mass, radius)) = BodyStatistics::lightest(set, whole) else { return };
     let speed = slowest(scene);
     let pair = Reduced { root_mass: mass.sqrt(), radius };
-    too_few(key, "a sphere", Law::new(law).contact_time(pair, speed), dt, problems);
+    let law = Law::new(law);
+    if law.spring.law().neck(pair) > 0.0 {
+        let name = law.spring.law().name();
+        let message =
+            format!("meets \"{a}\" under {name}, but surfaces that deform do not adhere yet");
+        problems.push(Problem::new(key, message).help("give the pair a law without adhesion"));
+        return;
+    }
+    too_few(key, "a sphere", law.contact_time(pair, speed), dt, problems);
 }
 
 /// Relative speed for which collisions under Hertz's law are looked at [m/s].

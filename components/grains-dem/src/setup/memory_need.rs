@@ -5,6 +5,7 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Mobility, Twist, Wrench};
+use crate::contact::material_laws::longest_neck;
 use crate::contact::springs::Reduced;
 use crate::math::parameters::Parameters;
 use crate::neighbours::neighbour_list::{ContactState, ListedPair, Rolling};
@@ -44,7 +45,9 @@ impl Need {
         let room = capacity.saturating_sub(start) as f64 / scene.inlets.len().max(1) as f64;
         let many = crowds(scene, |_, mean| room * mean);
         let spans = few.iter().flat_map(|crowd| &crowd.species).map(|own| [own.diameter(); 2]);
-        let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+        let largest = spans.clone().fold(0.0, |most: f64, [_, d]| most.max(d));
+        let film = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+        let reach = film.max(longest_neck(scene, largest));
         let skins = Skins::new(spans, parameters.skin_fraction(), reach);
         let rolling = scene.contacts.iter().any(|pair| pair.law.rolling_friction > 0.0);
         let cost = Cost { skins, rolling: if rolling { size_of::<Rolling>() } else { 0 } };

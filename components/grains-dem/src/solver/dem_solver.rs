@@ -10,6 +10,7 @@ use crate::bodies::prescribed_spheres::Driven;
 use crate::bodies::slider::SliderState;
 use crate::bodies::{events, loads};
 use crate::contact::contact_force::Steps;
+use crate::contact::material_laws::longest_neck;
 use crate::forces::pair_forces;
 use crate::math::error::GrainsError;
 use crate::math::parameters::Parameters;
@@ -90,7 +91,8 @@ impl GrainsDem {
         (spheres, parts, surfaces): (&[PlacedSphere], Vec<PlacedPart>, &[DeformableSurface]),
         mut team: Team,
     ) -> Self {
-        let around = InteractionContext::of_scene(scene, parameters, parts, surfaces);
+        let largest = largest(scene, spheres);
+        let around = InteractionContext::of_scene(scene, parameters, parts, surfaces, largest);
         let laws = &around.laws;
         let mut bodies = Bodies::new(spheres, |set| laws.material(&scene.bodies[set].material));
         let polyhedra = Polyhedra::new(scene, spheres, &mut team);
@@ -143,7 +145,7 @@ impl GrainsDem {
             probes,
             sets,
             ports,
-            largest: largest(scene, spheres),
+            largest,
             progress: Progress::default(),
         }
     }
@@ -471,7 +473,8 @@ fn largest(scene: &Scene, spheres: &[PlacedSphere]) -> f64 {
 
 /// The classes of sizes of a run that starts with these bodies.
 fn skins_of(scene: &Scene, parameters: &Parameters, spheres: &[PlacedSphere]) -> Skins {
-    let reach = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    let film = parameters.lubrication.map_or(0.0, |lubrication| lubrication.cutoff.0);
+    let reach = film.max(longest_neck(scene, largest(scene, spheres)));
     Skins::new(spans(scene, spheres), parameters.skin_fraction(), reach)
 }
 

@@ -45,17 +45,20 @@ pub(crate) struct InteractionContext {
     pub one_law: Option<LinearLaw>,
     /// Lubrication, if there is any.
     pub squeeze: Option<Squeeze>,
+    /// Gap up to which surfaces feel each other [m].
+    reach: f64,
     /// What a user calls the walls, and after them the parts.
     names: Vec<String>,
 }
 
 impl InteractionContext {
-    /// Those of a scene with its parts placed, and with surfaces.
+    /// Those of a scene with its parts placed, and with surfaces; `largest` is the diameter of the largest body [m].
     pub fn of_scene(
         scene: &Scene,
         parameters: &Parameters,
         parts: Vec<PlacedPart>,
         surfaces: &[DeformableSurface],
+        largest: f64,
     ) -> Self {
         let mut laws = Laws::of_scene(scene, surfaces);
         let wall_laws = plane_walls::laws_of_scene(scene, &mut laws);
@@ -79,6 +82,9 @@ impl InteractionContext {
             sliding: plane_walls::sliding(scene).into_iter().filter(Sliding::changes).collect(),
             wall_laws,
             parts,
+            reach: squeeze
+                .map_or(0.0, |s| s.cutoff)
+                .max(material_laws::longest_neck(scene, largest)),
             squeeze,
         }
     }
@@ -134,6 +140,7 @@ impl InteractionContext {
             steps,
             one_law: self.one_law,
             squeeze: self.squeeze,
+            reach: self.reach,
         }
     }
 }

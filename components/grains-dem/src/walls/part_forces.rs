@@ -153,7 +153,7 @@ impl SphereAtWalls<'_> {
     /// Adds the points of an entry that are in reach, with the body's centre as their origin.
     fn look(&self, e: usize, near: &mut NearWalls<'_>, candidates: &mut ReachedPoints) {
         let BoundingSphere { x, radius } = self.scenery.bodies.balls[self.body];
-        let reach = radius + self.scenery.reach();
+        let reach = radius + self.scenery.reach;
         let number = match near.entries[e].met {
             WallId::Part(number) => number as usize,
             WallId::Wall(number) => {
@@ -209,7 +209,7 @@ impl SphereAtWalls<'_> {
         let radius = self.scenery.bodies.balls[self.body].radius;
         let mut all = springs.map(|spring| WallShare { spring, film: 0.0 });
         if self.scenery.squeeze.is_some() {
-            let reach = radius + self.scenery.reach();
+            let reach = radius + self.scenery.reach;
             let films =
                 shares(
                     found,
@@ -255,9 +255,9 @@ impl SphereAtWalls<'_> {
         let mut on_body = Wrench { force: n * -squeezed, torque: Vec3::zeros() };
         let mut rolling = Vec3::zeros();
         let share = met.share.spring;
-        if overlap > 0.0 && share > 0.0 {
-            let law = &scenery.laws[entry.law as usize];
-            let heir = before.heir(n);
+        let law = &scenery.laws[entry.law as usize];
+        let heir = if share > 0.0 { before.heir(n) } else { None };
+        if share > 0.0 && law.holds(overlap, entry.reduced, heir.is_some()) {
             let mut memory = heir.unwrap_or_default();
             let (touched, steps) = (heir.is_some(), scenery.steps);
             let f = contact_force::force(law, entry.reduced, &contact, &mut memory, touched, steps);

@@ -61,15 +61,16 @@ fn of_wall(
     let ball = &scenery.bodies.balls[i];
     let predicted = &scenery.bodies.predicted[i];
     let (contact, arm) = touch_of_wall(ball, predicted, &walls[entry.wall as usize]);
-    let touched = std::mem::replace(&mut entry.touching, contact.overlap > 0.0);
+    let law = &scenery.laws[entry.law as usize];
+    let holds = law.holds(contact.overlap, entry.reduced, entry.touching);
+    let touched = std::mem::replace(&mut entry.touching, holds);
     let n = contact.normal;
     let squeezed = n * scenery.lubrication(&contact, entry.reduced);
     wrench.force -= squeezed;
     entry.force = squeezed;
-    if contact.overlap <= 0.0 {
+    if !holds {
         return;
     }
-    let law = &scenery.laws[entry.law as usize];
     let (memory, steps) = (&mut entry.memory, scenery.steps);
     let f = contact_force::force(law, entry.reduced, &contact, memory, touched, steps);
     let touch = f.tangential - n * f.normal;

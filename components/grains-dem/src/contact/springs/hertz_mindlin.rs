@@ -14,7 +14,7 @@
 //! 1992). So the restitution does not depend on the speed, and damping ratio and restitution go
 //! together as for linear springs, with and without tension.
 
-use crate::contact::springs::{ContactSpring, Dashpots, Reduced, Stiffness};
+use crate::contact::springs::{Bound, ContactSpring, Dashpots, Reduced, Stiffness};
 use tremie_messages::finding::short;
 
 /// Two moduli of a pair of materials; see [`tremie_messages::scene::Spring::Hertz`].
@@ -52,6 +52,7 @@ impl ContactSpring for HertzMindlin {
             inverse_k_t: if k_t > 0.0 { 1.0 / k_t } else { 0.0 },
             gamma_t: dashpots.tangential.at(damping),
             remembered: if before < overlap { (before / overlap).sqrt() } else { 1.0 },
+            adhesion: 0.0,
         }
     }
 
@@ -98,10 +99,10 @@ impl ContactSpring for HertzMindlin {
         "Hertz's law"
     }
 
-    fn numbers(&self) -> Vec<(&'static str, f64)> {
+    fn numbers(&self) -> Vec<(&'static str, f64, Bound)> {
         vec![
-            ("effective_modulus", self.effective_modulus),
-            ("effective_shear_modulus", self.effective_shear_modulus),
+            ("effective_modulus", self.effective_modulus, Bound::Positive),
+            ("effective_shear_modulus", self.effective_shear_modulus, Bound::NotNegative),
         ]
     }
 

@@ -6,7 +6,7 @@
 //!
 //! A collision without damping takes `pi sqrt(m*/k_n)`, whatever its speed.
 
-use crate::contact::springs::{ContactSpring, Dashpots, Reduced, Stiffness};
+use crate::contact::springs::{Bound, ContactSpring, Dashpots, Reduced, Stiffness};
 use core::f64::consts::PI;
 use tremie_messages::finding::short;
 
@@ -39,6 +39,7 @@ impl ContactSpring for LinearSpring {
             inverse_k_t: self.inverse_k_t,
             gamma_t: dashpots.tangential.at(pair.root_mass),
             remembered: 1.0,
+            adhesion: 0.0,
         }
     }
 
@@ -86,10 +87,10 @@ impl ContactSpring for LinearSpring {
         "a linear spring"
     }
 
-    fn numbers(&self) -> Vec<(&'static str, f64)> {
+    fn numbers(&self) -> Vec<(&'static str, f64, Bound)> {
         vec![
-            ("normal_stiffness", self.normal_stiffness),
-            ("tangential_stiffness", self.tangential_stiffness),
+            ("normal_stiffness", self.normal_stiffness, Bound::Positive),
+            ("tangential_stiffness", self.tangential_stiffness, Bound::NotNegative),
         ]
     }
 

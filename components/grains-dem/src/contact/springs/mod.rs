@@ -35,6 +35,8 @@ pub(crate) struct Stiffness {
     pub gamma_t: f64,
     /// Factor on remembered tangential displacements since the overlap before.
     pub remembered: f64,
+    /// Force that counts for the limit of friction besides the normal one, of contacts that adhere [N].
+    pub adhesion: f64,
 }
 
 /// A dashpot's coefficient [kg/s] as `fixed + per_root_mass sqrt(m*)`; under Hertz's law as `fixed + per_root_mass
@@ -60,18 +62,38 @@ pub(crate) struct Dashpots {
     pub tangential: Dashpot,
 }
 
+/// Bound of a number of a law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Bound {
+    Positive,
+    NotNegative,
+}
+
 /// Normal and tangential springs of a contact: what a contact law has to say.
 ///
-/// The first four functions are asked in every step, the others before a run.
+/// What comes before [`as_linear`](Self::as_linear) is asked in every step, the rest before a run.
 pub(crate) trait ContactSpring {
     /// Springs and dashpots at an overlap, after `before` at the last evaluation [m].
     fn at(&self, overlap: f64, before: f64, pair: Reduced, dashpots: &Dashpots) -> Stiffness;
 
-    /// Elastic energy of the normal spring at an overlap [J].
+    /// Work of the elastic normal force since the overlap was 0 [J].
     fn normal_energy(&self, overlap: f64, pair: Reduced) -> f64;
 
     /// Slope of the elastic normal force over the overlap [N/m].
     fn normal_slope(&self, overlap: f64, pair: Reduced) -> f64;
+
+    /// How far bodies that touched may be apart before their contact ends [m]; it grows with `R*`.
+    #[inline(always)]
+    fn neck(&self, _: Reduced) -> f64 {
+        0.0
+    }
+
+    /// Weight of a contact in a region of contacts, see [`crate::contact::region_shares`]: the square root of twice its
+    /// energy, nothing where it does not touch.
+    #[inline(always)]
+    fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
+        (2.0 * self.normal_energy(overlap.max(0.0), pair)).sqrt()
+    }
 
     /// The law as a linear spring, if it is one: of others there is no form side by side in registers, and none for
     /// polyhedra, which need `k_n` and `k_t` per area.
@@ -106,8 +128,8 @@ pub(crate) trait ContactSpring {
     /// Name in messages to the user.
     fn name(&self) -> &'static str;
 
-    /// Numbers of the law with their keys in the scene: the first must be positive, the others 0 or more.
-    fn numbers(&self) -> Vec<(&'static str, f64)>;
+    /// Numbers of the law with their keys in the scene.
+    fn numbers(&self) -> Vec<(&'static str, f64, Bound)>;
 
     /// The stiffness, in words, with its value and unit.
     fn stiffness_in_words(&self) -> String;
