@@ -10,7 +10,7 @@ use tremie_messages::{
     body::BodyState,
     scene::{
         Damping, Face, Geometry, Motion, MotionPoint, Part, PartBoundary, Pose, Scene, Slider,
-        SliderSpring,
+        SliderSpring, Spring,
     },
 };
 
@@ -386,6 +386,16 @@ fn wrong_surfaces_and_shapes_are_told() {
     assert_eq!(refused(&scene, &|s| s.triangles[0] = [0, 1, 99_999]), "surfaces[0].triangles");
     // Too stiff for the step.
     assert_eq!(refused(&scene, &|s| s.seat_stiffness = 1e18), "surfaces[0]");
+    let mut sticky = scene.clone();
+    for pair in &mut sticky.contacts {
+        pair.law.spring = Spring::Jkr {
+            effective_modulus: 1e4,
+            effective_shear_modulus: 3e3,
+            work_of_adhesion: 1e-3,
+        };
+        pair.law.damping = Damping::Restitution(0.5);
+    }
+    assert_eq!(refused(&sticky, &|_| {}), "surfaces[0]");
     let mut periodic = scene.clone();
     periodic.domain.faces[0] = [Face::Periodic, Face::Periodic];
     assert_eq!(refused(&periodic, &|_| {}), "scene.domain");

@@ -5,15 +5,15 @@
 //! v.n`, positive while approaching (Cundall & Strack 1979; Luding 2008):
 //!
 //! ```text
-//! f_n  = max(0, k_n delta + gamma_n v_n)       without max() where the dashpot may pull; of springs that pull
-//!                                               themselves, with their force in place of 0
+//! f_n  = max(0, k_n delta + gamma_n v_n)       without max() where the dashpot may pull
 //! F_t* = -k_t xi - gamma_t v_t                 d(xi)/dt = v_t
 //! F_t  = F_t*                                  if |F_t*| <= mu f_n
 //!        mu f_n F_t*/|F_t*|                    else, and xi := -(F_t + gamma_t v_t)/k_t
 //! F    = F_t - f_n n
 //! ```
 //!
-//! with `k_n delta` standing for any spring. Rolling friction is the same in terms of the rolling
+//! with `k_n delta` standing for any spring. Where bodies adhere, the largest pull `f_c` of the spring bounds the force in place
+//! of 0, and `f_n + 2 f_c` bounds friction in place of `f_n`. Rolling friction is the same in terms of the rolling
 //! velocity `v_r = R* (w_i - w_j)`, without its part along n, with the limit `mu_r f_n` and the
 //! tangential spring and dashpot; its force times `R*` is a torque on i, the opposite on j (Luding
 //! 2008; the spring `k_t R*^2` and the limit `mu_r R* f_n` are those of Ai et al., *Powder Technol.*
@@ -100,8 +100,8 @@ pub(crate) fn force(
     let stiffness = law.at(contact.overlap, memory.overlap, pair);
     let mut f_n = stiffness.elastic + stiffness.gamma_n * v_n;
     if !law.tension {
-        // The dashpot may not pull; adhesion may.
-        f_n = f_n.max(stiffness.elastic.min(0.0));
+        // Written so that without adhesion the bound is 0 and not -0.
+        f_n = f_n.max(0.0 - stiffness.pull_off);
     }
     let old = memory.normal;
     memory.normal = n;
@@ -115,8 +115,9 @@ pub(crate) fn force(
         since: if touching { 0.0 } else { time_since_touch(contact.overlap, v_n, steps.before) },
         steps,
     };
-    let Stiffness { k_t, inverse_k_t, gamma_t, remembered, adhesion, .. } = stiffness;
-    let pressing = (f_n + adhesion).max(0.0);
+    let Stiffness { k_t, inverse_k_t, gamma_t, remembered, pull_off, .. } = stiffness;
+    // Where contacts adhere friction holds as under twice the largest pull besides (Thornton, *J. Phys. D* 24, 1991).
+    let pressing = (f_n + 2.0 * pull_off).max(0.0);
     let spring = TangentialSpring { k_t, inverse_k_t, gamma_t, remembered };
     if law.mu > 0.0 {
         let v_t = contact.velocity - n * v_n;

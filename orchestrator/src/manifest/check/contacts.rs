@@ -24,6 +24,8 @@ pub(super) struct Surroundings<'a> {
 #[derive(Clone)]
 struct Written {
     hertz: bool,
+    /// [J/m²]
+    work_of_adhesion: Option<f64>,
     law: ContactLaw,
 }
 
@@ -134,21 +136,28 @@ fn pair_law(
     told: &mut BTreeSet<String>,
     findings: &mut Findings,
 ) -> Option<PairLaw> {
-    let Written { hertz, mut law } = written;
+    let Written { hertz, work_of_adhesion, mut law } = written;
     if hertz {
-        law.spring = hertz_spring(scene, &between, told, findings)?;
+        let [effective_modulus, effective_shear_modulus] =
+            effective_moduli(scene, &between, told, findings)?;
+        law.spring = match work_of_adhesion {
+            None => Spring::Hertz { effective_modulus, effective_shear_modulus },
+            Some(work_of_adhesion) => {
+                Spring::Jkr { effective_modulus, effective_shear_modulus, work_of_adhesion }
+            }
+        };
     }
     Some(PairLaw { between, law })
 }
 
 /// Effective moduli of a pair: `1/E* = sum (1 - nu^2)/E`, `1/G* = sum (2 - nu)/G` with the shear
 /// modulus `G = E/(2 (1 + nu))`.
-fn hertz_spring(
+fn effective_moduli(
     scene: &SceneTable,
     between: &[String; 2],
     told: &mut BTreeSet<String>,
     findings: &mut Findings,
-) -> Option<Spring> {
+) -> Option<[f64; 2]> {
     let mut moduli = |name: &String| {
         let table = scene.materials.get(name).cloned().unwrap_or_default();
         let at = path::join("scene.materials", name);
@@ -175,12 +184,9 @@ fn hertz_spring(
     let pair = [one?, two?];
     let compliance = pair.map(|(e, nu)| (1.0 - nu * nu) / e);
     let shear = pair.map(|(e, nu)| (2.0 - nu) * 2.0 * (1.0 + nu) / e);
-    let spring = Spring::Hertz {
-        effective_modulus: 1.0 / (compliance[0] + compliance[1]),
-        effective_shear_modulus: 1.0 / (shear[0] + shear[1]),
-    };
+    let effective = [compliance, shear].map(|[one, two]| 1.0 / (one + two));
     // A modulus that cannot be is a problem of its material.
-    pair.iter().all(|(e, nu)| *e > 0.0 && *nu > -1.0 && *nu <= 0.5).then_some(spring)
+    pair.iter().all(|(e, nu)| *e > 0.0 && *nu > -1.0 && *nu <= 0.5).then_some(effective)
 }
 
 fn written(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Written> {
@@ -193,6 +199,7 @@ fn written(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Wr
     let damping = damping(table, at, findings);
     Some(Written {
         hertz: table.hertz?,
+        work_of_adhesion: table.work_of_adhesion.as_ref().map(|work| work.0),
         law: ContactLaw {
             spring: spring?,
             friction: friction?,
@@ -214,7 +221,14 @@ fn spring(table: &ContactTable, at: &str, findings: &mut Findings) -> Option<Spr
             let message = "found hertz = true too, which takes its stiffness from the materials";
             findings.problem(&path::join(at, key), message);
         }
+        if table.work_of_adhesion.is_some() {
+            findings.positive(&table.work_of_adhesion, at, "work_of_adhesion")?;
+        }
         return Some(Spring::Linear { normal_stiffness: 0.0, tangential_stiffness: 0.0 });
+    }
+    if table.work_of_adhesion.is_some() {
+        let message = "goes with hertz = true, and this law has linear springs";
+        findings.problem(&path::join(at, "work_of_adhesion"), message);
     }
     let normal = findings.positive(&table.normal_stiffness, at, "normal_stiffness");
     let tangential = findings.required(&table.tangential_stiffness, at, "tangential_stiffness");

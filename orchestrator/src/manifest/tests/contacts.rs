@@ -119,6 +119,21 @@ fn hertz_takes_the_moduli_of_the_pair() {
         &text.replace("hertz = true", "hertz = true\nnormal_stiffness = \"1 N/m\""),
         &["takes its stiffness from the materials"],
     );
+    let adhering = text.replace("hertz = true", "hertz = true\nwork_of_adhesion = \"50 mN/m\"");
+    let scene = read(&adhering).unwrap().spec.scene;
+    let spring = law(&scene, "glass", "glass").spring;
+    let work_of_adhesion = 0.05;
+    assert_eq!(
+        spring,
+        Spring::Jkr { effective_modulus, effective_shear_modulus, work_of_adhesion }
+    );
+    reads_back(&adhering);
+    one_problem(&adhering.replace("50 mN/m", "0 N/m"), &["work_of_adhesion", "more than zero"]);
+    refused(
+        "friction = 0.3",
+        "friction = 0.3\nwork_of_adhesion = \"0.05 N/m\"",
+        &["work_of_adhesion", "hertz = true"],
+    );
 }
 
 #[test]

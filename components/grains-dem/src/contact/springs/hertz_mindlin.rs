@@ -52,7 +52,7 @@ impl ContactSpring for HertzMindlin {
             inverse_k_t: if k_t > 0.0 { 1.0 / k_t } else { 0.0 },
             gamma_t: dashpots.tangential.at(damping),
             remembered: if before < overlap { (before / overlap).sqrt() } else { 1.0 },
-            adhesion: 0.0,
+            pull_off: 0.0,
         }
     }
 

@@ -39,7 +39,7 @@ impl ContactSpring for LinearSpring {
             inverse_k_t: self.inverse_k_t,
             gamma_t: dashpots.tangential.at(pair.root_mass),
             remembered: 1.0,
-            adhesion: 0.0,
+            pull_off: 0.0,
         }
     }
 

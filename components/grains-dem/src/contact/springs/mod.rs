@@ -3,9 +3,11 @@
 //! Everything else asks a law through [`ContactSpring`]; which laws exist is said in this file alone, and ARCHITECTURE.md
 //! says how one is added.
 
+pub mod hertz_jkr;
 pub mod hertz_mindlin;
 pub mod linear_spring;
 
+use crate::contact::springs::hertz_jkr::HertzJkr;
 use crate::contact::springs::hertz_mindlin::HertzMindlin;
 use crate::contact::springs::linear_spring::LinearSpring;
 use tremie_messages::scene::Spring;
@@ -35,8 +37,8 @@ pub(crate) struct Stiffness {
     pub gamma_t: f64,
     /// Factor on remembered tangential displacements since the overlap before.
     pub remembered: f64,
-    /// Force that counts for the limit of friction besides the normal one, of contacts that adhere [N].
-    pub adhesion: f64,
+    /// Largest pull of a contact that adheres [N].
+    pub pull_off: f64,
 }
 
 /// A dashpot's coefficient [kg/s] as `fixed + per_root_mass sqrt(m*)`; under Hertz's law as `fixed + per_root_mass
@@ -143,6 +145,7 @@ pub(crate) trait ContactSpring {
 pub(crate) enum RegisteredSpring {
     Linear(LinearSpring),
     Hertz(HertzMindlin),
+    Jkr(HertzJkr),
 }
 
 /// Asks whichever law it is; each is compiled by itself.
@@ -151,6 +154,7 @@ macro_rules! ask {
         match $any {
             RegisteredSpring::Linear($law) => $answer,
             RegisteredSpring::Hertz($law) => $answer,
+            RegisteredSpring::Jkr($law) => $answer,
         }
     };
 }
@@ -165,6 +169,9 @@ impl RegisteredSpring {
             }
             Spring::Hertz { effective_modulus, effective_shear_modulus } => {
                 Self::Hertz(HertzMindlin { effective_modulus, effective_shear_modulus })
+            }
+            Spring::Jkr { effective_modulus, effective_shear_modulus, work_of_adhesion } => {
+                Self::Jkr(HertzJkr { effective_modulus, effective_shear_modulus, work_of_adhesion })
             }
         }
     }
