@@ -35,12 +35,23 @@ fn attitudes() -> [(&'static str, [f64; 4], f64); 4] {
 
 /// A cube that comes down on `height`, once it has bounced.
 fn bounce(
+    scene: Scene,
+    attitude: ([f64; 4], f64),
+    at: [f64; 3],
+    velocity: [f64; 3],
+    spin: [f64; 3],
+) -> (BodyState, GrainsDem) {
+    bounce_if_it_does(scene, attitude, at, velocity, spin).unwrap()
+}
+
+/// The same; none of a cube that rocks on where it fell.
+fn bounce_if_it_does(
     mut scene: Scene,
     (orientation, reach): ([f64; 4], f64),
     at: [f64; 3],
     velocity: [f64; 3],
     spin: [f64; 3],
-) -> (BodyState, GrainsDem) {
+) -> Option<(BodyState, GrainsDem)> {
     let place = [at[0], at[1], at[2] + reach + 5e-6];
     let mut cube = solid(place, of_cube(EDGE), velocity);
     (cube.orientation, cube.angular_velocity) = (orientation, spin);
@@ -49,11 +60,10 @@ fn bounce(
     for _ in 0..400 {
         dem.advance(20, &[]).unwrap();
         if state(&dem)[0].velocity[2] > 0.0 && dem.diagnostics().contacts == 0 {
-            break;
+            return Some((state(&dem)[0], dem));
         }
     }
-    assert_eq!(dem.diagnostics().contacts, 0, "{:?}", state(&dem));
-    (state(&dem)[0], dem)
+    None
 }
 
 fn with(parts: Vec<Part>, planes: Vec<Plane>, friction: f64) -> Scene {
@@ -112,15 +122,18 @@ proptest! {
         let reach = -lowest.fold(0.0, f64::min);
         let run = |parts, planes| {
             let at = [at[0], at[1], TOP];
-            bounce(with(parts, planes, friction), (q, reach), at, velocity, [0.0; 3]).0
+            bounce_if_it_does(with(parts, planes, friction), (q, reach), at, velocity, [0.0; 3])
         };
+        let expected = run(vec![], vec![floor(TOP)]);
+        // One that hardly leaves has no speed to compare with.
+        prop_assume!(expected.as_ref().is_some_and(|(state, _)| state.velocity[2] > 0.02));
         let file = relief(n, 16e-3, uneven, -2e-3, |_, _| 0.0);
         let parts = vec![
             of_file(&file, [20e-3, 1e-3 * seam - 8e-3, TOP]),
             block([-2.0, seam, 0.0], [other, 42.0, 10.0]),
             block([other, seam, 0.0], [42.0, 42.0, 10.0]),
         ];
-        assert_same(run(parts, vec![]), run(vec![], vec![floor(TOP)]), 1e-3, "cut");
+        assert_same(run(parts, vec![]).unwrap().0, expected.unwrap().0, 1e-3, "cut");
     }
 }
 
