@@ -81,10 +81,9 @@ fn a_clump_that_is_struck_in_the_middle_gives_the_restitution_of_its_law() {
     assert!(after[0].angular_velocity.iter().all(|w| w.abs() < 1e-9));
 }
 
-/// Two halves of a box turn as the box does.
-#[test]
-fn a_box_of_two_pieces_turns_as_one_of_one_piece() {
-    let (edge, w) = (2e-3, [30.0, 400.0, -20.0]);
+/// A brick at the first place, two cubes beside each other at the second, and a slab on a slab at the third: 2 x 1 x 1 edges each,
+/// spinning at `w`.
+fn boxes(edge: f64, w: [f64; 3], [whole, halves, layers]: [[f64; 3]; 3]) -> Scene {
     let spinning = |at: [f64; 3], diameter| {
         let mut body = solid(at, diameter, [0.1, 0.2, -0.1]);
         body.angular_velocity = w;
@@ -103,9 +102,6 @@ fn a_box_of_two_pieces_turns_as_one_of_one_piece() {
         shape_of("slab", block([2.0, 1.0, 0.5])),
     ];
     let with = |diameter: f64, factor: f64| diameter * factor.cbrt();
-    // A brick, two cubes beside each other, and a brick and a slab with half a slab on it: 2 x 1 x 1 and
-    // 2 x 1 x 0.5 on 2 x 1 x 0.5.
-    let (whole, halves, layers) = ([10e-3; 3], [10e-3, 20e-3, 20e-3], [20e-3, 20e-3, 10e-3]);
     let moved =
         |at: [f64; 3], by: [f64; 3]| -> [f64; 3] { std::array::from_fn(|a| at[a] + by[a] * edge) };
     let turning = |at: [f64; 3], by: [f64; 3], diameter| {
@@ -139,6 +135,15 @@ fn a_box_of_two_pieces_turns_as_one_of_one_piece() {
             ),
         ),
     ];
+    scene
+}
+
+/// Two halves of a box turn as the box does.
+#[test]
+fn a_box_of_two_pieces_turns_as_one_of_one_piece() {
+    let (edge, w) = (2e-3, [30.0, 400.0, -20.0]);
+    let [whole, halves, layers] = [[10e-3; 3], [10e-3, 20e-3, 20e-3], [20e-3, 20e-3, 10e-3]];
+    let scene = boxes(edge, w, [whole, halves, layers]);
     let mut dem = make(&scene, 1e-6);
     let before = whole_energy(&mut dem);
     dem.advance(20_000, &[]).unwrap();

@@ -5,4 +5,6 @@ pub mod pair_forces;
 pub mod pair_forces_avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod pair_forces_avx512;
+#[cfg(target_arch = "x86_64")]
+pub mod register_scan;
 pub mod side_by_side;

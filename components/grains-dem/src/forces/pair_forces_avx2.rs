@@ -9,25 +9,14 @@ use crate::bodies::body_arrays::BLOCK;
 use crate::bodies::body_arrays::BoundingSphere;
 use crate::contact::linear_contact::{Batch, LinearLaw, Outcome};
 use crate::forces::pair_forces::Block;
+use crate::forces::register_scan::{AHEAD, ROOM, TOGETHER, scan};
 use crate::math::periodic::SELF_IMAGE;
 use crate::math::simd::avx2_quad::{QUAD, Quad, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
-use crate::math::simd::prefetch::{fetch_ahead, fetch_lines, fetch_value};
+use crate::math::simd::prefetch::{fetch_ahead, fetch_value};
 use crate::math::tally::{DEEP, Other};
 use crate::neighbours::neighbour_list::{ACTING, ContactState, ListedPair, TOUCHING};
 use core::arch::x86_64::*;
-
-/// So many entries are looked at before those that act are evaluated: few enough to stay close.
-const TOGETHER: usize = 128;
-
-/// So many entries ahead bodies are fetched.
-const AHEAD: usize = 32;
-
-/// So many entries ahead what is read one after the other is fetched.
-const STREAM: usize = 96;
-
-/// Room for the entries that act, those that wait for company, and a whole register at the end.
-const ROOM: usize = TOGETHER + 2 * LANES;
 
 /// A bit in the lowest place of each byte of a word.
 const BIT_OF_EACH: u32 = 0x0101_0101;
@@ -70,25 +59,16 @@ impl Block<'_> {
 fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
     let mut hits =
         HitsAvx2 { count: 0, k: [0; ROOM], touched: [0; ROOM], rows: [[0.0; QUAD]; ROOM] };
-    let entries = block.entries.len();
-    assert!(entries <= block.records.len() && entries <= block.xi.len());
-    let reach = block.scenery.reach;
-    for begin in (0..entries).step_by(TOGETHER) {
-        let end = entries.min(begin + TOGETHER);
-        let waiting = hits.count;
-        for k in (begin..end).step_by(QUAD) {
-            find(block, k, reach, &mut hits);
-        }
-        for &k in &hits.k[waiting..hits.count] {
-            let other = block.entries[k as usize].other as usize;
-            fetch_value(&block.scenery.bodies.predicted, other);
-        }
-        // Whole batches at once; the rest waits for company.
-        let ready = if end == entries { hits.count } else { hits.count / LANES * LANES };
-        for at in (0..ready).step_by(LANES) {
-            batch(block, &law, &hits, at, LANES.min(ready - at));
-        }
-        hits.forget(ready);
+    scan!(block, law, hits, QUAD, find, fetch_motions, batch);
+}
+
+/// Fetches the motions of the others of the hits from `waiting` on.
+#[target_feature(enable = "avx2,fma")]
+#[inline]
+fn fetch_motions(block: &Block<'_>, hits: &HitsAvx2, waiting: usize) {
+    for &k in &hits.k[waiting..hits.count] {
+        let other = block.entries[k as usize].other as usize;
+        fetch_value(&block.scenery.bodies.predicted, other);
     }
 }
 
@@ -103,11 +83,11 @@ impl HitsAvx2 {
     }
 }
 
-/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other up to a gap of
-/// `reach`; the others forget that they touched.
+/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other; the others forget
+/// that they touched.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
-fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut HitsAvx2) {
+fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx2) {
     let scenery = block.scenery;
     let balls = &scenery.bodies.balls[..];
     let some = &block.entries[k..block.entries.len().min(k + QUAD)];
@@ -117,10 +97,7 @@ fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut HitsAvx2) {
             fetch_ahead(balls, entry.other as usize);
         }
     }
-    fetch_lines::<_, QUAD>(block.entries, k + STREAM);
-    fetch_lines::<_, QUAD>(block.reduced, k + STREAM);
-    fetch_lines::<_, QUAD>(block.xi, k + STREAM);
-    fetch_lines::<_, QUAD>(block.records, k + STREAM);
+    block.fetch_stream::<QUAD>(k);
     // Lanes that hold no entry hold the first body and itself.
     let mut short = [ListedPair::new(block.first, block.first as u32, SELF_IMAGE, 0); QUAD];
     let entries = some.try_into().unwrap_or_else(|_| {
@@ -144,11 +121,36 @@ fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut HitsAvx2) {
     }
     let [x, y, z, radii] = transposed(tested).map(Quad);
     let d = Lane3 { x, y, z };
-    let reach = _mm256_add_pd(radii.0, _mm256_set1_pd(reach));
+    let reach = _mm256_add_pd(radii.0, _mm256_set1_pd(scenery.reach));
     let square = _mm256_mul_pd(reach, reach);
     let touches = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(d.dot(d).0, square));
     let touches = touches as usize & (0xf >> (QUAD - count));
 
+    let touched = follow_state(block, k, entries, (touches, count));
+    let mut at = hits.count;
+    assert!(at + QUAD <= ROOM);
+    for l in 0..QUAD {
+        // Without a branch: which pairs of a list touch cannot be foretold. Entries that are not there are not
+        // written, so that those behind the last hit exist too.
+        hits.k[at] = (k + l.min(count - 1)) as u32;
+        hits.touched[at] = touched[l];
+        // SAFETY: a row is four numbers.
+        unsafe { _mm256_storeu_pd(hits.rows[at].as_mut_ptr(), kept[l]) };
+        at += touches >> l & 1;
+    }
+    hits.count = at;
+}
+
+/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to; 1 for each that touched
+/// before.
+#[target_feature(enable = "avx2,fma")]
+#[inline]
+fn follow_state(
+    block: &mut Block<'_>,
+    k: usize,
+    entries: &[ListedPair; QUAD],
+    (touches, count): (usize, usize),
+) -> [u8; QUAD] {
     let state = &mut block.state[k..k + count];
     let mut before = [0; QUAD];
     let after = SPREAD[touches] * u32::from(ACTING | TOUCHING);
@@ -166,20 +168,7 @@ fn find(block: &mut Block<'_>, k: usize, reach: f64, hits: &mut HitsAvx2) {
         block.changed.note(entries[l].body(block.first), entries[l].other as usize);
         changes &= changes - 1;
     }
-    let touched = (before >> 1 & BIT_OF_EACH).to_le_bytes();
-
-    let mut at = hits.count;
-    assert!(at + QUAD <= ROOM);
-    for l in 0..QUAD {
-        // Without a branch: which pairs of a list touch cannot be foretold. Entries that are not there are not
-        // written, so that those behind the last hit exist too.
-        hits.k[at] = (k + l.min(count - 1)) as u32;
-        hits.touched[at] = touched[l];
-        // SAFETY: a row is four numbers.
-        unsafe { _mm256_storeu_pd(hits.rows[at].as_mut_ptr(), kept[l]) };
-        at += touches >> l & 1;
-    }
-    hits.count = at;
+    (before >> 1 & BIT_OF_EACH).to_le_bytes()
 }
 
 /// Whether the bodies of entries of a block that begins at body `first` are among the `count` bodies.

@@ -4,30 +4,18 @@
 //! histories of eight contacts, each in few pieces, and turns rows into lanes and back.
 
 use crate::Vec3;
-use crate::bodies::body_arrays::BLOCK;
-use crate::contact::contact_force::Steps;
-use crate::contact::linear_contact::{Batch, LinearLaw};
+use crate::bodies::body_arrays::{BLOCK, BoundingSphere};
+use crate::contact::linear_contact::{Batch, LinearLaw, Outcome};
 use crate::contact::springs::Reduced;
 use crate::forces::pair_forces::Block;
+use crate::forces::register_scan::{AHEAD, ROOM, TOGETHER, scan};
 use crate::math::periodic::SELF_IMAGE;
 use crate::math::simd::avx512_wide::{Wide, columns, rows, transposed};
 use crate::math::simd::lanes::{LANES, Lane3};
-use crate::math::simd::prefetch::{fetch, fetch_lines, fetch_value};
+use crate::math::simd::prefetch::{fetch, fetch_value};
 use crate::math::tally::{DEEP, Other};
 use crate::neighbours::neighbour_list::{ACTING, ContactState, TOUCHING};
 use core::arch::x86_64::*;
-
-/// So many entries are looked at before those that act are evaluated: few enough to stay close.
-const TOGETHER: usize = 128;
-
-/// So many entries ahead bodies are fetched.
-const AHEAD: usize = 32;
-
-/// So many entries ahead what is read one after the other is fetched.
-const STREAM: usize = 96;
-
-/// Room for the entries that act, those that wait for company, and a whole register at the end.
-const ROOM: usize = TOGETHER + 2 * LANES;
 
 /// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them looks, also
 /// of what stands behind the last.
@@ -57,27 +45,38 @@ fn evaluate(block: &mut Block<'_>, law: LinearLaw) {
         j: [0; ROOM],
         numbers: [[0.0; ROOM]; 7],
     };
-    let entries = block.entries.len();
-    assert!(entries <= block.records.len() && entries <= block.xi.len());
-    for begin in (0..entries).step_by(TOGETHER) {
-        let end = entries.min(begin + TOGETHER);
-        let waiting = hits.count;
-        for k in (begin..end).step_by(LANES) {
-            find(block, k, &mut hits);
-        }
-        for &j in &hits.j[waiting..hits.count] {
-            fetch_value(&block.scenery.bodies.predicted, j as usize);
-        }
-        // Whole batches at once; the rest waits for company.
-        let ready = if end == entries { hits.count } else { hits.count / LANES * LANES };
-        for at in (0..ready).step_by(LANES) {
-            batch(block, &law, &hits, at, LANES.min(ready - at));
-        }
-        hits.forget(ready);
+    scan!(block, law, hits, LANES, find, fetch_motions, batch);
+}
+
+/// Fetches the motions of the others of the hits from `waiting` on.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn fetch_motions(block: &Block<'_>, hits: &HitsAvx512, waiting: usize) {
+    for &j in &hits.j[waiting..hits.count] {
+        fetch_value(&block.scenery.bodies.predicted, j as usize);
     }
 }
 
 impl HitsAvx512 {
+    /// Adds those that touch: numbers of the entries and of their bodies, and what the formula takes of them.
+    #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+    #[inline]
+    fn add(&mut self, touches: __mmask8, who: [__m256i; 3], all: &[__m512d; 7]) {
+        let at = self.count;
+        assert!(at + LANES <= ROOM);
+        // SAFETY: there is room for a register from `at` on in each array.
+        unsafe {
+            for (to, from) in [&mut self.k, &mut self.i, &mut self.j].into_iter().zip(who) {
+                let packed = _mm256_maskz_compress_epi32(touches, from);
+                _mm256_storeu_si256(to.as_mut_ptr().add(at).cast(), packed);
+            }
+            for (to, &from) in self.numbers.iter_mut().zip(all) {
+                _mm512_storeu_pd(to.as_mut_ptr().add(at), _mm512_maskz_compress_pd(touches, from));
+            }
+        }
+        self.count += touches.count_ones() as usize;
+    }
+
     /// Forgets the first `count`.
     #[inline(always)]
     fn forget(&mut self, count: usize) {
@@ -104,25 +103,22 @@ fn to_front<T: Copy + Default>(numbers: &mut [T; ROOM], at: usize) {
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
-    let bodies = block.scenery.bodies;
-    let balls = &bodies.balls[..];
+    let balls = &block.scenery.bodies.balls[..];
     let some = &block.entries[k..block.entries.len().min(k + LANES)];
-    let valid = (0xff >> (LANES - some.len())) as u8;
+    let count = some.len();
+    let valid = (0xff >> (LANES - count)) as u8;
     if let Some(ahead) = block.entries.get(k + AHEAD..k + AHEAD + LANES) {
         ahead.iter().for_each(|entry| fetch(balls, entry.other as usize));
     }
-    fetch_lines::<_, LANES>(block.entries, k + STREAM);
-    fetch_lines::<_, LANES>(block.reduced, k + STREAM);
-    fetch_lines::<_, LANES>(block.xi, k + STREAM);
-    fetch_lines::<_, LANES>(block.records, k + STREAM);
+    block.fetch_stream::<LANES>(k);
     // SAFETY: an entry is two numbers of 32 bits; no more are read than `some` holds.
     let entries = unsafe { _mm512_maskz_loadu_epi64(valid, some.as_ptr().cast()) };
     let other = _mm512_cvtepi64_epi32(entries);
     let tags = _mm512_cvtepi64_epi32(_mm512_srli_epi64::<32>(entries));
     let place = _mm256_and_si256(tags, _mm256_set1_epi32(BLOCK as i32 - 1));
     let body = _mm256_add_epi32(_mm256_set1_epi32(block.first as i32), place);
-    let count = _mm256_set1_epi32(balls.len() as i32);
-    let exist = _mm256_cmplt_epu32_mask(_mm256_max_epu32(other, body), count);
+    let bodies = _mm256_set1_epi32(balls.len() as i32);
+    let exist = _mm256_cmplt_epu32_mask(_mm256_max_epu32(other, body), bodies);
     assert!(exist == 0xff, "entries of bodies that are there");
     let (mut of_i, mut of_j) = ([0_u32; LANES], [0_u32; LANES]);
     // SAFETY: both have room for a register of 32 bytes.
@@ -130,16 +126,7 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
         _mm256_storeu_si256(of_i.as_mut_ptr().cast(), body);
         _mm256_storeu_si256(of_j.as_mut_ptr().cast(), other);
     }
-    let mut rows = [_mm512_setzero_pd(); LANES];
-    for l in 0..LANES {
-        // SAFETY: the bodies exist, and a ball is four numbers.
-        rows[l] = unsafe {
-            let i = _mm256_loadu_pd(balls.as_ptr().add(of_i[l] as usize).cast());
-            let j = _mm256_loadu_pd(balls.as_ptr().add(of_j[l] as usize).cast());
-            _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(i), j)
-        };
-    }
-    let [x_i, y_i, z_i, r_i, x_j, y_j, z_j, r_j] = transposed(rows);
+    let [x_i, y_i, z_i, r_i, x_j, y_j, z_j, r_j] = spheres(balls, &of_i, &of_j);
     let images = _mm256_and_si256(_mm256_srli_epi32::<9>(tags), _mm256_set1_epi32(31));
     let shift = displacements(block.scenery.shifts, valid, images);
     let d = Lane3 {
@@ -149,8 +136,41 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
     };
     let reach = _mm512_add_pd(_mm512_add_pd(r_i, r_j), _mm512_set1_pd(block.scenery.reach));
     let touches = valid & _mm512_cmp_pd_mask::<_CMP_LT_OQ>(d.dot(d).0, _mm512_mul_pd(reach, reach));
+    let touched = follow_state(block, (k, count), touches, (&of_i, &of_j));
+    let touched = _mm512_maskz_mov_pd(touched, _mm512_set1_pd(1.0));
+    let root_mass = root_masses(&block.reduced[k..k + count], valid);
+    let numbers =
+        _mm256_add_epi32(_mm256_set1_epi32(k as i32), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    let all = [d.x.0, d.y.0, d.z.0, r_i, r_j, touched, root_mass];
+    hits.add(touches, [numbers, body, other], &all);
+}
 
-    let state = &mut block.state[k..k + some.len()];
+/// Centres and radii of both bodies of some entries, which exist.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn spheres(balls: &[BoundingSphere], of_i: &[u32; LANES], of_j: &[u32; LANES]) -> [__m512d; LANES] {
+    let mut rows = [_mm512_setzero_pd(); LANES];
+    for l in 0..LANES {
+        // SAFETY: the caller looked that the bodies exist, and a ball is four numbers.
+        rows[l] = unsafe {
+            let i = _mm256_loadu_pd(balls.as_ptr().add(of_i[l] as usize).cast());
+            let j = _mm256_loadu_pd(balls.as_ptr().add(of_j[l] as usize).cast());
+            _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(i), j)
+        };
+    }
+    transposed(rows)
+}
+
+/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to; which touched before.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn follow_state(
+    block: &mut Block<'_>,
+    (k, count): (usize, usize),
+    touches: __mmask8,
+    (of_i, of_j): (&[u32; LANES], &[u32; LANES]),
+) -> __mmask8 {
+    let state = &mut block.state[k..k + count];
     let mut before = [0; LANES];
     let after = _mm_maskz_set1_epi8(u16::from(touches), (ACTING | TOUCHING) as i8);
     let after = _mm_cvtsi128_si64(after).to_le_bytes();
@@ -158,44 +178,31 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
     if let Ok(state) = <&mut [u8; LANES]>::try_from(&mut *state) {
         before = std::mem::replace(state, after);
     } else {
-        before[..state.len()].copy_from_slice(state);
-        state.copy_from_slice(&after[..some.len()]);
+        before[..count].copy_from_slice(state);
+        state.copy_from_slice(&after[..count]);
     }
     let before = _mm_cvtsi64_si128(i64::from_le_bytes(before));
-    let touched = _mm_test_epi8_mask(before, _mm_set1_epi8(TOUCHING as i8)) as u8;
     let mut changes = touches ^ _mm_test_epi8_mask(before, _mm_set1_epi8(ACTING as i8)) as u8;
     while changes != 0 {
         let l = changes.trailing_zeros() as usize;
         block.changed.note(of_i[l] as usize, of_j[l] as usize);
         changes &= changes - 1;
     }
-    let pairs = block.reduced[k..k + some.len()].as_ptr().cast::<f64>();
-    let twice = twice(valid);
+    _mm_test_epi8_mask(before, _mm_set1_epi8(TOUCHING as i8)) as u8
+}
+
+/// `sqrt(m*)` of pairs, as many as are `valid`.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn root_masses(pairs: &[Reduced], valid: __mmask8) -> __m512d {
     const { assert!(size_of::<Reduced>() == 16 && core::mem::offset_of!(Reduced, root_mass) == 0) };
+    let (pairs, twice) = (pairs.as_ptr().cast::<f64>(), twice(valid));
     // SAFETY: a pair is two numbers; no more are read than the slice holds.
-    let root_mass = unsafe {
+    unsafe {
         let low = _mm512_maskz_loadu_pd(twice as u8, pairs);
         let high = _mm512_maskz_loadu_pd((twice >> 8) as u8, pairs.wrapping_add(LANES));
         _mm512_permutex2var_pd(low, _mm512_setr_epi64(0, 2, 4, 6, 8, 10, 12, 14), high)
-    };
-
-    let at = hits.count;
-    assert!(at + LANES <= ROOM);
-    let numbers =
-        _mm256_add_epi32(_mm256_set1_epi32(k as i32), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
-    let touched = _mm512_maskz_mov_pd(touched, _mm512_set1_pd(1.0));
-    // SAFETY: there is room for a register from `at` on in each array.
-    unsafe {
-        for (to, from) in [(&mut hits.k, numbers), (&mut hits.i, body), (&mut hits.j, other)] {
-            let packed = _mm256_maskz_compress_epi32(touches, from);
-            _mm256_storeu_si256(to.as_mut_ptr().add(at).cast(), packed);
-        }
-        let all = [d.x.0, d.y.0, d.z.0, r_i, r_j, touched, root_mass];
-        for (to, from) in hits.numbers.iter_mut().zip(all) {
-            _mm512_storeu_pd(to.as_mut_ptr().add(at), _mm512_maskz_compress_pd(touches, from));
-        }
     }
-    hits.count += touches.count_ones() as usize;
 }
 
 /// Each bit twice.
@@ -230,7 +237,15 @@ fn displacements(shifts: &[Vec3; 27], valid: __mmask8, images: __m256i) -> [__m5
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &HitsAvx512, at: usize, count: usize) {
-    let steps: Steps = block.scenery.steps;
+    let input = read(block, hits, at);
+    let out = law.forces(&input, block.scenery.steps);
+    write(block, &out, &input.xi, (hits, at, count));
+}
+
+/// What the formula takes of the hits from `at` on.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn read(block: &Block<'_>, hits: &HitsAvx512, at: usize) -> Batch<Wide> {
     let predicted = &block.scenery.bodies.predicted[..];
     let some = at..at + LANES;
     let (of_k, of_i, of_j) = (&hits.k[some.clone()], &hits.i[some.clone()], &hits.j[some]);
@@ -262,43 +277,45 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &HitsAvx512, at: usize, c
         // SAFETY: there is room for a register from each place that `at` can be.
         Wide(unsafe { _mm512_loadu_pd(hits.numbers[which][at..at + LANES].as_ptr()) })
     };
-    let xi = Lane3 { x: xi_x, y: xi_y, z: xi_z };
-    let input = Batch {
+    Batch {
         d: Lane3 { x: number(0), y: number(1), z: number(2) },
         radius_i: number(3),
         radius_j: number(4),
         v: Lane3 { x: v_x, y: v_y, z: v_z },
         w_i: Lane3 { x: w_x, y: w_y, z: w_z },
         w_j: Lane3 { x: u_x, y: u_y, z: u_z },
-        xi,
+        xi: Lane3 { x: xi_x, y: xi_y, z: xi_z },
         old: Lane3 { x: n_x, y: n_y, z: n_z },
         touching: number(5),
         root_mass: number(6),
-    };
-    let out = law.forces(&input, steps);
+    }
+}
 
+/// Keeps what the formula gave for the first `count` of the hits from `at` on, which had the displacements `xi`.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn write(
+    block: &mut Block<'_>,
+    out: &Outcome<Wide>,
+    xi: &Lane3<Wide>,
+    (hits, at, count): (&HitsAvx512, usize, usize),
+) {
+    let of_k = &hits.k[at..at + LANES];
     // Rounding: where the distance was a hair less than the reach they do not touch after all.
     let valid = (0xff >> (LANES - count)) as u8;
     let overlap = out.overlap.0;
     let touches = valid & _mm512_cmp_pd_mask::<_CMP_GT_OQ>(overlap, _mm512_setzero_pd());
     let keep = |value: Wide| _mm512_maskz_mov_pd(touches, value.0);
     let (n, t) = (out.normal, out.tangential);
-    let records = transposed([
-        n.x.0,
-        n.y.0,
-        n.z.0,
-        keep(t.x),
-        keep(t.y),
-        keep(t.z),
-        keep(out.force),
-        overlap,
-    ]);
+    let tangential = [keep(t.x), keep(t.y), keep(t.z)];
+    let [t_x, t_y, t_z] = tangential;
+    let records = transposed([n.x.0, n.y.0, n.z.0, t_x, t_y, t_z, keep(out.force), overlap]);
     let changed = |new: Wide, old: Wide| _mm512_mask_mov_pd(old.0, touches, new.0);
     let xi = rows([changed(out.xi.x, xi.x), changed(out.xi.y, xi.y), changed(out.xi.z, xi.z)]);
     for l in 0..LANES {
         if l < count {
             let k = of_k[l] as usize;
-            // SAFETY: as above; a record is a register of eight numbers, a displacement three.
+            // SAFETY: as in `read`; a record is a register of eight numbers, a displacement three.
             unsafe {
                 let record = block.records.get_unchecked_mut(k);
                 let to = block.xi.get_unchecked_mut(k);
@@ -314,16 +331,28 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &HitsAvx512, at: usize, c
             block.state[of_k[l] as usize] = ACTING;
         }
     }
+    tally(block, out.ratio, touches, (hits, at, count));
+}
+
+/// Counts the contacts of a batch that touch.
+#[target_feature(enable = "avx512f,avx512vl,avx512bw")]
+#[inline]
+fn tally(
+    block: &mut Block<'_>,
+    ratio: Wide,
+    touches: __mmask8,
+    (hits, at, count): (&HitsAvx512, usize, usize),
+) {
     let above =
-        |bound: f64| touches & _mm512_cmp_pd_mask::<_CMP_GT_OQ>(out.ratio.0, _mm512_set1_pd(bound));
+        |bound: f64| touches & _mm512_cmp_pd_mask::<_CMP_GT_OQ>(ratio.0, _mm512_set1_pd(bound));
     block.tally.count(touches.count_ones(), above(DEEP).count_ones());
     let deepest = above(block.tally.deepest.ratio);
     if deepest != 0 {
-        let mut ratio = [0.0; LANES];
+        let mut ratios = [0.0; LANES];
         // SAFETY: there is room for a register.
-        unsafe { _mm512_storeu_pd(ratio.as_mut_ptr(), out.ratio.0) };
+        unsafe { _mm512_storeu_pd(ratios.as_mut_ptr(), ratio.0) };
         for l in (0..count).filter(|l| deepest >> l & 1 == 1) {
-            block.tally.deepen(ratio[l], of_i[l], Other::Body(of_j[l]));
+            block.tally.deepen(ratios[l], hits.i[at + l], Other::Body(hits.j[at + l]));
         }
     }
 }

@@ -158,36 +158,63 @@ pub(crate) fn load(
     let old = std::mem::replace(&mut memory.normal, n);
     memory.overlap = press.deepest;
     if law.mu > 0.0 {
-        let k_t = spring.tangential_stiffness * part;
         let along = velocity.dot(&n);
-        let since =
-            if touching { 0.0 } else { time_since_touch(press.deepest, along, steps.before) };
         let motion = FrameMotion {
             n: n.into(),
             old: old.into(),
             twist: 0.5 * relative.both.dot(&n),
             touching: f64::from(u8::from(touching)),
-            since,
+            since: if touching {
+                0.0
+            } else {
+                time_since_touch(press.deepest, along, steps.before)
+            },
             steps,
         };
-        let remembered = kept(memory.k_t, k_t);
-        let tangential = TangentialSpring { k_t, inverse_k_t: 0.0, gamma_t, remembered };
-        let across = Lane3::from(velocity - n * along);
-        let limit = law.mu * pushing;
-        let (sliding, xi) = tangential.resist_alike(limit, memory.xi.into(), across, &motion);
-        let spin =
-            Spin { rate: relative.w.dot(&n), k: k_t * square, gamma: gamma_t * square, since };
-        let most = OF_DISC * limit * square.sqrt();
-        let twisting = spin.resist(memory, most, touching, steps);
-        memory.energy = 0.5 * (k_t * xi.dot(xi) + spin.k * memory.turn * memory.turn);
-        memory.turn += spin.rate * (0.5 * steps.after);
-        (memory.xi, memory.k_t) = (motion.ahead(xi, across).into(), k_t);
-        friction = sliding.into();
+        let (k_t, limit) = (spring.tangential_stiffness * part, law.mu * pushing);
+        let over_face = FaceFriction { k_t, gamma_t, square, limit };
+        let twisting;
+        (friction, twisting) =
+            over_face.resist(velocity - n * along, relative.w.dot(&n), memory, &motion);
         force += friction;
         turning += n * twisting;
     }
     let torque = about_centre * scale + turning + centre.cross(&force);
     Response { load: Wrench { force, torque }, scale, sliding: friction, turning }
+}
+
+/// Springs and dashpots of friction over a loaded surface.
+struct FaceFriction {
+    k_t: f64,
+    gamma_t: f64,
+    /// Mean square distance of the surface from its middle [m²].
+    square: f64,
+    /// Largest force [N].
+    limit: f64,
+}
+
+impl FaceFriction {
+    /// The force against sliding `across` the normal, and the torque about it against spinning at a rate.
+    fn resist(
+        &self,
+        across: Vec3,
+        rate: f64,
+        memory: &mut OverlapHistory,
+        motion: &FrameMotion<f64>,
+    ) -> (Vec3, f64) {
+        let Self { k_t, gamma_t, square, limit } = *self;
+        let remembered = kept(memory.k_t, k_t);
+        let tangential = TangentialSpring { k_t, inverse_k_t: 0.0, gamma_t, remembered };
+        let across = Lane3::from(across);
+        let (sliding, xi) = tangential.resist_alike(limit, memory.xi.into(), across, motion);
+        let spin = Spin { rate, k: k_t * square, gamma: gamma_t * square, since: motion.since };
+        let most = OF_DISC * limit * square.sqrt();
+        let twisting = spin.resist(memory, most, motion.touching > 0.0, motion.steps);
+        memory.energy = 0.5 * (k_t * xi.dot(xi) + spin.k * memory.turn * memory.turn);
+        memory.turn += spin.rate * (0.5 * motion.steps.after);
+        (memory.xi, memory.k_t) = (motion.ahead(xi, across).into(), k_t);
+        (sliding.into(), twisting)
+    }
 }
 
 /// Moment that friction of a pressed disc can bear against spinning, over friction and the root of the

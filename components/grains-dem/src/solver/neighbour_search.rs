@@ -116,6 +116,23 @@ impl Search {
         }
     }
 
+    /// Puts bodies into the order of memory that serves best, now and then, and tells where each stood when the lists at hand
+    /// were made; whether any had come or gone since.
+    fn order(&mut self, bodies: &mut Bodies) -> bool {
+        self.cells.sort(&bodies.balls);
+        if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
+            self.cells.curve(&bodies.balls, &mut self.keys, &mut self.order);
+            bodies.reorder(&self.order);
+            self.cells.sort(&bodies.balls);
+        } else {
+            self.order.clear();
+            self.order.extend(0..bodies.len() as u32);
+        }
+        let Some(moved) = self.moved.take() else { return false };
+        self.order.iter_mut().for_each(|place| *place = moved[*place as usize]);
+        true
+    }
+
     /// Makes the lists anew; contacts keep their history.
     pub fn rebuild(
         &mut self,
@@ -129,19 +146,7 @@ impl Search {
             self.wall_forces(around.walls.len(), &mut on_walls);
         }
         (self.on_walls, self.evaluated) = (on_walls, false);
-        self.cells.sort(&bodies.balls);
-        if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {
-            self.cells.curve(&bodies.balls, &mut self.keys, &mut self.order);
-            bodies.reorder(&self.order);
-            self.cells.sort(&bodies.balls);
-        } else {
-            self.order.clear();
-            self.order.extend(0..bodies.len() as u32);
-        }
-        let moved = self.moved.take();
-        if let Some(moved) = &moved {
-            self.order.iter_mut().for_each(|place| *place = moved[*place as usize]);
-        }
+        let moved = self.order(bodies);
         start_anew(team, bodies);
         let near = PairSearch {
             cells: &self.cells,
@@ -181,7 +186,7 @@ impl Search {
             skins,
         };
         self.solids.make(self.maker.solids(), polyhedra, bodies, &near);
-        if moved.is_some() {
+        if moved {
             self.surfaces.follow(&self.order, &bodies.ids);
         }
         self.surfaces.spoil();
