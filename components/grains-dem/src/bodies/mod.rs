@@ -12,3 +12,4 @@ pub mod prescribed_motion;
 pub mod prescribed_spheres;
 pub mod slider;
 pub mod springs;
+pub mod wall_triangle;

@@ -3,11 +3,11 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{Mobility, Twist, Wrench};
-use crate::bodies::mesh_contact::{Grooves, Triangle};
 use crate::bodies::mirrors;
 use crate::bodies::prescribed_motion::{Path, turn};
 use crate::bodies::slider::Slider;
 use crate::bodies::slider::{ROOM, across_mirrors};
+use crate::bodies::wall_triangle::{Grooves, Triangle};
 use crate::math::periodic::PeriodicBox;
 use tremie_geometry::{Bounds, EdgeKind, Endless, Frame, Surface, motion_problem};
 use tremie_messages::{

@@ -5,7 +5,7 @@ use super::{
     shape::Solid,
 };
 use crate::Vec3;
-use crate::bodies::mesh_contact::{Grooves, Triangle};
+use crate::bodies::wall_triangle::{Grooves, Triangle, closest_point};
 
 /// What b, `way` from a, presses on a: all vectors from a's centroid.
 pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut OverlapRoom) -> Press {
@@ -134,7 +134,7 @@ pub(crate) fn closest(a: Solid<'_>, centre: Vec3) -> Closest {
             let corners = [corner(corners[0]), corner(pair[0]), corner(pair[1])];
             let (normal, grooves) = (a.normals[face], Grooves::NONE);
             let triangle = Triangle { corners, normal, grooves };
-            let point = crate::bodies::mesh_contact::closest_point(centre, &triangle);
+            let point = closest_point(centre, &triangle);
             let square = (centre - point).norm_squared();
             if square < best.0 {
                 best = (square, point);

@@ -14,7 +14,8 @@ use super::{
 };
 use crate::Vec3;
 use crate::bodies::body_arrays::{Twist, Wrench};
-use crate::bodies::mesh_contact::{SAME, Triangle};
+use crate::bodies::mesh_contact::SAME;
+use crate::bodies::wall_triangle::Triangle;
 use crate::math::tally::{Other, Tally};
 use crate::walls::part_contacts::WallId;
 

@@ -2,11 +2,10 @@
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Twist, Wrench};
-use crate::bodies::mesh_contact::{
-    self, MOST, ReachedPoints, Seeker, Triangle, WallPoint, WallPoints,
-};
+use crate::bodies::mesh_contact::{self, MOST, ReachedPoints, Seeker, WallPoint, WallPoints};
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Along;
+use crate::bodies::wall_triangle::Triangle;
 use crate::contact::contact_force::{self, Contact, ContactHistory};
 use crate::contact::contact_history::{Remembered, WallContactHistory};
 use crate::contact::plane_walls::Wall;

@@ -6,8 +6,8 @@
 
 use crate::Vec3;
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, area_vectors};
-use crate::bodies::mesh_contact::{Triangle, closest_point, distance};
 use crate::bodies::placed_parts::PlacedPart;
+use crate::bodies::wall_triangle::{Triangle, closest_point, distance};
 use crate::contact::plane_walls::Wall;
 
 /// The vertices of a surface that may touch a seat.
@@ -294,7 +294,7 @@ const TIE: f64 = 1e-9;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::mesh_contact::Grooves;
+    use crate::bodies::wall_triangle::Grooves;
 
     fn quad(a: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [Triangle; 2] {
         let (a, u, v) = (Vec3::from(a), Vec3::from(u), Vec3::from(v));
