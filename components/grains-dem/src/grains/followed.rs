@@ -152,7 +152,7 @@ impl GrainsDem {
     /// A sphere or polyhedron that lives, as it is at the end of the last substep, and the load of the fluid under which it
     /// went through the last window; no load in a dry run.
     pub fn body(&self, id: u64) -> Option<(BodyState, Load)> {
-        let bodies = &self.bodies;
+        let bodies = &self.population.bodies;
         let rank = bodies.ids.binary_search(&id).ok()?;
         let slot = bodies.slot[rank] as usize;
         let twist = &bodies.twists[slot];
@@ -164,7 +164,7 @@ impl GrainsDem {
             angular_velocity: twist.w.into(),
         };
         let mut load = Load { id, ..Load::default() };
-        if self.loaded {
+        if self.fluid.loaded {
             let own = &bodies.load[slot];
             (load.force, load.torque) = (own.force.into(), own.torque.into());
         }
@@ -173,13 +173,13 @@ impl GrainsDem {
 
     /// The same of a clump, by its number: of its centroid, and about it. Its orientation is that from the start.
     pub fn clump(&self, number: usize) -> Option<(BodyState, Load)> {
-        let clump = self.clumps.all().get(number)?;
+        let clump = self.population.clumps.all().get(number)?;
         let mut load = Load { id: number as u64, ..Load::default() };
-        if self.loaded {
-            let own = clump.load(&self.bodies);
+        if self.fluid.loaded {
+            let own = clump.load(&self.population.bodies);
             (load.force, load.torque) = (own.force.into(), own.torque.into());
         }
-        let mut state = clump.state(&self.bodies);
+        let mut state = clump.state(&self.population.bodies);
         state.position = self.around.bounds.wrap(state.position.into()).into();
         Some((state, load))
     }

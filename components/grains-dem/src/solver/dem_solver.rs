@@ -38,48 +38,79 @@ use tremie_team::{Choice, Found, Team};
 /// Overlap over the smaller radius that ends a run.
 const TOO_DEEP: f64 = 0.5;
 
+/// Bodies that live, and what is known of those that may come.
+pub(crate) struct Population {
+    pub bodies: Bodies,
+    pub polyhedra: Polyhedra,
+    pub clumps: Clumps,
+    pub driven: Driven,
+    /// What spheres of each set of the scene are.
+    pub sets: Vec<SphereSet>,
+    pub roll: MessageOrder,
+    /// The id of the next body that comes.
+    pub next_id: u64,
+    /// Diameter of the largest sphere that lists are made for [m].
+    pub largest: f64,
+    /// Who came and went at the end of the last window.
+    pub events: Vec<BodyEvent>,
+}
+
+/// Threads that share the work.
+pub(crate) struct Threads {
+    pub team: Team,
+    /// Whether a substep is faster on one thread, where that is to be found, and what was found.
+    pub choice: Option<Choice>,
+    pub found: Option<Found>,
+}
+
+/// How far the run has come.
+pub(crate) struct Stepping {
+    /// Length of a substep [s].
+    pub dt: f64,
+    /// Substeps since the start.
+    pub steps: u64,
+    /// How far the window has come.
+    pub progress: Progress,
+}
+
+/// What was seen at evaluations of forces, and how far bodies went.
+pub(crate) struct StepRecord {
+    /// What each block of bodies saw at the last evaluation, and how far it went.
+    pub tallies: Vec<Tally>,
+    pub reaches: Vec<StepDisplacement>,
+    /// How far blocks went since neighbours were listed, and whether any body crossed a periodic face.
+    wandered: MaxDisplacement,
+    pub crossed: bool,
+    /// Sum of what was seen at the last evaluation.
+    tally: Tally,
+    max_overlap_ratio: f64,
+    deep_overlaps: u64,
+}
+
+/// Loads of a fluid.
+pub(crate) struct FluidLoads {
+    /// Whether there are any in this window.
+    pub loaded: bool,
+    /// Their impulse since the start [N·s].
+    fluid_impulse: Vec3,
+    load_sums: Vec<Result<Vec3, GrainsError>>,
+}
+
 /// Spheres, convex polyhedra and clumps of them in a box, in contact with each other and with walls.
 pub struct GrainsDem {
     domain: Domain,
     pub(crate) around: InteractionContext,
     pub(crate) gravity: Vec3,
-    pub(crate) dt: f64,
-    pub(crate) bodies: Bodies,
-    pub(crate) polyhedra: Polyhedra,
-    pub(crate) clumps: Clumps,
-    pub(crate) events: Vec<BodyEvent>,
-    pub(crate) roll: MessageOrder,
-    /// The id of the next body that comes.
-    pub(crate) next_id: u64,
+    pub(crate) population: Population,
     pub(crate) search: Search,
-    pub(crate) team: Team,
-    /// Whether a substep is faster on one thread, where that is to be found, and what was found.
-    pub(crate) choice: Option<Choice>,
-    pub(crate) found: Option<Found>,
-    pub(crate) driven: Driven,
-    /// Substeps since the start.
-    pub(crate) steps: u64,
-    pub(crate) loaded: bool,
-    pub(crate) crossed: bool,
-    /// What each block of bodies saw at the last evaluation, and how far it went.
-    pub(crate) tallies: Vec<Tally>,
-    pub(crate) reaches: Vec<StepDisplacement>,
-    wandered: MaxDisplacement,
-    tally: Tally,
-    max_overlap_ratio: f64,
-    deep_overlaps: u64,
-    fluid_impulse: Vec3,
-    load_sums: Vec<Result<Vec3, GrainsError>>,
+    pub(crate) threads: Threads,
+    pub(crate) stepping: Stepping,
+    pub(crate) record: StepRecord,
+    pub(crate) fluid: FluidLoads,
     survey: Survey,
     pub(crate) probes: Probes,
-    /// What spheres of each set of the scene are.
-    pub(crate) sets: Vec<SphereSet>,
-    /// Diameter of the largest sphere that lists are made for [m].
-    pub(crate) largest: f64,
     /// Where spheres come from and go to.
     pub(crate) ports: Ports,
-    /// How far the window has come.
-    pub(crate) progress: Progress,
 }
 
 impl GrainsDem {
@@ -114,51 +145,52 @@ impl GrainsDem {
         let bounds = around.bounds.clone();
         let driven = Driven::of_scene(scene, spheres);
         driven.end(&mut bodies, 0.0);
-        Self {
-            domain: scene.domain.clone(),
-            gravity: scene.gravity.into(),
-            dt,
-            events,
-            roll,
-            next_id: roll.first_free(),
-            search: Search::new(bounds, skins, ports.capacity, surfaces),
-            around,
-            bodies,
-            polyhedra,
-            clumps,
-            team,
-            choice: None,
-            found: None,
-            driven,
-            steps: 0,
-            loaded: false,
-            crossed: false,
+        let record = StepRecord {
             tallies: vec![Tally::default(); blocks],
             reaches: vec![StepDisplacement::default(); blocks],
             wandered: MaxDisplacement::none(blocks),
+            crossed: false,
             tally: Tally::default(),
             max_overlap_ratio: 0.0,
             deep_overlaps: 0,
-            fluid_impulse: Vec3::zeros(),
-            load_sums: Vec::with_capacity(bodies_of_run.div_ceil(BLOCK)),
+        };
+        let load_sums = Vec::with_capacity(bodies_of_run.div_ceil(BLOCK));
+        let next_id = roll.first_free();
+        Self {
+            domain: scene.domain.clone(),
+            gravity: scene.gravity.into(),
+            search: Search::new(bounds, skins, ports.capacity, surfaces),
+            around,
+            population: Population {
+                bodies,
+                polyhedra,
+                clumps,
+                driven,
+                sets,
+                roll,
+                next_id,
+                largest,
+                events,
+            },
+            threads: Threads { team, choice: None, found: None },
+            stepping: Stepping { dt, steps: 0, progress: Progress::default() },
+            record,
+            fluid: FluidLoads { loaded: false, fluid_impulse: Vec3::zeros(), load_sums },
             survey: Survey::default(),
             probes,
-            sets,
             ports,
-            largest,
-            progress: Progress::default(),
         }
     }
 
     /// Who came and went at the end of the last window, those that went first, by ascending id; before
     /// the first window all bodies.
     pub fn events(&self) -> &[BodyEvent] {
-        &self.events
+        &self.population.events
     }
 
     /// Number of living bodies: spheres, and parts that move.
     pub fn body_count(&self) -> usize {
-        self.roll.bodies(&self.bodies)
+        self.population.roll.bodies(&self.population.bodies)
     }
 
     /// Force of the grains on each part and torque about its reference point [N, N·m], at the end
@@ -193,23 +225,27 @@ impl GrainsDem {
 
     /// Radii of the spheres, and of those around polyhedra [m], by ascending id.
     pub fn radii(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
-        self.bodies.slot.iter().map(|&slot| self.bodies.balls[slot as usize].radius)
+        self.population
+            .bodies
+            .slot
+            .iter()
+            .map(|&slot| self.population.bodies.balls[slot as usize].radius)
     }
 
     /// Finds out from now on whether substeps are faster on all threads or on one, and goes on with that: either is
     /// tried for some substeps, anew when there are half as many bodies again, or two thirds. Results do not depend on it.
     pub fn choose_threads(&mut self) {
-        self.choice = Some(Choice::new(self.team.threads()));
+        self.threads.choice = Some(Choice::new(self.threads.team.threads()));
     }
 
     /// What was found of threads since this was asked last.
     pub fn take_found(&mut self) -> Option<Found> {
-        self.found.take()
+        self.threads.found.take()
     }
 
     /// Length of a substep [s].
     pub fn time_step(&self) -> f64 {
-        self.dt
+        self.stepping.dt
     }
 
     pub(crate) fn time(&self) -> f64 {
@@ -217,7 +253,7 @@ impl GrainsDem {
     }
 
     fn time_after(&self, steps: u64) -> f64 {
-        (self.steps + steps) as f64 * self.dt
+        (self.stepping.steps + steps) as f64 * self.stepping.dt
     }
 
     /// Writes pose and velocity of each body, by ascending id; positions lie in the domain.
@@ -226,22 +262,24 @@ impl GrainsDem {
     /// If `out` does not have [`body_count`](Self::body_count) entries.
     pub fn write_state(&self, out: &mut [BodyState]) {
         assert_eq!(out.len(), self.body_count(), "one state for each body");
-        let places = self.roll.places_of_parts();
+        let places = self.population.roll.places_of_parts();
         let moving = self.around.parts.iter().filter(|part| part.moves());
         for ((id, state), part) in
-            (self.roll.first_part..).zip(&mut out[places.clone()]).zip(moving)
+            (self.population.roll.first_part..).zip(&mut out[places.clone()]).zip(moving)
         {
             *state = part.state(id);
         }
         let (early, late) = out.split_at_mut(places.start);
         let spheres = early.iter_mut().chain(&mut late[places.len()..]);
-        for ((&id, state), &slot) in self.bodies.ids.iter().zip(spheres).zip(&self.bodies.slot) {
+        for ((&id, state), &slot) in
+            self.population.bodies.ids.iter().zip(spheres).zip(&self.population.bodies.slot)
+        {
             let slot = slot as usize;
-            let twist = &self.bodies.twists[slot];
+            let twist = &self.population.bodies.twists[slot];
             *state = BodyState {
                 id,
-                position: self.bodies.balls[slot].x.into(),
-                orientation: self.bodies.orientation[slot],
+                position: self.population.bodies.balls[slot].x.into(),
+                orientation: self.population.bodies.orientation[slot],
                 velocity: twist.v.into(),
                 angular_velocity: twist.w.into(),
             };
@@ -265,24 +303,24 @@ impl GrainsDem {
 
     /// Energies, momentum, contacts.
     pub fn diagnostics(&mut self) -> Diagnostics {
-        let steps = Steps { before: self.dt, after: self.dt };
+        let steps = Steps { before: self.stepping.dt, after: self.stepping.dt };
         let seen = Seen {
-            scenery: self.around.scenery(&self.bodies, self.crossed, steps),
+            scenery: self.around.scenery(&self.population.bodies, self.record.crossed, steps),
             contacts: self.search.contacts(),
             walls: &self.around.walls,
             domain: &self.domain,
             gravity: self.gravity,
             parts: &self.around.parts,
-            polyhedra: &self.polyhedra,
-            clumps: &self.clumps,
+            polyhedra: &self.population.polyhedra,
+            clumps: &self.population.clumps,
         };
-        let sums = self.survey.sums(&mut self.team, &seen);
+        let sums = self.survey.sums(&mut self.threads.team, &seen);
         Diagnostics {
-            contacts: self.tally.contacts,
-            max_overlap_ratio: self.max_overlap_ratio,
-            deep_overlaps: self.deep_overlaps,
+            contacts: self.record.tally.contacts,
+            max_overlap_ratio: self.record.max_overlap_ratio,
+            deep_overlaps: self.record.deep_overlaps,
             list_rebuilds: self.search.rebuilds,
-            fluid_impulse: self.fluid_impulse.into(),
+            fluid_impulse: self.fluid.fluid_impulse.into(),
             ..sums
         }
     }
@@ -291,7 +329,7 @@ impl GrainsDem {
     /// flow rates are means since [`restart_means`](Self::restart_means), or since the start, crossings and masses
     /// that passed are sums since the start, all else is of the end of the last [`advance`](Self::advance).
     pub fn read_probes(&mut self, out: &mut Vec<f64>) {
-        self.probes.read(&mut self.team, &self.bodies, &self.around.bounds, out);
+        self.probes.read(&mut self.threads.team, &self.population.bodies, &self.around.bounds, out);
     }
 
     /// Begins the means over time that probes tell anew.
@@ -300,20 +338,21 @@ impl GrainsDem {
     }
 
     pub(crate) fn take_loads(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
-        self.loaded = !loads.is_empty();
-        if self.loaded {
-            let (bodies, sums) = (&mut self.bodies, &mut self.load_sums);
-            let force = loads::take(&mut self.team, bodies, loads, self.roll, sums)?;
-            self.fluid_impulse += force * (f64::from(substeps) * self.dt);
+        self.fluid.loaded = !loads.is_empty();
+        if self.fluid.loaded {
+            let (bodies, sums) = (&mut self.population.bodies, &mut self.fluid.load_sums);
+            let force =
+                loads::take(&mut self.threads.team, bodies, loads, self.population.roll, sums)?;
+            self.fluid.fluid_impulse += force * (f64::from(substeps) * self.stepping.dt);
         }
-        let of_parts = loads.get(self.roll.places_of_parts()).unwrap_or_default();
+        let of_parts = loads.get(self.population.roll.places_of_parts()).unwrap_or_default();
         let mut of_parts = of_parts.iter();
         for part in self.around.parts.iter_mut().filter(|part| part.moves()) {
             let load = of_parts.next();
             if let Some(slider) = part.slider_mut() {
                 slider.take(load);
                 let force = slider.axis * slider.pushes.fluid;
-                self.fluid_impulse += force * (f64::from(substeps) * self.dt);
+                self.fluid.fluid_impulse += force * (f64::from(substeps) * self.stepping.dt);
             }
         }
         Ok(())
@@ -322,36 +361,49 @@ impl GrainsDem {
     /// Moves the bodies to the end of a substep, and lists neighbours anew where they moved far.
     pub(crate) fn drift(&mut self, finish: bool) -> Result<(), GrainsError> {
         let (from, to) = (self.time(), self.time_after(1));
-        self.driven.begin(&mut self.bodies, from, to);
+        self.population.driven.begin(&mut self.population.bodies, from, to);
         let forces = AppliedForces {
             contacts: self.search.contacts(),
-            loaded: self.loaded,
+            loaded: self.fluid.loaded,
             gravity: self.gravity,
         };
-        let (team, bodies) = (&mut self.team, &mut self.bodies);
+        let (team, bodies) = (&mut self.threads.team, &mut self.population.bodies);
         let bounds = &self.around.bounds;
-        let step = (self.dt, finish);
-        self.clumps.begin(bodies, forces, step);
+        let step = (self.stepping.dt, finish);
+        self.population.clumps.begin(bodies, forces, step);
         let leash = self.search.leash();
-        integrate::first_half(team, bodies, (bounds, leash), forces, step, &mut self.reaches);
-        let reach = self.reaches.iter().fold(StepDisplacement::default(), |all, &one| all.and(one));
+        integrate::first_half(
+            team,
+            bodies,
+            (bounds, leash),
+            forces,
+            step,
+            &mut self.record.reaches,
+        );
+        let reach =
+            self.record.reaches.iter().fold(StepDisplacement::default(), |all, &one| all.and(one));
         if reach.crossed {
-            self.crossed = true;
-            let blocks = (0..).zip(&self.reaches).filter(|(_, reach)| reach.crossed);
-            self.search.pairs.follow(&self.bodies.crossed, blocks.map(|(b, _)| b));
+            self.record.crossed = true;
+            let blocks = (0..).zip(&self.record.reaches).filter(|(_, reach)| reach.crossed);
+            self.search.pairs.follow(&self.population.bodies.crossed, blocks.map(|(b, _)| b));
         }
-        self.wandered.extend(self.reaches.iter().map(|reach| reach.farthest.sqrt()));
-        self.driven.end(&mut self.bodies, to);
+        self.record.wandered.extend(self.record.reaches.iter().map(|reach| reach.farthest.sqrt()));
+        self.population.driven.end(&mut self.population.bodies, to);
         self.around.slide(to);
-        self.clumps.end(&mut self.bodies);
-        let (bodies, team) = (&mut self.bodies, &mut self.team);
-        self.polyhedra.first_half(team, bodies, self.loaded, (self.dt, finish));
+        self.population.clumps.end(&mut self.population.bodies);
+        let (bodies, team) = (&mut self.population.bodies, &mut self.threads.team);
+        self.population.polyhedra.first_half(
+            team,
+            bodies,
+            self.fluid.loaded,
+            (self.stepping.dt, finish),
+        );
         let mut wrapped = false;
-        let step = Step { from, to, dt: self.dt, finish };
+        let step = Step { from, to, dt: self.stepping.dt, finish };
         for part in &mut self.around.parts {
             wrapped |= part.advance(&step, &self.around.bounds);
         }
-        self.steps += 1;
+        self.stepping.steps += 1;
         self.search.surfaces.follow_bodies();
         self.check_sliders()?;
         let limit = self.search.skins().least_slack();
@@ -370,24 +422,24 @@ impl GrainsDem {
         before: f64,
         surfaces: &[SurfaceState<'_>],
     ) -> Result<(), GrainsError> {
-        self.tallies.fill(Tally::default());
+        self.record.tallies.fill(Tally::default());
         self.search.evaluated = true;
-        let steps = Steps { before, after: self.dt };
-        let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
-        let (team, search) = (&mut self.team, &mut self.search);
-        let (wandered, tallies) = (&self.wandered, &mut self.tallies[..]);
+        let steps = Steps { before, after: self.stepping.dt };
+        let scenery = self.around.scenery(&self.population.bodies, self.record.crossed, steps);
+        let (team, search) = (&mut self.threads.team, &mut self.search);
+        let (wandered, tallies) = (&self.record.wandered, &mut self.record.tallies[..]);
         pair_forces::between_bodies(team, &mut search.pairs, scenery, wandered, tallies);
         let walls = &self.around.walls;
-        wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.tallies);
+        wall_forces::evaluate(team, &mut search.walls, walls, scenery, &mut self.record.tallies);
         let parts = &self.around.parts;
-        let near = self.around.near_surfaces(&self.bodies, search.cells.skins());
+        let near = self.around.near_surfaces(&self.population.bodies, search.cells.skins());
         let rigid = RigidWalls { contacts: &mut search.parts, parts, walls };
         search.surfaces.look(surfaces, (&scenery, &near), rigid)?;
         let (rigid, soft) = (&mut search.parts, &search.surfaces);
-        rigid.evaluate(team, (parts, walls), soft, scenery, &mut self.tallies);
+        rigid.evaluate(team, (parts, walls), soft, scenery, &mut self.record.tallies);
         let on_solids = search.solids.evaluate(
             team,
-            &mut self.polyhedra,
+            &mut self.population.polyhedra,
             scenery,
             (walls, parts),
             (&mut search.parts.on_parts, &mut search.parts.pushes),
@@ -397,13 +449,14 @@ impl GrainsDem {
         self.push_sliders(surfaces);
         let forces = AppliedForces {
             contacts: self.search.contacts(),
-            loaded: self.loaded,
+            loaded: self.fluid.loaded,
             gravity: self.gravity,
         };
-        self.clumps.evaluate(&self.bodies, forces);
-        self.tally = Tally::sum(&[Tally::sum(&self.tallies), on_surfaces, on_solids]);
-        self.deep_overlaps += self.tally.deep;
-        self.max_overlap_ratio = self.max_overlap_ratio.max(self.tally.deepest.ratio);
+        self.population.clumps.evaluate(&self.population.bodies, forces);
+        self.record.tally = Tally::sum(&[Tally::sum(&self.record.tallies), on_surfaces, on_solids]);
+        self.record.deep_overlaps += self.record.tally.deep;
+        self.record.max_overlap_ratio =
+            self.record.max_overlap_ratio.max(self.record.tally.deepest.ratio);
         Ok(())
     }
 
@@ -423,18 +476,18 @@ impl GrainsDem {
     }
 
     pub(crate) fn rebuild_lists(&mut self) {
-        let Self { search, team, bodies, polyhedra, around, .. } = self;
-        search.rebuild(team, bodies, polyhedra, around);
-        self.crossed = false;
-        self.wandered.begin(self.bodies.len().div_ceil(BLOCK));
+        let Population { bodies, polyhedra, .. } = &mut self.population;
+        self.search.rebuild(&mut self.threads.team, bodies, polyhedra, &mut self.around);
+        self.record.crossed = false;
+        self.record.wandered.begin(self.population.bodies.len().div_ceil(BLOCK));
     }
 
     pub(crate) fn check_overlap(&self) -> Result<(), GrainsError> {
-        let deepest = self.tally.deepest;
+        let deepest = self.record.tally.deepest;
         if deepest.ratio <= TOO_DEEP {
             return Ok(());
         }
-        let id = |slot: u32| self.bodies.id_at(slot as usize);
+        let id = |slot: u32| self.population.bodies.id_at(slot as usize);
         let (id, other) = self.around.name(id(deepest.body), deepest.other, id);
         let percent = 100.0 * deepest.ratio;
         Err(GrainsError::Overlap { id, other, percent })
@@ -452,14 +505,14 @@ impl GrainsDem {
     /// Every centre must lie inside the domain, or beyond a face through which spheres leave.
     fn check_inside(&self) -> Result<(), GrainsError> {
         let outside = |&&slot: &&u32| {
-            let x = self.bodies.balls[slot as usize].x;
+            let x = self.population.bodies.balls[slot as usize].x;
             !self.around.bounds.contains_but_for(self.around.ways_out, x)
         };
-        match self.bodies.slot.iter().find(outside) {
+        match self.population.bodies.slot.iter().find(outside) {
             None => Ok(()),
             Some(&slot) => {
-                let [x, y, z] = self.bodies.balls[slot as usize].x.into();
-                let id = self.bodies.id_at(slot as usize);
+                let [x, y, z] = self.population.bodies.balls[slot as usize].x.into();
+                let id = self.population.bodies.id_at(slot as usize);
                 Err(GrainsError::LeftDomain { id, x, y, z })
             }
         }

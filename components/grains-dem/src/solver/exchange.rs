@@ -35,7 +35,7 @@ impl GrainsDem {
     /// Ids of no sphere, spheres that the run is not made for; nothing has happened then. Calls within
     /// a window.
     pub fn exchange(&mut self, removed: &[u64], added: &[AddedSphere]) -> Result<(), GrainsError> {
-        self.progress.expect("exchange", false, false)?;
+        self.stepping.progress.expect("exchange", false, false)?;
         self.check_exchange(removed, added)?;
         self.swap(removed, added);
         Ok(())
@@ -43,40 +43,49 @@ impl GrainsDem {
 
     /// The same for what is known to be right.
     pub(crate) fn swap(&mut self, removed: &[u64], added: &[AddedSphere]) {
-        self.events.clear();
-        let rank = |id: &u64| self.bodies.ids.binary_search(id).map(|rank| rank as u32).ok();
+        self.population.events.clear();
+        let rank =
+            |id: &u64| self.population.bodies.ids.binary_search(id).map(|rank| rank as u32).ok();
         let gone: Vec<u32> = removed.iter().filter_map(rank).collect();
         let placed: Vec<PlacedSphere> = added.iter().map(|sphere| self.place(sphere)).collect();
         if gone.is_empty() && placed.is_empty() {
             return;
         }
         for &rank in &gone {
-            let slot = self.bodies.slot[rank as usize] as usize;
-            let set = self.bodies.set[slot];
-            let radius = self.bodies.balls[slot].radius;
-            let mass = placement::mass(self.sets[set as usize].density, 2.0 * radius);
-            let id = self.bodies.ids[rank as usize];
-            self.events.push(events::removed(id, set, radius, mass));
+            let slot = self.population.bodies.slot[rank as usize] as usize;
+            let set = self.population.bodies.set[slot];
+            let radius = self.population.bodies.balls[slot].radius;
+            let mass = placement::mass(self.population.sets[set as usize].density, 2.0 * radius);
+            let id = self.population.bodies.ids[rank as usize];
+            self.population.events.push(events::removed(id, set, radius, mass));
         }
-        let mut from = Vec::with_capacity(self.bodies.len() + placed.len());
-        self.bodies.remove(&gone, &mut from);
-        self.driven.remove(&gone);
+        let mut from = Vec::with_capacity(self.population.bodies.len() + placed.len());
+        self.population.bodies.remove(&gone, &mut from);
+        self.population.driven.remove(&gone);
         for sphere in &placed {
-            self.events.push(events::added(self.next_id, sphere));
-            self.bodies.add(self.next_id, sphere, self.sets[sphere.set].material);
-            self.next_id += 1;
+            self.population.events.push(events::added(self.population.next_id, sphere));
+            self.population.bodies.add(
+                self.population.next_id,
+                sphere,
+                self.population.sets[sphere.set].material,
+            );
+            self.population.next_id += 1;
             from.push(NEW);
         }
-        self.probes.exchange(&gone, placed.iter().map(|sphere| sphere.mass), &self.bodies);
-        self.roll.count(&self.bodies);
+        self.probes.exchange(
+            &gone,
+            placed.iter().map(|sphere| sphere.mass),
+            &self.population.bodies,
+        );
+        self.population.roll.count(&self.population.bodies);
         self.list_after_exchange(from);
     }
 
     /// Lists neighbours anew; `from` tells where in memory each body stood.
     fn list_after_exchange(&mut self, from: Vec<u32>) {
-        let blocks = self.bodies.len().div_ceil(BLOCK);
-        self.tallies.resize(blocks, Tally::default());
-        self.reaches.resize(blocks, StepDisplacement::default());
+        let blocks = self.population.bodies.len().div_ceil(BLOCK);
+        self.record.tallies.resize(blocks, Tally::default());
+        self.record.reaches.resize(blocks, StepDisplacement::default());
         self.search.moved = Some(from);
         self.rebuild_lists();
     }
@@ -87,7 +96,7 @@ impl GrainsDem {
             ball: BoundingSphere { x, radius: 0.5 * added.diameter },
             solid: None,
             twist: Twist { v: added.velocity.into(), w: Vec3::zeros() },
-            mass: placement::mass(self.sets[added.set].density, added.diameter),
+            mass: placement::mass(self.population.sets[added.set].density, added.diameter),
             share: None,
             motion: Motion::Free,
             clump: None,
@@ -99,22 +108,22 @@ impl GrainsDem {
         if let Some(pair) = removed.windows(2).find(|pair| pair[0] >= pair[1]) {
             return Err(GrainsError::NotRemovable { id: pair[1], why: "the ids do not ascend" });
         }
-        let unknown = |id: &&u64| self.bodies.ids.binary_search(id).is_err();
+        let unknown = |id: &&u64| self.population.bodies.ids.binary_search(id).is_err();
         if let Some(&id) = removed.iter().find(unknown) {
             return Err(GrainsError::NotRemovable { id, why: "no living sphere has this id" });
         }
         let is_solid = |id: &&u64| {
-            let rank = self.bodies.ids.binary_search(id).unwrap_or_default();
-            self.bodies.poly[self.bodies.slot[rank] as usize] != SPHERE
+            let rank = self.population.bodies.ids.binary_search(id).unwrap_or_default();
+            self.population.bodies.poly[self.population.bodies.slot[rank] as usize] != SPHERE
         };
         if let Some(&id) = removed.iter().find(is_solid) {
             return Err(GrainsError::NotRemovable { id, why: "it is a polyhedron" });
         }
-        if let (Some(&id), Some(_)) = (removed.first(), self.clumps.all().first()) {
+        if let (Some(&id), Some(_)) = (removed.first(), self.population.clumps.all().first()) {
             return Err(GrainsError::NotRemovable { id, why: "there are clumps, which stay" });
         }
         for (index, sphere) in added.iter().enumerate() {
-            let why = match self.sets.get(sphere.set) {
+            let why = match self.population.sets.get(sphere.set) {
                 None => "the scene has no such set",
                 Some(set) if !set.free => "its set is not free",
                 _ if !sphere.velocity.iter().all(|v| v.is_finite()) => "its velocity is not finite",
@@ -122,7 +131,7 @@ impl GrainsDem {
                     "its centre lies outside the domain"
                 }
                 _ if !is_positive(sphere.diameter) => "its diameter is not positive",
-                _ if sphere.diameter > self.largest => {
+                _ if sphere.diameter > self.population.largest => {
                     "it is larger than any sphere that the run is made for"
                 }
                 _ => continue,

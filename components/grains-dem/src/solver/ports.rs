@@ -189,7 +189,7 @@ impl GrainsDem {
     /// Lets spheres go and come, at the end of a window.
     pub(crate) fn pass_ports(&mut self) -> Result<(), GrainsError> {
         self.find_gone();
-        let (steps, time) = (self.steps, self.time());
+        let (steps, time) = (self.stepping.steps, self.time());
         let due = self.ports.feeders.iter().any(|feeder| feeder.is_due(steps, time));
         let added = if due { self.feed()? } else { Vec::new() };
         if !self.ports.gone.is_empty() || !added.is_empty() {
@@ -207,16 +207,17 @@ impl GrainsDem {
         if outlets.is_empty() {
             return;
         }
-        for (&id, &slot) in self.bodies.ids.iter().zip(&self.bodies.slot) {
+        for (&id, &slot) in self.population.bodies.ids.iter().zip(&self.population.bodies.slot) {
             let slot = slot as usize;
-            let x = self.bodies.balls[slot].x.into();
+            let x = self.population.bodies.balls[slot].x.into();
             let Some((_, state)) = outlets.iter_mut().find(|(outlet, _)| outlet.holds(x)) else {
                 continue;
             };
             gone.push(id);
             state.removed += 1;
-            let density = self.sets[self.bodies.set[slot] as usize].density;
-            state.mass_removed += placement::mass(density, 2.0 * self.bodies.balls[slot].radius);
+            let density = self.population.sets[self.population.bodies.set[slot] as usize].density;
+            state.mass_removed +=
+                placement::mass(density, 2.0 * self.population.bodies.balls[slot].radius);
         }
     }
 
@@ -224,30 +225,30 @@ impl GrainsDem {
     fn feed(&mut self) -> Result<Vec<AddedSphere>, GrainsError> {
         let gone = &self.ports.gone;
         let stays = |id: &u64| gone.binary_search(id).is_err();
-        let living = self.bodies.ids.iter().zip(&self.bodies.slot);
+        let living = self.population.bodies.ids.iter().zip(&self.population.bodies.slot);
         let living = living.filter(|(id, _)| stays(id));
         let balls: Vec<BoundingSphere> =
-            living.map(|(_, &slot)| self.bodies.balls[slot as usize]).collect();
+            living.map(|(_, &slot)| self.population.bodies.balls[slot as usize]).collect();
         let mut around = random_packing::PackingSurroundings {
             parts: &self.around.parts,
             bounds: self.around.bounds.clone(),
             planes: self.around.walls.clone(),
             balls,
         };
-        let (steps, time) = (self.steps, self.time());
+        let (steps, time) = (self.stepping.steps, self.time());
         let mut added: Vec<AddedSphere> = Vec::new();
         let capacity = self.ports.capacity;
         for feeder in &mut self.ports.feeders {
             if !feeder.is_due(steps, time) {
                 continue;
             }
-            let next = self.next_id + added.len() as u64;
+            let next = self.population.next_id + added.len() as u64;
             let came = feeder.feed(&around, steps, next);
             if around.balls.len() + came.len() > capacity {
                 return Err(GrainsError::Capacity { inlet: feeder.name.clone(), capacity });
             }
             for &ball in &came {
-                feeder.count(ball, self.sets[feeder.set].density);
+                feeder.count(ball, self.population.sets[feeder.set].density);
                 added.push(AddedSphere {
                     set: feeder.set,
                     position: ball.x.into(),

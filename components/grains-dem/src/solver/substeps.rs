@@ -53,9 +53,9 @@ impl GrainsDem {
     /// # Errors
     /// Loads that do not match the bodies; a window that was not ended.
     pub fn begin_window(&mut self, substeps: u32, loads: &[Load]) -> Result<(), GrainsError> {
-        self.progress.expect("begin_window", false, false)?;
+        self.stepping.progress.expect("begin_window", false, false)?;
         self.take_loads(substeps, loads)?;
-        self.progress = Progress { open: true, ..Progress::default() };
+        self.stepping.progress = Progress { open: true, ..Progress::default() };
         Ok(())
     }
 
@@ -64,13 +64,17 @@ impl GrainsDem {
     /// # Errors
     /// Motions that have diverged; no window, or a substep that was not finished.
     pub fn begin_substep(&mut self) -> Result<(), GrainsError> {
-        self.progress.expect("begin_substep", true, false)?;
-        let is_alone = self.choice.as_mut().is_some_and(|choice| choice.begin(self.bodies.len()));
-        self.team.work_alone(is_alone);
+        self.stepping.progress.expect("begin_substep", true, false)?;
+        let is_alone = self
+            .threads
+            .choice
+            .as_mut()
+            .is_some_and(|choice| choice.begin(self.population.bodies.len()));
+        self.threads.team.work_alone(is_alone);
         let begin = self.clock();
-        self.drift(self.progress.done > 0)?;
+        self.drift(self.stepping.progress.done > 0)?;
         self.spend(begin);
-        self.progress.inside = true;
+        self.stepping.progress.inside = true;
         Ok(())
     }
 
@@ -87,15 +91,15 @@ impl GrainsDem {
         velocities: &[[f64; 3]],
         loads: &mut Vec<FacetLoad>,
     ) -> Result<(), GrainsError> {
-        self.progress.expect("contact_on_surface", true, true)?;
+        self.stepping.progress.expect("contact_on_surface", true, true)?;
         let surfaces = self.search.surfaces.held.len();
         if surface >= surfaces {
             return Err(GrainsError::NoSurface { surface, surfaces });
         }
-        let steps = Steps { before: self.dt, after: self.dt };
-        let scenery = self.around.scenery(&self.bodies, self.crossed, steps);
+        let steps = Steps { before: self.stepping.dt, after: self.stepping.dt };
+        let scenery = self.around.scenery(&self.population.bodies, self.record.crossed, steps);
         let search = &mut self.search;
-        let around = self.around.near_surfaces(&self.bodies, search.cells.skins());
+        let around = self.around.near_surfaces(&self.population.bodies, search.cells.skins());
         let (contacts, parts) = (&mut search.parts, &self.around.parts[..]);
         let rigid = RigidWalls { contacts, parts, walls: &self.around.walls };
         let shape = (vertices, velocities);
@@ -108,24 +112,25 @@ impl GrainsDem {
     /// # Errors
     /// Shapes that do not fit the surfaces, contacts that are too deep; no substep that was begun.
     pub fn finish_substep(&mut self, accepted: &[SurfaceState<'_>]) -> Result<(), GrainsError> {
-        self.progress.expect("finish_substep", true, true)?;
+        self.stepping.progress.expect("finish_substep", true, true)?;
         let begin = self.clock();
-        self.evaluate_forces(self.dt, accepted)?;
+        self.evaluate_forces(self.stepping.dt, accepted)?;
         self.spend(begin);
-        self.found = self.choice.as_mut().and_then(Choice::end).or(self.found.take());
-        self.progress.inside = false;
-        self.progress.done += 1;
+        self.threads.found =
+            self.threads.choice.as_mut().and_then(Choice::end).or(self.threads.found.take());
+        self.stepping.progress.inside = false;
+        self.stepping.progress.done += 1;
         self.check_overlap()
     }
 
     /// The time, while threads are being chosen.
     fn clock(&self) -> Option<Instant> {
-        self.choice.as_ref().and_then(Choice::clock)
+        self.threads.choice.as_ref().and_then(Choice::clock)
     }
 
     /// Counts the time of a part of a substep that began then.
     fn spend(&mut self, begin: Option<Instant>) {
-        if let Some(choice) = &mut self.choice {
+        if let Some(choice) = &mut self.threads.choice {
             choice.spend(begin);
         }
     }
@@ -135,22 +140,40 @@ impl GrainsDem {
     /// # Errors
     /// More spheres than there is room for; no window, or a substep that was not finished.
     pub fn end_window(&mut self) -> Result<(), GrainsError> {
-        self.progress.expect("end_window", true, false)?;
-        let substeps = std::mem::take(&mut self.progress).done;
+        self.stepping.progress.expect("end_window", true, false)?;
+        let substeps = std::mem::take(&mut self.stepping.progress).done;
         if substeps > 0 {
             let forces = AppliedForces {
                 contacts: self.search.contacts(),
-                loaded: self.loaded,
+                loaded: self.fluid.loaded,
                 gravity: self.gravity,
             };
-            integrate::second_half(&mut self.team, &mut self.bodies, forces, self.dt);
-            self.clumps.second_half(&mut self.bodies, forces, self.dt);
-            self.polyhedra.second_half(&mut self.bodies, self.loaded, self.dt);
-            self.around.parts.iter_mut().for_each(|part| part.finish(self.dt));
+            integrate::second_half(
+                &mut self.threads.team,
+                &mut self.population.bodies,
+                forces,
+                self.stepping.dt,
+            );
+            self.population.clumps.second_half(
+                &mut self.population.bodies,
+                forces,
+                self.stepping.dt,
+            );
+            self.population.polyhedra.second_half(
+                &mut self.population.bodies,
+                self.fluid.loaded,
+                self.stepping.dt,
+            );
+            self.around.parts.iter_mut().for_each(|part| part.finish(self.stepping.dt));
         }
-        let duration = f64::from(substeps) * self.dt;
-        self.probes.pass(&mut self.team, &self.bodies, &self.around.bounds, duration);
-        self.events.clear();
+        let duration = f64::from(substeps) * self.stepping.dt;
+        self.probes.pass(
+            &mut self.threads.team,
+            &self.population.bodies,
+            &self.around.bounds,
+            duration,
+        );
+        self.population.events.clear();
         self.pass_ports()
     }
 
@@ -159,7 +182,7 @@ impl GrainsDem {
     pub fn carrier_state(&self, surface: usize) -> Option<BodyState> {
         let held = self.search.surfaces.held.get(surface)?;
         let before = self.around.parts[..held.carrier].iter().filter(|part| part.moves()).count();
-        let id = self.roll.first_part + before as u64;
+        let id = self.population.roll.first_part + before as u64;
         Some(self.around.parts[held.carrier].state(id))
     }
 }
