@@ -97,8 +97,9 @@ impl HertzJkr {
 }
 
 impl ContactSpring for HertzJkr {
+    // Never inlined: two roots to take are long, and would stretch the loops of all other laws.
     /// Remembered displacements shrink as the contact grows, as under Mindlin's law without adhesion.
-    #[inline(always)]
+    #[inline(never)]
     fn at(&self, overlap: f64, before: f64, pair: Reduced, dashpots: &Dashpots) -> Stiffness {
         let last = self.last_radius(pair);
         let x = self.root(overlap, pair, last);
@@ -122,26 +123,26 @@ impl ContactSpring for HertzJkr {
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn normal_energy(&self, overlap: f64, pair: Reduced) -> f64 {
         let last = self.last_radius(pair);
         self.work_to(self.root(overlap, pair, last), pair, last)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn normal_slope(&self, overlap: f64, pair: Reduced) -> f64 {
         let last = self.last_radius(pair);
         self.slope_at(self.root(overlap, pair, last), last)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn neck(&self, pair: Reduced) -> f64 {
         let last = self.last_radius(pair);
         3.0 * last * last / pair.radius
     }
 
     /// That of Hertz's energy over the same radius, for the work of adhesion is negative where bodies rest.
-    #[inline(always)]
+    #[inline(never)]
     fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
         if overlap <= -self.neck(pair) {
             return 0.0;
