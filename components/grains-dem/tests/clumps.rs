@@ -42,8 +42,8 @@ fn a_struck_clump_leaves_as_a_rigid_body_does() {
         dem.advance(4_800, &[]).unwrap();
         let (m, whole) = (mass(D), 3.0 * mass(D));
         let moment = 3.0 * inertia(D) + 2.0 * m * arm * arm;
-        // A spring with a dashpot gives the restitution of the masses that it is made for: here the turning
-        // bar is lighter.
+        // A spring with a dashpot gives the restitution of the masses that it is made for: here the
+        // turning bar is lighter.
         let after = state(&dem);
         let ends = |k: usize| after[k].velocity[2];
         let (v, spin) = (ends(1), after[1].angular_velocity[1]);
@@ -81,8 +81,8 @@ fn a_clump_that_is_struck_in_the_middle_gives_the_restitution_of_its_law() {
     assert!(after[0].angular_velocity.iter().all(|w| w.abs() < 1e-9));
 }
 
-/// A brick at the first place, two cubes beside each other at the second, and a slab on a slab at the third: 2 x 1 x 1 edges each,
-/// spinning at `w`.
+/// A brick at the first place, two cubes beside each other at the second, and a slab on a slab at
+/// the third: 2 x 1 x 1 edges each, spinning at `w`.
 fn boxes(edge: f64, w: [f64; 3], [whole, halves, layers]: [[f64; 3]; 3]) -> Scene {
     let spinning = |at: [f64; 3], diameter| {
         let mut body = solid(at, diameter, [0.1, 0.2, -0.1]);
@@ -227,8 +227,8 @@ fn fallen(threads: usize, windows: u32, substeps: u32, skin: f64) -> (Scene, Vec
     (scene, after)
 }
 
-/// Bodies of a clump keep their places to each other, also across periodic faces; nothing depends on
-/// threads, windows or lists.
+/// Bodies of a clump keep their places to each other, also across periodic faces; nothing depends
+/// on threads, windows or lists.
 #[test]
 fn clumps_fall_and_stay_whole_with_equal_bits() {
     let (scene, after) = fallen(1, 1, 60_000, 0.1);
@@ -270,7 +270,8 @@ fn clumps_fall_and_stay_whole_with_equal_bits() {
     assert!(lowest < 1.5e-3, "some lie on the floor");
 }
 
-/// Loads of a fluid act where they are given: a couple turns a clump, and a force at its end moves it too.
+/// Loads of a fluid act where they are given: a couple turns a clump, and a force at its end moves
+/// it too.
 #[test]
 fn loads_on_the_bodies_of_a_clump_move_it() {
     let (arm, force) = (5e-3, 1e-4);
@@ -346,8 +347,8 @@ fn a_clump_of_one_sphere_moves_as_the_sphere_does() {
     assert_eq!(velocities(true), velocities(false));
 }
 
-/// A raft of many spheres, all of which touch at once, and a ball with a light handle that is struck at its tip: the
-/// default time step follows both.
+/// A raft of many spheres, all of which touch at once, and a ball with a light handle that is
+/// struck at its tip: the default time step follows both.
 #[test]
 fn the_time_step_follows_rafts_and_long_handles() {
     let mut scene = open_space(0.3, Damping::Restitution(0.5));
@@ -415,8 +416,8 @@ fn lens(r: f64, s: f64, d: f64) -> f64 {
     std::f64::consts::PI / (12.0 * d) * sum * sum * rest
 }
 
-/// Weight and momentum of a dumbbell are those of its lens formula, its spin under a couple that of its inertia: two equal
-/// spheres in a thousand slices.
+/// Weight and momentum of a dumbbell are those of its lens formula, its spin under a couple that of
+/// its inertia: two equal spheres in a thousand slices.
 #[test]
 fn a_union_is_as_heavy_as_its_lens_says() {
     let (r, d) = (0.5 * D, 0.6 * D);
@@ -454,8 +455,8 @@ fn pieces_of(set: &BodySet) -> usize {
     }
 }
 
-/// A ball strikes unions of all kinds, from every side: what moves keeps energy, momentum and angular momentum, and a struck
-/// union turns about its own centroid.
+/// A ball strikes unions of all kinds, from every side: what moves keeps energy, momentum and
+/// angular momentum, and a struck union turns about its own centroid.
 #[test]
 fn unions_keep_energy_and_momenta() {
     let v = [0.0; 3];
@@ -494,7 +495,8 @@ fn unions_keep_energy_and_momenta() {
     }
 }
 
-/// Overlaps are told, with how much they count twice; a union is not doubted, and names what is in no clump.
+/// Overlaps are told, with how much they count twice; a union is not doubted, and names what is in
+/// no clump.
 #[test]
 fn overlaps_in_clumps_are_told() {
     let at = |x: f64, d: f64| sphere([10e-3 + x, 10e-3, 10e-3], d, [0.0; 3]);

@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use tremie_grains_dem::{GrainsDem, Parameters};
 use tremie_messages::scene::{ContactLaw, Damping, Face, Motion, Scene, Spring};
 
-/// Effective modulus [Pa], work of adhesion [J/m²], diameter of spheres [m]: soft, so that necks are long.
+/// Effective modulus [Pa], work of adhesion [J/m²], diameter of spheres [m]: soft, so that necks
+/// are long.
 const E: f64 = 1e6;
 const W: f64 = 0.1;
 const D: f64 = 1e-3;
@@ -45,7 +46,8 @@ fn apart(dem: &GrainsDem) -> [f64; 2] {
     [s[1].velocity[0] - s[0].velocity[0], s[1].position[0] - s[0].position[0] - D]
 }
 
-/// Speed up to which two spheres stick (Thornton and Ning 1998): what is lost is `7.09 (w^5 R^4/E^2)^(1/3)`.
+/// Speed up to which two spheres stick (Thornton and Ning 1998): what is lost is `7.09 (w^5
+/// R^4/E^2)^(1/3)`.
 fn sticking_speed() -> f64 {
     let r = 0.25 * D;
     let lost = 7.0913 * libm::cbrt(W.powi(5) * r.powi(4) / (E * E));
@@ -77,7 +79,8 @@ fn elastic_spheres_rebound_less_the_work_of_adhesion_or_stick() {
 fn parting_takes_the_same_work_at_any_speed() {
     let r = 0.25 * D;
     let a = last_radius(r);
-    // Over (a/a_c)^(1/2) = x the work is E a_c^5/R^2 x^4 (8/15 x^6 - 16/3 x^3 + 8), at rest x^3 = 6.
+    // Over (a/a_c)^(1/2) = x the work is E a_c^5/R^2 x^4 (8/15 x^6 - 16/3 x^3 + 8), at rest x^3 =
+    // 6.
     let work = E * a.powi(5) / (r * r) * (3.2 + 4.8 * 6f64.powf(4.0 / 3.0));
     let m = 0.5 * mass(D);
     for factor in [1.1, 2.0, 6.0] {
@@ -117,7 +120,8 @@ fn a_bound_pair_keeps_its_energy_and_comes_to_rest_where_the_theory_has_it() {
     assert!((gap / -rest - 1.0).abs() < 1e-6, "{gap} {rest}");
 }
 
-/// A sphere under a ceiling, with a weight over the largest pull; whether it hangs there after a while.
+/// A sphere under a ceiling, with a weight over the largest pull; whether it hangs there after a
+/// while.
 fn hangs(mut scene: Scene, ceiling: f64, weight: f64) -> bool {
     let r = 0.5 * D;
     let pull = 1.5 * PI * W * r;
@@ -142,7 +146,8 @@ fn walls_and_parts_hold_up_to_the_largest_pull() {
     }
 }
 
-/// Contacts begin and end, and lists are made anew, without a difference between numbers of threads.
+/// Contacts begin and end, and lists are made anew, without a difference between numbers of
+/// threads.
 #[test]
 fn threads_change_nothing() {
     let mut scene = scene([8e-3; 3], PERIODIC, sticky(0.4, Damping::Restitution(0.7)));

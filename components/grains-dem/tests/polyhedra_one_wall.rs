@@ -1,4 +1,5 @@
-//! A wall is one wall to polyhedra too, however it is cut: into triangles, parts, planes or faces of the domain.
+//! A wall is one wall to polyhedra too, however it is cut: into triangles, parts, planes or faces
+//! of the domain.
 
 mod common;
 use common::solids::*;
@@ -291,7 +292,8 @@ fn energy_is_kept_on_cut_walls() {
     }
 }
 
-/// What a cube at rest presses on two parts is its weight, with its moment, and of each what stands on it.
+/// What a cube at rest presses on two parts is its weight, with its moment, and of each what stands
+/// on it.
 #[test]
 fn parts_bear_what_stands_on_them() {
     let weight = DENSITY * EDGE.powi(3) * 9.81;

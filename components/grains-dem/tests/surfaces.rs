@@ -43,8 +43,8 @@ fn part(name: &str, size: [f64; 3], position: [f64; 3], motion: Motion) -> Part 
     }
 }
 
-/// A ring about z through the domain's middle, `rounds` x (`wide` and `high` segments) of squares in two
-/// triangles, its lower face at `z`.
+/// A ring about z through the domain's middle, `rounds` x (`wide` and `high` segments) of squares
+/// in two triangles, its lower face at `z`.
 fn ring(rounds: usize, [wide, high]: [usize; 2], [r, outer, z, top]: [f64; 4]) -> Mesh {
     let mut section = Vec::new();
     let between = |a: f64, b: f64, k: usize, n: usize| a + (b - a) * k as f64 / n as f64;
@@ -152,7 +152,8 @@ fn a_rigid_surface_is_a_part_of_the_same_shape() {
         assert!(norm(minus(a.velocity, b.velocity)) < 1e-4 * 0.03, "{a:?} {b:?}");
         let turning = norm(minus(a.angular_velocity, b.angular_velocity));
         assert!(turning < 1e-4 * norm(a.angular_velocity), "{a:?} {b:?}");
-        // Friction makes them roll at half the speed of the ring, squeezed by three hundredths of D.
+        // Friction makes them roll at half the speed of the ring, squeezed by three hundredths of
+        // D.
         let rolling = norm(a.angular_velocity) * D / norm([0.02, 0.01, 0.0]);
         assert!((rolling - 1.0).abs() < 0.03, "{rolling}");
     }
@@ -166,7 +167,8 @@ fn sum(loads: &[FacetLoad]) -> [f64; 3] {
     std::array::from_fn(|a| loads.iter().map(|load| load.force[a]).sum())
 }
 
-/// Momentum of spheres between two ends of substeps against what facets gave: one sphere in the air.
+/// Momentum of spheres between two ends of substeps against what facets gave: one sphere in the
+/// air.
 #[test]
 fn what_facets_get_the_sphere_and_the_carrier_give() {
     let (mut scene, mesh) = pressed();

@@ -1,17 +1,20 @@
 //! Where a sphere touches walls: surfaces of triangles, one or many, and planes.
 //!
 //! Contacts with faces come first, the deepest before the others, then those with edges, then those
-//! with vertices (Hu et al., *Powder Technol.* 2013). A contact counts only if its point stands out of the tangent planes of all before:
-//! edges and vertices of a face that the sphere touches already do not, nor do those that do not stick out. That is asked of points in space, and not of
-//! what triangles share, so that it holds across seams of parts and planes that stand flush as well. So a sphere rolls
-//! over a flat floor of triangles as over a plane. How much of those counts that remain [`crate::shares`] says.
+//! with vertices (Hu et al., *Powder Technol.* 2013). A contact counts only if its point stands out
+//! of the tangent planes of all before: edges and vertices of a face that the sphere touches
+//! already do not, nor do those that do not stick out. That is asked of points in space, and not of
+//! what triangles share, so that it holds across seams of parts and planes that stand flush as
+//! well. So a sphere rolls over a flat floor of triangles as over a plane. How much of those counts
+//! that remain [`crate::shares`] says.
 //!
-//! A contact with an edge or a vertex belongs to the first of the triangles that share it, whatever round-off says of their
-//! distances; a point that several owners share to the one of the lowest rank.
+//! A contact with an edge or a vertex belongs to the first of the triangles that share it, whatever
+//! round-off says of their distances; a point that several owners share to the one of the lowest
+//! rank.
 //!
-//! Of the triangles listed near a sphere few are touched. So how far each is gets noted when all are looked at, and until
-//! sphere and surface have come some way, only those are looked at again that they may have reached since: what is found is the
-//! same.
+//! Of the triangles listed near a sphere few are touched. So how far each is gets noted when all
+//! are looked at, and until sphere and surface have come some way, only those are looked at again
+//! that they may have reached since: what is found is the same.
 
 use crate::Vec3;
 use crate::bodies::wall_triangle::{Triangle, border};
@@ -40,8 +43,8 @@ pub(crate) const MOST: usize = 8;
 /// A contact that turned by less is the same one: cosine of 10 degrees.
 pub(crate) const SAME: f64 = 0.984_807_753;
 
-/// How far a point must stand out of another contact's tangent plane, over the radius: more than corners of triangles are off by
-/// when a file rounds them.
+/// How far a point must stand out of another contact's tangent plane, over the radius: more than
+/// corners of triangles are off by when a file rounds them.
 const OUT: f64 = 1e-5;
 
 /// Points that are nearer to each other than this, over the radius, are one.
@@ -99,8 +102,8 @@ const AGAIN: f64 = 0.02;
 /// Distances are noted this much shorter, for they are rounded.
 const SHORTER: f64 = 1.0 - 1e-6;
 
-/// The contacts of a sphere with those triangles that are in reach, of as many as there are `distances`. No point of
-/// theirs has moved by more than `travel` grew since it `looked`.
+/// The contacts of a sphere with those triangles that are in reach, of as many as there are
+/// `distances`. No point of theirs has moved by more than `travel` grew since it `looked`.
 pub(crate) fn find(
     sphere: Seeker,
     travel: f64,
@@ -113,7 +116,8 @@ pub(crate) fn find(
     candidates.contacts(sphere.radius)
 }
 
-/// Looks for the points of triangles that are in reach, and gives each to `take`; the rest as [`find`].
+/// Looks for the points of triangles that are in reach, and gives each to `take`; the rest as
+/// [`find`].
 #[inline(always)]
 pub(crate) fn look(
     sphere: Seeker,
@@ -199,8 +203,8 @@ impl WallPoint {
         Self { normal, distance, point: normal * -distance, ..Self::NONE }
     }
 
-    /// Hands a point of an edge or a vertex to the first of the triangles at it, and one that stands flush with
-    /// another's to the owner of the lower rank.
+    /// Hands a point of an edge or a vertex to the first of the triangles at it, and one that
+    /// stands flush with another's to the owner of the lower rank.
     fn share(&mut self, other: &WallPoint, radius: f64) {
         if (self.point - other.point).norm_squared() > (TIE * radius).powi(2) {
             return;
@@ -215,14 +219,16 @@ impl WallPoint {
 
 /// Whether one candidate is looked at before another.
 fn before(a: &WallPoint, b: &WallPoint) -> bool {
-    // Down to the point, so that where two are as deep the order of triangles in a file does not matter.
+    // Down to the point, so that where two are as deep the order of triangles in a file does not
+    // matter.
     let key = |near: &WallPoint| {
         (near.feature, near.distance, near.rank, near.point.x, near.point.y, near.point.z)
     };
     key(a) < key(b)
 }
 
-/// Distance of a triangle, and its point that is closest to `centre`, unless the centre is behind the triangle.
+/// Distance of a triangle, and its point that is closest to `centre`, unless the centre is behind
+/// the triangle.
 fn nearest(centre: Vec3, triangle: &Triangle) -> (f64, Option<WallPoint>) {
     let Some((feature, number, point)) = border(centre, triangle) else {
         let height = (centre - triangle.corners[0]).dot(&triangle.normal);

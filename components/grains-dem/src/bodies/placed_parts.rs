@@ -1,5 +1,5 @@
-//! Rigid parts: surfaces that grains meet, fixed, moved as the scene prescribes, or on an axis under
-//! forces.
+//! Rigid parts: surfaces that grains meet, fixed, moved as the scene prescribes, or on an axis
+//! under forces.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{Mobility, Twist, Wrench};
@@ -41,13 +41,13 @@ pub(crate) struct PlacedPart {
     pub twist: Twist,
     /// How far any of its points can have gone since neighbours were listed [m].
     pub moved: f64,
-    /// Its place among all parts in space, by its box at the start: of parts that share a point of contact the first has
-    /// it, in whatever order they are given.
+    /// Its place among all parts in space, by its box at the start: of parts that share a point of
+    /// contact the first has it, in whatever order they are given.
     pub rank: u32,
 }
 
-/// A substep: from when to when [s], its length [s], and whether the substep before is to be finished
-/// first.
+/// A substep: from when to when [s], its length [s], and whether the substep before is to be
+/// finished first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     pub from: f64,

@@ -1,7 +1,8 @@
 //! A triangle of a wall, and its point that is closest to a sphere's centre.
 //!
-//! [`tremie_geometry`] looks for closest points of whole surfaces, and must get the same bits from both sides of an edge, so that it
-//! takes edges from the lower vertex on. Contacts settle edges by the points themselves, and need the search that is shorter.
+//! [`tremie_geometry`] looks for closest points of whole surfaces, and must get the same bits from
+//! both sides of an edge, so that it takes edges from the lower vertex on. Contacts settle edges by
+//! the points themselves, and need the search that is shorter.
 
 use crate::Vec3;
 
@@ -12,12 +13,14 @@ pub(crate) struct Triangle {
     pub corners: [Vec3; 3],
     /// Unit normal, to the side where bodies are.
     pub normal: Vec3,
-    /// Which of its edges, from the corner of the same number on, and of its corners stick out nowhere.
+    /// Which of its edges, from the corner of the same number on, and of its corners stick out
+    /// nowhere.
     pub grooves: Grooves,
 }
 
-/// Edges and corners at which the surface nowhere sticks out, but is flat or bends towards the bodies: bits 0 to 2 and 3 to
-/// 5. What is closest to one of them on one side of it is closer to the other side, so that nothing touches there alone.
+/// Edges and corners at which the surface nowhere sticks out, but is flat or bends towards the
+/// bodies: bits 0 to 2 and 3 to 5. What is closest to one of them on one side of it is closer to
+/// the other side, so that nothing touches there alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Grooves(pub u8);
 
@@ -58,9 +61,9 @@ pub(crate) fn distance(x: Vec3, corners: [Vec3; 3]) -> f64 {
     (closest_point(x, &triangle) - x).norm_squared().sqrt()
 }
 
-/// The point of a triangle's border that is closest to `x`, whether it is on an edge, 1, or a corner, 2,
-/// and on which; none where the closest point lies within (Ericson, *Real-Time Collision Detection*, 2005,
-/// sec. 5.1.5).
+/// The point of a triangle's border that is closest to `x`, whether it is on an edge, 1, or a
+/// corner, 2, and on which; none where the closest point lies within (Ericson, *Real-Time Collision
+/// Detection*, 2005, sec. 5.1.5).
 #[inline(always)]
 pub(crate) fn border(x: Vec3, triangle: &Triangle) -> Option<(u8, u8, Vec3)> {
     let [a, b, c] = triangle.corners;

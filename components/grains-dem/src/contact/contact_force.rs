@@ -12,13 +12,14 @@
 //! F    = F_t - f_n n
 //! ```
 //!
-//! with `k_n delta` standing for any spring. Where bodies adhere, the largest pull `f_c` of the spring bounds the force in place
-//! of 0, and `f_n + 2 f_c` bounds friction in place of `f_n`. Rolling friction is the same in terms of the rolling
-//! velocity `v_r = R* (w_i - w_j)`, without its part along n, with the limit `mu_r f_n` and the
-//! tangential spring and dashpot; its force times `R*` is a torque on i, the opposite on j (Luding
-//! 2008; the spring `k_t R*^2` and the limit `mu_r R* f_n` are those of Ai et al., *Powder Technol.*
-//! 206, 2011, type C, as what LIGGGHTS calls EPSD2 has them; the dashpot `gamma_t R*^2` acts below
-//! the limit). Spinning about n is free.
+//! with `k_n delta` standing for any spring. Where bodies adhere, the largest pull `f_c` of the
+//! spring bounds the force in place of 0, and `f_n + 2 f_c` bounds friction in place of `f_n`.
+//! Rolling friction is the same in terms of the rolling velocity `v_r = R* (w_i - w_j)`, without
+//! its part along n, with the limit `mu_r f_n` and the tangential spring and dashpot; its force
+//! times `R*` is a torque on i, the opposite on j (Luding 2008; the spring `k_t R*^2` and the limit
+//! `mu_r R* f_n` are those of Ai et al., *Powder Technol.* 206, 2011, type C, as what LIGGGHTS
+//! calls EPSD2 has them; the dashpot `gamma_t R*^2` acts below the limit). Spinning about n is
+//! free.
 //!
 //! Mutabaruka & Kamrin (2018, Eqs. 2-3) print the spring's sign for the opposite relative velocity
 //! than the dashpot's; their sliding branch and Eq. 1 fix `v = v_i - v_j`, hence the minus.
@@ -116,7 +117,8 @@ pub(crate) fn force(
         steps,
     };
     let Stiffness { k_t, inverse_k_t, gamma_t, remembered, pull_off, .. } = stiffness;
-    // Where contacts adhere friction holds as under twice the largest pull besides (Thornton, *J. Phys. D* 24, 1991).
+    // Where contacts adhere friction holds as under twice the largest pull besides (Thornton, *J.
+    // Phys. D* 24, 1991).
     let pressing = (f_n + 2.0 * pull_off).max(0.0);
     let spring = TangentialSpring { k_t, inverse_k_t, gamma_t, remembered };
     if law.mu > 0.0 {

@@ -56,15 +56,17 @@ impl WallContactHistory {
         }
     }
 
-    /// What a contact with the normal `n` goes on with: the memory of the contact that turned least, if it is of
-    /// one region with it. Of several faces of a region each goes on with the history of all.
+    /// What a contact with the normal `n` goes on with: the memory of the contact that turned
+    /// least, if it is of one region with it. Of several faces of a region each goes on with the
+    /// history of all.
     pub fn heir(&self, n: Vec3) -> Option<ContactHistory> {
         let along = |held: &&Remembered| held.memory.normal.dot(&n);
         let best = self.held().iter().max_by(|a, b| along(a).total_cmp(&along(b)))?;
         of_one_region(best.memory.normal, n).then_some(best.memory)
     }
 
-    /// Energy in the springs [J], tangential ones at the displacement that they will have half a step later.
+    /// Energy in the springs [J], tangential ones at the displacement that they will have half a
+    /// step later.
     pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
         let of = |held: &Remembered| {
             held.share * laws[held.law as usize].remembered_energy(&held.memory, held.reduced)

@@ -104,8 +104,9 @@ impl Law {
         self.normal_energy(memory.overlap, pair) + 0.5 * k_t * across
     }
 
-    /// Springs of a polyhedron's contact where faces touch over the whole reference area. A law without such a form is
-    /// refused before a run; if it were not, a load that is no number would end the run.
+    /// Springs of a polyhedron's contact where faces touch over the whole reference area. A law
+    /// without such a form is refused before a run; if it were not, a load that is no number would
+    /// end the run.
     #[inline(always)]
     pub fn over_faces(&self) -> LinearSpring {
         self.as_linear().unwrap_or(LinearSpring::new(f64::NAN, f64::NAN))

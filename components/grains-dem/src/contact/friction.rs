@@ -1,4 +1,5 @@
-//! The spring of friction, which remembers: of spheres one by one, side by side in registers, and of polyhedra.
+//! The spring of friction, which remembers: of spheres one by one, side by side in registers, and
+//! of polyhedra.
 //!
 //! ```text
 //! F_t* = -k_t xi - gamma_t v_t                 d(xi)/dt = v_t, turning with the pair
@@ -6,14 +7,16 @@
 //!        limit F_t*/|F_t*|                     else, and xi := -(F_t + gamma_t v_t)/k_t
 //! ```
 //!
-//! (Cundall and Strack 1979; Luding 2008). What is remembered is half a step ahead of the last evaluation; the next one adds
-//! the other half, which makes the integration the trapezoidal rule. Everything is written over [`SimdLane`]: a number
-//! alone branches, registers hold both answers and choose.
+//! (Cundall and Strack 1979; Luding 2008). What is remembered is half a step ahead of the last
+//! evaluation; the next one adds the other half, which makes the integration the trapezoidal rule.
+//! Everything is written over [`SimdLane`]: a number alone branches, registers hold both answers
+//! and choose.
 
 use crate::contact::contact_force::Steps;
 use crate::math::simd::lanes::{Lane3, SimdLane};
 
-/// Motion of a contact's frame in the step before an evaluation, and whether the contact was there before.
+/// Motion of a contact's frame in the step before an evaluation, and whether the contact was there
+/// before.
 #[derive(Clone, Copy)]
 pub(crate) struct FrameMotion<L> {
     /// Normals now and at the last evaluation.
@@ -28,7 +31,8 @@ pub(crate) struct FrameMotion<L> {
 }
 
 impl<L: SimdLane> FrameMotion<L> {
-    /// The displacement at this evaluation, from what was `remembered` and the velocity `v` across the normal.
+    /// The displacement at this evaluation, from what was `remembered` and the velocity `v` across
+    /// the normal.
     #[inline(always)]
     pub fn displacement(&self, remembered: Lane3<L>, v: Lane3<L>) -> Lane3<L> {
         let (like, n, dt) = (self.touching, self.n, self.steps.before);
@@ -61,8 +65,8 @@ pub(crate) struct TangentialSpring<L> {
 }
 
 impl<L: SimdLane> TangentialSpring<L> {
-    /// The force at the velocity `v`, which has no part along the normal, and the displacement to remember. Where it
-    /// slips, the spring gives way and the dashpot does not.
+    /// The force at the velocity `v`, which has no part along the normal, and the displacement to
+    /// remember. Where it slips, the spring gives way and the dashpot does not.
     #[inline(always)]
     pub fn resist(
         &self,
@@ -84,8 +88,9 @@ impl<L: SimdLane> TangentialSpring<L> {
         (force, motion.ahead(Lane3::at_most(square, capacity, xi, pulled), v))
     }
 
-    /// The same where spring and dashpot give way alike, so that a soft contact that begins does not find its spring
-    /// stretched against the dashpot: the force, and the displacement at this evaluation.
+    /// The same where spring and dashpot give way alike, so that a soft contact that begins does
+    /// not find its spring stretched against the dashpot: the force, and the displacement at this
+    /// evaluation.
     #[inline(always)]
     pub fn resist_alike(
         &self,
@@ -112,8 +117,8 @@ pub(crate) fn time_since_touch<L: SimdLane>(overlap: L, v_n: L, dt: f64) -> L {
     overlap.less(v_n * v_n.all(dt), overlap.over(v_n), v_n.all(dt))
 }
 
-/// The displacement `xi` across `old`, turned with the pair: by the rotation that takes the old normal to `n`, then
-/// by `angle` about `n`.
+/// The displacement `xi` across `old`, turned with the pair: by the rotation that takes the old
+/// normal to `n`, then by `angle` about `n`.
 #[inline(always)]
 fn turned<L: SimdLane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> Lane3<L> {
     let one = angle.all(1.0);

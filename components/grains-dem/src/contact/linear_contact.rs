@@ -1,5 +1,6 @@
 //! Contacts of linear springs side by side: the formulae of [`crate::contact`] and
-//! [`crate::contact::contact_force::touch_of_balls`] in the same order of operations, so that the bits are the same.
+//! [`crate::contact::contact_force::touch_of_balls`] in the same order of operations, so that the
+//! bits are the same.
 
 use crate::contact::contact_force::Steps;
 use crate::contact::contact_law::Law;

@@ -25,7 +25,8 @@ pub(crate) struct Surface<'a> {
     pub material: &'a str,
     /// Whether it is a mirror, without friction.
     pub mirror: bool,
-    /// What a push finds [kg]: infinite but for sliders, whose mirrored half takes its part of the mass.
+    /// What a push finds [kg]: infinite but for sliders, whose mirrored half takes its part of the
+    /// mass.
     pub mass: f64,
 }
 
@@ -103,7 +104,8 @@ impl Laws {
     }
 }
 
-/// The longest neck of a contact between bodies of a scene, the largest of a diameter, or of these with walls [m].
+/// The longest neck of a contact between bodies of a scene, the largest of a diameter, or of these
+/// with walls [m].
 pub(crate) fn longest_neck(scene: &Scene, largest: f64) -> f64 {
     let pair = Reduced { root_mass: 0.0, radius: 0.5 * largest };
     let necks = scene

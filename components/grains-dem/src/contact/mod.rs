@@ -1,4 +1,5 @@
-//! The law of one contact: spring, dashpot, friction, rolling, lubrication, and what a contact remembers.
+//! The law of one contact: spring, dashpot, friction, rolling, lubrication, and what a contact
+//! remembers.
 
 pub mod contact_force;
 pub mod contact_history;

@@ -13,7 +13,8 @@ pub(crate) struct Stability {
 }
 
 impl Stability {
-    /// A body in `contacts` contacts at an overlap, where `inverse_mass` is the sum of both bodies'.
+    /// A body in `contacts` contacts at an overlap, where `inverse_mass` is the sum of both
+    /// bodies'.
     pub fn of(law: &Law, pair: Reduced, inverse_mass: f64, overlap: f64, contacts: f64) -> Self {
         let at = law.at(overlap, overlap, pair);
         let across = if law.mu > 0.0 { 1.0 } else { 0.0 };
@@ -61,8 +62,8 @@ impl Stability {
 
 /// Largest eigenvalue of the sum of `contacts` springs (or dashpots) `n` along and `t` across
 /// normals that are spread evenly, at least that of one contact: translation `z (n + 2 t)/3`,
-/// rotation `z 5/2 2/3 t`; one contact `n`, and `7/2 t` across with the rotation of a sphere. Rolling
-/// springs `t R*^2` add as much again to a rotation.
+/// rotation `z 5/2 2/3 t`; one contact `n`, and `7/2 t` across with the rotation of a sphere.
+/// Rolling springs `t R*^2` add as much again to a rotation.
 fn strongest(n: f64, t: f64, contacts: f64, rolls: bool) -> f64 {
     let rolling = if rolls { 2.5 * t } else { 0.0 };
     let single = n.max(3.5 * t + rolling);

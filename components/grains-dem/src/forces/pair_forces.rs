@@ -65,9 +65,9 @@ impl ContactContext<'_> {
     }
 }
 
-/// Evaluates the contacts between bodies; what they give stands in the records of `pairs`. Adds what
-/// each block saw to `tallies`; `wandered` tells how far the bodies of each have gone since neighbours
-/// were listed.
+/// Evaluates the contacts between bodies; what they give stands in the records of `pairs`. Adds
+/// what each block saw to `tallies`; `wandered` tells how far the bodies of each have gone since
+/// neighbours were listed.
 pub(crate) fn between_bodies(
     team: &mut Team,
     pairs: &mut NeighbourList,

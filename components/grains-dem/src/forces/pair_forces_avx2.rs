@@ -1,8 +1,9 @@
 //! Contacts of one linear law, twice four at once in registers of AVX2.
 //!
-//! The formula is that of [`LinearLaw::forces`], whose bits it gives; what is here reads the bodies and
-//! histories of four contacts, each in few pieces, and turns rows into lanes and back. The twin of it for
-//! registers of twice the length is `avx512`, which has other instructions to pack and to mask.
+//! The formula is that of [`LinearLaw::forces`], whose bits it gives; what is here reads the bodies
+//! and histories of four contacts, each in few pieces, and turns rows into lanes and back. The twin
+//! of it for registers of twice the length is `avx512`, which has other instructions to pack and to
+//! mask.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -36,8 +37,8 @@ const SPREAD: [u32; 1 << QUAD] = {
     spread
 };
 
-/// Entries whose bodies feel each other, one beside the other. The entries and their bodies exist: who writes them
-/// looks, also of what stands behind the last.
+/// Entries whose bodies feel each other, one beside the other. The entries and their bodies exist:
+/// who writes them looks, also of what stands behind the last.
 struct HitsAvx2 {
     count: usize,
     k: [u32; ROOM],
@@ -83,8 +84,8 @@ impl HitsAvx2 {
     }
 }
 
-/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other; the others forget
-/// that they touched.
+/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each
+/// other; the others forget that they touched.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx2) {
@@ -130,8 +131,8 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx2) {
     let mut at = hits.count;
     assert!(at + QUAD <= ROOM);
     for l in 0..QUAD {
-        // Without a branch: which pairs of a list touch cannot be foretold. Entries that are not there are not
-        // written, so that those behind the last hit exist too.
+        // Without a branch: which pairs of a list touch cannot be foretold. Entries that are not
+        // there are not written, so that those behind the last hit exist too.
         hits.k[at] = (k + l.min(count - 1)) as u32;
         hits.touched[at] = touched[l];
         // SAFETY: a row is four numbers.
@@ -141,8 +142,8 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx2) {
     hits.count = at;
 }
 
-/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to; 1 for each that touched
-/// before.
+/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to; 1
+/// for each that touched before.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn follow_state(
@@ -171,7 +172,8 @@ fn follow_state(
     (before >> 1 & BIT_OF_EACH).to_le_bytes()
 }
 
-/// Whether the bodies of entries of a block that begins at body `first` are among the `count` bodies.
+/// Whether the bodies of entries of a block that begins at body `first` are among the `count`
+/// bodies.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn exist(entries: &[ListedPair; QUAD], first: usize, count: usize) -> bool {
@@ -235,8 +237,9 @@ fn read(block: &Block<'_>, hits: &HitsAvx2, at: usize, of_k: &[u32; QUAD]) -> Ba
         let (i, j) = block.bodies(k);
         debug_assert!(i < predicted.len() && j < predicted.len() && k < block.records.len());
         root_mass[l] = block.reduced[k].root_mass;
-        // SAFETY: `find` looked that the bodies of an entry exist; a ball is four numbers and a twist six. `evaluate`
-        // looked that each entry has a record and a displacement; no more is read than these have.
+        // SAFETY: `find` looked that the bodies of an entry exist; a ball is four numbers and a
+        // twist six. `evaluate` looked that each entry has a record and a displacement; no more is
+        // read than these have.
         unsafe {
             let motion_i = predicted.as_ptr().add(i).cast::<f64>();
             let motion_j = predicted.as_ptr().add(j).cast::<f64>();
@@ -290,8 +293,8 @@ fn write(block: &mut Block<'_>, out: &Outcome<Quad>, of_k: &[u32; QUAD], count: 
     for l in 0..count {
         let k = of_k[l] as usize;
         const { assert!(size_of::<ContactState>() == 64 && size_of::<Vec3>() == 24) };
-        // SAFETY: `evaluate` looked that each entry has a record and a displacement; a record is two registers of
-        // four numbers, a displacement three.
+        // SAFETY: `evaluate` looked that each entry has a record and a displacement; a record is
+        // two registers of four numbers, a displacement three.
         unsafe {
             let record = block.records.as_mut_ptr().add(k).cast::<f64>();
             _mm256_store_pd(record, first[l]);

@@ -1,7 +1,7 @@
 //! Contacts of one linear law, eight at once in registers of AVX-512.
 //!
-//! The formula is that of [`LinearLaw::forces`], whose bits it gives; what is here reads the bodies and
-//! histories of eight contacts, each in few pieces, and turns rows into lanes and back.
+//! The formula is that of [`LinearLaw::forces`], whose bits it gives; what is here reads the bodies
+//! and histories of eight contacts, each in few pieces, and turns rows into lanes and back.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BLOCK, BoundingSphere};
@@ -17,8 +17,8 @@ use crate::math::tally::{DEEP, Other};
 use crate::neighbours::neighbour_list::{ACTING, ContactState, TOUCHING};
 use core::arch::x86_64::*;
 
-/// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them looks, also
-/// of what stands behind the last.
+/// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them
+/// looks, also of what stands behind the last.
 struct HitsAvx512 {
     count: usize,
     k: [u32; ROOM],
@@ -58,7 +58,8 @@ fn fetch_motions(block: &Block<'_>, hits: &HitsAvx512, waiting: usize) {
 }
 
 impl HitsAvx512 {
-    /// Adds those that touch: numbers of the entries and of their bodies, and what the formula takes of them.
+    /// Adds those that touch: numbers of the entries and of their bodies, and what the formula
+    /// takes of them.
     #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
     #[inline]
     fn add(&mut self, touches: __mmask8, who: [__m256i; 3], all: &[__m512d; 7]) {
@@ -98,8 +99,8 @@ fn to_front<T: Copy + Default>(numbers: &mut [T; ROOM], at: usize) {
     numbers[..LANES].copy_from_slice(&some);
 }
 
-/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each other; the
-/// others forget that they touched.
+/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each
+/// other; the others forget that they touched.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
@@ -161,7 +162,8 @@ fn spheres(balls: &[BoundingSphere], of_i: &[u32; LANES], of_j: &[u32; LANES]) -
     transposed(rows)
 }
 
-/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to; which touched before.
+/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to;
+/// which touched before.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn follow_state(
@@ -256,8 +258,8 @@ fn read(block: &Block<'_>, hits: &HitsAvx512, at: usize) -> Batch<Wide> {
     for l in 0..LANES {
         let (k, i, j) = (of_k[l] as usize, of_i[l] as usize, of_j[l] as usize);
         debug_assert!(i < predicted.len() && j < predicted.len() && k < block.records.len());
-        // SAFETY: the bodies exist, and a twist is six numbers; the entry does, and `evaluate` looked
-        // that each has a record and a displacement; no more is read than these have.
+        // SAFETY: the bodies exist, and a twist is six numbers; the entry does, and `evaluate`
+        // looked that each has a record and a displacement; no more is read than these have.
         unsafe {
             let (record, xi) = (block.records.get_unchecked(k), block.xi.get_unchecked(k));
             let i = _mm512_maskz_loadu_pd(0x3f, predicted.as_ptr().add(i).cast());
@@ -291,7 +293,8 @@ fn read(block: &Block<'_>, hits: &HitsAvx512, at: usize) -> Batch<Wide> {
     }
 }
 
-/// Keeps what the formula gave for the first `count` of the hits from `at` on, which had the displacements `xi`.
+/// Keeps what the formula gave for the first `count` of the hits from `at` on, which had the
+/// displacements `xi`.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn write(

@@ -1,7 +1,7 @@
 //! The scan for pairs that touch, as far as registers of all lengths have it in common.
 //!
-//! Entries are looked at in their order, a register of them at once. Those that act are set one beside the other, and
-//! evaluated by whole batches while what they need is close.
+//! Entries are looked at in their order, a register of them at once. Those that act are set one
+//! beside the other, and evaluated by whole batches while what they need is close.
 
 use crate::forces::pair_forces::Block;
 use crate::math::simd::lanes::LANES;
@@ -19,8 +19,9 @@ const STREAM: usize = 96;
 /// Room for the entries that act, those that wait for company, and a whole register at the end.
 pub(crate) const ROOM: usize = TOGETHER + 2 * LANES;
 
-/// Looks through the entries of a block: `find` adds those of a register that act to `hits`, `fetch` asks for the motions of
-/// those since a place, and `batch` evaluates some. A macro, for what a function calls is not compiled for its registers.
+/// Looks through the entries of a block: `find` adds those of a register that act to `hits`,
+/// `fetch` asks for the motions of those since a place, and `batch` evaluates some. A macro, for
+/// what a function calls is not compiled for its registers.
 macro_rules! scan {
     ($block:ident, $law:ident, $hits:ident, $step:ident, $find:ident, $fetch:ident, $batch:ident) => {
         let entries = $block.entries.len();

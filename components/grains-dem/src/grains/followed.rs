@@ -1,7 +1,8 @@
 //! Bodies, clumps and parts whose motion, and what the fluid does to them, are signals.
 //!
-//! Of bodies those are: the body of a set that lists one, and each clump, as long as there are no more than
-//! [`BY_THEMSELVES`] of these in all; and the bodies of sets, and the clumps, that the scene asks for. Parts that move always are.
+//! Of bodies those are: the body of a set that lists one, and each clump, as long as there are no
+//! more than [`BY_THEMSELVES`] of these in all; and the bodies of sets, and the clumps, that the
+//! scene asks for. Parts that move always are.
 
 use crate::bodies::placed_parts::PlacedPart;
 use crate::grains::signals::{FLUID, MOTION, push};
@@ -149,8 +150,8 @@ impl Follow {
 }
 
 impl GrainsDem {
-    /// A sphere or polyhedron that lives, as it is at the end of the last substep, and the load of the fluid under which it
-    /// went through the last window; no load in a dry run.
+    /// A sphere or polyhedron that lives, as it is at the end of the last substep, and the load of
+    /// the fluid under which it went through the last window; no load in a dry run.
     pub fn body(&self, id: u64) -> Option<(BodyState, Load)> {
         let bodies = &self.population.bodies;
         let rank = bodies.ids.binary_search(&id).ok()?;
@@ -171,7 +172,8 @@ impl GrainsDem {
         Some((state, load))
     }
 
-    /// The same of a clump, by its number: of its centroid, and about it. Its orientation is that from the start.
+    /// The same of a clump, by its number: of its centroid, and about it. Its orientation is that
+    /// from the start.
     pub fn clump(&self, number: usize) -> Option<(BodyState, Load)> {
         let clump = self.population.clumps.all().get(number)?;
         let mut load = Load { id: number as u64, ..Load::default() };

@@ -1,4 +1,5 @@
-//! The signals of the grains: name, unit, meaning and value of each, in one table for each kind of thing that has them.
+//! The signals of the grains: name, unit, meaning and value of each, in one table for each kind of
+//! thing that has them.
 
 use crate::bodies::slider::SliderState;
 use crate::solver::diagnostics::Diagnostics;
@@ -171,8 +172,8 @@ pub(crate) const PART: &[SignalOf<PartLoads>] = &[
     ),
 ];
 
-/// Of each slider: forces are along its axis, on the whole part. Those of the deformable surfaces that it carries
-/// are by themselves: of contacts, and of what else acts on them.
+/// Of each slider: forces are along its axis, on the whole part. Those of the deformable surfaces
+/// that it carries are by themselves: of contacts, and of what else acts on them.
 pub(crate) const SLIDER: &[SignalOf<SliderState>] = &[
     SignalOf::new("lift", "m", "travel of the part along its axis", |s| s.lift),
     SignalOf::new("velocity", "m/s", "velocity of the part along its axis", |s| s.velocity),

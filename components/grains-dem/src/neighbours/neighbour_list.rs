@@ -1,13 +1,13 @@
 //! Pairs of bodies that may touch, with what each contact remembers and what force it last gave.
 //!
-//! Each pair stands once, in the block of one of its bodies; which of the two does not matter, because
-//! the formulae of a contact give exactly opposite numbers to the other side. A body collects its
-//! forces from a list of its own, in the order of the others' ids: so sums do not depend on where
-//! bodies stand in memory, on when neighbours were listed, or on threads.
+//! Each pair stands once, in the block of one of its bodies; which of the two does not matter,
+//! because the formulae of a contact give exactly opposite numbers to the other side. A body
+//! collects its forces from a list of its own, in the order of the others' ids: so sums do not
+//! depend on where bodies stand in memory, on when neighbours were listed, or on threads.
 //!
 //! A block lists first the pairs that touched when the list was made, then the others by their gap.
-//! Two bodies that have not come as far as their gap cannot touch, so a step looks at the head of the
-//! list only, and what contacts remember lies close together.
+//! Two bodies that have not come as far as their gap cannot touch, so a step looks at the head of
+//! the list only, and what contacts remember lies close together.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -22,8 +22,9 @@ use crate::neighbours::active_contacts::Acting;
 pub(crate) struct ListedPair {
     /// Index of the other body.
     pub other: u32,
-    /// From the lowest bit on: 9 bits for the body's place in its block, 5 for the image through which
-    /// the other is seen (see [`crate::math::periodic::image`]), 16 for the number of the law.
+    /// From the lowest bit on: 9 bits for the body's place in its block, 5 for the image through
+    /// which the other is seen (see [`crate::math::periodic::image`]), 16 for the number of the
+    /// law.
     tags: u32,
 }
 
@@ -130,7 +131,8 @@ pub(crate) struct NeighbourList {
     pub rolling_bounds: Vec<u32>,
     /// The possible contacts.
     pub entries: Vec<ListedPair>,
-    /// How far each pair was from feeling each other when the list was made [m]: ascending in a block.
+    /// How far each pair was from feeling each other when the list was made [m]: ascending in a
+    /// block.
     pub gaps: Vec<f32>,
     /// How many entries of each block may have met since.
     pub near: Vec<u32>,
@@ -151,8 +153,8 @@ pub(crate) struct NeighbourList {
     pub places: Vec<u32>,
     /// Those of them that act.
     pub acting: Acting,
-    /// Across which periodic faces each body went since the list was made, as far as entries know; see
-    /// [`Bodies::crossed`](crate::bodies::body_arrays::Bodies::crossed).
+    /// Across which periodic faces each body went since the list was made, as far as entries know;
+    /// see [`Bodies::crossed`](crate::bodies::body_arrays::Bodies::crossed).
     pub crossed: Vec<i32>,
 }
 
@@ -169,8 +171,9 @@ impl NeighbourList {
         self.acting.of(i, self.collected[i])
     }
 
-    /// Looks for bodies that went across periodic faces, among those of the blocks that say that some did: their
-    /// entries see others through other images from here on. Few do in a step, so that contacts need not ask.
+    /// Looks for bodies that went across periodic faces, among those of the blocks that say that
+    /// some did: their entries see others through other images from here on. Few do in a step, so
+    /// that contacts need not ask.
     pub fn follow(&mut self, crossed: &[i32], blocks: impl Iterator<Item = usize>) {
         for b in blocks {
             for i in b * BLOCK..crossed.len().min((b + 1) * BLOCK) {
@@ -205,8 +208,8 @@ impl NeighbourList {
         }
     }
 
-    /// The entry of the pair of bodies i and j, by their places in this list, if they felt each other;
-    /// and -1 where it is that of body j.
+    /// The entry of the pair of bodies i and j, by their places in this list, if they felt each
+    /// other; and -1 where it is that of body j.
     pub fn find(&self, i: u32, j: u32) -> Option<(usize, f64)> {
         if i == NEW || j == NEW {
             return None;

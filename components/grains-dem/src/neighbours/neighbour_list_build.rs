@@ -11,8 +11,8 @@ use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::neighbour_list::{ContactState, ListedPair, NeighbourList, Rolling};
 use tremie_team::{Cut, Team};
 
-/// Pairs of bodies of which one is a polyhedron, as a block finds them: places in memory, and the image
-/// through which the first sees the second.
+/// Pairs of bodies of which one is a polyhedron, as a block finds them: places in memory, and the
+/// image through which the first sees the second.
 pub(crate) type SolidPair = (u32, u32, u32);
 
 /// What it takes to make a list: buffers that are kept.
@@ -49,7 +49,8 @@ pub(crate) struct PairSearch<'a> {
     pub shifts: &'a [Vec3; 27],
     /// Laws of materials.
     pub laws: &'a Laws,
-    /// Where in memory each body stood when the list before was made, or [`NEW`](crate::bodies::body_arrays::NEW).
+    /// Where in memory each body stood when the list before was made, or
+    /// [`NEW`](crate::bodies::body_arrays::NEW).
     pub previous: &'a [u32],
 }
 
@@ -273,8 +274,8 @@ impl Found {
         self.entries.extend(self.apart.iter().map(|&(_, entry)| entry));
     }
 
-    /// Counts the contacts of each body of a block that begins at `first`, as far as its own entries
-    /// tell, and notes those of bodies outside. The entries begin at `start` of the list.
+    /// Counts the contacts of each body of a block that begins at `first`, as far as its own
+    /// entries tell, and notes those of bodies outside. The entries begin at `start` of the list.
     fn count(&mut self, first: usize, entries: &[ListedPair], start: usize, count: &mut [u32]) {
         count.fill(0);
         self.outside.clear();

@@ -19,8 +19,8 @@ pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut Overla
     press
 }
 
-/// Adds the faces of one body, at a place, as far as they lie in another. What presses is along their
-/// outward normals, or against.
+/// Adds the faces of one body, at a place, as far as they lie in another. What presses is along
+/// their outward normals, or against.
 fn faces_within(
     one: Solid<'_>,
     at: Vec3,
@@ -46,7 +46,8 @@ fn apart(a: Solid<'_>, b: Solid<'_>, way: Vec3) -> bool {
     })
 }
 
-/// What a plane presses on a body: `normal` to the side of bodies, `height` of the centroid over it.
+/// What a plane presses on a body: `normal` to the side of bodies, `height` of the centroid over
+/// it.
 pub(crate) fn of_plane(a: Solid<'_>, normal: Vec3, height: f64, room: &mut OverlapRoom) -> Press {
     let mut press = Press::NONE;
     if a.support(-normal) <= height {
@@ -103,17 +104,17 @@ pub(crate) fn of_polygon(
     press
 }
 
-/// Where a sphere touches a body: the distance of its centre from the body [m], and the unit vector from the
-/// closest point to the centre; with the centre inside, the negative depth under the closest face, and
-/// that face's normal.
+/// Where a sphere touches a body: the distance of its centre from the body [m], and the unit vector
+/// from the closest point to the centre; with the centre inside, the negative depth under the
+/// closest face, and that face's normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Closest {
     pub normal: Vec3,
     pub distance: f64,
 }
 
-/// The closest point of a body to a centre, by its faces, none searched for: of each face the point of
-/// the polygon, by its triangles.
+/// The closest point of a body to a centre, by its faces, none searched for: of each face the point
+/// of the polygon, by its triangles.
 pub(crate) fn closest(a: Solid<'_>, centre: Vec3) -> Closest {
     let depth = |face: usize| (a.depth(face, centre), face);
     let nearer = |x: (f64, usize), y: (f64, usize)| if y.0 < x.0 { y } else { x };

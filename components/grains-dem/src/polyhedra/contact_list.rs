@@ -1,7 +1,7 @@
 //! What polyhedra may touch: the list, what contacts remember, and the loads that they gave.
 //!
-//! Entries stand in the order of ids, so that sums do not depend on where bodies stand in memory, on when
-//! the list was made, or on threads.
+//! Entries stand in the order of ids, so that sums do not depend on where bodies stand in memory,
+//! on when the list was made, or on threads.
 
 use super::{
     Polyhedra,
@@ -30,7 +30,8 @@ use tremie_team::{Cut, Team};
 /// Entries that are one item of work.
 const TOGETHER: usize = 8;
 
-/// OverlapHistory of a pair of which one is a polyhedron, in the list before and in that which is used [bytes].
+/// OverlapHistory of a pair of which one is a polyhedron, in the list before and in that which is
+/// used [bytes].
 pub(crate) const OF_PAIR: usize = 2 * (size_of::<SolidPairEntry>() + size_of::<OverlapHistory>())
     + 2 * size_of::<SolidPair>()
     + 4 * size_of::<u32>();
@@ -42,7 +43,8 @@ pub(crate) struct PolyContacts {
     memories: Vec<OverlapHistory>,
     /// Where the memories of each item of work begin.
     memory_bounds: Vec<u32>,
-    /// Walls and parts near polyhedra, in the order of entries, and where those of each item of work begin.
+    /// Walls and parts near polyhedra, in the order of entries, and where those of each item of
+    /// work begin.
     owners: Vec<Owner>,
     owner_bounds: Vec<u32>,
     triangles: Vec<(u32, u32)>,
@@ -312,8 +314,8 @@ impl PolyContacts {
         }
     }
 
-    /// Energy in the springs of all contacts [J]: of parts as if each triangle had solid straight below it,
-    /// which is exact away from edges.
+    /// Energy in the springs of all contacts [J]: of parts as if each triangle had solid straight
+    /// below it, which is exact away from edges.
     pub fn elastic_energy(
         &self,
         polyhedra: &Polyhedra,

@@ -28,7 +28,8 @@ pub(super) enum SolidPairKind {
     Surfaces,
 }
 
-/// A possible contact: of the body with the smaller id with another, or of a polyhedron with a surface.
+/// A possible contact: of the body with the smaller id with another, or of a polyhedron with a
+/// surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolidPairEntry {
     /// Id of the body, kind and id of the other: in this order they stand in the list.
@@ -135,7 +136,8 @@ impl SolidPairEntry {
         }
     }
 
-    /// A polyhedron, the number `grain`, standing at `i`, and a sphere at `j`, `way` from it: loads on both.
+    /// A polyhedron, the number `grain`, standing at `i`, and a sphere at `j`, `way` from it: loads
+    /// on both.
     fn ball(
         &mut self,
         around: &Around<'_>,

@@ -1,7 +1,8 @@
 //! Energy of contacts of polyhedra: `int d dV` over what overlaps.
 //!
-//! Where the points of a body A are closest to its face i, `d` is the depth `h` under that face and the
-//! gradient of d is `m`, the unit normal inward. That region is convex, and by the divergence theorem
+//! Where the points of a body A are closest to its face i, `d` is the depth `h` under that face and
+//! the gradient of d is `m`, the unit normal inward. That region is convex, and by the divergence
+//! theorem
 //!
 //! ```text
 //! int h dV = int h^2/2 m.n dS      over its faces: those of the other body, and where face j is as close

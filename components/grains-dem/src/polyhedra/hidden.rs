@@ -1,19 +1,22 @@
-//! What of walls and parts lies hidden in others, so that where several make up one wall no place counts twice.
+//! What of walls and parts lies hidden in others, so that where several make up one wall no place
+//! counts twice.
 //!
-//! A part has solid straight below each of its triangles, as far as grains ever reach; a wall has it everywhere below.
-//! What of another's surface lies there is not surface of both together. Where two surfaces coincide and face
-//! one way, the one of the lower rank counts; where they face each other neither does.
+//! A part has solid straight below each of its triangles, as far as grains ever reach; a wall has
+//! it everywhere below. What of another's surface lies there is not surface of both together. Where
+//! two surfaces coincide and face one way, the one of the lower rank counts; where they face each
+//! other neither does.
 
 use super::{overlap_integrals::clip, shape::Solid};
 use crate::Vec3;
 use crate::bodies::mesh_contact::SAME;
 use crate::bodies::wall_triangle::Triangle;
 
-/// Surfaces that are closer to each other than this, over the largest sphere in the body, coincide: more than corners of
-/// triangles are off by when a file rounds them.
+/// Surfaces that are closer to each other than this, over the largest sphere in the body, coincide:
+/// more than corners of triangles are off by when a file rounds them.
 const TIE: f64 = 1e-5;
 
-/// How far below a triangle a part is taken as solid, over the largest sphere in the body: more than it ever overlaps.
+/// How far below a triangle a part is taken as solid, over the largest sphere in the body: more
+/// than it ever overlaps.
 const DEEP: f64 = 0.25;
 
 /// Pieces whose area is smaller than this, over the square of the same, are rounding.
@@ -22,7 +25,8 @@ const NOTHING: f64 = 1e-12;
 /// Surfaces whose normals have a larger product face one way.
 const ONE_WAY: f64 = 0.5;
 
-/// Whose a surface is: place of the owner in the list, its rank among all, and whether it is a wall.
+/// Whose a surface is: place of the owner in the list, its rank among all, and whether it is a
+/// wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Whose {
     pub owner: u32,
@@ -34,7 +38,8 @@ pub(super) struct Whose {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cover {
     whose: Whose,
-    /// Normals outward, and `x.normal` of the points: the top, the bottom and the sides; of a wall only the top.
+    /// Normals outward, and `x.normal` of the points: the top, the bottom and the sides; of a wall
+    /// only the top.
     planes: [(Vec3, f64); 5],
     /// Ends of a box that holds it.
     ends: [Vec3; 2],
@@ -207,7 +212,8 @@ impl HiddenSearch {
         elsewhere && !both_walls
     }
 
-    /// How far a point lies behind a plane of a cover; what just coincides is decided by the side that is outside.
+    /// How far a point lies behind a plane of a cover; what just coincides is decided by the side
+    /// that is outside.
     fn within(
         &self,
         cover: &Cover,

@@ -1,9 +1,10 @@
 //! The force in a contact of a polyhedron, from what presses on it.
 //!
-//! The elastic load `F, T` comes from [`super::press`]; n is its direction, seen from the body, x_c its
-//! middle, `k_n` the stiffness of the law, reached where faces touch over the area of the largest face
-//! (the smaller of two). Dashpots, friction and what resists spinning are those that springs and
-//! dashpots spread over the loaded surface have together, scaled with its part of that area, s (of a contact that shares a region with others, of areas S in all, `sqrt(s)` is
+//! The elastic load `F, T` comes from [`super::press`]; n is its direction, seen from the body, x_c
+//! its middle, `k_n` the stiffness of the law, reached where faces touch over the area of the
+//! largest face (the smaller of two). Dashpots, friction and what resists spinning are those that
+//! springs and dashpots spread over the loaded surface have together, scaled with its part of that
+//! area, s (of a contact that shares a region with others, of areas S in all, `sqrt(s)` is
 //! `s/sqrt(S)`, so that all of them damp as one):
 //!
 //! ```text
@@ -14,9 +15,10 @@
 //! T_n   the same for spinning about n, with s k_t <r^2>; at most 0.94 mu f_n sqrt(<r^2>), exact for a disc
 //! ```
 //!
-//! Where friction slips, spring and dashpot give way alike: a soft contact that begins must not find its spring
-//! stretched against the dashpot. Where a loaded surface grows, springs keep their forces, where it shrinks their displacements: either
-//! way no energy is made (see [`Law::at`]). For a face that stays whole this is a linear spring.
+//! Where friction slips, spring and dashpot give way alike: a soft contact that begins must not
+//! find its spring stretched against the dashpot. Where a loaded surface grows, springs keep their
+//! forces, where it shrinks their displacements: either way no energy is made (see [`Law::at`]).
+//! For a face that stays whole this is a linear spring.
 
 use super::overlap_integrals::Press;
 use crate::Vec3;
@@ -30,11 +32,13 @@ use crate::math::simd::lanes::Lane3;
 /// What a contact of a polyhedron remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OverlapHistory {
-    /// Tangential displacement [m]; see [`ContactHistory::xi`](crate::contact::contact_force::ContactHistory::xi).
+    /// Tangential displacement [m]; see
+    /// [`ContactHistory::xi`](crate::contact::contact_force::ContactHistory::xi).
     pub xi: Vec3,
     /// Angle about the normal [rad], likewise.
     pub turn: f64,
-    /// Normal at the last evaluation, away from the body; and normal and overlap for contacts with spheres.
+    /// Normal at the last evaluation, away from the body; and normal and overlap for contacts with
+    /// spheres.
     pub normal: Vec3,
     pub overlap: f64,
     /// Rolling displacement of contacts with spheres [m].
@@ -69,7 +73,8 @@ pub(crate) struct Pair {
     pub root_mass: f64,
     /// Load over the integral of the depth [N/m³].
     pub kappa: f64,
-    /// Part of the reference area that is loaded in the whole region, if that is more than this contact.
+    /// Part of the reference area that is loaded in the whole region, if that is more than this
+    /// contact.
     pub region: Option<f64>,
 }
 
@@ -93,8 +98,8 @@ impl Response {
         turning: Vec3::new(0.0, 0.0, 0.0),
     };
 
-    /// What of the load is due to a share of what presses: normal forces where they act, the rest by its weight. The
-    /// middle of the whole is that of the middles of shares.
+    /// What of the load is due to a share of what presses: normal forces where they act, the rest
+    /// by its weight. The middle of the whole is that of the middles of shares.
     pub fn of_share(&self, share: &Press, whole: &Press, kappa: f64) -> Wrench {
         let weight = share.weight() / whole.weight();
         let (normal, sliding) = (kappa * self.scale, self.sliding * weight);
@@ -194,7 +199,8 @@ struct FaceFriction {
 }
 
 impl FaceFriction {
-    /// The force against sliding `across` the normal, and the torque about it against spinning at a rate.
+    /// The force against sliding `across` the normal, and the torque about it against spinning at a
+    /// rate.
     fn resist(
         &self,
         across: Vec3,
@@ -217,8 +223,8 @@ impl FaceFriction {
     }
 }
 
-/// Moment that friction of a pressed disc can bear against spinning, over friction and the root of the
-/// mean square radius: `2/3 R` over `R/sqrt 2`.
+/// Moment that friction of a pressed disc can bear against spinning, over friction and the root of
+/// the mean square radius: `2/3 R` over `R/sqrt 2`.
 const OF_DISC: f64 = 0.942_809_041_582_063_4;
 
 /// What remains of a displacement when a spring goes from one stiffness to another.

@@ -1,8 +1,9 @@
 //! What walls and parts press on a polyhedron, all of them together.
 //!
-//! Pieces of surfaces that press in nearly one direction are one region, with one contact: one dashpot, one spring of
-//! friction. If its owners differ in law, mass or motion, each kind of them has a contact, and dashpots share
-//! what one would have over the whole region. Loads go to owners by their shares of the pressure.
+//! Pieces of surfaces that press in nearly one direction are one region, with one contact: one
+//! dashpot, one spring of friction. If its owners differ in law, mass or motion, each kind of them
+//! has a contact, and dashpots share what one would have over the whole region. Loads go to owners
+//! by their shares of the pressure.
 
 use super::{
     contact_geometry,
@@ -29,7 +30,8 @@ pub(super) struct Owner {
     pub root_mass: f64,
     /// Triangles of a part near the body, with the images that see them.
     pub near: [u32; 2],
-    /// Load on it at the last evaluation, about the reference point of a part, and of a wall the force alone.
+    /// Load on it at the last evaluation, about the reference point of a part, and of a wall the
+    /// force alone.
     pub load: Wrench,
 }
 
@@ -91,8 +93,8 @@ impl<'a> SurfacesBeside<'a> {
         scenery.bodies.balls[i].x + scenery.shifts[(image as i32 + crossed) as usize]
     }
 
-    /// The same as an owner is met: of all images where that is closest. Velocities are the same for all but parts that
-    /// turn, which do not reach across periodic faces.
+    /// The same as an owner is met: of all images where that is closest. Velocities are the same
+    /// for all but parts that turn, which do not reach across periodic faces.
     fn home_of(&self, owner: &Owner) -> Vec3 {
         let first = self.around.triangles[owner.near[0] as usize..owner.near[1] as usize].first();
         self.home(first.map_or(13, |&(_, image)| image))
@@ -150,8 +152,8 @@ impl<'a> SurfacesBeside<'a> {
         }
     }
 
-    /// Visits polygons of an owner that press on the body: polygon and normal, what it presses, and the pieces
-    /// of it that do not lie hidden, if any does.
+    /// Visits polygons of an owner that press on the body: polygon and normal, what it presses, and
+    /// the pieces of it that do not lie hidden, if any does.
     pub fn polygons(
         &self,
         (owners, o): (&[Owner], usize),
@@ -242,7 +244,8 @@ impl Touches {
         &self.list[..self.count]
     }
 
-    /// Part of the reference area that is loaded in the region of a contact, if there are others in it.
+    /// Part of the reference area that is loaded in the region of a contact, if there are others in
+    /// it.
     fn region(&self, touch: &Touch, area: f64) -> Option<f64> {
         let own = || self.all().iter().filter(|t| t.region == touch.region);
         let sum = own().fold(Vec3::zeros(), |sum, t| sum + t.press.area);
@@ -381,8 +384,8 @@ fn alike(a: &Press, b: &Press) -> bool {
     along > 0.0 && along * along > SAME * SAME * squares
 }
 
-/// The memory that a contact with the normal `n` goes on with: one that turned by less than 10 degrees, if it can be one that
-/// no other contact has, of the same owner, and the closest.
+/// The memory that a contact with the normal `n` goes on with: one that turned by less than 10
+/// degrees, if it can be one that no other contact has, of the same owner, and the closest.
 fn heir(memories: &[OverlapHistory], used: &mut [bool], n: Vec3, owner: u32) -> Option<usize> {
     let along = |k: usize| memories[k].normal.dot(&n);
     let key = |k: usize| (!used[k], memories[k].owner == owner);

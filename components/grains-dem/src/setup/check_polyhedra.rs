@@ -14,7 +14,8 @@ use tremie_messages::{
     },
 };
 
-/// Solid fraction that the spheres around packed polyhedra can reach: spheres at random do not more.
+/// Solid fraction that the spheres around packed polyhedra can reach: spheres at random do not
+/// more.
 const DENSEST: f64 = 0.6;
 
 /// The shapes of a scene, and what else polyhedra need from it.

@@ -99,8 +99,8 @@ pub(crate) struct MaterialPair<'a> {
     pub contacts: f64,
 }
 
-/// Bodies of two materials that may meet: the lightest, the heaviest, those that are heaviest for their size, and how
-/// many contacts one of them may have at once.
+/// Bodies of two materials that may meet: the lightest, the heaviest, those that are heaviest for
+/// their size, and how many contacts one of them may have at once.
 struct Pairs {
     light: [LightestBody; 2],
     heavy: [LightestBody; 2],

@@ -1,7 +1,9 @@
-//! Memory that a run's bodies take, counted from the arrays that hold them and from the pairs that will be listed.
+//! Memory that a run's bodies take, counted from the arrays that hold them and from the pairs that
+//! will be listed.
 //!
-//! How many pairs there are depends on how close bodies lie: a cloud that falls has few, the bed that it becomes has many.
-//! How many bodies there are depends on what inlets bring. Both ends are told, and their geometric mean stands for the run.
+//! How many pairs there are depends on how close bodies lie: a cloud that falls has few, the bed
+//! that it becomes has many. How many bodies there are depends on what inlets bring. Both ends are
+//! told, and their geometric mean stands for the run.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Mobility, Twist, Wrench};
@@ -98,8 +100,8 @@ struct BodyGroup {
     fraction: f64,
 }
 
-/// The bodies of all sets, and those that inlets feed: these have the volume [m³] that `fed` says, from the volume that fills
-/// the inlet's region to its fraction and from the mean volume of one.
+/// The bodies of all sets, and those that inlets feed: these have the volume [m³] that `fed` says,
+/// from the volume that fills the inlet's region to its fraction and from the mean volume of one.
 fn crowds(scene: &Scene, fed: impl Fn(f64, f64) -> f64) -> Vec<BodyGroup> {
     let of_set = |set: &BodySet| {
         let solid = matches!(set.placement, Placement::Polyhedra(_));
@@ -133,7 +135,8 @@ fn drawn(diameters: &Diameters) -> impl Iterator<Item = f64> {
     (0..DRAWS).map(move |part| sizes.at((f64::from(part) + 0.5) / f64::from(DRAWS)))
 }
 
-/// Bodies of like kind by size, each within a factor of the square root of two; each diameter counts `weight` times.
+/// Bodies of like kind by size, each within a factor of the square root of two; each diameter
+/// counts `weight` times.
 fn by_size(diameters: impl Iterator<Item = f64>, one: Species, weight: f64) -> Vec<Species> {
     let mut bins = std::collections::BTreeMap::<i64, Species>::new();
     for d in diameters {
@@ -169,8 +172,8 @@ impl Cost {
         if cubes > 0.0 { pairs.map(cost).sum() } else { 0.0 }
     }
 
-    /// Pairs in a bed [bytes]: bodies of about one size side by side, as if those of other sizes had gone elsewhere; those of
-    /// different sizes as if all were mixed.
+    /// Pairs in a bed [bytes]: bodies of about one size side by side, as if those of other sizes
+    /// had gone elsewhere; those of different sizes as if all were mixed.
     fn of_bed(&self, crowds: &[BodyGroup]) -> f64 {
         let mut mix: Vec<Species> = Vec::new();
         for own in crowds.iter().flat_map(|crowd| &crowd.species) {
@@ -195,8 +198,8 @@ impl Cost {
         alone + mixed.map(cost).sum::<f64>()
     }
 
-    /// Space around a body of one species in which one of the other is listed, counted as often as bodies crowd there over
-    /// the mean [m³], times what a pair takes [bytes].
+    /// Space around a body of one species in which one of the other is listed, counted as often as
+    /// bodies crowd there over the mean [m³], times what a pair takes [bytes].
     fn of_pair(&self, a: &Species, b: &Species, fraction: f64) -> f64 {
         if !a.free && !b.free {
             return 0.0;
@@ -206,13 +209,14 @@ impl Cost {
         let (touch, gap) = (0.5 * (d + e), self.skins.between(k, l));
         let ball = |radius: f64| 4.0 / 3.0 * PI * radius * radius * radius;
         if a.solid || b.solid {
-            // The spheres around them overlap; what keeps centres apart is about that of spheres of equal volume.
+            // The spheres around them overlap; what keeps centres apart is about that of spheres of
+            // equal volume.
             let apart = 0.5 * (d / a.around + e / b.around);
             return (ball(touch + gap) - ball(apart)) * OF_PAIR as f64;
         }
-        // The density of neighbours at contact over the mean (Carnahan and Starling, J. Chem. Phys. 51, 1969), up to that at
-        // which spheres of a bed have five pairs listed each with the default skin; it falls off within a tenth of the
-        // smaller diameter.
+        // The density of neighbours at contact over the mean (Carnahan and Starling, J. Chem. Phys.
+        // 51, 1969), up to that at which spheres of a bed have five pairs listed each with the
+        // default skin; it falls off within a tenth of the smaller diameter.
         let free = 1.0 - fraction;
         let crowded = ((1.0 - 0.5 * fraction) / (free * free * free)).min(MOST_CROWDED);
         let near = touch + gap.min(0.1 * d.min(e));
@@ -242,7 +246,8 @@ const SEARCH: usize = 14 * INDEX
     + size_of::<f64>()
     + size_of::<BodyEvent>();
 
-/// A pair in the list before and in that which is used, with the places where its bodies find it, listed and acting.
+/// A pair in the list before and in that which is used, with the places where its bodies find it,
+/// listed and acting.
 const TWICE: usize = 2
     * (size_of::<ListedPair>()
         + size_of::<u8>()
@@ -260,7 +265,8 @@ const FOUND: usize = 2 * size_of::<ListedPair>() + INDEX + 2 * size_of::<u64>();
 mod tests {
     use super::*;
 
-    /// Half of the neighbours of a sphere in a bed of equal ones that are nearer than a tenth of its diameter.
+    /// Half of the neighbours of a sphere in a bed of equal ones that are nearer than a tenth of
+    /// its diameter.
     #[test]
     fn a_sphere_of_a_bed_has_five_pairs() {
         let one = Species { count: 1e3, cubes: 1e3, around: 1.0, free: true, solid: false };

@@ -30,8 +30,8 @@ pub struct Resolution {
     /// The largest time step that is stable in the densest packing [s]; a settled bed of spheres
     /// bears about twice as much, and shakes for ever at four times.
     pub stable_time_step: Option<f64>,
-    /// Duration of the shortest collision without damping [s], those of sliders with their stops and half
-    /// a period on their springs included; under Hertz's law at the expected speed.
+    /// Duration of the shortest collision without damping [s], those of sliders with their stops
+    /// and half a period on their springs included; under Hertz's law at the expected speed.
     pub contact_time: Option<f64>,
     /// Relative speed for which collisions under Hertz's law are resolved [m/s].
     pub expected_speed: f64,
@@ -55,8 +55,8 @@ pub struct Resolution {
     pub largest_diameter: f64,
     /// The lightest and the heaviest pair under each contact law.
     pub pairs: Vec<PairDamping>,
-    /// How deep a corner of the heaviest polyhedron sinks into a wall at the expected speed, over the radius of
-    /// the sphere inside; 0 without polyhedra.
+    /// How deep a corner of the heaviest polyhedron sinks into a wall at the expected speed, over
+    /// the radius of the sphere inside; 0 without polyhedra.
     pub corner_depth: f64,
     /// How much bodies of a clump overlap each other, where any do.
     pub clump_overlap: Option<ClumpOverlap>,

@@ -1,15 +1,17 @@
 //! How far bodies are to be expected to overlap: at an impact, and under the weight of a bed.
 //!
-//! A contact law is one of small overlaps. The depth of an impact is that of a pair with its dashpot,
+//! A contact law is one of small overlaps. The depth of an impact is that of a pair with its
+//! dashpot,
 //!
 //! ```text
 //! delta = v sqrt(m*/k) exp(-z/s atan(s/z)),    s = sqrt(1 - z^2), z the damping ratio
 //! ```
 //!
-//! (with the hyperbolic functions where z is more than 1; under Hertz's law, by Antypov & Elliott, *EPL* 94 (2011) 50004, the
-//! power 4/5 of the exponential), at the largest difference of given velocities and what a fall to the bed's place adds, in a
-//! fluid no more than the terminal velocity (drag by Schiller
-//! and Naumann, 1935). At rest, a grain at the bottom bears the pressure of all that lies above, `p d^2`.
+//! (with the hyperbolic functions where z is more than 1; under Hertz's law, by Antypov & Elliott,
+//! *EPL* 94 (2011) 50004, the power 4/5 of the exponential), at the largest difference of given
+//! velocities and what a fall to the bed's place adds, in a fluid no more than the terminal
+//! velocity (drag by Schiller and Naumann, 1935). At rest, a grain at the bottom bears the pressure
+//! of all that lies above, `p d^2`.
 
 use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;
@@ -197,7 +199,8 @@ impl Velocities {
         }
     }
 
-    /// The largest difference of one of these and one of the others; 0 where there is none of either.
+    /// The largest difference of one of these and one of the others; 0 where there is none of
+    /// either.
     fn apart(&self, other: &Self) -> f64 {
         let most = (self.high - other.low).sup(&(other.high - self.low));
         let square = most.norm_squared();
@@ -205,8 +208,8 @@ impl Velocities {
     }
 }
 
-/// The largest differences of velocities that the scene gives to bodies and inlets, and of these and walls and parts
-/// [m/s].
+/// The largest differences of velocities that the scene gives to bodies and inlets, and of these
+/// and walls and parts [m/s].
 fn given_speeds(scene: &Scene, parts: &[PlacedPart]) -> [f64; 2] {
     let (mut bodies, mut surfaces) = (Velocities::none(), Velocities::none());
     let course = |motion: &Motion, to: &mut Velocities| match motion {
@@ -278,7 +281,8 @@ struct Fall {
 
 /// Grains somewhere along gravity.
 struct Layer {
-    /// Height of the lowest and of the highest over the floor [m]; 0 for the highest where there is but one.
+    /// Height of the lowest and of the highest over the floor [m]; 0 for the highest where there is
+    /// but one.
     bottom: f64,
     top: f64,
     /// Volume of all [m³].
@@ -394,8 +398,8 @@ fn terminal_speed(fluid: &FluidMaterial, density: f64, diameter: f64, pull: f64)
     high
 }
 
-/// The pressure of all free bodies on the floor [Pa]: of their weight less buoyancy, and of what inlets add until the
-/// domain is full, where no outlet takes it away.
+/// The pressure of all free bodies on the floor [Pa]: of their weight less buoyancy, and of what
+/// inlets add until the domain is full, where no outlet takes it away.
 fn pressure(scene: &Scene) -> f64 {
     let Some(down) = down(scene).filter(|&down| !scene.domain.is_periodic(down)) else {
         return 0.0;

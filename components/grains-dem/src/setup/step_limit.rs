@@ -9,7 +9,8 @@ use tremie_messages::{
     scene::{BodySizes, Scene},
 };
 
-/// What bounds steps: the encounters, by index, of the shortest collision and of the least stability in a packing.
+/// What bounds steps: the encounters, by index, of the shortest collision and of the least
+/// stability in a packing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tightest {
     /// Index and duration of the collision [s].
@@ -31,8 +32,8 @@ impl Tightest {
     }
 }
 
-/// Why the time step is what it is, where collisions bound it by `contact` [s] over the steps in one, and stability by
-/// `dense` [s].
+/// Why the time step is what it is, where collisions bound it by `contact` [s] over the steps in
+/// one, and stability by `dense` [s].
 pub(crate) fn reason(
     scene: &Scene,
     parameters: &Parameters,

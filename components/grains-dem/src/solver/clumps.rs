@@ -1,8 +1,9 @@
 //! Clumps: bodies that are joined rigidly, and move as one.
 //!
-//! Each body of a clump stays a body: contacts and fluid act on it as on any other, but for contacts within
-//! the clump, which are none. The clump sums up what acts on its bodies, moves by that as a polyhedron does,
-//! and tells each body how fast to go: so that lists and periodic faces need to know no more of clumps than that.
+//! Each body of a clump stays a body: contacts and fluid act on it as on any other, but for
+//! contacts within the clump, which are none. The clump sums up what acts on its bodies, moves by
+//! that as a polyhedron does, and tells each body how fast to go: so that lists and periodic faces
+//! need to know no more of clumps than that.
 
 mod assembly;
 
@@ -74,8 +75,8 @@ impl Clumps {
         }
     }
 
-    /// Moves them through a substep, and gives their bodies the mean velocities of it: half kick, drift and
-    /// prediction; with `finish` the half kick that ends the substep before comes first.
+    /// Moves them through a substep, and gives their bodies the mean velocities of it: half kick,
+    /// drift and prediction; with `finish` the half kick that ends the substep before comes first.
     pub fn begin(
         &mut self,
         bodies: &mut Bodies,
@@ -105,7 +106,8 @@ impl Clumps {
         }
     }
 
-    /// Gives their bodies orientations, velocities, and those that are predicted, once these have moved.
+    /// Gives their bodies orientations, velocities, and those that are predicted, once these have
+    /// moved.
     pub fn end(&self, bodies: &mut Bodies) {
         for clump in &self.all {
             for member in &clump.members {
@@ -147,7 +149,8 @@ impl Clump {
         [0.5 * self.mass * self.v.norm_squared(), 0.5 * self.momentum.dot(&self.spin())]
     }
 
-    /// Pose and velocities of its centroid, in the image of its first body that is inside periodic faces.
+    /// Pose and velocities of its centroid, in the image of its first body that is inside periodic
+    /// faces.
     #[cfg(feature = "component")]
     pub fn state(&self, bodies: &Bodies) -> BodyState {
         BodyState {

@@ -78,7 +78,8 @@ pub(crate) struct StepRecord {
     /// What each block of bodies saw at the last evaluation, and how far it went.
     pub tallies: Vec<Tally>,
     pub reaches: Vec<StepDisplacement>,
-    /// How far blocks went since neighbours were listed, and whether any body crossed a periodic face.
+    /// How far blocks went since neighbours were listed, and whether any body crossed a periodic
+    /// face.
     wandered: MaxDisplacement,
     pub crossed: bool,
     /// Sum of what was seen at the last evaluation.
@@ -96,7 +97,8 @@ pub(crate) struct FluidLoads {
     load_sums: Vec<Result<Vec3, GrainsError>>,
 }
 
-/// Spheres, convex polyhedra and clumps of them in a box, in contact with each other and with walls.
+/// Spheres, convex polyhedra and clumps of them in a box, in contact with each other and with
+/// walls.
 pub struct GrainsDem {
     domain: Domain,
     pub(crate) around: InteractionContext,
@@ -182,8 +184,8 @@ impl GrainsDem {
         }
     }
 
-    /// Who came and went at the end of the last window, those that went first, by ascending id; before
-    /// the first window all bodies.
+    /// Who came and went at the end of the last window, those that went first, by ascending id;
+    /// before the first window all bodies.
     pub fn events(&self) -> &[BodyEvent] {
         &self.population.events
     }
@@ -204,9 +206,10 @@ impl GrainsDem {
         })
     }
 
-    /// Force of the grains on each face of the domain that holds them, mirrors too, at the end of the last substep [N]: by
-    /// axis, lower before upper, contacts and lubrication; no fluid, no surfaces that deform. Zero at other faces. Of
-    /// grains on a face and a part at once, where these make up one wall, a face has what is due to it.
+    /// Force of the grains on each face of the domain that holds them, mirrors too, at the end of
+    /// the last substep [N]: by axis, lower before upper, contacts and lubrication; no fluid, no
+    /// surfaces that deform. Zero at other faces. Of grains on a face and a part at once, where
+    /// these make up one wall, a face has what is due to it.
     pub fn face_forces(&self) -> [[[f64; 3]; 2]; 3] {
         let mut sums = Vec::new();
         self.search.wall_forces(self.around.walls.len(), &mut sums);
@@ -232,8 +235,9 @@ impl GrainsDem {
             .map(|&slot| self.population.bodies.balls[slot as usize].radius)
     }
 
-    /// Finds out from now on whether substeps are faster on all threads or on one, and goes on with that: either is
-    /// tried for some substeps, anew when there are half as many bodies again, or two thirds. Results do not depend on it.
+    /// Finds out from now on whether substeps are faster on all threads or on one, and goes on with
+    /// that: either is tried for some substeps, anew when there are half as many bodies again, or
+    /// two thirds. Results do not depend on it.
     pub fn choose_threads(&mut self) {
         self.threads.choice = Some(Choice::new(self.threads.team.threads()));
     }
@@ -325,9 +329,10 @@ impl GrainsDem {
         }
     }
 
-    /// Appends the values of the scene's probes, in the order of [`probe_signals`](crate::probe_signals):
-    /// flow rates are means since [`restart_means`](Self::restart_means), or since the start, crossings and masses
-    /// that passed are sums since the start, all else is of the end of the last [`advance`](Self::advance).
+    /// Appends the values of the scene's probes, in the order of
+    /// [`probe_signals`](crate::probe_signals): flow rates are means since
+    /// [`restart_means`](Self::restart_means), or since the start, crossings and masses that passed
+    /// are sums since the start, all else is of the end of the last [`advance`](Self::advance).
     pub fn read_probes(&mut self, out: &mut Vec<f64>) {
         self.probes.read(&mut self.threads.team, &self.population.bodies, &self.around.bounds, out);
     }
@@ -415,8 +420,8 @@ impl GrainsDem {
         Ok(())
     }
 
-    /// Contact forces at the predicted velocities, `before` after the last evaluation, with those on
-    /// `surfaces` as they are accepted.
+    /// Contact forces at the predicted velocities, `before` after the last evaluation, with those
+    /// on `surfaces` as they are accepted.
     pub(crate) fn evaluate_forces(
         &mut self,
         before: f64,

@@ -29,17 +29,18 @@ pub struct Diagnostics {
     /// Kinetic energy of rotation [J].
     pub rotational_energy: f64,
     /// Potential energy of weight, from the lowest point of the domain along gravity [J]. It jumps
-    /// when a body crosses a periodic face across gravity. Of a slider that of weight and constant force,
-    /// from lift 0.
+    /// when a body crosses a periodic face across gravity. Of a slider that of weight and constant
+    /// force, from lift 0.
     pub potential_energy: f64,
-    /// Energy in the normal and tangential springs of contacts, in springs and stops of sliders [J].
+    /// Energy in the normal and tangential springs of contacts, in springs and stops of sliders
+    /// [J].
     pub elastic_energy: f64,
     /// Momentum [kg·m/s].
     pub momentum: [f64; 3],
     /// Largest speed [m/s].
     pub max_speed: f64,
-    /// Mean height of centres against gravity, from the lowest point of the domain [m], of clumps that of
-    /// their centroids; 0 without gravity.
+    /// Mean height of centres against gravity, from the lowest point of the domain [m], of clumps
+    /// that of their centroids; 0 without gravity.
     pub mean_height: f64,
     /// Contacts between bodies, and between bodies and walls.
     pub contacts: u64,

@@ -27,13 +27,13 @@ pub struct AddedSphere {
 }
 
 impl GrainsDem {
-    /// Takes out the bodies of the ids `removed`, which ascend, and lets `added` in, which get the next
-    /// ids; [`events`](Self::events) then tell of them. Contacts between those that stay go on as if
-    /// nothing had happened. A sphere that overlaps another feels it from the next substep on.
+    /// Takes out the bodies of the ids `removed`, which ascend, and lets `added` in, which get the
+    /// next ids; [`events`](Self::events) then tell of them. Contacts between those that stay go on
+    /// as if nothing had happened. A sphere that overlaps another feels it from the next substep
+    /// on.
     ///
-    /// # Errors
-    /// Ids of no sphere, spheres that the run is not made for; nothing has happened then. Calls within
-    /// a window.
+    /// # Errors Ids of no sphere, spheres that the run is not made for; nothing has happened then.
+    /// Calls within a window.
     pub fn exchange(&mut self, removed: &[u64], added: &[AddedSphere]) -> Result<(), GrainsError> {
         self.stepping.progress.expect("exchange", false, false)?;
         self.check_exchange(removed, added)?;

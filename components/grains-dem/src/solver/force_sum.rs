@@ -70,7 +70,8 @@ impl<'a> ForceSum<'a> {
         Self { pairs: contacts.pairs, surfaces, any, wide: false, end: range.end }
     }
 
-    /// The same in the instructions of a variant, if the processor has them; fast where the caller is compiled for them.
+    /// The same in the instructions of a variant, if the processor has them; fast where the caller
+    /// is compiled for them.
     #[inline(always)]
     pub fn with(self, variant: Variant) -> Self {
         let wide = variant != Variant::Portable && variant.available();
@@ -84,9 +85,9 @@ impl<'a> ForceSum<'a> {
         own.on(i, radius)
     }
 
-    /// Contact force and torque on body `i` of the block, each in its turn: first those of
-    /// bodies, in the order of their ids, then those of walls, of parts, of surfaces that deform, and all of
-    /// polyhedra.
+    /// Contact force and torque on body `i` of the block, each in its turn: first those of bodies,
+    /// in the order of their ids, then those of walls, of parts, of surfaces that deform, and all
+    /// of polyhedra.
     #[inline(always)]
     pub fn on(&mut self, i: usize, radius: f64) -> Wrench {
         if i + AHEAD < self.end {
@@ -112,7 +113,8 @@ impl<'a> ForceSum<'a> {
         sum
     }
 
-    /// Of bodies, without rolling friction: [`ContactState::on`](crate::neighbours::neighbour_list::Record::on), in registers.
+    /// Of bodies, without rolling friction:
+    /// [`ContactState::on`](crate::neighbours::neighbour_list::Record::on), in registers.
     #[inline(always)]
     fn plain(&self, i: usize, radius: f64) -> Wrench {
         let (mut force, mut torque) = (Four::ZERO, Four::ZERO);
@@ -128,7 +130,8 @@ impl<'a> ForceSum<'a> {
         Wrench { force: force.vector(), torque: torque.at::<1, 2, 0, 3>().vector() }
     }
 
-    /// As [`plain`](Self::plain), by instructions of AVX2: compilers that make them from the other take twice as many.
+    /// As [`plain`](Self::plain), by instructions of AVX2: compilers that make them from the other
+    /// take twice as many.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn in_registers(&self, i: usize, radius: f64) -> Wrench {
@@ -144,7 +147,8 @@ impl<'a> ForceSum<'a> {
             let (half, radius) = (_mm256_set1_pd(0.5), _mm256_set1_pd(radius));
             for &place in places {
                 let record = std::ptr::from_ref(&self.pairs.records[(place / 2) as usize]).cast();
-                // Normal, tangential force, force, overlap; what stands behind each vector is read along with it.
+                // Normal, tangential force, force, overlap; what stands behind each vector is read
+                // along with it.
                 let (n, t) = (_mm256_loadu_pd(record), _mm256_loadu_pd(record.add(3)));
                 let f = _mm256_broadcast_sd(&*record.add(6));
                 let overlap = _mm256_broadcast_sd(&*record.add(7));

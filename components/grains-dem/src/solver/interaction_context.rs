@@ -52,7 +52,8 @@ pub(crate) struct InteractionContext {
 }
 
 impl InteractionContext {
-    /// Those of a scene with its parts placed, and with surfaces; `largest` is the diameter of the largest body [m].
+    /// Those of a scene with its parts placed, and with surfaces; `largest` is the diameter of the
+    /// largest body [m].
     pub fn of_scene(
         scene: &Scene,
         parameters: &Parameters,
@@ -97,8 +98,8 @@ impl InteractionContext {
         }
     }
 
-    /// What a user calls the other side of a contact of two bodies by their ids, and the id that the
-    /// contact goes by.
+    /// What a user calls the other side of a contact of two bodies by their ids, and the id that
+    /// the contact goes by.
     pub fn name(&self, body: u64, other: Other, id: impl Fn(u32) -> u64) -> (u64, String) {
         match other {
             Other::Wall(wall) => (body, self.names[wall as usize].clone()),
@@ -124,8 +125,8 @@ impl InteractionContext {
         SurfaceSurroundings { bodies, laws: &self.laws, seats, skins }
     }
 
-    /// What forces between bodies are made from; `crossed` tells whether any body crossed a periodic
-    /// face since neighbours were listed.
+    /// What forces between bodies are made from; `crossed` tells whether any body crossed a
+    /// periodic face since neighbours were listed.
     pub fn scenery<'a>(
         &'a self,
         bodies: &'a Bodies,

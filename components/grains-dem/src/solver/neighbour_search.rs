@@ -116,8 +116,8 @@ impl Search {
         }
     }
 
-    /// Puts bodies into the order of memory that serves best, now and then, and tells where each stood when the lists at hand
-    /// were made; whether any had come or gone since.
+    /// Puts bodies into the order of memory that serves best, now and then, and tells where each
+    /// stood when the lists at hand were made; whether any had come or gone since.
     fn order(&mut self, bodies: &mut Bodies) -> bool {
         self.cells.sort(&bodies.balls);
         if self.rebuilds.is_multiple_of(LISTS_PER_ORDER) {

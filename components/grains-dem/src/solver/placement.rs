@@ -37,9 +37,9 @@ pub(crate) fn lever(scene: &Scene) -> f64 {
 /// That of a sphere over one through the centre: `1 + 5/2`.
 pub(crate) const OF_SPHERE: f64 = 3.5;
 
-/// How deep a corner at a right angle sinks into a wall at a speed [m/s], over the radius of the sphere inside,
-/// at most of all polyhedra: its force is `k h^3/(2 A)`, with the area of the largest face, so that
-/// `h = (4 m v^2 A/k)^(1/4)`. 0 without polyhedra.
+/// How deep a corner at a right angle sinks into a wall at a speed [m/s], over the radius of the
+/// sphere inside, at most of all polyhedra: its force is `k h^3/(2 A)`, with the area of the
+/// largest face, so that `h = (4 m v^2 A/k)^(1/4)`. 0 without polyhedra.
 pub(crate) fn corner_depth(scene: &Scene, speed: f64) -> f64 {
     let of = |(set, whole): (&BodySet, Option<Whole>)| {
         let (shape, _) = shape_of(scene, set)?;

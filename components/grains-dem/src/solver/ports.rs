@@ -25,7 +25,8 @@ use tremie_messages::scene::{Diameters, Domain, InletVelocity, Outlet, Packing, 
 pub struct InletState {
     /// Spheres that came since the start.
     pub inserted: u64,
-    /// Volume that is still to come to reach the fraction [m³]: 0 where less than half a sphere lacks.
+    /// Volume that is still to come to reach the fraction [m³]: 0 where less than half a sphere
+    /// lacks.
     pub deficit: f64,
     /// Mass that came since the start [kg].
     pub mass_inserted: f64,
@@ -56,7 +57,8 @@ const DENSEST: f64 = 0.64;
 /// Part by which there is more room than fits.
 const SPARE: f64 = 0.05;
 
-/// Most spheres that there is room for where nobody says: a GB of memory, and some 100 MB of shared memory.
+/// Most spheres that there is room for where nobody says: a GB of memory, and some 100 MB of shared
+/// memory.
 const MOST: f64 = 5e5;
 
 /// How many spheres the domain can hold, and how many there is room for.
@@ -64,7 +66,8 @@ const MOST: f64 = 5e5;
 pub struct Room {
     /// Most spheres that may live at once.
     pub capacity: usize,
-    /// Spheres that fit, those at the start among them, if inlets fill what parts leave of the domain.
+    /// Spheres that fit, those at the start among them, if inlets fill what parts leave of the
+    /// domain.
     pub fits: f64,
     /// Volume of grains over that of the space that they fill.
     pub fraction: f64,
@@ -91,8 +94,8 @@ pub(crate) fn room(
     Room { capacity, fits, fraction }
 }
 
-/// The densest random packing of what inlets bring: small grains fit into the gaps between large ones, the better the
-/// smaller they are, up to a tenth (Furnas, 1931).
+/// The densest random packing of what inlets bring: small grains fit into the gaps between large
+/// ones, the better the smaller they are, up to a tenth (Furnas, 1931).
 fn densest(scene: &Scene) -> f64 {
     let [small, large] = scene.inlets.iter().fold([f64::INFINITY, 0.0f64], |[low, high], inlet| {
         let [small, large] = inlet.diameters.extremes();
@@ -164,8 +167,8 @@ impl GrainsDem {
         self.ports.outlets.iter().map(|(_, state)| *state)
     }
 
-    /// Tells the mean velocities of the fluid at open faces, as `(axis, side, velocity [m/s])`, for the
-    /// spheres that come from now on. Until a face is told its spheres come at rest.
+    /// Tells the mean velocities of the fluid at open faces, as `(axis, side, velocity [m/s])`, for
+    /// the spheres that come from now on. Until a face is told its spheres come at rest.
     ///
     /// # Errors
     /// A velocity that is not finite.
@@ -262,7 +265,8 @@ impl GrainsDem {
     }
 }
 
-/// The side from which things come that move like this, along the axis along which they are fastest.
+/// The side from which things come that move like this, along the axis along which they are
+/// fastest.
 fn upstream(velocity: Vec3) -> Option<(usize, usize)> {
     let axis =
         (0..3).fold(0, |best, a| if velocity[a].abs() > velocity[best].abs() { a } else { best });

@@ -23,8 +23,8 @@ pub(crate) fn volume_in_box(radius: f64, x: Vec3, min: Vec3, max: Vec3) -> f64 {
     overlap::of_sphere_and_box(radius, (min - x).into(), (max - x).into())
 }
 
-/// Names and units of the values of a scene's probes, in their order: `probe.value`. Points and lines
-/// are the fluid's alone.
+/// Names and units of the values of a scene's probes, in their order: `probe.value`. Points and
+/// lines are the fluid's alone.
 pub fn probe_signals(scene: &Scene) -> Vec<(String, &'static str)> {
     scene.probe_signals(values)
 }
@@ -79,7 +79,8 @@ pub(crate) struct Probes {
     rings: Vec<Annulus>,
     /// Masses by rank [kg]: given motions have one too.
     mass: Vec<f64>,
-    /// Part of its volume that counts, by rank, where that is not all of it for some: of pieces of unions.
+    /// Part of its volume that counts, by rank, where that is not all of it for some: of pieces of
+    /// unions.
     parts: Vec<f64>,
     /// Positions by rank when sections were last looked at.
     before: Vec<Vec3>,
@@ -141,8 +142,8 @@ impl Probes {
         self.hidden.resize(blocks * self.rings.len(), rings::RingSum::default());
     }
 
-    /// Bodies of the ranks `gone`, which ascend, are not there any more; others, with their masses [kg],
-    /// came after the rest.
+    /// Bodies of the ranks `gone`, which ascend, are not there any more; others, with their masses
+    /// [kg], came after the rest.
     pub fn exchange(&mut self, gone: &[u32], masses: impl Iterator<Item = f64>, bodies: &Bodies) {
         if !self.parts.is_empty() {
             take_out(&mut self.parts, gone);

@@ -48,7 +48,8 @@ impl Progress {
 }
 
 impl GrainsDem {
-    /// Begins a window of `substeps` steps under constant `loads`, as [`advance`](Self::advance) takes them.
+    /// Begins a window of `substeps` steps under constant `loads`, as [`advance`](Self::advance)
+    /// takes them.
     ///
     /// # Errors
     /// Loads that do not match the bodies; a window that was not ended.
@@ -59,7 +60,8 @@ impl GrainsDem {
         Ok(())
     }
 
-    /// Moves bodies and sliders to the end of the next substep, with the velocities that forces see there.
+    /// Moves bodies and sliders to the end of the next substep, with the velocities that forces see
+    /// there.
     ///
     /// # Errors
     /// Motions that have diverged; no window, or a substep that was not finished.
@@ -78,9 +80,9 @@ impl GrainsDem {
         Ok(())
     }
 
-    /// Loads on the facets of a surface of this shape: those of spheres and of its seat, as they would be
-    /// if it were accepted. `loads` is cleared and gets one entry for each contact. Nothing that follows
-    /// depends on it.
+    /// Loads on the facets of a surface of this shape: those of spheres and of its seat, as they
+    /// would be if it were accepted. `loads` is cleared and gets one entry for each contact.
+    /// Nothing that follows depends on it.
     ///
     /// # Errors
     /// Shapes that do not fit the surface; no substep that was begun.
@@ -106,8 +108,8 @@ impl GrainsDem {
         search.surfaces.try_shape(surface, shape, (&scenery, &around), rigid, loads)
     }
 
-    /// Evaluates all contact forces, with those on the accepted surfaces, one for each of the run, and
-    /// gives sliders what their surfaces carry.
+    /// Evaluates all contact forces, with those on the accepted surfaces, one for each of the run,
+    /// and gives sliders what their surfaces carry.
     ///
     /// # Errors
     /// Shapes that do not fit the surfaces, contacts that are too deep; no substep that was begun.
@@ -135,7 +137,8 @@ impl GrainsDem {
         }
     }
 
-    /// Ends a window: velocities are those of its end, and spheres come and go at inlets and outlets.
+    /// Ends a window: velocities are those of its end, and spheres come and go at inlets and
+    /// outlets.
     ///
     /// # Errors
     /// More spheres than there is room for; no window, or a substep that was not finished.
@@ -177,8 +180,8 @@ impl GrainsDem {
         self.pass_ports()
     }
 
-    /// Pose and velocity of the slider that carries a surface: within a substep those that forces see.
-    /// None where there is no such surface.
+    /// Pose and velocity of the slider that carries a surface: within a substep those that forces
+    /// see. None where there is no such surface.
     pub fn carrier_state(&self, surface: usize) -> Option<BodyState> {
         let held = self.search.surfaces.held.get(surface)?;
         let before = self.around.parts[..held.carrier].iter().filter(|part| part.moves()).count();

@@ -74,8 +74,8 @@ impl Surfaces {
         self.held.iter_mut().for_each(SurfaceContacts::spoil);
     }
 
-    /// Bodies came and went: `previous` tells where in memory each stood, `ids` who they are. Forces
-    /// stay as they are until the next shape.
+    /// Bodies came and went: `previous` tells where in memory each stood, `ids` who they are.
+    /// Forces stay as they are until the next shape.
     pub fn follow(&mut self, previous: &[u32], ids: &[u64]) {
         self.held.iter_mut().for_each(|held| held.forget(ids));
         let (old, wrench) =
@@ -91,8 +91,8 @@ impl Surfaces {
         self.give_room();
     }
 
-    /// Tries a shape of a surface beside rigid walls, without a trace; `out` is cleared and gets the loads on facets. Other surfaces
-    /// are where they were looked at last.
+    /// Tries a shape of a surface beside rigid walls, without a trace; `out` is cleared and gets
+    /// the loads on facets. Other surfaces are where they were looked at last.
     ///
     /// # Errors
     /// Shapes that do not fit the surface.
@@ -137,8 +137,8 @@ impl Surfaces {
         Ok(())
     }
 
-    /// Takes the shapes that were looked at as they are: forces on bodies are in `wrench`, and on carriers
-    /// with the surfaces.
+    /// Takes the shapes that were looked at as they are: forces on bodies are in `wrench`, and on
+    /// carriers with the surfaces.
     pub fn accept(
         &mut self,
         states: &[SurfaceState<'_>],

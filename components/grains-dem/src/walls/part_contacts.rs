@@ -1,8 +1,9 @@
-//! Bodies near parts, and near walls beside these, with what each contact remembers and the sum of the parts' forces.
+//! Bodies near parts, and near walls beside these, with what each contact remembers and the sum of
+//! the parts' forces.
 //!
-//! All that a body meets here is looked at together, so that walls that are cut into several parts, or into parts and faces of
-//! the domain, are one. Bodies that meet nothing but walls in corners, and mirrors, are with
-//! [`WallContacts`].
+//! All that a body meets here is looked at together, so that walls that are cut into several parts,
+//! or into parts and faces of the domain, are one. Bodies that meet nothing but walls in corners,
+//! and mirrors, are with [`WallContacts`].
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -171,8 +172,8 @@ impl PartContacts {
         reached.history = self.histories[p];
     }
 
-    /// Evaluates the contacts, each body's together with what `surfaces` found that it reaches of them; adds what each block
-    /// saw to `tallies`, and sums the forces on the parts.
+    /// Evaluates the contacts, each body's together with what `surfaces` found that it reaches of
+    /// them; adds what each block saw to `tallies`, and sums the forces on the parts.
     pub fn evaluate(
         &mut self,
         team: &mut Team,

@@ -1,4 +1,5 @@
-//! Which bodies are near which triangles of parts, and near walls that they may touch together with these.
+//! Which bodies are near which triangles of parts, and near walls that they may touch together with
+//! these.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;

@@ -60,7 +60,8 @@ impl SphereAtWalls<'_> {
         candidates.contacts(self.scenery.bodies.balls[self.body].radius)
     }
 
-    /// The contacts, and how much the spring of each counts; with those of `soft` surfaces, where there are any.
+    /// The contacts, and how much the spring of each counts; with those of `soft` surfaces, where
+    /// there are any.
     fn find_with(
         &self,
         near: &mut NearWalls<'_>,
@@ -80,7 +81,8 @@ impl SphereAtWalls<'_> {
         }
     }
 
-    /// The force on the body, whose contacts with `soft` surfaces are evaluated elsewhere; those on parts are added to `loads`.
+    /// The force on the body, whose contacts with `soft` surfaces are evaluated elsewhere; those on
+    /// parts are added to `loads`.
     pub fn evaluate(
         &self,
         mut near: NearWalls<'_>,
@@ -203,7 +205,8 @@ impl SphereAtWalls<'_> {
         })
     }
 
-    /// How much of each contact counts, of which springs count so much. No film is known of surfaces.
+    /// How much of each contact counts, of which springs count so much. No film is known of
+    /// surfaces.
     fn shares(&self, found: &[WallPoint], springs: [f64; MOST]) -> [WallShare; MOST] {
         let radius = self.scenery.bodies.balls[self.body].radius;
         let mut all = springs.map(|spring| WallShare { spring, film: 0.0 });
@@ -285,7 +288,8 @@ struct WallShare {
     film: f64,
 }
 
-/// What the body's contacts remember: with parts and walls, and with surfaces that it touches as well.
+/// What the body's contacts remember: with parts and walls, and with surfaces that it touches as
+/// well.
 struct Memories<'a> {
     own: &'a WallContactHistory,
     of_surfaces: Option<&'a WallContactHistory>,

@@ -1,9 +1,10 @@
 //! What a sphere reaches of rigid walls, and of surfaces that deform, for the other of both.
 //!
-//! Contacts with rigid walls are evaluated with [`crate::part_contacts`], those with surfaces that deform with
-//! [`crate::surface_contacts`], at shapes that are only tried as well. A wall is one wall also where rubber stands flush with
-//! metal: so where a sphere reaches both, either side looks at the points of both together, finds which of these
-//! are contacts and how much each counts, and evaluates its own.
+//! Contacts with rigid walls are evaluated with [`crate::part_contacts`], those with surfaces that
+//! deform with [`crate::surface_contacts`], at shapes that are only tried as well. A wall is one
+//! wall also where rubber stands flush with metal: so where a sphere reaches both, either side
+//! looks at the points of both together, finds which of these are contacts and how much each
+//! counts, and evaluates its own.
 
 use crate::bodies::mesh_contact::{MOST, ReachedPoints, WallPoint, WallPoints};
 use crate::contact::contact_history::WallContactHistory;
@@ -22,7 +23,8 @@ struct ReachedPoint {
     reduced: Reduced,
 }
 
-/// The points that a sphere reaches, which is their origin; and what its contacts with their walls remember.
+/// The points that a sphere reaches, which is their origin; and what its contacts with their walls
+/// remember.
 #[derive(Clone, Debug)]
 pub(crate) struct Reached {
     points: [ReachedPoint; MOST],
@@ -65,7 +67,8 @@ impl Reached {
         self.history.clear();
     }
 
-    /// Adds a point with the law of its contact, as long as there is room: for so many as are ever found.
+    /// Adds a point with the law of its contact, as long as there is room: for so many as are ever
+    /// found.
     pub fn add(&mut self, near: WallPoint, (law, reduced): (u16, Reduced)) {
         if let Some(place) = self.points.get_mut(self.count) {
             *place = ReachedPoint { near, law, reduced };
@@ -74,7 +77,8 @@ impl Reached {
     }
 }
 
-/// Contacts of a sphere with rigid walls and surfaces that deform, and how much the spring of each counts.
+/// Contacts of a sphere with rigid walls and surfaces that deform, and how much the spring of each
+/// counts.
 pub(crate) fn together(
     rigid: &Reached,
     soft: &Reached,

@@ -1,8 +1,8 @@
 //! What pushes the vertices of a surface that deforms: walls, and parts that stand still.
 //!
 //! A vertex at the depth `d` feels the force `k d sum_f max(0, -a_f.n) n`: k is the stiffness for
-//! each area, `a_f` a third of the area of a facet at the vertex times its normal, n the normal of the
-//! seat. Over a patch that lies flat on a seat these areas add up to the patch's.
+//! each area, `a_f` a third of the area of a facet at the vertex times its normal, n the normal of
+//! the seat. Over a patch that lies flat on a seat these areas add up to the patch's.
 
 use crate::Vec3;
 use crate::bodies::deformable_surface::{DeformableSurface, FacetLoad, area_vectors};
@@ -250,8 +250,8 @@ impl Seat {
     }
 }
 
-/// The plane of triangles that lie in one; none if they do not. All of a closed surface that is near a point
-/// is then that plane: it has no rim there.
+/// The plane of triangles that lie in one; none if they do not. All of a closed surface that is
+/// near a point is then that plane: it has no rim there.
 fn plane_of(triangles: &[Triangle]) -> Option<SeatPlane> {
     let Triangle { corners: [origin, b, _], normal, .. } = *triangles.first()?;
     let flat = FLAT * (b - origin).norm_squared().sqrt();
@@ -262,12 +262,12 @@ fn plane_of(triangles: &[Triangle]) -> Option<SeatPlane> {
     triangles.iter().all(is_on).then(|| SeatPlane { normal, offset: origin.dot(&normal) })
 }
 
-/// Corners that are off a plane by less than this part of an edge's length are on it, and planes that differ
-/// by less are one.
+/// Corners that are off a plane by less than this part of an edge's length are on it, and planes
+/// that differ by less are one.
 const FLAT: f64 = 1e-12;
 
-/// How deep a point lies behind a surface of which the closest triangles are given, and the normal there,
-/// out of the solid; none in front of it.
+/// How deep a point lies behind a surface of which the closest triangles are given, and the normal
+/// there, out of the solid; none in front of it.
 fn depth(x: Vec3, triangles: &[Triangle]) -> Option<(f64, Vec3)> {
     let (mut closest, mut square, mut outward) = (Vec3::zeros(), f64::INFINITY, Vec3::zeros());
     for triangle in triangles {

@@ -48,14 +48,16 @@ pub(crate) struct SurfaceContacts {
     /// Vertices when they were, and whether that was in vain.
     listed: Vec<[f64; 3]>,
     stale: bool,
-    /// Vertices of the last shape that was looked at, and how far any of them can have come since facets were listed [m].
+    /// Vertices of the last shape that was looked at, and how far any of them can have come since
+    /// facets were listed [m].
     shape: Vec<[f64; 3]>,
     travel: f64,
     /// By the id of the body; `start[e]..start[e + 1]` are the places of entry e's facets.
     pub entries: Vec<SphereAtSurface>,
     start: Vec<u32>,
     facets: Vec<u32>,
-    /// For each entry where it looked at all its facets last, and for each of these how far it was then.
+    /// For each entry where it looked at all its facets last, and for each of these how far it was
+    /// then.
     looked: Vec<LookedFrom>,
     distances: Vec<f32>,
     spare: Vec<SphereAtSurface>,
@@ -94,7 +96,8 @@ impl Work for Take<'_> {
     }
 }
 
-/// Where one sphere touches a surface, among other contacts that do not count here, and how much each counts.
+/// Where one sphere touches a surface, among other contacts that do not count here, and how much
+/// each counts.
 struct ActingContacts<'a> {
     found: WallPoints,
     shares: [f64; MOST],
@@ -102,15 +105,17 @@ struct ActingContacts<'a> {
     of_rigid: Option<&'a WallContactHistory>,
 }
 
-/// What bodies reach, by their places, of rigid walls and of all surfaces, of which this one has a number.
+/// What bodies reach, by their places, of rigid walls and of all surfaces, of which this one has a
+/// number.
 pub(crate) struct WallsBeside<'a> {
     pub number: usize,
     pub rigid: &'a [Reached],
     pub soft: &'a [Reached],
 }
 
-/// How fast the normal force of a contact falls as the surface retreats through a substep [N/m]: the spring's
-/// slope, and the dashpot over the substep; not at all where the contact pushes no more.
+/// How fast the normal force of a contact falls as the surface retreats through a substep [N/m]:
+/// the spring's slope, and the dashpot over the substep; not at all where the contact pushes no
+/// more.
 fn retreat(law: &Law, pair: Reduced, overlap: f64, normal: f64, steps: Steps) -> f64 {
     if normal == 0.0 {
         return 0.0;
@@ -159,8 +164,9 @@ impl SurfaceContacts {
         }
     }
 
-    /// Adds what bodies reach of the shape that was looked at, and remember, to `reached` at their places; it is the surface
-    /// of a `number`. Nothing, where bodies changed their places in memory since.
+    /// Adds what bodies reach of the shape that was looked at, and remember, to `reached` at their
+    /// places; it is the surface of a `number`. Nothing, where bodies changed their places in
+    /// memory since.
     pub fn give_reached(
         &self,
         number: usize,
@@ -183,7 +189,8 @@ impl SurfaceContacts {
         }
     }
 
-    /// Contacts of the shape that was looked at as if it were accepted; adds what they do to facets.
+    /// Contacts of the shape that was looked at as if it were accepted; adds what they do to
+    /// facets.
     pub fn try_shape(
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
@@ -198,7 +205,8 @@ impl SurfaceContacts {
         self.seat.push(state.0, out);
     }
 
-    /// Contacts of the shape that was looked at, which is accepted: histories go on, forces on bodies are added to `wrench`.
+    /// Contacts of the shape that was looked at, which is accepted: histories go on, forces on
+    /// bodies are added to `wrench`.
     pub fn accept(
         &mut self,
         state: (&[[f64; 3]], &[[f64; 3]]),
@@ -294,8 +302,8 @@ impl SurfaceContacts {
         ActingContacts { found, shares, of_rigid: None }
     }
 
-    /// The contacts of one sphere where it was found to touch: the force on it, and in `kept`, which remembers none, what its
-    /// entry remembers then.
+    /// The contacts of one sphere where it was found to touch: the force on it, and in `kept`,
+    /// which remembers none, what its entry remembers then.
     fn meet(
         &self,
         contacts: &ActingContacts<'_>,
@@ -358,7 +366,8 @@ impl SurfaceContacts {
         u + (v - u) * s + (w - u) * t
     }
 
-    /// Energy in the springs of spheres' contacts and of the seat, of which the domain has a share [J].
+    /// Energy in the springs of spheres' contacts and of the seat, of which the domain has a share
+    /// [J].
     pub fn elastic_energy(&self, laws: &[Law]) -> f64 {
         let of = |entry: &SphereAtSurface| entry.history.elastic_energy(laws);
         self.entries.iter().map(of).sum::<f64>() + self.seat.energy / self.whole

@@ -1,5 +1,5 @@
-//! Bodies near walls, with what each contact remembers and the sum of the walls' forces. Bodies near parts as well meet
-//! walls there, see [`PartContacts`], and here nothing but mirrors.
+//! Bodies near walls, with what each contact remembers and the sum of the walls' forces. Bodies
+//! near parts as well meet walls there, see [`PartContacts`], and here nothing but mirrors.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -50,8 +50,8 @@ pub(crate) struct WallSearch<'a> {
 }
 
 impl WallContacts {
-    /// Makes the list anew. `before` are the list and that of parts before, `parts` is the new one of these; `found` is
-    /// room to work in.
+    /// Makes the list anew. `before` are the list and that of parts before, `parts` is the new one
+    /// of these; `found` is room to work in.
     pub fn make(
         &mut self,
         (before, parts_before): (&Self, &PartContacts),

@@ -49,15 +49,15 @@ pub enum Spring {
         /// Effective shear modulus `G*`, `1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2` [Pa].
         effective_shear_modulus: f64,
     },
-    /// Hertz's contact with the adhesion of Johnson, Kendall and Roberts (1971): bodies that touched hold on until they are
-    /// pulled apart, by `3/2 pi w R*` at most.
+    /// Hertz's contact with the adhesion of Johnson, Kendall and Roberts (1971): bodies that
+    /// touched hold on until they are pulled apart, by `3/2 pi w R*` at most.
     Jkr {
         /// As for [`Hertz`](Self::Hertz) [Pa].
         effective_modulus: f64,
         /// As for [`Hertz`](Self::Hertz) [Pa].
         effective_shear_modulus: f64,
-        /// Work of adhesion w: what parting a unit of area takes, twice the surface energy of bodies of one material
-        /// [J/m²].
+        /// Work of adhesion w: what parting a unit of area takes, twice the surface energy of
+        /// bodies of one material [J/m²].
         work_of_adhesion: f64,
     },
 }

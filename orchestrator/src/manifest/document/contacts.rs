@@ -30,8 +30,9 @@ pub(in super::super) struct ContactTable {
     /// Whether the springs are those of Hertz and Mindlin, from the moduli of the materials
     /// (default: false).
     pub hertz: Option<bool>,
-    /// Work of adhesion of a law with `hertz = true`: what parting a unit of area takes, twice the surface energy of bodies
-    /// of one material; 1 N/m is 1 J/m2. The law is then that of Johnson, Kendall and Roberts (default: no adhesion).
+    /// Work of adhesion of a law with `hertz = true`: what parting a unit of area takes, twice the
+    /// surface energy of bodies of one material; 1 N/m is 1 J/m2. The law is then that of Johnson,
+    /// Kendall and Roberts (default: no adhesion).
     pub work_of_adhesion: Option<Stiffness>,
     /// Coefficient of friction (default: 0).
     pub friction: Option<f64>,

@@ -1,5 +1,5 @@
-//! Hertz's contact with adhesion by Johnson, Kendall and Roberts (*Proc. R. Soc. Lond. A* 324, 1971), and Mindlin's tangential
-//! stiffness over its radius `a`.
+//! Hertz's contact with adhesion by Johnson, Kendall and Roberts (*Proc. R. Soc. Lond. A* 324,
+//! 1971), and Mindlin's tangential stiffness over its radius `a`.
 //!
 //! With the work of adhesion w, which is twice the surface energy of bodies of one material,
 //!
@@ -8,17 +8,19 @@
 //! delta = a^2/R* - sqrt(2 pi w a/E*)
 //! ```
 //!
-//! Bodies that touch pull at each other, and hold on until they are `3 a_c^2/R*` apart, `a_c^3 = pi w R*^2/(8 E*)`: the neck.
-//! The largest pull is `3/2 pi w R*`; between touching at `delta = 0` and parting the contact loses `7.09 (w^5 R*^4/E*^2)^(1/3)`
-//! (Thornton and Ning, *Powder Technol.* 99, 1998), which is what slow bodies stick by. In terms of `a = a_c x^2`
+//! Bodies that touch pull at each other, and hold on until they are `3 a_c^2/R*` apart, `a_c^3 = pi
+//! w R*^2/(8 E*)`: the neck. The largest pull is `3/2 pi w R*`; between touching at `delta = 0` and
+//! parting the contact loses `7.09 (w^5 R*^4/E*^2)^(1/3)` (Thornton and Ning, *Powder Technol.* 99,
+//! 1998), which is what slow bodies stick by. In terms of `a = a_c x^2`
 //!
 //! ```text
 //! x^4 - 4 x = delta R*/a_c^2         f_n = pi w R* (x^6/6 - x^3)         x >= 1 on the branch that is stable
 //! ```
 //!
-//! so that x is a root of a quartic (Ferrari's, as Parteli et al., *Sci. Rep.* 4, 2014, use it for this law). Friction slips at
-//! `mu (f_n + 3 pi w R*)`, with twice the largest pull (Thornton, *J. Phys. D* 24, 1991), as LAMMPS's granular JKR does; peeling by
-//! tangential forces is left out. The dashpot is Hertz's, see [`super::hertz_mindlin`], with a in place of `sqrt(R* delta)`: the
+//! so that x is a root of a quartic (Ferrari's, as Parteli et al., *Sci. Rep.* 4, 2014, use it for
+//! this law). Friction slips at `mu (f_n + 3 pi w R*)`, with twice the largest pull (Thornton, *J.
+//! Phys. D* 24, 1991), as LAMMPS's granular JKR does; peeling by tangential forces is left out. The
+//! dashpot is Hertz's, see [`super::hertz_mindlin`], with a in place of `sqrt(R* delta)`: the
 //! restitution that is given is that of fast collisions.
 
 use crate::contact::springs::{Bound, ContactSpring, Dashpots, Reduced, Stiffness};
@@ -48,8 +50,9 @@ impl HertzJkr {
         libm::cbrt(ratio * pair.radius * pair.radius)
     }
 
-    /// The root `x >= 1` of `x^4 - 4 x = d`; at the neck's end for what is beyond. With `q = 4/3 d` the resolvent
-    /// `u^3 + 3 q u = 16` has the root `u = A - q/A`, written without its cancellation.
+    /// The root `x >= 1` of `x^4 - 4 x = d`; at the neck's end for what is beyond. With `q = 4/3 d`
+    /// the resolvent `u^3 + 3 q u = 16` has the root `u = A - q/A`, written without its
+    /// cancellation.
     #[inline(always)]
     fn root(&self, overlap: f64, pair: Reduced, last: f64) -> f64 {
         let d = (overlap * pair.radius / (last * last)).max(-3.0);
@@ -81,7 +84,8 @@ impl HertzJkr {
         2.0 * self.effective_modulus * last * x * x * (cube - 3.0) / (cube - 1.0)
     }
 
-    /// The root of the deepest overlap in a collision at a speed: where the work is the kinetic energy.
+    /// The root of the deepest overlap in a collision at a speed: where the work is the kinetic
+    /// energy.
     fn deepest(&self, pair: Reduced, speed: f64, last: f64) -> f64 {
         let energy = 0.5 * pair.root_mass * pair.root_mass * speed * speed;
         let (mut low, mut high) = (libm::cbrt(AT_REST), 2.0 * libm::cbrt(AT_REST));
@@ -98,7 +102,8 @@ impl HertzJkr {
 
 impl ContactSpring for HertzJkr {
     // Never inlined: two roots to take are long, and would stretch the loops of all other laws.
-    /// Remembered displacements shrink as the contact grows, as under Mindlin's law without adhesion.
+    /// Remembered displacements shrink as the contact grows, as under Mindlin's law without
+    /// adhesion.
     #[inline(never)]
     fn at(&self, overlap: f64, before: f64, pair: Reduced, dashpots: &Dashpots) -> Stiffness {
         let last = self.last_radius(pair);
@@ -141,7 +146,8 @@ impl ContactSpring for HertzJkr {
         3.0 * last * last / pair.radius
     }
 
-    /// That of Hertz's energy over the same radius, for the work of adhesion is negative where bodies rest.
+    /// That of Hertz's energy over the same radius, for the work of adhesion is negative where
+    /// bodies rest.
     #[inline(never)]
     fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
         if overlap <= -self.neck(pair) {

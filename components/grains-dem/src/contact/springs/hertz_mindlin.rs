@@ -7,11 +7,11 @@
 //! k_t = 8 G* sqrt(R* delta)                  gamma_t = gamma_n sqrt(k_t/k_n),  k_n = 2 E* sqrt(R* delta)
 //! ```
 //!
-//! In terms of `q = sqrt(4/5 k_H/m*) delta^(5/4)` and the phase `ds = sqrt(5/4 k_H/m*) delta^(1/4) dt`
-//! a collision under this dashpot is that of a linear spring with damping ratio `zeta`, speed by
-//! speed: `dq/ds = v`, `dv/ds = -q - 2 zeta v` (Antypov & Elliott, *EPL* 94, 2011, whose alpha is
-//! `sqrt(5) zeta`; the form of the dashpot is that of Tsuji, Tanaka & Ishida, *Powder Technol.* 71,
-//! 1992). So the restitution does not depend on the speed, and damping ratio and restitution go
+//! In terms of `q = sqrt(4/5 k_H/m*) delta^(5/4)` and the phase `ds = sqrt(5/4 k_H/m*) delta^(1/4)
+//! dt` a collision under this dashpot is that of a linear spring with damping ratio `zeta`, speed
+//! by speed: `dq/ds = v`, `dv/ds = -q - 2 zeta v` (Antypov & Elliott, *EPL* 94, 2011, whose alpha
+//! is `sqrt(5) zeta`; the form of the dashpot is that of Tsuji, Tanaka & Ishida, *Powder Technol.*
+//! 71, 1992). So the restitution does not depend on the speed, and damping ratio and restitution go
 //! together as for linear springs, with and without tension.
 
 use crate::contact::springs::{Bound, ContactSpring, Dashpots, Reduced, Stiffness};

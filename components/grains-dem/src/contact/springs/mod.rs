@@ -1,7 +1,7 @@
 //! The springs of a contact: the trait that a contact law implements, and the laws there are.
 //!
-//! Everything else asks a law through [`ContactSpring`]; which laws exist is said in this file alone, and ARCHITECTURE.md
-//! says how one is added.
+//! Everything else asks a law through [`ContactSpring`]; which laws exist is said in this file
+//! alone, and ARCHITECTURE.md says how one is added.
 
 pub mod hertz_jkr;
 pub mod hertz_mindlin;
@@ -41,8 +41,8 @@ pub(crate) struct Stiffness {
     pub pull_off: f64,
 }
 
-/// A dashpot's coefficient [kg/s] as `fixed + per_root_mass sqrt(m*)`; under Hertz's law as `fixed + per_root_mass
-/// sqrt(m* k_H) delta^(1/4)`.
+/// A dashpot's coefficient [kg/s] as `fixed + per_root_mass sqrt(m*)`; under Hertz's law as `fixed
+/// + per_root_mass sqrt(m* k_H) delta^(1/4)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dashpot {
     pub fixed: f64,
@@ -90,15 +90,15 @@ pub(crate) trait ContactSpring {
         0.0
     }
 
-    /// Weight of a contact in a region of contacts, see [`crate::contact::region_shares`]: the square root of twice its
-    /// energy, nothing where it does not touch.
+    /// Weight of a contact in a region of contacts, see [`crate::contact::region_shares`]: the
+    /// square root of twice its energy, nothing where it does not touch.
     #[inline(always)]
     fn normal_root(&self, overlap: f64, pair: Reduced) -> f64 {
         (2.0 * self.normal_energy(overlap.max(0.0), pair)).sqrt()
     }
 
-    /// The law as a linear spring, if it is one: of others there is no form side by side in registers, and none for
-    /// polyhedra, which need `k_n` and `k_t` per area.
+    /// The law as a linear spring, if it is one: of others there is no form side by side in
+    /// registers, and none for polyhedra, which need `k_n` and `k_t` per area.
     #[inline(always)]
     fn as_linear(&self) -> Option<LinearSpring> {
         None
@@ -136,7 +136,8 @@ pub(crate) trait ContactSpring {
     /// The stiffness, in words, with its value and unit.
     fn stiffness_in_words(&self) -> String;
 
-    /// What makes overlaps small when the law's stiffness has to be larger by a factor: a sentence up to "makes it".
+    /// What makes overlaps small when the law's stiffness has to be larger by a factor: a sentence
+    /// up to "makes it".
     fn remedy(&self, factor: f64) -> String;
 }
 

@@ -1,9 +1,9 @@
 //! Numbers of several contacts side by side: what one formula does to all of them at once.
 //!
-//! A formula is written once over [`SimdLane`]: plain arrays, and loops over them that compilers turn into
-//! vector instructions where the function around them is compiled with these, or registers. Every
-//! operation is rounded once, as on single numbers, and nothing is summed across lanes: so contacts side
-//! by side give the bits that they give one by one.
+//! A formula is written once over [`SimdLane`]: plain arrays, and loops over them that compilers
+//! turn into vector instructions where the function around them is compiled with these, or
+//! registers. Every operation is rounded once, as on single numbers, and nothing is summed across
+//! lanes: so contacts side by side give the bits that they give one by one.
 
 use crate::Vec3;
 use core::ops::{Add, Mul, Neg, Sub};
@@ -26,7 +26,8 @@ pub(crate) trait SimdLane:
     /// `yes` where this is no more than `other`, else `no`.
     fn at_most(self, other: Self, yes: Self, no: Self) -> Self;
 
-    /// Whether a formula may leave out what only numbers above `other` need. Many side by side never ask.
+    /// Whether a formula may leave out what only numbers above `other` need. Many side by side
+    /// never ask.
     #[inline(always)]
     fn none_above(self, _: Self) -> bool {
         false
@@ -83,8 +84,8 @@ pub(crate) struct Lane3<L> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plain(pub [f64; LANES]);
 
-/// Implements an operation lane by lane, without a closure, which would not inherit the instructions
-/// that the function around it may use.
+/// Implements an operation lane by lane, without a closure, which would not inherit the
+/// instructions that the function around it may use.
 macro_rules! by_lane {
     ($l:ident => $value:expr) => {{
         let mut out = [0.0; LANES];
@@ -165,7 +166,8 @@ impl Neg for Plain {
     }
 }
 
-/// Numbers of twice as many contacts: where one half waits for a root or a quotient, the other goes on.
+/// Numbers of twice as many contacts: where one half waits for a root or a quotient, the other goes
+/// on.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 pub(crate) struct Both<L>(pub L, pub L);
@@ -234,8 +236,8 @@ impl<L: SimdLane> Neg for Both<L> {
     }
 }
 
-/// Implements [`SimdLane`] for a wrapped register by one intrinsic for each operation. Values of it exist only where
-/// the processor has the instructions.
+/// Implements [`SimdLane`] for a wrapped register by one intrinsic for each operation. Values of it
+/// exist only where the processor has the instructions.
 #[cfg(target_arch = "x86_64")]
 macro_rules! lane_of_register {
     ($name:ident, $all:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $max:ident,

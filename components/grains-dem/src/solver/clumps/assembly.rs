@@ -1,4 +1,5 @@
-//! How clumps are made of the bodies that a scene joins, and what bounds of time steps and checks ask of them.
+//! How clumps are made of the bodies that a scene joins, and what bounds of time steps and checks
+//! ask of them.
 
 use super::{Clump, Clumps, Member, UNTURNED};
 use crate::Vec3;
@@ -9,7 +10,8 @@ use std::collections::BTreeMap;
 use tremie_geometry::principal;
 use tremie_messages::scene::{BodySet, Scene};
 
-/// The number of the clump of each set, in the order in which sets name them, and how many there are.
+/// The number of the clump of each set, in the order in which sets name them, and how many there
+/// are.
 pub(crate) fn numbers(scene: &Scene) -> (Vec<Option<u32>>, usize) {
     let mut known = BTreeMap::new();
     let of = |set: &BodySet| {
@@ -27,8 +29,8 @@ pub(crate) struct Whole {
     pub number: u32,
     /// Mass [kg].
     pub mass: f64,
-    /// Mass that one of the contacts of its bodies has to move, at least [kg]: less than the mass where a push is beside
-    /// the centroid, and where all of its bodies touch something at once.
+    /// Mass that one of the contacts of its bodies has to move, at least [kg]: less than the mass
+    /// where a push is beside the centroid, and where all of its bodies touch something at once.
     pub felt: f64,
 }
 
@@ -63,8 +65,9 @@ pub(crate) struct Misfit {
 }
 
 impl Clumps {
-    /// Those that bodies were placed in; masses and moments of inertia are sums over the bodies, or over their shares of
-    /// the union. They begin with the momentum and the angular momentum of their bodies.
+    /// Those that bodies were placed in; masses and moments of inertia are sums over the bodies, or
+    /// over their shares of the union. They begin with the momentum and the angular momentum of
+    /// their bodies.
     pub fn of_placed(scene: &Scene, placed: &[PlacedSphere]) -> Self {
         let shapes = shapes(scene);
         let (_, count) = numbers(scene);
@@ -122,10 +125,11 @@ impl Clump {
         })
     }
 
-    /// See [`Whole::felt`]. A push along n at r moves its place `1 + M (r x n) . I^-1 (r x n)` times as much as one at
-    /// the centroid. Pushes on spheres are along their radii, those on polyhedra may have any direction, over which this is
-    /// an eigenvalue, and is largest at a corner; so are those of friction, which a sphere by itself answers
-    /// with 3.5. Each further body that touches at once adds as much as a push at the centroid.
+    /// See [`Whole::felt`]. A push along n at r moves its place `1 + M (r x n) . I^-1 (r x n)`
+    /// times as much as one at the centroid. Pushes on spheres are along their radii, those on
+    /// polyhedra may have any direction, over which this is an eigenvalue, and is largest at a
+    /// corner; so are those of friction, which a sphere by itself answers with 3.5. Each further
+    /// body that touches at once adds as much as a push at the centroid.
     fn felt(&self, placed: &[PlacedSphere], shapes: &[Shape]) -> f64 {
         let along = |r: Vec3, n: Vec3| {
             let arm = r.cross(&n);

@@ -1,4 +1,5 @@
-//! Bodies and seats near a surface that deforms, listed for as long as its vertices go no farther than a skin.
+//! Bodies and seats near a surface that deforms, listed for as long as its vertices go no farther
+//! than a skin.
 
 use super::{SphereAtSurface, SurfaceContacts};
 use crate::Vec3;
