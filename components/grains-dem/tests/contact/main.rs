@@ -1,0 +1,12 @@
+//! Tests of the room `contact`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod hertz;
+mod incline;
+mod jkr;
+mod lubrication;
+mod restitution;
+mod rolling;
+mod spinning_drop;

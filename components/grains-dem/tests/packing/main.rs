@@ -1,0 +1,6 @@
+//! Tests of the room `packing`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod packing;

@@ -1,0 +1,14 @@
+//! Tests of the room `solver`.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod clumps;
+mod conservation;
+mod exchange;
+mod impulse;
+mod order;
+mod pile;
+mod ports;
+mod probes;
+mod same_bits;
