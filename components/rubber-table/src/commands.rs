@@ -1,9 +1,10 @@
 //! `tremie rubber`: tables of seals.
 
+use crate::import::{csv, frd};
 use crate::make::make;
 use crate::picture;
 use crate::spec::Spec;
-use crate::table::{Table, import_csv, import_frd};
+use crate::table::Table;
 use clap::{ArgMatches, Args, FromArgMatches, Subcommand};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -67,18 +68,18 @@ fn make_table(arguments: &MakeTableArgs) -> Result<String, CommandError> {
 fn import(arguments: &ImportArgs) -> Result<String, CommandError> {
     let from = &arguments.results;
     let table = if from.is_dir() {
-        import_csv::read(from).map_err(CommandError::input)?
+        csv::read(from).map_err(CommandError::input)?
     } else {
         let name = from.display();
         let text = fs::read_to_string(from)
             .map_err(|error| CommandError::input(format!("{name}: {error}")))?;
-        let options = import_frd::Options {
+        let options = frd::Options {
             length: arguments.length.0,
             force: arguments.force,
             seat: None,
             reach: None,
         };
-        import_frd::read(&text, &options)
+        frd::read(&text, &options)
             .map_err(|error| CommandError::input(format!("{name}: {error}")))?
     };
     let out = arguments.out.clone().unwrap_or_else(|| from.with_extension("json"));

@@ -5,8 +5,8 @@ mod common;
 use common::{RUBBER, first_slope, model, press, ring, rubber};
 use std::collections::BTreeMap;
 use tremie_rubber_table::fem::element::Symmetry;
+use tremie_rubber_table::fem::material::NeoHookean;
 use tremie_rubber_table::fem::{Compression, Hold, Model, compress};
-use tremie_rubber_table::material::NeoHookean;
 use tremie_rubber_table::mesh::{self, Mesh};
 
 /// Force on a bar of section `area` at axial stretch `stretch`, its sides free: the side stretch

@@ -1,10 +1,10 @@
 //! The section with what holds it, and its energy, forces and stiffness at a state.
 
-use super::boundary_conditions::{HELD, Held, Hold, ModelError};
-use super::contact::{Contact, Feeler, Seat};
-use super::element::{Element, Inverted, Symmetry};
-use super::skyline::Skyline;
-use crate::material::NeoHookean;
+use crate::fem::boundary_conditions::{HELD, Held, Hold, ModelError};
+use crate::fem::contact::{Contact, Feeler, Seat};
+use crate::fem::element::{Element, Inverted, Symmetry};
+use crate::fem::material::NeoHookean;
+use crate::fem::skyline::Skyline;
 use crate::mesh::Mesh;
 
 /// A section, its material, what holds it and what it is pressed on.

@@ -1,6 +1,6 @@
 //! What holds a section.
 
-use super::element::Symmetry;
+use crate::fem::element::Symmetry;
 use crate::mesh::Mesh;
 
 /// How edges of the outline are held.

@@ -1,6 +1,6 @@
 //! The rigid seat, and its frictionless contact with the rubber.
 
-use super::element::Symmetry;
+use crate::fem::element::Symmetry;
 use crate::mesh::Point;
 
 /// A rigid seat: the height of its surface over the radius, a polyline with rounded corners. Its

@@ -1,7 +1,7 @@
 //! The whole way: from rest to the largest compression, frame by frame.
 
-use super::assembly::{Model, State};
-use super::newton::{Failure, Settled, settle};
+use crate::fem::assembly::{Model, State};
+use crate::fem::newton::{Equilibrium, Failure, settle};
 use crate::mesh::Point;
 
 /// How far and how finely.
@@ -73,7 +73,7 @@ pub fn compress(model: &Model, way: &Compression) -> Result<Vec<Frame>, Stuck> {
     walk.known_good.clone_from(&walk.state.displacements);
     // The undeformed section is not inside out: its mesh was checked.
     let _ = model.assemble(&mut walk.state);
-    let mut frames = vec![walk.frame(0.0, 0, Settled::default())];
+    let mut frames = vec![walk.frame(0.0, 0, Equilibrium::default())];
     for number in 1..way.frames {
         frames.push(walk.to(number as f64 * spacing, (number - 1) as f64 * spacing, spacing)?);
     }
@@ -103,7 +103,11 @@ impl Walk<'_> {
                     (increments, passes) = (increments + 1, passes + settled.passes);
                     self.step = (2.0 * self.step).min(spacing);
                     if last {
-                        return Ok(self.frame(target, increments, Settled { passes, ..settled }));
+                        return Ok(self.frame(
+                            target,
+                            increments,
+                            Equilibrium { passes, ..settled },
+                        ));
                     }
                     at += step;
                 }
@@ -119,7 +123,7 @@ impl Walk<'_> {
         }
     }
 
-    fn frame(&self, compression: f64, increments: u32, settled: Settled) -> Frame {
+    fn frame(&self, compression: f64, increments: u32, settled: Equilibrium) -> Frame {
         let (model, state) = (self.model, &self.state);
         let moved = |(node, at): (usize, &Point)| {
             [at[0] + state.displacements[2 * node], at[1] + state.displacements[2 * node + 1]]

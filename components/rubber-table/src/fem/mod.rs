@@ -5,6 +5,7 @@ mod boundary_conditions;
 pub mod contact;
 pub mod element;
 mod load_path;
+pub mod material;
 mod newton;
 mod skyline;
 

@@ -1,7 +1,7 @@
 //! Newton's method for one increment of compression.
 
-use super::assembly::{Model, State};
-use super::boundary_conditions::HELD;
+use crate::fem::assembly::{Model, State};
+use crate::fem::boundary_conditions::HELD;
 
 /// Why an increment found no equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -26,7 +26,7 @@ pub enum Failure {
 
 /// How an equilibrium was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Settled {
+pub(super) struct Equilibrium {
     /// Passes of Newton's method, the last of which only found that nothing was left to do.
     pub passes: u32,
     /// Forces out of balance, over their size.
@@ -45,9 +45,9 @@ pub(super) fn settle(
     state: &mut State,
     by: f64,
     tolerance: f64,
-) -> Result<Settled, Failure> {
+) -> Result<Equilibrium, Failure> {
     let mut step: Vec<f64> = vec![0.0; model.unknown_count];
-    let mut settled = Settled::default();
+    let mut settled = Equilibrium::default();
     // The predictor: along the tangent, with the held displacements where they shall be.
     gather(model, state, &mut step);
     for (step, pull) in step.iter_mut().zip(&state.pull) {

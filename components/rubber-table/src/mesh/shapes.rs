@@ -1,6 +1,6 @@
 //! Meshes of simple sections. All touch z = 0 with their lowest point.
 
-use super::{Mesh, MeshError, Point};
+use crate::mesh::quadrilaterals::{Mesh, MeshError, Point};
 use std::collections::BTreeMap;
 
 /// A rectangle from radius `inner` to `outer`, `height` high [m], of `elements` (along r, along z).

@@ -1,7 +1,7 @@
 //! The facets of a turned section in its present shape: all sectors are turned from the first.
 
-use super::force::{Facet, Sums};
 use crate::mesh::Point;
+use crate::runtime::force::{Facet, Sums};
 use crate::table::{FacetKind, Surface};
 use std::f64::consts::PI;
 use tremie_messages::scene::Section;
@@ -94,7 +94,7 @@ impl SectorFacets {
 mod tests {
     use super::*;
     use crate::table::Table;
-    use crate::table::tests::example;
+    use crate::table::example;
 
     /// Facets that were turned are those of the surface, also at its end on the axis.
     #[test]

@@ -89,7 +89,7 @@ impl Placed {
 mod tests {
     use super::*;
     use crate::table::Table;
-    use crate::table::tests::example;
+    use crate::table::example;
 
     #[test]
     fn vertices_are_where_two_frames_take_them_and_move_with_body_and_shape() {

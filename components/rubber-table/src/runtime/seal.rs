@@ -1,10 +1,10 @@
 //! A seal of a scene, through windows, substeps and trials.
 
-use super::facets::SectorFacets;
-use super::force::{EffectiveForce, Form};
-use super::placed::Placed;
-use super::step::{Impedance, Law, Outcome, Settled, Start, Step, StepError};
 use crate::mesh::Point;
+use crate::runtime::facets::SectorFacets;
+use crate::runtime::force::{EffectiveForce, Form};
+use crate::runtime::placed::Placed;
+use crate::runtime::step::{Impedance, Law, Outcome, Settled, Start, Step, StepError};
 use crate::table::{FacetKind, Surface, Table};
 use tremie_messages::scene::DeformableSurface;
 use tremie_messages::{BodyState, FacetLoad, Load, SurfaceVertex};

@@ -12,7 +12,7 @@
 //! An η that adapts takes the slope from the passes, and keeps between trials on either side (`search`): a contact
 //! that opens makes F jump, and a repetition with one η goes to and fro across the jump for ever.
 
-use super::search::{Search, Slopes};
+use crate::runtime::search::{Search, Slopes};
 use crate::table::{BeyondTable, Bracket, Table};
 
 /// The method's number η [N·s/m].

@@ -1,6 +1,5 @@
 //! The tables of a specification, and what can be wrong with their values.
 
-use super::FEWEST_FRAMES;
 use serde::Deserialize;
 use std::path::PathBuf;
 use tremie_messages::Problem;
@@ -8,7 +7,7 @@ use tremie_messages::units::{Length, Pressure};
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Document {
+pub(super) struct SpecDocument {
     pub section: Section,
     pub rubber: Rubber,
     pub carrier: Option<Carrier>,
@@ -103,11 +102,14 @@ fn frames() -> usize {
     41
 }
 
+/// Fewest frames of a table: between frames, force and shape are straight lines.
+pub const FEWEST_FRAMES: usize = 33;
+
 /// Most elements along a side, and most frames: beyond, memory and time are lost for nothing.
 const MOST_ELEMENTS: usize = 400;
 const MOST_FRAMES: usize = 2000;
 
-impl Document {
+impl SpecDocument {
     /// What holds the section: as written, or what suits its shape.
     pub fn carrier(&self) -> Carrier {
         let top = match self.section {

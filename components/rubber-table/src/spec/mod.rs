@@ -38,7 +38,7 @@
 //! elements = 16                    # along a quarter of the rim
 //!
 //! [section.mesh]                   # boundaries as its physical groups of lines are named
-//! file = "seal.msh"                # Gmsh, MSH 2.2 as text: see mesh::gmsh
+//! file = "seal.msh"                # Gmsh, MSH 2.2 as text: see import::gmsh
 //! unit = "1 mm"
 //! ```
 //!
@@ -48,20 +48,19 @@
 mod document;
 mod problems;
 
+pub use document::FEWEST_FRAMES;
 pub use problems::{Located, SpecErrors};
 
 use crate::fem::contact::Seat;
 use crate::fem::element::Symmetry;
+use crate::fem::material::NeoHookean;
 use crate::fem::{Compression, Hold, Model};
-use crate::material::NeoHookean;
-use crate::mesh::{self, Mesh, gmsh};
-use document::{Document, Section};
+use crate::import::gmsh;
+use crate::mesh::{self, Mesh};
+use document::{Section, SpecDocument};
 use problems::Text;
 use std::path::Path;
 use tremie_messages::Problem;
-
-/// Fewest frames of a table: between frames, force and shape are straight lines.
-pub const FEWEST_FRAMES: usize = 33;
 
 /// Forces out of balance, over their size, at which an increment is done.
 const TOLERANCE: f64 = 1e-9;
@@ -129,7 +128,7 @@ impl Spec {
     }
 }
 
-fn model(document: &Document, folder: &Path, material: NeoHookean) -> Result<Model, Problem> {
+fn model(document: &SpecDocument, folder: &Path, material: NeoHookean) -> Result<Model, Problem> {
     let mesh = mesh_of(&document.section, folder)?;
     let [low, high] = mesh.bounds();
     let (height, compression) = (high[1] - low[1], document.table.compression.0);
@@ -195,7 +194,7 @@ fn mesh_of(section: &Section, folder: &Path) -> Result<Mesh, Problem> {
     }
 }
 
-fn seat_of(document: &Document) -> Result<Seat, Problem> {
+fn seat_of(document: &SpecDocument) -> Result<Seat, Problem> {
     let Some(meridian) = &document.seat.meridian else { return Ok(Seat::flat(0.0)) };
     let points = meridian.iter().map(|[r, z]| [r.0, z.0]).collect();
     Seat::along(points, document.seat.rounding.map_or(0.0, |length| length.0))

@@ -1,6 +1,6 @@
 //! Problems of a specification, with their lines.
 
-use super::document::Document;
+use crate::spec::document::SpecDocument;
 use std::fmt::{Display, Formatter, Write};
 use std::ops::Range;
 use std::path::Path;
@@ -84,7 +84,7 @@ impl Text {
         &self.text
     }
 
-    pub fn read(&self) -> Result<Document, SpecErrors> {
+    pub fn read(&self) -> Result<SpecDocument, SpecErrors> {
         toml::from_str(&self.text).map_err(|error| {
             let problem = explain(error.message());
             let place = error.span().map(|span| self.place(span));

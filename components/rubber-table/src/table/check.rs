@@ -1,7 +1,7 @@
 //! What must hold for contents to be a table.
 
-use super::Contents;
 use crate::mesh::Point;
+use crate::table::contents::Contents;
 use std::collections::BTreeSet;
 
 /// Why contents are no table.
@@ -248,8 +248,8 @@ fn check_bond(contents: &Contents) -> Result<(), TableError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::example;
     use super::*;
+    use crate::table::example;
 
     #[test]
     fn each_thing_that_can_be_wrong_is_told_apart() {

@@ -1,7 +1,9 @@
 //! Tables as files.
 
-use super::{Contents, Convergence, Facets, MaterialRecord, Table, TableError};
 use crate::mesh::Point;
+use crate::table::check::TableError;
+use crate::table::contents::{Contents, Convergence, Facets, MaterialRecord};
+use crate::table::interpolation::Table;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -59,7 +61,7 @@ struct Head {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
+struct TableDocument {
     format: String,
     version: u32,
     source: String,
@@ -95,7 +97,7 @@ impl Table {
         if format != FORMAT || version != u64::from(VERSION) {
             return Err(FileError::Format { path: here(), format, version });
         }
-        let document: Document = serde_json::from_str(&text).map_err(wrong)?;
+        let document: TableDocument = serde_json::from_str(&text).map_err(wrong)?;
         Self::new(document.into()).map_err(|error| FileError::Table { path: here(), error })
     }
 
@@ -107,7 +109,7 @@ impl Table {
         let beside = path.with_extension("partial");
         let write = || {
             let mut file = std::io::BufWriter::new(std::fs::File::create(&beside)?);
-            serde_json::to_writer(&mut file, &Document::from(self.contents()))?;
+            serde_json::to_writer(&mut file, &TableDocument::from(self.contents()))?;
             file.write_all(b"\n")?;
             file.into_inner().map_err(std::io::IntoInnerError::into_error)?.sync_all()?;
             std::fs::rename(&beside, path)
@@ -120,10 +122,10 @@ impl Table {
     }
 }
 
-impl From<Document> for Contents {
-    fn from(document: Document) -> Self {
-        let Document { source, material, compressions, forces, facets, quads, .. } = document;
-        let Document { vertices, mises, energies, convergence, .. } = document;
+impl From<TableDocument> for Contents {
+    fn from(document: TableDocument) -> Self {
+        let TableDocument { source, material, compressions, forces, facets, quads, .. } = document;
+        let TableDocument { vertices, mises, energies, convergence, .. } = document;
         Self {
             source,
             material,
@@ -139,7 +141,7 @@ impl From<Document> for Contents {
     }
 }
 
-impl From<&Contents> for Document {
+impl From<&Contents> for TableDocument {
     fn from(contents: &Contents) -> Self {
         let Contents { source, material, compressions, forces, facets, quads, .. } =
             contents.clone();
@@ -164,8 +166,8 @@ impl From<&Contents> for Document {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::example;
     use super::*;
+    use crate::table::example;
 
     fn written(table: &Table) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();

@@ -10,20 +10,24 @@
 //! stretches of an isotropic solid. Bonded edges bear shear that no outline shows; they count only
 //! at vertices that have no other edge.
 
-use super::{Contents, Table};
 use crate::mesh::Point;
+use crate::table::contents::Contents;
+use crate::table::interpolation::Table;
 
 impl Table {
     /// Equivalent shear strain of these `vertices`, which lie on the outline, in each frame.
     pub fn strains_of(&self, vertices: &[usize]) -> Vec<Vec<f64>> {
-        let contents = self.contents();
-        let of_all = if contents.quads.is_empty() { of_outline } else { of_section };
-        let frame = |points: &Vec<Point>| {
-            let all = of_all(contents, points);
-            vertices.iter().map(|vertex| all[*vertex].value()).collect()
-        };
-        contents.vertices.iter().map(frame).collect()
+        strains_of(self.contents(), vertices)
     }
+}
+
+fn strains_of(contents: &Contents, vertices: &[usize]) -> Vec<Vec<f64>> {
+    let of_all = if contents.quads.is_empty() { of_outline } else { of_section };
+    let frame = |points: &Vec<Point>| {
+        let all = of_all(contents, points);
+        vertices.iter().map(|vertex| all[*vertex].value()).collect()
+    };
+    contents.vertices.iter().map(frame).collect()
 }
 
 /// A weighted mean.
@@ -114,26 +118,18 @@ fn of_outline(contents: &Contents, points: &[Point]) -> Vec<Mean> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Facets;
     use super::*;
+    use crate::table::example;
 
     /// A square of radii 1 and 2 whose vertices move as `to` says, with its quadrilateral or without.
     fn strains(to: fn(Point) -> Point, has_quad: bool) -> Vec<f64> {
         let rest = vec![[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]];
-        let table = Table {
-            contents: Contents {
-                vertices: vec![rest.clone(), rest.into_iter().map(to).collect()],
-                facets: Facets {
-                    seat: vec![[0, 1]],
-                    exposed: vec![[1, 2], [3, 0]],
-                    bonded: vec![[2, 3]],
-                    ..Facets::default()
-                },
-                quads: if has_quad { vec![[0, 1, 2, 3]] } else { Vec::new() },
-                ..Contents::default()
-            },
+        let contents = Contents {
+            vertices: vec![rest.clone(), rest.into_iter().map(to).collect()],
+            quads: if has_quad { vec![[0, 1, 2, 3]] } else { Vec::new() },
+            ..example()
         };
-        let frames = table.strains_of(&[0, 1, 2, 3]);
+        let frames = strains_of(&contents, &[0, 1, 2, 3]);
         assert!(frames[0].iter().all(|strain| strain.abs() < 1e-12), "{frames:?}");
         frames[1].clone()
     }

@@ -1,6 +1,6 @@
 //! The outline of the table's section, and the surface in space that it sweeps.
 
-use super::Table;
+use crate::table::interpolation::Table;
 use tremie_geometry::Turned;
 use tremie_messages::scene::{FacetKind, Section, SectionEdge};
 
@@ -61,9 +61,9 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Contents;
-    use super::super::tests::example;
     use super::*;
+    use crate::table::contents::Contents;
+    use crate::table::example;
 
     #[test]
     fn the_outline_turns_into_the_same_surface_as_the_whole_section() {

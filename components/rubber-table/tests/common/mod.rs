@@ -3,8 +3,8 @@
 
 use tremie_rubber_table::fem::contact::Seat;
 use tremie_rubber_table::fem::element::Symmetry;
+use tremie_rubber_table::fem::material::NeoHookean;
 use tremie_rubber_table::fem::{Compression, Frame, Hold, Model, compress};
-use tremie_rubber_table::material::NeoHookean;
 use tremie_rubber_table::mesh::{self, Mesh};
 
 /// Rubber as in Mutabaruka and Kamrin, but for its bulk modulus in units of the shear modulus.

@@ -4,7 +4,7 @@
 //! the physical group that they belong to. x is the radius and y the height along the axis.
 //! Gmsh writes such a file with `gmsh -2 -format msh22 FILE.geo`.
 
-use super::{Mesh, MeshError, Point};
+use crate::mesh::{Mesh, MeshError, Point};
 use std::collections::BTreeMap;
 
 /// Why a text is no mesh in MSH 2.2.
@@ -76,7 +76,7 @@ pub enum GmshError {
 /// If that is no section in MSH 2.2.
 pub fn read(text: &str, unit: f64) -> Result<Mesh, GmshError> {
     let mut lines = Lines { lines: text.lines().enumerate() };
-    let mut file = File::default();
+    let mut file = GmshFile::default();
     lines.until("$MeshFormat", "$MeshFormat")?;
     let (line, found) = lines.next("the format")?;
     if !(found.starts_with("2.2 0 ") || found.starts_with("2 0 ")) {
@@ -116,7 +116,7 @@ impl<'a> Lines<'a> {
 }
 
 #[derive(Default)]
-struct File {
+struct GmshFile {
     names: BTreeMap<usize, String>,
     nodes: BTreeMap<usize, usize>,
     points: Vec<Point>,
@@ -124,7 +124,7 @@ struct File {
     edges: BTreeMap<usize, Vec<[usize; 2]>>,
 }
 
-impl File {
+impl GmshFile {
     fn read_names(&mut self, lines: &mut Lines<'_>) -> Result<(), GmshError> {
         for _ in 0..lines.count("a number of names")? {
             let (line, text) = lines.next("a name")?;

@@ -15,10 +15,10 @@
 
 mod parse;
 
-use super::{Contents, Facets, Table, TableError};
 use crate::fem::contact::Seat;
 use crate::mesh::Point;
-use parse::{Block, File};
+use crate::table::{Contents, Facets, Table, TableError};
+use parse::{Block, FrdFile};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How to read a file of CalculiX.
@@ -88,7 +88,7 @@ pub enum FrdError {
 /// # Errors
 /// If it cannot be read, or is no compression of a seal.
 pub fn read(text: &str, options: &Options) -> Result<Table, FrdError> {
-    let file = File::read(text)?;
+    let file = FrdFile::read(text)?;
     let numbers: BTreeMap<usize, usize> =
         file.nodes.keys().enumerate().map(|(number, id)| (*id, number)).collect();
     let rest: Vec<Point> = file
@@ -129,7 +129,7 @@ struct Increment {
     forces: Vec<f64>,
 }
 
-impl File {
+impl FrdFile {
     /// Pairs of displacements and reactions of the same time.
     fn increments(
         &self,

@@ -11,7 +11,7 @@
 //!
 //! Heights z point away from the seat and are seen from the carrier: bonded vertices stand still.
 
-use super::{Contents, Table, TableError};
+use crate::table::{Contents, Table, TableError};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -139,8 +139,8 @@ fn read_vertices(file: &Path, contents: &mut Contents) -> Result<(), CsvError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::example;
     use super::*;
+    use crate::table::example;
 
     const FRAMES: &str = "compression_m,force_N\n0,0\n0.1,5\n0.3,20\n";
     const FACETS: &str = "kind,from,to\nseat,0,1\nexposed,1,2\nbonded,2,3\nexposed,3,0\n";

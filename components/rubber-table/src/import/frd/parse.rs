@@ -5,7 +5,7 @@ use crate::mesh::Point;
 use std::collections::BTreeMap;
 
 #[derive(Default)]
-pub(super) struct File {
+pub(super) struct FrdFile {
     pub nodes: BTreeMap<usize, Point>,
     /// Corners and, of quadratic elements, middles of the sides, in order around.
     pub elements: Vec<Vec<usize>>,
@@ -25,7 +25,7 @@ fn columns(line: &str, from: usize, to: usize) -> &str {
     line.get(from..to.min(line.len())).unwrap_or("").trim()
 }
 
-impl File {
+impl FrdFile {
     pub fn read(text: &str) -> Result<Self, FrdError> {
         let mut file = Self::default();
         let mut lines = text.lines().enumerate().map(|(at, line)| (at + 1, line)).peekable();
