@@ -5,14 +5,14 @@ mod common;
 use common::{RUBBER, first_slope, model, press, ring, rubber};
 use std::collections::BTreeMap;
 use tremie_rubber_table::fem::element::Symmetry;
-use tremie_rubber_table::fem::material::NeoHookean;
+use tremie_rubber_table::fem::material::{NeoHookean, Tensor};
 use tremie_rubber_table::fem::{Compression, Hold, Model, compress};
 use tremie_rubber_table::mesh::{self, Mesh};
 
 /// Force on a bar of section `area` at axial stretch `stretch`, its sides free: the side stretch
 /// that leaves them without stress is found by bisection.
 fn uniaxial(material: &NeoHookean, area: f64, stretch: f64) -> f64 {
-    let stress = |side: f64| material.stress(&[side, 0.0, 0.0, stretch, side]);
+    let stress = |side: f64| material.stress(&Tensor::new(side, 0.0, 0.0, stretch, side));
     let (mut low, mut high) = (0.5, 2.0);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);

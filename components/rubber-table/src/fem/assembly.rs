@@ -2,7 +2,7 @@
 
 use crate::fem::boundary_conditions::{HELD, Held, Hold, ModelError};
 use crate::fem::contact::{Contact, Feeler, Seat};
-use crate::fem::element::{Element, Inverted, Symmetry};
+use crate::fem::element::{Displacements, Element, Inverted, Symmetry};
 use crate::fem::material::NeoHookean;
 use crate::fem::skyline::Skyline;
 use crate::mesh::Mesh;
@@ -192,7 +192,7 @@ impl Model {
             for i in 0..8 {
                 state.forces[dofs[i]] += response.force[i];
                 squares += response.force[i] * response.force[i];
-                self.add_row(state, dofs[i], &dofs, &response.stiffness[i]);
+                self.add_row(state, dofs[i], &dofs, response.stiffness.column(i).as_slice());
             }
         }
         state.scale = squares.sqrt().max(self.least_scale);
@@ -250,14 +250,15 @@ impl Model {
         self.dofs_of(quad).map(|dof| self.unknowns[dof])
     }
 
-    fn displacements_of(&self, quad: usize, state: &State) -> [f64; 8] {
-        self.dofs_of(quad).map(|dof| state.displacements[dof])
+    fn displacements_of(&self, quad: usize, state: &State) -> Displacements {
+        self.dofs_of(quad).map(|dof| state.displacements[dof]).into()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fem::material::Tensor;
     use crate::mesh::rectangle;
 
     const RUBBER: NeoHookean = NeoHookean { shear_modulus: 3e5, bulk_modulus: 8e6 };
@@ -292,7 +293,7 @@ mod tests {
     fn patch_test_a_uniform_stress_balances_on_distorted_elements() {
         let uniform = |[r, z]: [f64; 2]| [0.1 * r - 0.2 * z, 0.15 * r - 0.12 * z];
         let (model, state) = displaced(Symmetry::PlaneStrain, uniform);
-        let stress = RUBBER.stress(&[1.1, -0.2, 0.15, 0.88, 1.0]);
+        let stress = RUBBER.stress(&Tensor::new(1.1, -0.2, 0.15, 0.88, 1.0));
         let outline = model.mesh.outline();
         for node in 0..model.mesh.nodes().len() {
             // P N over half of each edge of the outline at the node.
@@ -311,7 +312,7 @@ mod tests {
                 );
             }
         }
-        let energy = RUBBER.energy(&[1.1, -0.2, 0.15, 0.88, 1.0]) * 2.0;
+        let energy = RUBBER.energy(&Tensor::new(1.1, -0.2, 0.15, 0.88, 1.0)) * 2.0;
         assert!((state.energy / energy - 1.0).abs() < 1e-12, "two square metres, a metre deep");
     }
 

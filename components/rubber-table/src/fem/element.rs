@@ -6,6 +6,7 @@
 
 use crate::fem::material::{self, NeoHookean, Tensor};
 use crate::mesh::bilinear::map;
+use nalgebra::{SMatrix, SVector};
 
 /// What the section stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +30,9 @@ impl Symmetry {
 /// Positions of the Gauss points along an edge, each with weight 1.
 const GAUSS: [f64; 2] = [-0.577_350_269_189_625_8, 0.577_350_269_189_625_8];
 
+/// Displacements (u_r, u_z) of node 0, then of node 1, ...; and what belongs to each.
+pub type Displacements = SVector<f64, 8>;
+
 /// A Gauss point of an element.
 #[derive(Clone, Copy, Debug)]
 struct GaussPoint {
@@ -40,7 +44,7 @@ struct GaussPoint {
     hoop: [f64; 4],
 }
 
-/// An element in its reference configuration. Unknowns are (u_r, u_z) of node 0, then of node 1, ...
+/// An element in its reference configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     points: [GaussPoint; 4],
@@ -53,9 +57,9 @@ pub struct Response {
     /// Stored energy [J].
     pub energy: f64,
     /// Derivative of the energy by the displacements [N].
-    pub force: [f64; 8],
+    pub force: Displacements,
     /// Its second derivative [N/m].
-    pub stiffness: [[f64; 8]; 8],
+    pub stiffness: SMatrix<f64, 8, 8>,
 }
 
 /// An element that has been turned inside out at a Gauss point.
@@ -90,18 +94,18 @@ impl Element {
 
     /// Size of the derivative of the volume by the displacements, undeformed [m²].
     pub fn dilatation_size(&self) -> f64 {
-        let entry = |dof: usize| -> f64 {
-            let cof = material::cofactor(&material::IDENTITY);
-            self.points.iter().map(|p| p.volume * material::dot(&p.column(dof), &cof)).sum()
-        };
-        (0..8).map(|dof| entry(dof) * entry(dof)).sum::<f64>().sqrt()
+        let cof = material::cofactor(&material::IDENTITY);
+        let entries: Displacements =
+            self.points.iter().map(|p| p.by_displacements().tr_mul(&cof) * p.volume).sum();
+        // In order: the norm of nalgebra adds eight numbers in pairs.
+        entries.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
     }
 
     /// Ratio of the element's volumes after and before.
     ///
     /// # Errors
     /// If a Gauss point is inside out.
-    pub fn volume_ratio(&self, u: &[f64; 8]) -> Result<f64, Inverted> {
+    pub fn volume_ratio(&self, u: &Displacements) -> Result<f64, Inverted> {
         let mut sum = 0.0;
         for point in &self.points {
             sum += point.volume * checked_volume(&point.gradient(u))?;
@@ -110,7 +114,7 @@ impl Element {
     }
 
     /// Mises stress [Pa], mean over the element.
-    pub fn mises_stress(&self, material: &NeoHookean, u: &[f64; 8]) -> f64 {
+    pub fn mises_stress(&self, material: &NeoHookean, u: &Displacements) -> f64 {
         let stress = |point: &GaussPoint| point.volume * material.mises_stress(&point.gradient(u));
         self.points.iter().map(stress).sum::<f64>() / self.volume
     }
@@ -119,66 +123,51 @@ impl Element {
     ///
     /// # Errors
     /// If a Gauss point is inside out.
-    pub fn respond(&self, material: &NeoHookean, u: &[f64; 8]) -> Result<Response, Inverted> {
+    pub fn respond(&self, material: &NeoHookean, u: &Displacements) -> Result<Response, Inverted> {
         let change = self.volume_ratio(u)? - 1.0;
         let pressure = material.bulk_modulus * change;
-        let mut out = Response { energy: 0.0, force: [0.0; 8], stiffness: [[0.0; 8]; 8] };
-        let mut dilatation = [0.0; 8];
+        let mut out =
+            Response { energy: 0.0, force: Displacements::zeros(), stiffness: SMatrix::zeros() };
+        let mut dilatation = Displacements::zeros();
         for point in &self.points {
             let f = point.gradient(u);
             let cof = material::cofactor(&f);
-            let stress = material.isochoric_stress(&f);
-            let tangent = material.isochoric_tangent(&f);
-            let curved = material::cofactor_tangent(&f);
-            let total: Tensor = std::array::from_fn(|i| stress[i] + pressure * cof[i]);
-            let b: [Tensor; 8] = std::array::from_fn(|dof| point.column(dof));
+            let stress = material.isochoric_stress(&f) + cof * pressure;
+            let tangent =
+                material.isochoric_tangent(&f) + material::cofactor_tangent(&f) * pressure;
+            let b = point.by_displacements();
             out.energy += point.volume * material.isochoric_energy(&f);
-            for i in 0..8 {
-                out.force[i] += point.volume * material::dot(&b[i], &total);
-                dilatation[i] += point.volume * material::dot(&b[i], &cof);
-                let row: Tensor = std::array::from_fn(|c| {
-                    (0..5).map(|a| b[i][a] * (tangent[a][c] + pressure * curved[a][c])).sum()
-                });
-                for j in 0..=i {
-                    out.stiffness[i][j] += point.volume * material::dot(&row, &b[j]);
-                }
-            }
+            out.force += b.tr_mul(&stress) * point.volume;
+            dilatation += b.tr_mul(&cof) * point.volume;
+            out.stiffness += tangent.tr_mul(&b).tr_mul(&b) * point.volume;
         }
         out.energy += 0.5 * pressure * change * self.volume;
         let bulk = material.bulk_modulus / self.volume;
-        for i in 0..8 {
-            for j in 0..=i {
-                out.stiffness[i][j] += bulk * dilatation[i] * dilatation[j];
-                out.stiffness[j][i] = out.stiffness[i][j];
-            }
-        }
+        out.stiffness += dilatation * bulk * dilatation.transpose();
+        // Symmetric to the last bit, which products are not.
+        out.stiffness.fill_upper_triangle_with_lower_triangle();
         Ok(out)
     }
 }
 
 impl GaussPoint {
     /// The deformation gradient.
-    fn gradient(&self, u: &[f64; 8]) -> Tensor {
+    fn gradient(&self, u: &Displacements) -> Tensor {
         let mut f = material::IDENTITY;
-        for node in 0..4 {
-            let [by_r, by_z] = self.gradients[node];
-            let (ur, uz) = (u[2 * node], u[2 * node + 1]);
-            f[0] += ur * by_r;
-            f[1] += ur * by_z;
-            f[2] += uz * by_r;
-            f[3] += uz * by_z;
-            f[4] += ur * self.hoop[node];
-        }
+        f.gemv(1.0, &self.by_displacements(), u, 1.0);
         f
     }
 
-    /// Derivative of the deformation gradient by one displacement [1/m].
-    fn column(&self, dof: usize) -> Tensor {
-        let [by_r, by_z] = self.gradients[dof / 2];
-        match dof % 2 {
-            0 => [by_r, by_z, 0.0, 0.0, self.hoop[dof / 2]],
-            _ => [0.0, 0.0, by_r, by_z, 0.0],
-        }
+    /// Derivative of the deformation gradient by the displacements [1/m].
+    fn by_displacements(&self) -> SMatrix<f64, 5, 8> {
+        let column = |dof: usize| {
+            let [by_r, by_z] = self.gradients[dof / 2];
+            match dof % 2 {
+                0 => Tensor::new(by_r, by_z, 0.0, 0.0, self.hoop[dof / 2]),
+                _ => Tensor::new(0.0, 0.0, by_r, by_z, 0.0),
+            }
+        };
+        SMatrix::from_columns(&std::array::from_fn::<_, 8, _>(column))
     }
 }
 
@@ -194,7 +183,9 @@ mod tests {
 
     const RUBBER: NeoHookean = NeoHookean { shear_modulus: 3e5, bulk_modulus: 8e6 };
     const CORNERS_OF_RING: [[f64; 2]; 4] = [[1.0, 0.1], [1.9, -0.1], [2.1, 1.0], [0.8, 1.2]];
-    const BENT: [f64; 8] = [0.03, -0.02, 0.05, 0.01, -0.04, 0.06, 0.02, -0.05];
+    const BENT: Displacements = SVector::from_array_storage(nalgebra::ArrayStorage([[
+        0.03, -0.02, 0.05, 0.01, -0.04, 0.06, 0.02, -0.05,
+    ]]));
 
     #[test]
     fn force_and_stiffness_are_derivatives_of_energy() {
@@ -213,7 +204,7 @@ mod tests {
                 assert!((slope - here.force[i]).abs() < 1e-2, "{slope} {}", here.force[i]);
                 for j in 0..8 {
                     let slope = (above.force[j] - below.force[j]) / (2.0 * STEP);
-                    let found = here.stiffness[i][j];
+                    let found = here.stiffness[(i, j)];
                     assert!((slope - found).abs() < 1.0, "{i} {j}: {slope} {found}");
                 }
             }
@@ -230,12 +221,12 @@ mod tests {
     #[test]
     fn what_is_inside_out_is_refused() {
         let element = Element::new(&CORNERS_OF_RING, Symmetry::Axisymmetric);
-        let mut u = [0.0; 8];
+        let mut u = Displacements::zeros();
         u[5] = -2.0;
         u[7] = -2.0;
         assert_eq!(element.respond(&RUBBER, &u).unwrap_err(), Inverted);
         // Through the axis and mirrored: the volume would be positive again.
-        let u = [-3.0, 0.0, -4.0, 0.0, -4.2, 0.0, -2.6, 0.0];
+        let u = Displacements::from([-3.0, 0.0, -4.0, 0.0, -4.2, 0.0, -2.6, 0.0]);
         assert_eq!(element.respond(&RUBBER, &u).unwrap_err(), Inverted);
     }
 }

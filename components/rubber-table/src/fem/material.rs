@@ -8,15 +8,17 @@
 //! +1/3 to -1/3.) The volumetric term is an element's business: its J is the mean over the element.
 //! Here is the isochoric term, and the derivatives of J.
 
+use nalgebra::{SMatrix, SVector};
+
 /// Components (rr, rz, zr, zz, φφ) of a tensor whose other components vanish: the deformation
 /// gradient of an axisymmetric or plane deformation, and stresses that go with it.
-pub type Tensor = [f64; 5];
+pub type Tensor = SVector<f64, 5>;
 
 /// A derivative of a [`Tensor`] by another.
-pub type Tangent = [[f64; 5]; 5];
+pub type Tangent = SMatrix<f64, 5, 5>;
 
 /// The undeformed state.
-pub const IDENTITY: Tensor = [1.0, 0.0, 0.0, 1.0, 1.0];
+pub const IDENTITY: Tensor = Tensor::new(1.0, 0.0, 0.0, 1.0, 1.0);
 
 /// A nearly incompressible neo-Hookean solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,37 +44,34 @@ impl NeoHookean {
 
     /// Stored energy of shape change per reference volume [J/m³].
     pub fn isochoric_energy(&self, f: &Tensor) -> f64 {
-        0.5 * self.shear_modulus * (to_minus_two_thirds(volume_ratio(f)) * dot(f, f) - 3.0)
+        0.5 * self.shear_modulus * (to_minus_two_thirds(volume_ratio(f)) * f.norm_squared() - 3.0)
     }
 
     /// First Piola-Kirchhoff stress of shape change [Pa]: G J^(-2/3) (F - I1/3 F^-T).
     pub fn isochoric_stress(&self, f: &Tensor) -> Tensor {
         let j = volume_ratio(f);
         let scale = self.shear_modulus * to_minus_two_thirds(j);
-        let third = dot(f, f) / (3.0 * j);
-        let cof = cofactor(f);
-        std::array::from_fn(|i| scale * (f[i] - third * cof[i]))
+        let third = f.norm_squared() / (3.0 * j);
+        (f - cofactor(f) * third) * scale
     }
 
     /// Derivative of [`isochoric_stress`](Self::isochoric_stress) by F [Pa].
     pub fn isochoric_tangent(&self, f: &Tensor) -> Tangent {
         let j = volume_ratio(f);
         let scale = self.shear_modulus * to_minus_two_thirds(j);
-        let i1 = dot(f, f);
+        let i1 = f.norm_squared();
         let (cof, hessian) = (cofactor(f), cofactor_tangent(f));
         let (mixed, pure, curved) = (2.0 / (3.0 * j), 5.0 * i1 / (9.0 * j * j), i1 / (3.0 * j));
-        let entry = |a: usize, b: usize| {
-            f64::from(a == b) - mixed * (f[a] * cof[b] + cof[a] * f[b]) + pure * cof[a] * cof[b]
-                - curved * hessian[a][b]
-        };
-        std::array::from_fn(|a| std::array::from_fn(|b| scale * entry(a, b)))
+        let (f_cof, cof_f) = (f * cof.transpose(), cof * f.transpose());
+        (Tangent::identity() - (f_cof + cof_f) * mixed + cof * pure * cof.transpose()
+            - hessian * curved)
+            * scale
     }
 
     /// First Piola-Kirchhoff stress [Pa], volume change included, at a point by itself.
     pub fn stress(&self, f: &Tensor) -> Tensor {
         let pressure = self.bulk_modulus * (volume_ratio(f) - 1.0);
-        let (shape, cof) = (self.isochoric_stress(f), cofactor(f));
-        std::array::from_fn(|i| shape[i] + pressure * cof[i])
+        self.isochoric_stress(f) + cofactor(f) * pressure
     }
 
     /// Stored energy per reference volume [J/m³], volume change included, at a point by itself.
@@ -83,7 +82,7 @@ impl NeoHookean {
 
     /// Equivalent stress of von Mises [Pa] of the true stress.
     pub fn mises_stress(&self, f: &Tensor) -> f64 {
-        let [rr, rz, zr, zz, hoop] = *f;
+        let [rr, rz, zr, zz, hoop] = (*f).into();
         let j = volume_ratio(f);
         // The left Cauchy-Green tensor b = F F^T.
         let b = [rr * rr + rz * rz, zr * zr + zz * zz, hoop * hoop];
@@ -102,25 +101,20 @@ pub fn volume_ratio(f: &Tensor) -> f64 {
 
 /// Derivative of J by F: J F^-T.
 pub fn cofactor(f: &Tensor) -> Tensor {
-    let [rr, rz, zr, zz, hoop] = *f;
-    [zz * hoop, -zr * hoop, -rz * hoop, rr * hoop, rr * zz - rz * zr]
+    let [rr, rz, zr, zz, hoop] = (*f).into();
+    Tensor::new(zz * hoop, -zr * hoop, -rz * hoop, rr * hoop, rr * zz - rz * zr)
 }
 
 /// Second derivative of J by F.
 pub fn cofactor_tangent(f: &Tensor) -> Tangent {
-    let [rr, rz, zr, zz, hoop] = *f;
-    [
+    let [rr, rz, zr, zz, hoop] = (*f).into();
+    Tangent::from([
         [0.0, 0.0, 0.0, hoop, zz],
         [0.0, 0.0, -hoop, 0.0, -zr],
         [0.0, -hoop, 0.0, 0.0, -rz],
         [hoop, 0.0, 0.0, 0.0, rr],
         [zz, -zr, -rz, rr, 0.0],
-    ]
-}
-
-/// a : b.
-pub fn dot(a: &Tensor, b: &Tensor) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
+    ])
 }
 
 fn to_minus_two_thirds(j: f64) -> f64 {
@@ -137,13 +131,13 @@ mod tests {
 
     fn deformation() -> impl Strategy<Value = Tensor> {
         (0.7..1.4, -0.3..0.3, -0.3..0.3, 0.7..1.4, 0.7..1.4)
-            .prop_map(|(rr, rz, zr, zz, hoop)| [rr, rz, zr, zz, hoop])
+            .prop_map(|(rr, rz, zr, zz, hoop)| Tensor::new(rr, rz, zr, zz, hoop))
     }
 
     /// Central difference of `of` along each component of F.
     fn differences(f: &Tensor, of: impl Fn(&Tensor) -> f64) -> Tensor {
         const STEP: f64 = 1e-5;
-        std::array::from_fn(|i| {
+        Tensor::from_fn(|i, _| {
             let (mut above, mut below) = (*f, *f);
             above[i] += STEP;
             below[i] -= STEP;
@@ -169,9 +163,9 @@ mod tests {
                 let slopes = differences(&f, |f| RUBBER.isochoric_stress(f)[a]);
                 let curves = differences(&f, |f| cofactor(f)[a]);
                 for b in 0..5 {
-                    prop_assert!((tangent[a][b] - slopes[b]).abs() < 1e-3, "{a} {b}");
-                    prop_assert!((hessian[a][b] - curves[b]).abs() < 1e-9, "{a} {b}");
-                    prop_assert!((tangent[a][b] - tangent[b][a]).abs() < 1e-6, "{a} {b}");
+                    prop_assert!((tangent[(a, b)] - slopes[b]).abs() < 1e-3, "{a} {b}");
+                    prop_assert!((hessian[(a, b)] - curves[b]).abs() < 1e-9, "{a} {b}");
+                    prop_assert!((tangent[(a, b)] - tangent[(b, a)]).abs() < 1e-6, "{a} {b}");
                 }
             }
         }
@@ -180,7 +174,8 @@ mod tests {
         fn a_rotation_changes_no_energy_and_turns_the_stress(f in deformation(), angle in -3.0..3.0) {
             let (s, c) = libm::sincos(angle);
             let turn = |t: &Tensor| {
-                [c * t[0] - s * t[2], c * t[1] - s * t[3], s * t[0] + c * t[2], s * t[1] + c * t[3], t[4]]
+                let [rr, rz, zr, zz, hoop] = (*t).into();
+                Tensor::new(c * rr - s * zr, c * rz - s * zz, s * rr + c * zr, s * rz + c * zz, hoop)
             };
             let turned = turn(&f);
             prop_assert!((RUBBER.energy(&f) - RUBBER.energy(&turned)).abs() < 1e-8 * RUBBER.bulk_modulus);
@@ -194,7 +189,7 @@ mod tests {
 
     #[test]
     fn no_deformation_is_no_stress_and_no_energy() {
-        assert_eq!(RUBBER.stress(&IDENTITY), [0.0; 5]);
+        assert_eq!(RUBBER.stress(&IDENTITY), Tensor::zeros());
         assert_eq!(RUBBER.energy(&IDENTITY), 0.0);
         assert_eq!(RUBBER.mises_stress(&IDENTITY), 0.0);
     }
@@ -206,12 +201,12 @@ mod tests {
         assert!((e - 8.8889e5).abs() < 2.0 && (nu - 0.481_48).abs() < 1e-4);
         let strain = 1e-6;
         let lateral = 1.0 - nu * strain;
-        let f = [lateral, 0.0, 0.0, 1.0 + strain, lateral];
+        let f = Tensor::new(lateral, 0.0, 0.0, 1.0 + strain, lateral);
         let stress = RUBBER.stress(&f);
         assert!((stress[3] / (e * strain) - 1.0).abs() < 1e-5, "{stress:?}");
         assert!(stress[0].abs() < 1e-4 * stress[3] && stress[4].abs() < 1e-4 * stress[3]);
         assert!((RUBBER.mises_stress(&f) / stress[3] - 1.0).abs() < 1e-4);
-        let shear = RUBBER.stress(&[1.0, strain, 0.0, 1.0, 1.0]);
+        let shear = RUBBER.stress(&Tensor::new(1.0, strain, 0.0, 1.0, 1.0));
         assert!((shear[1] / (3e5 * strain) - 1.0).abs() < 1e-5);
     }
 
@@ -220,7 +215,7 @@ mod tests {
     fn stiff_in_volume_it_stretches_as_incompressible_rubber() {
         for (stretch, expected) in [(0.8, -0.7625), (0.9, -0.3346), (1.5, 1.0556), (2.0, 1.75)] {
             let side = 1.0 / f64::sqrt(stretch);
-            let f = [side, 0.0, 0.0, stretch, side];
+            let f = Tensor::new(side, 0.0, 0.0, stretch, side);
             let stress = RUBBER.isochoric_stress(&f);
             // The pressure that frees the sides.
             let pressure = stress[0] / cofactor(&f)[0];
