@@ -83,7 +83,7 @@ impl Parts {
 impl Placed {
     fn points(&self) -> impl Iterator<Item = f64> {
         let frame = Frame::of(&self.pose);
-        self.mesh.vertices.iter().flat_map(move |vertex| frame.to_world(*vertex))
+        self.mesh.vertices.iter().flat_map(move |vertex| <[f64; 3]>::from(frame.to_world(*vertex)))
     }
 
     /// `v + omega x r` at each vertex.

@@ -82,7 +82,7 @@ impl Solid<'_> {
 
     fn points(&self) -> impl Iterator<Item = f64> {
         let (frame, scale) = (self.frame(), self.scale);
-        self.mesh.vertices.iter().flat_map(move |v| frame.to_world(v.map(|x| x * scale)))
+        self.mesh.vertices.iter().flat_map(move |v| <[f64; 3]>::from(frame.to_world(v * scale)))
     }
 
     /// `v + omega x r` at each vertex.

@@ -63,7 +63,7 @@ fn a_step_without_a_search_allocates_nothing() {
         let wider = 1.0 + (f64::from(step.clamp(20, 40)) - 20.0) * 0.0015;
         let creep = 1e-4 * f64::from(step);
         for (vertex, place) in vertices.iter_mut().zip(&places) {
-            let [x, y, z] = *place;
+            let [x, y, z] = (*place).into();
             vertex.position = [13.0 + wider * x, 13.0 + wider * y, 3.2 + creep + z];
             vertex.velocity = [0.0, 0.0, 1e-4];
         }

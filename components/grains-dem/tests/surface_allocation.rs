@@ -46,7 +46,7 @@ fn neither_a_trial_nor_a_substep_with_a_surface_allocates() {
     // A block to which the grains fall up, moved to and fro, two of its edges onto a beam.
     let block = Mesh::of(&Geometry::Box { size: [5e-3, 5e-3, 1e-3] }).unwrap();
     let vertices: Vec<[f64; 3]> =
-        block.vertices.iter().map(|[x, y, z]| [x + 3e-3, y + 3e-3, z + 3.4e-3]).collect();
+        block.vertices.iter().map(|v| [v.x + 3e-3, v.y + 3e-3, v.z + 3.4e-3]).collect();
     let surface = DeformableSurface {
         triangles: block.triangles.clone(),
         vertices: vertices.clone(),

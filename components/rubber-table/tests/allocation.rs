@@ -3,6 +3,7 @@
 mod common;
 
 use common::{RUBBER, model, press, ring};
+use tremie_geometry::Vec3;
 use tremie_messages::scene::{DeformableSurface, Pose};
 use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
 use tremie_rubber_table::fem::Hold;
@@ -21,8 +22,8 @@ fn a_step_allocates_nothing() {
     let surface = table.surface(24);
     let mut section = table.contents().vertices[0].clone();
     let mut places = surface.places(&section);
-    let loads: Vec<[f64; 3]> = places.iter().map(|place| [0.0, 0.0, 10.0 * place[0]]).collect();
-    let loads: Vec<[f64; 3]> = loads.into_iter().cycle().take(surface.triangles.len()).collect();
+    let loads: Vec<Vec3> = places.iter().map(|place| Vec3::z() * (10.0 * place.x)).collect();
+    let loads: Vec<Vec3> = loads.into_iter().cycle().take(surface.triangles.len()).collect();
     let start = Start {
         compression: 0.1e-3,
         rate: 0.0,

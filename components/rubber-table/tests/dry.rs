@@ -4,6 +4,7 @@
 mod common;
 
 use common::{RUBBER, model, press, ring};
+use tremie_geometry::Vec3;
 use tremie_rubber_table::fem::Hold;
 use tremie_rubber_table::fem::contact::Seat;
 use tremie_rubber_table::make::tabulate;
@@ -133,8 +134,8 @@ struct Spheres {
     surface: Surface,
     foot: Vec<[usize; 2]>,
     section: Vec<Point>,
-    places: Vec<[f64; 3]>,
-    loads: Vec<[f64; 3]>,
+    places: Vec<Vec3>,
+    loads: Vec<Vec3>,
 }
 
 impl Spheres {
@@ -142,7 +143,7 @@ impl Spheres {
         let surface = table.surface(12);
         let section = table.contents().vertices[0].clone();
         let places = surface.places(&section);
-        let loads = vec![[0.0; 3]; surface.triangles.len()];
+        let loads = vec![Vec3::zeros(); surface.triangles.len()];
         Self { surface, foot: table.contents().facets.seat.clone(), section, places, loads }
     }
 
@@ -159,10 +160,10 @@ impl Spheres {
         let [a, b] = self.foot[piece].map(|vertex| self.section[vertex]);
         let foot = a[1] + (b[1] - a[1]) * (RADIUS - a[0]) / (b[0] - a[0]);
         let push = SPHERE_STIFFNESS * (-(height + foot)).max(0.0);
-        self.loads.fill([0.0; 3]);
+        self.loads.fill(Vec3::zeros());
         for sector in 0..12 {
             // Two triangles for each sector of each piece of the foot.
-            self.loads[2 * (12 * piece + sector)] = [0.0, 0.0, push];
+            self.loads[2 * (12 * piece + sector)] = Vec3::z() * push;
         }
         effective_force(Form::Axial, &self.surface, &self.places, &self.loads).force
     }

@@ -212,7 +212,7 @@ fn loads_of_contacts_are_seen_along_the_turned_axis() {
     let towards = frame.turn_to_world([0.0, 1.0, 0.0]);
     seal.begin_window(std::iter::empty());
     seal.begin_substep(&body);
-    let force = towards.map(|x| 7.0 * x);
+    let force = (towards * 7.0).into();
     let load = FacetLoad { facet: 3, force, stiffness: 1.0, ..FacetLoad::default() };
     assert_eq!(surface.kinds[3], FacetKind::Seat);
     while !seal.pass([load].into_iter()).unwrap() {}

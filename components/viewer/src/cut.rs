@@ -1,9 +1,10 @@
 //! A cut through the fluid: a mesh coloured by speed, and arrows on some of its nodes.
 
 use crate::scale::{GREY, Scale, speed};
-use crate::view::{Eye, Vector, along, cross, dot, facing, norm, part, single, unit};
+use crate::view::{Eye, facing, part, single, unit};
 use rerun::components::Radius;
 use rerun::{Arrows3D, Color, Mesh3D, RecordingStream, RecordingStreamResult};
+use tremie_geometry::Vec3;
 use tremie_messages::frame::{SliceHeader, SliceNode};
 use tremie_messages::scene::Domain;
 
@@ -19,23 +20,27 @@ pub struct Cut {
 /// Geometry of a cut; frames of equal shape differ in colours alone.
 #[derive(Clone, Copy, PartialEq)]
 struct Shape {
-    origin: Vector,
-    step: [Vector; 2],
+    origin: Vec3,
+    step: [Vec3; 2],
     count: [usize; 2],
 }
 
 impl Shape {
     fn new(header: &SliceHeader) -> Self {
-        Self { origin: header.origin, step: header.step, count: header.count.map(|n| n as usize) }
+        Self {
+            origin: header.origin.into(),
+            step: header.step.map(Vec3::from),
+            count: header.count.map(|n| n as usize),
+        }
     }
 
-    fn node(&self, k: usize) -> Vector {
+    fn node(&self, k: usize) -> Vec3 {
         let (i, j) = (k % self.count[0], k / self.count[0]);
-        along(along(self.origin, i as f64, self.step[0]), j as f64, self.step[1])
+        self.origin + self.step[0] * (i as f64) + self.step[1] * (j as f64)
     }
 
     /// Triangles between nodes that `inside` accepts.
-    fn triangles(&self, inside: impl Fn(Vector) -> bool) -> Vec<[u32; 3]> {
+    fn triangles(&self, inside: impl Fn(Vec3) -> bool) -> Vec<[u32; 3]> {
         let [m, n] = self.count.map(|n| n as u32);
         let all = (0..n.saturating_sub(1)).flat_map(move |j| {
             (0..m.saturating_sub(1)).flat_map(move |i| {
@@ -49,7 +54,7 @@ impl Shape {
     /// Nodes that carry an arrow: about `wanted` on a grid of equal spacing both ways; and that spacing [m].
     fn arrows(&self, wanted: u32) -> (Vec<usize>, f64) {
         let [m, n] = self.count;
-        let lengths = [norm(self.step[0]), norm(self.step[1])];
+        let lengths = [self.step[0].norm(), self.step[1].norm()];
         let area = (m as f64 * lengths[0]) * (n as f64 * lengths[1]);
         if wanted == 0 || !area.is_normal() {
             return (Vec::new(), 0.0);
@@ -71,7 +76,7 @@ impl Cut {
         name: &str,
         header: &SliceHeader,
         wanted: u32,
-        eye: Vector,
+        eye: Vec3,
         domain: &Domain,
     ) -> RecordingStreamResult<Self> {
         let shape = Shape::new(header);
@@ -94,7 +99,7 @@ impl Cut {
     }
 
     /// An eye that looks straight at the cut, from the side of `towards`.
-    pub fn eye(&self, up: Vector, towards: Vector) -> Eye {
+    pub fn eye(&self, up: Vec3, towards: Vec3) -> Eye {
         let side = |axis: usize| {
             let steps = self.shape.count[axis].saturating_sub(1) as f64;
             self.shape.step[axis].map(|x| x * steps)
@@ -105,7 +110,7 @@ impl Cut {
     fn log_shape(
         &self,
         stream: &RecordingStream,
-        eye: Vector,
+        eye: Vec3,
         domain: &Domain,
     ) -> RecordingStreamResult<()> {
         let shape = &self.shape;
@@ -115,18 +120,16 @@ impl Cut {
             .with_triangle_indices(shape.triangles(|point| inside(domain, point)));
         stream.log_static(self.path.as_str(), &mesh)?;
         let arrows = Arrows3D::update_fields()
-            .with_origins(
-                self.arrows.iter().map(|k| single(along(shape.node(*k), 1.0, self.lift(eye)))),
-            )
+            .with_origins(self.arrows.iter().map(|k| single(shape.node(*k) + self.lift(eye))))
             .with_radii([Radius::new_ui_points(0.7)])
             .with_colors([Color::from_rgb(245, 245, 245)]);
         stream.log_static(self.arrow_path(), &arrows)
     }
 
     /// Arrows float a little in front of the mesh, else half of their width would sink into it.
-    fn lift(&self, eye: Vector) -> Vector {
-        let normal = unit(cross(self.shape.step[0], self.shape.step[1]));
-        let side = dot(normal, along(eye, -1.0, self.shape.origin)).signum();
+    fn lift(&self, eye: Vec3) -> Vec3 {
+        let normal = unit(self.shape.step[0].cross(&self.shape.step[1]));
+        let side = normal.dot(&(eye - self.shape.origin)).signum();
         normal.map(|x| x * side * 0.02 * self.reach)
     }
 
@@ -159,7 +162,7 @@ impl Cut {
 }
 
 /// Whether a point is in the box, up to rounding: the rectangle around an oblique cut reaches beyond.
-fn inside(domain: &Domain, point: Vector) -> bool {
+fn inside(domain: &Domain, point: Vec3) -> bool {
     let size = domain.size();
     (0..3).all(|a| {
         let slack = 1e-6 * size[a];
@@ -184,7 +187,11 @@ mod tests {
     use super::*;
 
     fn shape(count: [usize; 2]) -> Shape {
-        Shape { origin: [0.0; 3], step: [[1e-3, 0.0, 0.0], [0.0, 0.0, 1e-3]], count }
+        Shape {
+            origin: Vec3::zeros(),
+            step: [Vec3::new(1e-3, 0.0, 0.0), Vec3::new(0.0, 0.0, 1e-3)],
+            count,
+        }
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! A field between its nodes.
 
-use crate::view::Vector;
+use tremie_geometry::Vec3;
 use tremie_messages::frame::{SliceNode, VolumeHeader};
 
 /// A frame of a volume, to be asked anywhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a> {
-    origin: Vector,
-    step: Vector,
+    origin: Vec3,
+    step: Vec3,
     count: [usize; 3],
     nodes: &'a [SliceNode],
 }
@@ -16,7 +16,7 @@ pub struct Field<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Velocity [m/s].
-    pub velocity: Vector,
+    pub velocity: Vec3,
     /// Gauge pressure [Pa].
     pub pressure: f64,
 }
@@ -26,7 +26,12 @@ impl<'a> Field<'a> {
     pub fn new(header: &VolumeHeader, nodes: &'a [SliceNode]) -> Option<Self> {
         let count = header.count.map(|n| n as usize);
         let fits = !nodes.is_empty() && count.iter().product::<usize>() == nodes.len();
-        fits.then_some(Self { origin: header.origin, step: header.step, count, nodes })
+        fits.then_some(Self {
+            origin: header.origin.into(),
+            step: header.step.into(),
+            count,
+            nodes,
+        })
     }
 
     /// Nodes along each axis.
@@ -50,8 +55,8 @@ impl<'a> Field<'a> {
     }
 
     /// A point given in steps from the first node [m].
-    pub fn position(&self, at: [f32; 3]) -> Vector {
-        std::array::from_fn(|a| self.origin[a] + f64::from(at[a]) * self.step[a])
+    pub fn position(&self, at: [f32; 3]) -> Vec3 {
+        self.origin + Vec3::from(at.map(f64::from)).component_mul(&self.step)
     }
 
     /// Linear between the fluid nodes around `point`, constant over the last half step at the ends.
@@ -59,7 +64,7 @@ impl<'a> Field<'a> {
     ///
     /// Solid nodes around have no say: a body may move, and what a solid node says of velocity means
     /// nothing.
-    pub fn at(&self, point: Vector) -> Option<Sample> {
+    pub fn at(&self, point: Vec3) -> Option<Sample> {
         let mut low = [0; 3];
         let mut part = [0.0; 3];
         for a in 0..3 {
@@ -80,8 +85,8 @@ impl<'a> Field<'a> {
         Some(self.mix(low, part))
     }
 
-    fn mix(&self, low: [usize; 3], part: Vector) -> Sample {
-        let mut sum = Sample { velocity: [0.0; 3], pressure: 0.0 };
+    fn mix(&self, low: [usize; 3], part: [f64; 3]) -> Sample {
+        let mut sum = Sample { velocity: Vec3::zeros(), pressure: 0.0 };
         let mut whole = 0.0;
         for corner in 0..8_usize {
             let upper = |a: usize| corner >> a & 1;
@@ -93,13 +98,11 @@ impl<'a> Field<'a> {
             let node = &self.nodes[self.index(std::array::from_fn(|a| low[a] + upper(a)))];
             if node.solid == 0 {
                 whole += weight;
-                for a in 0..3 {
-                    sum.velocity[a] += weight * f64::from(node.velocity[a]);
-                }
+                sum.velocity += Vec3::from(node.velocity.map(f64::from)) * weight;
                 sum.pressure += weight * f64::from(node.pressure);
             }
         }
-        Sample { velocity: sum.velocity.map(|v| v / whole), pressure: sum.pressure / whole }
+        Sample { velocity: sum.velocity / whole, pressure: sum.pressure / whole }
     }
 }
 
@@ -111,35 +114,38 @@ pub(crate) mod tests {
     /// Nodes at the centres of unit cells, valued by a function of the position.
     pub(crate) fn volume(
         count: [u64; 3],
-        value: impl Fn(Vector) -> SliceNode,
+        value: impl Fn(Vec3) -> SliceNode,
     ) -> (VolumeHeader, Vec<SliceNode>) {
         let header =
             VolumeHeader { stamp: Stamp::default(), origin: [0.5; 3], step: [1.0; 3], count };
         let [nx, ny, nz] = count;
         let all = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
-        (header, all.map(|at| value(at.map(|n| n as f64 + 0.5))).collect())
+        (header, all.map(|at| value(at.map(|n| n as f64 + 0.5).into())).collect())
     }
 
-    fn linear([x, y, z]: Vector) -> [f64; 3] {
-        [1.0 + 2.0 * x - y, z, 0.5 * y]
+    fn linear(p: Vec3) -> Vec3 {
+        Vec3::new(1.0 + 2.0 * p.x - p.y, p.z, 0.5 * p.y)
     }
 
     #[test]
     fn a_linear_field_is_met_everywhere_between_nodes() {
         let (header, nodes) = volume([4, 5, 6], |p| SliceNode {
-            velocity: linear(p).map(|v| v as f32),
+            velocity: crate::view::single(linear(p)),
             pressure: p[2] as f32,
             solid: 0,
         });
         let field = Field::new(&header, &nodes).unwrap();
         for p in [[0.5, 0.5, 0.5], [1.3, 2.9, 4.4], [3.5, 4.5, 5.5], [2.0, 1.0, 3.25]] {
+            let p = Vec3::from(p);
             let sample = field.at(p).unwrap();
-            let expected = linear(p);
-            assert!((0..3).all(|a| (sample.velocity[a] - expected[a]).abs() < 1e-6), "{sample:?}");
+            assert!((sample.velocity - linear(p)).amax() < 1e-6, "{sample:?}");
             assert!((sample.pressure - p[2]).abs() < 1e-6);
         }
-        assert_eq!(field.at([0.0, 2.0, 2.0]), field.at([0.5, 2.0, 2.0]));
-        assert!(field.at([-0.01, 2.0, 2.0]).is_none() && field.at([2.0, 2.0, 6.01]).is_none());
+        assert_eq!(field.at(Vec3::new(0.0, 2.0, 2.0)), field.at(Vec3::new(0.5, 2.0, 2.0)));
+        assert!(
+            field.at(Vec3::new(-0.01, 2.0, 2.0)).is_none()
+                && field.at(Vec3::new(2.0, 2.0, 6.01)).is_none()
+        );
     }
 
     #[test]
@@ -150,8 +156,8 @@ pub(crate) mod tests {
             solid: u32::from(p[0] > 1.0 && p[0] < 2.0),
         });
         let field = Field::new(&header, &nodes).unwrap();
-        assert!(field.at([1.5, 1.0, 0.5]).is_none());
-        assert_eq!(field.at([0.9, 1.0, 0.5]).unwrap().velocity, [1.0, 0.0, 0.0]);
+        assert!(field.at(Vec3::new(1.5, 1.0, 0.5)).is_none());
+        assert_eq!(field.at(Vec3::new(0.9, 1.0, 0.5)).unwrap().velocity, Vec3::x());
         assert!(Field::new(&header, &nodes[1..]).is_none());
     }
 }

@@ -19,7 +19,7 @@ pub struct Flow {
 }
 
 fn patch(domain: &Domain, plane: &PlaneSetting) -> Option<Patch> {
-    Patch::new(domain, plane.point.map(|x| x.0), plane.normal)
+    Patch::new(domain, plane.point.map(|x| x.0).into(), plane.normal.into())
 }
 
 impl Flow {

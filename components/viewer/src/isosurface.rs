@@ -2,11 +2,12 @@
 
 use crate::field::Field;
 use crate::scale::{Scale, rgba, speed};
-use crate::view::{norm, part, single};
+use crate::view::{part, single};
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 use rerun::components::AlbedoFactor;
 use rerun::{Clear, Mesh3D, RecordingStream, RecordingStreamResult};
+use tremie_geometry::Vec3;
 use tremie_messages::frame::SliceNode;
 
 /// Colour of surfaces of equal pressure.
@@ -80,8 +81,8 @@ impl Isosurface {
         };
         let [r, g, b, _] = colour.to_be_bytes();
         let normals = self.found.normals.iter().map(|n| {
-            let length = norm(n.map(f64::from)) as f32;
-            if length > 0.0 { n.map(|x| x / length) } else { [0.0, 0.0, 1.0] }
+            let unit = Vec3::from(n.map(f64::from)).try_normalize(0.0);
+            single(unit.unwrap_or(Vec3::z()))
         });
         let places = self.found.positions.iter().map(|at| single(field.position(*at)));
         let triangles = self.found.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
@@ -151,8 +152,8 @@ mod tests {
     use super::*;
     use crate::field::tests::volume;
 
-    fn hill(p: [f64; 3]) -> SliceNode {
-        let r = norm([p[0] - 10.0, p[1] - 10.0, p[2] - 10.0]);
+    fn hill(p: Vec3) -> SliceNode {
+        let r = p.add_scalar(-10.0).norm();
         SliceNode {
             velocity: [(10.0 - r).max(0.0) as f32, 0.0, 0.0],
             pressure: -r as f32,
@@ -170,7 +171,7 @@ mod tests {
             assert!(surface.found.positions.len() > 200);
             for at in &surface.found.positions {
                 let p = field.position(*at).map(|x| x - 10.0);
-                assert!((norm(p) - radius).abs() < 0.15, "{p:?}");
+                assert!((p.norm() - radius).abs() < 0.15, "{p:?}");
             }
         }
         let mut nowhere = Isosurface::new("fluid", "lattice", Level::Speed(1e3));
@@ -181,7 +182,7 @@ mod tests {
     #[test]
     fn a_body_in_fast_flow_is_not_wrapped() {
         let (header, nodes) = volume([20; 3], |p| {
-            let solid = norm([p[0] - 10.0, p[1] - 10.0, p[2] - 10.0]) < 2.5;
+            let solid = p.add_scalar(-10.0).norm() < 2.5;
             let velocity = if solid { [0.0; 3] } else { [5.0, 0.0, 0.0] };
             SliceNode { velocity, pressure: 0.0, solid: solid.into() }
         });
@@ -190,7 +191,7 @@ mod tests {
         surface.find(&field);
         for at in &surface.found.positions {
             let p = field.position(*at).map(|x| x - 10.0);
-            assert!(norm(p) < 2.5, "only inside the body: {p:?}");
+            assert!(p.norm() < 2.5, "only inside the body: {p:?}");
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Rigid parts as surfaces that move with their bodies: half transparent where they stand still.
 
 use crate::section::Mirror;
-use crate::view::{Vector, part, single};
+use crate::view::{part, single, unit};
 use rerun::components::AlbedoFactor;
 use rerun::{Mesh3D, Quaternion, RecordingStream, RecordingStreamResult, Transform3D};
-use tremie_geometry::{Frame, GeometryError, Mesh};
+use tremie_geometry::{Frame, GeometryError, Mesh, Vec3};
 use tremie_messages::frame::BodySample;
 use tremie_messages::scene::{Motion, Part, PartBoundary, Pose, Scene};
 use tremie_messages::{BodyEvent, Problem};
@@ -39,9 +39,8 @@ pub(crate) fn surface(mesh: &Mesh) -> Mesh3D {
     Mesh3D::new(corners).with_vertex_normals(normals)
 }
 
-fn normal(a: Vector, b: Vector, c: Vector) -> Vector {
-    use crate::view::{along, cross, unit};
-    unit(cross(along(b, -1.0, a), along(c, -1.0, a)))
+fn normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    unit((b - a).cross(&(c - a)))
 }
 
 /// What of a part's surface is drawn, in its own frame.
@@ -138,6 +137,6 @@ mod tests {
 
     #[test]
     fn normals_point_out_of_anticlockwise_triangles() {
-        assert_eq!(normal([0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]);
+        assert_eq!(normal(Vec3::zeros(), Vec3::x() * 2.0, Vec3::y()), Vec3::z());
     }
 }

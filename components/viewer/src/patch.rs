@@ -1,7 +1,8 @@
 //! The part of a plane that lies in the box, and what a field is on it.
 
 use crate::field::Field;
-use crate::view::{Vector, along, cross, dot, unit};
+use crate::view::{single, unit};
+use tremie_geometry::Vec3;
 use tremie_messages::Stamp;
 use tremie_messages::frame::{SliceHeader, SliceNode};
 use tremie_messages::scene::Domain;
@@ -9,14 +10,14 @@ use tremie_messages::scene::Domain;
 /// A rectangle around the part of a plane that lies in the box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
-    origin: Vector,
+    origin: Vec3,
     /// Edges [m].
-    sides: [Vector; 2],
+    sides: [Vec3; 2],
 }
 
 /// Corner of the box whose side along axis `a` is the upper one if bit `a` of `k` is set.
-pub fn corner(domain: &Domain, k: usize) -> Vector {
-    std::array::from_fn(|a| if k >> a & 1 == 1 { domain.max[a] } else { domain.min[a] })
+pub fn corner(domain: &Domain, k: usize) -> Vec3 {
+    Vec3::from_fn(|a, _| if k >> a & 1 == 1 { domain.max[a] } else { domain.min[a] })
 }
 
 /// Corners that edges of the box join.
@@ -25,23 +26,23 @@ pub fn corner_pairs() -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Corners of the part of a plane that lies in the box, in the order around it; none if it misses it.
-pub fn polygon(domain: &Domain, point: Vector, normal: Vector) -> Vec<Vector> {
-    let height = |p: Vector| dot(along(p, -1.0, point), normal);
-    let mut points: Vec<Vector> = corner_pairs()
+pub fn polygon(domain: &Domain, point: Vec3, normal: Vec3) -> Vec<Vec3> {
+    let height = |p: Vec3| (p - point).dot(&normal);
+    let mut points: Vec<Vec3> = corner_pairs()
         .filter_map(|(k, l)| {
             let (p, q) = (corner(domain, k), corner(domain, l));
             let (a, b) = (height(p), height(q));
-            (a * b < 0.0).then(|| along(p, a / (a - b), along(q, -1.0, p)))
+            (a * b < 0.0).then(|| p + (q - p) * (a / (a - b)))
         })
         .collect();
     let count = points.len();
     let Some(first) = points.first() else { return points };
-    let middle = points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0 / count as f64, *p));
-    let first = unit(along(*first, -1.0, middle));
-    let second = cross(normal, first);
-    let angle = |p: &Vector| {
-        let r = along(*p, -1.0, middle);
-        dot(r, second).atan2(dot(r, first))
+    let middle = points.iter().sum::<Vec3>() / count as f64;
+    let first = unit(*first - middle);
+    let second = normal.cross(&first);
+    let angle = |p: &Vec3| {
+        let r = *p - middle;
+        r.dot(&second).atan2(r.dot(&first))
     };
     points.sort_by(|p, q| angle(p).total_cmp(&angle(q)));
     points
@@ -49,42 +50,41 @@ pub fn polygon(domain: &Domain, point: Vector, normal: Vector) -> Vec<Vector> {
 
 impl Patch {
     /// The patch of a plane; `None` if the plane misses the box.
-    pub fn new(domain: &Domain, point: Vector, normal: Vector) -> Option<Self> {
+    pub fn new(domain: &Domain, point: Vec3, normal: Vec3) -> Option<Self> {
         let normal = unit(normal);
         let points = polygon(domain, point, normal);
         // Along an edge of the box where the plane is.
         let axis = (0..3).min_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()))?;
-        let edge: Vector = std::array::from_fn(|a| f64::from(u8::from(a == axis)));
-        let first = unit(along(edge, -dot(edge, normal), normal));
-        let axes = [first, cross(normal, first)];
+        let edge = Vec3::ith(axis, 1.0);
+        let first = unit(edge - normal * edge.dot(&normal));
+        let axes = [first, normal.cross(&first)];
         let span = axes.map(|axis| {
-            let places = points.iter().map(|p| dot(along(*p, -1.0, point), axis));
+            let places = points.iter().map(|p| (*p - point).dot(&axis));
             [places.clone().fold(f64::INFINITY, f64::min), places.fold(-f64::INFINITY, f64::max)]
         });
         if points.is_empty() {
             return None;
         }
-        let origin = along(along(point, span[0][0], axes[0]), span[1][0], axes[1]);
-        let side = |k: usize| axes[k].map(|x| x * (span[k][1] - span[k][0]));
-        Some(Self { origin, sides: [side(0), side(1)] })
+        let origin = point + axes[0] * span[0][0] + axes[1] * span[1][0];
+        let sides = [0, 1].map(|k| axes[k] * (span[k][1] - span[k][0]));
+        Some(Self { origin, sides })
     }
 
     /// The point at shares `r` and `s` of its edges.
-    pub fn point(&self, r: f64, s: f64) -> Vector {
-        along(along(self.origin, r, self.sides[0]), s, self.sides[1])
+    pub fn point(&self, r: f64, s: f64) -> Vec3 {
+        self.origin + self.sides[0] * r + self.sides[1] * s
     }
 
     /// A field on the patch, with nodes as far apart as the field's. What is not fluid is solid.
     pub fn sample(&self, field: &Field<'_>) -> (SliceHeader, Vec<SliceNode>) {
-        let steps =
-            self.sides.map(|side| (dot(side, side).sqrt() / field.spacing()).ceil().max(1.0));
-        let step: [Vector; 2] = std::array::from_fn(|k| self.sides[k].map(|x| x / steps[k]));
+        let steps = self.sides.map(|side| (side.norm() / field.spacing()).ceil().max(1.0));
+        let step = [0, 1].map(|k| self.sides[k] / steps[k]);
         let count = steps.map(|n| n as u64 + 1);
         let node = |i: u64, j: u64| {
-            let point = along(along(self.origin, i as f64, step[0]), j as f64, step[1]);
+            let point = self.origin + step[0] * (i as f64) + step[1] * (j as f64);
             match field.at(point) {
                 Some(sample) => SliceNode {
-                    velocity: sample.velocity.map(|v| v as f32),
+                    velocity: single(sample.velocity),
                     pressure: sample.pressure as f32,
                     solid: 0,
                 },
@@ -92,7 +92,8 @@ impl Patch {
             }
         };
         let nodes = (0..count[1]).flat_map(|j| (0..count[0]).map(move |i| node(i, j))).collect();
-        (SliceHeader { stamp: Stamp::default(), origin: self.origin, step, count }, nodes)
+        let (origin, step) = (self.origin.into(), step.map(Into::into));
+        (SliceHeader { stamp: Stamp::default(), origin, step, count }, nodes)
     }
 }
 
@@ -108,28 +109,28 @@ mod tests {
 
     #[test]
     fn a_plane_across_an_axis_covers_the_box() {
-        let patch = Patch::new(&domain(), [9.0, 1.5, 9.0], [0.0, -2.0, 0.0]).unwrap();
+        let patch = Patch::new(&domain(), [9.0, 1.5, 9.0].into(), [0.0, -2.0, 0.0].into()).unwrap();
         let corners = [patch.point(0.0, 0.0), patch.point(1.0, 1.0)];
         for (axis, [low, high]) in [(0, [0.0, 4.0]), (1, [1.5, 1.5]), (2, [0.0, 3.0])] {
             let mut found = corners.map(|c| c[axis]);
             found.sort_by(f64::total_cmp);
             assert!((found[0] - low).abs() + (found[1] - high).abs() < 1e-12, "{corners:?}");
         }
-        assert!(Patch::new(&domain(), [9.0, 5.0, 9.0], [0.0, 1.0, 0.0]).is_none());
+        assert!(Patch::new(&domain(), [9.0, 5.0, 9.0].into(), [0.0, 1.0, 0.0].into()).is_none());
     }
 
     #[test]
     fn an_oblique_patch_holds_the_whole_cut() {
-        let (point, normal) = ([2.0, 1.0, 1.5], unit([1.0, 0.4, -0.3]));
+        let (point, normal) = (Vec3::new(2.0, 1.0, 1.5), unit(Vec3::new(1.0, 0.4, -0.3)));
         let patch = Patch::new(&domain(), point, normal).unwrap();
         for p in polygon(&domain(), point, normal) {
-            let r = along(p, -1.0, patch.origin);
+            let r = p - patch.origin;
             for side in patch.sides {
-                let share = dot(r, side) / dot(side, side);
+                let share = r.dot(&side) / side.dot(&side);
                 assert!((-1e-9..=1.0 + 1e-9).contains(&share), "{share}");
             }
         }
-        assert!(dot(along(patch.point(0.3, 0.8), -1.0, point), normal).abs() < 1e-12);
+        assert!((patch.point(0.3, 0.8) - point).dot(&normal).abs() < 1e-12);
     }
 
     #[test]
@@ -140,7 +141,7 @@ mod tests {
             solid: 0,
         });
         let field = Field::new(&header, &nodes).unwrap();
-        let patch = Patch::new(&domain(), [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]).unwrap();
+        let patch = Patch::new(&domain(), [0.0, 1.0, 0.0].into(), [0.0, 1.0, 0.0].into()).unwrap();
         let (header, nodes) = patch.sample(&field);
         assert_eq!(header.count.iter().product::<u64>(), 5 * 4);
         for (k, node) in nodes.iter().enumerate() {

@@ -2,10 +2,10 @@
 
 use crate::scale::{GREY, Scale};
 use crate::section::Mirror;
-use crate::view::{Vector, along, cross, dot, part, single, unit};
+use crate::view::{part, single, unit};
 use rerun::{Color, Mesh3D, RecordingStream, RecordingStreamResult};
 use std::collections::BTreeMap;
-use tremie_geometry::{Frame, Turned, triangulate};
+use tremie_geometry::{Frame, Turned, Vec3, triangulate};
 use tremie_messages::frame::SurfaceSample;
 use tremie_messages::scene::{DeformableSurface, Scene};
 
@@ -94,7 +94,7 @@ impl Surface {
         let Some(own) = self.vertices.iter().map(sample).collect::<Option<Vec<_>>>() else {
             return Ok(());
         };
-        let places: Vec<Vector> = own.iter().map(|sample| sample.vertex.position).collect();
+        let places: Vec<Vec3> = own.iter().map(|sample| sample.vertex.position.into()).collect();
         let colour = |strain: f64| {
             let colour = if strain.is_finite() { scale.colour(strain as f32) } else { GREY };
             Color::from_u32(colour)
@@ -113,7 +113,7 @@ impl Surface {
 }
 
 /// The triangles on the inner side of a mirror, and those that close the section where vertices lie on it.
-fn cut(places: &[Vector], triangles: &[[u32; 3]], mirror: Mirror) -> Vec<[u32; 3]> {
+fn cut(places: &[Vec3], triangles: &[[u32; 3]], mirror: Mirror) -> Vec<[u32; 3]> {
     let distance = |vertex: u32| mirror.distance(places[vertex as usize]);
     let is_inside =
         |corners: &&[u32; 3]| corners.iter().map(|corner| distance(*corner)).sum::<f64>() > 0.0;
@@ -141,7 +141,7 @@ fn cut(places: &[Vector], triangles: &[[u32; 3]], mirror: Mirror) -> Vec<[u32; 3
             at = on;
         }
         if at == start && outline.len() > 2 {
-            let corners: Vec<Vector> = outline.iter().map(|v| places[*v as usize]).collect();
+            let corners: Vec<Vec3> = outline.iter().map(|v| places[*v as usize]).collect();
             kept.extend(triangulate(&corners).iter().map(|ear| ear.map(|k| outline[k])));
         }
     }
@@ -150,13 +150,13 @@ fn cut(places: &[Vector], triangles: &[[u32; 3]], mirror: Mirror) -> Vec<[u32; 3
 
 /// Vertices to draw, as numbers of the surface's, and the triangles between them: where facets meet at a
 /// sharp edge, each side has vertices of its own.
-fn split_at_sharp_edges(places: &[Vector], triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 3]>) {
+fn split_at_sharp_edges(places: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 3]>) {
     let mut vertices: Vec<u32> = Vec::new();
     // Of each vertex: those drawn for it, with the normal of the facet that asked first.
-    let mut drawn: BTreeMap<u32, Vec<(u32, Vector)>> = BTreeMap::new();
-    let mut draw = |vertex: u32, normal: Vector| {
+    let mut drawn: BTreeMap<u32, Vec<(u32, Vec3)>> = BTreeMap::new();
+    let mut draw = |vertex: u32, normal: Vec3| {
         let copies = drawn.entry(vertex).or_default();
-        if let Some((copy, _)) = copies.iter().find(|(_, other)| dot(*other, normal) > SHARP) {
+        if let Some((copy, _)) = copies.iter().find(|(_, other)| other.dot(&normal) > SHARP) {
             return *copy;
         }
         let copy = vertices.len() as u32;
@@ -173,18 +173,18 @@ fn split_at_sharp_edges(places: &[Vector], triangles: &[[u32; 3]]) -> (Vec<u32>,
 }
 
 /// Twice the area of a triangle, along its normal.
-fn twice_area(places: &[Vector], corners: [u32; 3]) -> Vector {
+fn twice_area(places: &[Vec3], corners: [u32; 3]) -> Vec3 {
     let [a, b, c] = corners.map(|corner| places[corner as usize]);
-    cross(along(b, -1.0, a), along(c, -1.0, a))
+    (b - a).cross(&(c - a))
 }
 
 /// Normals of the vertices: means of those of the triangles around each, by area.
-fn normals(places: &[Vector], triangles: &[[u32; 3]]) -> Vec<Vector> {
-    let mut normals = vec![[0.0; 3]; places.len()];
+fn normals(places: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::zeros(); places.len()];
     for corners in triangles {
         let normal = twice_area(places, *corners);
         for corner in corners {
-            normals[*corner as usize] = along(normals[*corner as usize], 1.0, normal);
+            normals[*corner as usize] += normal;
         }
     }
     normals.into_iter().map(unit).collect()

@@ -1,8 +1,7 @@
 //! What lies beyond a symmetry plane is not drawn: the eye looks into what the run computes.
 
-use crate::view::Vector;
 use std::collections::BTreeMap;
-use tremie_geometry::Mesh;
+use tremie_geometry::{Mesh, Vec3};
 use tremie_messages::scene::{Domain, Face, Motion, Part};
 
 /// A symmetry plane: the part of space on its inner side is kept.
@@ -45,7 +44,7 @@ impl Mirror {
     }
 
     /// Distance of a point from it, positive inside [m].
-    pub fn distance(&self, point: Vector) -> f64 {
+    pub fn distance(&self, point: Vec3) -> f64 {
         let distance = self.inward * (point[self.axis] - self.at);
         if distance.abs() < self.tolerance { 0.0 } else { distance }
     }
@@ -92,7 +91,7 @@ impl Mirror {
         sides.sort_by(|x, y| at(**x, middle).total_cmp(&at(**y, middle)));
         for pair in sides.chunks_exact(2) {
             let corner = |side: &[[f64; 2]; 2], height: f64| {
-                let mut place = [0.0; 3];
+                let mut place = Vec3::zeros();
                 place[self.axis] = self.at;
                 place[(self.axis + 1) % 3] = at(*side, height);
                 place[(self.axis + 2) % 3] = height;
@@ -168,7 +167,7 @@ impl Cut<'_> {
         let (vertices, mirror) = (&mut self.out.vertices, self.mirror);
         *self.crossings.entry([a, b]).or_insert_with(|| {
             let (p, q) = (self.mesh.vertices[a as usize], self.mesh.vertices[b as usize]);
-            let mut place = std::array::from_fn(|i| p[i] + d / (d - e) * (q[i] - p[i]));
+            let mut place = p + (q - p) * (d / (d - e));
             place[mirror.axis] = mirror.at;
             vertices.push(place);
             vertices.len() as u32 - 1
@@ -179,14 +178,13 @@ impl Cut<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::{along, cross, dot};
     use tremie_messages::scene::Geometry;
 
     /// Volume that triangles enclose, all anticlockwise seen from outside.
     fn volume(mesh: &Mesh) -> f64 {
         let of = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|corner| mesh.vertices[corner as usize]);
-            dot(a, cross(b, c)) / 6.0
+            a.dot(&b.cross(&c)) / 6.0
         };
         mesh.triangles.iter().map(of).sum()
     }
@@ -241,7 +239,11 @@ mod tests {
         assert!(mirror(1, 2.0, 1.0).cut(&mesh, true).triangles.is_empty());
         assert_eq!(mirror(1, 2.0, -1.0).cut(&mesh, true), mesh);
         let shifted = Mesh {
-            vertices: mesh.vertices.iter().map(|p| along(*p, 1.1, [0.0, 1.0, 0.0])).collect(),
+            vertices: mesh
+                .vertices
+                .iter()
+                .map(|p| *p + Vec3::from([0.0, 1.0, 0.0]) * 1.1)
+                .collect(),
             ..mesh
         };
         assert_eq!(

@@ -2,11 +2,12 @@
 
 use crate::parts;
 use crate::patch::{corner, corner_pairs, polygon};
-use crate::view::{coordinates, norm, single};
+use crate::view::{coordinates, single};
 use rerun::components::{AlbedoFactor, MeshFaceRendering, Radius};
 use rerun::{
     LineStrips3D, MediaType, Mesh3D, RecordingStream, RecordingStreamResult, TextDocument,
 };
+use tremie_geometry::Vec3;
 use tremie_messages::scene::{
     BodySet, Domain, Face, Motion, Part, PartBoundary, Placement, Plane, PolyhedronPlacement, Scene,
 };
@@ -84,7 +85,7 @@ fn surface(
 
 /// The part of a plane that lies in the box; `None` if it misses the box.
 fn inner_plane(domain: &Domain, plane: &Plane) -> Option<Mesh3D> {
-    let points = polygon(domain, plane.point, plane.normal);
+    let points = polygon(domain, plane.point.into(), plane.normal.into());
     let fan = (1..(points.len() as u32).checked_sub(1)?).map(|k| [0, k, k + 1]);
     Some(surface(points.into_iter().map(single), fan, PLANE))
 }
@@ -97,14 +98,15 @@ fn about(scene: &Scene, assignment: Option<&Assignment>) -> String {
         format!("{} x {} x {}", length(size[0]), length(size[1]), length(size[2])),
     )];
     rows.push(("Faces".into(), faces(&scene.domain)));
-    rows.push(("Gravity".into(), format!("{} m/s²", number(norm(scene.gravity)))));
+    rows.push(("Gravity".into(), format!("{} m/s²", number(Vec3::from(scene.gravity).norm()))));
     if let Some(fluid) = &scene.fluid {
         rows.push((
             "Fluid".into(),
             format!("{} kg/m³, {} Pa·s", number(fluid.density), number(fluid.viscosity)),
         ));
-        if norm(fluid.acceleration) > 0.0 {
-            rows.push(("Drive".into(), format!("{} m/s²", number(norm(fluid.acceleration)))));
+        let drive = Vec3::from(fluid.acceleration).norm();
+        if drive > 0.0 {
+            rows.push(("Drive".into(), format!("{} m/s²", number(drive))));
         }
     }
     rows.extend(
@@ -258,7 +260,7 @@ mod tests {
         let scene = crate::view::tests::empty_scene([0.0; 3], [1.0, 1.0, 2.0]);
         let plane = Plane {
             point: [0.5, 0.5, 1.0],
-            normal: crate::view::unit([0.0, 0.3, 1.0]),
+            normal: crate::view::unit(Vec3::new(0.0, 0.3, 1.0)).into(),
             material: "wall".into(),
         };
         assert_eq!(inner_plane(&scene.domain, &plane).unwrap().num_triangles(), 2);

@@ -3,9 +3,10 @@
 use crate::field::Field;
 use crate::patch::Patch;
 use crate::scale::Scale;
-use crate::view::{Vector, along, norm, part, single};
+use crate::view::{part, single};
 use rerun::components::Radius;
 use rerun::{Color, LineStrips3D, RecordingStream, RecordingStreamResult};
+use tremie_geometry::Vec3;
 use tremie_messages::scene::Domain;
 
 /// Step along a line, in steps of the field.
@@ -22,7 +23,7 @@ const SHADES: f64 = 24.0;
 /// Draws streamlines from fixed seeds, so that they stay where they are while the flow changes.
 pub struct Streamlines {
     path: String,
-    seeds: Vec<Vector>,
+    seeds: Vec<Vec3>,
     reach: f64,
 }
 
@@ -37,14 +38,14 @@ impl Streamlines {
                 Some(patch) => patch.point(r, s),
                 None => {
                     let share = [r, s, t];
-                    std::array::from_fn(|a| domain.min[a] + share[a] * size[a])
+                    Vec3::from_fn(|a, _| domain.min[a] + share[a] * size[a])
                 }
             }
         };
         Self {
             path: format!("scene/streamlines/{}/{}", part(from), part(name)),
             seeds: (0..count).map(seed).collect(),
-            reach: REACH * norm(size),
+            reach: REACH * Vec3::from(size).norm(),
         }
     }
 
@@ -83,11 +84,11 @@ fn radical_inverse(mut k: u32, base: u32) -> f64 {
 }
 
 /// A point of a line and the speed there [m, m/s].
-type Point = (Vector, f64);
+type Point = (Vec3, f64);
 
 /// The streamline through `seed`, from upstream to downstream; empty in a solid or where nothing
 /// flows.
-fn trace(field: &Field<'_>, seed: Vector, reach: f64, slowest: f64) -> Vec<Point> {
+fn trace(field: &Field<'_>, seed: Vec3, reach: f64, slowest: f64) -> Vec<Point> {
     let Some(begin) = direction(field, seed, slowest) else { return Vec::new() };
     let mut line = side(field, seed, -1.0, reach, slowest);
     line.reverse();
@@ -97,14 +98,14 @@ fn trace(field: &Field<'_>, seed: Vector, reach: f64, slowest: f64) -> Vec<Point
 }
 
 /// Unit vector along the flow, and its speed; `None` outside the fluid and where it rests.
-fn direction(field: &Field<'_>, point: Vector, slowest: f64) -> Option<(Vector, f64)> {
+fn direction(field: &Field<'_>, point: Vec3, slowest: f64) -> Option<(Vec3, f64)> {
     let velocity = field.at(point)?.velocity;
-    let speed = norm(velocity);
-    (speed > slowest).then(|| (velocity.map(|v| v / speed), speed))
+    let speed = velocity.norm();
+    (speed > slowest).then(|| (velocity / speed, speed))
 }
 
 /// Points on one side of the seed, by the classical method of Runge and Kutta in the arc length.
-fn side(field: &Field<'_>, seed: Vector, sign: f64, reach: f64, slowest: f64) -> Vec<Point> {
+fn side(field: &Field<'_>, seed: Vec3, sign: f64, reach: f64, slowest: f64) -> Vec<Point> {
     let h = sign * STEP * field.spacing();
     let steps = (reach / h.abs()) as usize;
     let mut points = Vec::new();
@@ -119,14 +120,14 @@ fn side(field: &Field<'_>, seed: Vector, sign: f64, reach: f64, slowest: f64) ->
     points
 }
 
-fn runge_kutta(field: &Field<'_>, at: Vector, h: f64, slowest: f64) -> Option<Point> {
-    let slope = |point: Vector| direction(field, point, slowest).map(|(along, _)| along);
+fn runge_kutta(field: &Field<'_>, at: Vec3, h: f64, slowest: f64) -> Option<Point> {
+    let slope = |point: Vec3| direction(field, point, slowest).map(|(along, _)| along);
     let k1 = slope(at)?;
-    let k2 = slope(along(at, 0.5 * h, k1))?;
-    let k3 = slope(along(at, 0.5 * h, k2))?;
-    let k4 = slope(along(at, h, k3))?;
-    let mean = std::array::from_fn(|a| (k1[a] + 2.0 * (k2[a] + k3[a]) + k4[a]) / 6.0);
-    let next = along(at, h, mean);
+    let k2 = slope(at + k1 * (0.5 * h))?;
+    let k3 = slope(at + k2 * (0.5 * h))?;
+    let k4 = slope(at + k3 * h)?;
+    let mean = (k1 + (k2 + k3) * 2.0 + k4) / 6.0;
+    let next = at + mean * h;
     Some((next, direction(field, next, slowest)?.1))
 }
 
@@ -151,17 +152,17 @@ mod tests {
     use crate::field::tests::volume;
     use tremie_messages::frame::SliceNode;
 
-    fn node(velocity: Vector, solid: bool) -> SliceNode {
-        SliceNode { velocity: velocity.map(|v| v as f32), pressure: 0.0, solid: solid.into() }
+    fn node(velocity: Vec3, solid: bool) -> SliceNode {
+        SliceNode { velocity: single(velocity), pressure: 0.0, solid: solid.into() }
     }
 
     #[test]
     fn a_vortex_is_a_circle() {
         // Solid-body rotation about the middle: linear, so that interpolation adds no error.
         let (header, nodes) =
-            volume([40, 40, 3], |p| node([-(p[1] - 20.0), p[0] - 20.0, 0.0], false));
+            volume([40, 40, 3], |p| node(Vec3::new(20.0 - p.y, p.x - 20.0, 0.0), false));
         let field = Field::new(&header, &nodes).unwrap();
-        let line = trace(&field, [28.0, 20.0, 1.5], 40.0, 1e-6);
+        let line = trace(&field, Vec3::new(28.0, 20.0, 1.5), 40.0, 1e-6);
         assert!(line.len() > 70, "{}", line.len());
         for (p, speed) in &line {
             let radius = (p[0] - 20.0).hypot(p[1] - 20.0);
@@ -176,19 +177,25 @@ mod tests {
 
     #[test]
     fn lines_end_at_solids_at_the_box_and_where_nothing_flows() {
-        let (header, nodes) = volume([30, 4, 4], |p| node([1.0, 0.0, 0.0], p[0] > 20.0));
+        let (header, nodes) = volume([30, 4, 4], |p| node(Vec3::new(1.0, 0.0, 0.0), p[0] > 20.0));
         let field = Field::new(&header, &nodes).unwrap();
-        let line = trace(&field, [10.0, 2.0, 2.0], 100.0, 1e-3);
+        let line = trace(&field, Vec3::new(10.0, 2.0, 2.0), 100.0, 1e-3);
         let (first, last) = (line[0].0[0], line[line.len() - 1].0[0]);
         assert!((0.0..1.0).contains(&first), "{first}");
         assert!((19.0..=20.0).contains(&last), "{last}");
-        assert!(trace(&field, [25.0, 2.0, 2.0], 100.0, 1e-3).is_empty(), "a seed in a solid");
-        assert!(trace(&field, [10.0, 2.0, 2.0], 100.0, 2.0).is_empty(), "slower than the slowest");
+        assert!(
+            trace(&field, Vec3::new(25.0, 2.0, 2.0), 100.0, 1e-3).is_empty(),
+            "a seed in a solid"
+        );
+        assert!(
+            trace(&field, Vec3::new(10.0, 2.0, 2.0), 100.0, 2.0).is_empty(),
+            "slower than the slowest"
+        );
     }
 
     #[test]
     fn pieces_of_one_shade_join() {
-        let line: Vec<Point> = (0..10).map(|k| ([f64::from(k), 0.0, 0.0], f64::from(k))).collect();
+        let line: Vec<Point> = (0..10).map(|k| (Vec3::x() * f64::from(k), f64::from(k))).collect();
         let pieces = shaded(&line, 9.0);
         assert!(pieces.len() > 1);
         assert!(pieces.windows(2).all(|two| two[0].0.last() == two[1].0.first()));

@@ -12,12 +12,13 @@ use crate::scale::{Map, Scale};
 use crate::session::Session;
 use crate::signals::Plot;
 use crate::solids::Solids;
-use crate::view::{Eye, Vector, overview, up_vector};
+use crate::view::{Eye, overview, up_vector};
 use crate::{blueprint, legend, signals, stage};
 use rerun::{
     MediaType, RecordingStream, RecordingStreamError, TextDocument, TextLog, TextLogLevel,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use tremie_geometry::Vec3;
 use tremie_messages::frame::{
     BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
 };
@@ -46,7 +47,7 @@ pub struct Viewer {
     scale: Scale,
     strain: Scale,
     overview: Eye,
-    up: Vector,
+    up: Vec3,
     domain: Domain,
     bodies: Bodies,
     solids: Solids,

@@ -435,15 +435,17 @@ fn rubber_is_drawn_as_far_as_the_mirror_with_its_own_scale() {
     }];
     scene.surfaces = vec![ring()];
     let turned = Turned::of(&ring());
-    let sample = |place: &[f64; 3], strain: f64| SurfaceSample {
-        vertex: SurfaceVertex { position: *place, velocity: [0.0; 3] },
+    let sample = |place: [f64; 3], strain: f64| SurfaceSample {
+        vertex: SurfaceVertex { position: place, velocity: [0.0; 3] },
         strain,
     };
     let mut viewer = Viewer::open(&setup).unwrap();
     for frame in 0..70 {
         let strain = 0.004 * frame as f64;
-        let samples: Vec<_> = (turned.places(&ring().section.points).iter())
-            .map(|place| sample(place, strain))
+        let samples: Vec<_> = turned
+            .places(&ring().section.points)
+            .into_iter()
+            .map(|place| sample(place.into(), strain))
             .collect();
         viewer.surfaces("rubber", moment(frame), &samples).unwrap();
     }

@@ -4,7 +4,7 @@
 //! point by point, in the same run, much less.
 
 use std::hint::black_box;
-use tremie_geometry::{Bounds, Mesh, Row, RowScratch, Surface, mend};
+use tremie_geometry::{Bounds, Mesh, Row, RowScratch, Surface, Vec3, mend};
 use tremie_test_support::processor_seconds;
 
 fn main() {
@@ -21,7 +21,7 @@ fn main() {
 
     let n = 100;
     let (each, one_by_one) = timed(|| voxels_one_by_one(&surface, n));
-    let (rows, filled) = timed(|| voxels_by_rows(&surface, n, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]));
+    let (rows, filled) = timed(|| voxels_by_rows(&surface, n, Vec3::x(), Vec3::y()));
     assert_eq!(one_by_one, filled);
     println!(
         "contains              {:9.1} ms for {} points, {} in the solid",
@@ -30,10 +30,11 @@ fn main() {
         filled
     );
     println!("fill_row              {:9.1} ms, {:.3} of contains", 1e3 * rows, rows / each);
-    let (oblique, _) = timed(|| voxels_by_rows(&surface, n, [0.6, 0.64, 0.48], [-0.8, 0.48, 0.36]));
+    let (axis, across) = (Vec3::new(0.6, 0.64, 0.48), Vec3::new(-0.8, 0.48, 0.36));
+    let (oblique, _) = timed(|| voxels_by_rows(&surface, n, axis, across));
     println!("fill_row, turned      {:9.1} ms, {:.3} of contains", 1e3 * oblique, oblique / each);
 
-    let points: Vec<[f64; 3]> = (0..200_000).map(scattered).collect();
+    let points: Vec<Vec3> = (0..200_000).map(scattered).collect();
     let per = |time: f64| 1e6 * time / points.len() as f64;
     let (contains, _) = timed(|| points.iter().filter(|&&p| surface.contains(p)).count());
     println!("contains, scattered   {:9.3} us each", per(contains));
@@ -54,7 +55,7 @@ fn main() {
         per(beside),
         beside / contains
     );
-    let link = |p: &[f64; 3]| surface.first_crossing(*p, p.map(|x| x + 0.02));
+    let link = |p: &Vec3| surface.first_crossing(*p, p.map(|x| x + 0.02));
     let (links, crossings) = timed(|| points.iter().filter_map(link).count());
     println!(
         "first_crossing        {:9.3} us each, {:.1} of contains, {crossings} crossings",
@@ -91,12 +92,12 @@ fn timed<T>(mut run: impl FnMut() -> T) -> (f64, T) {
 }
 
 fn voxels_one_by_one(surface: &Surface, n: usize) -> usize {
-    rows(n, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    rows(n, Vec3::x(), Vec3::y())
         .map(|row| (0..n).filter(|&i| surface.contains(row.point(i))).count())
         .sum()
 }
 
-fn voxels_by_rows(surface: &Surface, n: usize, along: [f64; 3], across: [f64; 3]) -> usize {
+fn voxels_by_rows(surface: &Surface, n: usize, along: Vec3, across: Vec3) -> usize {
     let mut scratch = RowScratch::default();
     let mut inside = vec![false; n];
     rows(n, along, across)
@@ -108,21 +109,21 @@ fn voxels_by_rows(surface: &Surface, n: usize, along: [f64; 3], across: [f64; 3]
 }
 
 /// Rows of a cube of `n` points a side about the origin, its edges 1.5 long.
-fn rows(n: usize, u: [f64; 3], v: [f64; 3]) -> impl Iterator<Item = Row> {
-    let w = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+fn rows(n: usize, u: Vec3, v: Vec3) -> impl Iterator<Item = Row> {
+    let w = u.cross(&v);
     let step = 1.5 / n as f64;
     let at = move |i: usize| (i as f64 + 0.5) * step - 0.75;
-    let start = move |j, k| std::array::from_fn(|a| at(0) * u[a] + at(j) * v[a] + at(k) * w[a]);
-    let row = move |j, k| Row { start: start(j, k), step: u.map(|x| x * step) };
+    let start = move |j, k| u * at(0) + v * at(j) + w * at(k);
+    let row = move |j, k| Row { start: start(j, k), step: u * step };
     (0..n).flat_map(move |k| (0..n).map(move |j| row(j, k)))
 }
 
 /// Points all over the bounds (Roberts' sequence).
-fn scattered(i: i32) -> [f64; 3] {
+fn scattered(i: i32) -> Vec3 {
     const G: f64 = 1.220_744_084_605_759_6;
     let in_box = |x: f64, size: f64| (x.fract() - 0.5) * size;
     let i = f64::from(i);
-    [in_box(i / G, 1.5), in_box(i / (G * G), 1.5), in_box(i / (G * G * G), 0.5)]
+    Vec3::new(in_box(i / G, 1.5), in_box(i / (G * G), 1.5), in_box(i / (G * G * G), 0.5))
 }
 
 fn torn(mesh: &Mesh) -> Mesh {
@@ -138,7 +139,7 @@ fn torus(along: u32, around: u32) -> Mesh {
         let (sin, cos) = libm::sincos(turn * f64::from(i) / f64::from(along));
         let (up, out) = libm::sincos(turn * f64::from(j) / f64::from(around));
         let r = 0.5 + 0.2 * out;
-        [r * cos, r * sin + 0.06 * up, 0.2 * up - 0.3 * r * sin]
+        Vec3::new(r * cos, r * sin + 0.06 * up, 0.2 * up - 0.3 * r * sin)
     };
     let name = |i: u32, j: u32| (i % along) * around + j % around;
     let all = || (0..along).flat_map(|i| (0..around).map(move |j| (i, j)));

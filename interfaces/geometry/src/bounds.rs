@@ -1,7 +1,6 @@
 //! Boxes along the axes.
 
 use crate::Vec3;
-use crate::vector::{norm, sub};
 
 /// A closed box along the axes [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,54 +13,65 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box that holds nothing.
-    pub const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+    pub const EMPTY: Self = {
+        let far = f64::INFINITY;
+        Self { min: Vec3::new(far, far, far), max: Vec3::new(-far, -far, -far) }
+    };
 
     /// The least box around points; [`Bounds::EMPTY`] for none.
-    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+    #[inline]
+    pub fn of(points: impl IntoIterator<Item = impl Into<Vec3>>) -> Self {
         points.into_iter().fold(Self::EMPTY, Self::with)
     }
 
     /// The least box that holds this one and a point.
-    pub fn with(self, point: Vec3) -> Self {
+    #[inline]
+    pub fn with(self, point: impl Into<Vec3>) -> Self {
+        let point = point.into();
         self.union(&Self { min: point, max: point })
     }
 
     /// The least box that holds both.
+    #[inline]
     pub fn union(&self, other: &Self) -> Self {
+        // Unlike nalgebra's `inf` and `sup`, which let through a coordinate that is no number.
         Self {
-            min: std::array::from_fn(|k| self.min[k].min(other.min[k])),
-            max: std::array::from_fn(|k| self.max[k].max(other.max[k])),
+            min: self.min.zip_map(&other.min, f64::min),
+            max: self.max.zip_map(&other.max, f64::max),
         }
     }
 
     /// This box, larger by `margin` on every side.
+    #[inline]
     pub fn grown(&self, margin: f64) -> Self {
-        Self { min: self.min.map(|x| x - margin), max: self.max.map(|x| x + margin) }
+        Self { min: self.min.add_scalar(-margin), max: self.max.add_scalar(margin) }
     }
 
     /// Whether a point is in the box or on its sides.
-    pub fn contains(&self, point: Vec3) -> bool {
+    pub fn contains(&self, point: impl Into<Vec3>) -> bool {
+        let point = point.into();
         (0..3).all(|k| self.min[k] <= point[k] && point[k] <= self.max[k])
     }
 
     /// Whether the boxes have a point in common.
+    #[inline]
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
     /// Edge lengths [m].
     pub fn size(&self) -> Vec3 {
-        sub(self.max, self.min)
+        self.max - self.min
     }
 
     /// Length of the diagonal [m].
     pub fn diagonal(&self) -> f64 {
-        norm(self.size())
+        self.size().norm()
     }
 
     /// Its middle.
     pub fn centre(&self) -> Vec3 {
-        std::array::from_fn(|k| 0.5 * (self.min[k] + self.max[k]))
+        (self.min + self.max) * 0.5
     }
 
     /// The largest magnitude of a coordinate in it: what rounding errors scale with.
@@ -70,15 +80,15 @@ impl Bounds {
     }
 
     /// Square of the distance from a point to the box, zero inside.
+    #[inline]
     pub(crate) fn distance_squared(&self, point: Vec3) -> f64 {
         let outside = |k: usize| (self.min[k] - point[k]).max(point[k] - self.max[k]).max(0.0);
-        let d = [outside(0), outside(1), outside(2)];
-        d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+        Vec3::new(outside(0), outside(1), outside(2)).norm_squared()
     }
 
     /// Half the area of its sides.
     pub(crate) fn half_area(&self) -> f64 {
-        let [x, y, z] = self.size();
+        let [x, y, z] = self.size().into();
         x * y + y * z + z * x
     }
 }
@@ -90,11 +100,14 @@ mod tests {
     #[test]
     fn a_box_measures_from_its_sides() {
         let unit = Bounds::of([[0.0; 3], [1.0; 3]]);
-        assert_eq!(unit.distance_squared([0.5, 1.0, 0.0]), 0.0);
-        assert_eq!(unit.distance_squared([-1.0, 3.0, 0.5]), 5.0);
+        assert_eq!(unit.distance_squared(Vec3::new(0.5, 1.0, 0.0)), 0.0);
+        assert_eq!(unit.distance_squared(Vec3::new(-1.0, 3.0, 0.5)), 5.0);
         assert!(unit.meets(&Bounds::of([[1.0; 3], [2.0; 3]])));
         assert!(!unit.meets(&Bounds::of([[1.0, 1.0, 1.1], [2.0; 3]])));
         assert!(!Bounds::EMPTY.meets(&unit) && !Bounds::EMPTY.contains([0.0; 3]));
-        assert_eq!(unit.grown(1.0), Bounds { min: [-1.0; 3], max: [2.0; 3] });
+        assert_eq!(
+            unit.grown(1.0),
+            Bounds { min: Vec3::from_element(-1.0), max: Vec3::from_element(2.0) }
+        );
     }
 }

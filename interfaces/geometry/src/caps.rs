@@ -6,7 +6,6 @@
 //! surface moves by less than the triangle's height.
 
 use crate::edges::{ends, pair};
-use crate::vector::{cross, distance_squared, norm, sub};
 use crate::{Mesh, Vec3};
 use std::collections::BTreeSet;
 
@@ -39,10 +38,10 @@ pub fn flip_caps(mesh: &mut Mesh, least: f64) -> usize {
 
 /// Height of a triangle over its longest edge, and which that is.
 fn height(corners: &[Vec3; 3]) -> (f64, u32) {
-    let square = |i: usize| distance_squared(corners[i], corners[(i + 1) % 3]);
+    let square = |i: usize| (corners[i] - corners[(i + 1) % 3]).norm_squared();
     let longest = (0..3).fold(0, |best, i| if square(i) > square(best) { i } else { best });
     let [a, b, c] = *corners;
-    (norm(cross(sub(b, a), sub(c, a))) / square(longest).sqrt(), longest as u32)
+    ((b - a).cross(&(c - a)).norm() / square(longest).sqrt(), longest as u32)
 }
 
 /// A mesh whose edges are being exchanged.

@@ -3,7 +3,6 @@
 use crate::exact::Corners;
 use crate::inside::winding;
 use crate::surface::Surface;
-use crate::vector::{add, cross, distance_squared, dot, scale, sub};
 use crate::{Bounds, Vec3};
 
 /// What part of a triangle a point is on.
@@ -46,7 +45,7 @@ struct Nearest {
 impl Surface {
     /// The closest point of the surface. For a point that is none (not a number) its distance is none
     /// either.
-    pub fn closest(&self, point: Vec3) -> Closest {
+    pub fn closest(&self, point: impl Into<Vec3>) -> Closest {
         self.closest_within(point, f64::INFINITY).unwrap_or_else(|| Closest {
             point: self.mesh.corners(0)[0],
             distance: f64::NAN,
@@ -57,7 +56,8 @@ impl Surface {
     }
 
     /// The closest point of the surface, if it is no farther than `reach` [m].
-    pub fn closest_within(&self, point: Vec3, reach: f64) -> Option<Closest> {
+    pub fn closest_within(&self, point: impl Into<Vec3>, reach: f64) -> Option<Closest> {
+        let point = point.into();
         let mut best: Option<Nearest> = None;
         let mut farthest = reach * reach;
         self.tree.approach(point, farthest, |triangle, corners| {
@@ -89,15 +89,15 @@ impl Surface {
     }
 
     /// Distance to the surface [m], negative in the solid. Its sign agrees with [`Surface::contains`].
-    pub fn signed_distance(&self, point: Vec3) -> f64 {
+    pub fn signed_distance(&self, point: impl Into<Vec3>) -> f64 {
         self.closest(point).distance
     }
 
     /// Whether a point is in the solid, its surface included. Exact for the triangles as they
     /// are; where solids overlap, it is in their union. For a cavity that is every point not strictly
     /// inside.
-    pub fn contains(&self, point: Vec3) -> bool {
-        winding(&self.tree, point).is_solid(self.far)
+    pub fn contains(&self, point: impl Into<Vec3>) -> bool {
+        winding(&self.tree, point.into()).is_solid(self.far)
     }
 
     fn normal_of(&self, triangle: u32, feature: Feature) -> Vec3 {
@@ -115,23 +115,23 @@ impl Surface {
 /// The closest point of one triangle.
 fn nearest_of(triangle: u32, corners: &Corners, names: [u32; 3], point: Vec3) -> Nearest {
     if let Some(on_face) = foot(corners, point) {
-        let squared = distance_squared(point, on_face);
+        let squared = (point - on_face).norm_squared();
         return Nearest { squared, point: on_face, triangle, feature: Feature::Face };
     }
     let on_edge = |i: usize| {
         let j = (i + 1) % 3;
         // The neighbour across the edge must get the same bits: both start at the same end.
         let (from, to) = if names[i] < names[j] { (i, j) } else { (j, i) };
-        let along = sub(corners[to], corners[from]);
-        let (part, whole) = (dot(sub(point, corners[from]), along), dot(along, along));
+        let along = corners[to] - corners[from];
+        let (part, whole) = ((point - corners[from]).dot(&along), along.dot(&along));
         let (on_edge, feature) = if part <= 0.0 {
             (corners[from], Feature::Vertex(from as u8))
         } else if part >= whole {
             (corners[to], Feature::Vertex(to as u8))
         } else {
-            (add(corners[from], scale(along, part / whole)), Feature::Edge(i as u8))
+            (corners[from] + (along * (part / whole)), Feature::Edge(i as u8))
         };
-        Nearest { squared: distance_squared(point, on_edge), point: on_edge, triangle, feature }
+        Nearest { squared: (point - on_edge).norm_squared(), point: on_edge, triangle, feature }
     };
     let [a, b, c] = [on_edge(0), on_edge(1), on_edge(2)];
     let nearer = |x: Nearest, y: Nearest| if y.squared < x.squared { y } else { x };
@@ -140,13 +140,13 @@ fn nearest_of(triangle: u32, corners: &Corners, names: [u32; 3], point: Vec3) ->
 
 /// The foot of the perpendicular from a point to a triangle, if it is inside the triangle.
 fn foot([a, b, c]: &Corners, point: Vec3) -> Option<Vec3> {
-    let (ab, ac, ap) = (sub(*b, *a), sub(*c, *a), sub(point, *a));
-    let normal = cross(ab, ac);
-    let square = dot(normal, normal);
+    let (ab, ac, ap) = (*b - *a, *c - *a, point - *a);
+    let normal = ab.cross(&ac);
+    let square = normal.dot(&normal);
     // Twice the areas of the triangles that the foot makes with the edges, times the normal's length.
-    let opposite_c = dot(cross(ab, ap), normal);
-    let opposite_b = dot(cross(ap, ac), normal);
+    let opposite_c = ab.cross(&ap).dot(&normal);
+    let opposite_b = ap.cross(&ac).dot(&normal);
     let opposite_a = square - opposite_b - opposite_c;
     let inside = opposite_a > 0.0 && opposite_b > 0.0 && opposite_c > 0.0;
-    inside.then(|| sub(point, scale(normal, dot(ap, normal) / square)))
+    inside.then(|| point - (normal * (ap.dot(&normal) / square)))
 }

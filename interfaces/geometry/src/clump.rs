@@ -36,7 +36,7 @@ pub fn clump(scene: &Scene, name: &str) -> Vec<ClumpPiece> {
     let mut shapes = BTreeMap::new();
     let mut placed = Vec::with_capacity(listed.len());
     for body in listed {
-        let at: Vec3 = std::array::from_fn(|a| body.centre[a] - first[a]);
+        let at = body.centre - first;
         let piece = match body.solid {
             None => Some(Piece::ball(at, 0.5 * body.diameter)),
             Some((q, shape)) => {
@@ -51,7 +51,7 @@ pub fn clump(scene: &Scene, name: &str) -> Vec<ClumpPiece> {
     let pieces: Vec<Piece> = placed.iter().map(|(.., piece)| piece.clone()).collect();
     let shares = known(&pieces);
     let of = |((body, at, piece), mut share): ((Listed, Vec3, Piece), Share)| {
-        share.centroid = std::array::from_fn(|a| share.centroid[a] - at[a]);
+        share.centroid -= at;
         ClumpPiece { set: body.set, index: body.index, volume: piece.volume(), share }
     };
     placed.into_iter().zip(shares).map(of).collect()
@@ -85,7 +85,7 @@ fn listed(scene: &Scene, name: &str) -> Vec<Listed> {
             .map(|(index, sphere)| Listed {
                 set,
                 index,
-                centre: sphere.position,
+                centre: sphere.position.into(),
                 diameter: sphere.diameter,
                 solid: None,
             })
@@ -100,7 +100,7 @@ fn listed(scene: &Scene, name: &str) -> Vec<Listed> {
                 .map(|(index, body)| Listed {
                     set,
                     index,
-                    centre: body.position,
+                    centre: body.position.into(),
                     diameter: body.diameter,
                     solid: Some((body.orientation, shape)),
                 })
@@ -114,8 +114,8 @@ fn listed(scene: &Scene, name: &str) -> Vec<Listed> {
 /// Images of the axes under the rotation of a unit quaternion.
 fn axes([x, y, z, w]: [f64; 4]) -> [Vec3; 3] {
     [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
-        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
-        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+        Vec3::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)),
+        Vec3::new(2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)),
+        Vec3::new(2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)),
     ]
 }

@@ -1,8 +1,9 @@
 //! Convex polyhedra: hulls of few points, with exact faces, moments and principal axes.
 
-use crate::vector::{add, cross, dot, norm, scale, sub, unit};
+use crate::vector::unit;
 use crate::{Mesh, Moments, Vec3};
 use core::f64::consts::PI;
+use nalgebra::Matrix3;
 
 /// A convex polyhedron in its own frame.
 ///
@@ -90,11 +91,12 @@ impl Convex {
     ///
     /// # Errors
     /// Points inside the hull of others or all in a plane, too many corners.
-    pub fn hull(points: &[Vec3]) -> Result<Self, ConvexError> {
+    pub fn hull<P: Into<Vec3> + Copy>(points: &[P]) -> Result<Self, ConvexError> {
+        let points: Vec<Vec3> = points.iter().map(|point| (*point).into()).collect();
         if let Some(vertex) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(ConvexError::NotFinite { vertex });
         }
-        let points = distinct(points);
+        let points = distinct(&points);
         if points.len() > 8 * Self::MOST_CORNERS {
             return Err(ConvexError::TooMany { found: points.len(), most: Self::MOST_CORNERS });
         }
@@ -104,7 +106,7 @@ impl Convex {
             return Err(ConvexError::Flat { points: points.len() });
         }
         for (vertex, &p) in points.iter().enumerate() {
-            let depth = planes.iter().map(|(n, o)| o - dot(*n, p)).fold(f64::INFINITY, f64::min);
+            let depth = planes.iter().map(|(n, o)| o - n.dot(&p)).fold(f64::INFINITY, f64::min);
             if depth > INSIDE * extent {
                 return Err(ConvexError::Inside { vertex, depth: depth / extent });
             }
@@ -130,10 +132,10 @@ impl Convex {
         let factor = libm::cbrt(PI / 6.0 / volume);
         let mut own = self.clone();
         for v in &mut own.vertices {
-            *v = scale(sub(*v, centroid), factor);
+            *v = (*v - centroid) * factor;
         }
         for face in &mut own.faces {
-            face.offset = (face.offset - dot(face.normal, centroid)) * factor;
+            face.offset = (face.offset - face.normal.dot(&centroid)) * factor;
         }
         own
     }
@@ -156,29 +158,29 @@ impl Convex {
     /// Length of its longest edge [m].
     pub fn longest_edge(&self) -> f64 {
         let length =
-            |[a, b]: [u32; 2]| norm(sub(self.vertices[a as usize], self.vertices[b as usize]));
+            |[a, b]: [u32; 2]| (self.vertices[a as usize] - self.vertices[b as usize]).norm();
         self.edges().map(length).fold(0.0, f64::max)
     }
 
     /// The least distance of two parallel planes that it fits between [m]: one holds a face, or each an edge.
     pub fn least_width(&self) -> f64 {
         let width = |n: Vec3| {
-            let heights = self.vertices.iter().map(|&v| dot(n, v));
+            let heights = self.vertices.iter().map(|&v| n.dot(&v));
             let range = [f64::INFINITY, f64::NEG_INFINITY];
             let [low, high] = heights.fold(range, |[l, h], x| [l.min(x), h.max(x)]);
             high - low
         };
-        let along = |[a, b]: [u32; 2]| sub(self.vertices[b as usize], self.vertices[a as usize]);
+        let along = |[a, b]: [u32; 2]| self.vertices[b as usize] - self.vertices[a as usize];
         let edges: Vec<Vec3> = self.edges().map(along).collect();
         let pairs = edges.iter().enumerate();
-        let across = pairs.flat_map(|(k, &e)| edges[..k].iter().map(move |&f| cross(e, f)));
+        let across = pairs.flat_map(|(k, &e)| edges[..k].iter().map(move |&f| e.cross(&f)));
         let faces = self.faces.iter().map(|face| face.normal);
         faces.chain(across.filter_map(unit)).map(width).fold(f64::INFINITY, f64::min)
     }
 
     /// Distance of the farthest corner from the origin [m].
     pub fn circumradius(&self) -> f64 {
-        self.vertices.iter().map(|&v| norm(v)).fold(0.0, f64::max)
+        self.vertices.iter().map(|&v| v.norm()).fold(0.0, f64::max)
     }
 
     /// Distance of the closest face from the origin [m].
@@ -191,10 +193,10 @@ impl Convex {
         let area = |face: &ConvexFace| {
             let corner = |k: u32| self.vertices[k as usize];
             let first = corner(face.corners[0]);
-            let fan = face.corners[1..].windows(2).fold([0.0; 3], |sum, pair| {
-                add(sum, cross(sub(corner(pair[0]), first), sub(corner(pair[1]), first)))
+            let fan = face.corners[1..].windows(2).fold(Vec3::zeros(), |sum, pair| {
+                sum + (corner(pair[0]) - first).cross(&(corner(pair[1]) - first))
             });
-            0.5 * dot(fan, face.normal)
+            0.5 * fan.dot(&face.normal)
         };
         self.faces.iter().map(area).fold(0.0, f64::max)
     }
@@ -247,7 +249,7 @@ fn distinct(points: &[Vec3]) -> Vec<Vec3> {
     let near = 0.1 * TOLERANCE * extent(points);
     let mut kept: Vec<Vec3> = Vec::new();
     for &p in points {
-        if !kept.iter().any(|&k| norm(sub(p, k)) <= near) {
+        if !kept.iter().any(|&k| (p - k).norm() <= near) {
             kept.push(p);
         }
     }
@@ -272,26 +274,26 @@ fn supporting_planes(points: &[Vec3], extent: f64) -> Vec<(Vec3, f64)> {
     for i in 0..points.len() {
         for j in i + 1..points.len() {
             for k in j + 1..points.len() {
-                let (u, v) = (sub(points[j], points[i]), sub(points[k], points[i]));
-                let n = cross(u, v);
+                let (u, v) = (points[j] - points[i], points[k] - points[i]);
+                let n = u.cross(&v);
                 // Three points almost in a line tell no plane.
-                if norm(n) <= 1e-4 * norm(u) * norm(v) {
+                if n.norm() <= 1e-4 * u.norm() * v.norm() {
                     continue;
                 }
                 let Some(n) = unit(n) else { continue };
-                let height = |p: &Vec3| dot(n, sub(*p, points[i]));
+                let height = |p: &Vec3| n.dot(&(*p - points[i]));
                 let (low, high) = points
                     .iter()
                     .map(height)
                     .fold((0.0f64, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
                 let normal = match (low >= -near, high <= near) {
                     (false, true) => n,
-                    (true, false) => scale(n, -1.0),
+                    (true, false) => -n,
                     _ => continue,
                 };
-                let offset = dot(normal, points[i]);
+                let offset = normal.dot(&points[i]);
                 let known = |(n, o): &(Vec3, f64)| {
-                    norm(sub(*n, normal)) < 1e-4 && (o - offset).abs() < 4.0 * near
+                    (*n - normal).norm() < 1e-4 && (o - offset).abs() < 4.0 * near
                 };
                 if !planes.iter().any(known) {
                     planes.push((normal, offset));
@@ -304,16 +306,14 @@ fn supporting_planes(points: &[Vec3], extent: f64) -> Vec<(Vec3, f64)> {
 
 /// The face of a plane: the hull of the points in it (Andrew's monotone chain, 1979).
 fn face(points: &[Vec3], (normal, offset): (Vec3, f64), extent: f64) -> ConvexFace {
-    let smallest = (0..3).fold(0, |s, a| if normal[a].abs() < normal[s].abs() { a } else { s });
-    let mut axis = [0.0; 3];
-    axis[smallest] = 1.0;
-    let u = unit(cross(axis, normal)).unwrap_or([1.0, 0.0, 0.0]);
-    let v = cross(normal, u);
-    let in_plane = |p: Vec3| (dot(normal, p) - offset).abs() <= 2.0 * TOLERANCE * extent;
+    let smallest = normal.iamin();
+    let u = unit(Vec3::ith(smallest, 1.0).cross(&normal)).unwrap_or(Vec3::x());
+    let v = normal.cross(&u);
+    let in_plane = |p: Vec3| (normal.dot(&p) - offset).abs() <= 2.0 * TOLERANCE * extent;
     let mut flat: Vec<(f64, f64, u32)> = (0..)
         .zip(points)
         .filter(|(_, p)| in_plane(**p))
-        .map(|(k, p)| (dot(u, *p), dot(v, *p), k))
+        .map(|(k, p)| (u.dot(p), v.dot(p), k))
         .collect();
     flat.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let turn = |a: &(f64, f64, u32), b: &(f64, f64, u32), c: &(f64, f64, u32)| {
@@ -338,38 +338,40 @@ fn face(points: &[Vec3], (normal, offset): (Vec3, f64), extent: f64) -> ConvexFa
     let corners: Vec<u32> = corners.iter().map(|(_, _, k)| *k).collect();
     let corner = |k: u32| points[k as usize];
     // Newell's normal follows all corners, and the offset is their mean.
-    let sum = sides(&corners).fold([0.0; 3], |sum, [a, b]| add(sum, cross(corner(a), corner(b))));
+    let sum = sides(&corners).fold(Vec3::zeros(), |sum, [a, b]| sum + corner(a).cross(&corner(b)));
     let normal = unit(sum).unwrap_or(normal);
-    let mean = corners.iter().map(|&k| dot(normal, corner(k))).sum::<f64>();
+    let mean = corners.iter().map(|&k| normal.dot(&corner(k))).sum::<f64>();
     ConvexFace { normal, offset: mean / corners.len() as f64, corners }
 }
 
 /// Eigenvalues of a symmetric matrix, and its unit eigenvectors, a right-handed frame: Jacobi's method.
 /// A matrix that is diagonal already keeps its axes.
-pub fn principal(matrix: [Vec3; 3]) -> ([f64; 3], [Vec3; 3]) {
-    let mut m = matrix;
-    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let size = m[0][0].abs() + m[1][1].abs() + m[2][2].abs();
+pub fn principal(matrix: &Matrix3<f64>) -> ([f64; 3], [Vec3; 3]) {
+    let mut m = *matrix;
+    let mut axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let size = m.diagonal().abs().sum();
     // It converges quadratically: far fewer rounds than these do.
     for _ in 0..32 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if m[p][q].abs() <= 1e-15 * size {
+            if m[(p, q)].abs() <= 1e-15 * size {
                 continue;
             }
-            let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
+            let theta = (m[(q, q)] - m[(p, p)]) / (2.0 * m[(p, q)]);
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
             for k in 0..3 {
-                (m[k][p], m[k][q]) = (c * m[k][p] - s * m[k][q], s * m[k][p] + c * m[k][q]);
+                (m[(k, p)], m[(k, q)]) =
+                    (c * m[(k, p)] - s * m[(k, q)], s * m[(k, p)] + c * m[(k, q)]);
             }
             for k in 0..3 {
-                (m[p][k], m[q][k]) = (c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]);
+                (m[(p, k)], m[(q, k)]) =
+                    (c * m[(p, k)] - s * m[(q, k)], s * m[(p, k)] + c * m[(q, k)]);
                 (axes[p][k], axes[q][k]) =
                     (c * axes[p][k] - s * axes[q][k], s * axes[p][k] + c * axes[q][k]);
             }
         }
     }
-    axes[2] = cross(axes[0], axes[1]);
-    ([m[0][0], m[1][1], m[2][2]], axes)
+    axes[2] = axes[0].cross(&axes[1]);
+    ([m[(0, 0)], m[(1, 1)], m[(2, 2)]], axes)
 }

@@ -3,7 +3,6 @@
 use crate::exact::{Corners, agree, below, on_triangle, turn, turns};
 use crate::surface::Surface;
 use crate::tree::Walk;
-use crate::vector::{cross, dot, norm, sub};
 use crate::{Bounds, Vec3};
 
 /// Where a segment first meets a surface.
@@ -20,7 +19,8 @@ impl Surface {
     ///
     /// Decided by exact predicates, as [`Surface::contains`] is: if exactly one end is in the solid,
     /// there is a crossing; a segment between two triangles misses none. The fraction is rounded.
-    pub fn first_crossing(&self, from: Vec3, to: Vec3) -> Option<Crossing> {
+    pub fn first_crossing(&self, from: impl Into<Vec3>, to: impl Into<Vec3>) -> Option<Crossing> {
+        let (from, to) = (from.into(), to.into());
         let best = std::cell::Cell::new(None::<Crossing>);
         let segment = Segment::new(from, to);
         let within = |b: &Bounds| {
@@ -44,9 +44,10 @@ impl Surface {
     pub fn first_crossing_among(
         &self,
         triangles: &[u32],
-        from: Vec3,
-        to: Vec3,
+        from: impl Into<Vec3>,
+        to: impl Into<Vec3>,
     ) -> Option<Crossing> {
+        let (from, to) = (from.into(), to.into());
         let mut best = None::<Crossing>;
         for &triangle in triangles {
             if let Some(fraction) = meet(&self.mesh.corners(triangle as usize), from, to)
@@ -64,7 +65,7 @@ impl Surface {
     pub fn triangles_in(&self, bounds: &Bounds, most: usize, out: &mut Vec<u32>) -> bool {
         out.clear();
         let centre = bounds.centre();
-        let half = sub(bounds.max, centre);
+        let half = bounds.max - centre;
         self.tree.walk(
             |b| b.meets(bounds),
             |triangle, corners| {
@@ -82,20 +83,20 @@ impl Surface {
 /// in doubt it is not.
 fn is_near(corners: &Corners, centre: Vec3, half: Vec3) -> bool {
     let [a, b, c] = *corners;
-    let (ab, ac) = (sub(b, a), sub(c, a));
-    let normal = cross(ab, ac);
+    let (ab, ac) = (b - a, c - a);
+    let normal = ab.cross(&ac);
     let long = |v: Vec3| v[0].abs() + v[1].abs() + v[2].abs();
     // What rounding can do to the normal, for each unit of distance from the triangle.
     let rounding = 64.0 * f64::EPSILON * long(ab) * long(ac);
     let is_off = |n: Vec3, from: Vec3, rounding: f64| {
-        let away = sub(centre, from);
+        let away = centre - from;
         let reach = n[0].abs() * half[0] + n[1].abs() * half[1] + n[2].abs() * half[2];
-        dot(n, away) > reach * (1.0 + 1e-9) + rounding * (long(away) + long(half))
+        n.dot(&away) > reach * (1.0 + 1e-9) + rounding * (long(away) + long(half))
     };
     let opposite = normal.map(|n| -n);
     let beside = |from: Vec3, to: Vec3| {
-        let edge = sub(to, from);
-        is_off(cross(edge, normal), from, rounding * long(edge))
+        let edge = to - from;
+        is_off(edge.cross(&normal), from, rounding * long(edge))
     };
     !(is_off(normal, a, rounding)
         || is_off(opposite, a, rounding)
@@ -117,15 +118,17 @@ const ROUNDED_UP: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 impl Segment {
     pub fn new(from: Vec3, to: Vec3) -> Self {
-        Self { from, to, inverse: std::array::from_fn(|k| 1.0 / (to[k] - from[k])) }
+        Self { from, to, inverse: Vec3::from_fn(|k, _| 1.0 / (to[k] - from[k])) }
     }
 
     /// At or shortly before which fraction the segment enters a box. Never misses one it meets.
+    #[inline]
     pub fn entry(&self, bounds: &Bounds) -> Option<f64> {
         self.span(bounds).map(|(first, _)| first)
     }
 
     /// Fractions between which the segment is in a box, rounded outward.
+    #[inline]
     pub fn span(&self, bounds: &Bounds) -> Option<(f64, f64)> {
         let (mut first, mut last) = (0.0f64, 1.0f64);
         for k in 0..3 {
@@ -177,9 +180,9 @@ const GRAZING: f64 = 1e-2;
 /// sine of the angle. An edge that the segment passes at a larger angle knows better.
 fn clipped(fraction: f64, triangle: &Corners, from: Vec3, to: Vec3, climb: f64) -> f64 {
     let [a, b, c] = *triangle;
-    let normal = cross(sub(b, a), sub(c, a));
-    let length = norm(sub(to, from));
-    let edges = [norm(sub(b, a)), norm(sub(c, b)), norm(sub(a, c))];
+    let normal = (b - a).cross(&(c - a));
+    let length = (to - from).norm();
+    let edges = [(b - a).norm(), (c - b).norm(), (a - c).norm()];
     let longest = edges[0].max(edges[1]).max(edges[2]);
     // The sine of the angle, or less for a slender triangle: its normal is not as sure.
     let sine = climb / (longest * longest * length);

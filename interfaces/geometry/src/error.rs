@@ -291,7 +291,7 @@ struct Place<'a>(&'a Vec3);
 
 impl Display for Place<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [x, y, z] = self.0.map(six_digits);
+        let [x, y, z] = self.0.map(six_digits).into();
         write!(f, "({x}, {y}, {z}) m")
     }
 }

@@ -11,17 +11,20 @@ pub type Corners = [Vec3; 3];
 
 /// Six times the signed volume of the tetrahedron `a b c d`: positive where `d` is on the inner side of
 /// the triangle, that from which its corners appear clockwise. The sign is exact, the value rounded.
+#[inline]
 pub fn below(triangle: &Corners, d: Vec3) -> f64 {
     let [a, b, c] = triangle.map(coordinates);
     robust::orient3d(a, b, c, coordinates(d))
 }
 
-fn coordinates([x, y, z]: Vec3) -> Coord3D<f64> {
-    Coord3D { x, y, z }
+#[inline]
+fn coordinates(point: Vec3) -> Coord3D<f64> {
+    Coord3D { x: point.x, y: point.y, z: point.z }
 }
 
 /// Twice the signed area of `a b c` seen against the axis `axis`, its first following axis to the
 /// right and its second upwards. The sign is exact.
+#[inline]
 pub fn turn(axis: usize, a: Vec3, b: Vec3, c: Vec3) -> f64 {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let seen = |p: Vec3| Coord { x: p[u], y: p[v] };
@@ -29,11 +32,13 @@ pub fn turn(axis: usize, a: Vec3, b: Vec3, c: Vec3) -> f64 {
 }
 
 /// The three values of [`turn`] of a point against the edges of a triangle.
+#[inline]
 pub fn turns(axis: usize, [a, b, c]: &Corners, point: Vec3) -> [f64; 3] {
     [turn(axis, *a, *b, point), turn(axis, *b, *c, point), turn(axis, *c, *a, point)]
 }
 
 /// Whether the numbers are all at least zero, or all at most zero.
+#[inline]
 pub fn agree(values: [f64; 3]) -> bool {
     values.iter().all(|&x| x >= 0.0) || values.iter().all(|&x| x <= 0.0)
 }
@@ -50,27 +55,28 @@ pub fn on_triangle(triangle: &Corners, point: Vec3) -> bool {
 mod tests {
     use super::*;
 
-    const TRIANGLE: Corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    const TRIANGLE: Corners =
+        [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
 
     #[test]
     fn the_inner_side_is_that_against_the_normal() {
-        assert!(below(&TRIANGLE, [0.2, 0.2, -1.0]) > 0.0);
-        assert!(below(&TRIANGLE, [0.2, 0.2, 1e-300]) < 0.0);
-        assert_eq!(below(&TRIANGLE, [5.0, 7.0, 0.0]), 0.0);
+        assert!(below(&TRIANGLE, Vec3::new(0.2, 0.2, -1.0)) > 0.0);
+        assert!(below(&TRIANGLE, Vec3::new(0.2, 0.2, 1e-300)) < 0.0);
+        assert_eq!(below(&TRIANGLE, Vec3::new(5.0, 7.0, 0.0)), 0.0);
         assert!(turn(2, TRIANGLE[0], TRIANGLE[1], TRIANGLE[2]) > 0.0);
     }
 
     #[test]
     fn points_on_a_triangle_are_told_from_those_beside_it_by_one_rounding() {
         let up = |x: f64| f64::from_bits(x.to_bits() + 1);
-        assert!(on_triangle(&TRIANGLE, [0.5, 0.5, 0.0]));
-        assert!(on_triangle(&TRIANGLE, [0.0, 0.0, 0.0]));
-        assert!(!on_triangle(&TRIANGLE, [up(0.5), 0.5, 0.0]));
-        assert!(!on_triangle(&TRIANGLE, [0.25, 0.25, f64::MIN_POSITIVE]));
-        let upright = TRIANGLE.map(|[x, y, _]| [0.1, x, y]);
-        assert!(on_triangle(&upright, [0.1, 0.25, 0.25]));
-        assert!(!on_triangle(&upright, [up(0.1), 0.25, 0.25]));
-        let needle = [[0.0; 3], [1.0; 3], [2.0; 3]];
-        assert!(!on_triangle(&needle, [1.0; 3]));
+        assert!(on_triangle(&TRIANGLE, Vec3::new(0.5, 0.5, 0.0)));
+        assert!(on_triangle(&TRIANGLE, Vec3::new(0.0, 0.0, 0.0)));
+        assert!(!on_triangle(&TRIANGLE, Vec3::new(up(0.5), 0.5, 0.0)));
+        assert!(!on_triangle(&TRIANGLE, Vec3::new(0.25, 0.25, f64::MIN_POSITIVE)));
+        let upright = TRIANGLE.map(|p| Vec3::new(0.1, p.x, p.y));
+        assert!(on_triangle(&upright, Vec3::new(0.1, 0.25, 0.25)));
+        assert!(!on_triangle(&upright, Vec3::new(up(0.1), 0.25, 0.25)));
+        let needle = [0.0, 1.0, 2.0].map(Vec3::from_element);
+        assert!(!on_triangle(&needle, needle[1]));
     }
 }

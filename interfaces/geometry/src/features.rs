@@ -6,7 +6,7 @@
 
 use crate::edges::ends;
 use crate::exact::below;
-use crate::vector::{add, cross, dot, norm, scale, sub, unit};
+use crate::vector::unit;
 use crate::{Mesh, Vec3};
 
 /// Two triangles whose normals differ by less than this angle [rad] are taken for one plane, and two
@@ -51,7 +51,7 @@ impl Features {
     pub fn of(mesh: &Mesh, twins: Vec<u32>) -> Self {
         let normal = |t: usize| {
             let [a, b, c] = mesh.corners(t);
-            unit(cross(sub(b, a), sub(c, a))).unwrap_or([0.0; 3])
+            unit((b - a).cross(&(c - a))).unwrap_or(Vec3::zeros())
         };
         let normals: Vec<Vec3> = (0..mesh.triangles.len()).map(normal).collect();
         let vertex_normals = vertex_normals(mesh, &normals);
@@ -87,7 +87,7 @@ impl Features {
     pub fn edge_normal(&self, triangle: u32, i: u8) -> Vec3 {
         let here = self.normal(triangle);
         let there = self.normal(self.neighbours(triangle)[i as usize]);
-        unit(add(here, there)).unwrap_or(here)
+        unit(here + there).unwrap_or(here)
     }
 
     pub fn vertex_normal(&self, vertex: u32) -> Vec3 {
@@ -97,18 +97,16 @@ impl Features {
 
 /// Means of the normals around each vertex, weighted by the triangles' angles there.
 fn vertex_normals(mesh: &Mesh, normals: &[Vec3]) -> Vec<Vec3> {
-    let mut sums = vec![[0.0; 3]; mesh.vertices.len()];
+    let mut sums = vec![Vec3::zeros(); mesh.vertices.len()];
     for (t, names) in mesh.triangles.iter().enumerate() {
         let corners = mesh.corners(t);
         for i in 0..3 {
-            let (u, v) =
-                (sub(corners[(i + 1) % 3], corners[i]), sub(corners[(i + 2) % 3], corners[i]));
-            let angle = libm::atan2(norm(cross(u, v)), dot(u, v));
-            let sum = &mut sums[names[i] as usize];
-            *sum = add(*sum, scale(normals[t], angle));
+            let (u, v) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
+            let angle = libm::atan2(u.cross(&v).norm(), u.dot(&v));
+            sums[names[i] as usize] += normals[t] * angle;
         }
     }
-    sums.into_iter().map(|sum| unit(sum).unwrap_or([0.0; 3])).collect()
+    sums.into_iter().map(|sum| unit(sum).unwrap_or(Vec3::zeros())).collect()
 }
 
 /// How the surface bends at a half-edge. Both halves of an edge get the same answer.
@@ -117,8 +115,8 @@ fn edge_kind(mesh: &Mesh, normals: &[Vec3], half_edge: u32, twins: &[u32]) -> Ed
     let (first, second) = (half_edge.min(twin), half_edge.max(twin));
     let (one, other) = (first as usize / 3, second as usize / 3);
     let (n, m) = (normals[one], normals[other]);
-    let sine = norm(cross(n, m));
-    if dot(n, m) >= 0.0 && sine < FLAT_ANGLE {
+    let sine = n.cross(&m).norm();
+    if n.dot(&m) >= 0.0 && sine < FLAT_ANGLE {
         return EdgeKind::Flat;
     }
     let opposite = mesh.corners(other)[(second as usize + 2) % 3];
@@ -153,8 +151,8 @@ fn vertex_kinds(mesh: &Mesh, edges: &[EdgeKind], twins: &[u32]) -> Vec<VertexKin
         0 => VertexKind::Flat,
         2 if bends.kinds[0] == bends.kinds[1] => {
             let here = mesh.vertices[vertex];
-            let to = bends.ends.map(|end| unit(sub(place(end), here)).unwrap_or([0.0; 3]));
-            let straight = dot(to[0], to[1]) < 0.0 && norm(cross(to[0], to[1])) < FLAT_ANGLE;
+            let to = bends.ends.map(|end| unit(place(end) - here).unwrap_or(Vec3::zeros()));
+            let straight = to[0].dot(&to[1]) < 0.0 && to[0].cross(&to[1]).norm() < FLAT_ANGLE;
             if straight { VertexKind::Ridge } else { VertexKind::Corner }
         }
         _ => VertexKind::Corner,

@@ -131,11 +131,7 @@ mod tests {
 
     /// An octahedron with corners on whole numbers: rays along the axes hit its corners and edges.
     fn octahedron() -> Tree {
-        let corner = |axis: usize, sign: f64| {
-            let mut p = [0.0; 3];
-            p[axis] = 2.0 * sign;
-            p
-        };
+        let corner = |axis: usize, sign: f64| Vec3::ith(axis, 2.0 * sign);
         let side = |i: u8| {
             let [x, y, z] = [0, 1, 2].map(|k| if i >> k & 1 == 1 { 1.0 } else { -1.0 });
             let [a, b, c] = [corner(0, x), corner(1, y), corner(2, z)];
@@ -149,7 +145,7 @@ mod tests {
         fn all_rays_agree(cells in proptest::array::uniform3(-8i32..=8), fine in any::<bool>()) {
             let p = cells.map(|i| f64::from(i) / if fine { 7.0 } else { 4.0 });
             let tree = octahedron();
-            let found = winding(&tree, p);
+            let found = winding(&tree, p.into());
             let across: f64 = p.iter().map(|x| x.abs()).sum();
             // The octahedron's sides are where the coordinates' magnitudes add up to two.
             if (across - 2.0).abs() > 1e-12 {
@@ -159,7 +155,7 @@ mod tests {
             }
             for axis in 0..3 {
                 for forward in [false, true] {
-                    prop_assert_eq!(winding_along(&tree, p, axis, forward), found);
+                    prop_assert_eq!(winding_along(&tree, p.into(), axis, forward), found);
                 }
             }
         }

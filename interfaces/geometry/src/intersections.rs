@@ -45,8 +45,8 @@ impl Surface {
                 }
                 let both = Bounds::of(*theirs);
                 let common = Bounds {
-                    min: std::array::from_fn(|k| bounds.min[k].max(both.min[k])),
-                    max: std::array::from_fn(|k| bounds.max[k].min(both.max[k])),
+                    min: Vec3::from_fn(|k, _| bounds.min[k].max(both.min[k])),
+                    max: Vec3::from_fn(|k, _| bounds.max[k].min(both.max[k])),
                 };
                 let start = Intersections { pairs: 0, first: [one, *other], near: common.centre() };
                 found.get_or_insert(start).pairs += 1;

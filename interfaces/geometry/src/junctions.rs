@@ -4,7 +4,6 @@
 //! told apart from a hole, because what helps is another.
 
 use crate::edges::{Edges, ends};
-use crate::vector::{cross, dot, norm, sub};
 use crate::{Fault, Mesh, Vec3};
 
 /// Open edges that are looked at, at most: each is held against all corners of its neighbourhood.
@@ -79,10 +78,10 @@ pub fn find(mesh: &Mesh, edges: &Edges, tolerance: f64) -> Junctions {
 
 /// How far along an edge a point lies between its ends, as a fraction; `None` for one that is off the edge.
 fn along(point: Vec3, a: Vec3, b: Vec3, tolerance: f64) -> Option<f64> {
-    let (edge, to) = (sub(b, a), sub(point, a));
-    let length = norm(edge);
-    let fraction = dot(to, edge) / (length * length);
-    let off = norm(cross(to, edge)) / length;
+    let (edge, to) = (b - a, point - a);
+    let length = edge.norm();
+    let fraction = to.dot(&edge) / (length * length);
+    let off = to.cross(&edge).norm() / length;
     let inside = fraction * length > tolerance && (1.0 - fraction) * length > tolerance;
     (inside && off <= tolerance).then_some(fraction)
 }

@@ -94,4 +94,4 @@ pub use turned::Turned;
 pub use union::{Piece, Share, TOLERANCE as UNION_TOLERANCE, shares};
 
 /// A point or vector, in the frame that its user names.
-pub type Vec3 = [f64; 3];
+pub type Vec3 = nalgebra::Vector3<f64>;

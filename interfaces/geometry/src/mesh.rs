@@ -50,7 +50,7 @@ pub fn load(geometry: &Geometry) -> Result<Loaded, GeometryError> {
             let (mesh, repairs) = mend(mesh).map_err(|error| stray.unwrap_or(error))?;
             Ok(Loaded { mesh, repairs })
         }
-        Geometry::Box { size } => shape(shapes::cuboid(*size)?),
+        Geometry::Box { size } => shape(shapes::cuboid((*size).into())?),
         Geometry::Cylinder { radius, length } => shape(shapes::cylinder(*radius, *length)?),
         Geometry::Sphere { radius } => shape(shapes::sphere(*radius)?),
         Geometry::Revolved { profile } => {
@@ -77,6 +77,7 @@ impl Mesh {
     ///
     /// # Panics
     /// If there is no triangle of that number.
+    #[inline]
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|v| self.vertices[v as usize])
     }

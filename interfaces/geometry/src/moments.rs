@@ -1,7 +1,7 @@
 //! Volume, area, centroid and inertia, by signed tetrahedra.
 
-use crate::vector::{add, cross, dot, norm, scale, sub};
 use crate::{Mesh, Vec3};
+use nalgebra::Matrix3;
 
 /// Integrals over a closed mesh, and over its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct Moments {
     pub centroid: Vec3,
     /// Inertia about the centroid for a density of one [m⁵]: symmetric, off-diagonal entries are
     /// the negative products of inertia.
-    pub inertia: [Vec3; 3],
+    pub inertia: Matrix3<f64>,
 }
 
 impl Mesh {
@@ -25,28 +25,28 @@ impl Mesh {
     /// + c c^T + s s^T)` with `s = a + b + c` (Blow & Binstock, 2004).
     pub fn moments(&self) -> Moments {
         let origin = self.bounds().centre();
-        let (mut volume, mut area, mut first, mut second) = (0.0, 0.0, [0.0; 3], [[0.0; 3]; 3]);
+        let (mut volume, mut area, mut first) = (0.0, 0.0, Vec3::zeros());
+        let mut second = Matrix3::<f64>::zeros();
         for triangle in 0..self.triangles.len() {
-            let corners @ [a, b, c] = self.corners(triangle).map(|p| sub(p, origin));
-            let d = dot(a, cross(b, c));
-            let s = add(a, add(b, c));
+            let corners @ [a, b, c] = self.corners(triangle).map(|p| p - origin);
+            let d = a.dot(&b.cross(&c));
+            let s = a + (b + c);
             volume += d / 6.0;
-            area += 0.5 * norm(cross(sub(b, a), sub(c, a)));
-            first = add(first, scale(s, d / 24.0));
+            area += 0.5 * (b - a).cross(&(c - a)).norm();
+            first += s * (d / 24.0);
             for i in 0..3 {
                 for j in 0..3 {
                     let squares: f64 = corners.iter().map(|p| p[i] * p[j]).sum();
-                    second[i][j] += d / 120.0 * (squares + s[i] * s[j]);
+                    second[(i, j)] += d / 120.0 * (squares + s[i] * s[j]);
                 }
             }
         }
-        let middle = scale(first, 1.0 / volume);
-        let central = |i: usize, j: usize| second[i][j] - volume * middle[i] * middle[j];
+        let middle = first * (1.0 / volume);
+        let central = |i: usize, j: usize| second[(i, j)] - volume * middle[i] * middle[j];
         let trace = central(0, 0) + central(1, 1) + central(2, 2);
-        let inertia = std::array::from_fn(|i| {
-            std::array::from_fn(|j| if i == j { trace - central(i, i) } else { -central(i, j) })
-        });
-        Moments { volume, area, centroid: add(middle, origin), inertia }
+        let inertia =
+            Matrix3::from_fn(|i, j| if i == j { trace - central(i, i) } else { -central(i, j) });
+        Moments { volume, area, centroid: (middle + origin), inertia }
     }
 }
 
@@ -54,8 +54,8 @@ impl Mesh {
 /// origin in their midst.
 pub fn signed_volume(triangles: impl Iterator<Item = [Vec3; 3]>, origin: Vec3) -> f64 {
     let six = triangles.map(|corners| {
-        let [a, b, c] = corners.map(|p| sub(p, origin));
-        dot(a, cross(b, c))
+        let [a, b, c] = corners.map(|p| p - origin);
+        a.dot(&b.cross(&c))
     });
     six.sum::<f64>() / 6.0
 }

@@ -1,5 +1,6 @@
 //! Solids of revolution.
 
+use crate::Vec3;
 use crate::shapes::CYLINDER_SEGMENTS;
 use crate::{GeometryError, Mesh};
 use std::f64::consts::PI;
@@ -69,7 +70,7 @@ impl Ring {
         let corners = if on_axis { 1 } else { CYLINDER_SEGMENTS };
         mesh.vertices.extend((0..corners).map(|k| {
             let (sin, cos) = libm::sincos(step * f64::from(k));
-            [r * cos, r * sin, z]
+            Vec3::new(r * cos, r * sin, z)
         }));
         Self { first, on_axis }
     }

@@ -4,7 +4,6 @@ use crate::crossing::Segment;
 use crate::exact::Corners;
 use crate::surface::Surface;
 use crate::tree::Walk;
-use crate::vector::{cross, dot, sub};
 use crate::{Bounds, Vec3};
 
 /// Points at equal distances on a line, in any direction.
@@ -19,7 +18,7 @@ pub struct Row {
 impl Row {
     /// Point `i`, exactly as [`Surface::fill_row`] takes it: `start + i step`, rounded twice.
     pub fn point(&self, i: usize) -> Vec3 {
-        std::array::from_fn(|k| self.start[k] + i as f64 * self.step[k])
+        Vec3::from_fn(|k, _| self.start[k] + i as f64 * self.step[k])
     }
 }
 
@@ -77,12 +76,12 @@ fn near_plane(
     (first, last): (f64, f64),
     margin: f64,
 ) -> Option<(f64, f64)> {
-    let (ab, ac) = (sub(*b, *a), sub(*c, *a));
-    let normal = cross(ab, ac);
+    let (ab, ac) = (*b - *a, *c - *a);
+    let normal = ab.cross(&ac);
     let long = |v: Vec3| v[0].abs() + v[1].abs() + v[2].abs();
     // What rounding can do to the normal, over the triangle's size, and to a point.
     let slack = margin * (long(normal) + 2.0 * long(ab) * long(ac));
-    let (start, end) = (dot(sub(from, *a), normal), dot(sub(to, *a), normal));
+    let (start, end) = ((from - *a).dot(&normal), (to - *a).dot(&normal));
     let slope = end - start;
     let (low, high) = ((-slack - start) / slope, (slack - start) / slope);
     let (low, high) = (low.min(high), low.max(high));

@@ -8,7 +8,7 @@
 
 use crate::edges::pair;
 use crate::moments::signed_volume;
-use crate::vector::{add, scale, unit};
+use crate::vector::unit;
 use crate::{GeometryError, Mesh, Vec3};
 use std::f64::consts::PI;
 
@@ -22,12 +22,11 @@ pub const SPHERE_LEVELS: u32 = 5;
 
 /// A box about the origin, with edge lengths `size` [m].
 pub fn cuboid(size: Vec3) -> Result<Mesh, GeometryError> {
-    for edge in size {
-        positive("an edge of the box", edge)?;
+    for edge in size.iter() {
+        positive("an edge of the box", *edge)?;
     }
-    let corner = |i: u32| {
-        std::array::from_fn(|k| if i >> k & 1 == 1 { 0.5 * size[k] } else { -0.5 * size[k] })
-    };
+    let corner =
+        |i: u32| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { 0.5 * size[k] } else { -0.5 * size[k] });
     // Corner i is at the high end of axis k if bit k is set; sides anticlockwise seen from outside.
     const SIDES: [[u32; 4]; 6] =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
@@ -46,12 +45,12 @@ pub fn cylinder(radius: f64, length: f64) -> Result<Mesh, GeometryError> {
     let ring = |z: f64| {
         (0..n).map(move |k| {
             let (sin, cos) = libm::sincos(step * f64::from(k));
-            [corners * cos, corners * sin, z]
+            Vec3::new(corners * cos, corners * sin, z)
         })
     };
     let (low, high) = (-0.5 * length, 0.5 * length);
     let mut vertices: Vec<Vec3> = ring(low).chain(ring(high)).collect();
-    vertices.extend([[0.0, 0.0, low], [0.0, 0.0, high]]);
+    vertices.extend([Vec3::new(0.0, 0.0, low), Vec3::new(0.0, 0.0, high)]);
     let (floor, roof) = (2 * n, 2 * n + 1);
     let triangles = (0..n)
         .flat_map(|k| {
@@ -71,7 +70,7 @@ pub fn sphere(radius: f64) -> Result<Mesh, GeometryError> {
         mesh = divided(&mesh);
     }
     let triangles = (0..mesh.triangles.len()).map(|t| mesh.corners(t));
-    let volume = signed_volume(triangles, [0.0; 3]);
+    let volume = signed_volume(triangles, Vec3::zeros());
     mesh.scale(radius * libm::cbrt(4.0 / 3.0 * PI / volume));
     Ok(mesh)
 }
@@ -84,7 +83,7 @@ fn icosahedron() -> Mesh {
         let mut p = [0.0; 3];
         p[axis] = s;
         p[(axis + 1) % 3] = g * golden;
-        unit(p).expect("not at the origin")
+        unit(p.into()).expect("not at the origin")
     };
     let vertices = (0..3).flat_map(|axis| signs.map(|s| on(axis, s))).collect();
     #[rustfmt::skip]
@@ -108,9 +107,7 @@ fn divided(mesh: &Mesh) -> Mesh {
         } else {
             let [a, b, c] = mesh.corners(h / 3);
             let [from, to] = [[a, b], [b, c], [c, a]][h % 3];
-            vertices.push(
-                unit(add(from, scale(add(to, scale(from, -1.0)), 0.5))).expect("not at the origin"),
-            );
+            vertices.push(unit(from + ((to + (from * -1.0)) * (0.5))).expect("not at the origin"));
             vertices.len() as u32 - 1
         };
     }

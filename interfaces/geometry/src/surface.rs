@@ -7,7 +7,6 @@ use crate::inside::{Winding, winding};
 use crate::moments::signed_volume;
 use crate::orient::turn_round;
 use crate::tree::{Tree, Walk};
-use crate::vector::{cross, norm, sub};
 use crate::{
     Bounds, EdgeKind, Fault, GeometryError, Loaded, Mesh, Repairs, Vec3, VertexKind, load,
 };
@@ -124,8 +123,11 @@ impl Surface {
     ///
     /// # Panics
     /// If there are not as many as the mesh has.
-    pub fn reshape(&mut self, vertices: &[Vec3]) {
-        self.mesh.vertices.copy_from_slice(vertices);
+    pub fn reshape<P: Into<Vec3> + Copy>(&mut self, vertices: &[P]) {
+        assert_eq!(self.mesh.vertices.len(), vertices.len(), "a place for each vertex");
+        for (own, place) in self.mesh.vertices.iter_mut().zip(vertices) {
+            *own = (*place).into();
+        }
         self.tree.refit(|triangle| self.mesh.corners(triangle));
         self.features.refit(&self.mesh);
         self.bounding_radius = self.mesh.bounding_radius();
@@ -161,7 +163,7 @@ impl Surface {
         let walls = (0..self.mesh.triangles.len()).filter(|&t| self.is_wall(t as u32));
         let areas = walls.map(|t| {
             let [a, b, c] = self.mesh.corners(t);
-            0.5 * norm(cross(sub(b, a), sub(c, a)))
+            0.5 * (b - a).cross(&(c - a)).norm()
         });
         areas.sum::<f64>() / self.period.as_ref().map_or(1.0, |period| period.copies)
     }

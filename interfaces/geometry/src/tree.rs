@@ -45,13 +45,15 @@ struct Node {
 
 impl Node {
     fn of(bounds: &Bounds, count: u32, next: u32) -> Self {
-        Self { min: bounds.min.map(lower), max: bounds.max.map(upper), count, next }
+        Self { min: bounds.min.map(lower).into(), max: bounds.max.map(upper).into(), count, next }
     }
 
+    #[inline]
     fn bounds(&self) -> Bounds {
-        Bounds { min: self.min.map(f64::from), max: self.max.map(f64::from) }
+        Bounds { min: self.min.map(f64::from).into(), max: self.max.map(f64::from).into() }
     }
 
+    #[inline]
     fn triangles(&self) -> std::ops::Range<usize> {
         self.next as usize..(self.next + self.count) as usize
     }
@@ -115,12 +117,14 @@ impl Tree {
         self.bounds
     }
 
+    #[inline]
     fn node(&self, i: u32) -> &Node {
         &self.pairs[i as usize / 2].0[i as usize % 2]
     }
 
     /// Visits triangles in all leaves whose boxes, and those around them, `enter` accepts. Boxes may
     /// be larger than what is in them.
+    #[inline]
     pub fn walk(
         &self,
         mut enter: impl FnMut(&Bounds) -> bool,
@@ -149,6 +153,7 @@ impl Tree {
 
     /// Visits triangles in boxes no farther from a point than a squared distance that `visit` returns:
     /// the nearest found so far. Nearer boxes come first.
+    #[inline]
     pub fn approach(
         &self,
         point: Vec3,
@@ -344,7 +349,9 @@ mod tests {
 
     #[test]
     fn crowds_of_triangles_do_not_overflow_the_stack() {
-        let small = |scale: f64| [[scale, 0.0, 0.0], [scale, scale, 0.0], [scale, 0.0, scale]];
+        let small = |scale: f64| {
+            [[scale, 0.0, 0.0], [scale, scale, 0.0], [scale, 0.0, scale]].map(Vec3::from)
+        };
         // Each a third the size of the last: every split by area cuts off a few.
         let shrinking: Vec<Corners> = (0..600).map(|i| small(3f64.powi(-i))).collect();
         check(&shrinking);

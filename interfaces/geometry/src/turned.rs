@@ -75,12 +75,12 @@ impl Turned {
     pub fn place(&self, points: &[[f64; 2]], vertex: usize) -> Vec3 {
         let [r, z] = points[self.section[vertex] as usize];
         let [cos, sin] = self.turn(vertex);
-        [r * cos, r * sin, z]
+        Vec3::new(r * cos, r * sin, z)
     }
 
     /// Places of all vertices [m], for the section's `points`.
     pub fn places(&self, points: &[[f64; 2]]) -> Vec<Vec3> {
-        let mut out = vec![[0.0; 3]; self.section.len()];
+        let mut out = vec![Vec3::zeros(); self.section.len()];
         self.place_into(points, &mut out);
         out
     }

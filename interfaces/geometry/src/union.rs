@@ -6,9 +6,9 @@
 //! the rays squares are divided where their error is largest (Gauss's rule of 3 x 3 points, against that of the four
 //! quarters) until the sum of all errors is below a bound; the union is then right to [`TOLERANCE`].
 
-use crate::vector::{add, cross, dot, norm, scale, sub};
 use crate::{Convex, ConvexFace, Vec3};
 use core::f64::consts::PI;
+use nalgebra::Matrix3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -50,7 +50,7 @@ pub struct Share {
     /// Centre of that volume [m].
     pub centroid: Vec3,
     /// Inertia about it for a density of one [m⁵].
-    pub inertia: [Vec3; 3],
+    pub inertia: Matrix3<f64>,
 }
 
 /// Integrals of 1, x and x x^T over a volume.
@@ -76,23 +76,20 @@ impl Piece {
 
     /// A polyhedron, `size` times as large as it is in its own frame, whose axes are `axes` and whose origin is `centre`.
     pub fn solid(convex: &Convex, size: f64, axes: [Vec3; 3], centre: Vec3) -> Self {
-        let turned = |v: Vec3| (0..3).fold([0.0; 3], |sum, a| add(sum, scale(axes[a], v[a])));
-        let placed = |v: &Vec3| add(centre, scale(turned(*v), size));
+        let turned = |v: Vec3| (0..3).fold(Vec3::zeros(), |sum, a| sum + axes[a] * v[a]);
+        let placed = |v: &Vec3| centre + (turned(*v) * size);
         let mut mesh = convex.mesh();
         mesh.vertices.iter_mut().for_each(|v| *v = placed(v));
         let moments = mesh.moments();
-        let trace = 0.5 * (0..3).map(|a| moments.inertia[a][a]).sum::<f64>();
-        let own =
-            PAIRS.map(
-                |[a, b]| {
-                    if a == b { trace - moments.inertia[a][a] } else { -moments.inertia[a][b] }
-                },
-            );
+        let trace = 0.5 * moments.inertia.trace();
+        let own = PAIRS.map(|[a, b]| {
+            if a == b { trace - moments.inertia[(a, a)] } else { -moments.inertia[(a, b)] }
+        });
         let middle = moments.centroid;
-        let reach = mesh.vertices.iter().map(|&v| norm(sub(v, middle))).fold(0.0, f64::max);
+        let reach = mesh.vertices.iter().map(|&v| (v - middle).norm()).fold(0.0, f64::max);
         let face = |face: &ConvexFace| {
             let normal = turned(face.normal);
-            (normal, face.offset * size + dot(normal, centre))
+            (normal, face.offset * size + normal.dot(&centre))
         };
         let faces = convex.faces().iter().map(face).collect();
         let whole = Sums::of(moments.volume, middle, own);
@@ -107,7 +104,7 @@ impl Piece {
         };
         let planes =
             faces.iter().flat_map(|(normal, offset)| [normal[0], normal[1], normal[2], *offset]);
-        let own = self.centre.into_iter().chain([self.reach, faces.len() as f64]);
+        let own = self.centre.iter().copied().chain([self.reach, faces.len() as f64]);
         own.chain(planes).map(f64::to_bits)
     }
 
@@ -124,16 +121,16 @@ impl Piece {
     fn along(&self, from: Vec3, way: Vec3) -> Option<[f64; 2]> {
         let ends = match &self.form {
             Form::Ball => {
-                let d = sub(self.centre, from);
-                let middle = dot(d, way);
-                let off = sub(d, scale(way, middle));
-                let half = (self.reach * self.reach - dot(off, off)).max(0.0).sqrt();
+                let d = self.centre - from;
+                let middle = d.dot(&way);
+                let off = d - (way * middle);
+                let half = (self.reach * self.reach - off.dot(&off)).max(0.0).sqrt();
                 [middle - half, middle + half]
             }
             Form::Solid(faces) => {
                 let mut ends = [f64::NEG_INFINITY, f64::INFINITY];
                 for (normal, offset) in faces {
-                    let (speed, room) = (dot(*normal, way), offset - dot(*normal, from));
+                    let (speed, room) = (normal.dot(&way), offset - normal.dot(&from));
                     if speed > 0.0 {
                         ends[1] = ends[1].min(room / speed);
                     } else if speed < 0.0 {
@@ -154,28 +151,31 @@ impl Sums {
     fn of(volume: f64, centre: Vec3, own: [f64; 6]) -> Self {
         let second =
             std::array::from_fn(|k| own[k] + volume * centre[PAIRS[k][0]] * centre[PAIRS[k][1]]);
-        Self { volume, first: scale(centre, volume), second }
+        Self { volume, first: (centre * volume), second }
     }
 
     fn add(&mut self, other: &Self, factor: f64) {
         self.volume += factor * other.volume;
-        self.first = add(self.first, scale(other.first, factor));
+        self.first += other.first * factor;
         for (sum, more) in self.second.iter_mut().zip(other.second) {
             *sum += factor * more;
         }
     }
 
     fn share(&self) -> Share {
-        let centroid = scale(self.first, 1.0 / self.volume);
-        let mut central = [[0.0; 3]; 3];
+        let centroid = self.first * (1.0 / self.volume);
+        let mut central = Matrix3::zeros();
         for (k, [a, b]) in PAIRS.into_iter().enumerate() {
-            central[a][b] = self.second[k] - self.volume * centroid[a] * centroid[b];
-            central[b][a] = central[a][b];
+            central[(a, b)] = self.second[k] - self.volume * centroid[a] * centroid[b];
+            central[(b, a)] = central[(a, b)];
         }
-        let trace = central[0][0] + central[1][1] + central[2][2];
-        let inertia = std::array::from_fn(|a| {
-            std::array::from_fn(|b| if a == b { trace - central[a][a] } else { -central[a][b] })
-        });
+        let trace = central.trace();
+        let inertia =
+            Matrix3::from_fn(
+                |a, b| {
+                    if a == b { trace - central[(a, a)] } else { -central[(a, b)] }
+                },
+            );
         Share { volume: self.volume, centroid, inertia }
     }
 }
@@ -218,7 +218,7 @@ fn near_pairs(pieces: &[Piece]) -> Vec<[usize; 2]> {
     for i in 0..pieces.len() {
         for j in i + 1..pieces.len() {
             let (a, b) = (&pieces[i], &pieces[j]);
-            if norm(sub(a.centre, b.centre)) < a.reach + b.reach {
+            if (a.centre - b.centre).norm() < a.reach + b.reach {
                 pairs.push([i, j]);
             }
         }
@@ -255,15 +255,15 @@ fn has_triple(pieces: &[Piece], pairs: &[[usize; 2]]) -> bool {
 
 /// What two spheres have in common: a cap of each, or the smaller one.
 fn lens(a: &Piece, b: &Piece) -> Sums {
-    let way = sub(b.centre, a.centre);
-    let d = norm(way);
+    let way = b.centre - a.centre;
+    let d = way.norm();
     if d <= (a.reach - b.reach).abs() {
         return if a.reach < b.reach { a.whole } else { b.whole };
     }
-    let axis = scale(way, 1.0 / d);
+    let axis = way * (1.0 / d);
     let plane = 0.5 * (d + (a.reach - b.reach) * (a.reach + b.reach) / d);
     let mut sums = cap(a, axis, plane);
-    sums.add(&cap(b, scale(axis, -1.0), d - plane), 1.0);
+    sums.add(&cap(b, axis * -1.0, d - plane), 1.0);
     sums
 }
 
@@ -284,13 +284,13 @@ fn cap(ball: &Piece, axis: Vec3, at: f64) -> Sums {
         own + (along - across) * axis[a] * axis[b]
     };
     // About the sphere's centre, and then about the origin.
-    let moved = scale(axis, first);
+    let moved = axis * first;
     let second = std::array::from_fn(|k| {
         let [a, b] = PAIRS[k];
         let x = ball.centre;
         about(k) + x[a] * moved[b] + x[b] * moved[a] + volume * x[a] * x[b]
     });
-    Sums { volume, first: add(moved, scale(ball.centre, volume)), second }
+    Sums { volume, first: (moved + (ball.centre * volume)), second }
 }
 
 /// A square across the rays: what its four quarters give, of each piece of a group.
@@ -327,10 +327,10 @@ impl Ord for Square {
 /// Axes of the rays: across, across and along; along none that geometry is likely to have, so that no face of a
 /// polyhedron lies along them.
 fn axes() -> [Vec3; 3] {
-    let unit = |v: Vec3| scale(v, 1.0 / norm(v));
-    let along = unit([0.267_949, 0.414_214, 0.869_967]);
-    let one = unit(cross(along, [0.908_1, -0.331_7, 0.254_9]));
-    [one, cross(along, one), along]
+    let unit = |v: Vec3| v * (1.0 / v.norm());
+    let along = unit(Vec3::new(0.267_949, 0.414_214, 0.869_967));
+    let one = unit(along.cross(&Vec3::from([0.908_1, -0.331_7, 0.254_9])));
+    [one, along.cross(&one), along]
 }
 
 /// Takes from the pieces of a group what they share with others.
@@ -390,7 +390,7 @@ impl<'a> Rays<'a> {
     fn new(pieces: &'a [Piece], group: &[usize], pairs: &[[usize; 2]]) -> Self {
         let axes = axes();
         let extent = |i: usize, a: usize| {
-            let middle = dot(pieces[i].centre, axes[a]);
+            let middle = pieces[i].centre.dot(&axes[a]);
             [middle - pieces[i].reach, middle + pieces[i].reach]
         };
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -437,7 +437,7 @@ impl<'a> Rays<'a> {
         sums: &mut [Sums],
         (spans, ends): (&mut Vec<(usize, [f64; 2])>, &mut Vec<f64>),
     ) {
-        let from = add(scale(self.axes[0], across[0]), scale(self.axes[1], across[1]));
+        let from = (self.axes[0] * across[0]) + (self.axes[1] * across[1]);
         spans.clear();
         for (k, piece) in self.pieces.iter().enumerate() {
             spans.extend(piece.along(from, self.axes[2]).map(|span| (k, span)));
@@ -467,7 +467,7 @@ impl<'a> Rays<'a> {
     fn segment(&self, from: Vec3, [a, b]: [f64; 2], weight: f64) -> Sums {
         let way = self.axes[2];
         let length = b - a;
-        let middle = add(from, scale(way, 0.5 * (a + b)));
+        let middle = from + (way * (0.5 * (a + b)));
         let own = PAIRS.map(|[i, j]| way[i] * way[j] * length * length * length / 12.0 * weight);
         Sums::of(length * weight, middle, own)
     }

@@ -4,7 +4,6 @@
 //! each for itself; the second are united only where the first do not make a closed surface.
 
 use crate::edges::Sets;
-use crate::vector::distance_squared;
 use crate::{Mesh, Vec3};
 
 /// Unites equal vertices, and drops vertices that no triangle uses. Returns how many were united.
@@ -12,7 +11,7 @@ pub fn weld_equal(mesh: &mut Mesh) -> usize {
     // Adding zero makes the two zeros one.
     mesh.vertices.iter_mut().flatten().for_each(|x| *x += 0.0);
     let mut order: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    let bits = |v: u32| mesh.vertices[v as usize].map(f64::to_bits);
+    let bits = |v: u32| -> [u64; 3] { mesh.vertices[v as usize].map(f64::to_bits).into() };
     order.sort_unstable_by_key(|&v| (bits(v), v));
     let mut first = vec![0; mesh.vertices.len()];
     for same in order.chunk_by(|&a, &b| bits(a) == bits(b)) {
@@ -28,7 +27,7 @@ pub fn weld_near(mesh: &mut Mesh, tolerance: f64) -> usize {
     let mut sets = Sets::new(mesh.vertices.len());
     for (v, &point) in mesh.vertices.iter().enumerate() {
         cells.each_near(point, |w| {
-            let near = distance_squared(point, mesh.vertices[w as usize]) <= tolerance * tolerance;
+            let near = (point - mesh.vertices[w as usize]).norm_squared() <= tolerance * tolerance;
             if (w as usize) < v && near {
                 sets.unite(w, v as u32);
             }
@@ -77,7 +76,7 @@ const CELL: f64 = 32.0;
 
 impl Cells {
     fn new(points: &[Vec3], tolerance: f64) -> Self {
-        let cell = |p: &Vec3| p.map(|x| index(x, tolerance));
+        let cell = |p: &Vec3| p.map(|x| index(x, tolerance)).into();
         let mut sorted: Vec<_> =
             points.iter().enumerate().map(|(v, p)| (cell(p), v as u32)).collect();
         sorted.sort_unstable();

@@ -1,6 +1,7 @@
 //! Meshes to files.
 
-use crate::vector::{cross, sub, unit};
+use crate::Vec3;
+use crate::vector::unit;
 use crate::{GeometryError, Mesh};
 use std::io::Write;
 use stl_io::{Triangle, Vector};
@@ -29,7 +30,8 @@ impl Mesh {
         if let Some(bad) = vertices.iter().position(|v| !v.iter().all(|x| x.is_finite())) {
             return Err(GeometryError::NotFinite { triangle, found: corners[bad] });
         }
-        let normal = unit(cross(sub(b, a), sub(c, a))).unwrap_or([0.0; 3]);
-        Ok(Triangle { normal: Vector(normal.map(|x| x as f32)), vertices: vertices.map(Vector) })
+        let normal = unit((b - a).cross(&(c - a))).unwrap_or(Vec3::zeros());
+        let vector = |v: nalgebra::Vector3<f32>| Vector(v.into());
+        Ok(Triangle { normal: vector(normal.map(|x| x as f32)), vertices: vertices.map(vector) })
     }
 }

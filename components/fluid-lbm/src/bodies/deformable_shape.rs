@@ -29,7 +29,7 @@ impl Hit {
 
     /// The place on a facet that is nearest to a point of its plane.
     pub fn on(mesh: &Mesh, facet: u32, point: [f64; 3]) -> Self {
-        let corners = mesh.corners(facet as usize);
+        let corners = mesh.corners(facet as usize).map(<[f64; 3]>::from);
         let from = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| b[k] - a[k]);
         let cross = crate::lattice::d3q19::cross;
         let normal = cross(from(corners[0], corners[1]), from(corners[0], corners[2]));
@@ -101,7 +101,7 @@ impl DeformableShape {
         Self {
             carrier,
             triangles: mesh.triangles.clone(),
-            now: mesh.vertices.clone(),
+            now: mesh.vertices.iter().map(|&vertex| vertex.into()).collect(),
             velocity: rest.clone(),
             given: rest.clone(),
             drift: rest,

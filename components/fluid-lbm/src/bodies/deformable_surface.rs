@@ -5,7 +5,7 @@ use crate::bodies::pose_rounding::Rounding;
 use crate::lattice::error::FluidError;
 use crate::lattice::units::Units;
 use std::ops::Range;
-use tremie_geometry::{Frame, Mesh, Surface, Turned};
+use tremie_geometry::{Frame, Mesh, Surface, Turned, Vec3};
 use tremie_messages::SurfaceVertex;
 use tremie_messages::scene::Scene;
 
@@ -37,7 +37,7 @@ impl SoftSurface {
                 carrier,
                 count: turned.vertex_count(),
                 first_vertex,
-                reference: frame.to_world(surface.pose.position),
+                reference: frame.to_world(surface.pose.position).into(),
                 triangles: turned.triangles,
             };
             first_vertex += soft.count;
@@ -62,7 +62,7 @@ impl SoftSurface {
         let position = units.position_to_lattice(self.reference);
         let reference: [f64; 3] = std::array::from_fn(|a| units.min[a] + position[a] * units.cell);
         let place =
-            |vertex: &SurfaceVertex| std::array::from_fn(|a| vertex.position[a] - reference[a]);
+            |vertex: &SurfaceVertex| Vec3::from_fn(|a, _| vertex.position[a] - reference[a]);
         let vertices = vertices[self.vertices()].iter().map(place).collect();
         let mesh = Mesh { vertices, triangles: self.triangles.clone() };
         let surface = Surface::new(mesh).map_err(|error| FluidError::Surface {

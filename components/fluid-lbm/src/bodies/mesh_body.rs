@@ -77,7 +77,7 @@ impl MeshBody {
             ridges: Ridges::of(&surface, cell),
             shape: None,
             volume: volume / (cell * cell * cell),
-            centroid,
+            centroid: centroid.into(),
             endless,
             orientation: [0.0, 0.0, 0.0, 1.0],
             rounding,
@@ -128,7 +128,7 @@ impl MeshBody {
         surface.reshape(&shape.now);
         let moments = surface.mesh().moments();
         self.volume = moments.volume / (self.cell * self.cell * self.cell);
-        self.centroid = moments.centroid;
+        self.centroid = moments.centroid.into();
         let side = room_for(side_of(surface, self.cell), self.previous.size[0]);
         if side > self.now.size[0] {
             self.now = Cover::new(side, [0; 3]);
@@ -144,7 +144,7 @@ impl MeshBody {
     pub fn hit_near(&self, arm: [f64; 3]) -> Hit {
         let point = self.frame.turn_to_part(arm.map(|x| x * self.cell));
         let closest = self.surface.closest(point);
-        Hit::on(self.surface.mesh(), closest.triangle, closest.point)
+        Hit::on(self.surface.mesh(), closest.triangle, closest.point.into())
     }
 
     /// Distance of its farthest point from its origin.
@@ -190,7 +190,7 @@ impl MeshBody {
 
     /// Where its surface is placed when its origin is at a position [m], in cells.
     pub fn home(&self, position: [f64; 3], units: &Units, grid: &Grid) -> [f64; 3] {
-        let placed = units.position_to_lattice(self.endless.place(position));
+        let placed = units.position_to_lattice(self.endless.place(position).into());
         let canonical = grid.canonical(placed);
         std::array::from_fn(|a| if self.endless.axes[a] { placed[a] } else { canonical[a] })
     }
@@ -347,7 +347,7 @@ impl MeshBody {
     /// Direction away from the part, at a point seen from its origin.
     pub fn outward(&self, arm: [f64; 3]) -> [f64; 3] {
         let point = self.frame.turn_to_part(arm.map(|x| x * self.cell));
-        self.frame.turn_to_world(self.surface.closest(point).normal)
+        self.frame.turn_to_world(self.surface.closest(point).normal).into()
     }
 
     /// The way from the centre of a cell to the nearest point of its surface, if it is no longer than
@@ -356,13 +356,13 @@ impl MeshBody {
         let arm = grid.arm(self.found?.position, at).map(|x| x * self.cell);
         let point = self.frame.turn_to_part(arm);
         let closest = self.surface.closest_within(point, reach.max(0.0) * self.cell)?;
-        let way = std::array::from_fn(|a| closest.point[a] - point[a]);
-        Some(self.frame.turn_to_world(way).map(|x| x / self.cell))
+        let way = closest.point - point;
+        Some(self.frame.turn_to_world(way).map(|x| x / self.cell).into())
     }
 
     /// From its origin to the centre of its volume.
     pub fn middle(&self) -> [f64; 3] {
-        self.frame.turn_to_world(self.centroid).map(|x| x / self.cell)
+        self.frame.turn_to_world(self.centroid).map(|x| x / self.cell).into()
     }
 
     /// What of it counts as displaced, with its origin at a position, and the first moments about that; `None` where that
@@ -374,7 +374,7 @@ impl MeshBody {
         mirrors: [bool; 3],
     ) -> Option<Displaced> {
         let radius = self.radius();
-        let place = |vertex| {
+        let place = |vertex: [f64; 3]| {
             let arm = self.frame.turn_to_world(vertex);
             std::array::from_fn(|a| position[a] + arm[a] / self.cell)
         };
@@ -383,7 +383,7 @@ impl MeshBody {
         let extent = if (0..3).filter(|&a| has_ends(a)).all(is_short) {
             [2.0 * radius; 3]
         } else {
-            Bounds::of(self.surface.mesh().vertices.iter().map(|&v| place(v))).size()
+            Bounds::of(self.surface.mesh().vertices.iter().map(|&v| place(v.into()))).size().into()
         };
         let extent = std::array::from_fn(|a| if has_ends(a) { extent[a] } else { f64::INFINITY });
         let window = window(grid, ([0.0; 3], 1.0), extent, mirrors);

@@ -6,7 +6,7 @@
 
 use crate::lattice::d3q19::{C, C_F64, Q, dot};
 use std::ops::RangeInclusive;
-use tremie_geometry::{EdgeKind, Frame, Surface};
+use tremie_geometry::{EdgeKind, Frame, Surface, Vec3};
 
 /// Faces whose normals have a larger cosine make an edge that no link is cut by far enough to matter: at 14 degrees
 /// not a tenth of a cell deep.
@@ -50,9 +50,9 @@ impl Ridges {
         let mut own = Self::default();
         for t in 0..mesh.triangles.len() as u32 {
             let (kinds, others) = (surface.edge_kinds(t), surface.neighbours(t));
-            let corners = mesh.corners(t as usize);
+            let corners = mesh.corners(t as usize).map(<[f64; 3]>::from);
             for k in (0..3).filter(|&k| kinds[k] == EdgeKind::Convex && t < others[k]) {
-                let normals = [surface.normal(t), surface.normal(others[k])];
+                let normals = [t, others[k]].map(|t| surface.normal(t).into());
                 let cosine = dot(normals[0], normals[1]);
                 if cosine < BLUNT {
                     // Half the link times the tangent of half the angle by which the surface turns.
@@ -62,7 +62,7 @@ impl Ridges {
                 }
             }
         }
-        let wide = |t: u32| width_along(surface, surface.normal(t)) > LONGEST * cell;
+        let wide = |t: u32| width_along(surface, surface.normal(t).into()) > LONGEST * cell;
         let is_simple = mesh.triangles.len() <= FEW && is_convex(surface);
         if !is_simple || !(0..mesh.triangles.len() as u32).all(wide) {
             own.find_thin(surface, cell);
@@ -78,8 +78,8 @@ impl Ridges {
     fn find_thin(&mut self, surface: &Surface, cell: f64) {
         let mesh = surface.mesh();
         for t in 0..mesh.triangles.len() {
-            let [a, b, c] = mesh.corners(t);
-            let normal = surface.normal(t as u32);
+            let [a, b, c] = mesh.corners(t).map(<[f64; 3]>::from);
+            let normal: [f64; 3] = surface.normal(t as u32).into();
             let along = |from: [f64; 3], to: [f64; 3]| std::array::from_fn(|k| to[k] - from[k]);
             let sides: [[f64; 3]; 2] = [along(a, b), along(a, c)];
             let longest = sides.iter().map(|s| dot(*s, *s).sqrt()).fold(0.0, f64::max);
@@ -90,8 +90,7 @@ impl Ridges {
                     let point: [f64; 3] = std::array::from_fn(|k| {
                         a[k] + part(i) * sides[0][k] + part(j) * sides[1][k]
                     });
-                    let behind =
-                        |by: f64| std::array::from_fn(|k| point[k] - by * cell * normal[k]);
+                    let behind = |by: f64| Vec3::from_fn(|k, _| point[k] - by * cell * normal[k]);
                     if surface.first_crossing(behind(1e-6), behind(LONGEST)).is_some() {
                         self.thin.push(Thin { point, normal });
                     }
@@ -111,16 +110,16 @@ impl Ridges {
         mut visit: impl FnMut([i32; 3], usize),
     ) {
         // Centres of cells have whole coordinates.
-        let place = |x: [f64; 3]| frame.to_world(x).map(|x| x / cell - 0.5);
+        let place = |x: [f64; 3]| frame.to_world(x).map(|x| x / cell - 0.5).into();
         for ridge in &self.ridges {
             let ends = ridge.ends.map(place);
-            let normals = ridge.normals.map(|normal| frame.turn_to_world(normal));
+            let normals = ridge.normals.map(|normal| frame.turn_to_world(normal).into());
             links_at_ridge(ends, normals, ridge.depth, &layers, &skip, &mut visit);
         }
         for thin in &self.thin {
             links_at(
                 place(thin.point),
-                frame.turn_to_world(thin.normal),
+                frame.turn_to_world(thin.normal).into(),
                 &layers,
                 &skip,
                 &mut visit,
@@ -131,7 +130,7 @@ impl Ridges {
 
 /// How far a surface reaches along a unit vector.
 pub fn width_along(surface: &Surface, direction: [f64; 3]) -> f64 {
-    let heights = surface.mesh().vertices.iter().map(|&vertex| dot(vertex, direction));
+    let heights = surface.mesh().vertices.iter().map(|&vertex| dot(vertex.into(), direction));
     let [low, high] =
         heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)]);
     high - low

@@ -18,7 +18,7 @@
 use crate::lattice::d3q19::cross;
 use crate::lattice::grid::{Grid, Side};
 use crate::lattice::ledger::add_scaled;
-use tremie_geometry::{Bounds, Mesh};
+use tremie_geometry::{Bounds, Mesh, Vec3};
 
 /// What a part displaces, by the axis of the acceleration that is balanced: volume, and the integral of position over it,
 /// from a point of reference.
@@ -115,26 +115,28 @@ impl Displaced {
         let placed = || {
             (0..mesh.triangles.len()).map(|triangle| {
                 mesh.corners(triangle).map(|corner| {
-                    let corner = place(corner);
+                    let corner = place(corner.into());
                     std::array::from_fn::<f64, 3, _>(|a| corner[a] - reference[a])
                 })
             })
         };
         let own = Bounds::of(placed().flatten());
         let window = Bounds {
-            min: std::array::from_fn(|a| window.min[a] - reference[a]),
-            max: std::array::from_fn(|a| window.max[a] - reference[a]),
+            min: window.min - Vec3::from(reference),
+            max: window.max - Vec3::from(reference),
         };
         let held = Bounds {
-            min: std::array::from_fn(|a| own.min[a].clamp(window.min[a], window.max[a])),
-            max: std::array::from_fn(|a| own.max[a].clamp(window.min[a], window.max[a])),
+            min: Vec3::from_fn(|a, _| own.min[a].clamp(window.min[a], window.max[a])),
+            max: Vec3::from_fn(|a, _| own.max[a].clamp(window.min[a], window.max[a])),
         };
         let mut all = Self::default();
         for axis in 0..3 {
             // The axis first: cyclic, so that normals keep their side.
             let turned = |x: [f64; 3]| std::array::from_fn(|a| x[(axis + a) % 3]);
-            let [held, window] = [held, window]
-                .map(|bounds| Bounds { min: turned(bounds.min), max: turned(bounds.max) });
+            let [held, window] = [held, window].map(|bounds| Bounds {
+                min: turned(bounds.min.into()).into(),
+                max: turned(bounds.max.into()).into(),
+            });
             let triangles = placed().map(|corners| corners.map(turned));
             let sums = along(triangles, &held, &window);
             all.volume[axis] = sums.zeroth;
@@ -213,7 +215,10 @@ pub fn window(
     extent: [f64; 3],
     mirrors: [bool; 3],
 ) -> Bounds {
-    let mut bounds = Bounds { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
+    let mut bounds = Bounds {
+        min: Vec3::from_element(f64::NEG_INFINITY),
+        max: Vec3::from_element(f64::INFINITY),
+    };
     for a in 0..3 {
         let length = f64::from(grid.n[a]) * cell;
         if grid.periodic[a] && extent[a] < length * (1.0 - FLUSH) {
@@ -248,7 +253,7 @@ mod tests {
             extent in prop::array::uniform3(0.1..2.0f64),
         ) {
             let upper: [f64; 3] = std::array::from_fn(|a| lower[a] + extent[a]);
-            let bounds = Bounds { min: lower, max: upper };
+            let bounds = Bounds { min: lower.into(), max: upper.into() };
             let surface = box_of(size);
             let place = |p: [f64; 3]| std::array::from_fn(|a| p[a] + at[a]);
             let reference = [0.3, -0.2, 0.7];
@@ -279,7 +284,7 @@ mod tests {
         let whole = surface.mesh().moments().volume;
         for a in 0..3 {
             for side in [1.0, -1.0] {
-                let mut bounds = Bounds { min: [-2.0; 3], max: [2.0; 3] };
+                let mut bounds = Bounds::of([[-2.0; 3], [2.0; 3]]);
                 if side > 0.0 {
                     bounds.min[a] = 0.0
                 } else {
@@ -291,7 +296,7 @@ mod tests {
                 assert!((middle - 0.375 * side).abs() < 2e-3, "{a} {side}: {middle}");
             }
         }
-        let bounds = Bounds { min: [-2.0; 3], max: [2.0; 3] };
+        let bounds = Bounds::of([[-2.0; 3], [2.0; 3]]);
         let all = Displaced::by(&surface.inside_out().mesh().clone(), |p| p, &bounds, [0.0; 3]);
         assert!(all.volume.iter().all(|volume| (volume + whole).abs() < 1e-12));
     }

@@ -4,7 +4,7 @@ use crate::domain::displaced_volume::{Displaced, window};
 use crate::lattice::d3q19::dot;
 use crate::lattice::grid::Grid;
 use std::sync::Arc;
-use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface, motion_problem};
+use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface, Vec3, motion_problem};
 use tremie_messages::Problem;
 use tremie_messages::scene::{Domain, Motion, Part, PartBoundary, Plane, Pose, Scene};
 
@@ -47,14 +47,14 @@ struct Image {
 /// less than a cell from one.
 fn images(part: &Part, surface: &Surface, domain: &Domain, cell: f64) -> Vec<Image> {
     let endless = surface.endless();
-    let home = endless.place(part.pose.position);
+    let home: [f64; 3] = endless.place(part.pose.position).into();
     let at = |position| {
         let frame = Frame::of(&Pose { position, ..part.pose });
         let vertices = surface.mesh().vertices.iter();
         Image { frame, bounds: Bounds::of(vertices.map(|&vertex| frame.to_world(vertex))) }
     };
     let mut images = vec![at(home)];
-    let near = Bounds { min: domain.min, max: domain.max }.grown(cell);
+    let near = Bounds { min: domain.min.into(), max: domain.max.into() }.grown(cell);
     let steps = |a: usize| {
         if domain.is_periodic(a) && !endless.axes[a] { -1..=1 } else { 0..=0 }
     };
@@ -194,8 +194,8 @@ impl Solid {
             return Displaced::default();
         };
         let Image { frame, bounds } = &images[0];
-        let window = window(grid, (centres.min, centres.cell), bounds.size(), mirrors);
-        let place = |vertex| frame.to_world(vertex);
+        let window = window(grid, (centres.min, centres.cell), bounds.size().into(), mirrors);
+        let place = |vertex| frame.to_world(vertex).into();
         Displaced::by(surface.mesh(), place, &window, self.reference)
     }
 
@@ -321,11 +321,11 @@ impl Solid {
                 let of = |image: &Image| {
                     let seen = image.frame.to_part(point);
                     let closest = surface.closest_within(seen, reach)?;
-                    let way = std::array::from_fn(|a| closest.point[a] - seen[a]);
+                    let way = closest.point - seen;
                     Some((closest.distance.abs(), image.frame.turn_to_world(way)))
                 };
                 let nearest = images.iter().filter_map(of).min_by(|a, b| a.0.total_cmp(&b.0));
-                nearest.map(|(_, way)| way)
+                nearest.map(|(_, way)| way.into())
             }
         }
     }
@@ -359,8 +359,8 @@ impl Solid {
 
 /// Whether a box meets the domain or is less than a cell from it.
 fn image_near(grid: &Grid, centres: &Centres, bounds: &Bounds) -> bool {
-    let max = std::array::from_fn(|a| centres.min[a] + f64::from(grid.n[a]) * centres.cell);
-    Bounds { min: centres.min, max }.grown(centres.cell).meets(bounds)
+    let max = Vec3::from_fn(|a, _| centres.min[a] + f64::from(grid.n[a]) * centres.cell);
+    Bounds { min: centres.min.into(), max }.grown(centres.cell).meets(bounds)
 }
 
 /// The centres of the cells of a row, in a part's frame.

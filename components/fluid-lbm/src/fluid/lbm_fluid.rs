@@ -40,7 +40,7 @@ fn union_shares(scene: &Scene, axes: LatticeOrientation, cell: f64) -> Vec<Vec<U
         let share = piece.share;
         all[piece.set].push(UnionShare {
             volume: share.volume / (cell * cell * cell),
-            middle: axes.to_lattice(&share.centroid).map(|x| x / cell),
+            middle: axes.to_lattice(&share.centroid.into()).map(|x| x / cell),
             first: None,
             orientation: [0.0, 0.0, 0.0, 1.0],
         });

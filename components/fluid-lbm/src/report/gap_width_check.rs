@@ -82,7 +82,8 @@ pub fn narrowest(scene: &Scene, ground: &StaticGeometry) -> [Option<Narrow>; 2] 
         }
         // The space outside a cavity is no fluid.
         for wall in walls.iter().filter(|_| !part.surface.is_cavity()) {
-            let vertices = part.surface.mesh().vertices.iter().map(|&v| part.frame.to_world(v));
+            let vertices = part.surface.mesh().vertices.iter();
+            let vertices = vertices.map(|&v| <[f64; 3]>::from(part.frame.to_world(v)));
             let lowest = vertices.min_by(|a, b| wall.height(*a).total_cmp(&wall.height(*b)));
             let ends = lowest.filter(|&v| wall.height(v) > 0.0).map(|v| [v, wall.closest(v)]);
             if let Some(ends) = ends.filter(|&ends| is_reached(ground, middle(ends))) {
@@ -112,7 +113,7 @@ pub fn narrowest(scene: &Scene, ground: &StaticGeometry) -> [Option<Narrow>; 2] 
                 && closest.distance > 0.0
             {
                 let point = part.frame.to_world(closest.point);
-                of_bodies.offer_from(sphere, point, 0.0, [sphere.set, part.name]);
+                of_bodies.offer_from(sphere, point.into(), 0.0, [sphere.set, part.name]);
             }
         }
     }
@@ -145,7 +146,7 @@ fn placed<'a>(scene: &'a Scene, ground: &'a StaticGeometry) -> Vec<PlacedSurface
     let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
     let of = |(index, surface): (usize, &'a Surface)| {
         let part = &scene.parts[index];
-        let position = surface.endless().place(part.pose.position);
+        let position = surface.endless().place(part.pose.position).into();
         let frame = Frame::of(&Pose { position, ..part.pose });
         let bounds = Bounds::of(surface.mesh().vertices.iter().map(|&v| frame.to_world(v)));
         PlacedSurface { name: &part.name, surface, frame, bounds }
@@ -255,7 +256,7 @@ fn between_parts(
     let (mut best, mut ends, slack) = (width, None, 0.25 * spacing);
     let mesh = a.surface.mesh();
     for triangle in 0..mesh.triangles.len() {
-        let corners = mesh.corners(triangle).map(|corner| a.frame.to_world(corner));
+        let corners = mesh.corners(triangle).map(|corner| a.frame.to_world(corner).into());
         if !Bounds::of(corners).grown(best + spacing).meets(&b.bounds) {
             continue;
         }
@@ -265,7 +266,7 @@ fn between_parts(
             if near.distance <= CONTACT * cell {
                 return None;
             }
-            let (from, to) = settle(a, b, b.frame.to_world(near.point));
+            let (from, to) = settle(a, b, b.frame.to_world(near.point).into());
             let found = length(minus(to, from));
             if found <= CONTACT * cell {
                 return None;
@@ -282,7 +283,7 @@ fn between_parts(
 /// From a point of `b` to the closest of `a` and back, until that hardly changes.
 fn settle(a: &PlacedSurface, b: &PlacedSurface, mut to: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let closest = |part: &PlacedSurface, point: [f64; 3]| {
-        part.frame.to_world(part.surface.closest(part.frame.to_part(point)).point)
+        part.frame.to_world(part.surface.closest(part.frame.to_part(point)).point).into()
     };
     let mut from = closest(a, to);
     let mut width = length(minus(to, from));

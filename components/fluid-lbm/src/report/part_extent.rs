@@ -66,7 +66,7 @@ pub fn thin_parts(scene: &Scene, ground: &StaticGeometry) -> Vec<PartExtent> {
         .into_iter()
         .map(|(index, surface)| {
             let pose = &scene.parts[index].pose;
-            let position = surface.endless().place(pose.position);
+            let position = surface.endless().place(pose.position).into();
             (index, PlacedExtent { surface, frame: Frame::of(&Pose { position, ..*pose }) })
         })
         .collect();
@@ -116,8 +116,8 @@ impl PlacedExtent<'_> {
     /// The least and the middle one of its widths, along the axes of its frame or of its inertia [cells].
     fn widths(&self, cell: f64) -> [f64; 2] {
         let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (_, turned) = principal(self.surface.mesh().moments().inertia);
-        let sorted = [own, turned].map(|axes| {
+        let (_, turned) = principal(&self.surface.mesh().moments().inertia);
+        let sorted = [own, turned.map(<[f64; 3]>::from)].map(|axes| {
             let mut widths = axes.map(|axis| width_along(self.surface, axis) / cell);
             widths.sort_by(f64::total_cmp);
             widths
@@ -139,7 +139,7 @@ impl PlacedExtent<'_> {
         let stride = count.div_ceil(most).max(1);
         let (mut samples, mut whole) = (Vec::new(), 0.0);
         for triangle in (0..count).step_by(stride) {
-            let corners = mesh.corners(triangle);
+            let corners = mesh.corners(triangle).map(<[f64; 3]>::from);
             let [ab, ac] = [1, 2].map(|k| minus(corners[k], corners[0]));
             let area = 0.5 * length(cross(ab, ac));
             whole += area;
@@ -154,7 +154,7 @@ impl PlacedExtent<'_> {
                     let [s, t] = [i, j / 2].map(|k| (k as f64 + third) / n as f64);
                     let point = std::array::from_fn(|k| corners[0][k] + s * ab[k] + t * ac[k]);
                     let normal = self.surface.normal(triangle as u32);
-                    let ways = self.ways(ground, others, point, normal);
+                    let ways = self.ways(ground, others, point, normal.into());
                     let area = area / (n * n) as f64;
                     samples.extend(ways.map(|ways| Sample { area, ways }));
                 }
@@ -215,7 +215,7 @@ impl PlacedExtent<'_> {
     /// Where a way from inside leaves the part, at most so far on, and the normal there.
     fn exit(&self, from: [f64; 3], out: [f64; 3], reach: f64) -> Option<(f64, [f64; 3])> {
         let crossing = self.surface.first_crossing(from, along(from, out, reach))?;
-        Some((crossing.fraction * reach, self.surface.normal(crossing.triangle)))
+        Some((crossing.fraction * reach, self.surface.normal(crossing.triangle).into()))
     }
 
     /// Whether fluid is beyond a point of the surface, in its frame, half a cell or a whole one away.
@@ -230,7 +230,7 @@ impl PlacedExtent<'_> {
         [0.5, 1.0].into_iter().any(|step| {
             let place = self.frame.to_world(along(at, out, step * cell));
             let is_free = |other: &&Self| !other.surface.contains(other.frame.to_part(place));
-            ground.is_fluid_at(place) && others.iter().all(is_free)
+            ground.is_fluid_at(place.into()) && others.iter().all(is_free)
         })
     }
 }

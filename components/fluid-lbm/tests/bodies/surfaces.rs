@@ -53,7 +53,7 @@ impl Seal {
         place: impl Fn([f64; 3]) -> [f64; 3],
         velocity: impl Fn([f64; 3]) -> [f64; 3],
     ) -> Vec<SurfaceVertex> {
-        let places = self.turned.places(&self.points).into_iter().map(place);
+        let places = self.turned.places(&self.points).into_iter().map(|x| place(x.into()));
         places.map(|position| SurfaceVertex { position, velocity: velocity(position) }).collect()
     }
 
@@ -95,7 +95,7 @@ fn a_surface_moved_as_a_whole_is_a_moving_part() {
     let round: Vec<_> = half_circle(4.9).into_iter().map(flat).collect();
     let mut seal = Seal::new(&mut scene, &round, 36, begin);
     let mut text = String::new();
-    for [x, y, z] in seal.turned.places(&seal.points) {
+    for [x, y, z] in seal.turned.places(&seal.points).into_iter().map(<[f64; 3]>::from) {
         writeln!(text, "v {x:?} {y:?} {z:?}").unwrap();
     }
     for [a, b, c] in &seal.turned.triangles {
@@ -239,7 +239,7 @@ impl Breathing {
     }
 
     fn volume(&self, scale: f64) -> f64 {
-        let vertices = self.at(scale, 0.0).iter().map(|vertex| vertex.position).collect();
+        let vertices = self.at(scale, 0.0).iter().map(|vertex| vertex.position.into()).collect();
         let triangles = self.seal.turned.triangles.clone();
         tremie_geometry::Mesh { vertices, triangles }.moments().volume
     }

@@ -183,6 +183,7 @@ fn run(lay: Lay, steps: usize) -> Told {
         let squeeze = 1.0 - 1e-3 * t;
         let vertices: Vec<_> = places
             .iter()
+            .map(|place| <[f64; 3]>::from(*place))
             .map(|[x, y, z]| SurfaceVertex {
                 position: lay.out([26.2 - 0.01 * t + x, 6.8 + y, 5.7 + squeeze * z]),
                 velocity: lay.out([-0.01, 0.0, -1e-3 * z]),

@@ -111,7 +111,7 @@ fn grooves_of(surface: &Surface, cavity: bool) -> Vec<Grooves> {
 fn give_ranks(parts: &mut [PlacedPart]) {
     let key = |part: &PlacedPart| {
         let Bounds { min, max } = part.surface.mesh().placed(&part.pose).bounds();
-        [min, max].concat()
+        [<[f64; 3]>::from(min), max.into()].concat()
     };
     let keys: Vec<Vec<f64>> = parts.iter().map(key).collect();
     let mut order: Vec<usize> = (0..parts.len()).collect();
@@ -148,7 +148,7 @@ impl PlacedPart {
             Drive::Path(path) => path.twist(0.0),
             Drive::Slider(slider) => slider.twist(),
         };
-        let home = Pose { position: surface.endless().place(position), ..part.pose };
+        let home = Pose { position: surface.endless().place(position).into(), ..part.pose };
         let frame = Frame::of(&home);
         Self {
             grooves: grooves_of(&surface, part.cavity),
@@ -260,7 +260,7 @@ impl PlacedPart {
         }
         self.pose.position = wrapped.into();
         let home = self.endless.place(self.pose.position);
-        self.frame = Frame::of(&Pose { position: home, ..self.pose });
+        self.frame = Frame::of(&Pose { position: home.into(), ..self.pose });
         (0..3).any(|a| wrapped[a] != position[a] && !self.endless.straight[a])
     }
 
@@ -292,30 +292,30 @@ impl PlacedPart {
     /// A point of the world in the part's frame.
     #[inline(always)]
     pub fn to_part(&self, x: Vec3) -> Vec3 {
-        self.frame.to_part(x.into()).into()
+        self.frame.to_part(x)
     }
 
     /// A direction of the part in the world.
     #[inline(always)]
     pub fn to_world(&self, direction: Vec3) -> Vec3 {
-        self.frame.turn_to_world(direction.into()).into()
+        self.frame.turn_to_world(direction)
     }
 
     /// A triangle, in the part's frame, its normal to the side of the grains.
     #[inline(always)]
     pub fn triangle(&self, index: u32) -> Triangle {
         let surface = &self.surface;
-        let normal = Vec3::from(surface.normal(index));
+        let normal = surface.normal(index);
         Triangle {
             grooves: self.grooves[index as usize],
-            corners: surface.mesh().corners(index as usize).map(Vec3::from),
+            corners: surface.mesh().corners(index as usize),
             normal: if self.cavity { -normal } else { normal },
         }
     }
 
     /// Puts into `out` the triangles near a sphere with its centre at `x`, in the part's frame.
     pub fn triangles_near(&self, x: Vec3, radius: f64, out: &mut Vec<u32>) {
-        let bounds = Bounds { min: x.into(), max: x.into() }.grown(radius);
+        let bounds = Bounds { min: x, max: x }.grown(radius);
         if self.surface.bounds().meets(&bounds) {
             self.surface.triangles_near(&bounds, out);
         } else {
@@ -329,14 +329,14 @@ impl PlacedPart {
         if self.cavity {
             corners.swap(1, 2);
         }
-        let place = |corner: Vec3| self.frame.to_world(corner.into()).into();
+        let place = |corner: Vec3| self.frame.to_world(corner);
         let normal = self.to_world(normal);
         Triangle { corners: corners.map(place), normal, grooves: Grooves::NONE }
     }
 
     /// Whether a point of the world can be closer to the solid than `gap`.
     pub fn is_near(&self, x: Vec3, gap: f64) -> bool {
-        self.cavity || self.surface.bounds().grown(gap).contains(self.to_part(x).into())
+        self.cavity || self.surface.bounds().grown(gap).contains(self.to_part(x))
     }
 
     /// Pose and velocity as those of the body `id`.
@@ -354,15 +354,15 @@ impl PlacedPart {
     /// vector along which it grows.
     pub fn clearance(&self, x: Vec3) -> (f64, Vec3) {
         let x = self.to_part(x);
-        let closest = self.surface.closest(x.into());
+        let closest = self.surface.closest(x);
         let sign = if self.cavity { -1.0 } else { 1.0 };
-        let away = x - Vec3::from(closest.point);
+        let away = x - closest.point;
         let length = away.norm_squared().sqrt();
         // On the surface itself there is no line to the closest point.
         let direction = if length > 1e-9 * self.bounding_radius() {
             away * (closest.distance.signum() / length)
         } else {
-            Vec3::from(closest.normal)
+            closest.normal
         };
         (sign * closest.distance, self.to_world(direction * sign))
     }

@@ -49,7 +49,7 @@ fn deformable(scene: &Scene, surface: &scene::DeformableSurface) -> Option<Defor
     let Motion::Slider(_) = part.motion else { return None };
     let turned = Turned::of(surface);
     let (outer, inner) = (Frame::of(&part.pose), Frame::of(&surface.pose));
-    let place = |x| outer.to_world(inner.to_world(x));
+    let place = |x| outer.to_world(inner.to_world(x)).into();
     Some(DeformableSurface {
         vertices: turned.places(surface.start_points()).into_iter().map(place).collect(),
         triangles: turned.triangles,

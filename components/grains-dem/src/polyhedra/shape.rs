@@ -39,7 +39,7 @@ impl Shape {
     pub fn of(shape: &SceneShape) -> Result<Self, ConvexError> {
         let convex = Convex::hull(&shape.vertices)?.unit();
         let moments = convex.moments();
-        let (inertia, axes) = principal(moments.inertia);
+        let (inertia, axes) = principal(&moments.inertia);
         let mut corners = Vec::new();
         let mut ends = vec![0];
         for face in convex.faces() {
@@ -47,8 +47,8 @@ impl Shape {
             ends.push(corners.len() as u32);
         }
         Ok(Self {
-            vertices: convex.vertices().iter().map(|&v| v.into()).collect(),
-            normals: convex.faces().iter().map(|face| face.normal.into()).collect(),
+            vertices: convex.vertices().to_vec(),
+            normals: convex.faces().iter().map(|face| face.normal).collect(),
             offsets: convex.faces().iter().map(|face| face.offset).collect(),
             corners,
             ends,
@@ -56,7 +56,7 @@ impl Shape {
             inradius: convex.inradius(),
             largest_face: convex.largest_face(),
             inertia: inertia.map(|i| i / moments.volume),
-            axes: axes.map(Vec3::from),
+            axes,
         })
     }
 

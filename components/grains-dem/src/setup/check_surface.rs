@@ -38,7 +38,10 @@ fn one(
     problems: &mut Vec<Problem>,
 ) {
     let before = problems.len();
-    let mesh = Mesh { vertices: surface.vertices.clone(), triangles: surface.triangles.clone() };
+    let mesh = Mesh {
+        vertices: surface.vertices.iter().map(|&vertex| vertex.into()).collect(),
+        triangles: surface.triangles.clone(),
+    };
     if let Err(error) = Surface::new(mesh) {
         problems.extend(error.problems(&format!("{key}.triangles")));
     }

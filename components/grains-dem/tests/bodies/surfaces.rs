@@ -42,9 +42,16 @@ fn part(name: &str, size: [f64; 3], position: [f64; 3], motion: Motion) -> Part 
     }
 }
 
+/// A ring of rubber.
+#[derive(Default)]
+struct Ring {
+    vertices: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
 /// A ring about z through the domain's middle, `rounds` x (`wide` and `high` segments) of squares
 /// in two triangles, its lower face at `z`.
-fn ring(rounds: usize, [wide, high]: [usize; 2], [r, outer, z, top]: [f64; 4]) -> Mesh {
+fn ring(rounds: usize, [wide, high]: [usize; 2], [r, outer, z, top]: [f64; 4]) -> Ring {
     let mut section = Vec::new();
     let between = |a: f64, b: f64, k: usize, n: usize| a + (b - a) * k as f64 / n as f64;
     section.extend((0..wide).map(|k| [between(r, outer, k, wide), z]));
@@ -52,7 +59,7 @@ fn ring(rounds: usize, [wide, high]: [usize; 2], [r, outer, z, top]: [f64; 4]) -
     section.extend((0..wide).map(|k| [between(outer, r, k, wide), top]));
     section.extend((0..high).map(|k| [r, between(top, z, k, high)]));
     let n = section.len();
-    let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new() };
+    let mut mesh = Ring::default();
     for i in 0..rounds {
         let (sine, cosine) = (std::f64::consts::TAU * i as f64 / rounds as f64).sin_cos();
         let place = |[r, z]: [f64; 2]| [10e-3 + r * cosine, 10e-3 + r * sine, z];
@@ -66,7 +73,7 @@ fn ring(rounds: usize, [wide, high]: [usize; 2], [r, outer, z, top]: [f64; 4]) -
     mesh
 }
 
-fn surface(mesh: &Mesh) -> DeformableSurface {
+fn surface(mesh: &Ring) -> DeformableSurface {
     DeformableSurface {
         triangles: mesh.triangles.clone(),
         vertices: mesh.vertices.clone(),
@@ -81,7 +88,7 @@ fn shifted(vertices: &[[f64; 3]], z: f64) -> Vec<[f64; 3]> {
 }
 
 /// Spheres on the floor under a ring that is pressed on them and turned away sideways.
-fn pressed() -> (Scene, Mesh) {
+fn pressed() -> (Scene, Ring) {
     let mut scene = scene([20e-3; 3], WALLS, law(2e3, 0.4, Damping::Restitution(0.5)));
     scene.gravity = [0.0, 0.0, -9.81];
     let at = |k: usize| {
@@ -94,7 +101,7 @@ fn pressed() -> (Scene, Mesh) {
     (scene, ring(40, [5, 2], [4e-3, 8e-3, 1.001e-3, 3e-3]))
 }
 
-fn held(scene: &Scene, mesh: &Mesh, threads: usize) -> GrainsDem {
+fn held(scene: &Scene, mesh: &Ring, threads: usize) -> GrainsDem {
     let parameters = Parameters::default();
     GrainsDem::with_surfaces(scene, &parameters, DT, threads, &[surface(mesh)]).unwrap()
 }
@@ -102,7 +109,7 @@ fn held(scene: &Scene, mesh: &Mesh, threads: usize) -> GrainsDem {
 const VELOCITY: [f64; 3] = [0.02, 0.01, -0.03];
 
 /// Moves the ring with one velocity through so many substeps; trials of other shapes come between.
-fn drag(dem: &mut GrainsDem, mesh: &Mesh, steps: u32, trials: u32) -> Vec<FacetLoad> {
+fn drag(dem: &mut GrainsDem, mesh: &Ring, steps: u32, trials: u32) -> Vec<FacetLoad> {
     let velocities = vec![VELOCITY; mesh.vertices.len()];
     let mut loads = Vec::new();
     dem.begin_window(steps, &[]).unwrap();
@@ -134,7 +141,9 @@ fn a_rigid_surface_is_a_part_of_the_same_shape() {
     let loads = drag(&mut soft, &mesh, 10_000, 0);
 
     let mut file = tempfile::Builder::new().suffix(".stl").tempfile().unwrap();
-    mesh.write_stl(&mut file, 1e-3).unwrap();
+    let vertices = mesh.vertices.iter().map(|&vertex| vertex.into()).collect();
+    let solid = Mesh { vertices, triangles: mesh.triangles.clone() };
+    solid.write_stl(&mut file, 1e-3).unwrap();
     let mut rigid = scene.clone();
     let course = vec![MotionPoint { time: 0.0, velocity: VELOCITY, angular_velocity: [0.0; 3] }];
     let path = file.path().to_string_lossy().into_owned();

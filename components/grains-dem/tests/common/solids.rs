@@ -18,10 +18,9 @@ pub fn wedge() -> Shape {
         [1.8, 0.1, 0.8],
         [0.2, 1.0, 0.7],
     ];
-    Shape {
-        name: "wedge".into(),
-        vertices: tremie_geometry::Convex::hull(&vertices).unwrap().vertices().to_vec(),
-    }
+    let hull = tremie_geometry::Convex::hull(&vertices).unwrap();
+    let vertices = hull.vertices().iter().map(|&corner| corner.into()).collect();
+    Shape { name: "wedge".into(), vertices }
 }
 
 /// The diameter of a sphere as large as a cube of an edge.

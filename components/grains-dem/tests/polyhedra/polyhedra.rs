@@ -181,7 +181,7 @@ fn momenta(scene: &Scene, dem: &GrainsDem) -> ([f64; 3], [f64; 3]) {
         let w = to_world(back, body.angular_velocity);
         let scale = m * list[0].diameter.powi(2) / volume;
         let in_body: [f64; 3] =
-            std::array::from_fn(|i| scale * (0..3).map(|j| inertia[i][j] * w[j]).sum::<f64>());
+            std::array::from_fn(|i| scale * (0..3).map(|j| inertia[(i, j)] * w[j]).sum::<f64>());
         let spin = to_world(q, in_body);
         let orbit = cross(body.position, body.velocity.map(|v| m * v));
         for a in 0..3 {

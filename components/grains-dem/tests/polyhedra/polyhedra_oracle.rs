@@ -27,7 +27,7 @@ fn some_turn() -> impl Strategy<Value = [f64; 4]> {
 /// The corners at the size of a body, from its centroid.
 fn corners(shape: &Shape) -> Vec<Vector> {
     let unit = Convex::hull(&shape.vertices).unwrap().unit();
-    unit.vertices().iter().map(|v| Vector::from_array(v.map(|x| x * SIZE))).collect()
+    unit.vertices().iter().map(|v| Vector::from_array((v * SIZE).into())).collect()
 }
 
 fn pose(at: [f64; 3], q: [f64; 4]) -> Pose {
@@ -45,7 +45,7 @@ proptest! {
         prop_assert!((properties.mass() / mass(SIZE) - 1.0).abs() < 1e-12);
         prop_assert!(properties.local_com.length() < 1e-14);
         let convex = Convex::hull(&own.vertices).unwrap().unit();
-        let (ours, _) = tremie_geometry::principal(convex.moments().inertia);
+        let (ours, _) = tremie_geometry::principal(&convex.moments().inertia);
         let mut ours = ours.map(|moment| moment * DENSITY * SIZE.powi(5));
         let mut theirs = properties.principal_inertia().to_array();
         ours.sort_by(f64::total_cmp);

@@ -41,8 +41,9 @@ fn what_is_dropped_comes_to_rest_on_a_face() {
         assert!(norm(body.velocity) < 1e-6, "{name}: {body:?}");
         assert!(norm(body.angular_velocity) < 1e-3, "{name}: {body:?}");
         let hull = tremie_geometry::Convex::hull(&scene.shapes[0].vertices).unwrap().unit();
-        let down =
-            |face: &&tremie_geometry::ConvexFace| -to_world(body.orientation, face.normal)[2];
+        let down = |face: &&tremie_geometry::ConvexFace| {
+            -to_world(body.orientation, face.normal.into())[2]
+        };
         let lowest = hull.faces().iter().max_by(|a, b| down(a).total_cmp(&down(b))).unwrap();
         assert!(down(&lowest) > 1.0 - 1e-6, "{name}: {}", down(&lowest));
         let height = body.position[2] / (lowest.offset * 2e-3);

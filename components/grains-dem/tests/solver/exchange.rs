@@ -272,7 +272,7 @@ fn run_on_surface(far: bool) -> Vec<BodyState> {
     }];
     let block = Mesh::of(&Geometry::Box { size: [5e-3, 5e-3, 1e-3] }).unwrap();
     let vertices: Vec<[f64; 3]> =
-        block.vertices.iter().map(|[x, y, z]| [x + 3e-3, y + 3e-3, z + 3.6e-3]).collect();
+        block.vertices.iter().map(|v| [v.x + 3e-3, v.y + 3e-3, v.z + 3.6e-3]).collect();
     let surface = DeformableSurface {
         triangles: block.triangles.clone(),
         vertices: vertices.clone(),

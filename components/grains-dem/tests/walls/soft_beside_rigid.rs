@@ -2,7 +2,6 @@
 
 use crate::common::walls::*;
 use crate::common::*;
-use tremie_geometry::Mesh;
 use tremie_grains_dem::{DeformableSurface, FacetLoad, GrainsDem, Parameters, SurfaceState};
 use tremie_messages::{
     body::BodyState,
@@ -31,7 +30,7 @@ fn carrier() -> Part {
 
 /// A block of rubber between two corners [mm], its faces cut into squares of two triangles, so many along each edge.
 fn rubber(low: [f64; 3], high: [f64; 3], cuts: usize) -> DeformableSurface {
-    let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new() };
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for (axis, side) in (0..6).map(|k| (k / 2, k % 2)) {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let at = |i: usize, j: usize| {
@@ -44,20 +43,20 @@ fn rubber(low: [f64; 3], high: [f64; 3], cuts: usize) -> DeformableSurface {
         for (i, j) in (0..cuts * cuts).map(|k| (k / cuts, k % cuts)) {
             let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
             let mut number = |x: [f64; 3]| {
-                let known = mesh.vertices.iter().position(|&y| y == x);
+                let known = vertices.iter().position(|&y| y == x);
                 known.unwrap_or_else(|| {
-                    mesh.vertices.push(x);
-                    mesh.vertices.len() - 1
+                    vertices.push(x);
+                    vertices.len() - 1
                 }) as u32
             };
             let [a, b, c, d] = corners.map(&mut number);
             let turned = |[a, b, c]: [u32; 3]| if side == 1 { [a, b, c] } else { [a, c, b] };
-            mesh.triangles.extend([turned([a, b, c]), turned([a, c, d])]);
+            triangles.extend([turned([a, b, c]), turned([a, c, d])]);
         }
     }
     DeformableSurface {
-        triangles: mesh.triangles,
-        vertices: mesh.vertices,
+        triangles,
+        vertices,
         carrier: 0,
         material: "wall".into(),
         seat_stiffness: 1e10,

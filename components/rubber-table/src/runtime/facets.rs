@@ -4,6 +4,7 @@ use crate::mesh::Point;
 use crate::runtime::force::{Facet, Sums};
 use crate::table::{FacetKind, Surface};
 use std::f64::consts::PI;
+use tremie_geometry::Vec3;
 use tremie_messages::scene::Section;
 
 /// Facets by sector.
@@ -83,10 +84,10 @@ impl SectorFacets {
     }
 
     /// The part of a load [N], in the section's frame, that presses on a facet.
-    pub fn inward(&self, facet: usize, load: [f64; 3]) -> f64 {
+    pub fn inward(&self, facet: usize, load: Vec3) -> f64 {
         let Turned { from, cos, sin } = self.turned[facet];
-        let [x, y, z] = load;
-        self.now[from as usize].inward([cos * x + sin * y, cos * y - sin * x, z])
+        let [x, y, z] = load.into();
+        self.now[from as usize].inward(Vec3::new(cos * x + sin * y, cos * y - sin * x, z))
     }
 }
 
@@ -106,7 +107,7 @@ mod tests {
             let surface = Surface::new(&section, sectors as usize);
             let facets = SectorFacets::new(&section, sectors, &surface, &points);
             assert_eq!(facets.turned.len(), surface.triangles.len());
-            let load = [0.3, -0.7, 1.9];
+            let load = Vec3::new(0.3, -0.7, 1.9);
             for (number, triangle) in surface.triangles.iter().enumerate() {
                 let corners = triangle.map(|vertex| surface.place(&points, vertex as usize));
                 let facet = Facet::new(corners);

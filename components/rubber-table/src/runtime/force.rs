@@ -2,6 +2,7 @@
 //! missing signs).
 
 use crate::table::{FacetKind, Surface};
+use tremie_geometry::Vec3;
 
 /// How the load where the ring touches its seat is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,14 +37,14 @@ pub struct EffectiveForce {
 pub fn effective_force(
     form: Form,
     surface: &Surface,
-    places: &[[f64; 3]],
-    loads: &[[f64; 3]],
+    places: &[Vec3],
+    loads: &[Vec3],
 ) -> EffectiveForce {
     let mut sums = Sums::default();
     for ((triangle, kind), load) in surface.triangles.iter().zip(&surface.kinds).zip(loads) {
         let facet = Facet::new(triangle.map(|vertex| places[vertex as usize]));
         sums.add_area(*kind, &facet, 1.0);
-        sums.add_load(*kind, facet.inward(*load), load[2]);
+        sums.add_load(*kind, facet.inward(*load), load.z);
     }
     sums.force(form)
 }
@@ -60,7 +61,7 @@ impl Sums {
     pub(super) fn add_area(&mut self, kind: FacetKind, facet: &Facet, times: f64) {
         if let Some(sum) = self.of(kind) {
             sum.area += times * facet.area;
-            sum.projected -= times * facet.area * facet.outward[2];
+            sum.projected -= times * facet.area * facet.outward.z;
         }
     }
 
@@ -122,30 +123,21 @@ pub(super) struct Facet {
     /// Its area [m²].
     pub area: f64,
     /// The unit vector outwards; zero where it has no area.
-    outward: [f64; 3],
+    outward: Vec3,
 }
 
 impl Facet {
     /// With these corners [m].
-    pub fn new([a, b, c]: [[f64; 3]; 3]) -> Self {
-        let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
-        let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
-        let cross =
-            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let twice = length(cross);
-        let outward = cross.map(|x| if twice > 0.0 { x / twice } else { 0.0 });
-        Self { area: 0.5 * twice, outward }
+    pub fn new([a, b, c]: [Vec3; 3]) -> Self {
+        let normal = (b - a).cross(&(c - a));
+        let outward = normal.try_normalize(0.0).unwrap_or_default();
+        Self { area: 0.5 * normal.norm(), outward }
     }
 
     /// The part of a load [N] that presses on it.
-    pub fn inward(&self, load: [f64; 3]) -> f64 {
-        let [x, y, z] = self.outward;
-        -(x * load[0] + y * load[1] + z * load[2])
+    pub fn inward(&self, load: Vec3) -> f64 {
+        -self.outward.dot(&load)
     }
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 #[cfg(test)]
@@ -154,7 +146,7 @@ mod tests {
     use crate::table::{Contents, Facets, Table};
 
     /// A ring with a tilted foot.
-    fn ring() -> (Surface, Vec<[f64; 3]>) {
+    fn ring() -> (Surface, Vec<Vec3>) {
         let frame = |c: f64| vec![[1.0, c], [2.0, 0.3 + c], [2.0, 1.0], [1.0, 1.0]];
         let table = Table::new(Contents {
             compressions: vec![0.0, 0.1],
@@ -175,16 +167,10 @@ mod tests {
     }
 
     /// Normal of each triangle times its area.
-    fn normals(surface: &Surface, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    fn normals(surface: &Surface, places: &[Vec3]) -> Vec<Vec3> {
         let cross = |triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|vertex| places[vertex as usize]);
-            let u: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
-            let v: [f64; 3] = std::array::from_fn(|i| c[i] - a[i]);
-            [
-                0.5 * (u[1] * v[2] - u[2] * v[1]),
-                0.5 * (u[2] * v[0] - u[0] * v[2]),
-                0.5 * (u[0] * v[1] - u[1] * v[0]),
-            ]
+            (b - a).cross(&(c - a)) * 0.5
         };
         surface.triangles.iter().map(cross).collect()
     }
@@ -192,8 +178,7 @@ mod tests {
     #[test]
     fn a_pressure_all_around_compresses_nothing() {
         let (surface, places) = ring();
-        let loads: Vec<[f64; 3]> =
-            normals(&surface, &places).into_iter().map(|n| n.map(|n| -4.65e5 * n)).collect();
+        let loads: Vec<Vec3> = normals(&surface, &places).iter().map(|n| n * -4.65e5).collect();
         for form in [Form::Axial, Form::Pressure] {
             let found = effective_force(form, &surface, &places, &loads);
             assert!(found.force.abs() < 1e-12 * 4.65e5 * found.seat_area, "{form:?}: {found:?}");
@@ -204,25 +189,26 @@ mod tests {
     #[test]
     fn a_push_along_the_axis_counts_whole_and_its_pressure_with_the_slope() {
         let (surface, places) = ring();
-        let mut loads = vec![[0.0; 3]; surface.triangles.len()];
-        loads[3] = [0.0, 0.0, 7.0];
+        let mut loads = vec![Vec3::zeros(); surface.triangles.len()];
+        loads[3] = Vec3::z() * 7.0;
         let axial = effective_force(Form::Axial, &surface, &places, &loads);
         assert!((axial.force - 7.0).abs() < 1e-12);
         let pressure = effective_force(Form::Pressure, &surface, &places, &loads);
         // Of 16 sectors' flat facets, the foot's slope is steeper than the section's.
         let normal = normals(&surface, &places)[3];
-        let size = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
-        assert!((pressure.force + 7.0 * normal[2] / size).abs() < 1e-12 && pressure.force < 7.0);
+        assert!(
+            (pressure.force + 7.0 * normal.z / normal.norm()).abs() < 1e-12 && pressure.force < 7.0
+        );
     }
 
     #[test]
     fn loads_on_steel_and_shear_around_count_nothing() {
         let (surface, places) = ring();
-        let mut loads = vec![[0.0; 3]; surface.triangles.len()];
+        let mut loads = vec![Vec3::zeros(); surface.triangles.len()];
         for (load, kind) in loads.iter_mut().zip(&surface.kinds) {
             match kind {
-                FacetKind::Covered | FacetKind::Bonded => *load = [3.0, 1.0, -5.0],
-                FacetKind::Exposed => *load = [0.0, 0.0, 2.0],
+                FacetKind::Covered | FacetKind::Bonded => *load = Vec3::new(3.0, 1.0, -5.0),
+                FacetKind::Exposed => *load = Vec3::z() * 2.0,
                 FacetKind::Seat => {}
             }
         }

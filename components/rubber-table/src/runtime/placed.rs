@@ -2,7 +2,8 @@
 
 use crate::mesh::Point;
 use crate::table::Surface;
-use tremie_geometry::Frame;
+use nalgebra::Matrix3;
+use tremie_geometry::{Frame, Vec3};
 use tremie_messages::scene::Pose;
 use tremie_messages::{BodyState, SurfaceVertex};
 
@@ -11,11 +12,11 @@ use tremie_messages::{BodyState, SurfaceVertex};
 pub(super) struct Placed {
     /// The section's frame in the carrier's.
     inner: Pose,
-    /// The section's axes x, y and z in the world.
-    axes: [[f64; 3]; 3],
+    /// The section's axes x, y and z in the world: columns.
+    axes: Matrix3<f64>,
     /// Direction of each vertex from the axis, in the world, times the polygon's stretch.
-    radial: Vec<[f64; 3]>,
-    origin: [f64; 3],
+    radial: Vec<Vec3>,
+    origin: Vec3,
     carrier: BodyState,
 }
 
@@ -23,8 +24,9 @@ impl Placed {
     /// At rest, its carrier at the world's origin.
     pub fn new(inner: Pose, surface: &Surface) -> Self {
         let carrier = BodyState::at_rest(0, [0.0; 3]);
-        let radial = vec![[0.0; 3]; surface.vertex_count()];
-        let mut placed = Self { inner, axes: [[0.0; 3]; 3], radial, origin: [0.0; 3], carrier };
+        let radial = vec![Vec3::zeros(); surface.vertex_count()];
+        let (axes, origin) = (Matrix3::zeros(), Vec3::zeros());
+        let mut placed = Self { inner, axes, radial, origin, carrier };
         placed.follow(&carrier, surface);
         placed
     }
@@ -33,11 +35,9 @@ impl Placed {
     pub fn follow(&mut self, carrier: &BodyState, surface: &Surface) {
         let BodyState { position, orientation, .. } = *carrier;
         let (outer, inner) = (Frame::of(&Pose { position, orientation }), Frame::of(&self.inner));
-        let axis = |k: usize| {
-            let unit = std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
-            outer.turn_to_world(inner.turn_to_world(unit))
-        };
-        let axes = std::array::from_fn(axis);
+        let axes = [Vec3::x(), Vec3::y(), Vec3::z()]
+            .map(|axis| outer.turn_to_world(inner.turn_to_world(axis)));
+        let axes = Matrix3::from_columns(&axes);
         self.origin = outer.to_world(self.inner.position);
         self.carrier = *carrier;
         // Most carriers slide and never turn.
@@ -45,7 +45,7 @@ impl Placed {
             self.axes = axes;
             for (vertex, radial) in self.radial.iter_mut().enumerate() {
                 let [cos, sin] = surface.turn(vertex);
-                *radial = std::array::from_fn(|i| cos * axes[0][i] + sin * axes[1][i]);
+                *radial = axes.column(0) * cos + axes.column(1) * sin;
             }
         }
     }
@@ -58,30 +58,26 @@ impl Placed {
         rates: &[Point],
         out: &mut [SurfaceVertex],
     ) {
-        let BodyState { position, velocity, angular_velocity: w, .. } = self.carrier;
-        let z = self.axes[2];
+        let BodyState { position, velocity, angular_velocity, .. } = self.carrier;
+        let (velocity, spin) = (Vec3::from(velocity), Vec3::from(angular_velocity));
+        let (reference, z) = (Vec3::from(position), self.axes.column(2));
         for ((point, radial), out) in surface.section.iter().zip(&self.radial).zip(out) {
             let ([r, h], [dr, dh]) = (points[*point as usize], rates[*point as usize]);
-            let place = std::array::from_fn(|i| self.origin[i] + (r * radial[i] + h * z[i]));
-            let arm: [f64; 3] = std::array::from_fn(|i| place[i] - position[i]);
-            let turning = [
-                w[1] * arm[2] - w[2] * arm[1],
-                w[2] * arm[0] - w[0] * arm[2],
-                w[0] * arm[1] - w[1] * arm[0],
-            ];
-            let moving = |i: usize| velocity[i] + turning[i] + (dr * radial[i] + dh * z[i]);
-            *out = SurfaceVertex { position: place, velocity: std::array::from_fn(moving) };
+            let place = self.origin + (radial * r + z * h);
+            let turning = spin.cross(&(place - reference));
+            let moving = velocity + turning + (radial * dr + z * dh);
+            *out = SurfaceVertex { position: place.into(), velocity: moving.into() };
         }
     }
 
     /// A vector of the world in the section's frame.
-    pub fn turn_to_section(&self, vector: [f64; 3]) -> [f64; 3] {
-        self.axes.map(|axis| axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2])
+    pub fn turn_to_section(&self, vector: Vec3) -> Vec3 {
+        self.axes.tr_mul(&vector)
     }
 
     /// Reference point of the carrier.
-    pub fn reference(&self) -> [f64; 3] {
-        self.carrier.position
+    pub fn reference(&self) -> Vec3 {
+        self.carrier.position.into()
     }
 }
 
@@ -117,20 +113,15 @@ mod tests {
         let later: Vec<Point> =
             points.iter().zip(&rates).map(|(p, v)| [p[0] + v[0] * dt, p[1] + v[1] * dt]).collect();
         let moved = surface.places(&later);
-        let close = |a: [f64; 3], b: [f64; 3], by: f64| (0..3).all(|i| (a[i] - b[i]).abs() < by);
+        let close = |a: Vec3, b: Vec3, by: f64| (a - b).amax() < by;
         for (vertex, out) in out.iter().enumerate() {
             let place = outer.to_world(inner.to_world(local[vertex]));
-            assert!(close(out.position, place, 1e-12));
+            assert!(close(out.position.into(), place, 1e-12));
             let grown = outer.to_world(inner.to_world(moved[vertex]));
-            let arm: [f64; 3] = std::array::from_fn(|i| place[i] - carrier.position[i]);
-            let w = carrier.angular_velocity;
-            let turning = [
-                w[1] * arm[2] - w[2] * arm[1],
-                w[2] * arm[0] - w[0] * arm[2],
-                w[0] * arm[1] - w[1] * arm[0],
-            ];
-            let expected = |i: usize| carrier.velocity[i] + turning[i] + (grown[i] - place[i]) / dt;
-            assert!(close(out.velocity, std::array::from_fn(expected), 1e-6));
+            let arm = place - Vec3::from(carrier.position);
+            let turning = Vec3::from(carrier.angular_velocity).cross(&arm);
+            let expected = Vec3::from(carrier.velocity) + turning + (grown - place) / dt;
+            assert!(close(out.velocity.into(), expected, 1e-6));
             let back =
                 placed.turn_to_section(outer.turn_to_world(inner.turn_to_world(local[vertex])));
             assert!(close(back, local[vertex], 1e-12));

@@ -6,6 +6,7 @@ use crate::runtime::force::{EffectiveForce, Form};
 use crate::runtime::placed::Placed;
 use crate::runtime::step::{Impedance, Law, Outcome, Settled, Start, Step, StepError};
 use crate::table::{FacetKind, Surface, Table};
+use tremie_geometry::Vec3;
 use tremie_messages::scene::DeformableSurface;
 use tremie_messages::{BodyState, FacetLoad, Load, SurfaceVertex};
 
@@ -113,8 +114,8 @@ struct FromFluid {
     /// Its part of the effective force [N].
     effective: f64,
     /// Resultant [N], and its moment about the world's origin [N m].
-    force: [f64; 3],
-    moment: [f64; 3],
+    force: Vec3,
+    moment: Vec3,
 }
 
 /// Passes of a window.
@@ -215,13 +216,11 @@ impl Seal {
         let mut fluid = FromFluid::default();
         for FacetLoad { facet, force, point, .. } in loads {
             let facet = facet as usize;
+            let force = Vec3::from(force);
             let local = self.placed.turn_to_section(force);
-            sums.add_load(self.facets.kind(facet), self.facets.inward(facet, local), local[2]);
-            let moment = cross(point, force);
-            for i in 0..3 {
-                fluid.force[i] += force[i];
-                fluid.moment[i] += moment[i];
-            }
+            sums.add_load(self.facets.kind(facet), self.facets.inward(facet, local), local.z);
+            fluid.force += force;
+            fluid.moment += Vec3::from(point).cross(&force);
         }
         fluid.effective = sums.force(self.form).force;
         self.fluid = fluid;
@@ -314,8 +313,8 @@ impl Seal {
     /// reference point.
     pub fn resultant(&self) -> Load {
         let FromFluid { force, moment, .. } = self.fluid;
-        let about = cross(self.placed.reference(), force);
-        Load { id: 0, force, torque: std::array::from_fn(|i| moment[i] - about[i]) }
+        let torque = moment - self.placed.reference().cross(&force);
+        Load { id: 0, force: force.into(), torque: torque.into() }
     }
 
     fn begin(
@@ -370,8 +369,8 @@ impl Seal {
         for FacetLoad { facet, force, stiffness, .. } in contacts {
             let facet = facet as usize;
             let kind = self.facets.kind(facet);
-            let local = self.placed.turn_to_section(force);
-            sums.add_load(kind, self.facets.inward(facet, local), local[2]);
+            let local = self.placed.turn_to_section(force.into());
+            sums.add_load(kind, self.facets.inward(facet, local), local.z);
             if kind == FacetKind::Seat {
                 seat_stiffness += stiffness;
             }
@@ -387,7 +386,8 @@ impl Seal {
             if self.facets.kind(facet) != FacetKind::Seat {
                 continue;
             }
-            self.pressing[facet] += self.facets.inward(facet, self.placed.turn_to_section(force));
+            self.pressing[facet] +=
+                self.facets.inward(facet, self.placed.turn_to_section(force.into()));
             let area = self.facets.area(facet);
             if area > 0.0 {
                 peak = peak.max(self.pressing[facet] / area);
@@ -404,8 +404,4 @@ impl Passes {
         self.all += passes;
         self.most = self.most.max(passes);
     }
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

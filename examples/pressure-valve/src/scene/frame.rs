@@ -89,7 +89,7 @@ impl Frame {
         let axis = self.axis;
         let at = |k: usize, z: f64| {
             let [cos, sin] = direction(k);
-            [radius * cos, axis + radius * sin, z]
+            Vec3::new(radius * cos, axis + radius * sin, z)
         };
         for k in 0..N {
             let (a, b) = (k, k + 1);
@@ -105,11 +105,11 @@ impl Frame {
         let axis = self.axis;
         let foot = |k: usize| {
             let [cos, sin] = direction(k);
-            [radius * cos, axis + (radius * sin).abs(), radius * sin]
+            Vec3::new(radius * cos, axis + (radius * sin).abs(), radius * sin)
         };
         for k in 0..N {
             let [a, b] = [foot(k), foot(k + 1)];
-            self.quad([a, b, [b[0], top, b[2]], [a[0], top, a[2]]]);
+            self.quad([a, b, Vec3::new(b.x, top, b.z), Vec3::new(a.x, top, a.z)]);
         }
     }
 
@@ -119,7 +119,7 @@ impl Frame {
         let (axis, stretch) = (self.axis, self.stretch);
         self.sweep(profile, |[cos, sin], [r, z]| {
             let r = stretch * r;
-            [r * cos, axis + r * sin, z]
+            Vec3::new(r * cos, axis + r * sin, z)
         });
     }
 
@@ -128,7 +128,7 @@ impl Frame {
         let stretch = self.stretch;
         self.sweep(profile, |[cos, sin], [r, y]| {
             let r = stretch * r;
-            [r * cos, y, r * sin]
+            Vec3::new(r * cos, y, r * sin)
         });
     }
 
@@ -203,7 +203,7 @@ mod tests {
         let mesh = frame(&Dimensions::default(), 1e-3).unwrap();
         let sorted = |sign: f64| {
             let mut points: Vec<_> =
-                mesh.vertices.iter().map(|[x, y, z]| [sign * x + 0.0, *y, *z]).collect();
+                mesh.vertices.iter().map(|v| [sign * v.x + 0.0, v.y, v.z]).collect();
             points.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
             points
         };

@@ -19,7 +19,7 @@ pub fn closed(
 ) -> Result<Mesh, EndlessFault> {
     let used = walls.iter().flatten().map(|&v| patch.vertices[v as usize]);
     let bounds = Bounds::of(used);
-    let away = bounds.size().into_iter().chain(domain.size()).fold(0.0, f64::max);
+    let away = bounds.size().sup(&domain.size().into()).max().max(0.0);
     patch.faces = walls.iter().map(|t| t.to_vec()).collect();
     let first_apex = patch.vertices.len() as u32;
     for axis in (0..3).filter(|&a| axes[a]) {

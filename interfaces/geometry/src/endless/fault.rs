@@ -108,6 +108,6 @@ fn names(axes: [bool; 3]) -> String {
 }
 
 fn place(at: Vec3) -> String {
-    let [x, y, z] = at.map(digits);
+    let [x, y, z] = at.map(digits).into();
     format!("({x}, {y}, {z}) m")
 }

@@ -17,7 +17,6 @@ mod seams;
 
 pub use fault::EndlessFault;
 
-use crate::vector::{cross, dot, norm, sub};
 use crate::{Bounds, Frame, GeometryError, Mesh, Surface, Vec3};
 use patch::Patch;
 use tremie_messages::Problem;
@@ -43,7 +42,8 @@ pub struct Endless {
 impl Endless {
     /// Where the surface is to be placed when the part's origin is at `position` [m]: along an axis on which the part is
     /// straight always at the same place, along another endless one within half a period of where the scene has it.
-    pub fn place(&self, mut position: Vec3) -> Vec3 {
+    pub fn place(&self, position: impl Into<Vec3>) -> Vec3 {
+        let mut position = position.into();
         for a in (0..3).filter(|&a| self.axes[a]) {
             let away = position[a] - self.origin[a];
             let periods = libm::round(away / self.period[a]);
@@ -97,8 +97,7 @@ impl Surface {
         if axes == [false; 3] {
             return Ok(whole);
         }
-        let lengths = domain.size().into_iter().chain(bounds.size());
-        let tolerance = TOLERANCE * lengths.fold(0.0, f64::max);
+        let tolerance = TOLERANCE * bounds.size().sup(&domain.size().into()).max().max(0.0);
         let mut patch = Patch::of(whole.mesh(), |v| frame.to_world(v));
         for a in (0..3).filter(|&a| axes[a]) {
             patch.cut(a, domain.min[a], 1.0, tolerance);
@@ -107,13 +106,13 @@ impl Surface {
         if patch.faces.is_empty() {
             return Err(EndlessFault::NoWall { axes }.into());
         }
-        let origin = home(part.pose.position, axes, domain);
-        let frame = Frame::of(&Pose { position: origin, ..part.pose });
+        let origin = home(part.pose.position.into(), axes, domain);
+        let frame = Frame::of(&Pose { position: origin.into(), ..part.pose });
         let endless = Endless {
             axes,
             straight: [0, 1, 2].map(|a| axes[a] && patch.is_straight(a, tolerance)),
             origin,
-            period: domain.size(),
+            period: domain.size().into(),
         };
         let ([volume, area], centroid) = one_period(&patch, axes);
         for a in (0..3).filter(|&a| axes[a]) {
@@ -169,7 +168,7 @@ fn endless_axes(bounds: &Bounds, domain: &Domain) -> Result<[bool; 3], GeometryE
 
 /// An origin brought into the domain along the axes, by whole periods.
 fn home(origin: Vec3, axes: [bool; 3], domain: &Domain) -> Vec3 {
-    std::array::from_fn(|a| {
+    Vec3::from_fn(|a, _| {
         let (away, length) = (origin[a] - domain.min[a], domain.size()[a]);
         let periods = libm::floor(away / length);
         if axes[a] && periods != 0.0 { origin[a] - periods * length } else { origin[a] }
@@ -181,16 +180,16 @@ fn home(origin: Vec3, axes: [bool; 3], domain: &Domain) -> Vec3 {
 fn one_period(patch: &Patch, axes: [bool; 3]) -> ([f64; 2], Vec3) {
     let triangles: Vec<[Vec3; 3]> =
         patch.triangles().iter().map(|t| t.map(|v| patch.vertices[v as usize])).collect();
-    let twice = |[a, b, c]: &[Vec3; 3]| cross(sub(*b, *a), sub(*c, *a));
-    let area = 0.5 * triangles.iter().map(|t| norm(twice(t))).sum::<f64>();
+    let twice = |[a, b, c]: &[Vec3; 3]| (*b - *a).cross(&(*c - *a));
+    let area = 0.5 * triangles.iter().map(|t| twice(t).norm()).sum::<f64>();
     let origin = Bounds::of(triangles.iter().flatten().copied()).centre();
     let Some(axis) = (0..3).find(|&a| !axes[a]) else { return ([0.0, area], origin) };
     let (mut volume, mut first) = (0.0, [0.0; 3]);
     for corners in &triangles {
         let weight = twice(corners)[axis] / 6.0;
         for i in 0..3 {
-            let (p, q) = (sub(corners[i], origin), sub(corners[(i + 1) % 3], origin));
-            let middle: Vec3 = std::array::from_fn(|k| 0.5 * (p[k] + q[k]));
+            let (p, q) = (corners[i] - origin, corners[(i + 1) % 3] - origin);
+            let middle: Vec3 = Vec3::from_fn(|k, _| 0.5 * (p[k] + q[k]));
             volume += weight * middle[axis];
             for (k, sum) in first.iter_mut().enumerate() {
                 let half = if k == axis { 0.5 } else { 1.0 };
@@ -198,15 +197,15 @@ fn one_period(patch: &Patch, axes: [bool; 3]) -> ([f64; 2], Vec3) {
             }
         }
     }
-    ([volume, area], std::array::from_fn(|k| origin[k] + first[k] / volume))
+    ([volume, area], Vec3::from_fn(|k, _| origin[k] + first[k] / volume))
 }
 
 /// Distance of the farthest corner from an origin, across the axes.
 fn radius_across(patch: &Patch, axes: [bool; 3], origin: Vec3) -> f64 {
     let axes = if axes == [true; 3] { [false; 3] } else { axes };
     let across = |v: &Vec3| {
-        let d = sub(*v, origin);
-        norm(std::array::from_fn(|a| if axes[a] { 0.0 } else { d[a] }))
+        let d = *v - origin;
+        Vec3::from_fn(|a, _| if axes[a] { 0.0 } else { d[a] }).norm()
     };
     patch.vertices.iter().map(across).fold(0.0, f64::max)
 }
@@ -214,7 +213,7 @@ fn radius_across(patch: &Patch, axes: [bool; 3], origin: Vec3) -> f64 {
 fn mesh_area(mesh: &Mesh, count: usize) -> f64 {
     let area = |t: usize| {
         let [a, b, c] = mesh.corners(t);
-        0.5 * norm(cross(sub(b, a), sub(c, a)))
+        0.5 * (b - a).cross(&(c - a)).norm()
     };
     (0..count).map(area).sum()
 }
@@ -228,8 +227,10 @@ pub fn motion_problem(
 ) -> Option<Problem> {
     let spins: Vec<Vec3> = match &part.motion {
         Motion::Free | Motion::Fixed | Motion::Slider(_) => Vec::new(),
-        Motion::Prescribed(points) => points.iter().map(|point| point.angular_velocity).collect(),
-        Motion::Timed(timed) => vec![timed.angular_velocity],
+        Motion::Prescribed(points) => {
+            points.iter().map(|point| point.angular_velocity.into()).collect()
+        }
+        Motion::Timed(timed) => vec![timed.angular_velocity.into()],
     };
     if part.motion == Motion::Fixed {
         return None;
@@ -261,7 +262,7 @@ fn difference([whole, period]: [&Surface; 2], frames: [Frame; 2], domain: &Domai
         let part = |s: f64| (f64::from(k) * s).fract();
         let parts = [part(0.754_877_666_2), part(0.569_840_291_0), part(0.430_159_709_0)];
         let size = domain.size();
-        std::array::from_fn(|a| domain.min[a] + parts[a] * size[a])
+        Vec3::from_fn(|a, _| domain.min[a] + parts[a] * size[a])
     });
     let number = |surface: &Surface, frame: Frame, at| surface.winding_number(frame.to_part(at));
     let mut of = points
@@ -271,10 +272,10 @@ fn difference([whole, period]: [&Surface; 2], frames: [Frame; 2], domain: &Domai
 
 /// Whether three corners that follow each other leave the middle one on the line between the others.
 fn in_line(a: Vec3, b: Vec3, c: Vec3, tolerance: f64) -> bool {
-    let (along, to) = (sub(c, a), sub(b, a));
-    let length = norm(along);
+    let (along, to) = (c - a, b - a);
+    let length = along.norm();
     length > 0.0
-        && norm(cross(along, to)) <= tolerance * length
-        && dot(along, to) > 0.0
-        && dot(along, to) < length * length
+        && along.cross(&to).norm() <= tolerance * length
+        && along.dot(&to) > 0.0
+        && along.dot(&to) < length * length
 }

@@ -1,6 +1,5 @@
 //! A piece of a surface: faces that share corners, cut at planes across the axes.
 
-use crate::vector::{cross, norm, sub};
 use crate::{Mesh, Vec3};
 use std::collections::BTreeMap;
 
@@ -61,7 +60,7 @@ impl Patch {
     fn crossing(&mut self, [from, to]: [u32; 2], axis: usize, at: f64) -> u32 {
         let (p, q) = (self.vertices[from as usize], self.vertices[to as usize]);
         let s = (at - p[axis]) / (q[axis] - p[axis]);
-        let mut new: Vec3 = std::array::from_fn(|k| p[k] + s * (q[k] - p[k]));
+        let mut new: Vec3 = Vec3::from_fn(|k, _| p[k] + s * (q[k] - p[k]));
         new[axis] = at;
         self.vertices.push(new);
         self.vertices.len() as u32 - 1
@@ -75,9 +74,9 @@ impl Patch {
                 corner[axis] = 0.0;
                 corner
             });
-            let sides = [0, 1, 2].map(|i| norm(sub(corners[(i + 1) % 3], corners[i])));
+            let sides = [0, 1, 2].map(|i| (corners[(i + 1) % 3] - corners[i]).norm());
             let longest = sides.into_iter().fold(0.0, f64::max);
-            let twice = norm(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+            let twice = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm();
             twice <= tolerance * longest
         })
     }
@@ -103,7 +102,7 @@ impl Patch {
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         let area = |t: [u32; 3]| {
             let [a, b, c] = t.map(|v| self.vertices[v as usize]);
-            norm(cross(sub(b, a), sub(c, a)))
+            (b - a).cross(&(c - a)).norm()
         };
         let mut all = Vec::with_capacity(2 * self.faces.len());
         for face in &self.faces {

@@ -3,7 +3,6 @@
 use super::patch::Patch;
 use super::{EndlessFault, in_line};
 use crate::Vec3;
-use crate::vector::{dot, norm, sub};
 use std::collections::BTreeMap;
 
 /// How far a corner may be from the line between its neighbours to be left out, over the tolerance: a cross-section that
@@ -56,7 +55,7 @@ fn outline(
     for &v in edges.iter().flatten().flatten() {
         of_vertex.entry(v).or_insert_with(|| {
             let here = flat(v);
-            let known = corners.iter().position(|&c| norm(sub(c, here)) <= tolerance);
+            let known = corners.iter().position(|&c| (c - here).norm() <= tolerance);
             known.unwrap_or_else(|| {
                 corners.push(here);
                 corners.len() - 1
@@ -84,7 +83,7 @@ fn mismatch(patch: &Patch, axis: usize, edges: &[Vec<[u32; 2]>; 2]) -> EndlessFa
         x[axis] = 0.0;
         x
     };
-    let mut worst = (0.0, [0.0; 3], false);
+    let mut worst = (0.0, Vec3::zeros(), false);
     for (side, upper) in [(0, false), (1, true)] {
         for &v in edges[side].iter().flatten() {
             let off = edges[1 - side]
@@ -101,10 +100,10 @@ fn mismatch(patch: &Patch, axis: usize, edges: &[Vec<[u32; 2]>; 2]) -> EndlessFa
 
 /// Distance of a point from a piece of a line.
 fn distance(p: Vec3, a: Vec3, b: Vec3) -> f64 {
-    let (along, to) = (sub(b, a), sub(p, a));
-    let square = dot(along, along);
-    let s = if square > 0.0 { (dot(along, to) / square).clamp(0.0, 1.0) } else { 0.0 };
-    norm(std::array::from_fn(|k| to[k] - s * along[k]))
+    let (along, to) = (b - a, p - a);
+    let square = along.dot(&along);
+    let s = if square > 0.0 { (along.dot(&to) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (to - along * s).norm()
 }
 
 impl Outline {
@@ -114,7 +113,7 @@ impl Outline {
         let (a, b) = (self.corners[from], self.corners[to]);
         let mut between: Vec<(f64, usize)> = (0..self.corners.len())
             .filter(|&c| c != from && c != to && in_line(a, self.corners[c], b, tolerance))
-            .map(|c| (dot(sub(self.corners[c], a), sub(b, a)), c))
+            .map(|c| ((self.corners[c] - a).dot(&(b - a)), c))
             .collect();
         between.sort_by(|x, y| x.0.total_cmp(&y.0));
         let between = between.into_iter().map(|(_, c)| c);
@@ -246,9 +245,8 @@ fn repeat(
             // From its middle no corner on an edge is out of sight.
             let middle = total + middles.len() as u32;
             let share = 1.0 / corners.len() as f64;
-            middles.push(corners.iter().fold([0.0; 3], |sum: Vec3, &v| {
-                std::array::from_fn(|k| sum[k] + share * patch.vertices[v as usize][k])
-            }));
+            let shares = corners.iter().map(|&v| patch.vertices[v as usize] * share);
+            middles.push(shares.fold(Vec3::zeros(), |sum, part| sum + part));
             let n = corners.len();
             faces_of_one.extend((0..n).map(|k| vec![corners[k], corners[(k + 1) % n], middle]));
         } else {

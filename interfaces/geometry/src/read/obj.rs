@@ -61,7 +61,7 @@ fn wrong_line(text: &str) -> Option<String> {
 
 /// Adds an object's faces. Objects share no vertices here; those at one place are welded later.
 fn append(mesh: &mut Mesh, object: &tobj::Mesh) -> Result<(), String> {
-    let points: Vec<Vec3> = object.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    let points: Vec<Vec3> = object.positions.chunks_exact(3).map(Vec3::from_column_slice).collect();
     let first = mesh.vertices.len();
     u32::try_from(first + points.len())
         .map_err(|_| "it has more vertices than 32-bit numbers can tell apart".to_string())?;

@@ -5,7 +5,6 @@
 
 use crate::Vec3;
 use crate::exact::turn;
-use crate::vector::{add, cross, distance_squared, sub};
 
 /// Triangles of a polygon of at least three corners, as indices into `corners`, wound like it. A
 /// polygon that is not plane is cut as it appears along its mean normal; one that crosses itself is
@@ -43,7 +42,7 @@ fn halve(corners: [Vec3; 4]) -> Option<[[usize; 3]; 2]> {
         return None;
     }
     let [a, b, c, d] = corners;
-    Some(if distance_squared(a, c) <= distance_squared(b, d) {
+    Some(if (a - c).norm_squared() <= (b - d).norm_squared() {
         [[0, 1, 2], [0, 2, 3]]
     } else {
         [[0, 1, 3], [1, 2, 3]]
@@ -60,10 +59,9 @@ impl View {
     fn of(corners: &[Vec3]) -> Self {
         let n = corners.len();
         let fan = (1..n.saturating_sub(1))
-            .map(|i| cross(sub(corners[i], corners[0]), sub(corners[i + 1], corners[0])))
-            .fold([0.0; 3], add);
-        let larger = |best: usize, k: usize| if fan[k].abs() > fan[best].abs() { k } else { best };
-        let axis = (0..3).fold(0, larger);
+            .map(|i| (corners[i] - corners[0]).cross(&(corners[i + 1] - corners[0])))
+            .fold(Vec3::zeros(), |sum, cross| sum + cross);
+        let axis = fan.iamax();
         Self { axis, clockwise: fan[axis] < 0.0 }
     }
 
@@ -95,7 +93,6 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::{dot, norm, scale};
 
     /// Twice the areas of the triangles, signed against the polygon's normal z.
     fn areas(corners: &[Vec3]) -> Vec<f64> {
@@ -103,7 +100,7 @@ mod tests {
             .iter()
             .map(|t| {
                 let [a, b, c] = t.map(|i| corners[i]);
-                dot(cross(sub(b, a), sub(c, a)), [0.0, 0.0, 1.0])
+                (b - a).cross(&(c - a)).z
             })
             .collect()
     }
@@ -111,6 +108,7 @@ mod tests {
     #[test]
     fn an_arrow_head_is_cut_at_its_notch() {
         let arrow = [[0.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.0]];
+        let arrow = arrow.map(Vec3::from);
         let areas = areas(&arrow);
         assert!(areas.iter().all(|&a| a > 0.0), "{areas:?}");
         assert_eq!(areas.iter().sum::<f64>(), 2.0);
@@ -120,7 +118,7 @@ mod tests {
     fn corners_in_line_are_kept() {
         let square: Vec<Vec3> = [[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2], [0, 1]]
             .iter()
-            .map(|p| [f64::from(p[0]), f64::from(p[1]), 5.0])
+            .map(|p| Vec3::new(f64::from(p[0]), f64::from(p[1]), 5.0))
             .collect();
         let areas = areas(&square);
         assert_eq!(areas.len(), 6);
@@ -130,12 +128,12 @@ mod tests {
 
     #[test]
     fn a_comb_seen_from_behind_keeps_its_area() {
-        let mut comb = vec![[0.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
+        let mut comb = vec![Vec3::zeros(), Vec3::new(0.0, 3.0, 0.0)];
         for i in 0..20 {
             let x = f64::from(i);
-            comb.extend([[x + 0.5, 1.0, 0.0], [x + 1.0, 3.0, 0.0]]);
+            comb.extend([Vec3::new(x + 0.5, 1.0, 0.0), Vec3::new(x + 1.0, 3.0, 0.0)]);
         }
-        comb.push([20.0, 0.0, 0.0]);
+        comb.push(Vec3::new(20.0, 0.0, 0.0));
         let areas = areas(&comb);
         assert!(areas.iter().all(|&a| a < 0.0), "{areas:?}");
         // A rectangle of 20 x 3, less 20 notches of width 1 and depth 2.
@@ -146,15 +144,15 @@ mod tests {
     fn a_tilted_ring_of_many_corners_is_filled() {
         let corner = |i: i32| {
             let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::TAU / 500.0);
-            [cos, sin, 2.0 * cos]
+            Vec3::new(cos, sin, 2.0 * cos)
         };
         let ring: Vec<Vec3> = (0..500).map(corner).collect();
         let triangles = triangulate(&ring);
-        let sum = triangles.iter().fold([0.0; 3], |sum, t| {
+        let sum = triangles.iter().fold(Vec3::zeros(), |sum, t| {
             let [a, b, c] = t.map(|i| ring[i]);
-            add(sum, scale(cross(sub(b, a), sub(c, a)), 0.5))
+            sum + (b - a).cross(&(c - a)) * 0.5
         });
         // The ellipse with half axes 1 and sqrt(5), as a polygon of 500.
-        assert!((norm(sum) - std::f64::consts::PI * 5f64.sqrt()).abs() < 2e-4);
+        assert!((sum.norm() - std::f64::consts::PI * 5f64.sqrt()).abs() < 2e-4);
     }
 }

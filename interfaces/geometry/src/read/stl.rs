@@ -5,6 +5,7 @@
 use super::stl_text;
 use super::text::{decode, looks_like};
 use crate::Mesh;
+use crate::Vec3;
 use std::io::Cursor;
 
 /// Bytes before the first triangle of a binary file: a header and the number of triangles.
@@ -79,7 +80,7 @@ fn binary(bytes: &[u8]) -> Result<Mesh, String> {
         let first = u32::try_from(mesh.vertices.len() + 2)
             .map_err(|_| "it has more triangles than 32-bit numbers can tell apart".to_string())?
             - 2;
-        mesh.vertices.extend(triangle.vertices.map(|v| v.0.map(f64::from)));
+        mesh.vertices.extend(triangle.vertices.map(|v| Vec3::from(v.0.map(f64::from))));
         mesh.triangles.push([first, first + 1, first + 2]);
     }
     Ok(mesh)

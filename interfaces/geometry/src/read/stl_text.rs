@@ -60,7 +60,7 @@ fn facet(words: &mut Words<'_>) -> Result<[Vec3; 3], String> {
         }
     }
     words.expect("loop")?;
-    let mut corners = [[0.0; 3]; 3];
+    let mut corners = [Vec3::zeros(); 3];
     for corner in &mut corners {
         words.expect("vertex")?;
         for x in corner {

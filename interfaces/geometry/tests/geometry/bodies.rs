@@ -4,14 +4,14 @@ use proptest::prelude::*;
 use tremie_geometry::Mesh;
 use tremie_messages::scene::{Geometry, Pose};
 
-pub type Vec3 = [f64; 3];
+pub use tremie_geometry::Vec3;
 
 pub fn cube(size: f64) -> Mesh {
     Mesh::of(&Geometry::Box { size: [size; 3] }).unwrap()
 }
 
 pub fn moved(mesh: &Mesh, by: Vec3) -> Mesh {
-    mesh.placed(&Pose { position: by, ..Pose::IDENTITY })
+    mesh.placed(&Pose { position: by.into(), ..Pose::IDENTITY })
 }
 
 /// Two meshes as one list of triangles.
@@ -32,7 +32,12 @@ pub fn torn(mesh: &Mesh) -> Mesh {
 
 pub fn tetrahedron() -> Mesh {
     Mesh {
-        vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        vertices: vec![
+            Vec3::zeros(),
+            Vec3::new(1.0, 0.0, 0.0),
+            Vec3::new(0.0, 1.0, 0.0),
+            Vec3::new(0.0, 0.0, 1.0),
+        ],
         triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
     }
 }
@@ -44,7 +49,7 @@ pub fn torus(major: f64, minor: f64, along: u32, around: u32) -> Mesh {
         let (sin, cos) = libm::sincos(turn * f64::from(i) / f64::from(along));
         let (up, out) = libm::sincos(turn * f64::from(j) / f64::from(around));
         let r = major + minor * out;
-        [r * cos, r * sin, minor * up]
+        Vec3::new(r * cos, r * sin, minor * up)
     };
     let name = |i: u32, j: u32| (i % along) * around + j % around;
     let all = || (0..along).flat_map(|i| (0..around).map(move |j| (i, j)));
@@ -72,12 +77,12 @@ pub fn star(radii: &[f64]) -> Mesh {
 fn ball() -> Mesh {
     const RINGS: u32 = 8;
     const SIDES: u32 = 12;
-    let mut vertices = vec![[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+    let mut vertices = vec![-Vec3::z(), Vec3::z()];
     for i in 1..RINGS {
         let (out, up) = libm::sincos(std::f64::consts::PI * f64::from(i) / f64::from(RINGS));
         for j in 0..SIDES {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(j) / f64::from(SIDES));
-            vertices.push([out * cos, out * sin, -up]);
+            vertices.push(Vec3::new(out * cos, out * sin, -up));
         }
     }
     let name = |i: u32, j: u32| 2 + (i - 1) * SIDES + j % SIDES;
@@ -144,7 +149,7 @@ impl Stairs {
             p[axis] += f64::from(u8::from(up));
             p[(axis + 1) % 3] += f64::from(u);
             p[(axis + 2) % 3] += f64::from(v);
-            mesh.vertices.push(p);
+            mesh.vertices.push(p.into());
         }
         let [a, b, c, d] = [first, first + 1, first + 2, first + 3];
         mesh.triangles.extend(if up { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
@@ -170,7 +175,7 @@ pub fn any_body() -> impl Strategy<Value = Mesh> {
     let ring = (0.1..0.45f64, 3u32..20, 3u32..14).prop_map(|(r, n, m)| torus(0.5, r, n, m));
     let squashed =
         (proptest::array::uniform3(-1.0..1.0f64), proptest::array::uniform3(-1.0..1.0f64))
-            .prop_map(|(x, y)| sheared(&tetrahedron(), x, y));
+            .prop_map(|(x, y)| sheared(&tetrahedron(), x.into(), y.into()));
     let hollow = proptest::collection::vec(0.5..1.0f64, 10..90).prop_map(|r| {
         let mut inner = star(&r);
         inner.vertices.iter_mut().flatten().for_each(|x| *x *= 0.3);
@@ -184,40 +189,24 @@ pub fn any_body() -> impl Strategy<Value = Mesh> {
 fn sheared(mesh: &Mesh, y: Vec3, z: Vec3) -> Mesh {
     let mut mesh = mesh.clone();
     for p in &mut mesh.vertices {
-        let [a, b, c] = *p;
-        *p = [a + b * y[0] + c * z[0], b + c * z[1], c];
+        let [a, b, c] = (*p).into();
+        *p = Vec3::new(a + b * y[0] + c * z[0], b + c * z[1], c);
     }
     mesh
 }
 
 pub fn point() -> impl Strategy<Value = Vec3> {
-    proptest::array::uniform3(-1.1..1.1f64)
-}
-
-pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-pub fn dot(a: Vec3, b: Vec3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub fn norm(a: Vec3) -> f64 {
-    dot(a, a).sqrt()
+    proptest::array::uniform3(-1.1..1.1f64).prop_map(Vec3::from)
 }
 
 /// How often a mesh goes around a point, as the sum of solid angles (Van Oosterom & Strackee, *IEEE
 /// Trans. Biomed. Eng.* 30 (1983) 125): near a whole number unless the point is on the surface.
 pub fn solid_angles(mesh: &Mesh, point: Vec3) -> f64 {
     let angle = |t: usize| {
-        let [a, b, c] = mesh.corners(t).map(|p| sub(p, point));
-        let [x, y, z] = [a, b, c].map(norm);
-        let below = x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y;
-        2.0 * dot(a, cross(b, c)).atan2(below)
+        let [a, b, c] = mesh.corners(t).map(|p| p - point);
+        let [x, y, z] = [a, b, c].map(|v| v.norm());
+        let below = x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y;
+        2.0 * a.dot(&b.cross(&c)).atan2(below)
     };
     (0..mesh.triangles.len()).map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
 }
@@ -229,11 +218,11 @@ pub fn distance(mesh: &Mesh, point: Vec3) -> f64 {
 
 /// Distance to a triangle by regions (Ericson, *Real-Time Collision Detection*, 2005, 5.1.5).
 fn to_triangle([a, b, c]: [Vec3; 3], p: Vec3) -> f64 {
-    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
-    let at = |u: f64, v: f64| norm(std::array::from_fn(|k| a[k] + u * ab[k] + v * ac[k] - p[k]));
-    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
-    let (bp, cp) = (sub(p, b), sub(p, c));
-    let (d3, d4, d5, d6) = (dot(ab, bp), dot(ac, bp), dot(ab, cp), dot(ac, cp));
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let at = |u: f64, v: f64| (a + ab * u + ac * v - p).norm();
+    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
+    let (bp, cp) = (p - b, p - c);
+    let (d3, d4, d5, d6) = (ab.dot(&bp), ac.dot(&bp), ab.dot(&cp), ac.dot(&cp));
     let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     if d1 <= 0.0 && d2 <= 0.0 {
         at(0.0, 0.0)

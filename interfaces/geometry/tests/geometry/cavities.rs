@@ -26,7 +26,7 @@ fn a_pipe_is_free_inside_and_its_wall_is_solid() {
     assert!(pipe.contains([100.0, 0.0, 0.0]));
     let closest = pipe.closest([0.3, 0.4, 0.0]);
     assert!((closest.distance - 0.1).abs() < 1e-15);
-    assert_eq!(closest.normal, [0.0, -1.0, 0.0]);
+    assert_eq!(closest.normal, -Vec3::y());
     let crossing = pipe.first_crossing([0.3, 0.4, 0.0], [0.3, 0.8, 0.0]).unwrap();
     assert!((crossing.fraction - 0.25).abs() < 1e-15);
     // What touches the wall from inside cannot touch its edges alone.
@@ -47,8 +47,8 @@ proptest! {
         for j in 0..14 {
             for k in 0..14 {
                 let line = Row {
-                    start: [-0.5, 0.5 * f64::from(j) - 0.5, 0.5 * f64::from(k) - 0.5],
-                    step: [0.5, 0.0, 0.0],
+                    start: Vec3::new(-0.5, 0.5 * f64::from(j) - 0.5, 0.5 * f64::from(k) - 0.5),
+                    step: Vec3::new(0.5, 0.0, 0.0),
                 };
                 cavity.fill_row(&line, &mut row, &mut RowScratch::default());
                 for (i, &inside) in row.iter().enumerate() {

@@ -1,7 +1,8 @@
 //! Convex polyhedra: faces, volumes and inertia of known solids, and points that make none.
 
+use nalgebra::Matrix3;
 use std::f64::consts::PI;
-use tremie_geometry::{Convex, ConvexError, Mesh, SOLIDS, principal, solid};
+use tremie_geometry::{Convex, ConvexError, Mesh, SOLIDS, Vec3, principal, solid};
 
 fn edge_one(name: &str) -> Convex {
     let any = Convex::hull(&solid(name).unwrap()).unwrap();
@@ -29,7 +30,7 @@ fn regular_solids_have_their_faces_volumes_and_inertia() {
         for i in 0..3 {
             for j in 0..3 {
                 let expected = if i == j { inertia } else { 0.0 };
-                let found = moments.inertia[i][j] / moments.volume;
+                let found = moments.inertia[(i, j)] / moments.volume;
                 assert!((found - expected).abs() < 1e-12, "{name} {i}{j}: {found} {expected}");
             }
         }
@@ -69,7 +70,8 @@ fn a_unit_shape_is_as_large_as_a_sphere_of_diameter_one() {
 #[test]
 fn points_on_faces_and_edges_are_no_corners() {
     let mut points = solid("cube").unwrap();
-    points.extend([[0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.3, -1.0, 0.2], [1.0, 1.0, 1.0]]);
+    let more = [[0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.3, -1.0, 0.2], [1.0, 1.0, 1.0]];
+    points.extend(more);
     let cube = Convex::hull(&points).unwrap();
     assert_eq!((cube.vertices().len(), cube.faces().len()), (8, 6));
     assert!((cube.largest_face() - 4.0).abs() < 1e-14);
@@ -103,17 +105,13 @@ fn what_is_no_convex_solid_is_refused() {
 
 #[test]
 fn principal_axes_diagonalise() {
-    let matrix = [[4.0, 1.0, -0.5], [1.0, 3.0, 0.25], [-0.5, 0.25, 5.0]];
-    let (values, axes) = principal(matrix);
+    let matrix = Matrix3::new(4.0, 1.0, -0.5, 1.0, 3.0, 0.25, -0.5, 0.25, 5.0);
+    let (values, axes) = principal(&matrix);
     for (value, axis) in values.iter().zip(axes) {
-        for i in 0..3 {
-            let image: f64 = (0..3).map(|j| matrix[i][j] * axis[j]).sum();
-            assert!((image - value * axis[i]).abs() < 1e-13);
-        }
+        assert!((matrix * axis - axis * *value).amax() < 1e-13);
     }
-    let diagonal = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 2.0]];
-    let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    assert_eq!(principal(diagonal), ([2.0, 3.0, 2.0], unit));
+    let diagonal = Matrix3::from_diagonal(&Vec3::new(2.0, 3.0, 2.0));
+    assert_eq!(principal(&diagonal), ([2.0, 3.0, 2.0], [Vec3::x(), Vec3::y(), Vec3::z()]));
 }
 
 /// The least width of a regular solid lies between two faces, that of the tetrahedron between two edges; a flake's between its two
@@ -131,7 +129,7 @@ fn the_least_width_lies_between_faces_or_edges() {
         let found = edge_one(name).least_width();
         assert!((found / width - 1.0).abs() < 1e-12, "{name}: {found} {width}");
     }
-    let corner = |k: usize| std::array::from_fn(|a| [3.0, 0.1, 2.0][a] * (k >> a & 1) as f64);
+    let corner = |k: usize| Vec3::from_fn(|a, _| [3.0, 0.1, 2.0][a] * (k >> a & 1) as f64);
     let flake = Convex::hull(&(0..8).map(corner).collect::<Vec<_>>()).unwrap();
     assert!((flake.least_width() / 0.1 - 1.0).abs() < 1e-12);
 }

@@ -26,11 +26,11 @@ fn a_step_has_a_groove() {
     // groove's two ends, and five more lines of four.
     assert_eq!(count(&surface, EdgeKind::Concave), 4);
     assert_eq!(count(&surface, EdgeKind::Convex), 2 * 12 + 5 * 4);
-    assert_eq!(kind_at(&surface, [2.0, 2.0, 1.0]), VertexKind::Ridge);
-    assert_eq!(kind_at(&surface, [2.0, 0.0, 1.0]), VertexKind::Corner);
-    assert_eq!(kind_at(&surface, [3.0, 2.0, 1.0]), VertexKind::Flat);
-    assert_eq!(kind_at(&surface, [0.0, 1.0, 2.0]), VertexKind::Ridge);
-    assert_eq!(kind_at(&surface, [0.0, 0.0, 0.0]), VertexKind::Corner);
+    assert_eq!(kind_at(&surface, Vec3::new(2.0, 2.0, 1.0)), VertexKind::Ridge);
+    assert_eq!(kind_at(&surface, Vec3::new(2.0, 0.0, 1.0)), VertexKind::Corner);
+    assert_eq!(kind_at(&surface, Vec3::new(3.0, 2.0, 1.0)), VertexKind::Flat);
+    assert_eq!(kind_at(&surface, Vec3::new(0.0, 1.0, 2.0)), VertexKind::Ridge);
+    assert_eq!(kind_at(&surface, Vec3::new(0.0, 0.0, 0.0)), VertexKind::Corner);
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn a_cylinder_is_convex_all_around_and_its_roofs_are_flat() {
     assert_eq!(count(&surface, EdgeKind::Convex), 3 * 256);
     assert_eq!(count(&surface, EdgeKind::Flat), 3 * 256);
     assert_eq!(count(&surface, EdgeKind::Concave), 0);
-    assert_eq!(kind_at(&surface, [0.0, 0.0, 1.5]), VertexKind::Flat);
+    assert_eq!(kind_at(&surface, Vec3::new(0.0, 0.0, 1.5)), VertexKind::Flat);
     assert_eq!(surface.vertex_kind(0), VertexKind::Corner);
 }
 
@@ -68,7 +68,7 @@ fn a_wall_in_single_precision_is_flat() {
                 let [x, y] = [i, j].map(|i| f64::from(i) / f64::from(n));
                 let z = 0.1 * f64::from(k);
                 let turned = [x * cos - z * sin, y, x * sin + z * cos];
-                plate.vertices.push(turned.map(|x| f64::from(x as f32)));
+                plate.vertices.push(turned.map(|x| f64::from(x as f32)).into());
             }
         }
     }

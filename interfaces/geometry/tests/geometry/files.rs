@@ -32,7 +32,7 @@ pub fn text(mesh: &Mesh, name: &str) -> String {
     let mut text = format!("solid{name}\n");
     for t in 0..mesh.triangles.len() {
         text += "  facet normal 0 0 0\n    outer loop\n";
-        for [x, y, z] in mesh.corners(t) {
+        for [x, y, z] in mesh.corners(t).map(<[f64; 3]>::from) {
             writeln!(text, "      vertex {x:e} {y} {z}").unwrap();
         }
         text += "    endloop\n  endfacet\n";
@@ -62,7 +62,7 @@ fn a_mesh_survives_a_binary_file_but_for_single_precision() {
     assert_eq!((loaded.repairs.turned, loaded.repairs.dropped), (0, 0));
     for t in 0..mesh.triangles.len() {
         for (found, expected) in loaded.mesh.corners(t).iter().zip(mesh.corners(t)) {
-            assert!(norm(sub(*found, expected)) < 1e-8);
+            assert!((*found - expected).norm() < 1e-8);
         }
     }
 }
@@ -74,7 +74,7 @@ fn a_text_file_in_millimetres_or_inches_is_scaled() {
     near(volume(folder.load("a.stl", text.as_bytes(), 1e-3)), 1e-6);
     near(volume(folder.load("A.STL", text.as_bytes(), 0.0254)), 1e3 * 0.0254f64.powi(3));
     let loaded = folder.load("b.stl", text.as_bytes(), 1e-3).unwrap();
-    assert_eq!(loaded.mesh.bounds().max, [0.005; 3]);
+    assert_eq!(loaded.mesh.bounds().max, Vec3::from_element(0.005));
     assert!(why(folder.load("c.stl", text.as_bytes(), -1.0)).contains("unit is -1"));
 }
 
@@ -90,7 +90,7 @@ fn disorderly_stl_files_are_read() {
     near(volume(folder.load("more.stl", &solid, 1.0)), 1.0);
     let shouted = text(&mesh, "").to_ascii_uppercase().replace('\n', "\r\n\r\n");
     near(volume(folder.load("capitals.stl", shouted.as_bytes(), 1.0)), 1.0);
-    let two = text(&mesh, " one") + &text(&moved(&mesh, [3.0, 0.0, 0.0]), " two");
+    let two = text(&mesh, " one") + &text(&moved(&mesh, Vec3::new(3.0, 0.0, 0.0)), " two");
     let loaded = folder.load("two.stl", two.as_bytes(), 1.0).unwrap();
     assert_eq!(loaded.repairs.shells, 2);
     near(loaded.mesh.moments().volume, 2.0);

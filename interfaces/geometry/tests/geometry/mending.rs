@@ -53,7 +53,7 @@ proptest! {
 
     #[test]
     fn whatever_is_mended_has_an_inside(
-        corners in proptest::collection::vec(proptest::array::uniform3(-1.0..1.0f64), 7),
+        corners in proptest::collection::vec(proptest::array::uniform3(-1.0..1.0f64).prop_map(Vec3::from), 7),
         solids in proptest::collection::btree_set(proptest::sample::subsequence((0..7u32).collect::<Vec<_>>(), 4), 1..9),
         points in proptest::collection::vec(point(), 20),
     ) {
@@ -84,7 +84,7 @@ proptest! {
         triangles in proptest::collection::vec(proptest::array::uniform3(0u32..7), 0..30),
         corners in proptest::collection::vec(proptest::array::uniform3(-2i32..3), 6..8),
     ) {
-        let vertices = corners.iter().map(|p| p.map(f64::from)).collect();
+        let vertices = corners.iter().map(|p| Vec3::from(p.map(f64::from))).collect();
         if let Ok((mended, _)) = mend(Mesh { vertices, triangles }) {
             let _ = Surface::new(mended).map(|surface| surface.intersections());
         }
@@ -98,7 +98,7 @@ fn a_missing_triangle_is_named_with_its_place() {
     let found = faults(torn(&mesh));
     let [Fault::Open { edges: 3, holes: 1, first, hole }] = found[..] else { panic!("{found:?}") };
     assert!(first.iter().all(|p| p[2] == -1.0 || p[0] == -1.0));
-    assert_eq!(hole, Bounds { min: [-1.0, -1.0, -1.0], max: [-1.0, 1.0, 1.0] });
+    assert_eq!(hole, Bounds { min: Vec3::new(-1.0, -1.0, -1.0), max: Vec3::new(-1.0, 1.0, 1.0) });
     let text = GeometryError::Faults(found).problems("scene.parts[0].geometry")[0].to_string();
     assert!(
         text.starts_with(
@@ -110,7 +110,7 @@ fn a_missing_triangle_is_named_with_its_place() {
 
 #[test]
 fn holes_are_counted_and_crowded_edges_are_told_at_the_same_time() {
-    let mut mesh = both(&cube(1.0), &moved(&cube(1.0), [5.0, 0.0, 0.0]));
+    let mut mesh = both(&cube(1.0), &moved(&cube(1.0), Vec3::new(5.0, 0.0, 0.0)));
     mesh.triangles.remove(23);
     mesh.triangles.remove(0);
     let extra = mesh.triangles[5];
@@ -122,7 +122,7 @@ fn holes_are_counted_and_crowded_edges_are_told_at_the_same_time() {
 
 #[test]
 fn cubes_that_touch_along_an_edge_have_a_crowded_one() {
-    let found = faults(both(&cube(1.0), &moved(&cube(1.0), [1.0, 1.0, 0.0])));
+    let found = faults(both(&cube(1.0), &moved(&cube(1.0), Vec3::new(1.0, 1.0, 0.0))));
     let [Fault::Crowded { edges: 1, triangles: 4, first }] = found[..] else { panic!("{found:?}") };
     assert!(first.iter().all(|p| p[0] == 0.5 && p[1] == 0.5));
 }
@@ -144,7 +144,7 @@ fn a_surface_with_one_side_is_refused() {
     ];
     let vertices = (0..6).map(|i| {
         let x = f64::from(i);
-        [x, x * x, x * x * x]
+        Vec3::new(x, x * x, x * x * x)
     });
     let found = faults(Mesh { vertices: vertices.collect(), triangles });
     assert!(matches!(found[..], [Fault::OneSided { .. }]), "{found:?}");
@@ -157,7 +157,12 @@ fn sheets_are_refused() {
     // Pressed flat, opposite sides share all vertices: nothing but doubled triangles.
     assert!(matches!(faults(sheet)[..], [Fault::Crowded { .. }]));
     let pillow = Mesh {
-        vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+        vertices: vec![
+            Vec3::zeros(),
+            Vec3::new(1.0, 0.0, 0.0),
+            Vec3::new(1.0, 1.0, 0.0),
+            Vec3::new(0.0, 1.0, 0.0),
+        ],
         triangles: vec![[0, 1, 2], [0, 2, 3], [1, 0, 3], [1, 3, 2]],
     };
     assert!(matches!(faults(pillow)[..], [Fault::Flat { triangles: 4, .. }]));
@@ -174,7 +179,7 @@ fn numbers_that_are_no_points_are_refused() {
     assert_eq!(error, GeometryError::Index { triangle: 4, found: 8, vertices: 8 });
     assert_eq!(Surface::new(mesh).unwrap_err(), error);
     assert_eq!(mend(Mesh::default()), Err(GeometryError::Empty { found: 0 }));
-    let point = Mesh { vertices: vec![[1.0; 3]; 3], triangles: vec![[0, 1, 2]] };
+    let point = Mesh { vertices: vec![Vec3::from_element(1.0); 3], triangles: vec![[0, 1, 2]] };
     assert_eq!(mend(point), Err(GeometryError::Empty { found: 1 }));
 }
 
@@ -190,7 +195,7 @@ fn shells_in_shells_are_solid_and_hollow_by_turns() {
     // In the hollow the normal points away from the solid, towards the hollow's middle.
     let closest = surface.closest([0.9, 0.1, 0.2]);
     near(closest.distance, 0.1, 1e-15);
-    assert_eq!(closest.normal, [-1.0, 0.0, 0.0]);
+    assert_eq!(closest.normal, -Vec3::x());
 }
 
 #[test]
@@ -198,13 +203,14 @@ fn a_hollow_that_touches_its_shell_from_within_is_a_hollow() {
     let mut inner = tetrahedron();
     // One corner of it is in the middle of a side of the cube.
     inner.vertices.iter_mut().for_each(|v| v[2] = 1.0 - v[2]);
-    let (mesh, _) = mend(both(&cube(4.0), &moved(&inner, [0.0, 0.0, 1.0]))).unwrap();
+    let (mesh, _) = mend(both(&cube(4.0), &moved(&inner, Vec3::new(0.0, 0.0, 1.0)))).unwrap();
     near(mesh.moments().volume, 64.0 - 1.0 / 6.0, 1e-12);
 }
 
 #[test]
 fn solids_that_overlap_are_one() {
-    let (mesh, repairs) = mend(both(&cube(2.0), &moved(&cube(2.0), [1.0, 0.5, 0.25]))).unwrap();
+    let (mesh, repairs) =
+        mend(both(&cube(2.0), &moved(&cube(2.0), Vec3::new(1.0, 0.5, 0.25)))).unwrap();
     assert_eq!((repairs.shells, repairs.turned), (2, 0));
     let surface = Surface::new(mesh).unwrap();
     for p in [[-0.9, 0.0, 0.0], [0.5, 0.2, 0.3], [1.9, 1.4, 1.2], [1.0, 0.0, 0.0]] {
@@ -226,7 +232,7 @@ fn bodies_that_only_share_corners_and_edges_with_themselves_do_not_intersect() {
 #[test]
 fn a_corner_pushed_through_the_far_side_is_found() {
     let mut mesh = cube(1.0);
-    mesh.vertices[0] = [0.9, 0.1, 0.1];
+    mesh.vertices[0] = Vec3::new(0.9, 0.1, 0.1);
     let crossed = Surface::new(mesh).unwrap().intersections().unwrap();
     assert!(crossed.pairs >= 1 && (crossed.near[0] - 0.5).abs() < 0.51, "{crossed:?}");
 }
@@ -241,7 +247,7 @@ fn cube_with_caps(n: u32) -> Mesh {
     let mut line = vec![0];
     for k in 1..=n {
         line.push(mesh.vertices.len() as u32);
-        mesh.vertices.push([2.0 * f64::from(k) / f64::from(n + 1) - 1.0, -1.0, -1.0]);
+        mesh.vertices.push(Vec3::new(2.0 * f64::from(k) / f64::from(n + 1) - 1.0, -1.0, -1.0));
     }
     line.push(1);
     mesh.triangles.remove(split);
@@ -258,7 +264,7 @@ fn triangles_whose_corners_are_in_line_give_their_edges_to_their_neighbours() {
         near(mended.moments().volume, 8.0, 1e-13);
         let surface = Surface::new(mended).unwrap();
         let all = 0..surface.mesh().triangles.len() as u32;
-        assert!(all.clone().all(|t| norm(surface.normal(t)) > 0.99));
+        assert!(all.clone().all(|t| surface.normal(t).norm() > 0.99));
         let convex = all.flat_map(|t| surface.edge_kinds(t)).filter(|&k| k == EdgeKind::Convex);
         assert_eq!(convex.count(), 24 + 2 * n as usize);
         assert_eq!(surface.intersections(), None);
@@ -269,7 +275,7 @@ fn triangles_whose_corners_are_in_line_give_their_edges_to_their_neighbours() {
 fn a_low_triangle_that_nothing_can_raise_stays() {
     let mut mesh = tetrahedron();
     // The other diagonal of any two of its sides is an edge already.
-    mesh.vertices[3] = [0.5, 1e-8, 1e-8];
+    mesh.vertices[3] = Vec3::new(0.5, 1e-8, 1e-8);
     let (mended, repairs) = mend(mesh.clone()).unwrap();
     assert_eq!((repairs.flipped, mended.triangles), (0, mesh.triangles));
 }

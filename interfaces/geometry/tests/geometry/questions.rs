@@ -34,10 +34,10 @@ fn check_segment(surface: &Surface, from: Vec3, to: Vec3) -> Result<(), TestCase
     if let Some(crossing) = crossing {
         let t = crossing.fraction;
         prop_assert!((0.0..=1.0).contains(&t), "{t}");
-        let place: Vec3 = std::array::from_fn(|k| from[k] + t * (to[k] - from[k]));
+        let place: Vec3 = Vec3::from_fn(|k, _| from[k] + t * (to[k] - from[k]));
         let off = surface.signed_distance(place).abs();
         prop_assert!(
-            off < 1e-12 * (1.0 + norm(sub(to, from))),
+            off < 1e-12 * (1.0 + (to - from).norm()),
             "{from:?} {to:?} {crossing:?} {off}"
         );
     }
@@ -58,14 +58,14 @@ proptest! {
             let far = distance(&mesh, p);
             let closest = surface.closest(p);
             prop_assert!((closest.distance.abs() - far).abs() < 1e-13);
-            prop_assert!((norm(sub(p, closest.point)) - far).abs() < 1e-13);
+            prop_assert!(((p - closest.point).norm() - far).abs() < 1e-13);
             if far > 1e-9 {
                 prop_assert_eq!(surface.contains(p), winding > 0.5, "{:?} {}", p, winding);
-                let outward = dot(sub(p, closest.point), closest.normal);
+                let outward = (p - closest.point).dot(&closest.normal);
                 prop_assert_eq!(outward > 0.0, closest.distance > 0.0, "{:?}", closest);
             }
             prop_assert_eq!(surface.contains(p), closest.distance <= 0.0);
-            prop_assert!((norm(closest.normal) - 1.0).abs() < 1e-14);
+            prop_assert!((closest.normal.norm() - 1.0).abs() < 1e-14);
         }
     }
 
@@ -78,11 +78,11 @@ proptest! {
             Feature::Vertex(i) => prop_assert_eq!(corners[i as usize], closest.point),
             Feature::Edge(i) => {
                 let (a, b) = (corners[i as usize], corners[(i as usize + 1) % 3]);
-                let off = norm(cross(sub(closest.point, a), sub(b, a))) / norm(sub(b, a));
+                let off = (closest.point - a).cross(&(b - a)).norm() / (b - a).norm();
                 prop_assert!(off < 1e-14);
             }
             Feature::Face => {
-                let off = dot(sub(closest.point, corners[0]), surface.normal(closest.triangle));
+                let off = (closest.point - corners[0]).dot(&surface.normal(closest.triangle));
                 prop_assert!(off.abs() < 1e-14);
             }
         }
@@ -105,7 +105,7 @@ proptest! {
                 let short = std::array::from_fn(|k| from[k] + t * (to[k] - from[k]));
                 prop_assert_eq!(surface.first_crossing(from, short), None);
             }
-            let row = Row { start: from, step: std::array::from_fn(|k| (to[k] - from[k]) / 37.0) };
+            let row = Row { start: from, step: Vec3::from_fn(|k, _| (to[k] - from[k]) / 37.0) };
             check_row(&surface, &row, 41)?;
         }
     }
@@ -120,12 +120,12 @@ proptest! {
         for (a, b, t) in pick {
             // From one vertex towards and past another, in halves and multiples.
             let (a, b) = (mesh.vertices[(a % n) as usize], mesh.vertices[(b % n) as usize]);
-            let at = |s: f64| -> Vec3 { std::array::from_fn(|k| a[k] + s * (b[k] - a[k])) };
+            let at = |s: f64| -> Vec3 { Vec3::from_fn(|k, _| a[k] + s * (b[k] - a[k])) };
             for (from, to) in [(a, b), (at(-1.0), at(2.0)), (at(0.5), at(3.0)), (at(t), at(4.0 * t))] {
                 check_segment(&surface, from, to)?;
                 check_segment(&surface, to, from)?;
             }
-            check_row(&surface, &Row { start: at(-1.0), step: sub(at(0.125), a) }, 33)?;
+            check_row(&surface, &Row { start: at(-1.0), step: (at(0.125) - a) }, 33)?;
         }
     }
 
@@ -143,9 +143,8 @@ proptest! {
                     let mut start = [-0.5; 3];
                     start[(axis + 1) % 3] += 0.5 * f64::from(i);
                     start[(axis + 2) % 3] += 0.5 * f64::from(j);
-                    let mut step = [0.0; 3];
-                    step[axis] = 0.5;
-                    let row = Row { start, step };
+                    let step = Vec3::ith(axis, 0.5);
+                    let row = Row { start: start.into(), step };
                     let mut filled = vec![false; n as usize];
                     surface.fill_row(&row, &mut filled, &mut scratch);
                     for (k, &inside) in filled.iter().enumerate() {
@@ -171,14 +170,14 @@ proptest! {
         let surface = surface(&mend(stairs.mesh()).unwrap().0);
         for (at, link) in links {
             let from = at.map(|i| 0.5 * f64::from(i));
-            let to: Vec3 = std::array::from_fn(|k| from[k] + 0.5 * f64::from(link[k]));
-            check_segment(&surface, from, to)?;
+            let to: Vec3 = Vec3::from_fn(|k, _| from[k] + 0.5 * f64::from(link[k]));
+            check_segment(&surface, from.into(), to)?;
             let crossing = surface.first_crossing(from, to);
-            if !stairs.contains(from) && stairs.contains(to) {
+            if !stairs.contains(from.into()) && stairs.contains(to) {
                 // All of it in exact numbers: the first point in the solid is a half or a whole.
                 let first = (1..=12).map(|i| f64::from(i) / 12.0).find(|&t| {
                     let q = 12.0;
-                    let p: Vec3 = std::array::from_fn(|k| {
+                    let p: Vec3 = Vec3::from_fn(|k, _| {
                         ((from[k] + t * (to[k] - from[k])) * q).round() / q
                     });
                     stairs.contains(p)
@@ -242,13 +241,25 @@ fn points_that_are_none_do_no_harm() {
         let _ = surface.first_crossing([0.0; 3], bad);
         let _ = surface.first_crossing(bad, [0.0; 3]);
         let mut row = [true; 5];
-        surface.fill_row(&Row { start: bad, step: [0.1; 3] }, &mut row, &mut RowScratch::default());
-        surface.fill_row(&Row { start: [0.0; 3], step: bad }, &mut row, &mut RowScratch::default());
-        surface.triangles_near(&Bounds { min: bad, max: bad }, &mut Vec::new());
+        surface.fill_row(
+            &Row { start: bad.into(), step: Vec3::from_element(0.1) },
+            &mut row,
+            &mut RowScratch::default(),
+        );
+        surface.fill_row(
+            &Row { start: Vec3::zeros(), step: bad.into() },
+            &mut row,
+            &mut RowScratch::default(),
+        );
+        surface.triangles_near(&Bounds { min: bad.into(), max: bad.into() }, &mut Vec::new());
     }
     assert!(surface.closest([f64::NAN; 3]).distance.is_nan());
     assert!(surface.closest([1e300, 0.0, 0.0]).distance > 0.0);
-    surface.fill_row(&Row { start: [0.0; 3], step: [1.0; 3] }, &mut [], &mut RowScratch::default());
+    surface.fill_row(
+        &Row { start: Vec3::zeros(), step: Vec3::from_element(1.0) },
+        &mut [],
+        &mut RowScratch::default(),
+    );
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! Primitive shapes against formulas.
 
 use std::f64::consts::PI;
-use tremie_geometry::{EdgeKind, GeometryError, Mesh, Surface, VertexKind};
+use tremie_geometry::{EdgeKind, GeometryError, Mesh, Surface, Vec3, VertexKind};
 use tremie_messages::scene::{Geometry, Pose};
 
 fn near(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "found {found}, expected {expected}");
 }
 
-fn distance_from_axis(p: &[f64; 3]) -> f64 {
+fn distance_from_axis(p: &Vec3) -> f64 {
     p[0].hypot(p[1])
 }
 
@@ -24,10 +24,10 @@ fn a_box_has_its_volume_area_and_inertia() {
         near(moments.centroid[i], 0.0, 1e-17);
         for j in 0..3 {
             let inertia = if i == j { expected[i] } else { 0.0 };
-            near(moments.inertia[i][j], inertia, 1e-14 * expected[i]);
+            near(moments.inertia[(i, j)], inertia, 1e-14 * expected[i]);
         }
     }
-    assert_eq!(mesh.bounds().max, [0.01, 0.015, 0.025]);
+    assert_eq!(mesh.bounds().max, Vec3::new(0.01, 0.015, 0.025));
     near(mesh.bounding_radius(), 0.5 * (a * a + b * b + c * c).sqrt(), 1e-17);
 }
 
@@ -39,9 +39,9 @@ fn a_cylinder_has_the_volume_of_the_round_one() {
     let volume = PI * radius * radius * length;
     near(moments.volume, volume, 1e-13 * volume);
     near(moments.area, 2.0 * PI * radius * (radius + length), 3e-5 * moments.area);
-    near(moments.inertia[2][2], 0.5 * volume * radius * radius, 1e-7 * volume * radius * radius);
+    near(moments.inertia[(2, 2)], 0.5 * volume * radius * radius, 1e-7 * volume * radius * radius);
     let across = volume * (3.0 * radius * radius + length * length) / 12.0;
-    near(moments.inertia[0][0], across, 1e-7 * across);
+    near(moments.inertia[(0, 0)], across, 1e-7 * across);
     let surface = Surface::new(mesh).unwrap();
     // The stated deviation from the radius, at corners and at the middles of sides.
     let corner = distance_from_axis(&surface.mesh().vertices[0]) / radius - 1.0;
@@ -60,13 +60,17 @@ fn a_sphere_has_the_volume_of_the_round_one() {
     near(moments.volume, volume, 1e-13 * volume);
     near(moments.area, 4.0 * PI * radius * radius, 2e-4 * moments.area);
     for i in 0..3 {
-        near(moments.inertia[i][i], 0.4 * volume * radius * radius, 1e-4 * moments.inertia[i][i]);
+        near(
+            moments.inertia[(i, i)],
+            0.4 * volume * radius * radius,
+            1e-4 * moments.inertia[(i, i)],
+        );
     }
     let out = surface.bounding_radius() / radius - 1.0;
     let deepest = (0..surface.mesh().triangles.len())
         .map(|t| {
             let [a, b, c] = surface.mesh().corners(t);
-            let middle: [f64; 3] = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
+            let middle: Vec3 = Vec3::from_fn(|k, _| (a[k] + b[k] + c[k]) / 3.0);
             middle.iter().map(|x| x * x).sum::<f64>().sqrt() / radius
         })
         .fold(f64::INFINITY, f64::min);
@@ -83,7 +87,7 @@ fn a_placed_mesh_keeps_its_volume_and_moves_its_centroid() {
     for k in 0..3 {
         near(moments.centroid[k], pose.position[k], 1e-14);
         // That turn takes x to y, y to z, z to x.
-        near(moments.inertia[k][k], mesh.moments().inertia[(k + 2) % 3][(k + 2) % 3], 1e-13);
+        near(moments.inertia[(k, k)], mesh.moments().inertia[((k + 2) % 3, (k + 2) % 3)], 1e-13);
     }
 }
 

@@ -165,7 +165,7 @@ fn a_damaged_corner_is_named_and_not_what_it_does_to_the_rest() {
     let found = why(Folder::new().load("a.stl", &binary(&mesh, 1.0), 1e-3));
     assert!(found.contains("triangle 3 has a corner at") && found.contains("damaged"), "{found}");
     // Large and small in one part are no damage.
-    let fine = both(&cube(1e4), &moved(&cube(1.0), [3e4, 0.0, 0.0]));
+    let fine = both(&cube(1e4), &moved(&cube(1.0), Vec3::new(3e4, 0.0, 0.0)));
     near(
         Folder::new().load("a.stl", &binary(&fine, 1.0), 1.0).unwrap().mesh.moments().volume,
         1e12,
@@ -175,7 +175,7 @@ fn a_damaged_corner_is_named_and_not_what_it_does_to_the_rest() {
 #[test]
 fn a_part_far_from_its_files_origin_keeps_its_shape() {
     let ring = torus(5.0, 2.0, 48, 24);
-    let there = [1e6, -2e6, 3e5];
+    let there = Vec3::new(1e6, -2e6, 3e5);
     let loaded =
         Folder::new().load("a.stl", text(&moved(&ring, there), "").as_bytes(), 1e-3).unwrap();
     let repairs = loaded.repairs;
@@ -185,9 +185,9 @@ fn a_part_far_from_its_files_origin_keeps_its_shape() {
     );
     assert_eq!(loaded.mesh.vertices.len(), ring.vertices.len());
     for expected in &ring.vertices {
-        let expected = std::array::from_fn(|k| 1e-3 * (expected[k] + there[k]));
+        let expected = (expected + there) * 1e-3;
         let nearest =
-            loaded.mesh.vertices.iter().map(|v| norm(sub(*v, expected))).fold(1.0, f64::min);
+            loaded.mesh.vertices.iter().map(|v| (*v - expected).norm()).fold(1.0, f64::min);
         assert!(nearest < 1e-12, "{nearest}");
     }
     let said = repairs.to_string();
@@ -197,8 +197,9 @@ fn a_part_far_from_its_files_origin_keeps_its_shape() {
     let said = said.map_or_else(|error| error.to_string(), |loaded| loaded.repairs.to_string());
     assert!(said.contains("single precision"), "{said}");
     // What is near its origin is said to be nowhere.
-    let near =
-        Folder::new().load("c.stl", text(&moved(&ring, [50.0; 3]), "").as_bytes(), 1e-3).unwrap();
+    let near = Folder::new()
+        .load("c.stl", text(&moved(&ring, Vec3::from_element(50.0)), "").as_bytes(), 1e-3)
+        .unwrap();
     assert_eq!(near.repairs.to_string(), "nothing");
 }
 
@@ -210,7 +211,7 @@ fn with_junction(fraction: f64) -> tremie_geometry::Mesh {
         mesh.triangles.iter().enumerate().find_map(|(k, t)| Some((k, on_edge(t)?))).unwrap();
     let tip = mesh.triangles[split][(i + 2) % 3];
     let [a, b] = [mesh.vertices[0], mesh.vertices[1]];
-    mesh.vertices.push(std::array::from_fn(|k| a[k] + fraction * (b[k] - a[k])));
+    mesh.vertices.push(Vec3::from_fn(|k, _| a[k] + fraction * (b[k] - a[k])));
     mesh.triangles.remove(split);
     mesh.triangles.extend([[0, 8, tip], [8, 1, tip]]);
     mesh
@@ -231,7 +232,7 @@ fn t_junctions_are_told_from_holes() {
         assert!(said.contains("1 T-junction") && said.contains("on the edge from"), "{said}");
     }
     // Two cubes, one with a junction, one with a hole.
-    let mut holed = moved(&cube(2.0), [9.0, 0.0, 0.0]);
+    let mut holed = moved(&cube(2.0), Vec3::new(9.0, 0.0, 0.0));
     holed.triangles.pop();
     let found = faults(&both(&with_junction(0.3), &holed));
     assert!(
@@ -271,12 +272,12 @@ proptest! {
     fn numbers_keep_all_their_digits(x in -1e8..1e8f64, y in -1e-9..1e-9f64, z in -1e3..1e3f64) {
         let shape = tetrahedron();
         let size = 1e3 * (1.0 + x.abs());
-        let corner = |v: &[f64; 3]| [x + size * v[0], y + size * v[1], z + size * v[2]];
+        let corner = |v: &Vec3| Vec3::new(x, y, z) + v * size;
         let mesh = tremie_geometry::Mesh { vertices: shape.vertices.iter().map(corner).collect(), ..shape };
         let loaded = Folder::new().load("a.stl", text(&mesh, "").as_bytes(), 1e-3).unwrap();
         let mut found: Vec<_> = loaded.mesh.vertices.clone();
         let mut expected: Vec<_> = mesh.vertices.iter().map(|v| v.map(|x| x * 1e-3)).collect();
-        let order = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal);
+        let order = |a: &Vec3, b: &Vec3| a.iter().zip(b.iter()).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal);
         found.sort_by(order);
         expected.sort_by(order);
         prop_assert_eq!(found, expected);

@@ -57,7 +57,7 @@ fn facets_come_kind_by_kind_and_vertices_follow_their_points() {
     let mut moved = section.points.clone();
     moved[1] = [2.5, 0.25];
     for vertex in 0..turned.vertex_count() {
-        let [x, y, z] = turned.place(&moved, vertex);
+        let [x, y, z] = turned.place(&moved, vertex).into();
         let [r, height] = moved[turned.section[vertex] as usize];
         assert_eq!(z, height);
         // The polygon's stretch: equal areas.

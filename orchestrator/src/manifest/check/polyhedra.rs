@@ -53,7 +53,8 @@ impl Shapes {
             }
         }
         let shape = |name: String| {
-            let vertices = self.known.get(&name)?.vertices().to_vec();
+            let corners = self.known.get(&name)?.vertices();
+            let vertices = corners.iter().map(|&corner| corner.into()).collect();
             Some(Shape { name, vertices })
         };
         names.into_iter().filter_map(shape).collect()

@@ -54,7 +54,7 @@ fn explain(mut problem: Problem, error: &GeometryError) -> Problem {
 /// Whether a part has a size that goes with the domain's.
 fn fits(bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) -> bool {
     let longest = |size: [f64; 3]| size.into_iter().fold(0.0, f64::max);
-    let (part, whole) = (longest(bounds.size()), longest(domain.size()));
+    let (part, whole) = (longest(bounds.size().into()), longest(domain.size()));
     let right = part <= HUGE * whole && part >= TINY * whole;
     if !right {
         let message = format!(
@@ -74,13 +74,13 @@ fn fits(bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) -> 
 /// Notes a part that has nothing in the domain, unless it may come there.
 fn inside(part: &Part, bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) {
     let moves = part.motion != Motion::Fixed;
-    if moves || bounds.meets(&Bounds { min: domain.min, max: domain.max }) {
+    if moves || bounds.meets(&Bounds::of([domain.min, domain.max])) {
         return;
     }
     let message = format!(
         "the part reaches from {} m to {} m, wholly outside the domain, which is {}",
-        point(&bounds.min),
-        point(&bounds.max),
+        point(&bounds.min.into()),
+        point(&bounds.max.into()),
         extent(domain)
     );
     // A file may be drawn far from its origin, which is what a position moves.

@@ -3,7 +3,7 @@
 use super::MeshBody;
 use crate::bodies::deformable_shape::{Hit, NO_FACET};
 use crate::lattice::d3q19::dot;
-use tremie_geometry::Bounds;
+use tremie_geometry::{Bounds, Vec3};
 
 /// Links that meet the surface at a smaller cosine do not follow its motion: their end is not where
 /// a flat wall's would be.
@@ -65,8 +65,8 @@ impl MeshBody {
         if self.shape.is_none() {
             return Hit::NONE;
         }
-        let closest = self.surface.closest(std::array::from_fn(|a| 0.5 * (start[a] + end[a])));
-        Hit::on(self.surface.mesh(), closest.triangle, closest.point)
+        let closest = self.surface.closest(Vec3::from_fn(|a, _| 0.5 * (start[a] + end[a])));
+        Hit::on(self.surface.mesh(), closest.triangle, closest.point.into())
     }
 
     /// Finds the facets that links from a cell may meet.
@@ -80,8 +80,8 @@ impl MeshBody {
             (along(0) + along(1) + along(2)) * (1.0 + 1e-9)
         });
         let centre = self.point(self.own(at));
-        let min = std::array::from_fn(|k| centre[k] - reach[k]);
-        let max = std::array::from_fn(|k| centre[k] + reach[k]);
+        let min = Vec3::from_fn(|k, _| centre[k] - reach[k]);
+        let max = Vec3::from_fn(|k, _| centre[k] + reach[k]);
         let bounds = Bounds { min, max };
         facets.is_complete = self.surface.triangles_in(&bounds, MOST_FACETS, &mut facets.list);
     }
@@ -115,7 +115,8 @@ impl MeshBody {
             let point = |a: usize| start[a] + crossing.fraction * (end[a] - start[a]);
             Hit::on(self.surface.mesh(), crossing.triangle, std::array::from_fn(point))
         });
-        let normal = self.frame.turn_to_world(self.surface.normal(crossing.triangle));
+        let normal: [f64; 3] =
+            self.frame.turn_to_world(self.surface.normal(crossing.triangle)).into();
         let c = c.map(f64::from);
         let along = dot(normal, c);
         let is_steep = along * along > GRAZING * GRAZING * dot(c, c);

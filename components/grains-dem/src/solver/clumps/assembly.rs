@@ -6,6 +6,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::{PlacedSphere, Twist, Wrench};
 use crate::polyhedra::{Inertia, Shape, to_world, turned_axes};
 use crate::solver::placement::{self, OF_SPHERE};
+use nalgebra::Matrix3;
 use std::collections::BTreeMap;
 use tremie_geometry::principal;
 use tremie_messages::scene::{BodySet, Scene};
@@ -103,8 +104,8 @@ impl Clump {
                 row.iter_mut().zip(own.iter()).for_each(|(sum, more)| *sum += more);
             }
         }
-        let (moments, axes) = principal(tensor);
-        let inertia = Inertia { moments, axes: axes.map(Vec3::from) };
+        let (moments, axes) = principal(&Matrix3::from(tensor).transpose());
+        let inertia = Inertia { moments, axes };
         let member = |&(rank, body): &(u32, &PlacedSphere)| Member {
             rank,
             arm: body.ball.x - x,
@@ -138,7 +139,7 @@ impl Clump {
         let worst = |r: Vec3| {
             let columns = [Vec3::x(), Vec3::y(), Vec3::z()].map(|n| r.cross(&n));
             let turned = columns.map(|column| self.inertia.spin(UNTURNED, column));
-            let (most, _) = principal(columns.map(|a| turned.map(|b| a.dot(&b))));
+            let (most, _) = principal(&Matrix3::from_fn(|a, b| columns[a].dot(&turned[b])));
             1.0 + self.mass * most.into_iter().fold(0.0, f64::max)
         };
         let (mut normal, mut any) = (1.0f64, 1.0f64);
@@ -218,8 +219,7 @@ fn velocity(body: &PlacedSphere) -> Vec3 {
 /// Inertia of a body about the centre of its mass, times a vector [kg·m²].
 fn own_inertia(body: &PlacedSphere, shapes: &[Shape], v: Vec3) -> Vec3 {
     if let Some(share) = body.share {
-        let rows = share.inertia.map(|row| Vec3::from(row).dot(&v));
-        return Vec3::from(rows) * (body.mass / share.volume);
+        return share.inertia * v * (body.mass / share.volume);
     }
     match body.solid {
         None => v * (0.4 * body.mass * body.ball.radius * body.ball.radius),
