@@ -9,7 +9,7 @@ use tremie_channels::{
 };
 use tremie_messages::Stamp;
 use tremie_messages::control::{Credit, Report};
-use tremie_messages::schedule::Edge;
+use tremie_messages::schedule::{Content, Edge};
 use tremie_messages::start::{
     Assignment, Fault, FaultKind, Injection, InjectionKind, Reply, Transport,
 };
@@ -181,6 +181,20 @@ impl<S: ChannelMedium> Context<S> {
             substep,
             iteration,
         }
+    }
+
+    /// The edge of this component that carries `content`, if it has one.
+    pub fn edge(&self, content: Content) -> Option<&Edge> {
+        self.assignment.edges.iter().find(|edge| edge.content == content)
+    }
+
+    /// Does `work` and counts its time as computing, less what it waits.
+    pub fn compute<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let (begin, waited) = (Instant::now(), self.spent.wait);
+        let done = work(self);
+        let waited = self.spent.wait - waited;
+        self.spent.compute += (begin.elapsed().as_nanos() as u64).saturating_sub(waited);
+        done
     }
 
     /// Waits until `check` gives something; ends at the deadline, or at once when aborted.

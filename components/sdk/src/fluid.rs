@@ -3,23 +3,45 @@
 use crate::context::Context;
 use crate::frames::FrameSource;
 use crate::impulse::Impulse;
+use crate::line::ControlPipe;
 use crate::ports::{InPort, OutPort};
+use crate::program::Participant;
 use crate::role_adapter::RoleAdapter;
-use crate::roles::Fluid;
+use crate::roles::{Fluid, check_polyhedra, check_surfaces};
+use crate::serve::{Assigned, serve};
 use crate::setup::Setup;
 use crate::stop::Stop;
 use crate::substep_coupling::Sizes;
-use std::time::Instant;
+use std::marker::PhantomData;
 use tremie_channels::{ChannelMedium, Loan, Received};
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
 use tremie_messages::schedule::Content;
-use tremie_messages::start::{FaultKind, VolumeGrid};
+use tremie_messages::start::{Description, FaultKind, VolumeGrid};
 use tremie_messages::{
-    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, Stamp, SurfaceVertex,
+    BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, Role, Stamp, SurfaceVertex,
 };
 
+/// A fluid as a component of a run.
+pub struct AsFluid<T>(PhantomData<T>);
+
+impl<T: Fluid> Participant for AsFluid<T> {
+    const ROLE: Role = Role::Fluid;
+    const PROGRAM: &'static str = T::PROGRAM;
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
+        check_polyhedra(setup, T::PROGRAM, T::TAKES_POLYHEDRA)?;
+        let described = Description { ports: T::TELLS_PORTS, ..T::describe(setup)? };
+        Ok(Impulse::announce(described, "impulse_delivered"))
+    }
+
+    fn serve<S: ChannelMedium>(line: ControlPipe, assigned: Assigned) -> Result<(), String> {
+        serve::<S, FluidPlayer<S, T>>(line, assigned)
+    }
+}
+
 /// A fluid with its edges.
-pub struct FluidPlayer<S: ChannelMedium, F: Fluid> {
+struct FluidPlayer<S: ChannelMedium, F: Fluid> {
     fluid: F,
     ids: Vec<u64>,
     events: Option<InPort<S, BodyEvent>>,
@@ -76,19 +98,12 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
     }
 
     fn open(&mut self, context: &Context<S>) -> Result<(), Stop> {
-        for edge in &context.assignment.edges {
-            match edge.content {
-                Content::Events => self.events = Some(InPort::open(context, edge)?),
-                Content::State => self.state = Some(InPort::open(context, edge)?),
-                Content::Load => self.load = Some(OutPort::open(context, edge)?),
-                Content::Ports => self.port = Some(OutPort::open(context, edge)?),
-                Content::Surface => self.surface = Some(InPort::open(context, edge)?),
-                Content::SurfaceLoad => {
-                    self.surface_load = Some(OutPort::open(context, edge)?);
-                }
-                _ => {}
-            }
-        }
+        self.events = InPort::find(context, Content::Events)?;
+        self.state = InPort::find(context, Content::State)?;
+        self.load = OutPort::find(context, Content::Load)?;
+        self.port = OutPort::find(context, Content::Ports)?;
+        self.surface = InPort::find(context, Content::Surface)?;
+        self.surface_load = OutPort::find(context, Content::SurfaceLoad)?;
         Ok(())
     }
 
@@ -128,21 +143,18 @@ impl<S: ChannelMedium, F: Fluid> RoleAdapter<S> for FluidPlayer<S, F> {
         for (load, body) in loads.iter_mut().zip(bodies) {
             *load = Load { id: body.id, ..Load::default() };
         }
-        let begin = Instant::now();
         let vertices = self.vertices.as_ref().map(|message| message.values());
         let window = context.window;
         let (fluid, substeps, facets) = (&mut self.fluid, context.substeps, &mut self.facets);
         facets.clear();
-        let mut advance = || {
+        let done = context.compute(|_| {
             vertices.map_or(Ok(()), |vertices| fluid.surface(vertices))?;
             match window {
                 0 => fluid.start(bodies, loads)?,
                 _ => fluid.advance(substeps, bodies, loads)?,
             }
             vertices.map_or(Ok(()), |_| fluid.surface_loads(facets))
-        };
-        let done = advance();
-        context.spent.compute += begin.elapsed().as_nanos() as u64;
+        });
         self.impulse.add(loads, context.assignment.clock.window());
         self.loads = loan;
         done.map_err(|error| context.solver_failed(&error))

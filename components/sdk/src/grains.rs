@@ -4,19 +4,42 @@ use crate::context::Context;
 use crate::frames::FrameSource;
 use crate::impulse::Impulse;
 use crate::lagged_loads::Answers;
+use crate::line::ControlPipe;
 use crate::ports::{InPort, OutPort};
+use crate::program::Participant;
 use crate::role_adapter::RoleAdapter;
-use crate::roles::Grains;
+use crate::roles::{Grains, check_polyhedra, check_surfaces};
+use crate::serve::{Assigned, serve};
 use crate::setup::Setup;
 use crate::stop::Stop;
 use crate::substep_coupling::{Sizes, SubstepCoupling};
-use std::time::Instant;
+use std::marker::PhantomData;
 use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::schedule::Content;
-use tremie_messages::{BodyEvent, BodyState, Load, PortState, Problem, Stamp};
+use tremie_messages::start::Description;
+use tremie_messages::{BodyEvent, BodyState, Load, PortState, Problem, Role, Stamp};
+
+/// Grains as a component of a run.
+pub struct AsGrains<T>(PhantomData<T>);
+
+impl<T: Grains> Participant for AsGrains<T> {
+    const ROLE: Role = Role::Grains;
+    const PROGRAM: &'static str = T::PROGRAM;
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        check_surfaces(setup, T::PROGRAM, T::TAKES_SURFACES)?;
+        check_polyhedra(setup, T::PROGRAM, T::TAKES_POLYHEDRA)?;
+        let described = Description { ports: T::TAKES_PORTS, ..T::describe(setup)? };
+        Ok(Impulse::announce(described, "impulse_received"))
+    }
+
+    fn serve<S: ChannelMedium>(line: ControlPipe, assigned: Assigned) -> Result<(), String> {
+        serve::<S, GrainsPlayer<S, T>>(line, assigned)
+    }
+}
 
 /// Grains with their edges.
-pub struct GrainsPlayer<S: ChannelMedium, G: Grains> {
+struct GrainsPlayer<S: ChannelMedium, G: Grains> {
     grains: G,
     /// Living bodies in ascending order of ids, as they were announced.
     kinds: Vec<BodyEvent>,
@@ -65,15 +88,10 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
     }
 
     fn open(&mut self, context: &Context<S>) -> Result<(), Stop> {
-        for edge in &context.assignment.edges {
-            match edge.content {
-                Content::Events => self.events = Some(OutPort::open(context, edge)?),
-                Content::State => self.state = Some(OutPort::open(context, edge)?),
-                Content::Load => self.load = Some(InPort::open(context, edge)?),
-                Content::Ports => self.port = Some(InPort::open(context, edge)?),
-                _ => {}
-            }
-        }
+        self.events = OutPort::find(context, Content::Events)?;
+        self.state = OutPort::find(context, Content::State)?;
+        self.load = InPort::find(context, Content::Load)?;
+        self.port = InPort::find(context, Content::Ports)?;
         self.inside = SubstepCoupling::open(context, self.sizes)?;
         Ok(())
     }
@@ -109,9 +127,8 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
         match &mut self.inside {
             Some(inside) => inside.window(context, &mut self.grains, loads)?,
             None => {
-                let begin = Instant::now();
-                let done = self.grains.advance(context.substeps, loads);
-                context.spent.compute += begin.elapsed().as_nanos() as u64;
+                let substeps = context.substeps;
+                let done = context.compute(|_| self.grains.advance(substeps, loads));
                 done.map_err(|error| context.solver_failed(&error))?;
             }
         }

@@ -1,7 +1,7 @@
 //! What the author of a Tremie component needs.
 //!
-//! Implement [`Fluid`], [`Grains`], [`Rubber`] or [`Observer`], and call [`main_fluid`] (or its like) from
-//! `main`. The sdk does the rest: the start contract, shared memory, stamps, deadlines, frames for
+//! Implement [`Fluid`], [`Grains`], [`Rubber`] or [`Observer`], and call [`main`] of it, as
+//! `tremie_sdk::main::<AsFluid<Mine>>()`. The sdk does the rest: the start contract, shared memory, stamps, deadlines, frames for
 //! observers, and the guards that turn every failure into a fault with both sides named.
 //!
 //! `examples/minimal-fluid` is a whole fluid of about a hundred lines.
@@ -31,14 +31,15 @@ mod stop;
 mod substep_coupling;
 
 pub use context::{credit_spec, report_spec};
+pub use fluid::AsFluid;
 pub use frames::frame_spec;
+pub use grains::AsGrains;
 pub use line::ControlPipe;
+pub use observe::AsObserver;
 pub use observer::{Moment, Observer, ObserverError, own_file};
 pub use ports::edge_spec;
-pub use program::{
-    log_line, main_fluid, main_grains, main_observer, main_of, main_rubber, run_fluid, run_grains,
-    run_observer, run_rubber,
-};
+pub use program::{Participant, log_line, main, main_of, run};
 pub use roles::{Fluid, Grains, Rubber, SolverError};
+pub use rubber::AsRubber;
 pub use setup::Setup;
 pub use tremie_messages as messages;

@@ -4,9 +4,11 @@ use crate::context::Context;
 use crate::frames::frame_spec;
 use crate::line::ControlPipe;
 use crate::observer::{Moment, Observer, ObserverError};
-use crate::serve::panic_text;
+use crate::program::Participant;
+use crate::serve::{Assigned, panic_text};
 use crate::setup::Setup;
 use crate::stop::Stop;
+use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 use tremie_channels::{ChannelMedium, Receiver};
@@ -14,16 +16,16 @@ use tremie_messages::frame::{
     BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
 };
 use tremie_messages::start::{
-    Assignment, Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Hello, Reply,
+    Clock, Description, Fault, FaultKind, FrameContent, FrameStream, Reply,
 };
-use tremie_messages::{Problem, Stamp};
+use tremie_messages::{Problem, Role, Stamp};
 
 /// How long an observer sleeps when there is nothing to see and nobody rings.
 const NAP: Duration = Duration::from_millis(50);
 /// How often an observer says at the run's end that it is still taking frames.
 const PULSE: Duration = Duration::from_millis(500);
 
-enum Input<S: ChannelMedium> {
+enum FrameReceiver<S: ChannelMedium> {
     Bodies(Receiver<S, Stamp, BodySample>),
     Surfaces(Receiver<S, Stamp, SurfaceSample>),
     Slice(Receiver<S, SliceHeader, SliceNode>),
@@ -34,7 +36,7 @@ enum Input<S: ChannelMedium> {
 
 struct Inlet<S: ChannelMedium> {
     plan: FrameStream,
-    input: Input<S>,
+    input: FrameReceiver<S>,
     /// Window of the frame before, to count those that were lost.
     before: Option<u64>,
     lost: u64,
@@ -42,11 +44,27 @@ struct Inlet<S: ChannelMedium> {
 
 /// Serves an observer from the assignment to the end.
 ///
+/// An observer as a component of a run.
+pub struct AsObserver<T>(PhantomData<T>);
+
+impl<T: Observer> Participant for AsObserver<T> {
+    const ROLE: Role = Role::Observer;
+    const PROGRAM: &'static str = T::PROGRAM;
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        T::describe(setup)
+    }
+
+    fn serve<S: ChannelMedium>(line: ControlPipe, assigned: Assigned) -> Result<(), String> {
+        serve_observer::<S, T>(line, assigned)
+    }
+}
+
 /// # Errors
 /// A sentence for standard error.
-pub fn serve_observer<S: ChannelMedium, O: Observer>(
+fn serve_observer<S: ChannelMedium, O: Observer>(
     mut line: ControlPipe,
-    (hello, assignment, _): (Hello, Assignment, Description),
+    (hello, assignment, _): Assigned,
 ) -> Result<(), String> {
     let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
     let opened = catch_unwind(AssertUnwindSafe(|| O::open(&setup)))
@@ -143,12 +161,12 @@ fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, 
         let spec = frame_spec(plan);
         let attachment = &context.attachment;
         let input = match &plan.content {
-            FrameContent::Bodies => Input::Bodies(attachment.receiver(spec)?),
-            FrameContent::Surfaces => Input::Surfaces(attachment.receiver(spec)?),
-            FrameContent::Slice(_) => Input::Slice(attachment.receiver(spec)?),
-            FrameContent::Volume(_) => Input::Volume(attachment.receiver(spec)?),
-            FrameContent::Signals(_) => Input::Signals(attachment.receiver(spec)?),
-            FrameContent::Log => Input::Log(attachment.receiver(spec)?),
+            FrameContent::Bodies => FrameReceiver::Bodies(attachment.receiver(spec)?),
+            FrameContent::Surfaces => FrameReceiver::Surfaces(attachment.receiver(spec)?),
+            FrameContent::Slice(_) => FrameReceiver::Slice(attachment.receiver(spec)?),
+            FrameContent::Volume(_) => FrameReceiver::Volume(attachment.receiver(spec)?),
+            FrameContent::Signals(_) => FrameReceiver::Signals(attachment.receiver(spec)?),
+            FrameContent::Log => FrameReceiver::Log(attachment.receiver(spec)?),
         };
         inlets.push(Inlet { plan: plan.clone(), input, before: None, lost: 0 });
     }
@@ -187,34 +205,34 @@ impl<S: ChannelMedium> Inlet<S> {
         let clock = &context.assignment.clock;
         let from = &self.plan.from;
         let shown = match (&self.input, &self.plan.content) {
-            (Input::Bodies(receiver), _) => receiver.take()?.map(|message| {
+            (FrameReceiver::Bodies(receiver), _) => receiver.take()?.map(|message| {
                 let at = moment(clock, *message.header());
                 (at.stamp, observer.bodies(from, at, message.values()))
             }),
-            (Input::Surfaces(receiver), _) => receiver.take()?.map(|message| {
+            (FrameReceiver::Surfaces(receiver), _) => receiver.take()?.map(|message| {
                 let at = moment(clock, *message.header());
                 (at.stamp, observer.surfaces(from, at, message.values()))
             }),
-            (Input::Slice(receiver), FrameContent::Slice(name)) => {
+            (FrameReceiver::Slice(receiver), FrameContent::Slice(name)) => {
                 receiver.take()?.map(|message| {
                     let at = moment(clock, message.header().stamp);
                     (at.stamp, observer.slice(from, name, at, message.header(), message.values()))
                 })
             }
-            (Input::Volume(receiver), FrameContent::Volume(grid)) => {
+            (FrameReceiver::Volume(receiver), FrameContent::Volume(grid)) => {
                 receiver.take()?.map(|message| {
                     let (header, name) = (message.header(), &grid.name);
                     let at = moment(clock, header.stamp);
                     (at.stamp, observer.volume(from, name, at, header, message.values()))
                 })
             }
-            (Input::Signals(receiver), FrameContent::Signals(names)) => {
+            (FrameReceiver::Signals(receiver), FrameContent::Signals(names)) => {
                 receiver.take()?.map(|message| {
                     let at = moment(clock, *message.header());
                     (at.stamp, observer.signals(from, at, names, message.values()))
                 })
             }
-            (Input::Log(receiver), _) => receiver.take()?.map(|message| {
+            (FrameReceiver::Log(receiver), _) => receiver.take()?.map(|message| {
                 let at = moment(clock, message.header().stamp);
                 let text = String::from_utf8_lossy(message.values());
                 (at.stamp, observer.log(at, message.header(), &text))

@@ -7,7 +7,7 @@ use crate::stop::Stop;
 use tremie_channels::{
     ChannelError, ChannelMedium, ChannelSpec, Loan, Received, Receiver, Ringer, Sender,
 };
-use tremie_messages::schedule::Edge;
+use tremie_messages::schedule::{Content, Edge};
 use tremie_messages::start::{FaultKind, InjectionKind};
 use tremie_messages::{FacetLoad, Message, PortState, Stamp};
 
@@ -39,6 +39,11 @@ impl<S: ChannelMedium, T: Message> InPort<S, T> {
     /// Opens the receiving end of `edge`.
     pub fn open(context: &Context<S>, edge: &Edge) -> Result<Self, Stop> {
         Ok(Self { receiver: context.attachment.receiver(edge_spec(edge))?, edge: edge.clone() })
+    }
+
+    /// Opens the receiving end of the edge that carries `content`, if there is one.
+    pub fn find(context: &Context<S>, content: Content) -> Result<Option<Self>, Stop> {
+        context.edge(content).map(|edge| Self::open(context, edge)).transpose()
     }
 
     /// Waits for the message that the schedule foretells, and checks its stamp.
@@ -225,6 +230,11 @@ impl<S: ChannelMedium, T: Message> OutPort<S, T> {
             ringer: Ringer::of(&context.attachment, &edge.to)?,
             edge: edge.clone(),
         })
+    }
+
+    /// Opens the sending end of the edge that carries `content`, if there is one.
+    pub fn find(context: &Context<S>, content: Content) -> Result<Option<Self>, Stop> {
+        context.edge(content).map(|edge| Self::open(context, edge)).transpose()
     }
 
     /// Connects to the receiver, once all components are ready.

@@ -1,108 +1,53 @@
 //! From a solver to a program: what a component's `main` calls.
 
-use crate::fluid::FluidPlayer;
-use crate::grains::GrainsPlayer;
-use crate::impulse::Impulse;
 use crate::line::ControlPipe;
-use crate::observe::serve_observer;
-use crate::observer::Observer;
-use crate::roles::{Fluid, Grains, Rubber, check_polyhedra, check_surfaces};
-use crate::rubber::RubberPlayer;
-use crate::serve::{Introduction, introduce, serve};
+use crate::serve::{Assigned, Introduction, introduce};
 use crate::setup::Setup;
 use std::fmt::Display;
 use std::io::Write;
 use std::process::ExitCode;
-use tremie_channels::{InProcess, SharedMemory};
-use tremie_messages::Role;
+use tremie_channels::{ChannelMedium, InProcess, SharedMemory};
 use tremie_messages::start::{Description, INTERFACE_VARIABLE};
+use tremie_messages::{Problem, Role};
 
-/// Takes part in a run as its fluid, over `line`.
+/// A way to take part in a run: [`AsFluid`](crate::AsFluid), [`AsGrains`](crate::AsGrains),
+/// [`AsRubber`](crate::AsRubber) or [`AsObserver`](crate::AsObserver) of what an author implements.
+pub trait Participant {
+    /// The role that a manifest names it for.
+    const ROLE: Role;
+    /// Name and version of the program.
+    const PROGRAM: &'static str;
+
+    /// Its description.
+    ///
+    /// # Errors
+    /// Problems of scene and parameters.
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>>;
+
+    /// Goes through the run that it was assigned to, over one kind of channels.
+    ///
+    /// # Errors
+    /// A sentence for standard error.
+    fn serve<S: ChannelMedium>(line: ControlPipe, assigned: Assigned) -> Result<(), String>;
+}
+
+/// Takes part in a run, over `line`.
 ///
 /// # Errors
 /// A sentence for standard error.
-pub fn run_fluid<F: Fluid>(mut line: ControlPipe) -> Result<(), String> {
-    let describe = |setup: &Setup| {
-        check_surfaces(setup, F::PROGRAM, F::TAKES_SURFACES)?;
-        check_polyhedra(setup, F::PROGRAM, F::TAKES_POLYHEDRA)?;
-        let described = Description { ports: F::TELLS_PORTS, ..F::describe(setup)? };
-        Ok(Impulse::announce(described, "impulse_delivered"))
-    };
-    match introduce(&mut line, Role::Fluid, F::PROGRAM, describe)? {
+pub fn run<P: Participant>(mut line: ControlPipe) -> Result<(), String> {
+    match introduce(&mut line, P::ROLE, P::PROGRAM, P::describe)? {
         Introduction::Dismissed => Ok(()),
         Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve::<SharedMemory, FluidPlayer<SharedMemory, F>>(line, *all)
+            P::serve::<SharedMemory>(line, *all)
         }
-        Introduction::Assigned(all) => serve::<InProcess, FluidPlayer<InProcess, F>>(line, *all),
+        Introduction::Assigned(all) => P::serve::<InProcess>(line, *all),
     }
 }
 
-/// Takes part in a run as its grains, over `line`.
-///
-/// # Errors
-/// A sentence for standard error.
-pub fn run_grains<G: Grains>(mut line: ControlPipe) -> Result<(), String> {
-    let describe = |setup: &Setup| {
-        check_surfaces(setup, G::PROGRAM, G::TAKES_SURFACES)?;
-        check_polyhedra(setup, G::PROGRAM, G::TAKES_POLYHEDRA)?;
-        let described = Description { ports: G::TAKES_PORTS, ..G::describe(setup)? };
-        Ok(Impulse::announce(described, "impulse_received"))
-    };
-    match introduce(&mut line, Role::Grains, G::PROGRAM, describe)? {
-        Introduction::Dismissed => Ok(()),
-        Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve::<SharedMemory, GrainsPlayer<SharedMemory, G>>(line, *all)
-        }
-        Introduction::Assigned(all) => serve::<InProcess, GrainsPlayer<InProcess, G>>(line, *all),
-    }
-}
-
-/// Takes part in a run as its rubber, over `line`.
-///
-/// # Errors
-/// A sentence for standard error.
-pub fn run_rubber<R: Rubber>(mut line: ControlPipe) -> Result<(), String> {
-    match introduce(&mut line, Role::Rubber, R::PROGRAM, R::describe)? {
-        Introduction::Dismissed => Ok(()),
-        Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve::<SharedMemory, RubberPlayer<SharedMemory, R>>(line, *all)
-        }
-        Introduction::Assigned(all) => serve::<InProcess, RubberPlayer<InProcess, R>>(line, *all),
-    }
-}
-
-/// Watches a run, over `line`.
-///
-/// # Errors
-/// A sentence for standard error.
-pub fn run_observer<O: Observer>(mut line: ControlPipe) -> Result<(), String> {
-    match introduce(&mut line, Role::Observer, O::PROGRAM, O::describe)? {
-        Introduction::Dismissed => Ok(()),
-        Introduction::Assigned(all) if all.1.transport.between_processes => {
-            serve_observer::<SharedMemory, O>(line, *all)
-        }
-        Introduction::Assigned(all) => serve_observer::<InProcess, O>(line, *all),
-    }
-}
-
-/// The whole `main` of a program that is a fluid.
-pub fn main_fluid<F: Fluid>() -> ExitCode {
-    main_of(F::PROGRAM, "fluid", run_fluid::<F>)
-}
-
-/// The whole `main` of a program that is grains.
-pub fn main_grains<G: Grains>() -> ExitCode {
-    main_of(G::PROGRAM, "grains", run_grains::<G>)
-}
-
-/// The whole `main` of a program that is rubber.
-pub fn main_rubber<R: Rubber>() -> ExitCode {
-    main_of(R::PROGRAM, "rubber", run_rubber::<R>)
-}
-
-/// The whole `main` of a program that is an observer.
-pub fn main_observer<O: Observer>() -> ExitCode {
-    main_of(O::PROGRAM, "observer", run_observer::<O>)
+/// The whole `main` of a program that is a component.
+pub fn main<P: Participant>() -> ExitCode {
+    main_of(P::PROGRAM, P::ROLE.name(), run::<P>)
 }
 
 /// Runs `component` over standard input and output, or says how the program is meant to be started.

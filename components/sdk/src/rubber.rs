@@ -2,19 +2,40 @@
 
 use crate::context::Context;
 use crate::frames::FrameSource;
+use crate::line::ControlPipe;
 use crate::ports::{InPort, OutPort};
+use crate::program::Participant;
 use crate::role_adapter::RoleAdapter;
 use crate::roles::Rubber;
+use crate::serve::{Assigned, serve};
 use crate::setup::Setup;
 use crate::stop::Stop;
 use crate::substep_coupling::{RubberInside, Sizes};
+use std::marker::PhantomData;
 use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::frame::SurfaceSample;
 use tremie_messages::schedule::Content;
-use tremie_messages::{FacetLoad, Problem, Stamp, SurfaceVertex};
+use tremie_messages::start::Description;
+use tremie_messages::{FacetLoad, Problem, Role, Stamp, SurfaceVertex};
+
+/// Rubber as a component of a run.
+pub struct AsRubber<T>(PhantomData<T>);
+
+impl<T: Rubber> Participant for AsRubber<T> {
+    const ROLE: Role = Role::Rubber;
+    const PROGRAM: &'static str = T::PROGRAM;
+
+    fn describe(setup: &Setup) -> Result<Description, Vec<Problem>> {
+        T::describe(setup)
+    }
+
+    fn serve<S: ChannelMedium>(line: ControlPipe, assigned: Assigned) -> Result<(), String> {
+        serve::<S, RubberPlayer<S, T>>(line, assigned)
+    }
+}
 
 /// Rubber with its edges.
-pub struct RubberPlayer<S: ChannelMedium, R: Rubber> {
+struct RubberPlayer<S: ChannelMedium, R: Rubber> {
     rubber: R,
     sizes: Sizes,
     inside: Option<RubberInside<S>>,
@@ -53,13 +74,8 @@ impl<S: ChannelMedium, R: Rubber> RoleAdapter<S> for RubberPlayer<S, R> {
 
     fn open(&mut self, context: &Context<S>) -> Result<(), Stop> {
         self.inside = RubberInside::open(context, self.sizes)?;
-        for edge in &context.assignment.edges {
-            match edge.content {
-                Content::Surface => self.surface = Some(OutPort::open(context, edge)?),
-                Content::SurfaceLoad => self.load = Some(InPort::open(context, edge)?),
-                _ => {}
-            }
-        }
+        self.surface = OutPort::find(context, Content::Surface)?;
+        self.load = InPort::find(context, Content::SurfaceLoad)?;
         Ok(())
     }
 

@@ -17,10 +17,13 @@ use tremie_messages::start::{
     Assignment, Description, Fault, FaultKind, Hello, InjectionKind, Reply, Request,
 };
 
+/// What a component has at the end of its introduction: what it was asked, assigned and said of itself.
+pub type Assigned = (Hello, Assignment, Description);
+
 /// The hello and the assignment, or the end of a component that was refused or dismissed.
 pub enum Introduction {
     /// Go on with this.
-    Assigned(Box<(Hello, Assignment, Description)>),
+    Assigned(Box<Assigned>),
     /// The orchestrator wants nothing more.
     Dismissed,
 }
@@ -89,7 +92,7 @@ fn accept(
 /// physics are told to the orchestrator, and then come back as an error too.
 pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
     mut line: ControlPipe,
-    (hello, assignment, description): (Hello, Assignment, Description),
+    (hello, assignment, description): Assigned,
 ) -> Result<(), String> {
     let setup = Setup { hello: hello.clone(), assignment: Some(assignment.clone()) };
     let created = catch_unwind(AssertUnwindSafe(|| P::create(&setup)))

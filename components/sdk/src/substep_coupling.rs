@@ -23,7 +23,6 @@ use crate::ports::{InPort, OutPort};
 use crate::roles::{Grains, Rubber, SolverError};
 use crate::serve::end_here;
 use crate::stop::Stop;
-use std::time::Instant;
 use tremie_channels::{ChannelMedium, Received};
 use tremie_messages::scene::Scene;
 use tremie_messages::schedule::{Content, MOST_TRIALS};
@@ -87,25 +86,24 @@ pub struct RubberInside<S: ChannelMedium> {
     resultant: OutPort<S, Load>,
 }
 
-/// The edge of a content, if the component has it.
-macro_rules! open {
-    ($context:expr, $port:ident, $content:expr) => {
-        match $context.assignment.edges.iter().find(|edge| edge.content == $content) {
-            Some(edge) => $port::open($context, edge)?,
-            None => return Ok(None),
-        }
-    };
-}
-
 impl<S: ChannelMedium> SubstepCoupling<S> {
     /// Opens the grains' ends; `None` where no rubber sits opposite.
     pub fn open(context: &Context<S>, sizes: Sizes) -> Result<Option<Self>, Stop> {
+        let ends = (
+            OutPort::find(context, Content::Carrier)?,
+            InPort::find(context, Content::Trial)?,
+            OutPort::find(context, Content::Contact)?,
+            InPort::find(context, Content::Resultant)?,
+        );
+        let (Some(carrier), Some(trial), Some(contact), Some(resultant)) = ends else {
+            return Ok(None);
+        };
         Ok(Some(Self {
+            carrier,
+            trial,
+            contact,
+            resultant,
             sizes,
-            carrier: open!(context, OutPort, Content::Carrier),
-            trial: open!(context, InPort, Content::Trial),
-            contact: open!(context, OutPort, Content::Contact),
-            resultant: open!(context, InPort, Content::Resultant),
             carriers: sizes.ids().map(|id| BodyState::at_rest(id, [0.0; 3])).collect(),
             loads: sizes.room_for_loads(),
         }))
@@ -129,7 +127,7 @@ impl<S: ChannelMedium> SubstepCoupling<S> {
         grains: &mut G,
         loads: &[Load],
     ) -> Result<(), Stop> {
-        computed(context, |context| {
+        context.compute(|context| {
             let substeps = context.substeps;
             grains.begin_window(substeps, loads).map_err(|error| context.solver_failed(&error))?;
             (1..=substeps).try_for_each(|substep| self.substep(context, grains, substep))?;
@@ -210,13 +208,16 @@ impl<S: ChannelMedium> InPort<S, SurfaceVertex> {
 impl<S: ChannelMedium> RubberInside<S> {
     /// Opens the rubber's ends; `None` where no grains sit opposite.
     pub fn open(context: &Context<S>, sizes: Sizes) -> Result<Option<Self>, Stop> {
-        Ok(Some(Self {
-            sizes,
-            carrier: open!(context, InPort, Content::Carrier),
-            trial: open!(context, OutPort, Content::Trial),
-            contact: open!(context, InPort, Content::Contact),
-            resultant: open!(context, OutPort, Content::Resultant),
-        }))
+        let ends = (
+            InPort::find(context, Content::Carrier)?,
+            OutPort::find(context, Content::Trial)?,
+            InPort::find(context, Content::Contact)?,
+            OutPort::find(context, Content::Resultant)?,
+        );
+        let (Some(carrier), Some(trial), Some(contact), Some(resultant)) = ends else {
+            return Ok(None);
+        };
+        Ok(Some(Self { carrier, trial, contact, resultant, sizes }))
     }
 
     /// Connects the senders.
@@ -238,7 +239,7 @@ impl<S: ChannelMedium> RubberInside<S> {
         rubber: &mut R,
         loads: &[FacetLoad],
     ) -> Result<(), Stop> {
-        computed(context, |context| {
+        context.compute(|context| {
             rubber.begin_window(loads).map_err(|error| context.solver_failed(&error))?;
             (1..=context.substeps).try_for_each(|substep| self.substep(context, rubber, substep))
         })
@@ -317,16 +318,4 @@ impl<S: ChannelMedium> RubberInside<S> {
         self.carrier.check_bodies(context, carriers.values(), self.sizes.ids())?;
         Ok(carriers)
     }
-}
-
-/// Does `work` and counts its time as computing, less what it waits.
-fn computed<S: ChannelMedium>(
-    context: &mut Context<S>,
-    work: impl FnOnce(&mut Context<S>) -> Result<(), Stop>,
-) -> Result<(), Stop> {
-    let (begin, waited) = (Instant::now(), context.spent.wait);
-    let done = work(context);
-    let waited = context.spent.wait - waited;
-    context.spent.compute += (begin.elapsed().as_nanos() as u64).saturating_sub(waited);
-    done
 }

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use tremie_sdk::messages::scene::{FluidMaterial, Scene};
 use tremie_sdk::messages::start::{Description, Signal};
 use tremie_sdk::messages::{BodyEvent, BodyState, Load, Problem};
-use tremie_sdk::{Fluid, Setup, SolverError, main_fluid};
+use tremie_sdk::{AsFluid, Fluid, Setup, SolverError};
 
 struct StokesFluid {
     material: FluidMaterial,
@@ -105,5 +105,5 @@ impl Fluid for StokesFluid {
 }
 
 fn main() -> ExitCode {
-    main_fluid::<StokesFluid>()
+    tremie_sdk::main::<AsFluid<StokesFluid>>()
 }

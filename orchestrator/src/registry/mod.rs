@@ -47,7 +47,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Fluid,
         about: "lattice Boltzmann, D3Q19: parts, open faces, moving spheres and parts",
         settings: SchemaGenerator::subschema_for::<tremie_fluid_lbm::Parameters>,
-        run: tremie_sdk::run_fluid::<tremie_fluid_lbm::component::LbmComponent>,
+        run: tremie_sdk::run::<tremie_sdk::AsFluid<tremie_fluid_lbm::component::LbmComponent>>,
         benchmarks: tremie_fluid_lbm::benchmarks,
     },
     BuiltIn {
@@ -55,7 +55,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Grains,
         about: "discrete elements: spheres, walls and parts, friction",
         settings: SchemaGenerator::subschema_for::<tremie_grains_dem::Parameters>,
-        run: tremie_sdk::run_grains::<tremie_grains_dem::component::SoftSpheres>,
+        run: tremie_sdk::run::<tremie_sdk::AsGrains<tremie_grains_dem::component::SoftSpheres>>,
         benchmarks: tremie_grains_dem::benchmarks,
     },
     BuiltIn {
@@ -63,7 +63,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Rubber,
         about: "seals of rubber by a table of force and shapes",
         settings: SchemaGenerator::subschema_for::<tremie_rubber_table::Parameters>,
-        run: tremie_sdk::run_rubber::<tremie_rubber_table::component::Seals>,
+        run: tremie_sdk::run::<tremie_sdk::AsRubber<tremie_rubber_table::component::Seals>>,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -71,7 +71,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Observer,
         about: "streams the run into the Rerun viewer",
         settings: SchemaGenerator::subschema_for::<tremie_viewer::Parameters>,
-        run: tremie_sdk::run_observer::<Viewer>,
+        run: tremie_sdk::run::<tremie_sdk::AsObserver<Viewer>>,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -79,7 +79,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Observer,
         about: "writes the run to an MCAP file",
         settings: SchemaGenerator::subschema_for::<tremie_recorder::Parameters>,
-        run: tremie_sdk::run_observer::<tremie_recorder::Recorder>,
+        run: tremie_sdk::run::<tremie_sdk::AsObserver<tremie_recorder::Recorder>>,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -87,7 +87,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
         role: Role::Observer,
         about: "writes whole fields, bodies and parts for ParaView (VTK)",
         settings: SchemaGenerator::subschema_for::<tremie_fields::Parameters>,
-        run: tremie_sdk::run_observer::<tremie_fields::Fields>,
+        run: tremie_sdk::run::<tremie_sdk::AsObserver<tremie_fields::Fields>>,
         benchmarks: no_benchmarks,
     },
 ];
@@ -99,7 +99,7 @@ const IDLE: &[BuiltIn] = &[
         role: Role::Fluid,
         about: "finds no loads",
         settings: SchemaGenerator::subschema_for::<()>,
-        run: tremie_sdk::run_fluid::<IdleFluid>,
+        run: tremie_sdk::run::<tremie_sdk::AsFluid<IdleFluid>>,
         benchmarks: no_benchmarks,
     },
     BuiltIn {
@@ -107,7 +107,7 @@ const IDLE: &[BuiltIn] = &[
         role: Role::Grains,
         about: "never move",
         settings: SchemaGenerator::subschema_for::<()>,
-        run: tremie_sdk::run_grains::<IdleGrains>,
+        run: tremie_sdk::run::<tremie_sdk::AsGrains<IdleGrains>>,
         benchmarks: no_benchmarks,
     },
 ];
