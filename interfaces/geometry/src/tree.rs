@@ -2,6 +2,11 @@
 //!
 //! Built by the binned surface area heuristic (Wald, *IEEE Symp. Interactive Ray Tracing* 2007, 33).
 //! Siblings lie together, and pairs of them in depth-first order.
+//!
+//! Measured beside parry3d's `Bvh` (0.31) under the same exact questions, on 102,400 triangles (Zen 5, one core): a surface
+//! over that one is built in 56 ms instead of 100 ms, but first crossings take 10 % more time, points inside 16 to 21 %,
+//! closest points 22 to 27 %, and boxes 45 %. Parry's own closest points and rays are as fast as these, but rounded:
+//! `benches/beside_parry.rs` counts the links that they miss, 1.3 % of those through edges.
 
 use crate::exact::Corners;
 use crate::{Bounds, Vec3};
