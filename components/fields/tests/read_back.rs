@@ -6,15 +6,11 @@ use reader::VtkFile;
 use std::path::Path;
 use tremie_fields::Fields;
 use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample, VolumeHeader};
-use tremie_messages::scene::{
-    DeformableSurface, Domain, Face, FacetKind, Geometry, Motion, Part, PartBoundary, Pose, Scene,
-    Section, SectionEdge,
-};
-use tremie_messages::start::{
-    Assignment, Clock, FrameContent, FrameStream, Hello, Transport, VolumeGrid,
-};
-use tremie_messages::{BodyEvent, BodyState, INTERFACE_VERSION, Role, Stamp, SurfaceVertex};
+use tremie_messages::scene::{Domain, Face, Geometry, Motion, Part, PartBoundary, Pose, Scene};
+use tremie_messages::start::{Clock, FrameContent, FrameStream, VolumeGrid};
+use tremie_messages::{BodyEvent, BodyState, Stamp, SurfaceVertex};
 use tremie_sdk::{Moment, Observer, Setup};
+use tremie_test_support::observers::{self, ring, stream};
 
 fn scene() -> Scene {
     let part = |name: &str, motion| Part {
@@ -34,53 +30,13 @@ fn scene() -> Scene {
 
 fn setup(output: &Path, parameters: serde_json::Value) -> Setup {
     let grid = VolumeGrid { name: "lattice".into(), first: [0; 3], stride: 1, count: [3, 2, 4] };
-    let stream = |from: &str, content| FrameStream {
-        from: from.into(),
-        to: "fields".into(),
-        content,
-        every: 5,
-        lossless: true,
-        service: String::new(),
-        capacity: 24,
-        depth: 1,
-    };
-    Setup {
-        hello: Hello {
-            interface: INTERFACE_VERSION,
-            run: 7,
-            component: "fields".into(),
-            role: Role::Observer,
-            scene: scene(),
-            parameters: serde_json::from_value(parameters).unwrap(),
-            threads: 1,
-            output: output.to_string_lossy().into_owned(),
-        },
-        assignment: Some(Assignment {
-            clock: Clock { tick: 1e-3, ticks_per_window: 1 },
-            windows: 20,
-            substeps: 1,
-            step: 1e-3,
-            rows_every: 1,
-            body_capacity: 10,
-            edges: Vec::new(),
-            script: Default::default(),
-            frames: vec![
-                stream("fluid", FrameContent::Volume(grid)),
-                stream("grains", FrameContent::Bodies),
-            ],
-            transport: Transport {
-                between_processes: false,
-                root: String::new(),
-                prefix: String::new(),
-                credit_service: String::new(),
-                report_service: String::new(),
-                report_depth: 1,
-                deadline: 1.0,
-                poll: 0.0,
-            },
-            injections: Vec::new(),
-        }),
-    }
+    let clock = Clock { tick: 1e-3, ticks_per_window: 1 };
+    let mut setup = observers::setup("fields", scene(), clock, 20, output);
+    setup.hello.parameters = serde_json::from_value(parameters).unwrap();
+    let of = |from, content| FrameStream { every: 5, ..stream(from, "fields", content) };
+    setup.assignment.as_mut().unwrap().frames =
+        vec![of("fluid", FrameContent::Volume(grid)), of("grains", FrameContent::Bodies)];
+    setup
 }
 
 fn moment(window: u64) -> Moment {
@@ -237,25 +193,7 @@ fn a_moving_part_is_where_its_body_is() {
 fn rubber_comes_back_with_its_strain() {
     let home = tempfile::tempdir().unwrap();
     let mut setup = setup(home.path(), serde_json::json!({}));
-    let edge = |a, b, kind| SectionEdge { points: [a, b], kind };
-    let ring = |name: &str| DeformableSurface {
-        name: name.into(),
-        carrier: "gate".into(),
-        table: String::new(),
-        pose: Pose::IDENTITY,
-        sectors: 4,
-        material: "rubber".into(),
-        seat_stiffness: 1e9,
-        start: Default::default(),
-        section: Section {
-            points: vec![[1.0, 0.0], [2.0, 0.0], [2.0, 1.0]],
-            edges: vec![
-                edge(0, 1, FacetKind::Seat),
-                edge(1, 2, FacetKind::Exposed),
-                edge(2, 0, FacetKind::Bonded),
-            ],
-        },
-    };
+    let ring = |name| ring(name, &[[1.0, 0.0], [2.0, 0.0], [2.0, 1.0]], 4);
     setup.hello.scene.surfaces = vec![ring("one"), ring("other")];
     let watches = Fields::describe(&setup).unwrap().watches;
     assert!(watches.surfaces);

@@ -3,12 +3,11 @@
 use std::path::Path;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};
 use tremie_messages::scene::{Domain, Face, Scene};
-use tremie_messages::start::{
-    Assignment, Clock, FrameContent, FrameStream, Hello, Signal, Transport,
-};
-use tremie_messages::{BodyState, INTERFACE_VERSION, Role, Stamp, SurfaceVertex};
+use tremie_messages::start::{Clock, FrameContent, FrameStream, Signal};
+use tremie_messages::{BodyState, Stamp, SurfaceVertex};
 use tremie_recorder::{End, Item, ReadError, Recorder, Recording};
 use tremie_sdk::{Moment, Observer, Setup};
+use tremie_test_support::observers::{self, stream};
 
 fn names() -> Vec<Signal> {
     let signal = |name: &str, unit: &str| Signal::new(name, unit, &[]);
@@ -16,57 +15,23 @@ fn names() -> Vec<Signal> {
 }
 
 fn setup(output: &Path, run: u64) -> Setup {
-    let stream = |from: &str, content| FrameStream {
-        from: from.into(),
-        to: "recorder".into(),
-        content,
-        every: 1,
-        lossless: true,
-        service: format!("run-{run}"),
-        capacity: 0,
-        depth: 1,
+    let scene = Scene {
+        gravity: [0.0, 0.0, -9.81],
+        ..Scene::empty(Domain::new([0.0; 3], [0.1, 0.2, 0.3], Face::WALLS))
     };
-    Setup {
-        hello: Hello {
-            interface: INTERFACE_VERSION,
-            run,
-            component: "recorder".into(),
-            role: Role::Observer,
-            scene: Scene {
-                gravity: [0.0, 0.0, -9.81],
-                ..Scene::empty(Domain::new([0.0; 3], [0.1, 0.2, 0.3], Face::WALLS))
-            },
-            parameters: Default::default(),
-            threads: run as u32,
-            output: output.to_string_lossy().into_owned(),
-        },
-        assignment: Some(Assignment {
-            clock: Clock { tick: 1.2e-8, ticks_per_window: 10 },
-            windows: 100,
-            substeps: 1,
-            step: 1.2e-7,
-            rows_every: 1,
-            body_capacity: 0,
-            edges: Vec::new(),
-            script: Default::default(),
-            frames: vec![
-                stream("grains", FrameContent::Bodies),
-                stream("fluid", FrameContent::Slice("mid/plane".into())),
-                stream("fluid", FrameContent::Signals(names())),
-            ],
-            transport: Transport {
-                between_processes: false,
-                root: output.to_string_lossy().into_owned(),
-                prefix: String::new(),
-                credit_service: String::new(),
-                report_service: String::new(),
-                report_depth: 1,
-                deadline: 1.0,
-                poll: 0.0,
-            },
-            injections: Vec::new(),
-        }),
-    }
+    let clock = Clock { tick: 1.2e-8, ticks_per_window: 10 };
+    let mut setup = observers::setup("recorder", scene, clock, 100, output);
+    (setup.hello.run, setup.hello.threads) = (run, run as u32);
+    let of = |from, content| FrameStream {
+        service: format!("run-{run}"),
+        ..stream(from, "recorder", content)
+    };
+    setup.assignment.as_mut().unwrap().frames = vec![
+        of("grains", FrameContent::Bodies),
+        of("fluid", FrameContent::Slice("mid/plane".into())),
+        of("fluid", FrameContent::Signals(names())),
+    ];
+    setup
 }
 
 fn moment(window: u64) -> Moment {

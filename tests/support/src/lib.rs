@@ -6,8 +6,12 @@
 //! One such test to a program: others would count with it.
 //!
 //! [`processor_seconds`] times one thread, whatever other programs do beside it.
+//!
+//! `observers`, behind a feature of that name, sets an observer up without a run.
 
 mod clock;
+#[cfg(feature = "observers")]
+pub mod observers;
 
 pub use clock::processor_seconds;
 
