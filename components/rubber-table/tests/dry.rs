@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{RUBBER, model, press, ring};
+use common::{RUBBER, linear, model, press, ring};
 use tremie_geometry::Vec3;
 use tremie_rubber_table::fem::Hold;
 use tremie_rubber_table::fem::contact::Seat;
@@ -12,32 +12,13 @@ use tremie_rubber_table::mesh::Point;
 use tremie_rubber_table::runtime::{
     Eta, Form, Impedance, Law, Outcome, Settled, Start, Step, StepError, effective_force, relax,
 };
-use tremie_rubber_table::table::{Bracket, Contents, FacetKind, Facets, Surface, Table};
+use tremie_rubber_table::table::{Bracket, FacetKind, Surface, Table};
 
 const MASS: f64 = 9.2e-3;
 const DT: f64 = 1e-7;
 /// Of each of the twelve.
 const SPHERE_STIFFNESS: f64 = 1e5;
 const CONTACTS: f64 = 12.0 * SPHERE_STIFFNESS;
-
-/// A ring whose force is `slope` times its compression, its foot flat.
-fn linear(slope: f64) -> Table {
-    let compressions = vec![0.0, 0.3e-3, 0.6e-3];
-    let frame = |c: &f64| vec![[6.5e-3, *c], [11e-3, *c], [11e-3, 3e-3], [6.5e-3, 3e-3]];
-    Table::new(Contents {
-        forces: compressions.iter().map(|c| slope * c).collect(),
-        vertices: compressions.iter().map(frame).collect(),
-        compressions,
-        facets: Facets {
-            seat: vec![[0, 1]],
-            exposed: vec![[1, 2], [3, 0]],
-            bonded: vec![[2, 3]],
-            ..Facets::default()
-        },
-        ..Contents::default()
-    })
-    .unwrap()
-}
 
 /// The ring of the valve.
 fn finite_elements() -> Table {

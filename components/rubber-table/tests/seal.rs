@@ -1,35 +1,22 @@
 //! A seal of a scene: the one-dimensional law in space, on a carrier that is turned and moves.
 
+mod common;
+
 use tremie_geometry::Frame;
 use tremie_messages::scene::{DeformableSurface, FacetKind, Pose, SurfaceStart};
 use tremie_messages::{BodyState, FacetLoad, SurfaceVertex};
 use tremie_rubber_table::runtime::{
     Eta, Form, Impedance, Law, Seal, SealError, Start, StepError, Water, relax,
 };
-use tremie_rubber_table::table::{Contents, Facets, Surface, Table};
+use tremie_rubber_table::table::{Surface, Table};
 
 const DT: f64 = 1e-7;
 const STIFFNESS: f64 = 1e5;
 /// h' of the ring [N/m].
 const SLOPE: f64 = 1.194e5;
 
-/// A ring with a flat foot whose force is proportional to its compression.
 fn ring() -> Table {
-    let compressions = vec![0.0, 0.3e-3, 0.6e-3];
-    let frame = |c: &f64| vec![[6.5e-3, *c], [11e-3, *c], [11e-3, 3e-3], [6.5e-3, 3e-3]];
-    Table::new(Contents {
-        forces: compressions.iter().map(|c| SLOPE * c).collect(),
-        vertices: compressions.iter().map(frame).collect(),
-        compressions,
-        facets: Facets {
-            seat: vec![[0, 1]],
-            exposed: vec![[1, 2], [3, 0]],
-            bonded: vec![[2, 3]],
-            ..Facets::default()
-        },
-        ..Contents::default()
-    })
-    .unwrap()
+    common::linear(SLOPE)
 }
 
 /// The ring below its carrier's origin, its axis along the carrier's y.

@@ -143,26 +143,16 @@ impl Facet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{Contents, Facets, Table};
+    use crate::table::{Table, example};
 
     /// A ring with a tilted foot.
     fn ring() -> (Surface, Vec<Vec3>) {
-        let frame = |c: f64| vec![[1.0, c], [2.0, 0.3 + c], [2.0, 1.0], [1.0, 1.0]];
-        let table = Table::new(Contents {
-            compressions: vec![0.0, 0.1],
-            forces: vec![0.0, 1.0],
-            vertices: vec![frame(0.0), frame(0.1)],
-            facets: Facets {
-                seat: vec![[0, 1]],
-                exposed: vec![[1, 2], [3, 0]],
-                bonded: vec![[2, 3]],
-                ..Facets::default()
-            },
-            ..Contents::default()
-        })
-        .unwrap();
+        let mut contents = example();
+        contents.vertices.iter_mut().for_each(|frame| frame[1] = [2.0, 0.3 + frame[0][1]]);
+        let rest = contents.vertices[0].clone();
+        let table = Table::new(contents).unwrap();
         let surface = table.surface(16);
-        let places = surface.places(&frame(0.0));
+        let places = surface.places(&rest);
         (surface, places)
     }
 
