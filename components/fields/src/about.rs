@@ -1,4 +1,4 @@
-//! What lies in the folder, in words.
+//! Description of the folder's files in words.
 
 use std::fmt::Write;
 use tremie_messages::scene::Scene;

@@ -1,4 +1,4 @@
-//! What a user can set.
+//! Settings of a user.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ impl Parameters {
         if problems.is_empty() { Ok(()) } else { Err(problems) }
     }
 
-    /// How much of a lattice is wanted.
+    /// Nodes of a lattice that are wanted.
     pub(crate) fn wish(&self) -> VolumeWish {
         let corners = |region: &Region| [region.min.map(|x| x.0), region.max.map(|x| x.0)];
         VolumeWish {

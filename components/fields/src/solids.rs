@@ -17,7 +17,7 @@ pub struct Solids {
 struct Solid<'a> {
     body: &'a BodySample,
     mesh: &'a Mesh,
-    /// How large it is.
+    /// Its size [m].
     scale: f64,
 }
 

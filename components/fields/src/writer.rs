@@ -30,7 +30,7 @@ const RUBBER: &str = "rubber";
 /// Writes fields, bodies, parts and rubber as VTK files.
 pub struct Fields {
     folder: PathBuf,
-    /// What the files are; open as long as this run writes them.
+    /// Description of the files; open as long as this run writes them.
     _about: File,
     parameters: Parameters,
     /// Series by the base of their files' names.

@@ -1,4 +1,4 @@
-//! What is written is read back by an independent reader, and equals what was sent.
+//! Files are read back by an independent reader, and equal the frames sent.
 
 mod reader;
 

@@ -1,4 +1,4 @@
-//! What a file says about its run, apart from frames.
+//! The document of a file: everything about its run apart from frames.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -72,7 +72,7 @@ impl RunNote {
         })
     }
 
-    /// What an observer named `component` would have been told.
+    /// Setup that an observer named `component` would have got.
     pub fn setup(
         &self,
         component: &str,

@@ -1,4 +1,4 @@
-//! What a user can set.
+//! Settings of a user.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

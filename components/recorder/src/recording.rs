@@ -44,14 +44,14 @@ pub enum ReadError {
     Observer(#[from] ObserverError),
 }
 
-/// How a recording ended.
+/// End of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End {
     /// Last window that all components completed; of an incomplete file, the last one found in it.
     pub last_common_window: u64,
     /// Simulated time of the newest frame that was read [s].
     pub time: f64,
-    /// Whether the recorder came to its end; `false` if it was killed, or the file is damaged.
+    /// True if the recorder came to its end; `false` if it was killed, or the file is damaged.
     pub complete: bool,
 }
 
@@ -89,7 +89,7 @@ impl Recording {
         ))
     }
 
-    /// What an observer named `component` would have been told of the run. The run's id is 0.
+    /// Setup that an observer named `component` would have got in the run. The run's id is 0.
     pub fn setup(
         &self,
         component: &str,
@@ -145,7 +145,7 @@ impl Items {
         Self { records, channels: BTreeMap::new(), frame: None, last: 0, time: 0.0, end: None }
     }
 
-    /// How the recording ended; known once all items were taken.
+    /// End of the recording; known once all items were taken.
     pub fn end(&self) -> End {
         End {
             last_common_window: self.end.unwrap_or(self.last),
@@ -260,7 +260,7 @@ struct Records {
     file: BufReader<File>,
     reader: LinearReader,
     is_empty: bool,
-    /// Whether some record was read: what is unreadable after that was damaged, and what comes before it counts.
+    /// True if some record was read: what is unreadable after that was damaged, and what comes before it counts.
     has_begun: bool,
 }
 

@@ -219,7 +219,7 @@ mod tests {
     use crate::proto;
     use prost::encoding::{DecodeContext, WireType, decode_key, skip_field};
 
-    /// How a field of this kind lies in a message; lists of numbers are packed.
+    /// Wire type of a field of this kind; lists of numbers are packed.
     fn wire_type(field: &FieldDescriptorProto) -> WireType {
         match field.r#type() {
             _ if field.label() == Label::Repeated => WireType::LengthDelimited,

@@ -1,4 +1,4 @@
-//! Which windows are whole.
+//! Windows that are whole.
 
 use std::collections::BTreeMap;
 use tremie_messages::start::{FrameContent, FrameStream};
@@ -8,7 +8,7 @@ use tremie_messages::start::{FrameContent, FrameStream};
 /// that (parallel).
 pub const HOLD: u64 = 2;
 
-/// What identifies a stream at the recorder: kind, sender, name. Frames of a window are written in this order.
+/// Key of a stream at the recorder: kind, sender, name. Frames of a window are written in this order.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stream {
     /// All bodies.
@@ -54,7 +54,7 @@ impl Progress {
         }
     }
 
-    /// Whether every frame of `window` is there and every component has completed it.
+    /// True if every frame of `window` is there and every component has completed it.
     pub fn is_whole(&self, window: u64) -> bool {
         window + HOLD <= self.newest && self.due.values().all(|(_, due)| *due > window)
     }

@@ -1,4 +1,4 @@
-//! What is written through the observer is read back equal, and identical runs give identical files.
+//! Items written through the observer are read back equal, and identical runs give identical files.
 
 use std::path::Path;
 use tremie_messages::frame::{BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample};

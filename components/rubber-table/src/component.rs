@@ -150,7 +150,7 @@ fn own(
     loads.iter().filter(is_own).map(move |load| FacetLoad { facet: load.facet - first, ..*load })
 }
 
-/// What a fluid adds to the seals' resistance, where one sits opposite.
+/// Resistance that a fluid adds to the seals, where one sits opposite.
 fn water(parameters: &Parameters, scene: &Scene, assignment: &Assignment) -> Option<Water> {
     let is_wet = assignment.edges.iter().any(|edge| edge.content == Content::SurfaceLoad);
     let fluid = scene.fluid.as_ref().filter(|_| is_wet)?;

@@ -10,7 +10,7 @@ pub enum MakeError {
     /// The seal could not be compressed so far.
     #[error(transparent)]
     Stuck(#[from] Stuck),
-    /// What came out is no table.
+    /// The result is no table.
     #[error("the compression gives no table: {0}")]
     Table(#[from] TableError),
 }

@@ -1,4 +1,4 @@
-//! What a user chooses about the rubber.
+//! Settings of the rubber.
 
 use crate::runtime::{Eta, Form, Law};
 use schemars::JsonSchema;

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub struct PictureError {
     /// The file.
     pub path: PathBuf,
-    /// What went wrong.
+    /// The reason.
     pub message: String,
 }
 

@@ -78,7 +78,7 @@ fn the_ring_of_the_valve_becomes_a_table() {
     assert!((work / contents.energies[40] - 1.0).abs() < 1e-6, "{work} {}", contents.energies[40]);
 }
 
-/// What is read is what was made, bit for bit.
+/// A table that is read equals that which was made, bit for bit.
 #[test]
 fn a_table_is_written_read_and_drawn() {
     let table = table(&RING.replace("[18, 12]", "[6, 4]"));

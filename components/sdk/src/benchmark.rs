@@ -13,11 +13,11 @@ pub struct BenchmarkSizes {
 
 /// Something that can be measured.
 pub struct Benchmark {
-    /// What it is, in words.
+    /// Its name, in words.
     pub name: String,
     /// Threads, of this process; 0 where that has no meaning.
     pub threads: usize,
-    /// What it gives.
+    /// Its results.
     pub quantities: Vec<Quantity>,
     /// Makes it ready, and gives what measures it.
     pub make: Box<dyn Fn() -> Result<Measurement, String>>,
@@ -29,7 +29,7 @@ pub type Measurement = Box<dyn FnMut(f64) -> Result<Vec<f64>, String>>;
 /// A number that a benchmark gives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Quantity {
-    /// What it is; empty where the benchmark has no other.
+    /// Its name; empty where the benchmark has no other.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,

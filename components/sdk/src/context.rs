@@ -1,4 +1,4 @@
-//! What every step of a component's loop needs: who it is, how far it may go, how long it waited.
+//! Context of every step of a component's loop: who it is, how far it may go, how long it waited.
 
 use crate::line::ControlPipe;
 use crate::roles::SolverError;
@@ -27,11 +27,11 @@ pub struct Spent {
     pub wait: u64,
 }
 
-/// What a component waits for.
+/// A message that a component waits for.
 pub struct Owed<'a> {
     /// The peer that owes it.
     pub from: &'a str,
-    /// What it is, as `state of window 7`.
+    /// Its name, as `state of window 7`.
     pub what: &'a dyn Fn() -> String,
     /// The window that it belongs to.
     pub window: u64,
@@ -265,7 +265,7 @@ impl<S: ChannelMedium> Context<S> {
         Ok(may(self.granted))
     }
 
-    /// Whether a row of the signals of the present window is kept: by the plan, or because it is known to be
+    /// True if a row of the signals of the present window is kept: by the plan, or because it is known to be
     /// the last.
     pub fn keeps_row(&self) -> bool {
         let Assignment { windows, rows_every, .. } = self.assignment;
@@ -273,7 +273,7 @@ impl<S: ChannelMedium> Context<S> {
         is_last || self.window.is_multiple_of(rows_every.max(1))
     }
 
-    /// Whether the orchestrator said that the run is over.
+    /// True if the orchestrator said that the run is over.
     pub fn finish_requested(&mut self) -> Result<bool, Stop> {
         heed_credit(&self.credit, &mut self.granted, &mut self.finish)?;
         Ok(self.finish)

@@ -4,7 +4,7 @@ use tremie_messages::{BodyState, FacetLoad, Load, Message, PortState, SurfaceVer
 
 /// A value that says whether all its numbers are finite.
 pub trait Finite: Message {
-    /// Whether every number is finite.
+    /// True if every number is finite.
     fn is_finite(&self) -> bool;
     /// Spoils the value, for tests of the guards.
     fn spoil(&mut self);

@@ -43,7 +43,7 @@ pub fn frame_spec(plan: &FrameStream) -> ChannelSpec<'_> {
     }
 }
 
-/// What a component can show.
+/// Frames that a component can show.
 pub trait FrameSource {
     /// Bodies, as they are, and what is known of each.
     fn bodies(&self, _states: &mut Vec<BodyState>, _kinds: &mut Vec<BodyEvent>) {}
@@ -97,7 +97,7 @@ impl<S: ChannelMedium> Frames<S> {
         Ok(Self { outlets })
     }
 
-    /// Whether an observer is to see the signals of a window.
+    /// True if an observer is to see the signals of a window.
     pub fn show_signals(&self, window: u64) -> bool {
         self.outlets.iter().any(|outlet| {
             let shows = matches!(outlet.stream, Stream::Signals(_)) && !outlet.broken;

@@ -53,7 +53,7 @@ struct GrainsPlayer<S: ChannelMedium, G: Grains> {
     ports: Vec<PortState>,
     impulse: Impulse,
     sizes: Sizes,
-    /// Where a rubber sits opposite: the exchange with it inside a window.
+    /// Opposite a rubber: the exchange with it inside a window.
     inside: Option<SubstepCoupling<S>>,
 }
 
@@ -171,7 +171,7 @@ impl<S: ChannelMedium, G: Grains> RoleAdapter<S> for GrainsPlayer<S, G> {
 }
 
 impl<S: ChannelMedium, G: Grains> GrainsPlayer<S, G> {
-    /// Whether loads answer the bodies of a list before the present one.
+    /// True if loads answer the bodies of a list before the present one.
     fn is_late(&self) -> bool {
         self.load.as_ref().is_some_and(|port| port.events_lag() > 0)
     }

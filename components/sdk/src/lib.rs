@@ -1,4 +1,4 @@
-//! What the author of a Tremie component needs.
+//! The kit for authors of Tremie components.
 //!
 //! Implement [`Fluid`], [`Grains`], [`Rubber`] or [`Observer`], and call [`main`] of it, as
 //! `tremie_sdk::main::<AsFluid<Mine>>()`. The sdk does the rest: the start contract, shared memory, stamps, deadlines, frames for

@@ -20,9 +20,9 @@ use tremie_messages::start::{
 };
 use tremie_messages::{Problem, Role, Stamp};
 
-/// How long an observer sleeps when there is nothing to see and nobody rings.
+/// Sleep of an observer when there is nothing to see and nobody rings.
 const NAP: Duration = Duration::from_millis(50);
-/// How often an observer says at the run's end that it is still taking frames.
+/// Time between the signs of an observer at the run's end that it is still taking frames.
 const PULSE: Duration = Duration::from_millis(500);
 
 enum FrameReceiver<S: ChannelMedium> {
@@ -174,7 +174,7 @@ fn open_inlets<S: ChannelMedium>(context: &Context<S>) -> Result<Vec<Inlet<S>>, 
 }
 
 impl<S: ChannelMedium> Inlet<S> {
-    /// Whether a first frame has come. Lines of the log come when they come.
+    /// True if a first frame has come. Lines of the log come when they come.
     fn has_begun(&self) -> bool {
         self.before.is_some() || self.plan.content == FrameContent::Log
     }

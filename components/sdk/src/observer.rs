@@ -1,4 +1,4 @@
-//! What an observer implements: a component without a role in the physics, which sees frames.
+//! The trait of an observer: a component without a role in the physics, which sees frames.
 
 use crate::setup::Setup;
 use std::error::Error;

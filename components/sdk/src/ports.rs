@@ -68,7 +68,7 @@ impl<S: ChannelMedium, T: Message> InPort<S, T> {
         self.check(context, message, expected, is_right)
     }
 
-    /// How many event lists the content lags behind its own window.
+    /// Number of event lists that the content lags behind its own window.
     pub fn events_lag(&self) -> u64 {
         self.edge.events_lag
     }

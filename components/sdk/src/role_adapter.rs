@@ -1,4 +1,4 @@
-//! What the step loop needs of a role.
+//! The step loop's view of a role.
 
 use crate::context::Context;
 use crate::frames::FrameSource;
@@ -30,7 +30,7 @@ pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
     fn row_kept(&mut self) {}
     /// Work done in one substep.
     fn work(&self) -> u64;
-    /// Whether it commits faults that end its own process inside a window, not before one.
+    /// True if it commits faults that end its own process inside a window, not before one.
     fn ends_inside() -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! What a physics component implements: one trait a role, with as few methods as the physics allows.
+//! Traits of physics components: one trait a role, with as few methods as the physics allows.
 
 use crate::setup::Setup;
 use tremie_messages::frame::{SliceHeader, SliceNode, VolumeHeader};
@@ -69,15 +69,15 @@ pub trait Fluid: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
-    /// Whether it takes deformable surfaces: [`Fluid::surface`] and [`Fluid::surface_loads`]. A scene with
+    /// True if it takes deformable surfaces: [`Fluid::surface`] and [`Fluid::surface_loads`]. A scene with
     /// some is refused otherwise.
     const TAKES_SURFACES: bool = false;
 
-    /// Whether it tells the velocities at open faces: [`Fluid::ports`]. A scene whose inlets take them is
+    /// True if it tells the velocities at open faces: [`Fluid::ports`]. A scene whose inlets take them is
     /// refused otherwise.
     const TELLS_PORTS: bool = false;
 
-    /// Whether bodies may be polyhedra: events of [`BodyEvent::POLYHEDRON`]. A scene with some is refused
+    /// True if bodies may be polyhedra: events of [`BodyEvent::POLYHEDRON`]. A scene with some is refused
     /// otherwise.
     const TAKES_POLYHEDRA: bool = false;
 
@@ -179,15 +179,15 @@ pub trait Grains: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
-    /// Whether they take deformable surfaces: all methods from [`Grains::carriers`] on. A scene with some is
+    /// True if they take deformable surfaces: all methods from [`Grains::carriers`] on. A scene with some is
     /// refused otherwise.
     const TAKES_SURFACES: bool = false;
 
-    /// Whether they take velocities at open faces for the bodies that come there: [`Grains::ports`]. A
+    /// True if they take velocities at open faces for the bodies that come there: [`Grains::ports`]. A
     /// scene whose inlets take them is refused otherwise.
     const TAKES_PORTS: bool = false;
 
-    /// Whether bodies may be polyhedra. A scene with some is refused otherwise.
+    /// True if bodies may be polyhedra. A scene with some is refused otherwise.
     const TAKES_POLYHEDRA: bool = false;
 
     /// Checks scene and parameters, and says what the grains need.

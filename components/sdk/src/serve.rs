@@ -17,7 +17,7 @@ use tremie_messages::start::{
     Assignment, Description, Fault, FaultKind, Hello, InjectionKind, Reply, Request,
 };
 
-/// What a component has at the end of its introduction: what it was asked, assigned and said of itself.
+/// Hello, assignment and description at the end of a component's introduction.
 pub type Assigned = (Hello, Assignment, Description);
 
 /// The hello and the assignment, or the end of a component that was refused or dismissed.
@@ -147,7 +147,7 @@ fn tell_fault(line: &mut ControlPipe, fault: Fault) -> Result<(), String> {
     Err(text)
 }
 
-/// What a panic said, for a fault's message.
+/// Message of a panic, for a fault.
 pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     let said = panic
         .downcast_ref::<String>()

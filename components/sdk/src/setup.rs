@@ -1,10 +1,10 @@
-//! What a component knows of its run when it is created.
+//! The run as a component knows it when it is created.
 
 use serde::de::DeserializeOwned;
 use tremie_messages::Problem;
 use tremie_messages::start::{Assignment, Hello};
 
-/// What a component knows of its run: the hello, and later the assignment.
+/// The run as a component knows it: the hello, and later the assignment.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// Scene, role, parameters, threads.

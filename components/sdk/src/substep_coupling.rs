@@ -29,7 +29,7 @@ use tremie_messages::schedule::{Content, MOST_TRIALS};
 use tremie_messages::start::FaultKind;
 use tremie_messages::{BodyState, FacetLoad, Load, Stamp, SurfaceVertex};
 
-/// How much there is of the scene's deformable surfaces.
+/// Numbers of the scene's deformable surfaces, their vertices and facets.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sizes {
     /// Number of surfaces.

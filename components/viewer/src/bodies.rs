@@ -13,11 +13,11 @@ const REPEAT: u32 = 64;
 
 /// Draws bodies, a set at a time.
 pub struct Bodies {
-    sets: Vec<Set>,
+    sets: Vec<SphereSet>,
 }
 
 /// A body set as it was last drawn.
-struct Set {
+struct SphereSet {
     path: String,
     radii: Vec<f32>,
     age: u32,
@@ -28,7 +28,7 @@ impl Bodies {
     /// For the body sets of a scene.
     pub fn new(scene: &Scene) -> Self {
         let path = |name: &str| format!("scene/bodies/{}", part(name));
-        Self { sets: scene.bodies.iter().map(|set| Set::new(path(&set.name))).collect() }
+        Self { sets: scene.bodies.iter().map(|set| SphereSet::new(path(&set.name))).collect() }
     }
 
     /// Draws one moment.
@@ -63,7 +63,7 @@ fn is_sphere(body: &BodySample) -> bool {
     body.shape == BodyEvent::SPHERE
 }
 
-impl Set {
+impl SphereSet {
     fn new(path: String) -> Self {
         Self { path, radii: Vec::new(), age: 0, shown: false }
     }

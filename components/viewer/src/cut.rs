@@ -88,7 +88,7 @@ impl Cut {
         Ok(cut)
     }
 
-    /// Whether a frame is of the shape that was drawn.
+    /// True if a frame is of the shape that was drawn.
     pub fn fits(&self, header: &SliceHeader) -> bool {
         self.shape == Shape::new(header)
     }
@@ -161,7 +161,7 @@ impl Cut {
     }
 }
 
-/// Whether a point is in the box, up to rounding: the rectangle around an oblique cut reaches beyond.
+/// True if a point is in the box, up to rounding: the rectangle around an oblique cut reaches beyond.
 fn inside(domain: &Domain, point: Vec3) -> bool {
     let size = domain.size();
     (0..3).all(|a| {

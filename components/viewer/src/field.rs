@@ -12,7 +12,7 @@ pub struct Field<'a> {
     nodes: &'a [SliceNode],
 }
 
-/// What a field is at a point.
+/// Values of a field at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Velocity [m/s].

@@ -1,4 +1,4 @@
-//! What is drawn from a frame of a volume: cuts along planes, streamlines, surfaces.
+//! Drawings from a frame of a volume: cuts along planes, streamlines, surfaces.
 
 use crate::field::Field;
 use crate::isosurface::{Isosurface, Level};
@@ -23,7 +23,7 @@ fn patch(domain: &Domain, plane: &PlaneSetting) -> Option<Patch> {
 }
 
 impl Flow {
-    /// What the parameters ask for of the volume `name` of `from`.
+    /// Drawings of the volume `name` of `from` that the parameters ask for.
     pub fn new(from: &str, name: &str, domain: &Domain, parameters: &Parameters) -> Self {
         let planes = parameters.slices.iter().filter(|_| parameters.cuts);
         let named = planes.enumerate().map(|(k, plane)| (format!("plane {}", k + 1), plane));

@@ -12,10 +12,10 @@ use tremie_messages::frame::SliceNode;
 
 /// Colour of surfaces of equal pressure.
 const PRESSURE: u32 = rgba([225, 160, 90]);
-/// How much of a surface is seen, of 255.
+/// Opacity of a surface, of 255.
 const ALPHA: u8 = 140;
 
-/// What is equal on a surface.
+/// Quantity and value that a surface has everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Level {
     /// Speed [m/s].
@@ -33,7 +33,7 @@ impl Level {
         }
     }
 
-    /// How far a node is below the level.
+    /// Distance of a node below the level.
     fn below(self, node: &SliceNode) -> f32 {
         match self {
             Self::Speed(level) => (level - f64::from(speed(node.velocity))) as f32,

@@ -1,4 +1,4 @@
-//! What is seen where.
+//! Layout of the views.
 
 use crate::blueprint::{Container, Part, View};
 use crate::legend::{HEIGHT, Legend, SPEED, STRAIN, WIDTH};
@@ -32,15 +32,15 @@ pub struct CutView {
     pub eye: Eye,
 }
 
-/// What the layout is made of.
+/// Contents of the layout.
 pub struct Shown<'a> {
     /// Eye that sees the whole domain.
     pub overview: Eye,
     /// Cuts seen so far.
     pub cuts: &'a [CutView],
-    /// Whether there are streamlines.
+    /// True if there are streamlines.
     pub streamlines: bool,
-    /// Whether there is rubber, coloured by strain.
+    /// True if there is rubber, coloured by strain.
     pub rubber: bool,
     /// Plots of signals.
     pub plots: &'a [Plot],

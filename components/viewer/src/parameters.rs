@@ -1,4 +1,4 @@
-//! What a user can set.
+//! Settings of a user.
 
 use rerun::MemoryLimit;
 use schemars::JsonSchema;
@@ -135,7 +135,7 @@ impl Parameters {
         if problems.is_empty() { Ok(()) } else { Err(problems) }
     }
 
-    /// What the viewer has to be sent for what it shall draw.
+    /// Frames that the viewer needs for its drawings.
     pub(crate) fn watches(&self) -> Watches {
         let volumes = self.streamlines > 0
             || !self.slices.is_empty()

@@ -43,7 +43,7 @@ fn normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     unit((b - a).cross(&(c - a)))
 }
 
-/// What of a part's surface is drawn, in its own frame.
+/// The part of a part's surface that is drawn, in its own frame.
 fn seen(part: &Part, mesh: &Mesh, mirrors: &[Mirror]) -> Mesh {
     let frame = Frame::of(&part.pose);
     let mut world = mesh.clone();

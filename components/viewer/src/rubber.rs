@@ -45,7 +45,7 @@ impl Rubber {
         Self { surfaces: scene.surfaces.iter().map(surface).collect() }
     }
 
-    /// Whether there are any.
+    /// True if there are any.
     pub fn is_empty(&self) -> bool {
         self.surfaces.is_empty()
     }
@@ -61,7 +61,7 @@ impl Rubber {
     }
 }
 
-/// What is known of the strains of a frame.
+/// Finite strains of a frame.
 pub fn strains(samples: &[SurfaceSample]) -> Vec<f32> {
     samples.iter().map(|sample| sample.strain as f32).filter(|strain| strain.is_finite()).collect()
 }

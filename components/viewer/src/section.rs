@@ -1,4 +1,4 @@
-//! What lies beyond a symmetry plane is not drawn: the eye looks into what the run computes.
+//! Cuts at symmetry planes: the eye looks into what the run computes.
 
 use std::collections::BTreeMap;
 use tremie_geometry::{Mesh, Vec3};
@@ -49,9 +49,10 @@ impl Mirror {
         if distance.abs() < self.tolerance { 0.0 } else { distance }
     }
 
-    /// What of `mesh`, in the world, is inside; with `caps`, what a solid shows where it is cut.
+    /// The part of `mesh`, in the world, that is inside; with `caps`, what a solid shows where it is cut.
     pub fn cut(&self, mesh: &Mesh, caps: bool) -> Mesh {
-        let mut cut = Cut { mirror: *self, mesh, out: mesh.clone(), crossings: BTreeMap::new() };
+        let mut cut =
+            MeshCut { mirror: *self, mesh, out: mesh.clone(), crossings: BTreeMap::new() };
         cut.out.triangles.clear();
         let mut edges = Vec::new();
         for triangle in &mesh.triangles {
@@ -113,7 +114,7 @@ impl Mirror {
 }
 
 /// A mesh that is being cut.
-struct Cut<'a> {
+struct MeshCut<'a> {
     mirror: Mirror,
     mesh: &'a Mesh,
     out: Mesh,
@@ -121,7 +122,7 @@ struct Cut<'a> {
     crossings: BTreeMap<[u32; 2], u32>,
 }
 
-impl Cut<'_> {
+impl MeshCut<'_> {
     fn distance(&self, vertex: u32) -> f64 {
         self.mirror.distance(self.mesh.vertices[vertex as usize])
     }

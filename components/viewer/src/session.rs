@@ -1,4 +1,4 @@
-//! Where a run is shown, from the first frame until the user has seen enough.
+//! The session that shows a run, from the first frame until the user has seen enough.
 
 use crate::page::{Page, listen};
 use crate::parameters::{Mode, Parameters};

@@ -10,7 +10,7 @@ pub fn path(from: &str, name: &str) -> String {
     format!("signals/{}/{}", part(from), part(name))
 }
 
-/// What a plot shows; the first are shown first.
+/// Subject of a plot; the first are shown first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     /// Measured at a probe, part or reservoir that the user named.
@@ -30,7 +30,7 @@ pub struct Plot {
     pub title: String,
     /// Entities shown.
     pub paths: Vec<String>,
-    /// Whether it is shown at once, or behind the others.
+    /// True if it is shown at once, or behind the others.
     pub first: bool,
 }
 

@@ -14,10 +14,10 @@ const COLOURS: [u32; 6] = [0xd9a066ff, 0x8fb3d9ff, 0xa3c585ff, 0xc99bcbff, 0xe0c
 
 /// The sets of polyhedra of a scene.
 pub struct Solids {
-    sets: Vec<Set>,
+    sets: Vec<SolidSet>,
 }
 
-struct Set {
+struct SolidSet {
     number: u32,
     path: String,
     mesh: rerun::Mesh3D,
@@ -38,7 +38,7 @@ impl Solids {
             };
             let convex = convex.unit();
             let colour = COLOURS[sets.len() % COLOURS.len()];
-            sets.push(Set {
+            sets.push(SolidSet {
                 number,
                 path: format!("scene/bodies/{}", part(&set.name)),
                 mesh: surface(&convex.mesh())

@@ -1,4 +1,4 @@
-//! What never moves: the box, its walls, inner planes, and the run in words.
+//! Things that never move: the box, its walls, inner planes, and the run in words.
 
 use crate::parts;
 use crate::patch::{corner, corner_pairs, polygon};

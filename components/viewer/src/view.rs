@@ -28,7 +28,7 @@ pub struct Eye {
     pub position: Vec3,
     /// Point looked at [m].
     pub target: Vec3,
-    /// Which way is up in the picture.
+    /// Direction of up in the picture.
     pub up: Vec3,
 }
 

@@ -55,7 +55,7 @@ pub struct Viewer {
     rubber: Rubber,
     cuts: BTreeMap<(String, String), Cut>,
     flows: BTreeMap<(String, String), Flow>,
-    /// Whether there is a view of streamlines.
+    /// True if there is a view of streamlines.
     streamlines: bool,
     /// Simulated time at the end of the run, if that is known [s].
     end: Option<f64>,
@@ -72,7 +72,7 @@ fn drawn<T>(result: Result<T, RecordingStreamError>) -> Result<T, ObserverError>
 }
 
 impl Viewer {
-    /// Where the run is shown; [`Session::url`] is the address of the page.
+    /// Session in which the run is shown; [`Session::url`] is the address of the page.
     pub fn session(&self) -> &Session {
         &self.session
     }

@@ -1,4 +1,4 @@
-//! How long questions to a surface of 100,000 triangles take.
+//! Times of questions to a surface of 100,000 triangles.
 //!
 //! `cargo bench -p tremie-geometry`. Times depend on the machine; the ratios to asking
 //! point by point, in the same run, much less.

@@ -47,13 +47,13 @@ impl Bounds {
         Self { min: self.min.add_scalar(-margin), max: self.max.add_scalar(margin) }
     }
 
-    /// Whether a point is in the box or on its sides.
+    /// True if a point is in the box or on its sides.
     pub fn contains(&self, point: impl Into<Vec3>) -> bool {
         let point = point.into();
         (0..3).all(|k| self.min[k] <= point[k] && point[k] <= self.max[k])
     }
 
-    /// Whether the boxes have a point in common.
+    /// True if the boxes have a point in common.
     #[inline]
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])

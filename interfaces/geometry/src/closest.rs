@@ -5,7 +5,7 @@ use crate::inside::winding;
 use crate::surface::Surface;
 use crate::{Bounds, Vec3};
 
-/// What part of a triangle a point is on.
+/// Part of a triangle: face, edge or corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {
     /// Its inside.
@@ -29,7 +29,7 @@ pub struct Closest {
     pub normal: Vec3,
     /// A triangle that has the point; of several the first.
     pub triangle: u32,
-    /// Where on that triangle.
+    /// Part of that triangle.
     pub feature: Feature,
 }
 
@@ -93,7 +93,7 @@ impl Surface {
         self.closest(point).distance
     }
 
-    /// Whether a point is in the solid, its surface included. Exact for the triangles as they
+    /// True if a point is in the solid, its surface included. Exact for the triangles as they
     /// are; where solids overlap, it is in their union. For a cavity that is every point not strictly
     /// inside.
     pub fn contains(&self, point: impl Into<Vec3>) -> bool {

@@ -33,7 +33,7 @@ pub enum ConvexError {
     /// A coordinate that is infinite or no number.
     #[error("vertex {vertex} is no point")]
     NotFinite {
-        /// Which, from zero.
+        /// Its number, from zero.
         vertex: usize,
     },
     /// Too few points, or all in a plane.
@@ -41,7 +41,7 @@ pub enum ConvexError {
         "the {points} vertices enclose no volume: expected four or more that do not lie in one plane"
     )]
     Flat {
-        /// How many there are.
+        /// Number of them.
         points: usize,
     },
     /// A point that the others enclose: the solid is not convex, or the point is none of its corners.
@@ -49,17 +49,17 @@ pub enum ConvexError {
         "vertex {vertex} lies inside the hull of the others, by {depth:.3e} of their extent: expected a convex polyhedron"
     )]
     Inside {
-        /// Which, from zero.
+        /// Its number, from zero.
         vertex: usize,
-        /// How deep, over the extent.
+        /// Depth, over the extent.
         depth: f64,
     },
     /// More corners than contacts are made for.
     #[error("found {found} corners, expected at most {most}")]
     TooMany {
-        /// How many.
+        /// Number found.
         found: usize,
-        /// How many are possible.
+        /// Number possible.
         most: usize,
     },
     /// Faces so close to one plane that they cannot be told apart.

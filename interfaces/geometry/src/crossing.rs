@@ -1,11 +1,11 @@
-//! Where a segment meets the surface.
+//! Crossings of segments and a surface, decided exactly.
 
 use crate::exact::{Corners, agree, below, on_triangle, turn, turns};
 use crate::surface::Surface;
 use crate::tree::Walk;
 use crate::{Bounds, Vec3};
 
-/// Where a segment first meets a surface.
+/// The first crossing of a segment and a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// Part of the segment before it, from 0 to 1; 0 only if the segment starts on the surface.
@@ -79,7 +79,7 @@ impl Surface {
     }
 }
 
-/// Whether a box is on no outer side of a triangle's plane and of the planes that stand on its edges;
+/// True if a box is on no outer side of a triangle's plane and of the planes that stand on its edges;
 /// in doubt it is not.
 fn is_near(corners: &Corners, centre: Vec3, half: Vec3) -> bool {
     let [a, b, c] = *corners;

@@ -1,4 +1,4 @@
-//! Which triangles share an edge.
+//! Edges that triangles share.
 
 use crate::junctions::{self, Junctions};
 use crate::{Bounds, Fault, Mesh};
@@ -50,7 +50,7 @@ pub fn pair(triangles: &[[u32; 3]]) -> Edges {
 }
 
 impl Edges {
-    /// What keeps the mesh from being closed. Corners within `tolerance` [m] of an edge lie on it.
+    /// Faults that keep the mesh from being closed. Corners within `tolerance` [m] of an edge lie on it.
     pub fn faults(&self, mesh: &Mesh, tolerance: f64) -> Vec<Fault> {
         let place = |h| ends(&mesh.triangles, h).map(|v| mesh.vertices[v as usize]);
         let Junctions { fault: junction, others: open } = junctions::find(mesh, self, tolerance);
@@ -95,7 +95,7 @@ impl Edges {
     }
 }
 
-/// How many connected sets open edges make, and the box around that of the first.
+/// Number of connected sets of open edges, and the box around that of the first.
 fn holes(open: &[u32], mesh: &Mesh) -> (usize, Bounds) {
     let mut sets = Sets::new(mesh.vertices.len());
     for &h in open {

@@ -1,4 +1,4 @@
-//! What can be wrong with a part's surface.
+//! Faults of a part's surface.
 
 use crate::{Bounds, EndlessFault, Vec3};
 use std::fmt::Display;
@@ -22,7 +22,7 @@ pub enum GeometryError {
         path: String,
         /// The expected format.
         format: &'static str,
-        /// What was found.
+        /// The text or number found.
         why: String,
     },
     /// The file could not be written.
@@ -34,7 +34,7 @@ pub enum GeometryError {
     /// A length that should be finite and greater than zero is not.
     #[error("{what} is {found}, but must be a finite length greater than zero")]
     Length {
-        /// Which length.
+        /// The length's name.
         what: &'static str,
         /// Its value [m].
         found: f64,
@@ -60,15 +60,15 @@ pub enum GeometryError {
         triangle: usize,
         /// The vertex.
         found: u32,
-        /// How many there are.
+        /// Number of them.
         vertices: usize,
     },
     /// There are more triangles or vertices than 32-bit numbers can tell apart.
     #[error("the surface has {found} triangles; at most {limit} can be used")]
     TooMany {
-        /// How many were found.
+        /// Number found.
         found: usize,
-        /// How many are possible.
+        /// Number possible.
         limit: usize,
     },
     /// A corner is so far from all others that it is a damaged number.
@@ -81,9 +81,9 @@ pub enum GeometryError {
         triangle: usize,
         /// The corner, in the unit of the file.
         found: Vec3,
-        /// How many corners are near each other.
+        /// Number of corners that are near each other.
         others: usize,
-        /// How near, in the unit of the file.
+        /// Their distance, in the unit of the file.
         within: f64,
     },
     /// A corner is farther away than anything is.
@@ -118,9 +118,9 @@ pub enum GeometryError {
 pub enum Fault {
     /// Edges with a triangle on one side only: holes.
     Open {
-        /// How many edges.
+        /// Number of edges.
         edges: usize,
-        /// How many holes they make.
+        /// Number of holes that they make.
         holes: usize,
         /// Ends of the first edge [m].
         first: [Vec3; 2],
@@ -129,7 +129,7 @@ pub enum Fault {
     },
     /// Corners of triangles that lie on the edges of others: T-junctions.
     Junction {
-        /// How many corners.
+        /// Number of corners.
         corners: usize,
         /// The first [m].
         first: Vec3,
@@ -138,9 +138,9 @@ pub enum Fault {
     },
     /// Edges with more than two triangles.
     Crowded {
-        /// How many edges.
+        /// Number of edges.
         edges: usize,
-        /// How many triangles share the first.
+        /// Number of triangles that share the first.
         triangles: usize,
         /// Ends of the first edge [m].
         first: [Vec3; 2],
@@ -152,7 +152,7 @@ pub enum Fault {
     },
     /// Triangles wind in opposite ways. [`mend`](crate::mend) repairs this.
     Winding {
-        /// How many edges have neighbours that disagree.
+        /// Number of edges whose neighbours disagree.
         edges: usize,
         /// Ends of the first edge [m].
         first: [Vec3; 2],
@@ -192,7 +192,7 @@ fn sentences(faults: &[Fault]) -> String {
 }
 
 impl Fault {
-    /// What to do about it.
+    /// The remedy.
     pub fn help(&self) -> &'static str {
         match self {
             Self::Open { .. } => {

@@ -37,13 +37,13 @@ pub fn turns(axis: usize, [a, b, c]: &Corners, point: Vec3) -> [f64; 3] {
     [turn(axis, *a, *b, point), turn(axis, *b, *c, point), turn(axis, *c, *a, point)]
 }
 
-/// Whether the numbers are all at least zero, or all at most zero.
+/// True if the numbers are all at least zero, or all at most zero.
 #[inline]
 pub fn agree(values: [f64; 3]) -> bool {
     values.iter().all(|&x| x >= 0.0) || values.iter().all(|&x| x <= 0.0)
 }
 
-/// Whether a point is on a triangle, its edges and corners included. A triangle without area has
+/// True if a point is on a triangle, its edges and corners included. A triangle without area has
 /// no point: those of its longest edge belong to the neighbour there.
 pub fn on_triangle(triangle: &Corners, point: Vec3) -> bool {
     let [a, b, c] = *triangle;

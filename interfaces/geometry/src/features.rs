@@ -14,7 +14,7 @@ use crate::{Mesh, Vec3};
 /// thousandth of the part; the sides of a cylinder of 256 meet at 2.5e-2.
 pub const FLAT_ANGLE: f64 = 1e-3;
 
-/// How the surface bends at an edge.
+/// Bend of the surface at an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
     /// It sticks out: something outside can touch the edge alone.
@@ -25,7 +25,7 @@ pub enum EdgeKind {
     Concave,
 }
 
-/// What a vertex is to the surface.
+/// Kind of a vertex: whether the surface bends there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VertexKind {
     /// A point of a plane: all its edges are flat.
@@ -36,7 +36,7 @@ pub enum VertexKind {
     Corner,
 }
 
-/// What is known of each triangle, edge and vertex besides the places of the corners.
+/// Normals, neighbours and bends of triangles, edges and vertices.
 #[derive(Clone, Debug)]
 pub struct Features {
     twins: Vec<u32>,
@@ -109,7 +109,7 @@ fn vertex_normals(mesh: &Mesh, normals: &[Vec3]) -> Vec<Vec3> {
     sums.into_iter().map(|sum| unit(sum).unwrap_or(Vec3::zeros())).collect()
 }
 
-/// How the surface bends at a half-edge. Both halves of an edge get the same answer.
+/// Bend of the surface at a half-edge. Both halves of an edge get the same answer.
 fn edge_kind(mesh: &Mesh, normals: &[Vec3], half_edge: u32, twins: &[u32]) -> EdgeKind {
     let twin = twins[half_edge as usize];
     let (first, second) = (half_edge.min(twin), half_edge.max(twin));

@@ -4,7 +4,7 @@ use crate::Vec3;
 use nalgebra::Matrix3;
 use tremie_messages::scene::Pose;
 
-/// Where a part's frame is in the world, ready to use: a rotation matrix and an origin.
+/// The place of a part's frame in the world, ready to use: a rotation matrix and an origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     origin: Vec3,

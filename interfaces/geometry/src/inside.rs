@@ -11,7 +11,7 @@ use crate::exact::{Corners, agree, below, on_triangle, turns};
 use crate::tree::{Tree, Walk};
 use crate::{Bounds, Vec3};
 
-/// Where a point is, relative to a surface.
+/// Side of a surface that a point is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Winding {
     /// On it.
@@ -21,7 +21,7 @@ pub enum Winding {
 }
 
 impl Winding {
-    /// Whether the point is in the solid, its surface included, if the surface goes `far` times
+    /// True if the point is in the solid, its surface included, if the surface goes `far` times
     /// around points far away. Where solids overlap, it goes around more than once: that is their
     /// union.
     pub fn is_solid(self, far: i32) -> bool {
@@ -32,7 +32,7 @@ impl Winding {
     }
 }
 
-/// How often the surface goes around a point.
+/// Winding number of the surface around a point.
 pub fn winding(tree: &Tree, point: Vec3) -> Winding {
     let bounds = tree.bounds();
     if !bounds.contains(point) {
@@ -83,7 +83,7 @@ fn shortest_way_out(bounds: &Bounds, point: Vec3) -> (usize, bool) {
     best.1
 }
 
-/// What a triangle adds to the winding number around a point, on a ray along an axis: 1 if the ray leaves
+/// Term of a triangle in the winding number around a point, on a ray along an axis: 1 if the ray leaves
 /// through it, -1 if it enters, 0 if it misses. `None` if the point is on the triangle.
 fn crossing(triangle: &Corners, axis: usize, forward: bool, point: Vec3) -> Option<i32> {
     let turns = turns(axis, triangle, point);

@@ -5,7 +5,7 @@ use crate::surface::Surface;
 use crate::tree::Walk;
 use crate::{Bounds, Vec3};
 
-/// Where a surface passes through itself.
+/// Places where a surface passes through itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersections {
     /// Pairs of triangles with more in common than the edge or corner that they share.
@@ -57,7 +57,7 @@ impl Surface {
     }
 }
 
-/// Whether triangles have more in common than the vertices that they share by name.
+/// True if triangles have more in common than the vertices that they share by name.
 fn overlap(one: &Corners, other: &Corners, names: [[u32; 3]; 2]) -> bool {
     let shared = |i: usize| names[1].contains(&names[0][i]);
     match (0..3).filter(|&i| shared(i)).count() {
@@ -74,7 +74,7 @@ fn overlap(one: &Corners, other: &Corners, names: [[u32; 3]; 2]) -> bool {
     }
 }
 
-/// Whether a chosen edge of one triangle meets the other triangle.
+/// True if a chosen edge of one triangle meets the other triangle.
 fn edges_meet(
     one: &Corners,
     other: &Corners,
@@ -86,7 +86,7 @@ fn edges_meet(
         || (0..3).any(|i| theirs(i) && segment_meets(edge(other, i), one))
 }
 
-/// Whether a segment has a point in common with a triangle.
+/// True if a segment has a point in common with a triangle.
 fn segment_meets([from, to]: [Vec3; 2], triangle: &Corners) -> bool {
     let (start, end) = (below(triangle, from), below(triangle, to));
     if (start > 0.0 && end > 0.0) || (start < 0.0 && end < 0.0) {
@@ -112,7 +112,7 @@ fn meets_in_plane([from, to]: [Vec3; 2], triangle: &Corners) -> bool {
     inside(from) || inside(to) || crosses(a, b) || crosses(b, c) || crosses(c, a)
 }
 
-/// Whether triangles that share an edge lie on each other: in one plane, on one side of it.
+/// True if triangles that share an edge lie on each other: in one plane, on one side of it.
 fn folded(one: &Corners, other: &Corners, names: [[u32; 3]; 2]) -> bool {
     let apex =
         |mine: usize, theirs: usize| (0..3).find(|&i| !names[theirs].contains(&names[mine][i]));

@@ -9,7 +9,7 @@ use crate::{Fault, Mesh, Vec3};
 /// Open edges that are looked at, at most: each is held against all corners of its neighbourhood.
 const MOST: usize = 20_000;
 
-/// What open edges have to do with T-junctions.
+/// T-junctions among open edges.
 pub struct Junctions {
     /// The fault, if there are any.
     pub fault: Option<Fault>,
@@ -76,7 +76,7 @@ pub fn find(mesh: &Mesh, edges: &Edges, tolerance: f64) -> Junctions {
     Junctions { fault: Some(fault), others: others.collect() }
 }
 
-/// How far along an edge a point lies between its ends, as a fraction; `None` for one that is off the edge.
+/// Place of a point on an edge as a fraction of its length; `None` for one that is off the edge.
 fn along(point: Vec3, a: Vec3, b: Vec3, tolerance: f64) -> Option<f64> {
     let (edge, to) = (b - a, point - a);
     let length = edge.norm();

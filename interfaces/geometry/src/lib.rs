@@ -5,7 +5,7 @@
 //! normals outward. [`Surface`] answers questions about such a mesh, in the part's own frame; a
 //! [`Frame`] takes points there and back.
 //!
-//! What is inside is decided exactly: by winding numbers from the adaptive predicates of Shewchuk,
+//! The inside is decided exactly: by winding numbers from the adaptive predicates of Shewchuk,
 //! *Discrete Comput. Geom.* 18 (1997) 305. So [`Surface::contains`], [`Surface::fill_row`] and
 //! [`Surface::first_crossing`] never disagree, whatever line a question travels along: a lattice
 //! link with exactly one end inside always has a crossing.

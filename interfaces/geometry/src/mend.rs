@@ -7,7 +7,7 @@ use crate::orient::agree_on_sides;
 use crate::weld::{drop_collapsed, weld_equal, weld_near};
 use crate::{GeometryError, Mesh};
 
-/// What was done to a mesh to make it a closed surface with normals outward.
+/// Repairs that made a mesh a closed surface with normals outward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Repairs {
     /// Vertices that were united with another at the very same place. An STL file has about five
@@ -15,7 +15,7 @@ pub struct Repairs {
     pub welded: usize,
     /// Vertices that were united with another nearby.
     pub welded_near: usize,
-    /// How near: the tolerance [m], zero where none was needed.
+    /// Tolerance of that [m], zero where none was needed.
     pub tolerance: f64,
     /// Triangles that were dropped because two of their corners were one.
     pub dropped: usize,
@@ -31,7 +31,7 @@ pub struct Repairs {
 }
 
 impl std::fmt::Display for Repairs {
-    /// What was done, in words; "nothing" if the mesh was right as it was.
+    /// The repairs in words; "nothing" if the mesh was right as it was.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let near = format!("vertices united with another within {:.1e} m", self.tolerance);
         let done = [

@@ -1,4 +1,4 @@
-//! Which shells lie inside others, and which way each must face.
+//! Nesting of shells: those inside others, and the side to which each must face.
 
 use crate::inside::winding;
 use crate::moments::signed_volume;
@@ -71,7 +71,7 @@ impl Shell {
         Self { bounds: Bounds::of(vertices.iter().copied()), triangles, vertices, tree }
     }
 
-    /// Whether all of another shell's vertices are inside this one, or on it.
+    /// True if all of another shell's vertices are inside this one, or on it.
     fn holds(&self, other: &Self) -> bool {
         self.bounds.contains(other.bounds.min)
             && self.bounds.contains(other.bounds.max)

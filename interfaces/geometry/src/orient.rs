@@ -7,7 +7,7 @@ use crate::{Fault, GeometryError, Mesh};
 pub struct Shells {
     /// The shell of each triangle. Shells are numbered by their first triangle.
     pub of_triangle: Vec<u32>,
-    /// How many there are.
+    /// Number of them.
     pub count: usize,
 }
 

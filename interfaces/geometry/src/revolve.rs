@@ -5,7 +5,7 @@ use crate::shapes::CYLINDER_SEGMENTS;
 use crate::{GeometryError, Mesh};
 use std::f64::consts::PI;
 
-/// What a profile of corners `[r, z]` [m] sweeps about the z axis.
+/// The surface that a profile of corners `[r, z]` [m] sweeps about the z axis.
 ///
 /// Circles become polygons with the same area, so that a volume between corners is exact. Triangles
 /// may face either way.
@@ -24,7 +24,7 @@ pub fn revolved(profile: &[[f64; 2]]) -> Result<Mesh, GeometryError> {
     Ok(mesh)
 }
 
-/// Whether the axis closes a profile.
+/// True if the axis closes a profile.
 fn is_on_axis(profile: &[[f64; 2]]) -> bool {
     matches!((profile.first(), profile.last()), (Some([a, _]), Some([b, _])) if *a == 0.0 && *b == 0.0)
 }

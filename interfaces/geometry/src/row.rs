@@ -25,7 +25,7 @@ impl Row {
 /// Memory of [`Surface::fill_row`], kept so that filling rows allocates nothing. One for each thread.
 #[derive(Clone, Debug, Default)]
 pub struct RowScratch {
-    /// Whether the surface may pass between a point and the one before.
+    /// True if the surface may pass between a point and the one before.
     passed: Vec<bool>,
 }
 

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// cross-section are exact.
 pub const CYLINDER_SEGMENTS: u32 = 256;
 
-/// How often the triangles of an icosahedron are divided in four for a sphere: 20,480 triangles.
+/// Number of times that the triangles of an icosahedron are divided in four for a sphere: 20,480 triangles.
 /// The surface is within -1.1e-4 and +1.9e-4 of the radius; the volume is exact.
 pub const SPHERE_LEVELS: u32 = 5;
 

@@ -25,12 +25,12 @@ pub struct Surface {
     pub(crate) mesh: Mesh,
     pub(crate) tree: Tree,
     pub(crate) features: Features,
-    /// How often the surface is taken to go around points far away: 1 for a cavity; what an endless surface is short of.
+    /// Winding number that the surface is taken to have far away: 1 for a cavity; of an endless surface that which it is short of.
     pub(crate) far: i32,
     is_cavity: bool,
     bounding_radius: f64,
     repairs: Repairs,
-    /// What an endless one has besides.
+    /// Of an endless one: its period.
     pub(crate) period: Option<Box<Period>>,
 }
 
@@ -94,7 +94,7 @@ impl Surface {
         Ok(own)
     }
 
-    /// How often it goes around a point; none on the surface itself.
+    /// Its winding number around a point; none on the surface itself.
     pub(crate) fn winding_number(&self, point: Vec3) -> Option<i32> {
         match winding(&self.tree, point) {
             Winding::On => None,
@@ -141,7 +141,7 @@ impl Surface {
         Self { mesh, tree, features, far, bounding_radius, repairs, is_cavity: false, period: None }
     }
 
-    /// Whether a triangle is a wall: one that closes an endless surface far away is none.
+    /// True if a triangle is a wall: one that closes an endless surface far away is none.
     #[inline]
     pub fn is_wall(&self, triangle: u32) -> bool {
         self.period.as_ref().is_none_or(|period| triangle < period.walls)
@@ -168,7 +168,7 @@ impl Surface {
         areas.sum::<f64>() / self.period.as_ref().map_or(1.0, |period| period.copies)
     }
 
-    /// Whether the space outside is solid, and that inside free.
+    /// True if the space outside is solid, and that inside free.
     pub fn is_cavity(&self) -> bool {
         self.is_cavity
     }
@@ -178,7 +178,7 @@ impl Surface {
         &self.mesh
     }
 
-    /// What was repaired when its mesh was loaded.
+    /// Repairs of its mesh when that was loaded.
     pub fn repairs(&self) -> &Repairs {
         &self.repairs
     }
@@ -219,12 +219,12 @@ impl Surface {
         self.features.neighbours(triangle)
     }
 
-    /// How the surface bends at the three edges of a triangle.
+    /// Bend of the surface at the three edges of a triangle.
     pub fn edge_kinds(&self, triangle: u32) -> [EdgeKind; 3] {
         self.features.edge_kinds(triangle)
     }
 
-    /// What a vertex of the mesh is to the surface.
+    /// Kind of a vertex of the mesh.
     pub fn vertex_kind(&self, vertex: u32) -> VertexKind {
         self.features.vertex_kind(vertex)
     }

@@ -75,7 +75,7 @@ fn upper(x: f64) -> f32 {
     -lower(-x)
 }
 
-/// Whether a walk goes on.
+/// True if a walk goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Walk {
     /// It does.

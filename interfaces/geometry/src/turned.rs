@@ -4,7 +4,7 @@ use crate::Vec3;
 use std::f64::consts::PI;
 use tremie_messages::scene::{DeformableSurface, FacetKind, Section};
 
-/// What a section sweeps when it turns about the z axis, in steps: triangles with fixed vertices,
+/// The surface that a section sweeps when it turns about the z axis, in steps: triangles with fixed vertices,
 /// whose places follow from the section's points.
 ///
 /// Circles become polygons with the same area, as those of parts do.
@@ -12,7 +12,7 @@ use tremie_messages::scene::{DeformableSurface, FacetKind, Section};
 pub struct Turned {
     /// Vertices of each triangle, anticlockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// What becomes of each triangle, in the order of the section's edges.
+    /// Kind of each triangle, in the order of the section's edges.
     pub kinds: Vec<FacetKind>,
     /// Point of the section behind each vertex.
     pub section: Vec<u32>,

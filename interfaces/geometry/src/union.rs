@@ -1,6 +1,6 @@
-//! What convex pieces that overlap are together: the volume, centroid and inertia of their union, shared among them.
+//! The union of convex pieces that overlap: the volume, centroid and inertia of their union, shared among them.
 //!
-//! Where n pieces lie over each other, each has a share of 1/n: so that the shares add up to the union, whatever the order of
+//! At a place where n pieces lie over each other, each has a share of 1/n: so that the shares add up to the union, whatever the order of
 //! the pieces. Spheres of which no three overlap have shares in closed form, by the caps of their lenses. All others are
 //! integrated along rays, on which a convex piece is one interval, so that what lies along a ray is exact too; across
 //! the rays squares are divided where their error is largest (Gauss's rule of 3 x 3 points, against that of the four
@@ -96,7 +96,7 @@ impl Piece {
         Self { form: Form::Solid(faces), whole, centre: middle, reach }
     }
 
-    /// What tells it from others, in bits.
+    /// Bits that tell it from others.
     pub(crate) fn bits(&self) -> impl Iterator<Item = u64> + '_ {
         let faces = match &self.form {
             Form::Ball => &[][..],
@@ -117,7 +117,7 @@ impl Piece {
         self.form == Form::Ball
     }
 
-    /// Where a ray from a point along a unit vector is inside, as distances from the point.
+    /// The part of a ray from a point along a unit vector that is inside, as distances from the point.
     fn along(&self, from: Vec3, way: Vec3) -> Option<[f64; 2]> {
         let ends = match &self.form {
             Form::Ball => {
@@ -245,7 +245,7 @@ fn groups(count: usize, pairs: &[[usize; 2]]) -> Vec<Vec<usize>> {
     (0..count).filter(|&i| of[i] == i).map(members).filter(|group| group.len() > 1).collect()
 }
 
-/// Whether any three spheres may have a point in common.
+/// True if any three spheres may have a point in common.
 fn has_triple(pieces: &[Piece], pairs: &[[usize; 2]]) -> bool {
     let touch = |i: usize, j: usize| pairs.contains(&[i.min(j), i.max(j)]);
     pairs
@@ -253,7 +253,7 @@ fn has_triple(pieces: &[Piece], pairs: &[[usize; 2]]) -> bool {
         .any(|&[i, j]| (0..pieces.len()).any(|k| k != i && k != j && touch(i, k) && touch(j, k)))
 }
 
-/// What two spheres have in common: a cap of each, or the smaller one.
+/// The intersection of two spheres: a cap of each, or the smaller one.
 fn lens(a: &Piece, b: &Piece) -> Sums {
     let way = b.centre - a.centre;
     let d = way.norm();
@@ -300,7 +300,7 @@ struct Square {
     size: [f64; 2],
     quarters: [Vec<Sums>; 4],
     error: f64,
-    /// Which it is, of those that have been made.
+    /// Its number among those that have been made.
     number: usize,
 }
 
@@ -415,7 +415,7 @@ impl<'a> Rays<'a> {
         Square { at, size, quarters, error, number }
     }
 
-    /// What pieces share with others in a square.
+    /// Sums that pieces share with others in a square.
     fn gauss(&self, at: [f64; 2], size: [f64; 2]) -> Vec<Sums> {
         let mut sums = vec![Sums::default(); self.pieces.len()];
         let (mut spans, mut ends) = (Vec::new(), Vec::new());

@@ -1,7 +1,7 @@
 //! The section with what holds it, and its energy, forces and stiffness at a state.
 
 use crate::fem::boundary_conditions::{HELD, Held, Hold, ModelError};
-use crate::fem::contact::{Contact, Feeler, Seat};
+use crate::fem::contact::{Contact, ContactPoint, Seat};
 use crate::fem::element::{Displacements, Element, Inverted, Symmetry};
 use crate::fem::material::NeoHookean;
 use crate::fem::skyline::Skyline;
@@ -148,10 +148,10 @@ impl Model {
     /// Edges of the outline whose middles touch the seat's surface.
     pub fn touching(&self, state: &State) -> Vec<[usize; 2]> {
         let Some(contact) = &self.contact else { return Vec::new() };
-        let touches = |feeler: &&Feeler| {
-            feeler.is_middle() && contact.touch(feeler, self.place(feeler, state)).is_some()
+        let touches = |point: &&ContactPoint| {
+            point.is_middle() && contact.touch(point, self.place(point, state)).is_some()
         };
-        contact.feelers.iter().filter(touches).map(|feeler| feeler.nodes).collect()
+        contact.points.iter().filter(touches).map(|point| point.nodes).collect()
     }
 
     /// Smallest ratio of an element's volumes, after over before.
@@ -202,15 +202,15 @@ impl Model {
 
     fn add_contact(&self, state: &mut State) {
         let Some(contact) = &self.contact else { return };
-        for feeler in &contact.feelers {
-            let Some(touch) = contact.touch(feeler, self.place(feeler, state)) else { continue };
+        for point in &contact.points {
+            let Some(touch) = contact.touch(point, self.place(point, state)) else { continue };
             state.energy += touch.energy;
             state.contact_force -= touch.force[1];
-            let dofs: [usize; 4] = std::array::from_fn(|i| 2 * feeler.nodes[i / 2] + i % 2);
+            let dofs: [usize; 4] = std::array::from_fn(|i| 2 * point.nodes[i / 2] + i % 2);
             for i in 0..4 {
-                state.forces[dofs[i]] += feeler.shares[i / 2] * touch.force[i % 2];
+                state.forces[dofs[i]] += point.shares[i / 2] * touch.force[i % 2];
                 let row: [f64; 4] = std::array::from_fn(|j| {
-                    feeler.shares[i / 2] * feeler.shares[j / 2] * touch.stiffness[i % 2 + j % 2]
+                    point.shares[i / 2] * point.shares[j / 2] * touch.stiffness[i % 2 + j % 2]
                 });
                 self.add_row(state, dofs[i], &dofs, &row);
             }
@@ -231,12 +231,12 @@ impl Model {
         }
     }
 
-    fn place(&self, feeler: &Feeler, state: &State) -> [f64; 2] {
-        let [a, b] = feeler.nodes;
+    fn place(&self, point: &ContactPoint, state: &State) -> [f64; 2] {
+        let [a, b] = point.nodes;
         let coordinate = |axis: usize| {
             let of =
                 |node: usize| self.mesh.nodes()[node][axis] + state.displacements[2 * node + axis];
-            feeler.shares[0] * of(a) + feeler.shares[1] * of(b)
+            point.shares[0] * of(a) + point.shares[1] * of(b)
         };
         [coordinate(0), coordinate(1)]
     }

@@ -1,20 +1,20 @@
-//! What holds a section.
+//! Boundary conditions of a section.
 
 use crate::fem::element::Symmetry;
 use crate::mesh::Mesh;
 
-/// How edges of the outline are held.
+/// A boundary condition of edges of the outline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hold {
     /// Name of the part of the outline.
     pub boundary: String,
-    /// Whether its radii are held: bonded, or a plane of symmetry upright.
+    /// True if its radii are held: bonded, or a plane of symmetry upright.
     pub radial: bool,
-    /// Whether and where its heights are held.
+    /// True if and where its heights are held.
     pub axial: Axial,
 }
 
-/// What holds heights.
+/// Condition on heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axial {
     /// The carrier, which comes down on the seat.
@@ -86,7 +86,7 @@ fn list(names: &[String]) -> String {
 /// Marks displacements that are no unknowns.
 pub(super) const HELD: usize = usize::MAX;
 
-/// Which displacements are held.
+/// Displacements that are held.
 pub(super) struct Held {
     /// Edges of the outline that are held, or lie on the axis.
     pub edges: Vec<[usize; 2]>,
@@ -130,7 +130,7 @@ impl Held {
         Ok(held)
     }
 
-    /// Whether an edge is held in any way.
+    /// True if an edge is held in any way.
     pub fn holds(&self, edge: &[usize; 2]) -> bool {
         self.edges.contains(edge) || self.guided.contains(edge)
     }
@@ -150,7 +150,7 @@ impl Held {
         Ok(())
     }
 
-    /// What lies on the axis stays on it, and its edges are no surface.
+    /// Holds nodes on the axis; their edges are no surface.
     fn hold_axis(&mut self, mesh: &Mesh) {
         let on_axis = |node: &usize| mesh.nodes()[*node][0] == 0.0;
         for node in (0..mesh.nodes().len()).filter(on_axis) {

@@ -115,7 +115,7 @@ impl Seat {
         [z + before * (r - at) + 0.5 * change * inside * inside, before + change * inside, change]
     }
 
-    /// How far the seat must be raised to touch edges of an outline [m].
+    /// Height by which the seat must be raised to touch edges of an outline [m].
     pub fn gap<'a>(&self, edges: impl Iterator<Item = [&'a Point; 2]>) -> f64 {
         let mut least = f64::INFINITY;
         for [a, b] in edges {
@@ -135,7 +135,7 @@ impl Seat {
 
 /// A point of the outline that may touch the seat: an end or the middle of an edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Feeler {
+pub(super) struct ContactPoint {
     /// The edge's ends.
     pub nodes: [usize; 2],
     /// Their shares.
@@ -144,8 +144,8 @@ pub(super) struct Feeler {
     pub area: f64,
 }
 
-impl Feeler {
-    /// The feelers of an edge, weighted after Simpson: as exact as two Gauss points, and contact
+impl ContactPoint {
+    /// The points of an edge, weighted after Simpson: as exact as two Gauss points, and contact
     /// begins with the node that comes first.
     pub fn of_edge(edge: [usize; 2], nodes: &[Point], symmetry: Symmetry) -> [Self; 3] {
         let [a, b] = edge.map(|node| nodes[node]);
@@ -157,18 +157,18 @@ impl Feeler {
         })
     }
 
-    /// Whether it is the middle of its edge.
+    /// True if it is the middle of its edge.
     pub fn is_middle(&self) -> bool {
         self.shares[0] == self.shares[1]
     }
 }
 
-/// What a feeler that touches contributes.
+/// Energy, force and stiffness of a contact point that touches.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Touch {
+pub(super) struct ContactResponse {
     /// Stored energy [J].
     pub energy: f64,
-    /// Its derivative by the feeler's position [N]: minus the force of the seat on the rubber.
+    /// Its derivative by the point's position [N]: minus the force of the seat on the rubber.
     pub force: [f64; 2],
     /// Second derivatives: rr, rz, zz [N/m].
     pub stiffness: [f64; 3],
@@ -180,7 +180,7 @@ pub(super) struct Contact {
     /// The seat where it touches the undeformed section.
     pub seat: Seat,
     /// Along the edges that may touch.
-    pub feelers: Vec<Feeler>,
+    pub points: Vec<ContactPoint>,
     /// Pressure by depth [Pa/m].
     stiffness: f64,
 }
@@ -200,26 +200,26 @@ impl Contact {
         let length: f64 = ends().map(|[a, b]| libm::hypot(b[0] - a[0], b[1] - a[1])).sum();
         Self {
             seat: seat.raised(if gap.is_finite() { gap } else { 0.0 }),
-            feelers: edges
+            points: edges
                 .iter()
-                .flat_map(|edge| Feeler::of_edge(*edge, nodes, symmetry))
+                .flat_map(|edge| ContactPoint::of_edge(*edge, nodes, symmetry))
                 .collect(),
             stiffness: modulus * edges.len() as f64 / length,
         }
     }
 
-    /// What `feeler` contributes where it is `at`; `None` above the seat.
-    pub fn touch(&self, feeler: &Feeler, at: Point) -> Option<Touch> {
-        touch(&self.seat, at, self.stiffness * feeler.area)
+    /// Response of `point` where it is `at`; `None` above the seat.
+    pub fn touch(&self, point: &ContactPoint, at: Point) -> Option<ContactResponse> {
+        touch(&self.seat, at, self.stiffness * point.area)
     }
 }
 
 /// Penalty on the depth g below the seat's surface, measured along the axis: energy k g²/2, of which
 /// the force is normal to the surface.
-fn touch(seat: &Seat, at: Point, k: f64) -> Option<Touch> {
+fn touch(seat: &Seat, at: Point, k: f64) -> Option<ContactResponse> {
     let [height, slope, change] = seat.surface(at[0]);
     let gap = at[1] - height;
-    (gap <= 0.0).then(|| Touch {
+    (gap <= 0.0).then(|| ContactResponse {
         energy: 0.5 * k * gap * gap,
         force: [-k * gap * slope, k * gap],
         stiffness: [k * (slope * slope - gap * change), -k * slope, k],

@@ -8,7 +8,7 @@ use crate::fem::material::{self, NeoHookean, Tensor};
 use crate::mesh::bilinear::map;
 use nalgebra::{SMatrix, SVector};
 
-/// What the section stands for.
+/// The solid that a section stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
     /// A ring: the first coordinate is the distance from the axis, forces are those all round.
@@ -18,7 +18,7 @@ pub enum Symmetry {
 }
 
 impl Symmetry {
-    /// How much of the solid stands behind a point of the section, by radius [m].
+    /// Depth of the solid behind a point of the section, by radius [m].
     pub fn depth(self, r: f64) -> f64 {
         match self {
             Self::Axisymmetric => core::f64::consts::TAU * r,
@@ -51,7 +51,7 @@ pub struct Element {
     volume: f64,
 }
 
-/// What an element stores, how it resists, and how stiffly.
+/// Energy, force and stiffness of an element.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
     /// Stored energy [J].

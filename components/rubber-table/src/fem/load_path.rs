@@ -4,12 +4,12 @@ use crate::fem::assembly::{Model, State};
 use crate::fem::newton::{Equilibrium, Failure, settle};
 use crate::mesh::Point;
 
-/// How far and how finely.
+/// Length and steps of a compression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compression {
     /// Largest compression [m].
     pub largest: f64,
-    /// How many frames, the first at rest.
+    /// Number of frames, the first at rest.
     pub frames: usize,
     /// Forces out of balance, over their size, at which an increment is done.
     pub tolerance: f64,
@@ -40,7 +40,7 @@ pub struct Frame {
     pub passes: u32,
     /// Forces out of balance, over their size.
     pub residual: f64,
-    /// Whether the equilibrium is stable: one that is not would buckle.
+    /// True if the equilibrium is stable: one that is not would buckle.
     pub stable: bool,
 }
 
@@ -55,7 +55,7 @@ pub struct Stuck {
     pub wanted: f64,
     /// The last step tried [m].
     pub step: f64,
-    /// What went wrong in it.
+    /// The failure in it.
     pub why: Failure,
 }
 

@@ -17,14 +17,14 @@ pub enum Failure {
         "forces were still out of balance by {residual:.1e} of their size after {passes} passes"
     )]
     NotSettled {
-        /// What was left of the forces over their size.
+        /// Forces left out of balance, over their size.
         residual: f64,
-        /// How many passes were made.
+        /// Number of passes made.
         passes: u32,
     },
 }
 
-/// How an equilibrium was found.
+/// Passes and residual of an equilibrium.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Equilibrium {
     /// Passes of Newton's method, the last of which only found that nothing was left to do.

@@ -7,7 +7,7 @@
 pub(super) struct Skyline {
     /// Column of each row's first entry.
     first: Vec<usize>,
-    /// Where each row begins in `values`; row i ends with its diagonal.
+    /// Begin of each row in `values`; row i ends with its diagonal.
     start: Vec<usize>,
     values: Vec<f64>,
     diagonal: Vec<f64>,

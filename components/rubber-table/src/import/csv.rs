@@ -24,7 +24,7 @@ pub enum CsvError {
     Row {
         /// The file.
         file: PathBuf,
-        /// What is wrong, and at which line.
+        /// The fault, with its line.
         error: csv::Error,
     },
     /// A vertex out of order or missing.
@@ -38,7 +38,7 @@ pub enum CsvError {
         frame: usize,
         /// The vertex that it names.
         vertex: usize,
-        /// What should stand there.
+        /// Text expected there.
         expected: String,
     },
     /// The numbers are no table.
@@ -46,7 +46,7 @@ pub enum CsvError {
     Table {
         /// The folder.
         folder: PathBuf,
-        /// What is wrong.
+        /// The fault.
         error: TableError,
     },
 }

@@ -17,7 +17,7 @@ pub enum GmshError {
     Format {
         /// Line in the file.
         line: usize,
-        /// What stands there.
+        /// Text or number found there.
         found: String,
     },
     /// A line that does not read as what it should be.
@@ -25,9 +25,9 @@ pub enum GmshError {
     Line {
         /// Line in the file.
         line: usize,
-        /// What stands there.
+        /// Text or number found there.
         found: String,
-        /// What should.
+        /// Text expected there.
         expected: &'static str,
     },
     /// The file ends early, or a part of it is missing.
@@ -42,7 +42,7 @@ pub enum GmshError {
         line: usize,
         /// Its number in the file.
         id: usize,
-        /// What it is.
+        /// Its kind.
         what: String,
     },
     /// A node out of the plane.

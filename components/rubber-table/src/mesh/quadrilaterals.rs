@@ -49,7 +49,7 @@ pub enum MeshError {
         quad: usize,
         /// The node that it names.
         node: usize,
-        /// How many there are.
+        /// Number of them.
         count: usize,
     },
     /// A quadrilateral with an angle of 180 degrees or more.
@@ -59,9 +59,9 @@ pub enum MeshError {
     Folded {
         /// Number of the quadrilateral, from 0.
         quad: usize,
-        /// Where it lies [m].
+        /// A coordinate of its place [m].
         r: f64,
-        /// Where it lies [m].
+        /// A coordinate of its place [m].
         z: f64,
     },
     /// An edge of three or more quadrilaterals, or of two that overlap.
@@ -208,7 +208,7 @@ fn check_finite(nodes: &[Point]) -> Result<(), MeshError> {
     }
 }
 
-/// What lies on the axis but for round-off lies on it.
+/// Puts nodes onto the axis that miss it by round-off.
 fn snap_to_axis(nodes: &mut [Point]) {
     let outermost = nodes.iter().map(|point| point[0]).fold(0.0, f64::max);
     for point in nodes.iter_mut().filter(|point| point[0].abs() < 1e-9 * outermost) {

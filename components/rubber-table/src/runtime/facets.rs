@@ -73,7 +73,7 @@ impl SectorFacets {
         self.areas
     }
 
-    /// What becomes of a facet.
+    /// Kind of a facet.
     pub fn kind(&self, facet: usize) -> FacetKind {
         self.kinds[self.turned[facet].from as usize]
     }

@@ -4,7 +4,7 @@
 use crate::table::{FacetKind, Surface};
 use tremie_geometry::Vec3;
 
-/// How the load where the ring touches its seat is counted.
+/// Form of the load where the ring touches its seat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Form {
     /// Its component along the axis, less the pressure around over the projected area: conjugate to

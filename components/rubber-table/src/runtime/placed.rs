@@ -7,7 +7,7 @@ use tremie_geometry::{Frame, Vec3};
 use tremie_messages::scene::Pose;
 use tremie_messages::{BodyState, SurfaceVertex};
 
-/// Where the section's frame is, and how it moves.
+/// Place and motion of the section's frame.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     /// The section's frame in the carrier's.

@@ -10,7 +10,7 @@ use tremie_geometry::Vec3;
 use tremie_messages::scene::DeformableSurface;
 use tremie_messages::{BodyState, FacetLoad, Load, SurfaceVertex};
 
-/// What a fluid adds to the resistance of a seal: ρ c for each area, and out of contact a mass.
+/// Resistance that a fluid adds to a seal: ρ c for each area, and out of contact a mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Water {
     /// Density [kg/m³].
@@ -46,7 +46,7 @@ pub enum SealError {
     },
 }
 
-/// What a seal shows at a window's end.
+/// Readings of a seal at a window's end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Readings {
     /// Compression [m].
@@ -108,7 +108,7 @@ pub struct Seal {
 #[derive(Clone, Debug)]
 struct Trial(Option<Step>);
 
-/// What the fluid does through a window.
+/// The fluid's loads through a window.
 #[derive(Clone, Copy, Debug, Default)]
 struct FromFluid {
     /// Its part of the effective force [N].
@@ -195,12 +195,12 @@ impl Seal {
         self.surface.triangles.len()
     }
 
-    /// What a fluid adds to its resistance with its foot in the fluid, and on its seat.
+    /// Resistance that a fluid adds with its foot in the fluid, and on its seat.
     pub fn impedance(&self) -> [Impedance; 2] {
         self.impedance
     }
 
-    /// What it shows.
+    /// Its readings.
     pub fn readings(&self) -> Readings {
         self.readings
     }
@@ -240,7 +240,7 @@ impl Seal {
         self.trial = Some(Trial(None));
     }
 
-    /// Whether the substep is done.
+    /// True if the substep is done.
     pub fn is_settled(&self) -> bool {
         self.trial.is_none()
     }
@@ -309,7 +309,7 @@ impl Seal {
         Ok(matches!(outcome, Outcome::Settled(_)))
     }
 
-    /// What it passes on to its carrier besides the contacts: the fluid's loads, about the carrier's
+    /// Load that it passes on to its carrier besides the contacts: the fluid's loads, about the carrier's
     /// reference point.
     pub fn resultant(&self) -> Load {
         let FromFluid { force, moment, .. } = self.fluid;

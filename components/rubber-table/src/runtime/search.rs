@@ -1,4 +1,4 @@
-//! Where the next trial of a step lies.
+//! Search for the next trial of a step.
 //!
 //! The excess r(d) = F(d) - h(d) - ν (d - d0)/dt falls as the ring retreats, at least by h' + ν/dt for each metre,
 //! and by jumps where a contact opens: a dashpot pushes up to the end. A secant finds its zero in a few passes; what
@@ -14,7 +14,7 @@ pub(super) struct Slopes {
     pub first: f64,
 }
 
-/// What the passes of a step have found.
+/// Findings of the passes of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
     slopes: Slopes,

@@ -45,7 +45,7 @@ impl Default for Law {
     }
 }
 
-/// What a fluid adds to the resistance of a surface without mass, where its load is known only from
+/// Resistance that a fluid adds to a surface without mass, where its load is known only from
 /// the last exchange: without it, such a surface is unstable.
 ///
 /// The law becomes (ν + Z) (d - d0)/dt - Z d'old = F - h: a force on changes of the velocity.
@@ -78,10 +78,10 @@ pub struct Start {
     pub rate: f64,
     /// Length of the step [s].
     pub dt: f64,
-    /// How fast the force of all contacts on what touches the seat falls as it retreats, k [N/m]: springs, and
+    /// Rate at which the force of all contacts on the foot falls as it retreats, k [N/m]: springs, and
     /// dashpots over the step.
     pub contact_stiffness: f64,
-    /// What the fluid adds.
+    /// Resistance that the fluid adds.
     pub impedance: Impedance,
 }
 
@@ -105,7 +105,7 @@ pub struct Step {
     known: [Option<(f64, f64)>; 2],
 }
 
-/// What a pass came to.
+/// Outcome of a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// Another pass is needed, with the force at the new trial.
@@ -121,7 +121,7 @@ pub struct Settled {
     pub compression: f64,
     /// Its rate over the step [m/s].
     pub rate: f64,
-    /// How many passes it took.
+    /// Number of passes.
     pub passes: u32,
 }
 
@@ -138,7 +138,7 @@ pub enum StepError {
     NotFinite {
         /// The compression [m].
         compression: f64,
-        /// What was given.
+        /// The force given [N].
         force: f64,
     },
     /// A force that grows as the ring retreats, in a step that fails.
@@ -158,13 +158,13 @@ pub enum StepError {
              {least:.3e} N s/m, half of contact stiffness times step less damping; use an eta that adapts, or a smaller step"
     )]
     NotSettled {
-        /// How many were made.
+        /// Number of passes made.
         passes: u32,
-        /// What the last one changed [m].
+        /// Change by the last one [m].
         change: f64,
         /// The method's number [N·s/m].
         eta: f64,
-        /// What it must exceed [N·s/m].
+        /// Bound that it must exceed [N·s/m].
         least: f64,
     },
 }
@@ -206,7 +206,7 @@ impl Step {
         self.trial
     }
 
-    /// Where the trial lies in the table: gives its shape.
+    /// Place of the trial in the table: gives its shape.
     pub fn bracket(&self) -> Bracket {
         self.at
     }
@@ -268,7 +268,7 @@ impl Step {
         }
     }
 
-    /// What the effective `force` has over table and resistance at the trial [N].
+    /// Excess of the effective `force` over table and resistance at the trial [N].
     fn excess(&self, table: &Table, force: f64) -> f64 {
         let Start { compression, rate, dt, impedance: Impedance(z), .. } = self.start;
         let damping = self.law.damping + z;

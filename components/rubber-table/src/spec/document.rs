@@ -110,7 +110,7 @@ const MOST_ELEMENTS: usize = 400;
 const MOST_FRAMES: usize = 2000;
 
 impl SpecDocument {
-    /// What holds the section: as written, or what suits its shape.
+    /// Boundaries that hold the section: as written, or as suits its shape.
     pub fn carrier(&self) -> Carrier {
         let top = match self.section {
             Section::ORing(_) => "upper",

@@ -69,11 +69,11 @@ const TOLERANCE: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub struct Spec {
     text: Text,
-    /// What is compressed.
+    /// The model to compress.
     pub model: Model,
     /// Its material.
     pub material: NeoHookean,
-    /// How far and how finely.
+    /// Length and steps of a compression.
     pub compression: Compression,
 }
 
@@ -81,7 +81,7 @@ impl Spec {
     /// Reads the specification at `path`. Files that it names are looked for beside it.
     ///
     /// # Errors
-    /// What keeps it from being read, or all values that make no sense; each with its line.
+    /// The reason why it cannot be read, or all values that make no sense; each with its line.
     pub fn read(path: &Path) -> Result<Self, SpecErrors> {
         match std::fs::read_to_string(path) {
             Ok(text) => Self::parse(path, text),

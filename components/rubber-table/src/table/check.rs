@@ -1,4 +1,4 @@
-//! What must hold for contents to be a table.
+//! Conditions on contents of a table.
 
 use crate::mesh::Point;
 use crate::table::contents::Contents;
@@ -17,7 +17,7 @@ pub enum TableError {
         what: String,
         /// Its length.
         found: usize,
-        /// What it should be.
+        /// Its length as it should be.
         expected: usize,
         /// Why.
         why: &'static str,
@@ -27,7 +27,7 @@ pub enum TableError {
     NotAtRest {
         /// `compression` or `force`.
         what: &'static str,
-        /// What stands there.
+        /// Text or number found there.
         found: f64,
     },
     /// Something that must grow does not.
@@ -45,7 +45,7 @@ pub enum TableError {
     /// A number that is none.
     #[error("{what} of frame {frame} is not finite")]
     NotFinite {
-        /// What.
+        /// The value's name.
         what: &'static str,
         /// The frame, from 0.
         frame: usize,
@@ -79,7 +79,7 @@ pub enum TableError {
         what: &'static str,
         /// The vertex.
         vertex: usize,
-        /// How many there are.
+        /// Number of them.
         count: usize,
     },
     /// An outline that branches or doubles back.
@@ -101,7 +101,7 @@ pub enum TableError {
         vertex: usize,
         /// The frame, from 0.
         frame: usize,
-        /// How far it has moved [m].
+        /// Its way [m].
         by: f64,
     },
 }
@@ -153,7 +153,7 @@ fn length(what: &str, found: usize, expected: usize, why: &'static str) -> Resul
     }
 }
 
-/// What is optional: absent, or of the right length.
+/// Checks optional lists: absent, or of the right length.
 fn check_extras(contents: &Contents) -> Result<(), TableError> {
     let frames = contents.compressions.len();
     for (what, found) in [

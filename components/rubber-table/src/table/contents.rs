@@ -30,7 +30,7 @@ pub struct MaterialRecord {
     pub bulk_modulus: f64,
 }
 
-/// How a frame was found.
+/// Increments, passes and residual of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Convergence {
@@ -42,14 +42,14 @@ pub struct Convergence {
     pub residual: f64,
     /// Smallest ratio of an element's volumes, after over before.
     pub least_volume_ratio: f64,
-    /// Whether the equilibrium is stable.
+    /// True if the equilibrium is stable.
     pub stable: bool,
 }
 
-/// What a table holds, not checked yet.
+/// Contents of a table, not checked yet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contents {
-    /// Where the numbers come from.
+    /// Origin of the numbers.
     pub source: String,
     /// The material, if it is neo-Hookean.
     pub material: Option<MaterialRecord>,
@@ -67,7 +67,7 @@ pub struct Contents {
     pub mises: Vec<Vec<f64>>,
     /// Stored energy in each frame [J].
     pub energies: Vec<f64>,
-    /// How each frame was found.
+    /// Convergence of each frame.
     pub convergence: Vec<Convergence>,
 }
 

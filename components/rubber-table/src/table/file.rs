@@ -19,7 +19,7 @@ pub enum FileError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         error: std::io::Error,
     },
     /// It is no JSON of this form.
@@ -27,7 +27,7 @@ pub enum FileError {
     Json {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and at which line and column.
+        /// The fault, with its line and column.
         error: serde_json::Error,
     },
     /// Another format or version.
@@ -45,12 +45,12 @@ pub enum FileError {
     Table {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         error: TableError,
     },
 }
 
-/// What names the format, whatever else the file holds.
+/// The keys that name the format, whatever else the file holds.
 #[derive(Deserialize)]
 struct Head {
     #[serde(default)]

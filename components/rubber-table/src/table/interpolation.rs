@@ -55,7 +55,7 @@ impl Table {
         self.contents.compressions[self.frames() - 1]
     }
 
-    /// Where `compression` [m] lies among the frames.
+    /// Place of `compression` [m] among the frames.
     ///
     /// # Errors
     /// If it lies beyond the last, or is no number.

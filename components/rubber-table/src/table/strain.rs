@@ -1,9 +1,9 @@
-//! How much the rubber is sheared, from the shapes of its section.
+//! Equivalent shear strain of the rubber, from the shapes of its section.
 //!
 //! The measure is the equivalent shear strain ε_q = √(2/3 e:e), e the deviator of the logarithmic strain,
 //! as Mutabaruka and Kamrin (2018) colour their rubber by.
 //!
-//! Where a table has quadrilaterals, each has the deformation gradient at its centre, the hoop r/R
+//! If a table has quadrilaterals, each has the deformation gradient at its centre, the hoop r/R
 //! among it, and a vertex the mean of those around it by area. Where a table has an outline alone, an
 //! edge has the stretch along it and that of the hoop, and its thickness follows from a volume that stays:
 //! on a surface that bears no shear, free or on a seat without friction, those are the principal

@@ -14,11 +14,11 @@ pub enum EndlessFault {
     Longer {
         /// The axis.
         axis: usize,
-        /// How long it is [m].
+        /// Its length [m].
         found: f64,
-        /// How long the domain is [m].
+        /// Length of the domain [m].
         length: f64,
-        /// Whether it reaches the lower face.
+        /// True if it reaches the lower face.
         below: bool,
     },
     /// All of its surface lies beyond the faces.
@@ -35,9 +35,9 @@ pub enum EndlessFault {
     Section {
         /// The axis.
         axis: usize,
-        /// How far the cross-section at the other face is away [m]; infinite where there is none.
+        /// Distance of the cross-section at the other face [m]; infinite where there is none.
         off: f64,
-        /// Where on the outline [m].
+        /// Place on the outline [m].
         at: Vec3,
         /// On which face.
         upper: bool,
@@ -45,7 +45,7 @@ pub enum EndlessFault {
     /// Its cross-section has corners in which more than two walls meet.
     #[error("the part's cross-section at the periodic faces touches itself at {}", place(*at))]
     Touching {
-        /// Where [m].
+        /// Place [m].
         at: Vec3,
     },
     /// It turns away from the axis along which it is endless.
@@ -64,13 +64,13 @@ pub enum EndlessFault {
         axis: usize,
         /// Diameter about its origin [m].
         found: f64,
-        /// How long the domain is [m].
+        /// Length of the domain [m].
         length: f64,
     },
 }
 
 impl EndlessFault {
-    /// What to do about it.
+    /// The remedy.
     pub fn help(&self) -> String {
         match self {
             Self::Longer { axis, .. } => format!(

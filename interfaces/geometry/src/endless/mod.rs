@@ -22,25 +22,25 @@ use patch::Patch;
 use tremie_messages::Problem;
 use tremie_messages::scene::{Domain, Motion, Part, Pose};
 
-/// How far ends and cross-sections may be off, over the size of the domain and the part: files hold numbers of single
+/// Tolerance of ends and cross-sections, over the size of the domain and the part: files hold numbers of single
 /// precision.
 const TOLERANCE: f64 = 1e-6;
 
-/// How a part goes on through periodic faces.
+/// Axes along which a part goes on through periodic faces, and its places there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Endless {
     /// Along which axes of the world it has no ends.
     pub axes: [bool; 3],
     /// Along which of these its cross-section is the same everywhere.
     pub straight: [bool; 3],
-    /// Where the scene places the origin of its frame, brought into the domain along the axes [m].
+    /// Origin of its frame as the scene places it, brought into the domain along the axes [m].
     origin: Vec3,
     /// Edge lengths of the domain [m].
     period: Vec3,
 }
 
 impl Endless {
-    /// Where the surface is to be placed when the part's origin is at `position` [m]: along an axis on which the part is
+    /// Place of the surface when the part's origin is at `position` [m]: along an axis on which the part is
     /// straight always at the same place, along another endless one within half a period of where the scene has it.
     pub fn place(&self, position: impl Into<Vec3>) -> Vec3 {
         let mut position = position.into();
@@ -62,19 +62,19 @@ impl Endless {
         self.period
     }
 
-    /// Whether it is endless along any axis.
+    /// True if it is endless along any axis.
     pub fn is_any(&self) -> bool {
         self.axes != [false; 3]
     }
 }
 
-/// What a surface that was made endless has besides its triangles.
+/// Properties of one period of an endless surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Period {
     pub endless: Endless,
     /// Its triangles that are walls; those that close it come after them.
     pub walls: u32,
-    /// How often the domain's period is among them.
+    /// Number of periods of the domain among them.
     pub copies: f64,
     /// Volume of one period [m³] and its centre in the part's frame.
     pub volume: f64,
@@ -143,7 +143,7 @@ impl Surface {
         Ok(own)
     }
 
-    /// How it goes on through periodic faces.
+    /// Its way through periodic faces.
     pub fn endless(&self) -> Endless {
         self.period.as_ref().map_or_else(Endless::default, |period| period.endless)
     }
@@ -218,7 +218,7 @@ fn mesh_area(mesh: &Mesh, count: usize) -> f64 {
     (0..count).map(area).sum()
 }
 
-/// What is wrong with how a part moves in a domain, its surface being that of [`Surface::in_domain`]; `key` is the part's.
+/// The problem of a part's motion in a domain, if there is one; its surface is that of [`Surface::in_domain`], `key` the part's.
 pub fn motion_problem(
     key: &str,
     part: &Part,
@@ -251,8 +251,8 @@ pub fn motion_problem(
     Some(Problem::new(format!("{key}.motion"), fault.to_string()).help(fault.help()))
 }
 
-/// What a winding number of the whole part is more than that of its endless surface; the same everywhere in the domain.
-/// Where some axis is not endless both surfaces leave the space far away along it outside.
+/// Winding number of the whole part less that of its endless surface; the same everywhere in the domain.
+/// Along an axis that is not endless both surfaces leave the space far away along it outside.
 fn difference([whole, period]: [&Surface; 2], frames: [Frame; 2], domain: &Domain) -> i32 {
     if period.endless().axes != [true; 3] {
         return 0;
@@ -270,7 +270,7 @@ fn difference([whole, period]: [&Surface; 2], frames: [Frame; 2], domain: &Domai
     of.next().unwrap_or(0)
 }
 
-/// Whether three corners that follow each other leave the middle one on the line between the others.
+/// True if three corners that follow each other leave the middle one on the line between the others.
 fn in_line(a: Vec3, b: Vec3, c: Vec3, tolerance: f64) -> bool {
     let (along, to) = (c - a, b - a);
     let length = along.norm();

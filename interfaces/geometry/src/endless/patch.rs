@@ -66,7 +66,7 @@ impl Patch {
         self.vertices.len() as u32 - 1
     }
 
-    /// Whether all faces run along an axis: seen along it each is a line.
+    /// True if all faces run along an axis: seen along it each is a line.
     pub fn is_straight(&self, axis: usize, tolerance: f64) -> bool {
         self.triangles().iter().all(|triangle| {
             let corners = triangle.map(|v| {

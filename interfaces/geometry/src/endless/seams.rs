@@ -5,14 +5,14 @@ use super::{EndlessFault, in_line};
 use crate::Vec3;
 use std::collections::BTreeMap;
 
-/// How far a corner may be from the line between its neighbours to be left out, over the tolerance: a cross-section that
+/// Largest distance of a corner that is left out from the line between its neighbours, over the tolerance: a cross-section that
 /// is cut through triangles has corners that are none.
 const NO_CORNER: f64 = 1e-3;
 
-/// What two cross-sections have in common: their corners, as seen along the axis.
+/// Corners that two cross-sections have in common, as seen along the axis.
 struct Outline {
     corners: Vec<Vec3>,
-    /// Which corner each vertex is.
+    /// Corner that each vertex is.
     of_vertex: BTreeMap<u32, usize>,
     /// Its pieces, from corner to corner, in the direction of the lower cross-section's open edges.
     pieces: Vec<[usize; 2]>,
@@ -76,7 +76,7 @@ fn outline(
     Ok(Outline { pieces: lower, ..outline })
 }
 
-/// Where two cross-sections differ most.
+/// The place where two cross-sections differ most.
 fn mismatch(patch: &Patch, axis: usize, edges: &[Vec<[u32; 2]>; 2]) -> EndlessFault {
     let flat = |v: u32| {
         let mut x = patch.vertices[v as usize];

@@ -75,7 +75,7 @@ impl View {
         self.turn(corners, a, b, c) > 0.0
     }
 
-    /// Whether corner `i` of those left can be cut off: it sticks out, and no other is in the triangle.
+    /// True if corner `i` of those left can be cut off: it sticks out, and no other is in the triangle.
     fn is_ear(&self, corners: &[Vec3], left: &[usize], i: usize) -> bool {
         let n = left.len();
         let (a, b, c) = (left[(i + n - 1) % n], left[i], left[(i + 1) % n]);

@@ -1,6 +1,6 @@
 //! STL files, binary and text.
 //!
-//! Which of the two a file is, its first word does not say: headers of binary files begin with "solid" too.
+//! The first word does not tell the two apart: headers of binary files begin with "solid" too.
 
 use super::stl_text;
 use super::text::{decode, looks_like};
@@ -48,13 +48,13 @@ fn count(bytes: &[u8]) -> usize {
         .map_or(0, |count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize)
 }
 
-/// Whether a file has just the length that its header says.
+/// True if a file has just the length that its header says.
 fn is_whole_binary(bytes: &[u8]) -> bool {
     let length = |bytes: &[u8]| HEADER.checked_add(count(bytes).checked_mul(TRIANGLE)?);
     bytes.len() >= HEADER && length(bytes) == Some(bytes.len())
 }
 
-/// Whether a file is a text that begins as an STL file does. Text has no zeros, and the number in a binary header has:
+/// True if a file is a text that begins as an STL file does. Text has no zeros, and the number in a binary header has:
 /// of its four bytes the last.
 fn is_text(bytes: &[u8]) -> bool {
     let begin = &bytes[..bytes.len().min(4096)];

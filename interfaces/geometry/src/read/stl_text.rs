@@ -140,7 +140,7 @@ impl<'a> Words<'a> {
         format!("line {number}: {line}: expected {expected}, found {word}{end}")
     }
 
-    /// What is to be said where nothing follows.
+    /// Words for a place where nothing follows.
     fn end(&self) -> &'static str {
         let is_over = self.rest.clone().next().is_none()
             && self.lines.clone().all(|line| line.trim_ascii().is_empty());

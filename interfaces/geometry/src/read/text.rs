@@ -46,7 +46,7 @@ pub fn coordinate(word: &str) -> Result<f64, String> {
     }
 }
 
-/// What a file seems to be that is not what its name says; `None` if that is not to be seen.
+/// Format of a file whose contents contradict its name; `None` if they do not.
 pub fn looks_like(bytes: &[u8]) -> Option<&'static str> {
     const BEGINNINGS: [(&[u8], &str); 15] = [
         (b"PK\x03\x04", "a ZIP archive, as 3MF files are"),

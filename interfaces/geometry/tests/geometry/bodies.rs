@@ -109,7 +109,7 @@ impl Stairs {
         inside(i) && inside(j) && k >= 0 && (k as u32) < self.0[i as usize][j as usize]
     }
 
-    /// Whether a point is in a cube or on its sides.
+    /// True if a point is in a cube or on its sides.
     pub fn contains(&self, p: Vec3) -> bool {
         let cells = p.map(|x| {
             let floor = x.floor();
@@ -199,7 +199,7 @@ pub fn point() -> impl Strategy<Value = Vec3> {
     proptest::array::uniform3(-1.1..1.1f64).prop_map(Vec3::from)
 }
 
-/// How often a mesh goes around a point, as the sum of solid angles (Van Oosterom & Strackee, *IEEE
+/// Winding number of a mesh around a point, as the sum of solid angles (Van Oosterom & Strackee, *IEEE
 /// Trans. Biomed. Eng.* 30 (1983) 125): near a whole number unless the point is on the surface.
 pub fn solid_angles(mesh: &Mesh, point: Vec3) -> f64 {
     let angle = |t: usize| {

@@ -1,4 +1,4 @@
-//! Which edges and corners are real.
+//! Edges and corners that are real.
 
 use crate::bodies::*;
 use tremie_geometry::{EdgeKind, Surface, VertexKind, mend};

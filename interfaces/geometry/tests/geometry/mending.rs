@@ -1,4 +1,4 @@
-//! What is repaired, and what is refused with its place.
+//! Repairs, and refusals with their places.
 
 use crate::bodies::*;
 use proptest::prelude::*;

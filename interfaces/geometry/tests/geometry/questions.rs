@@ -17,7 +17,7 @@ fn check_row(surface: &Surface, row: &Row, points: usize) -> Result<(), TestCase
     Ok(())
 }
 
-/// What must hold for any segment.
+/// Properties of any segment.
 fn check_segment(surface: &Surface, from: Vec3, to: Vec3) -> Result<(), TestCaseError> {
     let crossing = surface.first_crossing(from, to);
     if surface.contains(from) != surface.contains(to) {
@@ -204,7 +204,7 @@ proptest! {
     }
 }
 
-/// Whether all cubes at a point are full.
+/// True if all cubes at a point are full.
 fn all_around_full(stairs: &Stairs, p: Vec3) -> bool {
     let cells = p.map(|x| [(x - 0.25).floor() as i32, (x + 0.25).floor() as i32]);
     (0..8).all(|i| stairs.full([cells[0][i & 1], cells[1][i >> 1 & 1], cells[2][i >> 2]]))

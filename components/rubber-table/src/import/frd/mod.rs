@@ -21,7 +21,7 @@ use crate::table::{Contents, Facets, Table, TableError};
 use parse::{Block, FrdFile};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How to read a file of CalculiX.
+/// Units and seat for reading a file of CalculiX.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Its unit of length [m].
@@ -30,7 +30,7 @@ pub struct Options {
     pub force: f64,
     /// The seat in metres, in its coordinates; `None`: flat, at the lowest point of the last increment.
     pub seat: Option<Seat>,
-    /// How near the seat a node touches it [m]; `None`: a thousandth of the section's height.
+    /// Distance from the seat within which a node touches it [m]; `None`: a thousandth of the section's height.
     pub reach: Option<f64>,
 }
 
@@ -42,9 +42,9 @@ pub enum FrdError {
     Line {
         /// Line in the file.
         line: usize,
-        /// What stands there.
+        /// Text or number found there.
         found: String,
-        /// What should.
+        /// Text expected there.
         expected: &'static str,
     },
     /// A part that is missing.
