@@ -194,7 +194,6 @@ fn repeat(
     outline: &Outline,
     tolerance: f64,
 ) {
-    let period = faces[1] - faces[0];
     // A vertex of its own for each corner at each face: that of the lower, moved by a period.
     let first = patch.vertices.len() as u32;
     for at in faces {
@@ -218,26 +217,10 @@ fn repeat(
         let side = u32::from(patch.vertices[v as usize][axis] == faces[1]);
         Some(first + side * count + corner)
     };
-    let mut faces_of_one = Vec::new();
-    let mut middles = Vec::new();
+    let (mut faces_of_one, mut middles) = (Vec::new(), Vec::new());
     let total = patch.vertices.len() as u32;
     for face in &patch.faces {
-        let mut corners: Vec<u32> = Vec::new();
-        let mut gained = false;
-        for (k, &from) in face.iter().enumerate() {
-            let to = face[(k + 1) % face.len()];
-            match inserted.get(&[from, to]) {
-                Some(along) => {
-                    gained |= along.len() > 2;
-                    corners.extend(&along[..along.len() - 1]);
-                }
-                None => corners.push(at_face(from).unwrap_or(from)),
-            }
-        }
-        corners.dedup();
-        while corners.len() > 1 && corners.first() == corners.last() {
-            corners.pop();
-        }
+        let (corners, gained) = joined(face, &inserted, at_face);
         if corners.len() < 3 {
             continue;
         }
@@ -254,6 +237,43 @@ fn repeat(
         }
     }
     patch.vertices.extend(middles);
+    copy_thrice(patch, &faces_of_one, axis, faces[1] - faces[0], first..first + count);
+}
+
+/// Corners of a face with those of the outline along its edges, and whether it gained any.
+fn joined(
+    face: &[u32],
+    inserted: &BTreeMap<[u32; 2], Vec<u32>>,
+    at_face: impl Fn(u32) -> Option<u32>,
+) -> (Vec<u32>, bool) {
+    let mut corners: Vec<u32> = Vec::new();
+    let mut gained = false;
+    for (k, &from) in face.iter().enumerate() {
+        let to = face[(k + 1) % face.len()];
+        match inserted.get(&[from, to]) {
+            Some(along) => {
+                gained |= along.len() > 2;
+                corners.extend(&along[..along.len() - 1]);
+            }
+            None => corners.push(at_face(from).unwrap_or(from)),
+        }
+    }
+    corners.dedup();
+    while corners.len() > 1 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    (corners, gained)
+}
+
+/// Puts copies of the patch a period before and after it; upper corners of a copy are the `lower` ones of the next.
+fn copy_thrice(
+    patch: &mut Patch,
+    faces_of_one: &[Vec<u32>],
+    axis: usize,
+    period: f64,
+    lower: std::ops::Range<u32>,
+) {
+    let count = lower.end - lower.start;
     let size = patch.vertices.len() as u32;
     let one = std::mem::take(&mut patch.vertices);
     for copy in -1..=1 {
@@ -265,9 +285,8 @@ fn repeat(
             x
         }));
     }
-    let upper = first + count..first + 2 * count;
+    let upper = lower.end..lower.end + count;
     let named = |v: u32, copy: u32| {
-        // The upper corners of a copy are the lower ones of the next.
         if copy < 2 && upper.contains(&v) { (copy + 1) * size + v - count } else { copy * size + v }
     };
     patch.faces = (0..3)
