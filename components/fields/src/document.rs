@@ -16,7 +16,8 @@ pub struct Document {
 }
 
 impl Document {
-    /// A file of a kind of data set, as `ImageData`, with the attributes of its element, at a moment.
+    /// A file of a kind of data set, as `ImageData`, with the attributes of its element, at a
+    /// moment.
     pub fn new(kind: &'static str, attributes: &str, compression: Compression) -> Self {
         let compressor = match compression {
             Compression::None => "",
@@ -31,8 +32,8 @@ impl Document {
         document
     }
 
-    /// A file of a surface of so many points and triangles at a moment: data of points and cells follow, and then
-    /// [`Self::mesh`].
+    /// A file of a surface of so many points and triangles at a moment: data of points and cells
+    /// follow, and then [`Self::mesh`].
     pub fn surface(at: Moment, points: usize, triangles: usize, compression: Compression) -> Self {
         let mut document = Self::new("PolyData", "", compression).moment(at.time, at.stamp.window);
         document.begin(

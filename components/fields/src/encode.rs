@@ -5,8 +5,8 @@
 
 use crate::parameters::Compression;
 
-/// Bytes of an array that are compressed at a time: large enough for its redundancy, small enough for
-/// readers that take a part.
+/// Bytes of an array that are compressed at a time: large enough for its redundancy, small enough
+/// for readers that take a part.
 const BLOCK: usize = 1 << 17;
 
 /// A number of an array.

@@ -1,7 +1,8 @@
-//! Writes whole fields, bodies, parts and rubber of a run as VTK files, for ParaView and everything else that
-//! is built on VTK.
+//! Writes whole fields, bodies, parts and rubber of a run as VTK files, for ParaView and everything
+//! else that is built on VTK.
 //!
-//! [`Fields`] is an observer; `outputs.fields = "10 ms"` in a manifest starts it. It fills `OUT/fields`:
+//! [`Fields`] is an observer; `outputs.fields = "10 ms"` in a manifest starts it. It fills
+//! `OUT/fields`:
 //!
 //! | file | data set | what it holds |
 //! | --- | --- | --- |
@@ -13,8 +14,9 @@
 //! | `<volume>.pvd`, `bodies.pvd`, `polyhedra.pvd`, `parts.pvd`, `rubber.pvd` | collection | the files of a series by time: open these |
 //! | `about.txt` | text | arrays, units, names of sets, shapes and parts |
 //!
-//! The volume of the lattice-Boltzmann fluid is called `lattice`. `<window>` is the coupling window at
-//! whose end the data hold. Each file bears its time too (field data `TimeValue` [s], and `window`).
+//! The volume of the lattice-Boltzmann fluid is called `lattice`. `<window>` is the coupling window
+//! at whose end the data hold. Each file bears its time too (field data `TimeValue` [s], and
+//! `window`).
 //!
 //! # Arrays
 //!

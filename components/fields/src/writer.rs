@@ -97,7 +97,8 @@ impl Fields {
         let moved = parts.follow(bodies);
         let before = self.series.get(PARTS).and_then(|series| series.entries().last());
         match before.map(|entry| (entry.window, entry.file.clone())) {
-            // The parts at the start are there already; of the start's frame only what moves is new.
+            // The parts at the start are there already; of the start's frame only what moves is
+            // new.
             Some((window, _)) if window == at.stamp.window && !moved => Ok(()),
             Some((window, file)) if window < at.stamp.window && !moved => {
                 self.note(PARTS, at, file)

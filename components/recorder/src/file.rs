@@ -64,7 +64,8 @@ impl McapFile {
             .compression(Some(Compression::Zstd))
             .compression_level(level)
             .chunk_size(None)
-            // A chunk then reaches the file in one piece, and a killed recorder leaves no half of one.
+            // A chunk then reaches the file in one piece, and a killed recorder leaves no half of
+            // one.
             .disable_seeking(true);
         let mut writer = options.create(BufWriter::new(file))?;
         writer.write_metadata(&Metadata { name: crate::document::RUN.into(), metadata: run })?;

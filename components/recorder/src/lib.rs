@@ -1,7 +1,7 @@
 //! Writes a Tremie run to MCAP, and plays it back.
 //!
-//! [`Recorder`] is an observer that writes `run.mcap`; [`Recording`] reads such a file and feeds any
-//! observer with the very frames that the recorder was given, bit for bit.
+//! [`Recorder`] is an observer that writes `run.mcap`; [`Recording`] reads such a file and feeds
+//! any observer with the very frames that the recorder was given, bit for bit.
 //!
 //! # Channels
 //!
@@ -17,8 +17,9 @@
 //! | `/log` | `foxglove.Log` | lines of the log |
 //! | `/frames` | `tremie.Frame` | before each of the messages above: its topic, stamp and exact time; of a cut, its exact grid; of a line, its level |
 //!
-//! Bodies, surfaces and cuts are stored once, in a form that is exact and that viewers show: a point cloud whose
-//! stride is the message's own layout. `/frames` adds what Foxglove's schemas have no place for.
+//! Bodies, surfaces and cuts are stored once, in a form that is exact and that viewers show: a
+//! point cloud whose stride is the message's own layout. `/frames` adds what Foxglove's schemas
+//! have no place for.
 //!
 //! # Time
 //!
@@ -30,19 +31,21 @@
 //!
 //! Frames wait until their window is whole: until every lossless stream that is due has
 //! arrived, and some component is [`HOLD`](windows::HOLD) windows ahead, which in a coupled run
-//! means that all have completed it. Should a stream end while others go on, at most 64 windows wait,
-//! then the oldest is written as it is, and the recorder's note says so. The end of a run drops what lies beyond its last common
-//! window. The log is written last and whole: what was said about the end belongs to the record.
+//! means that all have completed it. Should a stream end while others go on, at most 64 windows
+//! wait, then the oldest is written as it is, and the recorder's note says so. The end of a run
+//! drops what lies beyond its last common window. The log is written last and whole: what was said
+//! about the end belongs to the record.
 //!
 //! # Ends
 //!
-//! Chunks reach the file at fixed amounts of data and of windows. Of a recorder that is killed, everything
-//! up to the last chunk can be read; [`Recording::end`] then says that the end is missing.
+//! Chunks reach the file at fixed amounts of data and of windows. Of a recorder that is killed,
+//! everything up to the last chunk can be read; [`Recording::end`] then says that the end is
+//! missing.
 //!
 //! # Metadata
 //!
-//! `tremie.run` holds, as JSON texts, `scene`, `clock`, `windows`, `streams`, and the versions of this
-//! crate and of its format; `tremie.end` the last common window.
+//! `tremie.run` holds, as JSON texts, `scene`, `clock`, `windows`, `streams`, and the versions of
+//! this crate and of its format; `tremie.end` the last common window.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 

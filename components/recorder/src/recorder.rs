@@ -85,8 +85,8 @@ impl Recorder {
         Some(first.remove_entry())
     }
 
-    /// Writes a window. Channels are added here and not on arrival, so that their order is that of the
-    /// streams and not that of chance.
+    /// Writes a window. Channels are added here and not on arrival, so that their order is that of
+    /// the streams and not that of chance.
     fn write(
         &mut self,
         window: u64,

@@ -260,7 +260,8 @@ struct Records {
     file: BufReader<File>,
     reader: LinearReader,
     is_empty: bool,
-    /// True if some record was read: what is unreadable after that was damaged, and what comes before it counts.
+    /// True if some record was read: what is unreadable after that was damaged, and what comes
+    /// before it counts.
     has_begun: bool,
 }
 

@@ -1,4 +1,5 @@
-//! Descriptions of the protobuf messages, as MCAP wants them: a `FileDescriptorSet` for each schema.
+//! Descriptions of the protobuf messages, as MCAP wants them: a `FileDescriptorSet` for each
+//! schema.
 
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};

@@ -8,7 +8,8 @@ use tremie_messages::start::{FrameContent, FrameStream};
 /// that (parallel).
 pub const HOLD: u64 = 2;
 
-/// Key of a stream at the recorder: kind, sender, name. Frames of a window are written in this order.
+/// Key of a stream at the recorder: kind, sender, name. Frames of a window are written in this
+/// order.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stream {
     /// All bodies.

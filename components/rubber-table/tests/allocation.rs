@@ -1,4 +1,5 @@
-//! A step of the ring allocates nothing: neither its passes nor the shapes and forces that they need.
+//! A step of the ring allocates nothing: neither its passes nor the shapes and forces that they
+//! need.
 
 mod common;
 

@@ -60,8 +60,8 @@ fn bonded_disc(shape: f64, material: NeoHookean, rows: usize) -> f64 {
     first_slope(&model) * height / (core::f64::consts::PI * radius * radius)
 }
 
-/// Gent and Lindley 1959: E (1 + 2 S²) with E = 3G, in series with the bulk modulus; shape factor S,
-/// a loaded face over the free surface, of a disc R/2t.
+/// Gent and Lindley 1959: E (1 + 2 S²) with E = 3G, in series with the bulk modulus; shape factor
+/// S, a loaded face over the free surface, of a disc R/2t.
 #[test]
 fn a_bonded_block_is_as_stiff_as_gent_and_lindley_say() {
     let cases = [(0.75, 1000.0), (1.0, 1000.0), (1.5, 1000.0), (2.0, 1000.0), (3.0, 1000.0)];

@@ -1,5 +1,5 @@
-//! A valve with a rubber ring comes down on twelve spheres (Mutabaruka and Kamrin, Fig. 11): 40 N for
-//! 5 ms, then 10 N.
+//! A valve with a rubber ring comes down on twelve spheres (Mutabaruka and Kamrin, Fig. 11): 40 N
+//! for 5 ms, then 10 N.
 
 mod common;
 
@@ -228,9 +228,9 @@ fn errors_shrink_by_the_factor_of_theory() {
     }
 }
 
-/// A grain's contact pushes with its dashpot up to the end: where it opens in the trials of a step, the force jumps. No
-/// pass of a fixed size settles on the place where the ring just touches the grain; whether that retreats
-/// or comes down.
+/// A grain's contact pushes with its dashpot up to the end: where it opens in the trials of a step,
+/// the force jumps. No pass of a fixed size settles on the place where the ring just touches the
+/// grain; whether that retreats or comes down.
 #[test]
 fn a_contact_that_opens_within_a_step_is_found_where_it_opens() {
     let table = linear(1.194e5);
@@ -268,7 +268,8 @@ fn a_contact_that_opens_within_a_step_is_found_where_it_opens() {
     assert!((found.compression - START.compression - 1e-9).abs() < 2e-15, "{found:?}");
 }
 
-/// A grain at the foot's rim counts with the foot or with the side: whichever a trial says, a step ends.
+/// A grain at the foot's rim counts with the foot or with the side: whichever a trial says, a step
+/// ends.
 #[test]
 fn a_contact_that_changes_its_facet_does_not_end_a_run() {
     let table = linear(1.194e5);
@@ -288,7 +289,8 @@ fn a_contact_that_changes_its_facet_does_not_end_a_run() {
     }
 }
 
-/// Ten thousand vertices of 1e6 N/m each, and no damping: a fixed eta fails, one that adapts does not.
+/// Ten thousand vertices of 1e6 N/m each, and no damping: a fixed eta fails, one that adapts does
+/// not.
 #[test]
 fn an_eta_that_adapts_settles_whatever_the_contacts() {
     let table = linear(1.194e5);

@@ -8,8 +8,8 @@ use tremie_rubber_table::fem::contact::Seat;
 use tremie_rubber_table::mesh::d_ring;
 
 /// Half of it: the plane in the middle comes down by half the compression. Lindley's formula is a
-/// fit for compressions of a tenth and more; at 5 % these elements are 28 % above it, and finer ones
-/// 29 %.
+/// fit for compressions of a tenth and more; at 5 % these elements are 28 % above it, and finer
+/// ones 29 %.
 #[test]
 fn an_o_ring_is_as_stiff_as_lindley_measured() {
     let (thickness, diameter) = (5e-3, 50e-3);

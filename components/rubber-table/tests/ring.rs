@@ -164,7 +164,8 @@ fn strain_from_the_outline_agrees_with_that_from_the_section() {
     let whole = tabulate(&model, &frames, String::new(), None).unwrap();
     let alone = Table::new(Contents { quads: vec![], mises: vec![], ..whole.contents().clone() });
     let rest = &whole.contents().vertices[0];
-    // The outer side, off its corners: what the outline does not see, the change of volume, is small there.
+    // The outer side, off its corners: what the outline does not see, the change of volume, is
+    // small there.
     let is_side = |v: &usize| rest[*v][0] > 10.999e-3 && (0.5e-3..2.0e-3).contains(&rest[*v][1]);
     let side: Vec<usize> = (0..rest.len()).filter(is_side).collect();
     let (inside, outside) = (whole.strains_of(&side), alone.unwrap().strains_of(&side));

@@ -157,8 +157,9 @@ fn a_fluid_at_rest_compresses_nothing_and_one_below_lifts_seal_and_carrier() {
     assert!(seal.readings().compression > 0.0);
 }
 
-/// A ring on a hub, in a fluid at rest that cannot get between the two: it compresses nothing, for what surrounds the
-/// ring is where the fluid is. A side that is free but dry would give way, and counts.
+/// A ring on a hub, in a fluid at rest that cannot get between the two: it compresses nothing, for
+/// what surrounds the ring is where the fluid is. A side that is free but dry would give way, and
+/// counts.
 #[test]
 fn a_fluid_at_rest_compresses_nothing_on_a_hub_either() {
     let area = std::f64::consts::PI * (11e-3f64.powi(2) - 6.5e-3f64.powi(2));
@@ -240,8 +241,8 @@ fn a_seal_in_a_fluid_feels_its_impedance() {
         while !seal.pass((0..touching).map(|facet| push(facet, share, 1e4))).unwrap() {}
         seal.readings().rate
     };
-    // From rest: (nu + Z + h' dt) d' = F. On its seat without the mass; one of the foot's twelve sectors
-    // keeps the fluid off that much of it.
+    // From rest: (nu + Z + h' dt) d' = F. On its seat without the mass; one of the foot's twelve
+    // sectors keeps the fluid off that much of it.
     let seated = 2.5e6 * area;
     let one = expected + (seated - expected) / 12.0;
     for (touching, z) in [(0, expected), (2, one), (24, seated)] {
@@ -250,9 +251,10 @@ fn a_seal_in_a_fluid_feels_its_impedance() {
     }
 }
 
-/// A seal that rests on a seat, in a fluid that answers a window late: its side bulges by part of its rate,
-/// against plane waves. What shakes it dies away; without impedance it grows, because within a step the
-/// seat's 1e7 N/m are 5 N s/m only, less than the 123 N s/m of the side, as are the rubber's 80.
+/// A seal that rests on a seat, in a fluid that answers a window late: its side bulges by part of
+/// its rate, against plane waves. What shakes it dies away; without impedance it grows, because
+/// within a step the seat's 1e7 N/m are 5 N s/m only, less than the 123 N s/m of the side, as are
+/// the rubber's 80.
 #[test]
 fn a_seal_on_its_seat_is_stable_in_a_fluid_that_answers_late() {
     const WINDOW: f64 = 4.8e-7;
@@ -268,7 +270,8 @@ fn a_seal_on_its_seat_is_stable_in_a_fluid_that_answers_late() {
         let mut vertices = vec![SurfaceVertex::default(); seal.vertex_count()];
         let (mut rates, mut rate) = ([0.0f64; 2], 0.0f64);
         for window in 0..3000 {
-            // The carrier lies still, the seat is 0.2 mm above the foot at rest. A knock at the start.
+            // The carrier lies still, the seat is 0.2 mm above the foot at rest. A knock at the
+            // start.
             let knock = if window < 20 { 5.0 } else { 0.0 };
             let force = [0.0, knock - side * rate, 0.0];
             let facet = FacetLoad { facet: 0, force, ..FacetLoad::default() };
@@ -317,7 +320,8 @@ fn a_seal_on_its_seat_is_stable_in_a_fluid_that_answers_late() {
     assert!(last > 10.0 * first, "{first} {last}");
 }
 
-/// A seal that begins compressed is where its table says, and stays there under the force of the table.
+/// A seal that begins compressed is where its table says, and stays there under the force of the
+/// table.
 #[test]
 fn a_seal_begins_as_compressed_as_the_scene_says() {
     let mut scene = scene();

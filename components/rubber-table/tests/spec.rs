@@ -33,8 +33,9 @@ fn refused(text: &str) -> String {
     Spec::parse(Path::new("ring.toml"), text.into()).unwrap_err().to_string()
 }
 
-/// A ring on a hub: its inner side cannot bulge, and is neither exposed nor bonded. So its outer side gives as much way as
-/// its foot takes, but for what the rubber shrinks; where the inner side is free, by a third less.
+/// A ring on a hub: its inner side cannot bulge, and is neither exposed nor bonded. So its outer
+/// side gives as much way as its foot takes, but for what the rubber shrinks; where the inner side
+/// is free, by a third less.
 #[test]
 fn a_side_on_a_hub_is_covered_and_does_not_bulge() {
     let guided = "[carrier]\nbonded = [\"top\"]\nguided = [\"inner\"]\n\n[table]";

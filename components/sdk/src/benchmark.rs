@@ -1,4 +1,5 @@
-//! Benchmarks that a component brings along: `tremie bench` measures them in turn with the memory's bandwidth.
+//! Benchmarks that a component brings along: `tremie bench` measures them in turn with the memory's
+//! bandwidth.
 
 use serde::Serialize;
 
@@ -33,7 +34,8 @@ pub struct Quantity {
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// Bytes that must at least be read and written for a million of it, if it is a rate that memory limits [MB].
+    /// Bytes that must at least be read and written for a million of it, if it is a rate that
+    /// memory limits [MB].
     pub traffic: Option<f64>,
 }
 

@@ -265,8 +265,8 @@ impl<S: ChannelMedium> Context<S> {
         Ok(may(self.granted))
     }
 
-    /// True if a row of the signals of the present window is kept: by the plan, or because it is known to be
-    /// the last.
+    /// True if a row of the signals of the present window is kept: by the plan, or because it is
+    /// known to be the last.
     pub fn keeps_row(&self) -> bool {
         let Assignment { windows, rows_every, .. } = self.assignment;
         let is_last = self.window == windows || self.finish && self.granted == Some(self.window);

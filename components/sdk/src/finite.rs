@@ -92,7 +92,8 @@ impl Finite for SurfaceVertex {
     fn owner(&self, place: usize) -> String {
         format!("vertex {place}")
     }
-    /// All vertices of a seal are looked over in each of its trials: without a branch for each number.
+    /// All vertices of a seal are looked over in each of its trials: without a branch for each
+    /// number.
     fn first_wrong(values: &[Self]) -> Option<usize> {
         const EXPONENT: u64 = 0x7ff << 52;
         // An exponent of ones, plus one, carries into the sign.

@@ -1,4 +1,5 @@
-//! Frames for observers: sent by physics at the rate that the plan sets, never at the physics' cost.
+//! Frames for observers: sent by physics at the rate that the plan sets, never at the physics'
+//! cost.
 
 use crate::context::Context;
 use crate::stop::Stop;
@@ -107,8 +108,8 @@ impl<S: ChannelMedium> Frames<S> {
 
     /// Sends the frames that are due at the end of the present window.
     ///
-    /// An observer that takes nothing is given up, and the orchestrator told so: observers never stop
-    /// the physics.
+    /// An observer that takes nothing is given up, and the orchestrator told so: observers never
+    /// stop the physics.
     pub fn send(
         &mut self,
         context: &mut Context<S>,
@@ -122,8 +123,8 @@ impl<S: ChannelMedium> Frames<S> {
         }
     }
 
-    /// Sends those frames of the present window that were not due: it turned out to be the last, and
-    /// observers shall see how the run ended.
+    /// Sends those frames of the present window that were not due: it turned out to be the last,
+    /// and observers shall see how the run ended.
     pub fn send_last(
         &mut self,
         context: &mut Context<S>,

@@ -1,7 +1,7 @@
 //! Impulse that crosses between fluid and grains, summed on both sides in the same order.
 //!
-//! The impulse that the fluid delivered through window `k` equals that which the grains received through window
-//! `k + 1`, bit for bit: the loads of a window are applied in the next one.
+//! The impulse that the fluid delivered through window `k` equals that which the grains received
+//! through window `k + 1`, bit for bit: the loads of a window are applied in the next one.
 
 use tremie_messages::Load;
 use tremie_messages::start::{Description, Signal};

@@ -1,8 +1,9 @@
 //! The kit for authors of Tremie components.
 //!
 //! Implement [`Fluid`], [`Grains`], [`Rubber`] or [`Observer`], and call [`main`] of it, as
-//! `tremie_sdk::main::<AsFluid<Mine>>()`. The sdk does the rest: the start contract, shared memory, stamps, deadlines, frames for
-//! observers, and the guards that turn every failure into a fault with both sides named.
+//! `tremie_sdk::main::<AsFluid<Mine>>()`. The sdk does the rest: the start contract, shared memory,
+//! stamps, deadlines, frames for observers, and the guards that turn every failure into a fault
+//! with both sides named.
 //!
 //! `examples/minimal-fluid` is a whole fluid of about a hundred lines.
 

@@ -22,7 +22,8 @@ pub struct Moment {
 /// Something that went wrong in an observer.
 #[derive(Debug, thiserror::Error)]
 pub enum ObserverError {
-    /// An output could not be written, or not all of it; ends the run, which is made for its outputs.
+    /// An output could not be written, or not all of it; ends the run, which is made for its
+    /// outputs.
     #[error("{0}")]
     Output(String),
     /// Anything else; a warning for the run.
@@ -31,14 +32,15 @@ pub enum ObserverError {
 }
 
 impl ObserverError {
-    /// `path` could not be written, with the system's own words for the reason where `error` has them.
+    /// `path` could not be written, with the system's own words for the reason where `error` has
+    /// them.
     pub fn output(path: &Path, error: &(dyn Error + 'static)) -> Self {
         Self::Output(format!("cannot write {}: {}", path.display(), root_cause(error)))
     }
 }
 
-/// Makes the file at `path` anew for this process alone, as long as it is kept open: two runs that were given the
-/// same file do not write into each other's.
+/// Makes the file at `path` anew for this process alone, as long as it is kept open: two runs that
+/// were given the same file do not write into each other's.
 ///
 /// # Errors
 /// If it cannot be written, or somebody has it.
@@ -78,8 +80,8 @@ impl From<Vec<Problem>> for ObserverError {
 
 /// An observer: told of frames as they come, in order within a stream.
 ///
-/// Frames of several streams of one window come one after the other, in no order that could be relied
-/// on; a lossless observer may rely on each coming, a lossy one must not. Only what
+/// Frames of several streams of one window come one after the other, in no order that could be
+/// relied on; a lossless observer may rely on each coming, a lossy one must not. Only what
 /// [`Description::watches`] asks for comes.
 pub trait Observer: Sized {
     /// Name and version of the program, for the log.
@@ -99,8 +101,8 @@ pub trait Observer: Sized {
         bodies: &[BodySample],
     ) -> Result<(), ObserverError>;
 
-    /// All vertices of the scene's deformable surfaces at one moment. Comes only to observers that ask for
-    /// them.
+    /// All vertices of the scene's deformable surfaces at one moment. Comes only to observers that
+    /// ask for them.
     fn surfaces(
         &mut self,
         _from: &str,
@@ -145,7 +147,7 @@ pub trait Observer: Sized {
     fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError>;
 
     /// The run is over and every frame was delivered; `last_common_window` is the last one that all
-    /// components completed. Returns a note for the run's summary. What the observer serves may stay
-    /// up until it is dropped.
+    /// components completed. Returns a note for the run's summary. What the observer serves may
+    /// stay up until it is dropped.
     fn close(&mut self, last_common_window: u64) -> Result<String, ObserverError>;
 }

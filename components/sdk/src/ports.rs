@@ -24,7 +24,8 @@ pub struct OutPort<S: ChannelMedium, T: Message> {
     ringer: Ringer<S>,
 }
 
-/// The channel of an edge, as both ends must open it. A receiver keeps what it has until the next has come.
+/// The channel of an edge, as both ends must open it. A receiver keeps what it has until the next
+/// has come.
 pub fn edge_spec(edge: &Edge) -> ChannelSpec<'_> {
     ChannelSpec {
         service: &edge.service,
@@ -53,8 +54,8 @@ impl<S: ChannelMedium, T: Message> InPort<S, T> {
         self.check(context, message, expected, |found| *found == expected)
     }
 
-    /// Waits for a message inside the present window, whose place in the exchange is `turn`. Its stamp
-    /// is `expected`, or that of an accepted surface where `or_final`.
+    /// Waits for a message inside the present window, whose place in the exchange is `turn`. Its
+    /// stamp is `expected`, or that of an accepted surface where `or_final`.
     pub fn take_inside(
         &self,
         context: &mut Context<S>,
@@ -120,8 +121,8 @@ impl<S: ChannelMedium, T: Message> InPort<S, T> {
         Err(context.fault(kind, &self.edge.from, text))
     }
 
-    /// A fault of the sender: a message of another number of values than expected, or with values that
-    /// do not fit.
+    /// A fault of the sender: a message of another number of values than expected, or with values
+    /// that do not fit.
     pub fn miscounted(&self, context: &Context<S>, found: &str) -> Stop {
         let text = format!("on {}, {found}", self.edge.label());
         context.fault(FaultKind::Count, &self.edge.from, text)

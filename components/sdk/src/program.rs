@@ -74,7 +74,8 @@ pub fn main_of(
     }
 }
 
-/// Writes a line to standard error, which is the run's log. Where nobody reads it any longer, it is lost.
+/// Writes a line to standard error, which is the run's log. Where nobody reads it any longer, it is
+/// lost.
 pub fn log_line(text: impl Display) {
     let _ = std::io::stderr().write_all(format!("{text}\n").as_bytes());
 }

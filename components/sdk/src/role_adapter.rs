@@ -23,8 +23,8 @@ pub trait RoleAdapter<S: ChannelMedium>: FrameSource + Sized {
     fn advance(&mut self, context: &mut Context<S>) -> Result<(), Stop>;
     /// Sends the present window's message.
     fn send(&mut self, context: &mut Context<S>, content: Content) -> Result<(), Stop>;
-    /// Pushes the values of the signals; unless `measure`, those that are sampled as they were when they
-    /// were measured last.
+    /// Pushes the values of the signals; unless `measure`, those that are sampled as they were when
+    /// they were measured last.
     fn signals(&mut self, values: &mut Vec<f64>, measure: bool);
     /// A row of the signals was kept: means over time begin anew.
     fn row_kept(&mut self) {}

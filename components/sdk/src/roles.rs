@@ -69,16 +69,16 @@ pub trait Fluid: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
-    /// True if it takes deformable surfaces: [`Fluid::surface`] and [`Fluid::surface_loads`]. A scene with
-    /// some is refused otherwise.
+    /// True if it takes deformable surfaces: [`Fluid::surface`] and [`Fluid::surface_loads`]. A
+    /// scene with some is refused otherwise.
     const TAKES_SURFACES: bool = false;
 
-    /// True if it tells the velocities at open faces: [`Fluid::ports`]. A scene whose inlets take them is
-    /// refused otherwise.
+    /// True if it tells the velocities at open faces: [`Fluid::ports`]. A scene whose inlets take
+    /// them is refused otherwise.
     const TELLS_PORTS: bool = false;
 
-    /// True if bodies may be polyhedra: events of [`BodyEvent::POLYHEDRON`]. A scene with some is refused
-    /// otherwise.
+    /// True if bodies may be polyhedra: events of [`BodyEvent::POLYHEDRON`]. A scene with some is
+    /// refused otherwise.
     const TAKES_POLYHEDRA: bool = false;
 
     /// Checks scene and parameters, and says what the fluid needs. Cheap; allocates no field.
@@ -118,8 +118,8 @@ pub trait Fluid: Sized {
     ) -> Result<(), SolverError>;
 
     /// The deformable surfaces as they are with the bodies of the next [`Fluid::start`] or
-    /// [`Fluid::advance`]: all vertices, numbered as `tremie_geometry::Turned` does it. Called only in runs
-    /// that have some.
+    /// [`Fluid::advance`]: all vertices, numbered as `tremie_geometry::Turned` does it. Called only
+    /// in runs that have some.
     ///
     /// # Errors
     /// If the solver fails, or has no such surfaces.
@@ -128,8 +128,8 @@ pub trait Fluid: Sized {
     }
 
     /// Pushes the loads on the facets of the deformable surfaces that the last [`Fluid::start`] or
-    /// [`Fluid::advance`] found; there is room for [`FacetLoad::MOST_PER_FACET`] times the facets. Loads on
-    /// the parts that carry them do not count them.
+    /// [`Fluid::advance`] found; there is room for [`FacetLoad::MOST_PER_FACET`] times the facets.
+    /// Loads on the parts that carry them do not count them.
     ///
     /// # Errors
     /// If the solver fails, or has no such surfaces.
@@ -137,8 +137,9 @@ pub trait Fluid: Sized {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 
-    /// Sets the velocities of `ports`, whose faces are given, as they are after the last [`Fluid::start`]
-    /// or [`Fluid::advance`]. Called only in runs in which inlets of grains take them.
+    /// Sets the velocities of `ports`, whose faces are given, as they are after the last
+    /// [`Fluid::start`] or [`Fluid::advance`]. Called only in runs in which inlets of grains take
+    /// them.
     ///
     /// # Errors
     /// If the solver fails, or does not know them.
@@ -146,11 +147,12 @@ pub trait Fluid: Sized {
         Err(SolverError::no_ports(Self::PROGRAM))
     }
 
-    /// Pushes the values of the signals, in the order of the description; without those that are sampled.
+    /// Pushes the values of the signals, in the order of the description; without those that are
+    /// sampled.
     fn signals(&mut self, values: &mut Vec<f64>);
 
-    /// Pushes the values of the signals that the description calls sampled; there they follow all others.
-    /// Called in windows whose row is kept, and where an observer looks.
+    /// Pushes the values of the signals that the description calls sampled; there they follow all
+    /// others. Called in windows whose row is kept, and where an observer looks.
     fn sampled(&mut self, _values: &mut Vec<f64>) {}
 
     /// A row of the signals was kept: means over time from row to row begin anew.
@@ -179,12 +181,12 @@ pub trait Grains: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
-    /// True if they take deformable surfaces: all methods from [`Grains::carriers`] on. A scene with some is
-    /// refused otherwise.
+    /// True if they take deformable surfaces: all methods from [`Grains::carriers`] on. A scene
+    /// with some is refused otherwise.
     const TAKES_SURFACES: bool = false;
 
-    /// True if they take velocities at open faces for the bodies that come there: [`Grains::ports`]. A
-    /// scene whose inlets take them is refused otherwise.
+    /// True if they take velocities at open faces for the bodies that come there:
+    /// [`Grains::ports`]. A scene whose inlets take them is refused otherwise.
     const TAKES_PORTS: bool = false;
 
     /// True if bodies may be polyhedra. A scene with some is refused otherwise.
@@ -219,8 +221,8 @@ pub trait Grains: Sized {
     /// If the solver fails.
     fn advance(&mut self, substeps: u32, loads: &[Load]) -> Result<(), SolverError>;
 
-    /// The fluid's velocities at the faces that the scene's inlets name, for the window that comes next: as
-    /// the fluid found them in the window before it.
+    /// The fluid's velocities at the faces that the scene's inlets name, for the window that comes
+    /// next: as the fluid found them in the window before it.
     ///
     /// # Errors
     /// If the solver fails, or does not take them.
@@ -228,8 +230,8 @@ pub trait Grains: Sized {
         Err(SolverError::no_ports(Self::PROGRAM))
     }
 
-    /// Pushes the values of the signals, in the order of the description. Those that the description calls sampled are
-    /// reported only in windows whose row is kept.
+    /// Pushes the values of the signals, in the order of the description. Those that the
+    /// description calls sampled are reported only in windows whose row is kept.
     fn signals(&mut self, values: &mut Vec<f64>);
 
     /// A row of the signals was kept: means over time from row to row begin anew.
@@ -240,8 +242,8 @@ pub trait Grains: Sized {
         self.count() as u64
     }
 
-    /// States of the parts that carry the scene's deformable surfaces, as they are now, one for each
-    /// surface. Their ids are set by the sdk.
+    /// States of the parts that carry the scene's deformable surfaces, as they are now, one for
+    /// each surface. Their ids are set by the sdk.
     ///
     /// # Errors
     /// If the solver has no such surfaces.
@@ -249,8 +251,8 @@ pub trait Grains: Sized {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 
-    /// In runs with deformable surfaces: begins a window, in place of [`Grains::advance`]. Then each
-    /// substep is [`Grains::begin_substep`], [`Grains::contacts`] for each trial and
+    /// In runs with deformable surfaces: begins a window, in place of [`Grains::advance`]. Then
+    /// each substep is [`Grains::begin_substep`], [`Grains::contacts`] for each trial and
     /// [`Grains::finish_substep`]; after the last comes [`Grains::end_window`].
     ///
     /// # Errors
@@ -259,8 +261,8 @@ pub trait Grains: Sized {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 
-    /// Takes all bodies to where they are at the end of the next substep, before the forces there are
-    /// known.
+    /// Takes all bodies to where they are at the end of the next substep, before the forces there
+    /// are known.
     ///
     /// # Errors
     /// If the solver fails, or has no such surfaces.
@@ -268,8 +270,9 @@ pub trait Grains: Sized {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 
-    /// Pushes the loads of contacts on the facets of a trial of the deformable surfaces; there is room for
-    /// [`FacetLoad::MOST_PER_FACET`] times the facets. Changes nothing that a later call could tell.
+    /// Pushes the loads of contacts on the facets of a trial of the deformable surfaces; there is
+    /// room for [`FacetLoad::MOST_PER_FACET`] times the facets. Changes nothing that a later call
+    /// could tell.
     ///
     /// # Errors
     /// If the solver fails, or has no such surfaces.
@@ -281,9 +284,9 @@ pub trait Grains: Sized {
         Err(SolverError::no_surfaces(Self::PROGRAM))
     }
 
-    /// Ends the substep with the accepted surfaces: finds all forces, those of contacts with the surfaces
-    /// among them, and hands each surface's carrier the surface's contacts and, of `resultants`, what
-    /// besides acts on the surface.
+    /// Ends the substep with the accepted surfaces: finds all forces, those of contacts with the
+    /// surfaces among them, and hands each surface's carrier the surface's contacts and, of
+    /// `resultants`, what besides acts on the surface.
     ///
     /// # Errors
     /// If the solver fails, or has no such surfaces.
@@ -306,14 +309,14 @@ pub trait Grains: Sized {
 
 /// Rubber: shapes deformable surfaces under the loads on them, in substeps of the grains.
 ///
-/// All values in SI units, world frame. `carriers` has the state of the part that carries each surface,
-/// in the scene's order; its `id` is the surface's number.
+/// All values in SI units, world frame. `carriers` has the state of the part that carries each
+/// surface, in the scene's order; its `id` is the surface's number.
 pub trait Rubber: Sized {
     /// Name and version of the program.
     const PROGRAM: &'static str;
 
-    /// Checks scene and parameters, and says what the rubber needs. A `step` is the longest that it can
-    /// take; it makes the grains' substeps.
+    /// Checks scene and parameters, and says what the rubber needs. A `step` is the longest that it
+    /// can take; it makes the grains' substeps.
     ///
     /// # Errors
     /// Every problem of the input.
@@ -331,8 +334,8 @@ pub trait Rubber: Sized {
     /// If the solver fails.
     fn start(&mut self, carriers: &[BodyState]) -> Result<(), SolverError>;
 
-    /// Begins a window, with the fluid's loads on the facets, constant through it; none where no fluid
-    /// sits opposite.
+    /// Begins a window, with the fluid's loads on the facets, constant through it; none where no
+    /// fluid sits opposite.
     ///
     /// # Errors
     /// If the solver fails.
@@ -348,21 +351,21 @@ pub trait Rubber: Sized {
     fn surface(&self, vertices: &mut [SurfaceVertex]);
 
     /// Writes the equivalent shear strain at each vertex as it is now, as
-    /// [`SurfaceSample::strain`](tremie_messages::frame::SurfaceSample::strain) has it. Called only when
-    /// an observer looks; nothing that follows may depend on it.
+    /// [`SurfaceSample::strain`](tremie_messages::frame::SurfaceSample::strain) has it. Called only
+    /// when an observer looks; nothing that follows may depend on it.
     fn strains(&self, strains: &mut [f64]) {
         strains.fill(f64::NAN);
     }
 
-    /// Takes the loads of contacts on the trial; `true` if the surfaces are settled by it, else there is
-    /// another trial now.
+    /// Takes the loads of contacts on the trial; `true` if the surfaces are settled by it, else
+    /// there is another trial now.
     ///
     /// # Errors
     /// If the solver fails.
     fn pass(&mut self, contacts: &[FacetLoad]) -> Result<bool, SolverError>;
 
-    /// Writes what the surfaces pass on to their carriers besides the contacts: force, and torque about
-    /// the carrier's reference point, one for each surface. Ids are set by the sdk.
+    /// Writes what the surfaces pass on to their carriers besides the contacts: force, and torque
+    /// about the carrier's reference point, one for each surface. Ids are set by the sdk.
     fn resultants(&self, loads: &mut [Load]);
 
     /// Pushes the values of the signals, in the order of the description.

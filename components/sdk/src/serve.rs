@@ -88,8 +88,8 @@ fn accept(
 /// Serves a physics component from the hello to the end.
 ///
 /// # Errors
-/// A sentence for standard error if the orchestrator is gone or speaks something else. Faults of the
-/// physics are told to the orchestrator, and then come back as an error too.
+/// A sentence for standard error if the orchestrator is gone or speaks something else. Faults of
+/// the physics are told to the orchestrator, and then come back as an error too.
 pub fn serve<S: ChannelMedium, P: RoleAdapter<S>>(
     mut line: ControlPipe,
     (hello, assignment, description): Assigned,
@@ -157,8 +157,8 @@ pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     format!("the solver panicked: {said}")
 }
 
-/// From ready to the last window; returns that window. `sampled` are the places of the signals that are
-/// not measured in every window.
+/// From ready to the last window; returns that window. `sampled` are the places of the signals that
+/// are not measured in every window.
 fn live<S: ChannelMedium, P: RoleAdapter<S>>(
     player: &mut P,
     context: &mut Context<S>,

@@ -17,8 +17,8 @@ impl Setup {
     /// The component's parameters as a type of its own.
     ///
     /// # Errors
-    /// A problem that names the key, what was found and what was expected; an unknown key comes with
-    /// the nearest valid one.
+    /// A problem that names the key, what was found and what was expected; an unknown key comes
+    /// with the nearest valid one.
     pub fn parameters<P: DeserializeOwned>(&self) -> Result<P, Vec<Problem>> {
         crate::parameters::read(&self.hello.parameters)
     }

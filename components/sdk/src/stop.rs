@@ -22,8 +22,9 @@ impl From<ChannelError> for Stop {
 }
 
 impl Stop {
-    /// The stop that an error on the channel of `edge` amounts to, seen by `component` in `window`. A channel
-    /// that is full or broken tells of the peer at its other end; the rest is the component's own.
+    /// The stop that an error on the channel of `edge` amounts to, seen by `component` in `window`.
+    /// A channel that is full or broken tells of the peer at its other end; the rest is the
+    /// component's own.
     pub fn on_edge(error: ChannelError, edge: &Edge, component: &str, window: u64) -> Self {
         let peer = if edge.from == component { &edge.to } else { &edge.from };
         let blamed = match &error {

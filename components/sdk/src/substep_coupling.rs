@@ -12,11 +12,11 @@
 //! | take the accepted surface and `resultant` | send them |
 //! | finish the substep | |
 //!
-//! Each side waits for the other's answer before it sends anything that the other does not wait for:
-//! hence at most one message is under way on each edge (two where the carriers of the start exchange, which
-//! nobody answers, are followed by those of the first substep), and no order of the two locks up:
-//! `tremie::schedule` tests it. Both sides poll here: an answer comes within microseconds, and a
-//! long run has millions of trials.
+//! Each side waits for the other's answer before it sends anything that the other does not wait
+//! for: hence at most one message is under way on each edge (two where the carriers of the start
+//! exchange, which nobody answers, are followed by those of the first substep), and no order of the
+//! two locks up: `tremie::schedule` tests it. Both sides poll here: an answer comes within
+//! microseconds, and a long run has millions of trials.
 
 use crate::context::Context;
 use crate::ports::{InPort, OutPort};
@@ -269,8 +269,8 @@ impl<S: ChannelMedium> RubberInside<S> {
         Err(failed(context, SolverError(text)))
     }
 
-    /// Sends a trial; commits the fault that is injected into this window in the first of its middle
-    /// substep, with both sides in the exchange.
+    /// Sends a trial; commits the fault that is injected into this window in the first of its
+    /// middle substep, with both sides in the exchange.
     fn send_trial<R: Rubber>(
         &self,
         context: &Context<S>,

@@ -1,7 +1,7 @@
 //! A layout of views as Rerun stores it.
 //!
-//! The crate's own builder (0.36) has no way to set the eye of a 3-D view, the bounds of a 2-D view or
-//! the legend of a plot; so the few records of a blueprint are written here.
+//! The crate's own builder (0.36) has no way to set the eye of a 3-D view, the bounds of a 2-D view
+//! or the legend of a plot; so the few records of a blueprint are written here.
 
 use rerun::blueprint::components::{
     ActiveTab, ColumnShare, ContainerKind, IncludedContent, PanelState, PlayState, QueryExpression,
@@ -51,8 +51,9 @@ impl View {
         }
     }
 
-    /// Number of the view, by what it is: a layout that is sent again keeps the state of views that are
-    /// in both, and never gives one's state to another (a viewer whose page is open trips over that).
+    /// Number of the view, by what it is: a layout that is sent again keeps the state of views that
+    /// are in both, and never gives one's state to another (a viewer whose page is open trips over
+    /// that).
     fn id(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.class, &self.name, &self.origin, &self.contents).hash(&mut hasher);
@@ -211,7 +212,8 @@ impl Writer<'_> {
 /// Bits of a number that its UUID has room for.
 const ID: u64 = (1 << 48) - 1;
 
-/// Rerun names parts by UUIDs; ours hold a number. The version and variant bits say "made by hand" (8).
+/// Rerun names parts by UUIDs; ours hold a number. The version and variant bits say "made by hand"
+/// (8).
 fn bytes(id: u64) -> [u8; 16] {
     let mut bytes = [0; 16];
     bytes[6] = 0x80;

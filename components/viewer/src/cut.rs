@@ -51,7 +51,8 @@ impl Shape {
         all.filter(|corners| corners.iter().all(|k| inside(self.node(*k as usize)))).collect()
     }
 
-    /// Nodes that carry an arrow: about `wanted` on a grid of equal spacing both ways; and that spacing [m].
+    /// Nodes that carry an arrow: about `wanted` on a grid of equal spacing both ways; and that
+    /// spacing [m].
     fn arrows(&self, wanted: u32) -> (Vec<usize>, f64) {
         let [m, n] = self.count;
         let lengths = [self.step[0].norm(), self.step[1].norm()];
@@ -161,7 +162,8 @@ impl Cut {
     }
 }
 
-/// True if a point is in the box, up to rounding: the rectangle around an oblique cut reaches beyond.
+/// True if a point is in the box, up to rounding: the rectangle around an oblique cut reaches
+/// beyond.
 fn inside(domain: &Domain, point: Vec3) -> bool {
     let size = domain.size();
     (0..3).all(|a| {

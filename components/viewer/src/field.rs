@@ -62,8 +62,8 @@ impl<'a> Field<'a> {
     /// Linear between the fluid nodes around `point`, constant over the last half step at the ends.
     /// `None` beyond that, and where the nearest node is solid.
     ///
-    /// Solid nodes around have no say: a body may move, and what a solid node says of velocity means
-    /// nothing.
+    /// Solid nodes around have no say: a body may move, and what a solid node says of velocity
+    /// means nothing.
     pub fn at(&self, point: Vec3) -> Option<Sample> {
         let mut low = [0; 3];
         let mut part = [0.0; 3];

@@ -110,8 +110,8 @@ impl Isosurface {
     }
 }
 
-/// Distances below the level. Solid nodes take the mean of the fluid around them, so that the surface
-/// goes on into a body, where it is out of sight, and does not wrap it.
+/// Distances below the level. Solid nodes take the mean of the fluid around them, so that the
+/// surface goes on into a body, where it is out of sight, and does not wrap it.
 fn fill(values: &mut Vec<f32>, field: &Field<'_>, level: Level) {
     values.clear();
     values.extend(field.nodes().iter().map(|node| level.below(node)));

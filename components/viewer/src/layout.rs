@@ -64,7 +64,8 @@ pub fn layout(shown: &Shown<'_>) -> Container {
     Container::new(ContainerKind::Horizontal, "Tremie").with(left, 3.0).with(right, 2.0)
 }
 
-/// The scene with streamlines, where there are any, and behind it with cuts, which hide what is behind them.
+/// The scene with streamlines, where there are any, and behind it with cuts, which hide what is
+/// behind them.
 fn scenes(shown: &Shown<'_>) -> Part {
     let without = |what: &str| vec!["+ /scene/**".to_string(), format!("- /scene/{what}/**")];
     let with_cuts = |name| space(name, shown.overview, without("streamlines"));
@@ -155,8 +156,8 @@ fn plot_parts(plots: &[Plot], end: Option<f64>) -> Vec<Container> {
     rows
 }
 
-/// A plot whose time runs to the end of the run and on: so that the legend, which Rerun draws over the
-/// curves, has a place where there are none.
+/// A plot whose time runs to the end of the run and on: so that the legend, which Rerun draws over
+/// the curves, has a place where there are none.
 fn plot_view(plot: &Plot, end: Option<f64>) -> View {
     let view = View::new("TimeSeries", plot.title.as_str(), "signals")
         .contents(plot.paths.iter().map(|path| format!("/{path}")))

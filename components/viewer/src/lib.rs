@@ -19,19 +19,21 @@
 //! | `about` | domain, fluid, bodies and schedule in words | static |
 //! | `about/signals` | what the signals mean | static |
 //!
-//! Timelines are `sim_time` (simulated seconds, shown first) and `window` (coupling windows). No wall
-//! clock enters.
+//! Timelines are `sim_time` (simulated seconds, shown first) and `window` (coupling windows). No
+//! wall clock enters.
 //!
-//! **Colours.** Bodies and cuts share one scale of speed from zero to a round number that never falls while
-//! a run goes on ([`scale::Scale`]); `max_speed` fixes it. Rubber has one of its own, for the equivalent
-//! shear strain ([`tremie_messages::frame::SurfaceSample::strain`]); `max_strain` fixes that.
+//! **Colours.** Bodies and cuts share one scale of speed from zero to a round number that never
+//! falls while a run goes on ([`scale::Scale`]); `max_speed` fixes it. Rubber has one of its own,
+//! for the equivalent shear strain ([`tremie_messages::frame::SurfaceSample::strain`]);
+//! `max_strain` fixes that.
 //!
-//! **Symmetry.** Of a domain with symmetry planes, parts and rubber are drawn only as far as the planes, and
-//! the eye looks in through the first of them: what is computed is a section.
+//! **Symmetry.** Of a domain with symmetry planes, parts and rubber are drawn only as far as the
+//! planes, and the eye looks in through the first of them: what is computed is a section.
 //!
-//! **Fields.** Streamlines, cuts along any plane ([`Parameters::slices`]) and surfaces of equal speed or
-//! pressure come from a frame of the fluid's lattice, thinned to [`Parameters::volume_nodes`] nodes. The
-//! cut that is seen first is the fluid's own, at full resolution.
+//! **Fields.** Streamlines, cuts along any plane ([`Parameters::slices`]) and surfaces of equal
+//! speed or pressure come from a frame of the fluid's lattice, thinned to
+//! [`Parameters::volume_nodes`] nodes. The cut that is seen first is the fluid's own, at full
+//! resolution.
 //!
 //! **Where it goes.** [`Mode::Web`] serves a page and the data from this program, on loopback only;
 //! [`Mode::Native`] starts an installed `rerun`; [`Mode::File`] writes a recording. After a run the

@@ -58,7 +58,8 @@ pub fn listen(wanted: u16) -> io::Result<TcpListener> {
     at(wanted).or_else(|_| at(0))
 }
 
-/// Content security policy of the page: run its own program, and speak to this server and the run's data.
+/// Content security policy of the page: run its own program, and speak to this server and the run's
+/// data.
 fn policy(data: u16) -> String {
     format!(
         "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' 'wasm-unsafe-eval'; \

@@ -25,7 +25,8 @@ pub fn corner_pairs() -> impl Iterator<Item = (usize, usize)> {
     (0..8).flat_map(|k| (0..3).map(move |a| (k, k | 1 << a))).filter(|(k, l)| k != l)
 }
 
-/// Corners of the part of a plane that lies in the box, in the order around it; none if it misses it.
+/// Corners of the part of a plane that lies in the box, in the order around it; none if it misses
+/// it.
 pub fn polygon(domain: &Domain, point: Vec3, normal: Vec3) -> Vec<Vec3> {
     let height = |p: Vec3| (p - point).dot(&normal);
     let mut points: Vec<Vec3> = corner_pairs()

@@ -9,8 +9,8 @@ use tremie_geometry::{Frame, Turned, Vec3, triangulate};
 use tremie_messages::frame::SurfaceSample;
 use tremie_messages::scene::{DeformableSurface, Scene};
 
-/// Frames after which triangles are sent again: a server that drops its oldest frames must not lose the
-/// only copy.
+/// Frames after which triangles are sent again: a server that drops its oldest frames must not lose
+/// the only copy.
 const REPEAT: u32 = 64;
 /// Cosine of the angle between facets from which on the edge between them looks sharp: 40 degrees.
 const SHARP: f64 = 0.766;
@@ -27,7 +27,8 @@ struct Surface {
     first: usize,
     /// Corners of its triangles, as indices into `vertices`.
     triangles: Vec<[u32; 3]>,
-    /// Vertex of the surface behind each that is drawn: one on a sharp edge is drawn once for each side.
+    /// Vertex of the surface behind each that is drawn: one on a sharp edge is drawn once for each
+    /// side.
     vertices: Vec<u32>,
     age: u32,
 }
@@ -112,7 +113,8 @@ impl Surface {
     }
 }
 
-/// The triangles on the inner side of a mirror, and those that close the section where vertices lie on it.
+/// The triangles on the inner side of a mirror, and those that close the section where vertices lie
+/// on it.
 fn cut(places: &[Vec3], triangles: &[[u32; 3]], mirror: Mirror) -> Vec<[u32; 3]> {
     let distance = |vertex: u32| mirror.distance(places[vertex as usize]);
     let is_inside =
@@ -148,8 +150,8 @@ fn cut(places: &[Vec3], triangles: &[[u32; 3]], mirror: Mirror) -> Vec<[u32; 3]>
     kept
 }
 
-/// Vertices to draw, as numbers of the surface's, and the triangles between them: where facets meet at a
-/// sharp edge, each side has vertices of its own.
+/// Vertices to draw, as numbers of the surface's, and the triangles between them: where facets meet
+/// at a sharp edge, each side has vertices of its own.
 fn split_at_sharp_edges(places: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 3]>) {
     let mut vertices: Vec<u32> = Vec::new();
     // Of each vertex: those drawn for it, with the normal of the facet that asked first.

@@ -24,7 +24,8 @@ type Polynomial = [[f64; 3]; 7];
 
 impl Map {
     /// Colour at `x` in 0..1, by the polynomials of degree six that M. Zucker fitted to the maps
-    /// (<https://www.shadertoy.com/view/WlfXRN>, public domain); off by less than 1/255 nearly everywhere.
+    /// (<https://www.shadertoy.com/view/WlfXRN>, public domain); off by less than 1/255 nearly
+    /// everywhere.
     pub fn colour(self, x: f64) -> [u8; 3] {
         const VIRIDIS: Polynomial = [
             [0.2777273272234177, 0.005407344544966578, 0.3340998053353061],
@@ -80,9 +81,9 @@ pub fn round_up(value: f64) -> f64 {
 
 /// A scale from zero to a round number, of speed for instance.
 ///
-/// It starts at the expected value, is set by the first one above zero, and then only grows: so that a
-/// colour means the same throughout nearly all of a run. It follows the value that all but one in a
-/// hundred stay below, so that one stray grain does not spoil it.
+/// It starts at the expected value, is set by the first one above zero, and then only grows: so
+/// that a colour means the same throughout nearly all of a run. It follows the value that all but
+/// one in a hundred stay below, so that one stray grain does not spoil it.
 #[derive(Clone, Debug)]
 pub struct Scale {
     map: Map,
@@ -108,7 +109,8 @@ impl Scale {
         self.max
     }
 
-    /// Takes the values of a frame into account; their order is lost. Returns whether the scale changed.
+    /// Takes the values of a frame into account; their order is lost. Returns whether the scale
+    /// changed.
     pub fn follow(&mut self, values: &mut [f32]) -> bool {
         let high = percentile_99(values);
         if self.fixed || high.is_nan() || high <= 0.0 {

@@ -49,7 +49,8 @@ impl Mirror {
         if distance.abs() < self.tolerance { 0.0 } else { distance }
     }
 
-    /// The part of `mesh`, in the world, that is inside; with `caps`, what a solid shows where it is cut.
+    /// The part of `mesh`, in the world, that is inside; with `caps`, what a solid shows where it
+    /// is cut.
     pub fn cut(&self, mesh: &Mesh, caps: bool) -> Mesh {
         let mut cut =
             MeshCut { mirror: *self, mesh, out: mesh.clone(), crossings: BTreeMap::new() };

@@ -1,5 +1,5 @@
-//! Watched scalars as plots: for each component and unit one of what was measured at probes, parts and
-//! reservoirs, and one of what is true of the whole.
+//! Watched scalars as plots: for each component and unit one of what was measured at probes, parts
+//! and reservoirs, and one of what is true of the whole.
 
 use crate::view::part;
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines};
@@ -54,8 +54,8 @@ const PALETTE: [[u8; 3]; 7] = [
     [240, 228, 66],
 ];
 
-/// Plots for the signals of these streams. Those of a kind take turns by component, so that the first few
-/// show something of each.
+/// Plots for the signals of these streams. Those of a kind take turns by component, so that the
+/// first few show something of each.
 pub fn plots(frames: &[FrameStream]) -> Vec<Plot> {
     let mut all = Vec::new();
     for frame in frames {

@@ -32,8 +32,8 @@ pub struct Eye {
     pub up: Vec3,
 }
 
-/// Axis and sign of up: against gravity if that lies along an axis; without gravity along that of the
-/// first part that slides, so that valves stand upright; else +z.
+/// Axis and sign of up: against gravity if that lies along an axis; without gravity along that of
+/// the first part that slides, so that valves stand upright; else +z.
 pub fn up(scene: &Scene) -> (usize, f64) {
     let lies_along = |v: [f64; 3], a: usize| v[a] != 0.0 && (0..3).all(|b| a == b || v[b] == 0.0);
     let slider = scene.parts.iter().find_map(|part| match &part.motion {
@@ -67,13 +67,14 @@ pub fn centre(scene: &Scene) -> Vec3 {
     Vec3::from(scene.domain.min).lerp(&scene.domain.max.into(), 0.5)
 }
 
-/// An eye that sees the whole domain: before a symmetry plane that stands upright, if there is one, else in
-/// front of its widest side; a little to the right and above.
+/// An eye that sees the whole domain: before a symmetry plane that stands upright, if there is one,
+/// else in front of its widest side; a little to the right and above.
 pub fn overview(scene: &Scene) -> Eye {
     let (axis, sign) = up(scene);
     let size = Vec3::from(scene.domain.size());
     let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-    // The eye stands off along the shorter of the horizontal axes; of equal ones, along -y if up is z.
+    // The eye stands off along the shorter of the horizontal axes; of equal ones, along -y if up is
+    // z.
     let (across, depth) = if size[a] >= size[b] { (a, b) } else { (b, a) };
     let mirrors = Mirror::all(&scene.domain);
     let target = centre(scene);
@@ -110,7 +111,8 @@ pub fn facing(corner: Vec3, sides: [Vec3; 2], up: Vec3, towards: Vec3) -> Eye {
     if up.dot(&sides[0]).abs() > up.dot(&sides[1]).abs() {
         std::mem::swap(&mut width, &mut height);
     }
-    // Rerun's eye opens by 55 degrees from bottom to top; views of cuts are nearly twice as wide as high.
+    // Rerun's eye opens by 55 degrees from bottom to top; views of cuts are nearly twice as wide as
+    // high.
     let distance = 1.1 * height.max(width / 1.8) / (2.0 * 27.5_f64.to_radians().tan());
     Eye { position: target + normal * distance, target, up }
 }

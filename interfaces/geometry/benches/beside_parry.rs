@@ -1,8 +1,9 @@
-//! A surface beside parry3d's triangle mesh, on the same 102,400 triangles: build, closest points, links, boxes, which
-//! triangles may cross, moments. One thread, in turns.
+//! A surface beside parry3d's triangle mesh, on the same 102,400 triangles: build, closest points,
+//! links, boxes, which triangles may cross, moments. One thread, in turns.
 //!
-//! `cargo bench -p tremie-geometry --bench beside_parry`. Parry rounds where this crate decides exactly: of the links
-//! with exactly one end inside, it counts those on which parry finds no crossing.
+//! `cargo bench -p tremie-geometry --bench beside_parry`. Parry rounds where this crate decides
+//! exactly: of the links with exactly one end inside, it counts those on which parry finds no
+//! crossing.
 
 mod common;
 
@@ -72,7 +73,8 @@ fn links(surface: &Surface, parry: &TriMesh, points: &[Vec3]) {
     println!("             {}", through_edges(surface, parry));
 }
 
-/// Links between cells that aim at edges and corners, as a lattice's do in a part that is in line with it.
+/// Links between cells that aim at edges and corners, as a lattice's do in a part that is in line
+/// with it.
 fn through_edges(surface: &Surface, parry: &TriMesh) -> String {
     let mesh = surface.mesh();
     let (mut all, mut missed) = (0, 0);

@@ -1,9 +1,9 @@
 //! Triangles with hardly any height.
 //!
-//! A mesher that puts a vertex on the edge of a flat side may close the surface with a triangle whose three
-//! corners are in line. It has no normal worth the name, and its edges seem to bend. Exchanging its
-//! longest edge for the other diagonal of the quadrilateral with the neighbour there removes it; the
-//! surface moves by less than the triangle's height.
+//! A mesher that puts a vertex on the edge of a flat side may close the surface with a triangle
+//! whose three corners are in line. It has no normal worth the name, and its edges seem to bend.
+//! Exchanging its longest edge for the other diagonal of the quadrilateral with the neighbour there
+//! removes it; the surface moves by less than the triangle's height.
 
 use crate::edges::{ends, pair};
 use crate::{Mesh, Vec3};

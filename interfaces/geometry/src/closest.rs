@@ -43,8 +43,8 @@ struct Nearest {
 }
 
 impl Surface {
-    /// The closest point of the surface. For a point that is none (not a number) its distance is none
-    /// either.
+    /// The closest point of the surface. For a point that is none (not a number) its distance is
+    /// none either.
     pub fn closest(&self, point: impl Into<Vec3>) -> Closest {
         self.closest_within(point, f64::INFINITY).unwrap_or_else(|| Closest {
             point: self.mesh.corners(0)[0],
@@ -88,14 +88,15 @@ impl Surface {
         })
     }
 
-    /// Distance to the surface [m], negative in the solid. Its sign agrees with [`Surface::contains`].
+    /// Distance to the surface [m], negative in the solid. Its sign agrees with
+    /// [`Surface::contains`].
     pub fn signed_distance(&self, point: impl Into<Vec3>) -> f64 {
         self.closest(point).distance
     }
 
     /// True if a point is in the solid, its surface included. Exact for the triangles as they
-    /// are; where solids overlap, it is in their union. For a cavity that is every point not strictly
-    /// inside.
+    /// are; where solids overlap, it is in their union. For a cavity that is every point not
+    /// strictly inside.
     pub fn contains(&self, point: impl Into<Vec3>) -> bool {
         winding(&self.tree, point.into()).is_solid(self.far)
     }
@@ -143,7 +144,8 @@ fn foot([a, b, c]: &Corners, point: Vec3) -> Option<Vec3> {
     let (ab, ac, ap) = (*b - *a, *c - *a, point - *a);
     let normal = ab.cross(&ac);
     let square = normal.dot(&normal);
-    // Twice the areas of the triangles that the foot makes with the edges, times the normal's length.
+    // Twice the areas of the triangles that the foot makes with the edges, times the normal's
+    // length.
     let opposite_c = ab.cross(&ap).dot(&normal);
     let opposite_b = ap.cross(&ac).dot(&normal);
     let opposite_a = square - opposite_b - opposite_c;

@@ -44,7 +44,8 @@ pub enum ConvexError {
         /// Number of them.
         points: usize,
     },
-    /// A point that the others enclose: the solid is not convex, or the point is none of its corners.
+    /// A point that the others enclose: the solid is not convex, or the point is none of its
+    /// corners.
     #[error(
         "vertex {vertex} lies inside the hull of the others, by {depth:.3e} of their extent: expected a convex polyhedron"
     )]
@@ -164,7 +165,8 @@ impl Convex {
         self.edges().map(length).fold(0.0, f64::max)
     }
 
-    /// The least distance of two parallel planes that it fits between [m]: one holds a face, or each an edge.
+    /// The least distance of two parallel planes that it fits between [m]: one holds a face, or
+    /// each an edge.
     pub fn least_width(&self) -> f64 {
         let width = |n: Vec3| {
             let heights = self.vertices.iter().map(|&v| n.dot(&v));
@@ -269,11 +271,11 @@ fn extent(points: &[Vec3]) -> f64 {
     (0..3).map(along).fold(0.0, f64::max)
 }
 
-/// Planes that have all points on one side and hold a face of their hull: unit normal, outward, and offset; in the order
-/// of the first points that lie in them.
+/// Planes that have all points on one side and hold a face of their hull: unit normal, outward, and
+/// offset; in the order of the first points that lie in them.
 ///
-/// The hull is parry's (quickhull); its triangles say which planes to try. 256 points take 1 ms, where trying all triples of
-/// them took 1.2 s.
+/// The hull is parry's (quickhull); its triangles say which planes to try. 256 points take 1 ms,
+/// where trying all triples of them took 1.2 s.
 fn supporting_planes(points: &[Vec3], extent: f64) -> Result<Vec<(Vec3, f64)>, ConvexError> {
     let near = TOLERANCE * extent;
     // Parry leaves out points, and numbers those that it keeps anew.
@@ -349,8 +351,8 @@ fn face(points: &[Vec3], (normal, offset): (Vec3, f64), extent: f64) -> ConvexFa
     ConvexFace { normal, offset: mean / corners.len() as f64, corners }
 }
 
-/// Eigenvalues of a symmetric matrix, and its unit eigenvectors, a right-handed frame: Jacobi's method.
-/// A matrix that is diagonal already keeps its axes.
+/// Eigenvalues of a symmetric matrix, and its unit eigenvectors, a right-handed frame: Jacobi's
+/// method. A matrix that is diagonal already keeps its axes.
 pub fn principal(matrix: &Matrix3<f64>) -> ([f64; 3], [Vec3; 3]) {
     let mut m = *matrix;
     let mut axes = [Vec3::x(), Vec3::y(), Vec3::z()];

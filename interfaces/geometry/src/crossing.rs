@@ -17,8 +17,9 @@ pub struct Crossing {
 impl Surface {
     /// The first point that a segment and the surface have in common.
     ///
-    /// Decided by exact predicates, as [`Surface::contains`] is: if exactly one end is in the solid,
-    /// there is a crossing; a segment between two triangles misses none. The fraction is rounded.
+    /// Decided by exact predicates, as [`Surface::contains`] is: if exactly one end is in the
+    /// solid, there is a crossing; a segment between two triangles misses none. The fraction is
+    /// rounded.
     pub fn first_crossing(&self, from: impl Into<Vec3>, to: impl Into<Vec3>) -> Option<Crossing> {
         let (from, to) = (from.into(), to.into());
         let best = std::cell::Cell::new(None::<Crossing>);
@@ -39,8 +40,9 @@ impl Surface {
     }
 
     /// The same as [`Surface::first_crossing`], if `triangles` are all that the segment may meet:
-    /// those that [`Surface::triangles_in`] finds in a box around it. For many short segments at one
-    /// place. Where triangles meet, it may name another of them, and the fraction differ by rounding.
+    /// those that [`Surface::triangles_in`] finds in a box around it. For many short segments at
+    /// one place. Where triangles meet, it may name another of them, and the fraction differ by
+    /// rounding.
     pub fn first_crossing_among(
         &self,
         triangles: &[u32],
@@ -59,9 +61,9 @@ impl Surface {
         best
     }
 
-    /// Puts into `out` the triangles that a box may hold a part of: all that do, and a few that do not.
-    /// False if there are more than `most`; the list is then of no use. Allocates only where `out` has to
-    /// grow.
+    /// Puts into `out` the triangles that a box may hold a part of: all that do, and a few that do
+    /// not. False if there are more than `most`; the list is then of no use. Allocates only where
+    /// `out` has to grow.
     pub fn triangles_in(&self, bounds: &Bounds, most: usize, out: &mut Vec<u32>) -> bool {
         out.clear();
         let centre = bounds.centre();
@@ -79,8 +81,8 @@ impl Surface {
     }
 }
 
-/// True if a box is on no outer side of a triangle's plane and of the planes that stand on its edges;
-/// in doubt it is not.
+/// True if a box is on no outer side of a triangle's plane and of the planes that stand on its
+/// edges; in doubt it is not.
 fn is_near(corners: &Corners, centre: Vec3, half: Vec3) -> bool {
     let [a, b, c] = *corners;
     let (ab, ac) = (b - a, c - a);
@@ -112,8 +114,8 @@ pub struct Segment {
     inverse: Vec3,
 }
 
-/// Growth that covers the four roundings in a quotient below (Ize, *J. Comput. Graphics Techniques* 2
-/// (2013) 12).
+/// Growth that covers the four roundings in a quotient below (Ize, *J. Comput. Graphics Techniques*
+/// 2 (2013) 12).
 const ROUNDED_UP: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 impl Segment {
@@ -176,8 +178,8 @@ const GRAZING: f64 = 1e-2;
 
 /// A fraction that came from distances from a triangle's plane, made to lie in the triangle.
 ///
-/// The flatter a segment meets the plane, the less those distances say where: rounding is divided by the
-/// sine of the angle. An edge that the segment passes at a larger angle knows better.
+/// The flatter a segment meets the plane, the less those distances say where: rounding is divided
+/// by the sine of the angle. An edge that the segment passes at a larger angle knows better.
 fn clipped(fraction: f64, triangle: &Corners, from: Vec3, to: Vec3, climb: f64) -> f64 {
     let [a, b, c] = *triangle;
     let normal = (b - a).cross(&(c - a));

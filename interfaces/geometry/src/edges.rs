@@ -8,7 +8,8 @@ pub const NONE: u32 = u32::MAX;
 
 /// The edges of a mesh. Half-edge `3 t + i` runs from corner `i` of triangle `t` to the next.
 pub struct Edges {
-    /// For each half-edge the one of the neighbour across it; [`NONE`] where there is not exactly one.
+    /// For each half-edge the one of the neighbour across it; [`NONE`] where there is not exactly
+    /// one.
     pub twins: Vec<u32>,
     /// Half-edges without a neighbour, ascending.
     pub open: Vec<u32>,
@@ -50,7 +51,8 @@ pub fn pair(triangles: &[[u32; 3]]) -> Edges {
 }
 
 impl Edges {
-    /// Faults that keep the mesh from being closed. Corners within `tolerance` [m] of an edge lie on it.
+    /// Faults that keep the mesh from being closed. Corners within `tolerance` [m] of an edge lie
+    /// on it.
     pub fn faults(&self, mesh: &Mesh, tolerance: f64) -> Vec<Fault> {
         let place = |h| ends(&mesh.triangles, h).map(|v| mesh.vertices[v as usize]);
         let Junctions { fault: junction, others: open } = junctions::find(mesh, self, tolerance);
@@ -66,7 +68,8 @@ impl Edges {
         junction.into_iter().chain(open).chain(crowded).collect()
     }
 
-    /// Gives half-edges of edges with more than two triangles twins that run the other way, in their order.
+    /// Gives half-edges of edges with more than two triangles twins that run the other way, in
+    /// their order.
     pub fn pair_crowded(&mut self, triangles: &[[u32; 3]]) {
         let crowded = std::mem::take(&mut self.crowded);
         for (first, _) in crowded {

@@ -1,4 +1,5 @@
-//! Signs of determinants, exact: Shewchuk's adaptive predicates, *Discrete Comput. Geom.* 18 (1997) 305.
+//! Signs of determinants, exact: Shewchuk's adaptive predicates, *Discrete Comput. Geom.* 18 (1997)
+//! 305.
 //!
 //! Exact as long as no product of three coordinate differences under- or overflows: parts between
 //! micrometres and megametres are far from both.
@@ -9,8 +10,9 @@ use robust::{Coord, Coord3D};
 /// Corners of a triangle.
 pub type Corners = [Vec3; 3];
 
-/// Six times the signed volume of the tetrahedron `a b c d`: positive where `d` is on the inner side of
-/// the triangle, that from which its corners appear clockwise. The sign is exact, the value rounded.
+/// Six times the signed volume of the tetrahedron `a b c d`: positive where `d` is on the inner
+/// side of the triangle, that from which its corners appear clockwise. The sign is exact, the value
+/// rounded.
 #[inline]
 pub fn below(triangle: &Corners, d: Vec3) -> f64 {
     let [a, b, c] = triangle.map(coordinates);

@@ -1,17 +1,17 @@
 //! Normals, neighbours, and which edges and corners are real.
 //!
 //! A flat wall made of triangles has edges and corners that are none. A grain that rolls over them
-//! must not feel a bump: contacts with an edge or a vertex count only if it is a real one, and not in
-//! the plane of a face contact.
+//! must not feel a bump: contacts with an edge or a vertex count only if it is a real one, and not
+//! in the plane of a face contact.
 
 use crate::edges::ends;
 use crate::exact::below;
 use crate::vector::unit;
 use crate::{Mesh, Vec3};
 
-/// Two triangles whose normals differ by less than this angle [rad] are taken for one plane, and two
-/// edges for one line. Vertices in single precision make angles of 1e-4 between triangles that are a
-/// thousandth of the part; the sides of a cylinder of 256 meet at 2.5e-2.
+/// Two triangles whose normals differ by less than this angle [rad] are taken for one plane, and
+/// two edges for one line. Vertices in single precision make angles of 1e-4 between triangles that
+/// are a thousandth of the part; the sides of a cylinder of 256 meet at 2.5e-2.
 pub const FLAT_ANGLE: f64 = 1e-3;
 
 /// Bend of the surface at an edge.
@@ -30,7 +30,8 @@ pub enum EdgeKind {
 pub enum VertexKind {
     /// A point of a plane: all its edges are flat.
     Flat,
-    /// A point of a straight edge: two of its edges are not flat, bend the same way and are in line.
+    /// A point of a straight edge: two of its edges are not flat, bend the same way and are in
+    /// line.
     Ridge,
     /// A corner.
     Corner,

@@ -83,8 +83,8 @@ fn shortest_way_out(bounds: &Bounds, point: Vec3) -> (usize, bool) {
     best.1
 }
 
-/// Term of a triangle in the winding number around a point, on a ray along an axis: 1 if the ray leaves
-/// through it, -1 if it enters, 0 if it misses. `None` if the point is on the triangle.
+/// Term of a triangle in the winding number around a point, on a ray along an axis: 1 if the ray
+/// leaves through it, -1 if it enters, 0 if it misses. `None` if the point is on the triangle.
 fn crossing(triangle: &Corners, axis: usize, forward: bool, point: Vec3) -> Option<i32> {
     let turns = turns(axis, triangle, point);
     if turns.contains(&0.0) && agree(turns) && on_triangle(triangle, point) {
@@ -111,9 +111,9 @@ fn crossing(triangle: &Corners, axis: usize, forward: bool, point: Vec3) -> Opti
     })
 }
 
-/// On which side of an edge the ray passes, 1 for the left: if it hits the edge, after it moved by a
-/// tiny step along the next axis and a much tinier one along the one after. 0 if the edge is parallel to
-/// the ray; no ray hits its triangle.
+/// On which side of an edge the ray passes, 1 for the left: if it hits the edge, after it moved by
+/// a tiny step along the next axis and a much tinier one along the one after. 0 if the edge is
+/// parallel to the ray; no ray hits its triangle.
 fn side(turn: f64, axis: usize, from: Vec3, to: Vec3) -> i32 {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let sign = |x: f64| i32::from(x > 0.0) - i32::from(x < 0.0);

@@ -17,8 +17,9 @@ pub struct Intersections {
 }
 
 impl Surface {
-    /// Looks for triangles that pass through or touch each other, with exact predicates. A second tree for the pairs to try
-    /// (parry's `leaf_pairs`) would cost as much to build as it saves: 30 ms of 100 ms on 102,400 triangles.
+    /// Looks for triangles that pass through or touch each other, with exact predicates. A second
+    /// tree for the pairs to try (parry's `leaf_pairs`) would cost as much to build as it saves: 30
+    /// ms of 100 ms on 102,400 triangles.
     ///
     /// Such a surface still has an inside: the union of its solids. But closest points may be on
     /// triangles within it, and distances inside are too small.
@@ -99,7 +100,8 @@ fn segment_meets([from, to]: [Vec3; 2], triangle: &Corners) -> bool {
     agree([below(&[from, to, a], b), below(&[from, to, b], c), below(&[from, to, c], a)])
 }
 
-/// The same for a segment in the triangle's plane, seen along an axis on which the triangle has an area.
+/// The same for a segment in the triangle's plane, seen along an axis on which the triangle has an
+/// area.
 fn meets_in_plane([from, to]: [Vec3; 2], triangle: &Corners) -> bool {
     let [a, b, c] = *triangle;
     let Some(axis) = (0..3).find(|&axis| turn(axis, a, b, c) != 0.0) else { return false };

@@ -1,7 +1,7 @@
 //! Corners that lie on the edge of another triangle, which does not have them: T-junctions.
 //!
-//! Seen from afar such a surface is closed, but the edges on the two sides of the seam are not the same ones. It is
-//! told apart from a hole, because what helps is another.
+//! Seen from afar such a surface is closed, but the edges on the two sides of the seam are not the
+//! same ones. It is told apart from a hole, because what helps is another.
 
 use crate::edges::{Edges, ends};
 use crate::{Fault, Mesh, Vec3};

@@ -1,9 +1,9 @@
 //! Surfaces of rigid parts: what fluid, grains, viewer and orchestrator must agree on.
 //!
-//! [`load`] turns a part's [`Geometry`](tremie_messages::scene::Geometry) into a [`Mesh`]: triangles
-//! from an STL or OBJ file, a box, cylinder or sphere, or a profile turned about an axis, in metres, welded, closed, with all
-//! normals outward. [`Surface`] answers questions about such a mesh, in the part's own frame; a
-//! [`Frame`] takes points there and back.
+//! [`load`] turns a part's [`Geometry`](tremie_messages::scene::Geometry) into a [`Mesh`]:
+//! triangles from an STL or OBJ file, a box, cylinder or sphere, or a profile turned about an axis,
+//! in metres, welded, closed, with all normals outward. [`Surface`] answers questions about such a
+//! mesh, in the part's own frame; a [`Frame`] takes points there and back.
 //!
 //! The inside is decided exactly: by winding numbers from the adaptive predicates of Shewchuk,
 //! *Discrete Comput. Geom.* 18 (1997) 305. So [`Surface::contains`], [`Surface::fill_row`] and
@@ -29,8 +29,8 @@
 //! # Ok::<(), tremie_geometry::GeometryError>(())
 //! ```
 //!
-//! [`Convex`] is the shape of a grain: a convex polyhedron from its corners, with faces, moments and
-//! [`principal`] axes. [`shares`] says what convex pieces that overlap are together.
+//! [`Convex`] is the shape of a grain: a convex polyhedron from its corners, with faces, moments
+//! and [`principal`] axes. [`shares`] says what convex pieces that overlap are together.
 //!
 //! Lengths are in metres, vectors in the part's frame unless it says otherwise. Equal input gives
 //! equal bits on every machine with IEEE arithmetic: no function of the system's mathematics

@@ -25,8 +25,8 @@ pub struct Repairs {
     pub turned: usize,
     /// Connected pieces of surface.
     pub shells: usize,
-    /// Greatest coordinate of a surface that lies so far from the origin of its frame that single precision would
-    /// not hold it there [m]; zero of others.
+    /// Greatest coordinate of a surface that lies so far from the origin of its frame that single
+    /// precision would not hold it there [m]; zero of others.
     pub offset: f64,
 }
 
@@ -68,8 +68,9 @@ const FAR: f64 = 100.0;
 /// triangles so that normals point outward.
 ///
 /// Vertices are united where they are equal; if that leaves open edges, also where they are within
-/// 5e-7 of the largest coordinate (of a surface that lies far from the origin first of its own size). Windings are made to agree across edges; then each shell is
-/// turned outward, or inward if an odd number of other shells holds all its vertices.
+/// 5e-7 of the largest coordinate (of a surface that lies far from the origin first of its own
+/// size). Windings are made to agree across edges; then each shell is turned outward, or inward if
+/// an odd number of other shells holds all its vertices.
 ///
 /// # Errors
 /// [`GeometryError::Faults`] for a surface with holes, with edges of more than two triangles, with
@@ -85,7 +86,8 @@ pub fn mend(mut mesh: Mesh) -> Result<(Mesh, Repairs), GeometryError> {
     let mut tolerance = NEAR * bounds.magnitude();
     let mut edges = pair(&mesh.triangles);
     if bounds.magnitude() > FAR * size {
-        // In their own midst numbers are finer than single precision far from it: first as finely as they may be meant.
+        // In their own midst numbers are finer than single precision far from it: first as finely
+        // as they may be meant.
         repairs.offset = bounds.magnitude();
         tolerance = NEAR * size;
         if !edges.open.is_empty() {

@@ -31,7 +31,8 @@ pub struct Loaded {
 ///
 /// A file is scaled by its unit, welded, stripped of triangles without area, and its triangles are
 /// turned so that normals point outward, and into the hollow of a shell that lies inside another.
-/// True if triangles cross each other is not looked at: see [`Surface::intersections`](crate::Surface::intersections).
+/// True if triangles cross each other is not looked at: see
+/// [`Surface::intersections`](crate::Surface::intersections).
 ///
 /// # Errors
 /// A file that cannot be read or is no STL or OBJ file, and a surface that is not closed: see

@@ -21,8 +21,8 @@ impl Mesh {
     /// Volume, area, centroid and inertia.
     ///
     /// Each triangle makes a signed tetrahedron with the middle of the bounds; for one with corners
-    /// `0, a, b, c` and `d = a . (b x c)` the volume is `d / 6` and `int x x^T = d / 120 (a a^T + b b^T
-    /// + c c^T + s s^T)` with `s = a + b + c` (Blow & Binstock, 2004).
+    /// `0, a, b, c` and `d = a . (b x c)` the volume is `d / 6` and `int x x^T = d / 120 (a a^T + b
+    /// b^T + c c^T + s s^T)` with `s = a + b + c` (Blow & Binstock, 2004).
     ///
     /// Parry's `MassProperties` gives the same to 2e-14 in twice the time, and no area.
     pub fn moments(&self) -> Moments {

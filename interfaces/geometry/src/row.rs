@@ -22,7 +22,8 @@ impl Row {
     }
 }
 
-/// Memory of [`Surface::fill_row`], kept so that filling rows allocates nothing. One for each thread.
+/// Memory of [`Surface::fill_row`], kept so that filling rows allocates nothing. One for each
+/// thread.
 #[derive(Clone, Debug, Default)]
 pub struct RowScratch {
     /// True if the surface may pass between a point and the one before.
@@ -31,8 +32,8 @@ pub struct RowScratch {
 
 impl Surface {
     /// Says for each point of a row whether it is in the solid, its surface included: the same
-    /// as [`Surface::contains`] for each [`Row::point`], but each triangle near the row is looked at
-    /// once, and points are asked about only next to where the surface passes.
+    /// as [`Surface::contains`] for each [`Row::point`], but each triangle near the row is looked
+    /// at once, and points are asked about only next to where the surface passes.
     pub fn fill_row(&self, row: &Row, inside: &mut [bool], scratch: &mut RowScratch) {
         let Some(last) = inside.len().checked_sub(1) else { return };
         scratch.passed.clear();
@@ -45,7 +46,8 @@ impl Surface {
         }
     }
 
-    /// Marks each point between which and the one before the surface may pass. Errs on the safe side.
+    /// Marks each point between which and the one before the surface may pass. Errs on the safe
+    /// side.
     fn mark_passed(&self, row: &Row, last: usize, passed: &mut [bool]) {
         let end = row.point(last);
         let magnitude = Bounds::of([row.start, end]).union(&self.bounds()).magnitude();

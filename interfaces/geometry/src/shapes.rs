@@ -1,10 +1,10 @@
 //! Triangles of simple shapes.
 //!
-//! A round shape becomes a polygon or polyhedron with *the same volume*. A slightly bumpy cylinder or
-//! sphere has, to first order, the drag of the round one whose radius is its mean radius, as the
-//! bumps of higher order contribute at second order only (for the sphere: Brenner, *Chem. Eng. Sci.* 19
-//! (1964) 519); and equal volume makes the mean radius equal to second order. An inscribed shape, the
-//! usual choice, has a mean radius that is too small.
+//! A round shape becomes a polygon or polyhedron with *the same volume*. A slightly bumpy cylinder
+//! or sphere has, to first order, the drag of the round one whose radius is its mean radius, as the
+//! bumps of higher order contribute at second order only (for the sphere: Brenner, *Chem. Eng.
+//! Sci.* 19 (1964) 519); and equal volume makes the mean radius equal to second order. An inscribed
+//! shape, the usual choice, has a mean radius that is too small.
 
 use crate::edges::pair;
 use crate::moments::signed_volume;
@@ -12,12 +12,12 @@ use crate::vector::unit;
 use crate::{GeometryError, Mesh, Vec3};
 use std::f64::consts::PI;
 
-/// Sides of a cylinder. The surface is within -2.6e-5 and +5.1e-5 of the radius; volume and area of the
-/// cross-section are exact.
+/// Sides of a cylinder. The surface is within -2.6e-5 and +5.1e-5 of the radius; volume and area of
+/// the cross-section are exact.
 pub const CYLINDER_SEGMENTS: u32 = 256;
 
-/// Number of times that the triangles of an icosahedron are divided in four for a sphere: 20,480 triangles.
-/// The surface is within -1.1e-4 and +1.9e-4 of the radius; the volume is exact.
+/// Number of times that the triangles of an icosahedron are divided in four for a sphere: 20,480
+/// triangles. The surface is within -1.1e-4 and +1.9e-4 of the radius; the volume is exact.
 pub const SPHERE_LEVELS: u32 = 5;
 
 /// A box about the origin, with edge lengths `size` [m].

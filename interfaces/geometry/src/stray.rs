@@ -1,17 +1,18 @@
 //! Corners of a file that are damaged numbers.
 //!
-//! One of them makes the box of a part so large that everything else in it looks like one point; what is wrong with the
-//! surface then is not what is wrong with the file.
+//! One of them makes the box of a part so large that everything else in it looks like one point;
+//! what is wrong with the surface then is not what is wrong with the file.
 
 use crate::{Bounds, GeometryError, Mesh, Vec3};
 
-/// A corner this many times as far from the others as these are from each other is no part of the shape.
+/// A corner this many times as far from the others as these are from each other is no part of the
+/// shape.
 const RATIO: f64 = 1e5;
 /// Nothing is so far away [m].
 const BEYOND: f64 = 1e9;
 
-/// A corner far from most others; `None` where there is none. A file may mean it, so this is for one that is no good as
-/// it is. Numbers are in the file's unit.
+/// A corner far from most others; `None` where there is none. A file may mean it, so this is for
+/// one that is no good as it is. Numbers are in the file's unit.
 pub fn corner(mesh: &Mesh) -> Option<GeometryError> {
     let count = mesh.vertices.len();
     let bounds = mesh.bounds();

@@ -18,14 +18,15 @@ use tremie_messages::scene::{Geometry, Part};
 /// The solid is what the surface encloses; for a cavity, what is outside. Normals point out of the
 /// solid, into the free space, in both cases, and the surface itself is solid.
 ///
-/// Questions need no lock and, but for the room in the vectors given to them, no memory: threads may
-/// share a surface.
+/// Questions need no lock and, but for the room in the vectors given to them, no memory: threads
+/// may share a surface.
 #[derive(Clone, Debug)]
 pub struct Surface {
     pub(crate) mesh: Mesh,
     pub(crate) tree: Tree,
     pub(crate) features: Features,
-    /// Winding number that the surface is taken to have far away: 1 for a cavity; of an endless surface that which it is short of.
+    /// Winding number that the surface is taken to have far away: 1 for a cavity; of an endless
+    /// surface that which it is short of.
     pub(crate) far: i32,
     is_cavity: bool,
     bounding_radius: f64,
@@ -56,8 +57,8 @@ impl Surface {
     /// The surface of a mesh that needs no repair: one from [`load`] or [`mend`](crate::mend).
     ///
     /// # Errors
-    /// [`GeometryError::Faults`] for a mesh that is not closed, whose triangles wind in opposite ways
-    /// or inward; and numbers that are no points.
+    /// [`GeometryError::Faults`] for a mesh that is not closed, whose triangles wind in opposite
+    /// ways or inward; and numbers that are no points.
     pub fn new(mesh: Mesh) -> Result<Self, GeometryError> {
         mesh.check_numbers()?;
         if mesh.triangles.is_empty() {
@@ -77,7 +78,8 @@ impl Surface {
         Ok(Self::assembled(mesh, edges, 0))
     }
 
-    /// An endless surface from its triangles in the part's frame; `whole` is that of the part as it was drawn.
+    /// An endless surface from its triangles in the part's frame; `whole` is that of the part as it
+    /// was drawn.
     pub(crate) fn of_period(
         mesh: Mesh,
         period: Period,
@@ -102,8 +104,8 @@ impl Surface {
         }
     }
 
-    /// The same surface around the rest of space: what was solid is free, what was free is solid, and
-    /// all triangles are turned round.
+    /// The same surface around the rest of space: what was solid is free, what was free is solid,
+    /// and all triangles are turned round.
     pub fn inside_out(mut self) -> Self {
         self.mesh.triangles.iter_mut().for_each(turn_round);
         let edges = pair(&self.mesh.triangles);
@@ -118,8 +120,9 @@ impl Surface {
         Self { repairs: self.repairs, is_cavity: !self.is_cavity, ..own }
     }
 
-    /// Moves the vertices of the mesh; its triangles stay. Costs a small part of building the surface
-    /// anew, and answers are those of one that was, as long as triangles stay near their neighbours.
+    /// Moves the vertices of the mesh; its triangles stay. Costs a small part of building the
+    /// surface anew, and answers are those of one that was, as long as triangles stay near their
+    /// neighbours.
     ///
     /// # Panics
     /// If there are not as many as the mesh has.
@@ -147,7 +150,8 @@ impl Surface {
         self.period.as_ref().is_none_or(|period| triangle < period.walls)
     }
 
-    /// Volume that it encloses [m³] and the centre of that; of an endless one those of one period of the domain.
+    /// Volume that it encloses [m³] and the centre of that; of an endless one those of one period
+    /// of the domain.
     pub fn volume_and_centroid(&self) -> (f64, Vec3) {
         match &self.period {
             Some(period) => (period.volume, period.centroid),
@@ -188,7 +192,8 @@ impl Surface {
         self.tree.bounds()
     }
 
-    /// Distance of its farthest point from the origin of the part's frame [m]; of an endless one across its axes.
+    /// Distance of its farthest point from the origin of the part's frame [m]; of an endless one
+    /// across its axes.
     pub fn bounding_radius(&self) -> f64 {
         self.bounding_radius
     }

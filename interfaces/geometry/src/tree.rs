@@ -1,12 +1,13 @@
 //! A tree of boxes over triangles.
 //!
-//! Built by the binned surface area heuristic (Wald, *IEEE Symp. Interactive Ray Tracing* 2007, 33).
-//! Siblings lie together, and pairs of them in depth-first order.
+//! Built by the binned surface area heuristic (Wald, *IEEE Symp. Interactive Ray Tracing* 2007,
+//! 33). Siblings lie together, and pairs of them in depth-first order.
 //!
-//! Measured beside parry3d's `Bvh` (0.31) under the same exact questions, on 102,400 triangles (Zen 5, one core): a surface
-//! over that one is built in 56 ms instead of 100 ms, but first crossings take 10 % more time, points inside 16 to 21 %,
-//! closest points 22 to 27 %, and boxes 45 %. Parry's own closest points and rays are as fast as these, but rounded:
-//! `benches/beside_parry.rs` counts the links that they miss, 1.3 % of those through edges.
+//! Measured beside parry3d's `Bvh` (0.31) under the same exact questions, on 102,400 triangles (Zen
+//! 5, one core): a surface over that one is built in 56 ms instead of 100 ms, but first crossings
+//! take 10 % more time, points inside 16 to 21 %, closest points 22 to 27 %, and boxes 45 %.
+//! Parry's own closest points and rays are as fast as these, but rounded: `benches/beside_parry.rs`
+//! counts the links that they miss, 1.3 % of those through edges.
 
 use crate::exact::Corners;
 use crate::{Bounds, Vec3};
@@ -37,7 +38,8 @@ pub struct Tree {
 #[repr(align(64))]
 struct Pair([Node; 2]);
 
-/// A box in single precision, rounded outward: half the memory, and memory is what questions wait for.
+/// A box in single precision, rounded outward: half the memory, and memory is what questions wait
+/// for.
 #[derive(Clone, Copy, Debug, Default)]
 struct Node {
     min: [f32; 3],
@@ -97,8 +99,8 @@ impl Tree {
         Self { bounds, pairs: builder.pairs, numbers, corners }
     }
 
-    /// Takes over new places of the corners and fits the boxes to them, from the leaves up. The order
-    /// stays, so boxes overlap more the more the triangles change places.
+    /// Takes over new places of the corners and fits the boxes to them, from the leaves up. The
+    /// order stays, so boxes overlap more the more the triangles change places.
     pub fn refit(&mut self, corners: impl Fn(usize) -> Corners) {
         for (to, &number) in self.corners.iter_mut().zip(&self.numbers) {
             *to = corners(number as usize);
@@ -127,8 +129,8 @@ impl Tree {
         &self.pairs[i as usize / 2].0[i as usize % 2]
     }
 
-    /// Visits triangles in all leaves whose boxes, and those around them, `enter` accepts. Boxes may
-    /// be larger than what is in them.
+    /// Visits triangles in all leaves whose boxes, and those around them, `enter` accepts. Boxes
+    /// may be larger than what is in them.
     #[inline]
     pub fn walk(
         &self,
@@ -156,8 +158,8 @@ impl Tree {
         }
     }
 
-    /// Visits triangles in boxes no farther from a point than a squared distance that `visit` returns:
-    /// the nearest found so far. Nearer boxes come first.
+    /// Visits triangles in boxes no farther from a point than a squared distance that `visit`
+    /// returns: the nearest found so far. Nearer boxes come first.
     #[inline]
     pub fn approach(
         &self,

@@ -4,8 +4,8 @@ use crate::Vec3;
 use std::f64::consts::PI;
 use tremie_messages::scene::{DeformableSurface, FacetKind, Section};
 
-/// The surface that a section sweeps when it turns about the z axis, in steps: triangles with fixed vertices,
-/// whose places follow from the section's points.
+/// The surface that a section sweeps when it turns about the z axis, in steps: triangles with fixed
+/// vertices, whose places follow from the section's points.
 ///
 /// Circles become polygons with the same area, as those of parts do.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +23,8 @@ pub struct Turned {
 impl Turned {
     /// Turns `section` in `sectors` steps, at least 3.
     ///
-    /// Vertices are numbered by point, in the order in which the edges name the points, and by angle
-    /// from the x axis; triangles by edge and angle.
+    /// Vertices are numbered by point, in the order in which the edges name the points, and by
+    /// angle from the x axis; triangles by edge and angle.
     ///
     /// # Panics
     /// If an edge names a point that is not there.
@@ -47,8 +47,8 @@ impl Turned {
         Self::new(&surface.section, surface.sectors as usize)
     }
 
-    /// Cosine and sine of a vertex's angle about the axis, times the polygon's stretch: its place is
-    /// `[r cos, r sin, z]`.
+    /// Cosine and sine of a vertex's angle about the axis, times the polygon's stretch: its place
+    /// is `[r cos, r sin, z]`.
     ///
     /// # Panics
     /// If there is no vertex of that number.
@@ -89,7 +89,8 @@ impl Turned {
 /// Numbers of the vertices: on each circle as many as sectors, on the axis one.
 struct Circles {
     sectors: usize,
-    /// First vertex of each of the section's points; `usize::MAX` of those that no edge has named yet.
+    /// First vertex of each of the section's points; `usize::MAX` of those that no edge has named
+    /// yet.
     first: Vec<usize>,
     on_axis: Vec<bool>,
     section: Vec<u32>,

@@ -1,10 +1,13 @@
-//! The union of convex pieces that overlap: the volume, centroid and inertia of their union, shared among them.
+//! The union of convex pieces that overlap: the volume, centroid and inertia of their union, shared
+//! among them.
 //!
-//! At a place where n pieces lie over each other, each has a share of 1/n: so that the shares add up to the union, whatever the order of
-//! the pieces. Spheres of which no three overlap have shares in closed form, by the caps of their lenses. All others are
-//! integrated along rays, on which a convex piece is one interval, so that what lies along a ray is exact too; across
-//! the rays squares are divided where their error is largest (Gauss's rule of 3 x 3 points, against that of the four
-//! quarters) until the sum of all errors is below a bound; the union is then right to [`TOLERANCE`].
+//! At a place where n pieces lie over each other, each has a share of 1/n: so that the shares add
+//! up to the union, whatever the order of the pieces. Spheres of which no three overlap have shares
+//! in closed form, by the caps of their lenses. All others are integrated along rays, on which a
+//! convex piece is one interval, so that what lies along a ray is exact too; across the rays
+//! squares are divided where their error is largest (Gauss's rule of 3 x 3 points, against that of
+//! the four quarters) until the sum of all errors is below a bound; the union is then right to
+//! [`TOLERANCE`].
 
 use crate::{Convex, ConvexFace, Vec3};
 use core::f64::consts::PI;
@@ -15,7 +18,8 @@ use std::collections::BinaryHeap;
 /// Error of the union over the volume of all pieces; what is found is mostly better.
 pub const TOLERANCE: f64 = 2e-5;
 
-/// The estimate of the error at which integration ends, over the same: estimates miss what no ray has met.
+/// The estimate of the error at which integration ends, over the same: estimates miss what no ray
+/// has met.
 const ESTIMATE: f64 = 4e-6;
 
 /// Squares after which integration ends in any case.
@@ -74,7 +78,8 @@ impl Piece {
         Self { form: Form::Ball, whole, centre, reach: radius }
     }
 
-    /// A polyhedron, `size` times as large as it is in its own frame, whose axes are `axes` and whose origin is `centre`.
+    /// A polyhedron, `size` times as large as it is in its own frame, whose axes are `axes` and
+    /// whose origin is `centre`.
     pub fn solid(convex: &Convex, size: f64, axes: [Vec3; 3], centre: Vec3) -> Self {
         let turned = |v: Vec3| (0..3).fold(Vec3::zeros(), |sum, a| sum + axes[a] * v[a]);
         let placed = |v: &Vec3| centre + (turned(*v) * size);
@@ -117,7 +122,8 @@ impl Piece {
         self.form == Form::Ball
     }
 
-    /// The part of a ray from a point along a unit vector that is inside, as distances from the point.
+    /// The part of a ray from a point along a unit vector that is inside, as distances from the
+    /// point.
     fn along(&self, from: Vec3, way: Vec3) -> Option<[f64; 2]> {
         let ends = match &self.form {
             Form::Ball => {
@@ -180,8 +186,8 @@ impl Sums {
     }
 }
 
-/// The shares of pieces in their union, in their order. Places should lie near the origin, as seen from the sizes of the
-/// pieces.
+/// The shares of pieces in their union, in their order. Places should lie near the origin, as seen
+/// from the sizes of the pieces.
 pub fn shares(pieces: &[Piece]) -> Vec<Share> {
     let mut sums: Vec<Sums> = pieces.iter().map(|piece| piece.whole).collect();
     let pairs = near_pairs(pieces);
@@ -324,8 +330,8 @@ impl Ord for Square {
     }
 }
 
-/// Axes of the rays: across, across and along; along none that geometry is likely to have, so that no face of a
-/// polyhedron lies along them.
+/// Axes of the rays: across, across and along; along none that geometry is likely to have, so that
+/// no face of a polyhedron lies along them.
 fn axes() -> [Vec3; 3] {
     let unit = |v: Vec3| v * (1.0 / v.norm());
     let along = unit(Vec3::new(0.267_949, 0.414_214, 0.869_967));

@@ -7,7 +7,8 @@ use std::io::Write;
 use stl_io::{Triangle, Vector};
 
 impl Mesh {
-    /// Writes the mesh as a binary STL file whose unit is `unit` metres. STL keeps single precision.
+    /// Writes the mesh as a binary STL file whose unit is `unit` metres. STL keeps single
+    /// precision.
     ///
     /// # Errors
     /// [`GeometryError::Length`] for a unit that is none, [`GeometryError::NotFinite`] for a

@@ -61,8 +61,8 @@ pub fn stream(from: &str, to: &str, content: FrameContent) -> FrameStream {
     }
 }
 
-/// A surface carried by "gate" whose section has these points [m], its first edge on the seat, its third
-/// bonded, the others exposed; in `sectors` sectors.
+/// A surface carried by "gate" whose section has these points [m], its first edge on the seat, its
+/// third bonded, the others exposed; in `sectors` sectors.
 pub fn ring(name: &str, points: &[[f64; 2]], sectors: u32) -> DeformableSurface {
     let count = points.len() as u32;
     let kind = |edge: u32| match edge {

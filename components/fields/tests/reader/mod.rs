@@ -1,5 +1,5 @@
-//! Reads VTK's XML files with raw appended data, by VTK's documentation and not by the writer's code.
-//! (No crate that reads VTK files reads raw appended data.)
+//! Reads VTK's XML files with raw appended data, by VTK's documentation and not by the writer's
+//! code. (No crate that reads VTK files reads raw appended data.)
 
 use std::path::Path;
 

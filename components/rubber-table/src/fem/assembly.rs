@@ -13,7 +13,8 @@ pub struct Model {
     pub(super) mesh: Mesh,
     pub(super) material: NeoHookean,
     pub(super) elements: Vec<Element>,
-    /// Number of each displacement (u_r, u_z of node 0, ...) among the unknowns; `HELD` if it is none.
+    /// Number of each displacement (u_r, u_z of node 0, ...) among the unknowns; `HELD` if it is
+    /// none.
     pub(super) unknowns: Vec<usize>,
     pub(super) unknown_count: usize,
     /// Derivative of each held displacement by the compression; 0 of unknowns.
@@ -44,9 +45,9 @@ pub struct State {
 }
 
 impl Model {
-    /// The model of a section that is pressed on `seat` (if there is one) by what moves. The seat is
-    /// raised or lowered until it touches. `contact_stiffness`: pressure by depth of the contact, in
-    /// units of Young's modulus over the length of an edge.
+    /// The model of a section that is pressed on `seat` (if there is one) by what moves. The seat
+    /// is raised or lowered until it touches. `contact_stiffness`: pressure by depth of the
+    /// contact, in units of Young's modulus over the length of an edge.
     ///
     /// # Errors
     /// If a boundary is not there or nothing moves.
@@ -137,7 +138,8 @@ impl Model {
         self.rates.iter().zip(&state.forces).map(|(rate, force)| rate * force).sum()
     }
 
-    /// Upward force on the rubber of all that stays: the seat's surface and steel that does not move [N].
+    /// Upward force on the rubber of all that stays: the seat's surface and steel that does not
+    /// move [N].
     pub fn seat_force(&self, state: &State) -> f64 {
         let stays = |dof: &usize| self.unknowns[*dof] == HELD && self.rates[*dof] == 0.0;
         let axial = (1..state.forces.len()).step_by(2);

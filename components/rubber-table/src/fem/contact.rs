@@ -186,8 +186,8 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    /// Of `seat`, raised or lowered until it touches, and `edges` of an outline. `modulus`: pressure at
-    /// a depth of a mean edge's length [Pa].
+    /// Of `seat`, raised or lowered until it touches, and `edges` of an outline. `modulus`:
+    /// pressure at a depth of a mean edge's length [Pa].
     pub fn new(
         seat: Seat,
         edges: &[[usize; 2]],
@@ -214,8 +214,8 @@ impl Contact {
     }
 }
 
-/// Penalty on the depth g below the seat's surface, measured along the axis: energy k g²/2, of which
-/// the force is normal to the surface.
+/// Penalty on the depth g below the seat's surface, measured along the axis: energy k g²/2, of
+/// which the force is normal to the surface.
 fn touch(seat: &Seat, at: Point, k: f64) -> Option<ContactResponse> {
     let [height, slope, change] = seat.surface(at[0]);
     let gap = at[1] - height;

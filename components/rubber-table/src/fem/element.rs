@@ -1,8 +1,8 @@
 //! The four-node element with mean dilatation (Q1P0).
 //!
-//! One pressure for the element, K (J_e - 1) with J_e the mean of J over it: full integration of the
-//! volumetric term locks where K is far above G (Nagtegaal, Parks and Rice 1974; Simo, Taylor and
-//! Pister 1985). Shape change is integrated at 2 by 2 Gauss points.
+//! One pressure for the element, K (J_e - 1) with J_e the mean of J over it: full integration of
+//! the volumetric term locks where K is far above G (Nagtegaal, Parks and Rice 1974; Simo, Taylor
+//! and Pister 1985). Shape change is integrated at 2 by 2 Gauss points.
 
 use crate::fem::material::{self, NeoHookean, Tensor};
 use crate::mesh::bilinear::map;

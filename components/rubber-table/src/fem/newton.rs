@@ -38,8 +38,8 @@ pub(super) struct Equilibrium {
 /// Most passes for an increment.
 const MOST_PASSES: u32 = 25;
 
-/// Increases the compression by `by` [m] and finds the equilibrium. `state` must be assembled; after
-/// an error it is not.
+/// Increases the compression by `by` [m] and finds the equilibrium. `state` must be assembled;
+/// after an error it is not.
 pub(super) fn settle(
     model: &Model,
     state: &mut State,

@@ -41,8 +41,9 @@ pub fn rectangle(
 }
 
 /// A disc of diameter `thickness` whose centre lies at radius `radius` [m]: a square of `n` by `n`
-/// elements in the middle, and on each of its sides a quarter of the rim with `n` elements along it.
-/// `n` is rounded up to an even number, so that a node lies at the very bottom. Its boundaries are the quarters `lower`, `upper`, `inner` and `outer`.
+/// elements in the middle, and on each of its sides a quarter of the rim with `n` elements along
+/// it. `n` is rounded up to an even number, so that a node lies at the very bottom. Its boundaries
+/// are the quarters `lower`, `upper`, `inner` and `outer`.
 ///
 /// # Errors
 /// If the lengths make no such section.

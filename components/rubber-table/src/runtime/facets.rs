@@ -31,8 +31,8 @@ struct Turned {
 }
 
 impl SectorFacets {
-    /// Of a `section` turned into a `surface`, now with these `points`; each edge has as many facets in each sector
-    /// as it has ends off the axis.
+    /// Of a `section` turned into a `surface`, now with these `points`; each edge has as many
+    /// facets in each sector as it has ends off the axis.
     pub fn new(section: &Section, sectors: u32, surface: &Surface, points: &[Point]) -> Self {
         let sectors = sectors.max(3);
         let step = 2.0 * PI / f64::from(sectors);

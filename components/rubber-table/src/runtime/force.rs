@@ -32,8 +32,8 @@ pub struct EffectiveForce {
 
 /// The force of `loads`, the resultant [N] on each triangle of `surface`, whose vertices are at
 /// `places` [m]; both as seen along the ring's axis z. Shear on what is exposed does not count: a
-/// pressure all around changes no shape, and only what differs from it compresses. What is bonded to steel or lies against
-/// it does not count at all.
+/// pressure all around changes no shape, and only what differs from it compresses. What is bonded
+/// to steel or lies against it does not count at all.
 pub fn effective_force(
     form: Form,
     surface: &Surface,

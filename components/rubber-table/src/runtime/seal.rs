@@ -69,8 +69,8 @@ pub struct Readings {
 
 /// A seal of a scene: its state, and the trial of a substep.
 ///
-/// Loads and vertices are in the world's frame. The fluid's loads are constant through a window: the
-/// force that they make is found once, on the surface that the window begins with.
+/// Loads and vertices are in the world's frame. The fluid's loads are constant through a window:
+/// the force that they make is found once, on the surface that the window begins with.
 #[derive(Clone, Debug)]
 pub struct Seal {
     name: String,
@@ -98,13 +98,15 @@ pub struct Seal {
     /// Of the trial that the next pass is about; `None` where there is none.
     trial: Option<Trial>,
     fluid: FromFluid,
-    /// Load inwards on each facet [N], while the peak is sought, or 1 where anything touches, while that is; else 0.
+    /// Load inwards on each facet [N], while the peak is sought, or 1 where anything touches, while
+    /// that is; else 0.
     pressing: Vec<f64>,
     passes: Passes,
     readings: Readings,
 }
 
-/// A substep on its way. The step begins with the first pass, which tells how stiff the contacts are.
+/// A substep on its way. The step begins with the first pass, which tells how stiff the contacts
+/// are.
 #[derive(Clone, Debug)]
 struct Trial(Option<Step>);
 
@@ -127,11 +129,12 @@ struct Passes {
 }
 
 impl Seal {
-    /// A seal at rest, compressed as the scene says, in steps of `dt` [s]. `water`: the fluid that it
-    /// moves in, if any.
+    /// A seal at rest, compressed as the scene says, in steps of `dt` [s]. `water`: the fluid that
+    /// it moves in, if any.
     ///
     /// # Errors
-    /// If `table` is not the one that `scene` was made with, or does not reach the compression at the start.
+    /// If `table` is not the one that `scene` was made with, or does not reach the compression at
+    /// the start.
     pub fn new(
         scene: &DeformableSurface,
         table: Table,
@@ -232,7 +235,8 @@ impl Seal {
         self.passes = Passes::default();
     }
 
-    /// Begins a substep, at whose end the carrier is there. The first trial has the shape of before.
+    /// Begins a substep, at whose end the carrier is there. The first trial has the shape of
+    /// before.
     pub fn begin_substep(&mut self, carrier: &BodyState) {
         self.follow(carrier);
         self.before.copy_from_slice(&self.points);
@@ -250,8 +254,8 @@ impl Seal {
         self.placed.write(&self.surface, &self.points, &self.rates, out);
     }
 
-    /// Writes the equivalent shear strain at each vertex, linear in the compression between two frames of
-    /// the table as all of it, at the compression that was accepted last.
+    /// Writes the equivalent shear strain at each vertex, linear in the compression between two
+    /// frames of the table as all of it, at the compression that was accepted last.
     pub fn write_strains(&self, out: &mut [f64]) {
         let Ok(at) = self.table.bracket(self.settled.compression) else { return };
         let (a, b) = (&self.strains[at.frame], &self.strains[at.frame + 1]);
@@ -309,8 +313,8 @@ impl Seal {
         Ok(matches!(outcome, Outcome::Settled(_)))
     }
 
-    /// Load that it passes on to its carrier besides the contacts: the fluid's loads, about the carrier's
-    /// reference point.
+    /// Load that it passes on to its carrier besides the contacts: the fluid's loads, about the
+    /// carrier's reference point.
     pub fn resultant(&self) -> Load {
         let FromFluid { force, moment, .. } = self.fluid;
         let torque = moment - self.placed.reference().cross(&force);
@@ -323,9 +327,10 @@ impl Seal {
         contacts: impl Iterator<Item = FacetLoad> + Clone,
     ) -> Start {
         let (compression, rate) = (self.settled.compression, self.answered);
-        // On its seat the sides still move, and within a step a seat holds the foot by stiffness times
-        // step alone, which is far less than their impedance; but no fluid moves with the foot, whose
-        // mass would bounce on the seat. A grain covers a facet of it, and hardly keeps the fluid away.
+        // On its seat the sides still move, and within a step a seat holds the foot by stiffness
+        // times step alone, which is far less than their impedance; but no fluid moves with the
+        // foot, whose mass would bounce on the seat. A grain covers a facet of it, and hardly keeps
+        // the fluid away.
         let [free, seated] = self.impedance;
         let impedance = Impedance(free.0 + (seated.0 - free.0) * self.covered(contacts));
         Start { compression, rate, dt: self.dt, contact_stiffness, impedance }
@@ -362,7 +367,8 @@ impl Seal {
         self.facets.shape(&self.surface, &self.points);
     }
 
-    /// The contacts' part of the effective force, and their stiffness where the seal touches its seat.
+    /// The contacts' part of the effective force, and their stiffness where the seal touches its
+    /// seat.
     fn collect(&self, contacts: impl Iterator<Item = FacetLoad>) -> (EffectiveForce, f64) {
         let mut sums = self.facets.areas();
         let mut seat_stiffness = 0.0;

@@ -1,9 +1,10 @@
 //! Search for the next trial of a step.
 //!
-//! The excess r(d) = F(d) - h(d) - ν (d - d0)/dt falls as the ring retreats, at least by h' + ν/dt for each metre,
-//! and by jumps where a contact opens: a dashpot pushes up to the end. A secant finds its zero in a few passes; what
-//! two trials on either side have between them is halved where that does not shrink fast, and so even
-//! a jump is found, which no pass of a fixed size settles on.
+//! The excess r(d) = F(d) - h(d) - ν (d - d0)/dt falls as the ring retreats, at least by h' + ν/dt
+//! for each metre, and by jumps where a contact opens: a dashpot pushes up to the end. A secant
+//! finds its zero in a few passes; what two trials on either side have between them is halved where
+//! that does not shrink fast, and so even a jump is found, which no pass of a fixed size settles
+//! on.
 
 /// Slopes of the excess downwards [N/m].
 #[derive(Clone, Copy, Debug)]
@@ -34,8 +35,8 @@ impl Search {
         Self { slopes, below: -far, above: far, before: None, widths: [far; 2] }
     }
 
-    /// The trial after the one at `trial` [m], which had this `excess` [N], and how far it may still be from the
-    /// zero [m]: by the slope of the start, or by the trials on either side.
+    /// The trial after the one at `trial` [m], which had this `excess` [N], and how far it may
+    /// still be from the zero [m]: by the slope of the start, or by the trials on either side.
     pub fn next(&mut self, trial: f64, excess: f64) -> (f64, f64) {
         if excess >= 0.0 {
             self.below = self.below.max(trial);
@@ -64,7 +65,8 @@ impl Search {
         let is_across = (was < 0.0) != (excess < 0.0);
         match (secant > 0.0, is_across) {
             (true, true) => secant,
-            // On one side: not a shorter way than without having measured, nor a longer one than any contact lets.
+            // On one side: not a shorter way than without having measured, nor a longer one than
+            // any contact lets.
             (true, false) => secant.min(first).max(least),
             _ => first,
         }

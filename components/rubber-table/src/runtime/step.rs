@@ -1,16 +1,17 @@
 //! The compression at the end of a step (Mutabaruka and Kamrin, Eq. 27 and 28).
 //!
-//! The ring obeys F(d) = h(d) + ν d'/dt, with F the effective force, which falls as the ring retreats.
-//! F is stiff: so the step is implicit, and the equation is solved by repetition,
+//! The ring obeys F(d) = h(d) + ν d'/dt, with F the effective force, which falls as the ring
+//! retreats. F is stiff: so the step is implicit, and the equation is solved by repetition,
 //!
 //! d ← { [F(d) - h(d)] dt/η + d0 ν/η + d } / (1 + ν/η),
 //!
-//! whose fixed point F = h + ν (d - d0)/dt does not depend on η, a number of the method alone. Each pass
-//! shrinks the error by [η - (k + h') dt] / (η + ν), where k = -dF/dd: it converges while
-//! 2η > (k + h') dt - ν, fastest at η = (k + h') dt.
+//! whose fixed point F = h + ν (d - d0)/dt does not depend on η, a number of the method alone. Each
+//! pass shrinks the error by [η - (k + h') dt] / (η + ν), where k = -dF/dd: it converges while 2η >
+//! (k + h') dt - ν, fastest at η = (k + h') dt.
 //!
-//! An η that adapts takes the slope from the passes, and keeps between trials on either side (`search`): a contact
-//! that opens makes F jump, and a repetition with one η goes to and fro across the jump for ever.
+//! An η that adapts takes the slope from the passes, and keeps between trials on either side
+//! (`search`): a contact that opens makes F jump, and a repetition with one η goes to and fro
+//! across the jump for ever.
 
 use crate::runtime::search::{Search, Slopes};
 use crate::table::{BeyondTable, Bracket, Table};
@@ -20,8 +21,8 @@ use crate::table::{BeyondTable, Bracket, Table};
 pub enum Eta {
     /// Always this one.
     Fixed(f64),
-    /// (k + h') dt of the step, but at least this, then what the passes measure: settles on any force that falls as the
-    /// ring retreats, jumps and all.
+    /// (k + h') dt of the step, but at least this, then what the passes measure: settles on any
+    /// force that falls as the ring retreats, jumps and all.
     AtLeast(f64),
 }
 
@@ -32,7 +33,8 @@ pub struct Law {
     pub damping: f64,
     /// The method's number.
     pub eta: Eta,
-    /// A step is settled when a pass changes the compression by less than this times the first change.
+    /// A step is settled when a pass changes the compression by less than this times the first
+    /// change.
     pub tolerance: f64,
     /// Most passes of a step.
     pub most_passes: u32,
@@ -56,8 +58,9 @@ pub struct Impedance(
 );
 
 impl Impedance {
-    /// Z = ρ c A + m/dt: acoustic impedance of a face of `area` [m²] in a fluid of `density` [kg/m³] and
-    /// `sound_speed` [m/s], and the `added_mass` [kg] that it must move within `exchange` [s].
+    /// Z = ρ c A + m/dt: acoustic impedance of a face of `area` [m²] in a fluid of `density`
+    /// [kg/m³] and `sound_speed` [m/s], and the `added_mass` [kg] that it must move within
+    /// `exchange` [s].
     pub fn of_fluid(
         density: f64,
         sound_speed: f64,
@@ -78,15 +81,15 @@ pub struct Start {
     pub rate: f64,
     /// Length of the step [s].
     pub dt: f64,
-    /// Rate at which the force of all contacts on the foot falls as it retreats, k [N/m]: springs, and
-    /// dashpots over the step.
+    /// Rate at which the force of all contacts on the foot falls as it retreats, k [N/m]: springs,
+    /// and dashpots over the step.
     pub contact_stiffness: f64,
     /// Resistance that the fluid adds.
     pub impedance: Impedance,
 }
 
-/// Parts of the table's largest compression that are no change: what round-off could make; and, where trials on either
-/// side of a jump close in, what it does to vertices in the world.
+/// Parts of the table's largest compression that are no change: what round-off could make; and,
+/// where trials on either side of a jump close in, what it does to vertices in the world.
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 const AT_A_JUMP: f64 = 1e-12;
 
@@ -211,11 +214,12 @@ impl Step {
         self.at
     }
 
-    /// One pass, with the effective `force` [N] at the trial; `table` is the one that it began with.
+    /// One pass, with the effective `force` [N] at the trial; `table` is the one that it began
+    /// with.
     ///
     /// # Errors
-    /// If the trial leaves the table, the force is no number, or passes run out; with the reason, if the force grows
-    /// as the ring retreats.
+    /// If the trial leaves the table, the force is no number, or passes run out; with the reason,
+    /// if the force grows as the ring retreats.
     pub fn pass(&mut self, table: &Table, force: f64) -> Result<Outcome, StepError> {
         if !force.is_finite() {
             return Err(StepError::NotFinite { compression: self.trial, force });
@@ -229,7 +233,8 @@ impl Step {
         let is_searched = matches!(self.law.eta, Eta::AtLeast(_));
         let least = if is_searched { AT_A_JUMP } else { ROUND_OFF } * table.last_compression();
         let is_settled = change <= self.law.tolerance * self.first_change + least;
-        // What was searched for is found where the force is known; a repetition goes on to where it leads.
+        // What was searched for is found where the force is known; a repetition goes on to where it
+        // leads.
         let is_found = is_settled && is_searched;
         self.trial = if is_found { self.trial } else { next };
         self.at = table.bracket(self.trial).map_err(|error| self.blame(error.into()))?;
@@ -275,8 +280,9 @@ impl Step {
         force + z * rate - table.force(self.at) - damping * (self.trial - compression) / dt
     }
 
-    /// Says of a step that fails that its force has the wrong direction, if that grew at last as the ring retreated, as
-    /// much as its contacts are stiff: a little it may, because its surface turns.
+    /// Says of a step that fails that its force has the wrong direction, if that grew at last as
+    /// the ring retreated, as much as its contacts are stiff: a little it may, because its surface
+    /// turns.
     fn blame(&self, error: StepError) -> StepError {
         let [Some((then, was)), Some((trial, force))] = self.known else { return error };
         let (slope, stiffness) = ((force - was) / (trial - then), self.start.contact_stiffness);

@@ -19,14 +19,14 @@
 //! | `energy_J` | stored energy in each frame; may be empty |
 //! | `convergence` | how each frame was found; may be empty |
 //!
-//! Heights point away from the seat, so that the seal's free end has the smallest. Numbers are written
-//! with all their digits: what is read equals what was written, bit for bit.
+//! Heights point away from the seat, so that the seal's free end has the smallest. Numbers are
+//! written with all their digits: what is read equals what was written, bit for bit.
 //!
 //! # Between frames
 //!
-//! Force and vertices are both linear in the compression between two frames, with the same weight: so
-//! shape and force always belong together. Below 0 the seal is at rest and pushes nothing; beyond the
-//! last frame nothing is known, and asking is an error.
+//! Force and vertices are both linear in the compression between two frames, with the same weight:
+//! so shape and force always belong together. Below 0 the seal is at rest and pushes nothing;
+//! beyond the last frame nothing is known, and asking is an error.
 
 mod check;
 mod contents;

@@ -1,14 +1,14 @@
 //! Equivalent shear strain of the rubber, from the shapes of its section.
 //!
-//! The measure is the equivalent shear strain ε_q = √(2/3 e:e), e the deviator of the logarithmic strain,
-//! as Mutabaruka and Kamrin (2018) colour their rubber by.
+//! The measure is the equivalent shear strain ε_q = √(2/3 e:e), e the deviator of the logarithmic
+//! strain, as Mutabaruka and Kamrin (2018) colour their rubber by.
 //!
 //! If a table has quadrilaterals, each has the deformation gradient at its centre, the hoop r/R
-//! among it, and a vertex the mean of those around it by area. Where a table has an outline alone, an
-//! edge has the stretch along it and that of the hoop, and its thickness follows from a volume that stays:
-//! on a surface that bears no shear, free or on a seat without friction, those are the principal
-//! stretches of an isotropic solid. Bonded edges bear shear that no outline shows; they count only
-//! at vertices that have no other edge.
+//! among it, and a vertex the mean of those around it by area. Where a table has an outline alone,
+//! an edge has the stretch along it and that of the hoop, and its thickness follows from a volume
+//! that stays: on a surface that bears no shear, free or on a seat without friction, those are the
+//! principal stretches of an isotropic solid. Bonded edges bear shear that no outline shows; they
+//! count only at vertices that have no other edge.
 
 use crate::mesh::Point;
 use crate::table::contents::Contents;
@@ -121,7 +121,8 @@ mod tests {
     use super::*;
     use crate::table::example;
 
-    /// A square of radii 1 and 2 whose vertices move as `to` says, with its quadrilateral or without.
+    /// A square of radii 1 and 2 whose vertices move as `to` says, with its quadrilateral or
+    /// without.
     fn strains(to: fn(Point) -> Point, has_quad: bool) -> Vec<f64> {
         let rest = vec![[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]];
         let contents = Contents {

@@ -1,9 +1,10 @@
 //! Closes a row of periods far beyond the domain.
 //!
-//! Winding numbers need a closed surface. How it is closed does not matter where it is asked about, as long as that
-//! happens elsewhere: two ways to close it differ by a closed surface beyond the domain, which goes equally often around
-//! all points in it. So the open edges at each end go to one point beyond that end, axis by axis; what that leaves open
-//! between two such points cancels, as there are as many ways into the part as out of it along the edge of a period.
+//! Winding numbers need a closed surface. How it is closed does not matter where it is asked about,
+//! as long as that happens elsewhere: two ways to close it differ by a closed surface beyond the
+//! domain, which goes equally often around all points in it. So the open edges at each end go to
+//! one point beyond that end, axis by axis; what that leaves open between two such points cancels,
+//! as there are as many ways into the part as out of it along the edge of a period.
 
 use super::EndlessFault;
 use super::patch::Patch;
@@ -27,7 +28,8 @@ pub fn closed(
         let ends = [(domain.min[axis] - period, -away), (domain.max[axis] + period, away)];
         for (at, beyond) in ends {
             let is_apex = |v: u32| v >= first_apex;
-            // Sums like these name the ends exactly when walls are drawn there; copies may be a hair off.
+            // Sums like these name the ends exactly when walls are drawn there; copies may be a
+            // hair off.
             let near = 1e-9 * period;
             let on = |v: u32| (patch.vertices[v as usize][axis] - at).abs() <= near;
             let belongs = |&[a, b]: &[u32; 2]| {

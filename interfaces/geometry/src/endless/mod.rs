@@ -1,12 +1,14 @@
 //! Parts that go through periodic faces: one rule, for fluid and grains alike.
 //!
-//! A part that reaches to both faces of a periodic axis, or beyond them, is *endless* along that axis. Of its surface
-//! counts what lies between the faces; it goes on beyond them as the domain does, from one period to the next. What the
-//! part has beyond the faces, its ends above all, is no wall. So its cross-sections at the two faces must be the same.
+//! A part that reaches to both faces of a periodic axis, or beyond them, is *endless* along that
+//! axis. Of its surface counts what lies between the faces; it goes on beyond them as the domain
+//! does, from one period to the next. What the part has beyond the faces, its ends above all, is no
+//! wall. So its cross-sections at the two faces must be the same.
 //!
-//! The surface of such a part is made anew ([`Surface::in_domain`]): cut at the faces (`patch`), its two cross-sections
-//! joined (`seams`), three periods of it in a row, and closed far beyond the faces (`ends`), so that what is inside
-//! stays decided by winding numbers. The triangles that close it come last; no question about what is near finds them.
+//! The surface of such a part is made anew ([`Surface::in_domain`]): cut at the faces (`patch`),
+//! its two cross-sections joined (`seams`), three periods of it in a row, and closed far beyond the
+//! faces (`ends`), so that what is inside stays decided by winding numbers. The triangles that
+//! close it come last; no question about what is near finds them.
 //!
 //! A part that reaches beyond one face only comes in again at the other.
 
@@ -22,8 +24,8 @@ use patch::Patch;
 use tremie_messages::Problem;
 use tremie_messages::scene::{Domain, Motion, Part, Pose};
 
-/// Tolerance of ends and cross-sections, over the size of the domain and the part: files hold numbers of single
-/// precision.
+/// Tolerance of ends and cross-sections, over the size of the domain and the part: files hold
+/// numbers of single precision.
 const TOLERANCE: f64 = 1e-6;
 
 /// Axes along which a part goes on through periodic faces, and its places there.
@@ -40,8 +42,9 @@ pub struct Endless {
 }
 
 impl Endless {
-    /// Place of the surface when the part's origin is at `position` [m]: along an axis on which the part is
-    /// straight always at the same place, along another endless one within half a period of where the scene has it.
+    /// Place of the surface when the part's origin is at `position` [m]: along an axis on which the
+    /// part is straight always at the same place, along another endless one within half a period of
+    /// where the scene has it.
     pub fn place(&self, position: impl Into<Vec3>) -> Vec3 {
         let mut position = position.into();
         for a in (0..3).filter(|&a| self.axes[a]) {
@@ -84,8 +87,8 @@ pub(crate) struct Period {
 }
 
 impl Surface {
-    /// The surface of a part as the domain has it, in the part's frame; of a cavity that of the space inside, as
-    /// [`Surface::of`] gives it.
+    /// The surface of a part as the domain has it, in the part's frame; of a cavity that of the
+    /// space inside, as [`Surface::of`] gives it.
     ///
     /// # Errors
     /// As [`load`](crate::load), and parts that cannot go on through periodic faces.
@@ -175,8 +178,8 @@ fn home(origin: Vec3, axes: [bool; 3], domain: &Domain) -> Vec3 {
     })
 }
 
-/// Volume and area of what a patch bounds in one period, and the centre of that volume; by Gauss, along an axis that
-/// is not endless. Zero where all are.
+/// Volume and area of what a patch bounds in one period, and the centre of that volume; by Gauss,
+/// along an axis that is not endless. Zero where all are.
 fn one_period(patch: &Patch, axes: [bool; 3]) -> ([f64; 2], Vec3) {
     let triangles: Vec<[Vec3; 3]> =
         patch.triangles().iter().map(|t| t.map(|v| patch.vertices[v as usize])).collect();
@@ -218,7 +221,8 @@ fn mesh_area(mesh: &Mesh, count: usize) -> f64 {
     (0..count).map(area).sum()
 }
 
-/// The problem of a part's motion in a domain, if there is one; its surface is that of [`Surface::in_domain`], `key` the part's.
+/// The problem of a part's motion in a domain, if there is one; its surface is that of
+/// [`Surface::in_domain`], `key` the part's.
 pub fn motion_problem(
     key: &str,
     part: &Part,
@@ -251,8 +255,9 @@ pub fn motion_problem(
     Some(Problem::new(format!("{key}.motion"), fault.to_string()).help(fault.help()))
 }
 
-/// Winding number of the whole part less that of its endless surface; the same everywhere in the domain.
-/// Along an axis that is not endless both surfaces leave the space far away along it outside.
+/// Winding number of the whole part less that of its endless surface; the same everywhere in the
+/// domain. Along an axis that is not endless both surfaces leave the space far away along it
+/// outside.
 fn difference([whole, period]: [&Surface; 2], frames: [Frame; 2], domain: &Domain) -> i32 {
     if period.endless().axes != [true; 3] {
         return 0;
@@ -270,7 +275,8 @@ fn difference([whole, period]: [&Surface; 2], frames: [Frame; 2], domain: &Domai
     of.next().unwrap_or(0)
 }
 
-/// True if three corners that follow each other leave the middle one on the line between the others.
+/// True if three corners that follow each other leave the middle one on the line between the
+/// others.
 fn in_line(a: Vec3, b: Vec3, c: Vec3, tolerance: f64) -> bool {
     let (along, to) = (c - a, b - a);
     let length = along.norm();

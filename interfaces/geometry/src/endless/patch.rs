@@ -20,8 +20,8 @@ impl Patch {
         }
     }
 
-    /// Leaves what lies on one side of the plane `x_axis = at`: above it for the sign 1, below for -1. Corners within
-    /// `tolerance` of the plane are moved into it; faces in it are left out.
+    /// Leaves what lies on one side of the plane `x_axis = at`: above it for the sign 1, below for
+    /// -1. Corners within `tolerance` of the plane are moved into it; faces in it are left out.
     pub fn cut(&mut self, axis: usize, at: f64, sign: f64, tolerance: f64) {
         for vertex in &mut self.vertices {
             if (vertex[axis] - at).abs() <= tolerance {
@@ -98,7 +98,8 @@ impl Patch {
         count.iter().flat_map(directed).collect()
     }
 
-    /// Its faces as triangles: of those with four corners by the diagonal that leaves the fatter ones.
+    /// Its faces as triangles: of those with four corners by the diagonal that leaves the fatter
+    /// ones.
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         let area = |t: [u32; 3]| {
             let [a, b, c] = t.map(|v| self.vertices[v as usize]);

@@ -5,8 +5,8 @@ use super::{EndlessFault, in_line};
 use crate::Vec3;
 use std::collections::BTreeMap;
 
-/// Largest distance of a corner that is left out from the line between its neighbours, over the tolerance: a cross-section that
-/// is cut through triangles has corners that are none.
+/// Largest distance of a corner that is left out from the line between its neighbours, over the
+/// tolerance: a cross-section that is cut through triangles has corners that are none.
 const NO_CORNER: f64 = 1e-3;
 
 /// Corners that two cross-sections have in common, as seen along the axis.
@@ -18,7 +18,8 @@ struct Outline {
     pieces: Vec<[usize; 2]>,
 }
 
-/// Joins a patch that ends in the planes across `axis` at the two faces, and makes three periods of it.
+/// Joins a patch that ends in the planes across `axis` at the two faces, and makes three periods of
+/// it.
 pub fn join(
     patch: &mut Patch,
     axis: usize,
@@ -125,7 +126,8 @@ impl Outline {
         along.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[a, b]| a != b).collect()
     }
 
-    /// Its pieces with the corners left out that are none. Those on another plane across which it is open stay.
+    /// Its pieces with the corners left out that are none. Those on another plane across which it
+    /// is open stay.
     fn simple(&self, tolerance: f64) -> Vec<[usize; 2]> {
         let mut next = BTreeMap::<usize, Vec<usize>>::new();
         let mut before = BTreeMap::<usize, Vec<usize>>::new();
@@ -265,7 +267,8 @@ fn joined(
     (corners, gained)
 }
 
-/// Puts copies of the patch a period before and after it; upper corners of a copy are the `lower` ones of the next.
+/// Puts copies of the patch a period before and after it; upper corners of a copy are the `lower`
+/// ones of the next.
 fn copy_thrice(
     patch: &mut Patch,
     faces_of_one: &[Vec<u32>],

@@ -1,7 +1,7 @@
 //! Polygons into triangles, by cutting off ears.
 //!
-//! Every corner is kept, also one in line with its neighbours: the polygon on the other side of that
-//! edge has it too, and leaving it out would tear the surface.
+//! Every corner is kept, also one in line with its neighbours: the polygon on the other side of
+//! that edge has it too, and leaving it out would tear the surface.
 
 use crate::Vec3;
 use crate::exact::turn;
@@ -75,7 +75,8 @@ impl View {
         self.turn(corners, a, b, c) > 0.0
     }
 
-    /// True if corner `i` of those left can be cut off: it sticks out, and no other is in the triangle.
+    /// True if corner `i` of those left can be cut off: it sticks out, and no other is in the
+    /// triangle.
     fn is_ear(&self, corners: &[Vec3], left: &[usize], i: usize) -> bool {
         let n = left.len();
         let (a, b, c) = (left[(i + n - 1) % n], left[i], left[(i + 1) % n]);

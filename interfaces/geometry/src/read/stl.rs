@@ -54,8 +54,8 @@ fn is_whole_binary(bytes: &[u8]) -> bool {
     bytes.len() >= HEADER && length(bytes) == Some(bytes.len())
 }
 
-/// True if a file is a text that begins as an STL file does. Text has no zeros, and the number in a binary header has:
-/// of its four bytes the last.
+/// True if a file is a text that begins as an STL file does. Text has no zeros, and the number in a
+/// binary header has: of its four bytes the last.
 fn is_text(bytes: &[u8]) -> bool {
     let begin = &bytes[..bytes.len().min(4096)];
     let is_wide = matches!(begin, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]);

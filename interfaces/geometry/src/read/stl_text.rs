@@ -1,7 +1,8 @@
 //! STL files in text.
 //!
-//! The library reads them in single precision, and knows neither capitals nor names that are no UTF-8. Here numbers are
-//! read in double precision, words in any case and on any lines, and an error tells the line.
+//! The library reads them in single precision, and knows neither capitals nor names that are no
+//! UTF-8. Here numbers are read in double precision, words in any case and on any lines, and an
+//! error tells the line.
 
 use super::text::{coordinate, quoted};
 use crate::{Mesh, Vec3};
@@ -48,7 +49,8 @@ pub fn parse(text: &str) -> Result<Mesh, String> {
     }
 }
 
-/// The corners of a facet whose first word was read. Its normal follows from them, and is passed over, whatever it is.
+/// The corners of a facet whose first word was read. Its normal follows from them, and is passed
+/// over, whatever it is.
 fn facet(words: &mut Words<'_>) -> Result<[Vec3; 3], String> {
     let mut passed = 0;
     loop {
@@ -96,7 +98,8 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Passes over the name of a solid: the rest of the line, or up to its first facet where a text has no lines.
+    /// Passes over the name of a solid: the rest of the line, or up to its first facet where a text
+    /// has no lines.
     fn skip_name(&mut self) {
         loop {
             let mut ahead = self.rest.clone();

@@ -5,8 +5,9 @@ use std::borrow::Cow;
 /// Longest part of a line that an error quotes.
 const QUOTED: usize = 60;
 
-/// The text of a file. Marks of its encoding are taken away and UTF-16 is read; letters of other encodings, which stand
-/// in names only, become some sign. Lines that end as on an old Macintosh end as others do.
+/// The text of a file. Marks of its encoding are taken away and UTF-16 is read; letters of other
+/// encodings, which stand in names only, become some sign. Lines that end as on an old Macintosh
+/// end as others do.
 pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let text = match bytes {
         [0xEF, 0xBB, 0xBF, rest @ ..] => String::from_utf8_lossy(rest),

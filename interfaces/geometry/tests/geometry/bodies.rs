@@ -199,8 +199,9 @@ pub fn point() -> impl Strategy<Value = Vec3> {
     proptest::array::uniform3(-1.1..1.1f64).prop_map(Vec3::from)
 }
 
-/// Winding number of a mesh around a point, as the sum of solid angles (Van Oosterom & Strackee, *IEEE
-/// Trans. Biomed. Eng.* 30 (1983) 125): near a whole number unless the point is on the surface.
+/// Winding number of a mesh around a point, as the sum of solid angles (Van Oosterom & Strackee,
+/// *IEEE Trans. Biomed. Eng.* 30 (1983) 125): near a whole number unless the point is on the
+/// surface.
 pub fn solid_angles(mesh: &Mesh, point: Vec3) -> f64 {
     let angle = |t: usize| {
         let [a, b, c] = mesh.corners(t).map(|p| p - point);

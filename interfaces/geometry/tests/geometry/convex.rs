@@ -11,8 +11,8 @@ fn edge_one(name: &str) -> Convex {
     Convex::hull(&scaled).unwrap()
 }
 
-/// Corners, faces, volume and moment of inertia over `m a^2` of the regular solids of edge 1 (Coxeter,
-/// *Regular Polytopes*; the moments follow from the integral of `r^2`).
+/// Corners, faces, volume and moment of inertia over `m a^2` of the regular solids of edge 1
+/// (Coxeter, *Regular Polytopes*; the moments follow from the integral of `r^2`).
 #[test]
 fn regular_solids_have_their_faces_volumes_and_inertia() {
     let s5 = 5f64.sqrt();
@@ -114,8 +114,8 @@ fn principal_axes_diagonalise() {
     assert_eq!(principal(&diagonal), ([2.0, 3.0, 2.0], [Vec3::x(), Vec3::y(), Vec3::z()]));
 }
 
-/// The least width of a regular solid lies between two faces, that of the tetrahedron between two edges; a flake's between its two
-/// sides.
+/// The least width of a regular solid lies between two faces, that of the tetrahedron between two
+/// edges; a flake's between its two sides.
 #[test]
 fn the_least_width_lies_between_faces_or_edges() {
     let s5 = 5f64.sqrt();

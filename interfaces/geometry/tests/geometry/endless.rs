@@ -1,4 +1,5 @@
-//! Parts that go through periodic faces: their ends beyond the domain are no walls, and what is between the faces goes on.
+//! Parts that go through periodic faces: their ends beyond the domain are no walls, and what is
+//! between the faces goes on.
 
 use tremie_geometry::{EndlessFault, Frame, GeometryError, Surface, Vec3, motion_problem};
 use tremie_messages::scene::{
@@ -36,7 +37,8 @@ fn fault(part: &Part, domain: &Domain) -> EndlessFault {
     }
 }
 
-/// Asks about points of the domain and a little around it, in the world: what is inside, and how far away the wall is.
+/// Asks about points of the domain and a little around it, in the world: what is inside, and how
+/// far away the wall is.
 fn agrees(part: &Part, domain: &Domain, distance: impl Fn(Vec3) -> f64, exact: f64) {
     let surface = Surface::in_domain(part, domain).unwrap();
     let position = surface.endless().place(part.pose.position).into();

@@ -1,5 +1,5 @@
-//! Surfaces by scenario: shapes against formulas, files, what is mended and what is refused, questions
-//! against brute force, edges and corners.
+//! Surfaces by scenario: shapes against formulas, files, what is mended and what is refused,
+//! questions against brute force, edges and corners.
 
 mod bodies;
 mod cavities;

@@ -3,7 +3,8 @@
 use tremie_geometry::{Mesh, Surface, Turned};
 use tremie_messages::scene::{DeformableSurface, FacetKind, Pose, Section, SectionEdge};
 
-/// A rectangle from radius `inner` to 2, of height 1; one that begins on the axis has no edge there.
+/// A rectangle from radius `inner` to 2, of height 1; one that begins on the axis has no edge
+/// there.
 fn rectangle(inner: f64) -> Section {
     let edge = |points, kind| SectionEdge { points, kind };
     let mut edges = vec![edge([0, 1], FacetKind::Seat), edge([1, 2], FacetKind::Exposed)];

@@ -1,5 +1,5 @@
-//! Pieces that overlap against formulas and integrals that know nothing of rays: volume, centroid and inertia of their
-//! union.
+//! Pieces that overlap against formulas and integrals that know nothing of rays: volume, centroid
+//! and inertia of their union.
 
 use nalgebra::Matrix3;
 use std::f64::consts::PI;
@@ -17,7 +17,8 @@ fn together(shares: &[Share]) -> (f64, Vec3, Matrix3<f64>) {
     (volume, centroid, shares.iter().map(about_origin).sum())
 }
 
-/// The same of spheres along x, given as place and radius, from their cross-sections: discs, the largest of which counts.
+/// The same of spheres along x, given as place and radius, from their cross-sections: discs, the
+/// largest of which counts.
 fn of_row(balls: &[(f64, f64)]) -> (f64, f64, [f64; 2]) {
     let low = balls.iter().map(|(x, r)| x - r).fold(f64::INFINITY, f64::min);
     let high = balls.iter().map(|(x, r)| x + r).fold(f64::NEG_INFINITY, f64::max);
@@ -38,8 +39,8 @@ fn close(found: f64, expected: f64, scale: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * scale.abs(), "{found} {expected}");
 }
 
-/// Dumbbells and chains in closed form, to rounding of the sections; where three overlap, and nested ones, to the tolerance
-/// that is stated.
+/// Dumbbells and chains in closed form, to rounding of the sections; where three overlap, and
+/// nested ones, to the tolerance that is stated.
 #[test]
 fn rows_of_spheres_are_what_their_sections_say() {
     let exact = 1e-9;
@@ -173,7 +174,8 @@ fn cubes_and_spheres_are_what_formulas_say() {
     }
 }
 
-/// A grain of dust in a boulder: its share is half of it, and it costs the boulder nothing that counts.
+/// A grain of dust in a boulder: its share is half of it, and it costs the boulder nothing that
+/// counts.
 #[test]
 fn a_small_piece_in_a_large_one_keeps_a_share() {
     let pieces = [

@@ -1,7 +1,7 @@
 //! Tables from results of CalculiX (`.frd`), so that a user's own run can take the place of ours.
 //!
-//! The run must be axisymmetric (CAX elements, x the radius, y the axis), the rubber below what it is
-//! bonded to, which comes down in the increments of one step, and ask for
+//! The run must be axisymmetric (CAX elements, x the radius, y the axis), the rubber below what it
+//! is bonded to, which comes down in the increments of one step, and ask for
 //!
 //! ```text
 //! *NODE FILE, OUTPUT=2D
@@ -28,9 +28,11 @@ pub struct Options {
     pub length: f64,
     /// Its unit of force [N].
     pub force: f64,
-    /// The seat in metres, in its coordinates; `None`: flat, at the lowest point of the last increment.
+    /// The seat in metres, in its coordinates; `None`: flat, at the lowest point of the last
+    /// increment.
     pub seat: Option<Seat>,
-    /// Distance from the seat within which a node touches it [m]; `None`: a thousandth of the section's height.
+    /// Distance from the seat within which a node touches it [m]; `None`: a thousandth of the
+    /// section's height.
     pub reach: Option<f64>,
 }
 
@@ -271,8 +273,8 @@ mod tests {
         rows.iter().map(|(node, xyz)| format!(" -1{node:10}{}\n", xyz.map(e12).concat())).collect()
     }
 
-    /// A ring of two quadrilaterals from radius 6 to 10 mm, 3 mm high, in two increments; written from
-    /// the description of the format.
+    /// A ring of two quadrilaterals from radius 6 to 10 mm, 3 mm high, in two increments; written
+    /// from the description of the format.
     fn file() -> String {
         let nodes = [
             (1, 6.0, 0.0),
