@@ -50,6 +50,26 @@ fn a_viewer_that_dies_after_the_run_is_not_waited_for() {
     assert_eq!(running.wait(Duration::from_secs(10)), Some(0));
 }
 
+/// `examples/minimal-observer` sees every frame: the start, those in between, and the last window.
+#[test]
+fn an_observer_of_ones_own_sees_every_frame() {
+    let observer = "[components]\nspeeds = { program = \"minimal-observer\", role = \"observer\", lossless = true }";
+    let manifest = SMALL.replacen("[components]", observer, 1);
+    let ran = run_text(&manifest, &["--set", "outputs.frames=\"2 ms\""]).succeeded();
+    let text = std::fs::read_to_string(ran.out.join("speeds.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|number| number.parse().unwrap()).collect())
+        .collect();
+    assert!((10..=12).contains(&rows.len()), "{text}");
+    // The grains start at rest and fall.
+    assert_eq!((rows[0][0], rows[0][2]), (0.0, 0.0));
+    assert!(rows[1..].iter().all(|row| row[2] > 0.0), "{text}");
+    let last = *ran.signals()["time"].last().unwrap();
+    assert!((rows.last().unwrap()[1] - last).abs() < 1e-12, "{text}");
+}
+
 /// The process that is the component `name` of an orchestrator.
 fn component(orchestrator: u32, name: &str) -> Option<u32> {
     children_of(orchestrator).into_iter().find(|id| {

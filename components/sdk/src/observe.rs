@@ -42,8 +42,6 @@ struct Inlet<S: ChannelMedium> {
     lost: u64,
 }
 
-/// Serves an observer from the assignment to the end.
-///
 /// An observer as a component of a run.
 pub struct AsObserver<T>(PhantomData<T>);
 

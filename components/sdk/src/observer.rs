@@ -96,10 +96,12 @@ pub trait Observer: Sized {
     /// All bodies at one moment; `from` is the sending component.
     fn bodies(
         &mut self,
-        from: &str,
-        at: Moment,
-        bodies: &[BodySample],
-    ) -> Result<(), ObserverError>;
+        _from: &str,
+        _at: Moment,
+        _bodies: &[BodySample],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
 
     /// All vertices of the scene's deformable surfaces at one moment. Comes only to observers that
     /// ask for them.
@@ -115,12 +117,14 @@ pub trait Observer: Sized {
     /// A cut through a field.
     fn slice(
         &mut self,
-        from: &str,
-        name: &str,
-        at: Moment,
-        header: &SliceHeader,
-        nodes: &[SliceNode],
-    ) -> Result<(), ObserverError>;
+        _from: &str,
+        _name: &str,
+        _at: Moment,
+        _header: &SliceHeader,
+        _nodes: &[SliceNode],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
 
     /// Nodes of a lattice. Comes only to observers that ask for volumes.
     fn volume(
@@ -137,14 +141,18 @@ pub trait Observer: Sized {
     /// Signals of a component, in the order of `names`.
     fn signals(
         &mut self,
-        from: &str,
-        at: Moment,
-        names: &[Signal],
-        values: &[f64],
-    ) -> Result<(), ObserverError>;
+        _from: &str,
+        _at: Moment,
+        _names: &[Signal],
+        _values: &[f64],
+    ) -> Result<(), ObserverError> {
+        Ok(())
+    }
 
     /// A line of the log.
-    fn log(&mut self, at: Moment, header: &LogHeader, text: &str) -> Result<(), ObserverError>;
+    fn log(&mut self, _at: Moment, _header: &LogHeader, _text: &str) -> Result<(), ObserverError> {
+        Ok(())
+    }
 
     /// The run is over and every frame was delivered; `last_common_window` is the last one that all
     /// components completed. Returns a note for the run's summary. What the observer serves may
