@@ -1,10 +1,10 @@
-//! What boundaries prescribe at a time, in lattice units.
+//! Velocities and densities that boundaries prescribe at a time, in lattice units.
 
 use crate::lattice::d3q19::CS2;
 use crate::lattice::units::Units;
 use tremie_messages::scene::{Course, Face, PartBoundary, Profile};
 
-/// What a boundary prescribes.
+/// Condition that a boundary prescribes over the whole run [lattice units].
 #[derive(Clone, Debug, PartialEq)]
 pub enum BoundaryCondition {
     /// No slip at a wall.
@@ -18,7 +18,7 @@ pub enum BoundaryCondition {
     Velocity {
         /// Velocity, at the middle of a profile.
         velocity: [f64; 3],
-        /// How it varies over a face.
+        /// Variation over a face.
         profile: Profile,
         /// Factor over time [s].
         course: Course,
@@ -38,7 +38,7 @@ impl BoundaryCondition {
     /// A wall that never moves.
     pub const AT_REST: Self = Self::Wall { velocity: [0.0; 3], course: Course::CONSTANT };
 
-    /// Whether it is a wall that never moves.
+    /// True if it is a wall that never moves.
     pub fn is_at_rest(&self) -> bool {
         matches!(self, Self::Wall { velocity: [0.0, 0.0, 0.0], .. })
     }
@@ -80,8 +80,9 @@ impl BoundaryCondition {
         Self::Density { drho: pressure / units.pressure() / CS2, course: course.clone() }
     }
 
-    /// What holds in a step that ends at a time [s] and took so long [s]; `None` where that depends on the flow. What
-    /// walls throw back meets them in the middle of the step; cells at open faces are set at its end.
+    /// Value in a step that ends at `end` [s] and took `step` [s]; `None` where it depends on the
+    /// flow. A wall's value is that of the middle of the step, when links are reflected at it;
+    /// cells at open faces are set at the end of the step.
     pub fn in_step(&self, end: f64, step: f64) -> Option<BoundaryValue> {
         Some(match self {
             Self::Wall { velocity, course } => {
@@ -98,7 +99,7 @@ impl BoundaryCondition {
     }
 }
 
-/// What a boundary prescribes now.
+/// Value that a boundary prescribes in a step [lattice units].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoundaryValue {
     /// This velocity.

@@ -1,4 +1,4 @@
-//! How much fluid a part displaces in the domain, and where.
+//! Volume of fluid that a part displaces in the domain, and its first moments.
 //!
 //! Buoyancy is that of what of a part lies in the domain, as if fluid stood all around it: also where it rests on a floor,
 //! or a face cuts it. So it is the same for a part that is fixed, moves or lies free. A cavity displaces less than
@@ -20,8 +20,8 @@ use crate::lattice::grid::{Grid, Side};
 use crate::lattice::ledger::add_scaled;
 use tremie_geometry::{Bounds, Mesh, Vec3};
 
-/// What a part displaces, by the axis of the acceleration that is balanced: volume, and the integral of position over it,
-/// from a point of reference.
+/// Fluid that a part displaces, by the axis of the acceleration that is balanced: volume, and the
+/// integral of position over it, from a point of reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displaced {
     /// Volumes.
@@ -52,7 +52,7 @@ impl Polygon {
         &self.corners[..self.count]
     }
 
-    /// What of it lies where `sign x_a <= sign at`.
+    /// Part of it where `sign x_a <= sign at`.
     fn below(&self, a: usize, at: f64, sign: f64) -> Self {
         let mut kept = Self::NONE;
         for (k, &from) in self.corners().iter().enumerate() {
@@ -146,7 +146,7 @@ impl Displaced {
     }
 }
 
-/// What counts along the first axis.
+/// Volume and first moments that count along the first axis.
 fn along(
     triangles: impl Iterator<Item = [[f64; 3]; 3]>,
     held: &Bounds,
@@ -206,9 +206,9 @@ impl Polygon {
     }
 }
 
-/// Where a part counts whose extent along each axis is given: between the faces; beyond a symmetry plane in which it is
-/// its own image, as far as on this side; and beyond periodic faces as a whole, unless it is as long as the domain. The box
-/// of cells begins at `min`.
+/// Bounds in which a part counts whose extent along each axis is given: between the faces; beyond a
+/// symmetry plane in which it is its own image, as far as on this side; and beyond periodic faces
+/// as a whole, unless it is as long as the domain. The box of cells begins at `min`.
 pub fn window(
     grid: &Grid,
     (min, cell): ([f64; 3], f64),

@@ -1,4 +1,4 @@
-//! Which axes of the world the lattice's are.
+//! Orientation of the lattice: the axes of the world along which its own lie.
 //!
 //! Cells are stored in rows along the lattice's first axis. A row that ends inside a line of the memory leaves that line in
 //! pieces, which costs several times what a whole line does. So the lattice is turned until few lines are in pieces: of a
@@ -19,11 +19,11 @@ mod scene;
 /// to be turned.
 const WORTH_IT: f64 = 0.9;
 
-/// What a line in pieces takes more than a whole one, in times of a whole one, in the mean of both kinds of steps: in odd
-/// ones some 700 cycles rather than 190, in even ones nothing.
+/// Extra time of a line in pieces over a whole one, in times of a whole one, as mean of both kinds
+/// of steps. In odd steps it takes some 700 cycles rather than 190, in even steps no more.
 const PIECES: f64 = 1.4;
 
-/// Which axes of the world the lattice's are.
+/// Axes of the world along which the lattice's lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LatticeOrientation {
     /// The world's axis along which rows lie; the others follow in cyclic order.

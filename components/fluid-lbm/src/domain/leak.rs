@@ -1,4 +1,4 @@
-//! Where a fluid gets out: the narrowest place of the widest way from inside to outside.
+//! Leak of a fluid: the narrowest place of the widest way from inside to outside.
 
 use crate::domain::voxels::each_neighbour;
 use crate::lattice::cell_list::Obstacles;

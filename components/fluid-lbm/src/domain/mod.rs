@@ -1,4 +1,4 @@
-//! What stands still, in cells: solids, faces of the domain, parameters.
+//! Static geometry in cells: solids, faces of the domain, parameters.
 
 pub mod boundary_condition;
 pub mod displaced_volume;

@@ -1,4 +1,4 @@
-//! What a user chooses about the fluid.
+//! Parameters of the fluid that a user chooses.
 
 use crate::lattice::d3q19::CS2;
 use schemars::JsonSchema;

@@ -10,24 +10,24 @@ use tremie_messages::scene::{Domain, Motion, Part, PartBoundary, Plane, Pose, Sc
 
 /// A solid that never moves.
 pub struct Solid {
-    /// What a user calls it.
+    /// Name that a user knows it by.
     pub name: String,
     /// Index into the scene's parts, unless it is a plane.
     pub part: Option<usize>,
-    /// What it is to the fluid.
+    /// Boundary condition of its surface.
     pub boundary: PartBoundary,
     /// The point about which its torque counts [m].
     pub reference: [f64; 3],
     shape: SolidShape,
 }
 
-/// Where a solid is.
+/// Shape of a solid and its place.
 enum SolidShape {
     Part {
         surface: Arc<Surface>,
-        /// Where it is: itself first, then as it comes in again through periodic faces.
+        /// Its surface in the world: itself first, then its images through periodic faces.
         images: Vec<Image>,
-        /// Whether the space inside is free and that outside solid.
+        /// True if the space inside is free and that outside solid.
         cavity: bool,
     },
     Plane {
@@ -43,8 +43,8 @@ struct Image {
     bounds: Bounds,
 }
 
-/// Where a part's surface is in a domain: at its place, and a period away where it reaches beyond a periodic face or to
-/// less than a cell from one.
+/// Images of a part's surface in a domain: at its place, and a period away where it reaches beyond
+/// a periodic face or to less than a cell from one.
 fn images(part: &Part, surface: &Surface, domain: &Domain, cell: f64) -> Vec<Image> {
     let endless = surface.endless();
     let home: [f64; 3] = endless.place(part.pose.position).into();
@@ -187,8 +187,8 @@ impl Solid {
         }
     }
 
-    /// What it displaces where it counts, about its reference [m³, m⁴]: nothing, of a plane. `mirrors` are the axes across
-    /// which a symmetry plane cuts it.
+    /// Volume that it displaces where it counts, and its first moments about its reference [m³,
+    /// m⁴]; zero for a plane. `mirrors` are the axes across which a symmetry plane cuts it.
     pub fn displaced(&self, grid: &Grid, centres: &Centres, mirrors: [bool; 3]) -> Displaced {
         let SolidShape::Part { surface, images, .. } = &self.shape else {
             return Displaced::default();
@@ -240,7 +240,7 @@ impl Solid {
         }
     }
 
-    /// Whether a point [m] is in the solid, its surface included.
+    /// True if a point [m] is in the solid, its surface included.
     pub fn holds(&self, point: [f64; 3]) -> bool {
         match &self.shape {
             SolidShape::Plane { point: on, normal } => {
@@ -270,8 +270,8 @@ impl Solid {
         }
     }
 
-    /// Where the link from the centre of one cell to that of another, at most a step away along each
-    /// axis, meets the surface first, as part of its length, in `(0, 1]`. Decided for the very
+    /// First crossing of the surface by the link from the centre of one cell to that of another, at
+    /// most a step away along each axis: as part of its length, in `(0, 1]`. Decided for the very
     /// points of [`Solid::fill_row`], so that a link with one end in the solid meets it.
     pub fn crossing(&self, centres: &Centres, from: [i32; 3], to: [i32; 3]) -> Option<f64> {
         let fraction = match &self.shape {
@@ -357,7 +357,7 @@ impl Solid {
     }
 }
 
-/// Whether a box meets the domain or is less than a cell from it.
+/// True if a box meets the domain or is less than a cell from it.
 fn image_near(grid: &Grid, centres: &Centres, bounds: &Bounds) -> bool {
     let max = Vec3::from_fn(|a, _| centres.min[a] + f64::from(grid.n[a]) * centres.cell);
     Bounds { min: centres.min.into(), max }.grown(centres.cell).meets(bounds)

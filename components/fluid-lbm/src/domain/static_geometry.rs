@@ -21,7 +21,7 @@ pub struct StaticGeometry {
     pub grid: Grid,
     /// Its solids.
     pub solids: Vec<Solid>,
-    /// Which cells they cover.
+    /// Cells that the solids cover.
     pub voxels: Voxels,
     /// Surfaces of the parts that move, by index of the part.
     pub moving: Vec<Option<Arc<Surface>>>,
@@ -32,7 +32,7 @@ pub struct StaticGeometry {
     cut: (usize, Vec<String>),
 }
 
-/// What faces are to the box of cells.
+/// Kinds of the faces of the box of cells.
 pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
     scene.domain.faces.each_ref().map(|faces| {
         faces.each_ref().map(|face| match face {
@@ -176,7 +176,8 @@ impl StaticGeometry {
         self.centres
     }
 
-    /// Whether no solid covers the cell at a place, which may lie beyond periodic faces; not so outside the domain.
+    /// True if no solid covers the cell at a place [m], which may lie beyond periodic faces; false
+    /// outside the domain.
     pub fn is_fluid_at(&self, place: [f64; 3]) -> bool {
         let at: [i32; 3] = std::array::from_fn(|a| {
             let k = ((place[a] - self.centres.min[a]) / self.centres.cell).floor();
@@ -185,7 +186,8 @@ impl StaticGeometry {
         self.grid.contains(at) && self.voxels.is_fluid(&self.grid, at)
     }
 
-    /// Where a blocked link meets which solid: `q`, and the solid that it meets first.
+    /// Solid that a blocked link meets first, and `q`, the part of its length up to there; half-way
+    /// if it meets none.
     pub fn meet(&self, at: [i32; 3], blocked: &Blocked) -> (Blocked, f64) {
         let (grid, i) = (&self.grid, usize::from(blocked.dir));
         let to = std::array::from_fn(|a| at[a] + C[i][a]);
@@ -210,7 +212,7 @@ impl StaticGeometry {
         if first.1.is_finite() { first } else { (*blocked, 0.5) }
     }
 
-    /// What a user should know of the geometry; sentences.
+    /// Notes for a user on the geometry; sentences.
     pub fn notes(&self) -> Vec<String> {
         let Voxels { fluid, unreached, regions, .. } = &self.voxels;
         let mut notes = Vec::new();
@@ -240,7 +242,8 @@ impl StaticGeometry {
     }
 }
 
-/// How many links solids cut between two cells of the fluid, those that stand still and those that move, and which do.
+/// Number of links that solids at rest or moving cut between two cells of the fluid, and the names
+/// of these solids.
 fn cut_links(
     grid: &Grid,
     centres: &Centres,

@@ -1,4 +1,4 @@
-//! Which cells of the box are fluid, and which links end at static solids.
+//! Fluid cells of the box, and links that end at static solids.
 //!
 //! A cell is solid if its centre is in a solid. A link between two fluid cells that meets a surface
 //! on its way is a wall too: a sheet thinner than a cell. With points `inside` given, only cells
@@ -67,7 +67,7 @@ impl Voxels {
         sheets(grid, centres, more, &marks)
     }
 
-    /// Whether a cell is fluid.
+    /// True if a cell is fluid.
     pub fn is_fluid(&self, grid: &Grid, at: [i32; 3]) -> bool {
         self.obstacles.solid[grid.index(at)] == 0
     }
@@ -126,7 +126,7 @@ fn sheets(grid: &Grid, centres: &Centres, solids: &[Solid], marks: &[u16]) -> Ve
     sheets
 }
 
-/// Which cells links lead to from the starts that are fluid.
+/// True for fluid cells to which links lead from the fluid cells among the starts.
 pub fn flood(grid: &Grid, obstacles: &Obstacles, starts: &[usize]) -> Vec<bool> {
     let mut reached = vec![false; grid.len()];
     let mut front = Vec::new();

@@ -1,4 +1,4 @@
-//! Where the populations of each cell are in even and in odd steps.
+//! Places of the populations of each cell in even and in odd steps.
 //!
 //! The pattern "AA" of Bailey et al. 2009 on a list of cells. `A[i][x]` is plane `i` of the array at
 //! cell `x`; a *place* is one index into the array, `plane * stride + cell`. A collision reads `f_i`
@@ -29,7 +29,7 @@ use crate::lattice::populations::prefetch;
 
 pub use self::build::stride;
 
-/// Which of the two in-place steps is meant.
+/// Parity of an in-place step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
     /// Reads and writes within a cell.
@@ -58,12 +58,13 @@ pub struct Piece {
     pub lanes: u16,
     /// Direction.
     pub dir: u8,
-    /// Whether this is the last piece of its line and direction.
+    /// True if this is the last piece of its line and direction.
     pub last: bool,
 }
 
-/// What a sweep asks of a line before anything else. Its pieces are first those of directions in two pieces, then of those in three, as almost all are, then
-/// others; so loops over them have no branch that is hard to foresee.
+/// Pieces of a line, the first number that a sweep reads of it. The pieces of directions in two
+/// pieces come first, then those of directions in three, as almost all are, then the others. So
+/// loops over them have no branch that is hard to foresee.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Kind {
     /// The first of its pieces.
@@ -77,7 +78,7 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// Whether a direction of the line is in pieces.
+    /// True if a direction of the line is in pieces.
     #[inline(always)]
     pub fn is_in_pieces(self) -> bool {
         self.two + self.three + self.others != 0
@@ -132,7 +133,7 @@ pub struct AaPattern {
     pieces: Vec<Piece>,
 }
 
-/// What comes of building the table besides.
+/// Links that end at fixtures, found while the table is built.
 #[derive(Debug, Default)]
 pub struct BlockedLinks {
     /// Reflecting links, by line.
@@ -160,7 +161,7 @@ impl AaPattern {
         self.kinds[line]
     }
 
-    /// How a sweep comes to a line; [`Way::AHEAD`] lines after the last may be asked for, too.
+    /// Way to a line in a sweep. [`Way::AHEAD`] lines after the last may be asked for, too.
     #[inline(always)]
     pub fn way(&self, line: usize) -> Way {
         self.ways[line]
@@ -185,8 +186,8 @@ impl AaPattern {
         &self.pieces
     }
 
-    /// Where the collision of a parity finds `f_i` of a cell. It leaves `g_i` in the place of the
-    /// opposite direction.
+    /// Place at which the collision of a parity reads `f_i` of a cell. It leaves `g_i` in the place
+    /// of the opposite direction.
     #[inline(always)]
     pub fn of(&self, parity: Parity, cell: u32, i: usize) -> usize {
         match parity {
@@ -322,7 +323,8 @@ impl AaPattern {
         (1..Q).filter_map(move |i| self.leads_to(cell, i, places[OPPOSITE[i]]))
     }
 
-    /// Where the link `i` of a cell leads, given the odd place of the population that comes back along it.
+    /// Cell to which the link `i` of a cell leads, given the odd place of the population that comes
+    /// back along it; `None` at a fixture.
     #[inline(always)]
     fn leads_to(&self, cell: u32, i: usize, place: usize) -> Option<u32> {
         if place == OPPOSITE[i] * self.stride + cell as usize {

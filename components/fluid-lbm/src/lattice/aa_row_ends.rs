@@ -11,9 +11,9 @@ use crate::lattice::simd::SimdVector;
 
 /// The populations of a line at an end of a row, the upper or the lower one.
 pub struct AtEnd<'a, V: SimdVector, const UPPER: bool> {
-    /// Where the line is, but for the cell at the end in directions that come from beyond.
+    /// Places of the line; not those of the cell at the end, in directions that come from beyond.
     line: After<'a, V::Scalar>,
-    /// Where that cell is in these, if the other lanes lay beside it.
+    /// Places of that cell in these directions, as those of a whole line that holds it in its lane.
     ends: [*mut V::Scalar; RowEnd::COUNT],
     /// The other lanes, and that of the cell.
     masks: [V::Mask; 2],
@@ -43,7 +43,7 @@ pub fn ask<T: Real>(sweep: &Sweep<T>, line: usize) {
 
 impl<'a, V: SimdVector, const UPPER: bool> AtEnd<'a, V, UPPER> {
     const END: RowEnd = if UPPER { RowEnd::Upper } else { RowEnd::Lower };
-    /// Bits of the cell's lane and of the others.
+    /// Bits of the other lanes, and that of the cell.
     const LANES: [u32; 2] = {
         let all = all_lanes::<V>();
         let end = if UPPER { all ^ all >> 1 } else { 1 };
@@ -70,7 +70,7 @@ impl<'a, V: SimdVector, const UPPER: bool> AtEnd<'a, V, UPPER> {
     }
 }
 
-/// Whether a direction comes from beyond the end.
+/// True if a direction comes from beyond the end.
 const fn is_from_beyond<const UPPER: bool>(i: usize) -> bool {
     C[i][0] == if UPPER { -1 } else { 1 }
 }

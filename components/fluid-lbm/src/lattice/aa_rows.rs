@@ -1,14 +1,14 @@
-//! How a sweep comes from one line to the next, and lines at the ends of rows.
+//! Way of a sweep from one line to the next, and lines at the ends of rows.
 
 use crate::lattice::aa_pattern::Piece;
 use crate::lattice::d3q19::{C, Q};
 
-/// How a sweep comes from one line to the next.
+/// Way of a sweep from one line to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Way {
-    /// Whether its odd places are those after the places of the line before, at least of most of its cells.
+    /// True if its odd places are those after the places of the line before, at least of most of its cells.
     pub follows: bool,
-    /// Which end of a row it holds, if that is all that there is to be seen to.
+    /// End of a row that the line holds, if its only pieces are those of that end.
     pub row_end: Option<RowEnd>,
 }
 
@@ -46,7 +46,7 @@ impl RowEnd {
         directions
     }
 
-    /// Which of these a direction is.
+    /// Number of a direction among these.
     pub const fn number_of(self, i: usize) -> usize {
         let mut k = 0;
         while self.directions()[k] != i {
@@ -55,7 +55,7 @@ impl RowEnd {
         k
     }
 
-    /// Which of the two pieces of a direction are the cells beside the last one of the row.
+    /// Index, among the two pieces of a direction, of the cells beside the last one of the row.
     #[inline(always)]
     pub const fn others(self) -> usize {
         match self {
@@ -64,7 +64,8 @@ impl RowEnd {
         }
     }
 
-    /// Which end a line holds that has so many pieces, two for each of some directions.
+    /// End that a line with these pieces holds; `None` unless five directions have two pieces each,
+    /// as at an end. `all` has the bits of all lanes.
     pub fn of(pieces: &[Piece], all: u16) -> Option<Self> {
         let last = all ^ all >> 1;
         [(Self::Lower, [1, all ^ 1]), (Self::Upper, [all ^ last, last])].into_iter().find_map(

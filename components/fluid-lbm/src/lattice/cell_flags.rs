@@ -132,13 +132,14 @@ impl CellFlags {
         self.of[cell as usize]
     }
 
-    /// Whether a cell is fluid.
+    /// True if a cell is fluid.
     #[inline(always)]
     pub fn is_fluid(&self, cell: u32) -> bool {
         self.fluid[cell as usize / 8] >> (cell % 8) & 1 == 1
     }
 
-    /// Which of the cells with consecutive numbers from `number` on, one for each bit set in `cells`, are fluid.
+    /// Fluid cells among those with consecutive numbers from `number` on, one for each bit set in
+    /// `cells`.
     #[inline(always)]
     pub fn fluid_among(&self, cells: u64, mut number: u32) -> u64 {
         let (mut rest, mut fluid) = (cells, 0);
@@ -154,7 +155,7 @@ impl CellFlags {
         fluid
     }
 
-    /// Whether the 64 cells from `number` on are fluid.
+    /// Fluid cells among the 64 from `number` on, a bit each.
     #[inline(always)]
     fn fluid_from(&self, number: u32) -> u64 {
         let (first, shift) = (number as usize / 8, number % 8);
@@ -164,13 +165,13 @@ impl CellFlags {
         word >> shift | u64::from(bytes[8]) << 1 << (63 - shift)
     }
 
-    /// Whether more than one body holds a cell.
+    /// True if more than one body holds a cell.
     #[inline(always)]
     pub fn is_shared(&self, cell: u32) -> bool {
         self.held_twice[cell as usize / 8] >> (cell % 8) & 1 == 1
     }
 
-    /// Whether every cell is fluid.
+    /// True if every cell is fluid.
     #[inline(always)]
     pub fn all_fluid(&self) -> bool {
         self.fluid_cells == self.of.len()
@@ -300,7 +301,7 @@ impl CellFlags {
         }
     }
 
-    /// Whether any neighbour is fluid or will be.
+    /// True if any neighbour is fluid or will be.
     fn is_open(&self, layout: &Layout, cell: u32) -> bool {
         let mut neighbours = (1..Q).filter_map(|i| layout.neighbour(cell, i));
         // A cell at a mirror has itself for a neighbour.

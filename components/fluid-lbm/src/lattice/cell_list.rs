@@ -1,4 +1,4 @@
-//! Which cells of the box are stored, and what stands around them.
+//! Stored cells of the box, and the obstacles around them.
 //!
 //! Only cells that no static solid covers are stored. They have numbers in the order of the box, x
 //! running fastest; everything that is kept for cells is an array over these numbers.
@@ -29,7 +29,7 @@ impl BoundaryId {
         Self(Self::FACES + number)
     }
 
-    /// Which solid, unless it is a face.
+    /// Index of the solid, unless it is a face.
     pub fn as_solid(self) -> Option<usize> {
         self.0.checked_sub(Self::FACES).map(usize::from)
     }
@@ -43,7 +43,7 @@ pub struct Sheet {
     pub cell: u32,
     /// Direction of the link.
     pub dir: u8,
-    /// Which static solid.
+    /// Index of the static solid.
     pub solid: u16,
 }
 
@@ -57,7 +57,7 @@ pub struct Obstacles {
     pub sheets: Vec<Sheet>,
 }
 
-/// Where a link from a stored cell ends.
+/// End of a link from a stored cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkEnd {
     /// In a stored cell, through a mirror at the axes whose bits are set.
@@ -71,7 +71,7 @@ pub enum LinkEnd {
     BoundaryId(BoundaryId),
 }
 
-/// Which of 32 consecutive cells of the box are stored.
+/// Stored cells among 32 consecutive cells of the box.
 #[derive(Clone, Copy, Debug, Default)]
 struct Word {
     bits: u32,
@@ -82,7 +82,8 @@ struct Word {
 /// The stored cells.
 #[derive(Clone, Debug)]
 pub struct CellList {
-    /// Which cells of the box are stored, and so their numbers: the count of those before.
+    /// Stored cells of the box, a bit each. The number of a stored cell is the count of those
+    /// before it.
     words: Vec<Word>,
     /// For each stored cell its index in the box.
     at: Vec<u32>,
@@ -106,7 +107,7 @@ impl CellList {
         Self { words, at }
     }
 
-    /// How many are stored.
+    /// Number of stored cells.
     pub fn len(&self) -> usize {
         self.at.len()
     }
@@ -138,7 +139,7 @@ impl CellList {
         grid.at(self.index(cell))
     }
 
-    /// Where the link along `i` from a cell at `at` leads, sheets not counted.
+    /// End of the link along `i` from a cell at `at`, sheets not counted.
     pub fn end(&self, grid: &Grid, obstacles: &Obstacles, at: [i32; 3], i: usize) -> LinkEnd {
         match grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
             Reach::Face { axis, side } => LinkEnd::BoundaryId(BoundaryId::face(axis, side)),

@@ -65,8 +65,8 @@ impl Relaxation {
     }
 }
 
-/// What a collision needs in every lane. `w` is the weight of a diagonal direction; those along an axis have twice, the
-/// one at rest twelve times as much.
+/// Constants of the collision, the same in every lane. `w` is the weight of a diagonal direction;
+/// those along an axis have twice, the one at rest twelve times as much.
 #[derive(Clone, Copy)]
 pub struct Constants<V> {
     half: V,
@@ -82,7 +82,7 @@ pub struct Constants<V> {
     w0: V,
     /// The relaxation of all cells, without a closure.
     pub rates: RelaxationRates<V>,
-    /// What populations keep, and what they take from their opposites.
+    /// Factors of a population and of its opposite in its post-collision value: `1 - k+` and `k-`.
     keep: V,
     swap: V,
     /// `w_0/tau+` and `w/tau+`.
@@ -185,7 +185,7 @@ pub struct Moments<V> {
     pub j: [V; 3],
     /// `9/4 u.u`.
     pub v2: V,
-    /// What relaxes them.
+    /// Equilibrium to which they relax.
     pub target: Equilibrium<V>,
     /// Their relaxation; of no meaning without the closure, where it is the same everywhere.
     pub rates: RelaxationRates<V>,
@@ -216,7 +216,7 @@ pub struct Equilibrium<V> {
     rest: V,
 }
 
-/// Where the populations of a vector of cells are.
+/// Places of the populations of a vector of cells.
 pub trait Populations<V: SimdVector> {
     /// Those of a direction.
     ///
@@ -246,8 +246,8 @@ impl<V: SimdVector> Populations<V> for After<'_, V::Scalar> {
     }
 }
 
-/// How many cache lines ahead of its use a place is fetched: a processor's window of instructions does not reach that
-/// far by itself.
+/// Number of cache lines ahead of its use at which a place is fetched. A processor's window of
+/// instructions does not reach that far by itself.
 pub const AHEAD: usize = 16;
 
 /// Asks memory for the places that lie a while after those of a vector.

@@ -34,16 +34,16 @@ pub struct CellBlock {
     pub halfway: HalfwayLinks,
 }
 
-/// What a kernel works on, the same for all blocks.
+/// Input of a kernel, the same for all blocks.
 #[derive(Clone, Copy)]
 pub struct Sweep<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
-    /// Where they are.
+    /// Places of the populations.
     pub places: &'a AaPattern,
     /// One bit for each stored cell: whether it is fluid. Zero in padding.
     pub fluid: &'a [u8],
-    /// Which step.
+    /// Parity of the step.
     pub parity: Parity,
     /// Constants of the collision.
     pub relaxation: &'a Relaxation,
@@ -84,7 +84,7 @@ impl<T: Real> DensityRequests<T> {
         self.lines.len() * (1 + 64)
     }
 
-    /// Where the densities of a line go; nowhere if nobody wants them.
+    /// Address to which the densities of a line are written; null if nobody asks for them.
     #[inline(always)]
     pub fn room(&self, line: usize) -> *mut T {
         if self.lines.get(line).is_some_and(|wanted| wanted.load(Relaxed) != 0) {
@@ -249,7 +249,7 @@ pub const fn all_lanes<V: SimdVector>() -> u32 {
     u32::MAX >> (32 - V::N)
 }
 
-/// Which cells of a line are fluid.
+/// Bits of the fluid cells of a line.
 ///
 /// # Safety
 /// The line has bits.

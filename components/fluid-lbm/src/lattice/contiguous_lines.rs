@@ -17,11 +17,11 @@ use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
 
 /// Lines whose places follow each other.
 pub struct LineRun<T> {
-    /// Which.
+    /// Numbers of the lines.
     pub lines: Range<usize>,
-    /// Where the populations of the first one are.
+    /// Places of the populations of the first line.
     pub places: [*mut T; Q],
-    /// Whether there may be ends of rows among them.
+    /// True if there may be ends of rows among them.
     has_ends: bool,
 }
 
@@ -51,7 +51,7 @@ impl<T: Real> LineRun<T> {
         Self { has_ends: false, ..Self::odd(sweep, line..line + 1) }
     }
 
-    /// How far a line is from the first.
+    /// Distance of a line from the first [numbers].
     #[inline(always)]
     fn reach(&self, line: usize) -> usize {
         (line - self.lines.start) * T::LINE
@@ -202,7 +202,7 @@ const LINES_TOGETHER: usize = 4;
 /// Vectors of so many lines at most.
 const VECTORS: usize = 16;
 
-/// What vectors relax to, and how fast those do that have rates of their own.
+/// Equilibria of the vectors, and rates of relaxation where each cell has its own.
 struct Measured<V> {
     targets: [MaybeUninit<Equilibrium<V>>; VECTORS],
     rates: [MaybeUninit<RelaxationRates<V>>; VECTORS],

@@ -1,4 +1,4 @@
-//! What can go wrong while the fluid runs.
+//! Errors of the fluid at run time.
 
 use crate::lattice::grid::face_name;
 use tremie_messages::finding::short;
@@ -14,7 +14,7 @@ pub enum FluidError {
     Bodies {
         /// Place in the list.
         place: usize,
-        /// How many bodies live.
+        /// Number of living bodies.
         count: usize,
         /// Id that belongs there, as text (or "the end of the list").
         expected: String,
@@ -108,9 +108,9 @@ pub enum FluidError {
          all surfaces of the scene must be given before the start, in their order"
     )]
     Vertices {
-        /// How many the scene has.
+        /// Number of vertices of the scene's deformable surfaces.
         expected: usize,
-        /// How many came.
+        /// Number of vertices given.
         found: usize,
     },
     /// A vertex holds a number that is not finite.
@@ -138,7 +138,7 @@ pub enum FluidError {
         cell: [usize; 3],
         /// Its centre [m].
         position: [f64; 3],
-        /// What was found there.
+        /// Value found there.
         value: String,
     },
     /// The piston of a reservoir has come to the face.

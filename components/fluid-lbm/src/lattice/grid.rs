@@ -1,6 +1,6 @@
 //! The box of cells: its shape, its faces, and what a link meets beyond them.
 
-/// What a face of the box is to the links that cross it.
+/// Kind of a face of the box for links that cross it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Joined to the opposite face.
@@ -13,7 +13,7 @@ pub enum Side {
     Open,
 }
 
-/// Where coordinates lead that may lie beyond a face.
+/// Target of coordinates that may lie beyond a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     /// To a cell of the box, mirrored at the axes whose bits are set.
@@ -39,7 +39,7 @@ pub struct Grid {
     pub n: [i32; 3],
     /// Lower and upper face of each axis.
     pub sides: [[Side; 2]; 3],
-    /// Which axes wrap around.
+    /// True for axes that wrap around.
     pub periodic: [bool; 3],
     /// The axes in the order of the world's: of several faces at an edge, the first by it counts.
     pub order: [usize; 3],
@@ -116,15 +116,15 @@ impl Grid {
         }
     }
 
-    /// Whether the coordinates are those of a cell of the box.
+    /// True if the coordinates are those of a cell of the box.
     #[inline]
     pub fn contains(&self, at: [i32; 3]) -> bool {
         (0..3).all(|a| at[a] >= 0 && at[a] < self.n[a])
     }
 
-    /// Where coordinates lead that are at most one cell beyond a face (any number along periodic
-    /// axes). Of several faces that end the fluid, walls come before open ones, then the first
-    /// of the world's axes; a face that ends the fluid comes before mirrors.
+    /// Target of coordinates at most one cell beyond a face (any number of cells along periodic
+    /// axes). Of several faces that end the fluid, walls come before open ones, then the first of
+    /// the world's axes; a face that ends the fluid comes before mirrors.
     pub fn reach(&self, at: [i32; 3]) -> Reach {
         let mut to = at;
         let mut mirrors = 0;

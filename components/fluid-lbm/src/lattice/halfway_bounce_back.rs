@@ -142,7 +142,7 @@ impl HalfwayRun {
 struct Feel<'a, T: Real> {
     run: &'a HalfwayRun,
     field: &'a Field<T>,
-    /// Where the first cell's populations of the direction are that the collision left.
+    /// Place at which the collision left the first cell's population of the direction.
     plane: usize,
     flags: &'a CellFlags,
     exchange: &'a mut MomentumExchange,

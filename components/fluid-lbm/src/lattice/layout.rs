@@ -13,7 +13,7 @@ pub struct Layout {
     pub grid: Grid,
     /// The cells that no static solid covers.
     pub cells: CellList,
-    /// Where their populations are.
+    /// Places of their populations.
     pub places: AaPattern,
     /// Stored cells from which links end at thin solids between cells, sorted.
     at_sheets: Vec<u32>,
@@ -48,7 +48,7 @@ impl Layout {
         self.cells.at(&self.grid, at)
     }
 
-    /// Whether a link from a stored cell ends at a thin solid between cells.
+    /// True if a link from a stored cell ends at a thin solid between cells.
     pub fn is_at_sheet(&self, cell: u32) -> bool {
         self.at_sheets.binary_search(&cell).is_ok()
     }
@@ -59,8 +59,8 @@ impl Layout {
         self.cells.coordinates(&self.grid, cell)
     }
 
-    /// Where the collision of a parity finds `f_i` of a cell. It leaves `g_i` in the place of the
-    /// opposite direction.
+    /// Place at which the collision of a parity reads `f_i` of a cell. It leaves `g_i` in the place
+    /// of the opposite direction.
     #[inline(always)]
     pub fn place(&self, parity: Parity, cell: u32, i: usize) -> usize {
         self.places.of(parity, cell, i)
@@ -97,7 +97,7 @@ impl Layout {
         self.neighbour(cell, back).or_else(|| self.sees_itself(cell, back).then_some(cell))
     }
 
-    /// Whether the link along `i` leads straight into a mirror, and so back to the cell itself.
+    /// True if the link along `i` leads straight into a mirror, and so back to the cell itself.
     pub fn sees_itself(&self, cell: u32, i: usize) -> bool {
         let at = self.at(cell);
         (0..3).all(|a| match C[i][a] {

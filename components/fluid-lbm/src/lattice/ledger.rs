@@ -75,12 +75,13 @@ pub struct Ledger {
     pub mass_uncovered: f64,
     /// Lost with isolated cells.
     pub mass_isolated: f64,
-    /// What interpolated walls took and have not paid back, and with `refill = "mass"` what moving bodies took beyond their volume,
-    /// at the end of the step; part of no sum here.
+    /// Mass that interpolated walls took and have not paid back, and with `refill = "mass"` mass
+    /// that moving bodies took beyond their volume, at the end of the step [kg]; part of no sum
+    /// here.
     pub mass_owed: f64,
-    /// What the scheme lost since the start (negative: gained), beyond what came and went through open faces and
-    /// through parts that let fluid through, and what moving walls displaced, at the end of the step; part of no sum here.
-    /// With `refill = "mass"`, what is owed.
+    /// Mass that the scheme lost since the start (negative: gained), beyond mass that came and went
+    /// through open faces and parts that let fluid through, and mass that moving walls displaced,
+    /// at the end of the step [kg]; part of no sum here. With `refill = "mass"`, the mass owed.
     pub mass_lost: f64,
 }
 

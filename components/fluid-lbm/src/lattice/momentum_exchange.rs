@@ -4,7 +4,7 @@ use crate::lattice::d3q19::cross;
 use crate::lattice::ledger::add_scaled;
 use std::iter::Sum;
 
-/// What links exchanged in a step.
+/// Momentum, torque and mass that links exchanged in a step [lattice units].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MomentumExchange {
     /// Force on the body.
@@ -18,7 +18,8 @@ pub struct MomentumExchange {
     pub image: [f64; 3],
     /// The same for `swept`.
     pub image_swept: [f64; 3],
-    /// What mirrors are reckoned to have given to populations of links that are cut on their way through them.
+    /// Momentum that mirrors are reckoned to have given to populations of links that are cut on
+    /// their way through them.
     pub unmirrored: [f64; 3],
     /// Mass that went to the fluid.
     pub mass: f64,

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 pub trait Real: Copy + Send + Sync + PartialOrd + std::fmt::Debug + 'static {
     /// Atomic of the same layout.
     type Atomic: Send + Sync;
-    /// How many fill 64 bytes.
+    /// Count of numbers that fill 64 bytes.
     const LINE: usize;
     /// As f64, exact.
     fn to_f64(self) -> f64;

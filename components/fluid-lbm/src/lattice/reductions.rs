@@ -61,13 +61,13 @@ pub struct StatisticsSums<V> {
 /// Vectors in a line at most.
 const VECTORS: usize = 4;
 
-/// What is added up of a few lines, and extremes. Small, so that a loop over lines keeps it in registers if these hold
-/// whole lines.
+/// Sums and extremes over a few lines. Small, so that a loop over lines keeps it in registers if
+/// these hold whole lines.
 #[derive(Clone, Copy)]
 pub struct Held<V> {
     /// Density minus 1 and momentum, for each vector of a line.
     sums: [[V; VECTORS]; 4],
-    /// How many lines these are.
+    /// Number of these lines.
     count: u32,
     v2: V,
     min_drho: V,

@@ -1,4 +1,4 @@
-//! What walls and mirrors give to the fluid by reflecting it.
+//! Impulse that walls and mirrors give to the fluid by reflecting it.
 //!
 //! Reflection half-way and at mirrors costs no work: the places of the populations see to it. The
 //! momentum that it takes is `2 c_i f_i` at a wall and `(c_i - c_m(i)) f_i` at a mirror for each
@@ -19,9 +19,9 @@ use std::ops::Range;
 pub struct ReflectionRun {
     /// Whom they meet.
     pub fixture: BoundaryId,
-    /// Whether it is a mirror.
+    /// True if it is a mirror.
     pub is_mirror: bool,
-    /// Whether another block's collision may leave what is reflected.
+    /// True if another block's collision may leave what is reflected.
     pub is_late: bool,
     /// Momentum to the fluid for each unit of the reflected populations.
     pub impulse: [f64; 3],
@@ -91,7 +91,7 @@ impl ReflectionImpulse {
         });
     }
 
-    /// Whether any link has to wait for all blocks.
+    /// True if any link has to wait for all blocks.
     pub fn is_late(&self) -> bool {
         self.runs.iter().any(|run| run.is_late)
     }
@@ -190,7 +190,7 @@ impl ReflectionImpulse {
     }
 }
 
-/// Which of the `LINE` cells from `cell` on are fluid.
+/// Bits of the fluid cells among the `LINE` cells from `cell` on.
 #[inline(always)]
 fn bits_at<T: Real>(fluid: &[u8], cell: i32) -> u32 {
     let byte = |k: usize| fluid.get(k).map_or(0, |&b| u32::from(b));

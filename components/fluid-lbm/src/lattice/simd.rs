@@ -20,7 +20,7 @@ pub trait SimdVector:
 {
     /// The number.
     type Scalar: Real;
-    /// Which lanes count.
+    /// Selection of lanes.
     type Mask: Copy;
     /// Number of lanes.
     const N: usize;

@@ -52,7 +52,7 @@ fn sheets(grid: &Grid, solid: &[u16], roll: &mut impl FnMut() -> u32) -> Vec<She
 }
 use crate::lattice::grid::Reach;
 
-/// Whether a line may be in a run with others.
+/// True if a line may be in a run with others.
 fn is_straight(places: &AaPattern, line: usize) -> bool {
     !places.kind(line).is_in_pieces() || places.way(line).row_end.is_some()
 }

@@ -113,7 +113,7 @@ fn pull<V: SimdVector, const FORCED: bool>(
     rho * z.mul_add(v[2], y.mul_add(v[1], x * v[0]))
 }
 
-/// Where all cells have the same times. With `k+- = (1/tau+ +- 1/tau-)/2` a pair becomes
+/// Relaxation with the same times in all cells. With `k+- = (1/tau+ +- 1/tau-)/2` a pair becomes
 ///
 /// ```text
 /// g_i = (1 - k+) h_i - k- h_i' + heq+_i/tau+ + heq-_i/tau- + e S+_i + o S-_i
@@ -166,7 +166,7 @@ unsafe fn relax_alike<
     each_pair!(relax, v);
 }
 
-/// Where each cell has its own times. These are waited for longest, so that they come in last:
+/// Relaxation with each cell's own times. These are ready last, so they enter the formula last:
 ///
 /// ```text
 /// g_i = h_i + S_i + [heq_i - h_i - S_i/2]/tau
