@@ -50,11 +50,11 @@ pub struct Body {
     lines: Vec<u32>,
     /// Its items of links among those of all bodies.
     pub items: std::ops::Range<usize>,
-    /// Whether it holds cells that another body holds too.
+    /// True if it holds cells that another body holds too.
     pub shares: bool,
-    /// Whether it has a position yet.
+    /// True if it has a position yet.
     placed: bool,
-    /// Whether its cells must be found anew.
+    /// True if its cells must be found anew.
     pub moved: bool,
     /// Cells that it left and entered in the last move.
     pub left: Vec<u32>,
@@ -64,20 +64,20 @@ pub struct Body {
     pub carried: [[f64; 3]; 2],
     /// Force and torque of the pressure in gaps in the last step.
     pub pressed: [[f64; 3]; 2],
-    /// What it owes the fluid.
+    /// Mass that it owes the fluid.
     pub account: MassAccount,
-    /// What it displaces, where that is not all of it.
+    /// Share of a union that it displaces; `None` where it displaces all of its volume.
     pub share: Option<UnionShare>,
 }
 
-/// What a body displaces that is a piece of a union: its share of that.
+/// Share of a union's volume that a piece of it displaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnionShare {
     /// Volume [cells].
     pub volume: f64,
     /// Centre of that volume as seen from the body's, as the body stood first.
     pub middle: [f64; 3],
-    /// How it stood first, once that is known, and how it stands.
+    /// Orientation in which the body came, once that is known, and its orientation now.
     pub first: Option<[f64; 4]>,
     /// See `first`.
     pub orientation: [f64; 4],
@@ -106,8 +106,9 @@ fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|a| v[a] + w * t[a] + more[a])
 }
 
-/// How much later than half a step after its start a link that meets the wall at `q` is reflected, in steps: what
-/// comes back to the cell at the step's end met the wall at `1 - q` of the step, or at `q` where that is more.
+/// Delay of the reflection of a link that meets the wall at `q`, after half a step from the step's
+/// start [steps]. The population that comes back to the cell at the step's end met the wall at `1 -
+/// q` of the step, or at `q` where that is more.
 ///
 /// The wall's velocity is that of this time. One and the same for all links would be late for all but those that meet
 /// the wall half-way, and as a force that is late it would feed the sound around the body: a plate on 30 cells of
@@ -171,7 +172,7 @@ impl Body {
         self.shell.bytes() + size_of::<u32>() * self.lines.capacity()
     }
 
-    /// Whether it is a part of the scene or a surface that deforms, no sphere or polyhedron.
+    /// True if it is a part of the scene or a surface that deforms, no sphere or polyhedron.
     pub fn is_part(&self) -> bool {
         self.part.as_ref().is_some_and(|part| part.index != MeshBody::NO_PART)
     }
@@ -201,7 +202,8 @@ impl Body {
         self.part.as_ref().map_or([0.0; 3], |part| part.middle())
     }
 
-    /// What it displaces: volume, and first moments about its centre or origin. Of a part what lies in the domain.
+    /// Volume that it displaces, and first moments about its centre or origin. Of a part, the
+    /// volume that lies in the domain.
     pub fn displaced(&self, grid: &Grid, mirrors: [bool; 3]) -> Displaced {
         let cut = || {
             let part = self.part.as_ref().filter(|part| self.is_part() && part.shape.is_none())?;
@@ -247,7 +249,7 @@ impl Body {
         }
     }
 
-    /// Whether it covers a cell, given as seen from it.
+    /// True if it covers a cell, given as seen from it.
     pub fn covers(&self, [x, y, z]: [i32; 3]) -> bool {
         match &self.part {
             None => self.spans.at(y, z).contains(x),
@@ -255,7 +257,7 @@ impl Body {
         }
     }
 
-    /// Whether the other body is the part that carries this surface, or the other way round.
+    /// True if the other body is the part that carries this surface, or the other way round.
     pub fn is_bonded_to(&self, other: &Self) -> bool {
         let carrier = |body: &Self| Some(body.part.as_ref()?.shape.as_ref()?.carrier);
         let is = |body: &Self, index| body.part.as_ref().is_some_and(|part| part.index == index);
@@ -263,8 +265,8 @@ impl Body {
             || carrier(other).is_some_and(|index| is(self, index))
     }
 
-    /// Where the link `i` of a cell at `arm` meets it, as part of the link's length; a part where its links were
-    /// found.
+    /// Wall distance along the link `i` of a cell at `arm`, as part of the link's length; for a
+    /// part, at the pose where its links were found.
     pub fn met_at(&self, arm: [f64; 3], i: usize) -> f64 {
         match &self.part {
             None => wall_distance(arm, C_F64[i], self.r2()),
@@ -276,7 +278,7 @@ impl Body {
         }
     }
 
-    /// Where on a surface that can deform the point nearest to `arm` is; [`Hit::NONE`] on others.
+    /// Point nearest to `arm` on a surface that can deform; [`Hit::NONE`] on others.
     pub fn hit_near(&self, arm: [f64; 3]) -> Hit {
         let part = self.part.as_ref().filter(|part| part.shape.is_some());
         part.map_or(Hit::NONE, |part| part.hit_near(arm))

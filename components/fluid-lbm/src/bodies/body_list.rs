@@ -28,14 +28,15 @@ pub struct Bodies {
     softs: Vec<SoftSurface>,
     /// Their vertices at the end of the coming step.
     pub vertices: Vec<SurfaceVertex>,
-    /// Whether bodies were added or removed since the last step.
+    /// True if bodies were added or removed since the last step.
     pub changed: bool,
-    /// What they can be besides spheres.
+    /// Shapes that they can have besides spheres.
     catalogue: BodyShapes,
-    /// How many steps ahead velocities are taken.
+    /// Number of steps that velocities are taken ahead.
     lead: f64,
-    /// What bodies of the scene's sets displace, in the order in which they come, where that is not all of them; and how
-    /// many of each set have come.
+    /// Shares of unions that bodies of the scene's sets displace, in the order in which they come;
+    /// none for sets whose bodies displace all of their volume. And the number of bodies of each
+    /// set that have come.
     shares: Vec<Vec<UnionShare>>,
     came: Vec<usize>,
 }
@@ -54,7 +55,7 @@ impl Bodies {
         self.shares = shares;
     }
 
-    /// What the next body of a set displaces.
+    /// Share of a union that the next body of a set displaces.
     fn next_share(&mut self, event: &BodyEvent) -> Option<UnionShare> {
         if event.shape == BodyEvent::PART {
             return None;
@@ -220,7 +221,7 @@ impl Bodies {
         }
     }
 
-    /// Whether a part has come, gone or moved by a step.
+    /// True if a part has come, gone or moved by a step.
     pub fn parts_moved(&self) -> bool {
         self.living.iter().any(|body| body.moved && body.is_part())
             || self.leaving.iter().any(Body::is_part)

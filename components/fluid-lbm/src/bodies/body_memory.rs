@@ -39,7 +39,7 @@ fn of_diameter([one, surface, volume]: [f64; 3], d: f64) -> f64 {
     one + d * d * (surface + d * volume)
 }
 
-/// How many spheres of a distribution have a volume together [m³].
+/// Number of spheres of a distribution that have a volume together [m³].
 fn number(diameters: &Diameters, volume: f64) -> f64 {
     volume / mean(diameters, |d| core::f64::consts::PI / 6.0 * d * d * d)
 }

@@ -9,7 +9,7 @@ use tremie_geometry::{Convex, Surface};
 use tremie_messages::BodyEvent;
 use tremie_messages::scene::Scene;
 
-/// What bodies can be besides spheres.
+/// Shapes that bodies can have besides spheres.
 #[derive(Clone, Debug, Default)]
 pub struct BodyShapes {
     /// Surfaces of the parts that move, by index of the part, and how exactly they are followed.
@@ -17,7 +17,7 @@ pub struct BodyShapes {
     roundings: Vec<Rounding>,
     /// The shapes of polyhedra, of unit size; none where the corners enclose no volume.
     shapes: Vec<Option<Convex>>,
-    /// How exactly polyhedra are followed.
+    /// Rounding of the poses of polyhedra.
     of_polyhedra: Rounding,
 }
 

@@ -1,7 +1,7 @@
-//! Where in the box cells joined the fluid or left it, and when: by cubes of cells.
+//! Bricks of cells, and the step in which a cell of each last joined the fluid or left it.
 //!
-//! What depends on which cells around a body are fluid holds until a cell changes in one of the bricks there: a few
-//! numbers to compare instead of rows of bits to read.
+//! Lists made from the fluid cells around a body hold until a cell changes in one of the bricks
+//! there. To see that takes a few numbers to compare instead of rows of bits to read.
 
 use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
@@ -41,7 +41,7 @@ impl ChangeBlocks {
         self.step
     }
 
-    /// Whether no cell of some bricks has changed since the end of a step.
+    /// True if no cell of some bricks has changed since the end of a step.
     #[inline(always)]
     pub fn are_as_in(&self, bricks: &[u32], step: u64) -> bool {
         bricks.iter().all(|&brick| self.changed[brick as usize] <= step)
@@ -66,7 +66,7 @@ impl ChangeBlocks {
         }
     }
 
-    /// How many a cube of `side` cells can lie in.
+    /// Largest number of bricks that a cube of `side` cells can lie in.
     pub fn most(side: i32) -> usize {
         // One more along an axis where it does not begin at a face of bricks, another through a face of the box.
         ((side >> EDGE_BITS) as usize + 3).pow(3)

@@ -1,4 +1,4 @@
-//! What a deformable surface has that a part has not: vertices that move by themselves.
+//! Shape of a deformable surface: vertices that move by themselves, which a part has not.
 //!
 //! Such a surface is a body whose frame stands still, with the origin of its section in the scene as its
 //! reference. Its cells and links are found anew when a vertex is more than `part_step` from where it
@@ -46,7 +46,7 @@ impl Hit {
     }
 }
 
-/// What a wall link or a gap link gives to a facet.
+/// Force of a wall link or a gap link on a facet.
 #[derive(Clone, Copy, Debug)]
 pub struct Felt {
     /// The facet.
@@ -55,7 +55,7 @@ pub struct Felt {
     pub gap: u16,
     /// Force; of a gap, for each unit of its density minus 1.
     pub force: [f64; 3],
-    /// Where it acts, from the surface's reference.
+    /// Place where it acts, from the surface's reference.
     pub at: [f64; 3],
 }
 
@@ -64,7 +64,7 @@ impl Felt {
     pub const FLUID: u16 = u16::MAX;
 }
 
-/// Where the facets of a deformable surface are.
+/// Places of the facets of a deformable surface.
 #[derive(Clone, Copy, Debug)]
 pub struct FacetPlaces<'a> {
     triangles: &'a [[u32; 3]],
@@ -77,7 +77,7 @@ pub struct DeformableShape {
     /// Index of the part that carries it.
     pub carrier: usize,
     triangles: Vec<[u32; 3]>,
-    /// Where vertices are, from the reference [m].
+    /// Places of the vertices, from the reference [m].
     pub now: Vec<[f64; 3]>,
     /// Their velocity, further by what it changed by since the last step; and what was given.
     velocity: Vec<[f64; 3]>,
@@ -86,7 +86,7 @@ pub struct DeformableShape {
     drift: Vec<[f64; 3]>,
     /// Load on each facet.
     pub loads: Vec<OnFacet>,
-    /// What averaging holds back of them.
+    /// Loads that averaging holds back.
     carried: Vec<OnFacet>,
     /// Room for sums over facets, by piece.
     sums: Vec<FacetSums>,
@@ -156,17 +156,18 @@ impl DeformableShape {
         self.at(&self.velocity, hit)
     }
 
-    /// How far a place has come since links were found.
+    /// Motion of a point of the surface since links were found [cells].
     pub fn drift_at(&self, hit: Hit) -> [f64; 3] {
         self.at(&self.drift, hit)
     }
 
-    /// Where the facets are.
+    /// Places of the facets.
     pub fn facets(&self) -> FacetPlaces<'_> {
         FacetPlaces { triangles: &self.triangles, now: &self.now }
     }
 
-    /// Where the facets are; their loads, what averaging holds back of these, and room for sums over pieces.
+    /// Places of the facets; their loads, the loads that averaging holds back, and room for sums
+    /// over pieces.
     pub fn parts(&mut self) -> (FacetPlaces<'_>, &mut [OnFacet], &mut [OnFacet], &mut [FacetSums]) {
         let facets = FacetPlaces { triangles: &self.triangles, now: &self.now };
         (facets, &mut self.loads, &mut self.carried, &mut self.sums)

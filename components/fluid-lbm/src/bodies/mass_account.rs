@@ -10,15 +10,15 @@ const RATE: f64 = 0.002;
 /// The mass that one body owes the fluid [cells at density 1].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MassAccount {
-    /// Whether the body was there in the last step: what it displaces when it appears is no debt.
+    /// True if the body was there in the last step: what it displaces when it appears is no debt.
     pub is_open: bool,
     took: f64,
     space: f64,
-    /// What is owed.
+    /// Mass owed.
     pub owed: f64,
     /// Of that, what gaps drew in since it could last be paid.
     of_gaps: f64,
-    /// What the coming step pays to a link, for each unit of `6 w_i rho`.
+    /// Mass that the coming step pays to a link, for each unit of `6 w_i rho`.
     pub pay: f64,
 }
 
@@ -79,7 +79,7 @@ mod tests {
         assert!((account.owed - 0.1).abs() < 1e-15 && (account.pay - 0.05 * RATE).abs() < 1e-16);
     }
 
-    /// What a gap draws in is paid in the next step, once there are links to pay at.
+    /// The mass that a gap draws in is paid in the next step, once there are links to pay at.
     #[test]
     fn a_gap_is_paid_at_once() {
         let mut account = MassAccount::default();

@@ -1,4 +1,4 @@
-//! Which cells a moving part covers, and where links meet its surface.
+//! Cells that a moving part covers, and intersections of links with its surface.
 //!
 //! Both answers come from the part's surface, for the same points: cell centres taken into the
 //! part's frame row by row. Lengths in cells, but where the surface is asked.
@@ -29,10 +29,10 @@ pub struct MeshBody {
     /// Its index among the parts of the scene; a surface's comes after those of all parts; of a polyhedron
     /// [`MeshBody::NO_PART`].
     pub index: usize,
-    /// What a deformable surface has besides.
+    /// Vertices and loads of a deformable surface.
     pub shape: Option<Box<DeformableShape>>,
     surface: Arc<Surface>,
-    /// Where links between two cells outside may pass through it.
+    /// Places where links between two cells outside may pass through it.
     ridges: Ridges,
     /// Edge of a cell [m].
     cell: f64,
@@ -42,18 +42,18 @@ pub struct MeshBody {
     centroid: [f64; 3],
     orientation: [f64; 4],
     rounding: Rounding,
-    /// Where its cells and links were found last; none before the first time.
+    /// Pose at which its cells and links were found last; none before the first time.
     found: Option<PlacedMesh>,
-    /// How often they were found.
+    /// Number of searches for its cells.
     searches: u64,
-    /// Of the cells it covers now and of those that it covered before its last move: where, and the number of the
-    /// search that found them.
+    /// For the cells it covers now, and for those that it covered before its last move: the pose at
+    /// which they were found, and the number of the search.
     known: [Option<(PlacedMesh, u64)>; 2],
     /// From where they were found to where it is: shift of the origin, and the turn about it as a
     /// small vector.
     drift: [[f64; 3]; 2],
     frame: Frame,
-    /// How it goes on through periodic faces.
+    /// Axes along which it goes on through periodic faces.
     endless: Endless,
     now: Cover,
     previous: Cover,
@@ -135,12 +135,12 @@ impl MeshBody {
         }
     }
 
-    /// Where the reference of a deformable surface is in the scene.
+    /// Place of a deformable surface's reference in the scene.
     pub fn reference(&self) -> [f64; 3] {
         self.rounding.position
     }
 
-    /// Where on a deformable surface the point nearest to `arm` is, seen from its reference.
+    /// Point of a deformable surface nearest to `arm`, seen from its reference.
     pub fn hit_near(&self, arm: [f64; 3]) -> Hit {
         let point = self.frame.turn_to_part(arm.map(|x| x * self.cell));
         let closest = self.surface.closest(point);
@@ -177,7 +177,7 @@ impl MeshBody {
         }
     }
 
-    /// How far the point at `arm` from its origin is from where it was when links were found.
+    /// Motion of the point at `arm` from its origin since links were found [cells].
     #[inline(always)]
     pub fn drift_at(&self, arm: [f64; 3]) -> [f64; 3] {
         let [d, t] = self.drift;
@@ -188,7 +188,7 @@ impl MeshBody {
         ]
     }
 
-    /// Where its surface is placed when its origin is at a position [m], in cells.
+    /// Place of its origin in the box [cells], for a position [m].
     pub fn home(&self, position: [f64; 3], units: &Units, grid: &Grid) -> [f64; 3] {
         let placed = units.position_to_lattice(self.endless.place(position).into());
         let canonical = grid.canonical(placed);
@@ -312,7 +312,7 @@ impl MeshBody {
         })
     }
 
-    /// Whether a row holds any cell.
+    /// True if a row holds any cell.
     #[inline]
     pub fn has_row(&self, y: i32, z: i32) -> bool {
         self.now.row(y, z).is_some()
@@ -365,8 +365,8 @@ impl MeshBody {
         self.frame.turn_to_world(self.centroid).map(|x| x / self.cell).into()
     }
 
-    /// What of it counts as displaced, with its origin at a position, and the first moments about that; `None` where that
-    /// is all of it.
+    /// Volume that it displaces with its origin at a position, and first moments about that; `None`
+    /// where it displaces all of its volume.
     pub fn displaced(
         &self,
         grid: &Grid,

@@ -1,4 +1,4 @@
-//! What moves: poses, rasters of bodies, flags of cells.
+//! Bodies that move: poses, rasters, flags of cells.
 
 pub mod body;
 pub mod body_list;

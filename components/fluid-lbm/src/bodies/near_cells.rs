@@ -17,15 +17,15 @@ const WINDOW: i32 = 62;
 pub struct Window {
     /// The first, as seen from the sphere.
     pub first: i32,
-    /// How many; all of them in the box, or all beyond the same periodic face.
+    /// Number of cells; all of them in the box, or all beyond the same periodic face.
     pub count: i32,
 }
 
 /// Cells of a row in a window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stored {
-    /// Which are stored: bit `k + 1` for cell `k` of the window, the first and the last bit for its neighbours, also
-    /// through faces and mirrors.
+    /// Stored cells: bit `k + 1` for cell `k` of the window, the first and the last bit for its
+    /// neighbours, also through faces and mirrors.
     pub ends: u64,
     /// The same for the window alone, bit `k` for cell `k`.
     pub cells: u64,
@@ -66,7 +66,7 @@ pub struct NearCells {
     /// side, which mirrors may fill.
     covered: Vec<u64>,
     near: Vec<Near>,
-    /// How often what it covers was noted.
+    /// Number of times that covered cells were noted.
     fits: u64,
 }
 
@@ -141,7 +141,7 @@ impl NearCells {
         }
     }
 
-    /// How often covered cells were noted: what holds for the rows now holds until that changes.
+    /// Number of times that covered cells were noted. While it stays, data on the rows hold.
     #[inline(always)]
     pub fn fits(&self) -> u64 {
         self.fits
@@ -221,7 +221,7 @@ impl NearCells {
         }
     }
 
-    /// What a row `(y, z)` holds in a window; nothing beyond the shell.
+    /// Stored cells of a row `(y, z)` in a window; none beyond the shell.
     fn at(&self, window: usize, y: i32, z: i32) -> Stored {
         let [_, first_y, first_z] = self.origin();
         let (j, k, side) = (y - first_y, z - first_z, self.side);
@@ -232,7 +232,7 @@ impl NearCells {
     }
 }
 
-/// What a row holds in a window.
+/// Stored cells of a row in a window.
 fn stored(layout: &Layout, window: Window, [y, z]: [i32; 2]) -> Stored {
     let grid = &layout.grid;
     let (y, z) = (grid.wrap(1, y), grid.wrap(2, z));
@@ -258,7 +258,7 @@ fn stored(layout: &Layout, window: Window, [y, z]: [i32; 2]) -> Stored {
     found
 }
 
-/// Which ends of the x axis are mirrors.
+/// True for ends of the x axis that are mirrors.
 #[inline(always)]
 fn mirrors(grid: &Grid) -> [bool; 2] {
     grid.sides[0].map(|side| side == Side::Symmetry)

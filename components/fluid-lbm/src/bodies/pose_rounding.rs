@@ -4,11 +4,12 @@
 //! times what the step does. So they are looked for at its pose rounded to multiples of `part_step`
 //! from its pose in the scene (`a`, the next power of two below): each coordinate to multiples of
 //! `a`, each component of the quaternion to multiples of `a / (4 r)`, `r` being the distance of the
-//! part's farthest point. They are found anew when the rounded pose changes. As long as it does not,
-//! wall distances follow the motion to first order (see `mesh_links`); which cells are covered is
-//! that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by turning.
-//! What is found depends on the pose alone, not on how the part came there. So what was found at the pose before the last
-//! is kept: a part that trembles about the border of two rounded poses costs no search.
+//! part's farthest point. They are found anew when the rounded pose changes. As long as it does
+//! not, wall distances follow the motion to first order (see `mesh_links`); which cells are covered
+//! is that of the rounded pose, off by `a/2` along an axis, and by `a/2` at its farthest point by
+//! turning. The cells and links found depend on the pose alone, not on the way of the part to it.
+//! So those of the pose before the last are kept: a part that trembles about the border of two
+//! rounded poses costs no search.
 
 /// The poses at which a part's cells and links are found.
 #[derive(Clone, Copy, Debug)]

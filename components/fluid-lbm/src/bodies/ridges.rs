@@ -1,5 +1,5 @@
-//! Where links between two cells outside a body may pass through it: at sharp edges, and through walls thinner than
-//! a link.
+//! Places where links between two cells outside a body may pass through it: sharp edges, and walls
+//! thinner than a link.
 //!
 //! Beside a sharp edge a link is inside where it is behind both of the faces that meet there. So a few products tell
 //! which links may be cut; the surface itself decides (see `cut_links`). Lengths in cells, but in the surface's frame.
@@ -13,7 +13,7 @@ use tremie_geometry::{EdgeKind, Frame, Surface, Vec3};
 const BLUNT: f64 = 0.97;
 /// Longest link.
 const LONGEST: f64 = std::f64::consts::SQRT_2;
-/// How far apart a surface is asked how thick the body is there.
+/// Distance between places of a surface where the body's thickness is measured [cells].
 const SPACING: f64 = 0.75;
 /// Most places along one side of a triangle where it is asked.
 const MOST_PLACES: usize = 256;
@@ -25,7 +25,7 @@ const FEW: usize = 2000;
 struct Ridge {
     ends: [[f64; 3]; 2],
     normals: [[f64; 3]; 2],
-    /// How deep a link can pass behind it.
+    /// Largest depth of a link behind it.
     depth: f64,
 }
 
@@ -70,7 +70,7 @@ impl Ridges {
         own
     }
 
-    /// Whether there are none.
+    /// True if there are none.
     pub fn is_empty(&self) -> bool {
         self.ridges.is_empty() && self.thin.is_empty()
     }

@@ -1,12 +1,12 @@
-//! Which cells a sphere covers, and where a link meets its surface.
+//! Cells that a sphere covers, and the intersection of a link with its surface.
 //!
 //! Both answers come from the same comparison, `inside`, so that a link that ends inside the
 //! sphere and begins outside always has its wall at `0 < q <= 1`. Lengths in cells.
 
 use crate::lattice::grid::Grid;
 
-/// Whether a point at `d` from the centre belongs to a sphere of squared radius `r2`; the surface
-/// does.
+/// True if a point at `d` from the centre belongs to a sphere of squared radius `r2`. Its surface
+/// belongs to it.
 #[inline]
 pub fn inside(d: [f64; 3], r2: f64) -> bool {
     d[0] * d[0] + (d[1] * d[1] + d[2] * d[2]) <= r2
@@ -39,13 +39,13 @@ impl Span {
     /// No cell.
     pub const NONE: Self = Self { first: 0, last: -1 };
 
-    /// Whether the row misses the body.
+    /// True if the row misses the body.
     #[inline]
     pub fn is_empty(self) -> bool {
         self.last < self.first
     }
 
-    /// Whether cell `x` is inside.
+    /// True if cell `x` is inside.
     #[inline]
     pub fn contains(self, x: i32) -> bool {
         self.first <= x && x <= self.last
@@ -76,8 +76,8 @@ pub struct RowSpans {
     /// Rows along y and along z.
     side: i32,
     rows: Vec<Span>,
-    /// Where the sphere was when they were found, and how far it can be from there in any direction and cover the
-    /// same cells.
+    /// Centre of the sphere when they were found, and the largest shift from there, in any
+    /// direction, at which it still covers the same cells.
     centre: [f64; 3],
     slack: f64,
 }
@@ -140,7 +140,7 @@ impl RowSpans {
         (self.centre, self.slack) = (centre, margins.slack(radius));
     }
 
-    /// Whether the sphere covers the same cells at another place near by.
+    /// True if the sphere covers the same cells at another place near by.
     #[inline]
     pub fn hold_at(&self, centre: [f64; 3]) -> bool {
         let by: [f64; 3] = std::array::from_fn(|a| centre[a] - self.centre[a]);
@@ -183,7 +183,7 @@ impl RowSpans {
         [self.origin[0] - 1 + j, self.origin[1] - 1 + k]
     }
 
-    /// Whether these are the same cells in the same rows.
+    /// True if these are the same cells in the same rows.
     #[inline]
     pub fn are(&self, other: &Self) -> bool {
         (self.origin, &self.rows) == (other.origin, &other.rows)

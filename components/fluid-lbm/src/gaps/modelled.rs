@@ -7,9 +7,9 @@
 //! it is fluid it stays so down to `close_at`. A cell that a body uncovers begins frozen, unless the
 //! gap there is open. Thickness is found anew with the cells of the moving side (see `mesh_body`).
 //!
-//! Where cells freeze, fluid cells may be left with no way through faces of cells to more than
-//! [`POCKET`] others: such pockets are frozen too, until a neighbour becomes fluid. (One that hangs on
-//! by a diagonal link fills and empties through that alone, and its pressure runs away.)
+//! As cells freeze, fluid cells may be left with no way through faces of cells to more than
+//! [`POCKET`] others: such pockets are frozen too, until a neighbour becomes fluid. (One that hangs
+//! on by a diagonal link fills and empties through that alone, and its pressure runs away.)
 //!
 //! The sides feel the pressure of the gap on their links into frozen cells, and on gap links between
 //! them (see `unresolved_gaps`). Freezing takes a cell's mass and momentum from the fluid as covering does, and
@@ -73,7 +73,7 @@ struct Declared {
     around: [f64; 2],
     /// Density minus 1 by the rule; by probes, when it acts (see [`LEAD`]).
     drho: f64,
-    /// Whether its sides are there, and whether they were before.
+    /// True if both of its sides are there; `is_new`: they came with the last measurement.
     is_there: bool,
     is_new: bool,
 }
@@ -129,7 +129,7 @@ pub struct ModelledGaps {
     /// Impulse of the last step on frozen cells.
     pub impulse: [f64; 3],
     centres: Centres,
-    /// Whether thickness was measured at all.
+    /// True if thickness was measured at all.
     is_measured: bool,
 }
 
@@ -193,12 +193,12 @@ impl ModelledGaps {
         self.gaps.len()
     }
 
-    /// Whether the scene declares none.
+    /// True if the scene declares none.
     pub fn is_empty(&self) -> bool {
         self.gaps.is_empty()
     }
 
-    /// Whether thickness has to be measured for the first time.
+    /// True if thickness has to be measured for the first time.
     pub fn is_fresh(&self) -> bool {
         !self.is_empty() && !self.is_measured
     }
@@ -252,7 +252,7 @@ impl ModelledGaps {
         self.gaps[usize::from(gap)].drho
     }
 
-    /// What a cell that thaws holds if there is no fluid around.
+    /// Density minus 1 of a cell that thaws with no fluid around.
     pub fn drho_at(&self, cell: u32) -> f64 {
         self.of(cell).map_or(0.0, |gap| self.drho(gap))
     }
@@ -277,7 +277,7 @@ impl ModelledGaps {
         });
     }
 
-    /// What a cell is as a candidate.
+    /// Candidate of a cell, if it has one.
     fn candidate(&self, cell: u32) -> Option<&Candidate> {
         self.candidates.get(*self.place.get(cell as usize)? as usize)
     }
@@ -309,7 +309,7 @@ impl ModelledGaps {
         }
     }
 
-    /// Whether a cell freezes or thaws.
+    /// True if a cell freezes or thaws.
     fn turns(&self, flags: &CellFlags, candidate: &Candidate) -> bool {
         let &Candidate { cell, thickness, gap, .. } = candidate;
         let gap = &self.gaps[usize::from(gap)];

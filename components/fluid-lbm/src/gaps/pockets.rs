@@ -18,7 +18,7 @@ const ROOM: usize = POCKET + 6;
 struct Fill {
     cells: [u32; ROOM],
     count: usize,
-    /// Whether they are a pocket.
+    /// True if they are a pocket.
     is_closed: bool,
 }
 
@@ -58,7 +58,7 @@ impl ModelledGaps {
         flags.forget_frozen_vacated();
     }
 
-    /// Whether a frozen cell is one of a pocket.
+    /// True if a frozen cell is one of a pocket.
     pub fn is_pocket(&self, cell: u32) -> bool {
         self.pockets.binary_search(&cell).is_ok()
     }
@@ -124,12 +124,12 @@ impl Fill {
     }
 }
 
-/// Whether a cell is fluid or becomes so.
+/// True if a cell is fluid or becomes so.
 fn is_wet(flags: &CellFlags, cell: u32) -> bool {
     matches!(flags.of(cell), FLUID | VACATED)
 }
 
-/// Whether a cell is at an open face.
+/// True if a cell is at an open face.
 fn is_at_open_face(layout: &Layout, cell: u32) -> bool {
     let (at, grid) = (layout.at(cell), &layout.grid);
     (0..3).any(|a| {

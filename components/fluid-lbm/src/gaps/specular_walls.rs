@@ -55,7 +55,7 @@ struct SlipLink {
     /// Its number among all that an item may have: in the order of its links.
     number: u32,
     cell: u32,
-    /// Where the population comes from, and its direction there.
+    /// Cell from which the population comes, and its direction there.
     source: u32,
     from: u8,
     dir: u8,
@@ -65,15 +65,16 @@ struct SlipLink {
     axis: u8,
     at: [i32; 3],
     whose: Whose,
-    /// Where it meets a deformable surface, as that was when its cells were found.
+    /// Place where it meets a deformable surface, as that was when its cells were found.
     hit: Hit,
-    /// Where even and odd steps leave what it gets, and where the steps after them find it.
+    /// Places at which even and odd steps leave the population that it takes over, and at which the
+    /// steps after them read it.
     given: [u32; 2],
     taken: [u32; 2],
     value: f64,
 }
 
-/// How a body's wall moves where a link meets it.
+/// Motion of a body's wall where a link meets it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Motion {
     /// From the body's origin to there.
@@ -90,7 +91,7 @@ struct SlipItem {
     /// For each link how its wall moves in this step, if that is a body's.
     motions: Vec<Motion>,
     exchanges: Vec<(Whose, MomentumExchange)>,
-    /// What facets of deformable surfaces felt of it, with the handle of the body.
+    /// Forces of it on facets of deformable surfaces, with the handle of the body.
     felt: Vec<(u32, Felt)>,
 }
 
@@ -103,7 +104,7 @@ pub struct SpecularWalls {
     /// By cell, whether its links are to be found anew, and which cells those are.
     is_stale: Vec<bool>,
     stale: Vec<u32>,
-    /// Whether links were found at all.
+    /// True if links were found at all.
     is_found: bool,
 }
 
@@ -261,17 +262,17 @@ impl SpecularWalls {
         });
     }
 
-    /// What slipping adds to a body's exchange.
+    /// Exchange that slipping adds to a body's.
     pub fn on_body(&self, handle: u32) -> MomentumExchange {
         self.on(Whose::Body(handle))
     }
 
-    /// What it adds to a fixture's.
+    /// Exchange that slipping adds to a fixture's.
     pub fn on_fixture(&self, number: usize) -> MomentumExchange {
         self.on(Whose::Fixture(number as u16))
     }
 
-    /// What it gave to facets of a deformable surface.
+    /// Forces that slipping gave to facets of a deformable surface.
     pub fn on_facets(&self, handle: u32) -> impl Iterator<Item = &Felt> {
         let all = self.items.iter().flat_map(|item| &item.felt);
         all.filter(move |(whose, _)| *whose == handle).map(|(_, felt)| felt)
@@ -291,7 +292,7 @@ fn around(layout: &Layout, cell: u32) -> impl Iterator<Item = u32> {
 }
 
 impl SlipLink {
-    /// Whether this is the link of the step before.
+    /// True if this is the link of the step before.
     fn is_same(&self, now: &Self) -> bool {
         (self.number, self.whose) == (now.number, now.whose)
     }
@@ -301,14 +302,14 @@ impl SlipLink {
         if self.mirrors == 0 { self.at } else { layout.at(self.cell) }
     }
 
-    /// Where it meets a deformable surface.
+    /// Place where it meets a deformable surface.
     fn meet(&self, bodies: &Bodies, layout: &Layout) -> Hit {
         let Whose::Body(handle) = self.whose else { return Hit::NONE };
         let body = bodies.with_handle(handle);
         body.hit_near(self.arm(body, layout))
     }
 
-    /// Where it meets a body, half-way, seen from the body's origin.
+    /// Place where it meets a body, half-way, seen from the body's origin.
     fn arm(&self, body: &Body, layout: &Layout) -> [f64; 3] {
         let (arm, c) = (layout.grid.arm(body.position, self.at), C_F64[usize::from(self.seen)]);
         std::array::from_fn(|a| arm[a] + 0.5 * c[a])
@@ -335,7 +336,7 @@ fn give(
     force
 }
 
-/// What links are looked for in.
+/// Surroundings in which links that slip are searched.
 #[derive(Clone, Copy)]
 struct SlipSite<'a> {
     gaps: &'a ModelledGaps,

@@ -9,7 +9,7 @@ use tremie_geometry::{Bounds, Vec3};
 /// a flat wall's would be.
 const GRAZING: f64 = 0.1;
 
-/// Where a link meets a part.
+/// Intersection of a link with a part's surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Intersection {
     /// As part of the link's length, in `(0, 1]`.
@@ -17,7 +17,7 @@ pub struct Intersection {
     /// By how much `q` grows for each cell that the surface moves: `n / (c.n)`, `n` its normal; zero
     /// where it is met at a grazing angle.
     pub slope: [f64; 3],
-    /// Where on the surface that is, if that can deform.
+    /// Place on the surface, if that can deform.
     pub hit: Hit,
 }
 
@@ -40,8 +40,8 @@ impl NearFacets {
 }
 
 impl MeshBody {
-    /// Where a link between the centres of cells meets the surface first, as part of its length, in
-    /// `(0, 1]`; half-way if it does not.
+    /// First intersection of a link between the centres of cells with the surface, as part of the
+    /// link's length, in `(0, 1]`; half-way if there is none.
     pub fn meet(&self, from: [i32; 3], c: [i32; 3]) -> f64 {
         self.meet_facet(from, c).0
     }
@@ -96,7 +96,8 @@ impl MeshBody {
         })
     }
 
-    /// Where a link meets the surface first, among the facets near its beginning or its end; none if it does not.
+    /// First intersection of a link with the surface, among the facets near its beginning or its
+    /// end; none if it does not meet it.
     pub fn meets_among(
         &self,
         facets: &NearFacets,

@@ -25,7 +25,7 @@ pub(super) struct Mouths {
     /// By stored cell, whether it was frozen or adjoined a frozen one when they were listed, and which cells those are.
     matters: Vec<bool>,
     around: Vec<u32>,
-    /// Whether they were listed at all.
+    /// True if they were listed at all.
     are_listed: bool,
 }
 

@@ -4,14 +4,14 @@ use super::{CELLS_PER_ITEM, Candidate, ModelledGaps, Wall};
 use crate::bodies::body_list::Bodies;
 
 impl ModelledGaps {
-    /// Whether the walls of a fluid cell slip, and across which axis.
+    /// Axis across the gap of a fluid cell whose walls slip; `None` if they do not.
     pub fn slips_at(&self, cell: u32) -> Option<usize> {
         let gap = &self.gaps[usize::from(self.of(cell)?)];
         let candidate = self.candidate(cell)?;
         (candidate.thickness < gap.slip_below).then(|| usize::from(candidate.axis))
     }
 
-    /// Whether the gap of a cell holds one layer of cells.
+    /// True if the gap of a cell holds one layer of cells.
     pub fn is_one_cell(&self, cell: u32) -> bool {
         self.candidate(cell).is_some_and(|candidate| candidate.thickness < 1.5)
     }
@@ -31,14 +31,14 @@ impl ModelledGaps {
         self.still_side(self.of(cell)?)
     }
 
-    /// Whether a body is a side of the gap of a cell.
+    /// True if a body is a side of the gap of a cell.
     pub fn is_side_at(&self, cell: u32, bodies: &Bodies, handle: u32) -> bool {
         let part = bodies.with_handle(handle).part.as_ref().map(|part| Wall::Part(part.index));
         let gap = self.of(cell).map(|gap| &self.gaps[usize::from(gap)]);
         gap.zip(part).is_some_and(|(gap, part)| gap.sides.contains(&part))
     }
 
-    /// Whether the walls of any gap may slip.
+    /// True if the walls of any gap may slip.
     pub fn any_slips(&self) -> bool {
         self.gaps.iter().any(|gap| gap.slip_below > 0.0)
     }

@@ -1,4 +1,4 @@
-//! How thick a gap is at a point.
+//! Thickness of a gap at a point.
 
 use super::{Candidate, Declared, Wall, body_of};
 use crate::bodies::body_list::Bodies;
@@ -11,7 +11,7 @@ use crate::lattice::layout::Layout;
 const OPPOSITE_WAYS: f64 = -0.9;
 
 impl Declared {
-    /// How far from a point a side counts [cells].
+    /// Largest distance between a point and a side that counts [cells].
     pub(super) fn reach(&self) -> f64 {
         f64::from(self.open_at.max(self.slip_below))
     }
@@ -82,7 +82,7 @@ impl Declared {
     }
 }
 
-/// Whether the ways from a point to both sides of a gap are opposite.
+/// True if the ways from a point to both sides of a gap are opposite.
 fn are_opposite(a: [f64; 3], b: [f64; 3]) -> bool {
     dot(a, b) <= OPPOSITE_WAYS * length(a) * length(b)
 }
