@@ -107,8 +107,8 @@ fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 }
 
 /// Delay of the reflection of a link that meets the wall at `q`, after half a step from the step's
-/// start [steps]. The population that comes back to the cell at the step's end met the wall at `1 -
-/// q` of the step, or at `q` where that is more.
+/// start [steps]. The population that comes back to the cell at the step's end met the wall at
+/// `1 - q` of the step, or at `q` where that is more.
 ///
 /// The wall's velocity is that of this time. One and the same for all links would be late for all but those that meet
 /// the wall half-way, and as a force that is late it would feed the sound around the body: a plate on 30 cells of

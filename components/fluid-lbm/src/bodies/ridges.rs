@@ -128,7 +128,7 @@ impl Ridges {
     }
 }
 
-/// How far a surface reaches along a unit vector.
+/// Extent of a surface along a unit vector.
 pub fn width_along(surface: &Surface, direction: [f64; 3]) -> f64 {
     let heights = surface.mesh().vertices.iter().map(|&vertex| dot(vertex.into(), direction));
     let [low, high] =

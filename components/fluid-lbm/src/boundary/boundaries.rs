@@ -1,4 +1,5 @@
-//! What stands around the fluid: faces of the domain and static solids, and what they prescribe.
+//! Boundaries of the fluid: faces of the domain and static solids, with the conditions that they
+//! prescribe.
 
 use crate::boundary::face_scheme::{FaceCell, FaceScheme};
 use crate::boundary::face_schemes::{FaceSite, scheme_of};
@@ -28,7 +29,7 @@ use tremie_messages::scene::{Face, Scene};
 pub struct Boundaries {
     ground: StaticGeometry,
     halfway: bool,
-    /// How near curved walls may be, see [`nearest_wall`].
+    /// Bound on the wall distance of curved walls, see [`nearest_wall`].
     nearest: f64,
     /// The scene's faces, `2 axis + side`, and the scheme of those that prescribe velocity or pressure.
     faces: Vec<Face>,
@@ -44,7 +45,7 @@ pub struct Boundaries {
     pub displaced: Vec<Displaced>,
 }
 
-/// What follows from the surroundings for cells in lines of a given length.
+/// Layout, links and faces made from the surroundings, for cells in lines of a given length.
 pub struct Built<T: Real> {
     /// Cells and places.
     pub layout: Layout,
@@ -132,7 +133,7 @@ impl Boundaries {
         solids.filter_map(move |(k, solid)| Some((first + k, solid.part?)))
     }
 
-    /// Whether a fixture's links need work besides reflection half-way.
+    /// True if a fixture's links need work besides reflection half-way.
     fn is_special(&self, fixture: BoundaryId) -> bool {
         let moves = |law: &BoundaryCondition| !law.is_at_rest();
         fixture.as_solid().is_some()
@@ -199,8 +200,9 @@ impl Boundaries {
         }
     }
 
-    /// How much of the cells at faces that prescribe a velocity is open, by the links that open faces block, and those that
-    /// meet something that stands still. Walls half-way between cells cross none.
+    /// Open areas of the cells at faces that prescribe a velocity, from the links that open faces
+    /// block and those that meet a solid at rest. Walls half-way between cells cross no cell: the
+    /// list is empty then.
     fn open_areas(&self, layout: &Layout, open: &[Blocked], met: &[(Blocked, f64)]) -> OpenAreas {
         if self.halfway {
             return OpenAreas::default();
@@ -214,7 +216,7 @@ impl Boundaries {
         OpenAreas::new(&self.ground, layout, at_velocity, met)
     }
 
-    /// What a blocked link meets first, and where.
+    /// Fixture that a blocked link meets first, and the wall distance `q`.
     fn meet(&self, layout: &Layout, blocked: &Blocked) -> (Blocked, f64) {
         match blocked.fixture.as_solid() {
             None => (*blocked, 0.5),
@@ -222,7 +224,7 @@ impl Boundaries {
         }
     }
 
-    /// Where the links of cells to things that stand still meet them.
+    /// Wall distances of the links of cells to solids at rest.
     pub fn wall_distances(
         &self,
         layout: &Layout,

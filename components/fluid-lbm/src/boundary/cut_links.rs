@@ -45,14 +45,14 @@ struct CutEnd {
     dir: u8,
     /// Axes at which it is mirrored on its way.
     mirrors: u8,
-    /// Whether the link behind is cut, too.
+    /// True if the link behind is cut, too.
     is_shut: bool,
-    /// Where it meets the surface, and how that follows the surface.
+    /// Wall distance, and its gradient by the motion of the surface.
     q: f64,
     slope: [f32; 3],
 }
 
-/// What an end sends, and what comes back.
+/// Populations at an end: `g` that it sends, and `f` that comes back.
 #[derive(Clone, Copy, Debug, Default)]
 struct Read {
     g: f64,
@@ -63,7 +63,7 @@ struct Read {
 #[derive(Clone, Debug, Default)]
 pub struct CutLinks {
     links: Vec<[CutEnd; 2]>,
-    /// What was read; nothing where an end is not fluid.
+    /// Populations that were read; `None` where an end is not fluid.
     read: Vec<Option<[Read; 2]>>,
     /// Room for the search.
     may_be: Vec<([i32; 3], u8)>,
@@ -76,7 +76,7 @@ impl CutLinks {
         self.links.clear();
     }
 
-    /// Whether there are none.
+    /// True if there are none.
     pub fn is_empty(&self) -> bool {
         self.links.is_empty()
     }
@@ -202,13 +202,14 @@ fn in_box(grid: &Grid, at: [i32; 3], i: usize) -> Option<([i32; 3], usize)> {
     (!ends).then(|| (at, mirrored(i, mirrors)))
 }
 
-/// Where a link ends, and its direction from there; the image where that is beyond a mirror, and the axes of such.
+/// Cell at the other end of a link, and the link's direction from there; the image where that is
+/// beyond a mirror, and the axes of such mirrors.
 fn other_end(grid: &Grid, at: [i32; 3], i: usize) -> ([i32; 3], usize, u8) {
     let (end, mirrors) = folded(grid, std::array::from_fn(|a| at[a] + C[i][a]));
     (end, OPPOSITE[mirrored(i, mirrors)], mirrors)
 }
 
-/// How many ends a link has: one where it sees itself in a mirror.
+/// Number of ends of a link: one where it sees itself in a mirror.
 fn ends_of([one, other]: &[CutEnd; 2]) -> usize {
     if (one.slots.cell, one.dir) == (other.slots.cell, other.dir) { 1 } else { 2 }
 }
@@ -227,7 +228,7 @@ impl CutEnd {
         (arm, q.clamp(f64::MIN_POSITIVE, 1.0).max(nearest))
     }
 
-    /// Where the surface is met, and its velocity there.
+    /// Point at which the surface is met, and its velocity there.
     fn wall(&self, body: &Body, arm: [f64; 3], q: f64) -> ([f64; 3], [f64; 3]) {
         let c = C_F64[usize::from(self.dir)];
         let wall = std::array::from_fn(|a| arm[a] + q * c[a]);
@@ -252,7 +253,8 @@ impl<T: Real> PostCollision<'_, T> {
         }));
     }
 
-    /// Whether links from a cell are cut: not where what slips there slips past edges, too.
+    /// True if links from a cell are cut. They are not in a gap whose walls slip: fluid that slips
+    /// there passes edges, too.
     pub fn is_cut(&self, cell: u32) -> bool {
         let in_gap = || self.gaps.gap_of.get(cell as usize).is_some_and(|&gap| gap != NO_GAP);
         self.flags.is_fluid(cell) && !(self.gaps.slips && in_gap())

@@ -68,9 +68,9 @@ pub struct StepBegin<'a, T: Real> {
 pub struct PostStreaming<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
-    /// Where they are.
+    /// Layout of the cells, with the places of their populations.
     pub layout: &'a Layout,
-    /// Which cells are fluid.
+    /// Flags that tell fluid cells.
     pub flags: &'a CellFlags,
     /// Parity of the next collision.
     pub parity: Parity,
@@ -84,7 +84,7 @@ pub struct PostStreaming<'a, T: Real> {
     pub brought: &'a [Brought; 6],
     /// Units of the lattice.
     pub units: &'a Units,
-    /// Which vector instructions.
+    /// Vector instructions that are used.
     pub variant: Variant,
 }
 

@@ -18,7 +18,7 @@ pub struct FaceSite<'a> {
     pub number: usize,
     /// Its cells.
     pub cells: Vec<FaceCell>,
-    /// What it prescribes.
+    /// Condition that it prescribes.
     pub condition: Option<&'a BoundaryCondition>,
     /// Open areas of its cells.
     pub areas: &'a OpenAreas,

@@ -1,4 +1,4 @@
-//! Where what gaps draw in leaves the fluid.
+//! Intakes: the cells at which fluid that gaps draw in leaves the fluid.
 //!
 //! A gap that holds no fluid draws some in as it widens, and presses it out as it narrows. Pressure and flow belong
 //! together: what a gap does on the sound around is its pressure times what it draws in, and where the one is taken
@@ -14,7 +14,7 @@ use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
 use std::collections::{BTreeMap, VecDeque};
 
-/// What the table of cells has where no modelled gap is.
+/// Entry of the table of cells where no modelled gap is.
 pub const NO_GAP: u16 = u16::MAX;
 
 /// Gaps that hold no fluid, as links need them.
@@ -56,7 +56,7 @@ pub struct GapSinks {
     nearest: Vec<u16>,
 }
 
-/// Where a share of what gaps draw in leaves the fluid.
+/// Intake of a gap: links at which its share of the drawn mass leaves the fluid.
 #[derive(Clone, Copy, Debug, Default)]
 struct Intake {
     /// Mass that it has still to take from the fluid.
@@ -66,7 +66,7 @@ struct Intake {
     rate: f64,
 }
 
-/// What links gave to an intake.
+/// Sums over the links that gave to an intake.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Given {
     /// Sum of `6 w_i rho` over them.

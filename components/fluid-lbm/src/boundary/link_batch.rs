@@ -31,7 +31,7 @@ const NOWHERE: usize = u32::MAX as usize;
 /// A link of a part.
 #[derive(Clone, Copy, Debug)]
 pub struct BatchLink {
-    /// Where its populations are.
+    /// Places of its populations.
     pub slots: PopulationAddresses,
     /// Its direction as seen by the body: mirrored if the link goes through a mirror.
     pub seen: u8,
@@ -39,14 +39,14 @@ pub struct BatchLink {
     pub mirrors: u8,
     /// From the body's origin to the cell where it begins, mirrored likewise.
     pub arm: [f64; 3],
-    /// Where it meets the surface.
+    /// Wall distance, as part of the link's length.
     pub q: f64,
 }
 
-/// What is known of links that stand in columns.
+/// Places and mirrors of links that stand in columns.
 #[derive(Clone, Copy)]
 struct Known<'a> {
-    /// Where their populations are.
+    /// Places of their populations.
     slots: &'a [PopulationAddresses],
     /// Axes at which each is mirrored; none if no link is.
     mirrors: &'a [u8],
@@ -93,7 +93,7 @@ impl Batch {
         self.exchange = MomentumExchange::default();
     }
 
-    /// What the item exchanged.
+    /// Exchange of the item.
     pub fn exchange(&self) -> MomentumExchange {
         let total = |lane: &Lane| lane.iter().fold(0.0, |sum, x| sum + x);
         let sum = |k: usize| total(&self.sums[k]);

@@ -27,7 +27,7 @@ pub struct LinkBlock {
     pub c: [Lane; 3],
     /// Squared length of `c`.
     pub cc: Lane,
-    /// Where the link meets the surface; found here for a sphere.
+    /// Wall distance, as part of the link's length; found here for a sphere.
     pub q: Lane,
     /// Weight of the direction, times 6.
     pub weight: Lane,
@@ -35,7 +35,7 @@ pub struct LinkBlock {
     pub own: Lane,
     /// Factor of the other population.
     pub other: Lane,
-    /// What the wall's motion takes for density 1.
+    /// Population that the wall's motion takes at density 1.
     pub push: Lane,
     /// Velocity of the wall.
     pub u: [Lane; 3],
@@ -80,7 +80,7 @@ impl Standing {
 const STRAIGHT: f64 = 6.0 * W[1];
 const ASLANT: f64 = 6.0 * W[7];
 
-/// What of a body its links need.
+/// Properties of a body that its links need.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     /// Squared radius of a sphere.
@@ -103,11 +103,11 @@ pub type Paid = [Lane; 2];
 
 /// Puts links where they stand around a body.
 pub struct PlaceLinks<'a> {
-    /// How they stand.
+    /// Positions of the links on the lattice.
     pub standing: &'a [Standing],
     /// The first cell around the body.
     pub origin: [i32; 3],
-    /// Where the body is.
+    /// Position of the body.
     pub position: [f64; 3],
     /// Get their arms, directions and weights.
     pub links: &'a mut [LinkBlock],
@@ -202,9 +202,9 @@ fn meet_sphere(eight: &mut LinkBlock, r2: f64) {
 pub struct CorrectMass<'a> {
     /// Links that are located.
     pub links: &'a mut [LinkBlock],
-    /// What the body pays.
+    /// Mass that the body pays, for each unit of `6 w_i`.
     pub rate: f64,
-    /// Grows by what walls recede.
+    /// Sums to which the volume by which walls recede is added, and the weights.
     pub sums: &'a mut Paid,
 }
 

@@ -1,11 +1,12 @@
 //! Links of moving parts: found when the part has moved by a step, used until then.
 //!
-//! What is listed depends on the part's rounded pose (see `mesh_body`) and on what stands still: every
-//! link from a stored cell outside the part to one that it covers, and every gap link (see `unresolved_gaps`)
-//! from a static solid or a wall. What changes from step to step is looked up when the list is used:
-//! which of those cells are fluid, whether another body holds a link's end and is met before, how far the
-//! surface has come since. A link beside a wall that the part moves along pushes for those that the wall
-//! takes: a piston displaces what it should. A flat wall that has moved by `d` is met at `q + d.n / (c.n)`.
+//! The lists depend on the part's rounded pose (see `mesh_body`) and on static solids: every link
+//! from a stored cell outside the part to one that it covers, and every gap link (see
+//! `unresolved_gaps`) from a static solid or a wall. What changes from step to step is looked up
+//! when the list is used: which of those cells are fluid, whether another body holds a link's end
+//! and is met before, how far the surface has come since. A link beside a wall that the part moves
+//! along pushes for those that the wall takes: a piston displaces what it should. A flat wall that
+//! has moved by `d` is met at `q + d.n / (c.n)`.
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;
@@ -27,13 +28,13 @@ use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Real, prefetch};
 
-/// How many links ahead memory is asked for them.
+/// Number of links ahead of their use at which memory is asked for them.
 const AHEAD: usize = 24;
 
 /// A link, as it was when it was found.
 #[derive(Clone, Copy, Debug)]
 pub struct PartLink {
-    /// Where its populations are.
+    /// Places of its populations.
     slots: PopulationAddresses,
     /// The cell where it ends.
     end: u32,
@@ -47,9 +48,9 @@ pub struct PartLink {
     rims: u8,
     /// The cell as seen from the body.
     at: [i32; 3],
-    /// Where it meets the surface.
+    /// Wall distance at the pose of the search, as part of the link's length.
     q: f64,
-    /// How that follows the surface.
+    /// Gradient of `q` by the motion of the surface [1/cell].
     slope: [f32; 3],
 }
 
@@ -101,10 +102,10 @@ impl ListedMeshLinks {
     }
 }
 
-/// What a search looks at.
+/// Surroundings that a search looks at.
 #[derive(Clone, Copy)]
 pub struct LinkSearch<'a> {
-    /// Where cells are.
+    /// Layout of the cells.
     pub layout: &'a Layout,
     /// The static geometry, if gaps press.
     pub walls: Option<&'a WallDistances>,
@@ -188,7 +189,8 @@ impl PartLinks {
         self.now.bytes() + self.before.bytes()
     }
 
-    /// What the links of a surface that can deform may give to facets.
+    /// Largest number of forces that the links of a deformable surface give to facets; 0 for other
+    /// parts.
     pub fn felt(&self) -> usize {
         let ListedMeshLinks { links, hits, gaps, .. } = &self.now;
         if hits.is_empty() { 0 } else { links.len() + gaps.len() }
@@ -371,8 +373,8 @@ impl<T: Real> PostCollision<'_, T> {
         }
     }
 
-    /// Whether nobody holds a cell but the body and what it is bonded to: then there is no gap, and
-    /// links need not be followed to see it.
+    /// True if nobody holds a cell but the body and bodies that it is bonded to. There is no gap
+    /// then, and links need not be followed to see it.
     fn is_bonded(&self, bodies: &Bodies, body: &Body, cell: u32) -> bool {
         let is_own =
             |handle: u32| handle == body.handle || body.is_bonded_to(bodies.with_handle(handle));

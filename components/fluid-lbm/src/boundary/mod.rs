@@ -1,4 +1,4 @@
-//! What reflects and prescribes, one scheme a file: bounce-back, momentum exchange, open faces, the virtual piston.
+//! Boundary schemes, one a file: bounce-back, momentum exchange, open faces, the virtual piston.
 
 pub mod boundaries;
 pub mod bouzidi;

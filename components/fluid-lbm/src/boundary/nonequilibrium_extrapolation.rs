@@ -20,7 +20,7 @@ pub struct InnerCells {
     pub drho: Lane,
     /// See there.
     pub velocity: [Lane; 3],
-    /// What is prescribed: density minus 1, and velocity.
+    /// Prescribed density minus 1, and prescribed velocity.
     pub given: (Lane, [Lane; 3]),
     /// Populations as they are to be; then what they gained.
     pub new: [Lane; Q],

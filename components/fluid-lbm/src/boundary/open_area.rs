@@ -1,4 +1,4 @@
-//! How much of a face each of its cells has open, where walls of parts cross the face.
+//! Open area of each cell of a face, where walls of parts cross the face.
 //!
 //! A cell that a wall crosses has what lies outside of the solid, found at points in the plane of the cells' centres. What is
 //! open of a cell whose own centre is solid goes to its neighbours in the face that are fluid, in equal parts: so the areas of all
@@ -78,7 +78,7 @@ fn beside(grid: &Grid, at: [i32; 3], axis: usize) -> impl Iterator<Item = [i32; 
     })
 }
 
-/// Whether the centre of a cell is in a solid.
+/// True if the centre of a cell is in a solid.
 fn is_solid(ground: &StaticGeometry, at: [i32; 3]) -> bool {
     let centre = ground.centres().of(at);
     ground.solids.iter().any(|solid| solid.holds(centre))

@@ -74,7 +74,7 @@ const STEER: f64 = 0.02;
 /// The most by which they may.
 const STEER_LIMIT: f64 = 0.25;
 
-/// How many cells ahead of its use memory is asked for.
+/// Number of cells ahead of its use at which memory is asked for.
 const AHEAD: usize = 8;
 
 /// A cell at an open face.
@@ -93,8 +93,8 @@ pub struct OpenFace {
     /// `2 axis + side`.
     face: usize,
     scheme: OpenFaces,
-    /// What part of its difference the mean velocity takes over in a step, where the face absorbs; else
-    /// 0.
+    /// Part of the difference between a cell's velocity and its mean that the mean takes over in a
+    /// step, where the face absorbs; else 0.
     relax: f64,
     cells: Vec<OpenCell>,
     items: Vec<OpenItem>,
@@ -258,7 +258,7 @@ fn parabola(grid: &Grid, axis: usize, at: [i32; 3]) -> [f64; 2] {
 struct FaceView<'a, T: Real> {
     next: &'a PostStreaming<'a, T>,
     inward: Inward,
-    /// What it prescribes.
+    /// Value that it prescribes.
     value: BoundaryValue,
     /// True if plain cells are filled by non-equilibrium bounce-back.
     bounces: bool,

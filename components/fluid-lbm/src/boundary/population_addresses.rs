@@ -1,4 +1,4 @@
-//! Where the populations of a link are.
+//! Places of the populations of a link.
 
 use crate::lattice::aa_pattern::Parity;
 use crate::lattice::cell_flags::CellFlags;
@@ -8,16 +8,17 @@ use crate::lattice::layout::Layout;
 /// A cell that there is not.
 const NONE: u32 = u32::MAX;
 
-/// Where the populations of a link `i` from a cell `x` are, `i'` being the opposite direction; see `aa_pattern`.
+/// Places of the populations of a link `i` from a cell `x`, `i'` being the opposite direction; see
+/// `aa_pattern`.
 #[derive(Clone, Copy, Debug)]
 pub struct PopulationAddresses {
     /// The cell where it begins.
     pub cell: u32,
     /// The cell behind, against the link; the cell itself where the link sees itself in a mirror.
     behind: u32,
-    /// Where even and odd steps find `f_i'(x)` and leave `g_i(x)`.
+    /// Places at which even and odd steps find `f_i'(x)` and leave `g_i(x)`.
     back: [u32; 2],
-    /// Where they find `f_i(x)` and leave `g_i'(x)`.
+    /// Places at which they find `f_i(x)` and leave `g_i'(x)`.
     along: [u32; 2],
 }
 
@@ -34,25 +35,26 @@ impl PopulationAddresses {
         Self { cell, behind, back: of(OPPOSITE[i]), along: of(i) }
     }
 
-    /// Where the collision of a parity left `g_i(x)`.
+    /// Place at which the collision of a parity left `g_i(x)`.
     #[inline(always)]
     pub fn own(&self, parity: Parity) -> usize {
         self.back[usize::from(parity == Parity::Odd)] as usize
     }
 
-    /// Where the next collision finds `f_i'(x)`.
+    /// Place at which the next collision finds `f_i'(x)`.
     #[inline(always)]
     pub fn result(&self, parity: Parity) -> usize {
         self.back[usize::from(parity == Parity::Even)] as usize
     }
 
-    /// Where the collision of a parity left `g_i'(x)`, or, which comes to `x` from behind, `g_i(x - c_i)`.
+    /// Place at which the collision of a parity left `g_i'(x)`, or `g_i(x - c_i)`, which comes to
+    /// `x` from behind.
     #[inline(always)]
     pub fn other(&self, parity: Parity, from_behind: bool) -> usize {
         self.along[usize::from(from_behind == (parity == Parity::Even))] as usize
     }
 
-    /// Whether there is a cell behind, and fluid.
+    /// True if there is a cell behind, and it is fluid.
     #[inline(always)]
     pub fn is_behind_fluid(&self, flags: &CellFlags) -> bool {
         let is_there = self.behind != NONE;

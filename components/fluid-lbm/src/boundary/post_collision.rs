@@ -4,7 +4,7 @@
 //! c_i`. The reflected population is interpolated linearly (see `bouzidi`), `i'` being the opposite direction, `u_w` the
 //! surface's velocity there.
 //!
-//! Where `x_f - c_i` is not fluid and `q < 1/2`, the wall is taken half-way (`q = 1/2`). If several
+//! If `x_f - c_i` is not fluid and `q < 1/2`, the wall is taken half-way (`q = 1/2`). If several
 //! bodies hold the link's end, the one with the smallest `q` has it. A link that ends beyond a face
 //! of the domain or in a static solid belongs to that.
 //!
@@ -93,21 +93,21 @@ pub fn items(bodies: &mut Bodies, gaps_press: bool, counts: [usize; 2]) -> Vec<L
 pub struct PostCollision<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
-    /// Where they are.
+    /// Layout of the cells, with the places of their populations.
     pub layout: &'a Layout,
-    /// Who owns which cell.
+    /// Owners of the cells.
     pub flags: &'a CellFlags,
-    /// Where cells joined the fluid or left it.
+    /// Steps in which bricks of cells last changed.
     pub bricks: &'a ChangeBlocks,
     /// Parity of the collision just done.
     pub parity: Parity,
     /// Densities of the lines near bodies.
     pub drho: &'a Field<T>,
-    /// Which vector instructions.
+    /// Vector instructions that are used.
     pub variant: Variant,
     /// Mean density of the fluid.
     pub mean: f64,
-    /// Whether bodies keep accounts of mass.
+    /// True if bodies keep accounts of mass.
     pub keeps_mass: bool,
     /// See [`nearest_wall`].
     pub nearest_wall: f64,
@@ -175,8 +175,9 @@ impl<T: Real> PostCollision<'_, T> {
         batch.exchange()
     }
 
-    /// Whether of all bodies that hold the end of the link `i` of a cell, this one is met first (then: has the
-    /// lowest id). Where a link meets a body does not depend on who asks: else two might take it, or nobody.
+    /// True if the link `i` of a cell meets this body first, among all that hold its end; at the
+    /// same distance, if this has the lowest id. The distance to a body does not depend on who
+    /// asks: else two might take the link, or nobody.
     pub fn is_first(&self, bodies: &Bodies, body: &Body, cell: u32, i: usize, end: u32) -> bool {
         let at = self.layout.at(cell);
         let q = self.met_at(body, at, i);
@@ -187,7 +188,8 @@ impl<T: Real> PostCollision<'_, T> {
         })
     }
 
-    /// Where the link `i` of a cell meets a body that holds its end; a part where its links were found.
+    /// Wall distance along the link `i` of a cell to a body that holds its end; for a part, at the
+    /// pose where its links were found.
     fn met_at(&self, body: &Body, at: [i32; 3], i: usize) -> f64 {
         let grid = &self.layout.grid;
         let mirrors = grid.mirrors_to(std::array::from_fn(|a| at[a] + C[i][a]));
@@ -197,7 +199,8 @@ impl<T: Real> PostCollision<'_, T> {
 }
 
 impl<T: Real> PostCollision<'_, T> {
-    /// Where the link `i` of a cell, at `arm` from a body, meets another body that holds its end.
+    /// Wall distance along the link `i` of a cell, at `arm` from a body, to another body that holds
+    /// its end.
     pub fn distance(&self, body: &Body, other: &Body, arm: [f64; 3], i: usize) -> f64 {
         // From the other body to the cell, by the shortest way.
         let arm = std::array::from_fn(|a| {

@@ -17,7 +17,7 @@ use crate::lattice::populations::{Field, Real};
 pub struct PreCollision<'a, T: Real> {
     /// Populations.
     pub field: &'a Field<T>,
-    /// Where they are.
+    /// Layout of the cells, with the places of their populations.
     pub layout: &'a Layout,
     /// Parity of the collision to come.
     pub parity: Parity,

@@ -4,8 +4,9 @@
 //! the other, and beside an edge that is most (see `cut_links`, of solids that move). A rigid solid displaces nothing along
 //! such a link. So what both ends got together is taken from them again, half from each, as `cut_links` says.
 //!
-//! Force and torque on the solid stay the same. Such links keep the mass, so patches of wall (`wall_mass`) hold none of them.
-//! Where a body covers one end, the other keeps its mass by itself: it is reflected half-way.
+//! Force and torque on the solid stay the same. Such links keep the mass, so patches of wall
+//! (`wall_mass`) hold none of them. If a body covers one end, the other keeps its mass by itself:
+//! it is reflected half-way.
 //!
 //! Not those that end at an open face, which replaces what its cells hold, nor those at what prescribes a pressure.
 
@@ -28,7 +29,8 @@ const LINKS_PER_ITEM: usize = 1024;
 #[derive(Clone, Copy, Debug)]
 struct SheetEnd {
     cell: u32,
-    /// Where the collision leaves `g_i` and the next finds `f_i'`, in either parity: see `aa_pattern`.
+    /// Place at which the collision leaves `g_i` and the next finds `f_i'`, in either parity: see
+    /// `aa_pattern`.
     place: u32,
     dir: u8,
 }
@@ -46,7 +48,7 @@ pub struct SheetItem {
     links: Range<usize>,
     /// The populations `g` at both ends of each; none at an end that is no fluid.
     sent: Vec<[Option<f64>; 2]>,
-    /// What each fixture exchanged that the ends by themselves did not.
+    /// Exchange of each fixture beyond that of the ends by themselves.
     pub exchanges: Vec<(BoundaryId, MomentumExchange)>,
 }
 

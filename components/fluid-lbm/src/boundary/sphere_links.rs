@@ -24,7 +24,7 @@ const CHUNK: i32 = 8;
 /// Layers on either side of a list's own that cells next to the ends of its links can lie in.
 const BEYOND: i32 = 2;
 
-/// How many rows ahead memory is asked for the table of places.
+/// Number of rows ahead of their use at which memory is asked for the table of places.
 const AHEAD: usize = 4;
 
 /// The first of the fluid cells next to the end of a link, and the end of them, in a list.
@@ -33,25 +33,25 @@ type Witnesses = [u32; 2];
 /// The links of some layers of a sphere's shell.
 #[derive(Clone, Debug, Default)]
 pub struct SphereLinks {
-    /// Which fit of the shell they are of; 0 before the first.
+    /// Number of the shell's fit at which they were found; 0 before the first.
     fit: u64,
-    /// Whether they were found while the sphere shared cells.
+    /// True if they were found while the sphere shared cells.
     shares: bool,
     /// The bricks in which cells near the sphere are, and the last step of which it is known that the same are fluid.
     bricks: Vec<u32>,
     seen: u64,
-    /// Which cells of each row near the sphere are fluid, those of some more layers too.
+    /// Bits of the fluid cells in each row near the sphere, also in some more layers.
     fluid: Vec<u64>,
     /// Cells and directions as seen from the sphere, in eights.
     pub standing: Vec<Standing>,
-    /// Where populations are.
+    /// Places of their populations.
     pub slots: Vec<PopulationAddresses>,
     /// Axes at which each is mirrored; none if no link is.
     pub mirrors: Vec<u8>,
     /// Links that may be gap links, and the fluid cells next to their ends; see `unresolved_gaps`.
     gaps: Vec<(GapLink, MetInGap, Witnesses)>,
     witnesses: Vec<u32>,
-    /// How often they were found.
+    /// Number of searches for them.
     finds: u64,
 }
 
@@ -238,7 +238,7 @@ impl<T: Real> PostCollision<'_, T> {
         links.push(PopulationAddresses::new(self.layout, cell, i), seen, mirrors, from_origin);
     }
 
-    /// Whether a link ends at no thin solid, and no other body holds its end and is met before.
+    /// True if a link ends at no thin solid, and no other body that holds its end is met before.
     fn is_mine(&self, row: &Row, cell: u32, i: usize) -> bool {
         self.layout.neighbour(cell, i).is_some_and(|end| {
             !self.flags.is_shared(end) || self.is_first(row.bodies, row.body, cell, i, end)
@@ -300,7 +300,7 @@ struct Row<'a> {
     z: i32,
     /// The same of its first cell.
     first: i32,
-    /// Which of its cells are stored.
+    /// Bits of its stored cells.
     cells: u64,
     /// Those whose links may end at a thin solid, or in cells that others hold too.
     doubtful: u64,

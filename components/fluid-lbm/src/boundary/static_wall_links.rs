@@ -22,8 +22,8 @@
 //! f_0(x) -= sum over links to sliding faces (f_i' - g_i + 6 w_i rho_m (c_i.u))
 //! ```
 //!
-//! What interpolation makes or takes at walls is paid back over some hundred steps, see `wall_mass`; at once at links between
-//! two cells of the fluid, see `sheet_links`.
+//! The mass that interpolation makes or takes at walls is paid back over some hundred steps, see
+//! `wall_mass`; at once at links between two cells of the fluid, see `sheet_links`.
 //!
 //! All links of a cell are one unit of work: the place of a link's result is that of its own `g_i`
 //! (see `aa_pattern`), which another link of the same cell may want to read before.
@@ -77,14 +77,14 @@ impl WallLink {
         self.kind & CUT != 0
     }
 
-    /// Where it meets the surface, as a fraction of its length.
+    /// Wall distance, as a fraction of the link's length.
     fn q(&self) -> f64 {
         let own = f64::from(self.own);
         if self.is_near() { 0.5 * own } else { 0.5 / own }
     }
 }
 
-/// How many cells ahead of its use memory is asked for.
+/// Number of cells ahead of its use at which memory is asked for.
 const AHEAD: usize = 8;
 
 /// Coordinates of cells that mostly share their row with the one before.
@@ -133,7 +133,7 @@ pub struct WallItem {
     pub patches: Vec<Patch>,
 }
 
-/// What the links of one cell meet.
+/// Exchanges and patch of wall that the links of one cell add to.
 struct MetByCell<'a> {
     exchanges: &'a mut [(BoundaryId, MomentumExchange)],
     are_walls: &'a [bool],
@@ -141,7 +141,7 @@ struct MetByCell<'a> {
 }
 
 impl MetByCell<'_> {
-    /// What a link pays of what its patch of wall owes.
+    /// Mass that a link pays back for its patch of wall.
     #[inline(always)]
     fn pay(&mut self, link: &WallLink) -> f64 {
         if link.is_cut() || !self.are_walls[usize::from(link.fixture)] {
@@ -400,7 +400,7 @@ impl<T: Real> PostCollision<'_, T> {
         self.field.set(place, old + mass) - old
     }
 
-    /// What comes back from a wall with velocity `u`.
+    /// Population `f_i'` that comes back from a wall with velocity `u`.
     fn at_wall(
         &self,
         cell: u32,
@@ -425,20 +425,20 @@ impl<T: Real> PostCollision<'_, T> {
         Bouzidi::at(q).reflect(g, self.field.get(place), push)
     }
 
-    /// Whether the cell behind a link's beginning, against direction `i`, is fluid.
+    /// True if the cell behind a link's beginning, against direction `i`, is fluid.
     #[inline(always)]
     fn has_behind(&self, cell: u32, i: usize) -> bool {
         self.layout.behind(cell, i).is_some_and(|behind| self.flags.is_fluid(behind))
     }
 
-    /// Where the next step finds a population.
+    /// Place at which the next step finds a population.
     #[inline(always)]
     pub fn next_place(&self, cell: u32, i: usize) -> usize {
         self.layout.place(self.parity.flipped(), cell, i)
     }
 }
 
-/// What comes back from a surface with density `1 + drho`.
+/// Population `f_i'` that comes back from a surface with density `1 + drho`.
 fn at_density(link: &WallLink, g: f64, drho: f64, all: Option<&[f64; Q]>) -> f64 {
     let i = link.dir as usize;
     let all = all.expect("populations were read because the surface is no wall");

@@ -1,12 +1,12 @@
 //! Gaps too narrow to hold a cell, and the pressure in them: `gap_pressure`.
 //!
-//! Where a body is so near to a wall, a part or another body that the cells of the one adjoin those of
-//! the other, it has no links, and nothing would press on it there. A *gap link* goes from a cell that
-//! a body covers to a neighbour that is covered by something else, or is a wall's, or is frozen because
-//! no neighbour is fluid. It counts where the two surfaces, met on that link, are apart by more than
-//! [`CONTACT`]; surfaces in contact press on each other and the fluid on neither. A gap link of
-//! direction `i` into the body gives it what a link would, `2 w_i drho c_i` at its surface, so that a
-//! flat face feels pressure times area.
+//! A body may be so near to a wall, a part or another body that the cells of the one adjoin those
+//! of the other. It has no links there, and nothing would press on it. A *gap link* goes from a
+//! cell that a body covers to a neighbour that is covered by something else, or is a wall's, or is
+//! frozen because no neighbour is fluid. It counts where the two surfaces, met on that link, are
+//! apart by more than [`CONTACT`]; surfaces in contact press on each other and the fluid on
+//! neither. A gap link of direction `i` into the body gives it what a link would, `2 w_i drho c_i`
+//! at its surface, so that a flat face feels pressure times area.
 //!
 //! All gap links between the same two make one gap with one pressure: the mean over the fluid cells
 //! next to the covered cells where its links begin, counted once for each link that sees them; both
@@ -45,8 +45,7 @@ pub const CONTACT: f64 = 1e-3;
 /// Gaps of an item at most; those beyond count as the last.
 pub const ROOM: usize = 24;
 
-/// What is on the other side of a gap: a fixture, a body's handle beyond [`OtherSide::BODIES`], or a
-/// frozen cell.
+/// Other side of a gap: a fixture, a body's handle beyond [`OtherSide::BODIES`], or a frozen cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OtherSide(u32);
 
@@ -63,7 +62,7 @@ impl OtherSide {
         Self(Self::BODIES + handle + if is_image { Self::IMAGE } else { 0 })
     }
 
-    /// How a body is seen from across the gap.
+    /// Body with `handle` as this side sees it across the gap: as an image if this is one.
     pub fn seen_back(self, handle: u32) -> Self {
         Self::body(handle, self.0 & Self::IMAGE != 0)
     }
@@ -97,10 +96,10 @@ impl OtherSide {
 /// A link that may be a gap link: all that stands still of it.
 #[derive(Clone, Copy, Debug)]
 pub struct GapLink {
-    /// Where it begins, as seen from the body.
+    /// Cell where it begins, as seen from the body.
     at: [i32; 3],
     dir: u8,
-    /// Where it ends, which the body covers.
+    /// Cell where it ends, which the body covers.
     pub cell: u32,
     begin: Begin,
 }
@@ -112,8 +111,8 @@ impl GapLink {
     }
 }
 
-/// How far a part is along a gap link from where that ends: what a search in its surface gave, which holds as long
-/// as the part's cells are where they were found.
+/// Distance of a part along a gap link from the link's end, found by a search in its surface. It
+/// holds as long as the part's cells are where they were found.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MetInGap {
     /// The part, and its search.
@@ -121,10 +120,10 @@ pub struct MetInGap {
     distance: f64,
 }
 
-/// What the cell is where a gap link begins.
+/// Kind of the cell where a gap link begins.
 #[derive(Clone, Copy, Debug)]
 enum Begin {
-    /// What stands still, and how far its surface is from the covered cell.
+    /// A solid at rest, and the distance of its surface from the covered cell.
     Still { across: OtherSide, distance: f64 },
     /// A stored cell, through a mirror at some axes.
     Stored { cell: u32, mirrors: u8 },
@@ -145,7 +144,7 @@ impl MetInGap {
 /// A gap, or the part of it that an item of links found.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
-    /// What is on its other side.
+    /// Other side of the gap.
     pub across: OtherSide,
     /// Sum over the fluid cells next to it of the density minus 1, and their number.
     pub drho: f64,
@@ -159,11 +158,11 @@ pub struct Gap {
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
     pub list: Vec<Gap>,
-    /// What facets of a deformable surface felt, of gaps and of the fluid.
+    /// Forces on facets of a deformable surface, of gaps and of the fluid.
     pub felt: Vec<Felt>,
     /// Volume by which the body receded from each gap that the scene declares.
     pub drawn: Vec<f64>,
-    /// What links gave to each intake of those.
+    /// Sums of the links that gave to each intake of those gaps.
     pub given: Vec<Given>,
 }
 
@@ -357,8 +356,8 @@ impl<T: Real> PostCollision<'_, T> {
         Some(gaps.add(across, arm, (i, q), facet))
     }
 
-    /// What a link's beginning belongs to, and how far its surface is from the covered cell on the link.
-    /// `None` if they are not two, or the beginning is fluid.
+    /// Other side at a link's beginning, and the distance of its surface from the covered cell on
+    /// the link. `None` if both belong to one body or to bonded ones, or if the beginning is fluid.
     fn across(
         &self,
         bodies: &Bodies,
@@ -409,7 +408,7 @@ impl<T: Real> PostCollision<'_, T> {
     }
 }
 
-/// What a cell that may lie beyond a face is.
+/// Kind of a cell that may lie beyond a face.
 pub enum Beyond {
     /// A wall of the domain or, without one, a static solid.
     BoundaryId(Option<BoundaryId>),
@@ -432,8 +431,8 @@ pub fn beyond(layout: &Layout, at: [i32; 3]) -> Beyond {
     }
 }
 
-/// What stands still at the start of the link `i` into the covered cell `cell`, and how far it is from
-/// there: a face, or the solid that is met.
+/// Fixture at the start of the link `i` into the covered cell `cell`, a face or the solid that is
+/// met, and its distance from that cell.
 pub fn fixture(
     walls: &WallDistances,
     face: Option<BoundaryId>,

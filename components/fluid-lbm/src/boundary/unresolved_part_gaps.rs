@@ -24,7 +24,7 @@ struct PartGapLink {
     dir: u8,
     /// The cell where it begins, as seen from the body.
     at: [i32; 3],
-    /// Where it meets the part, how that follows the part's motion, and how wide the gap is.
+    /// Wall distance to the part, its gradient by the part's motion, and the width of the gap.
     q: f64,
     slope: [f32; 3],
     width: f64,

@@ -1,10 +1,10 @@
-//! Where links meet walls that stand still: found once, when the first body comes, for the gap links that end
-//! there in any step.
+//! Distances of walls at rest along links. They are found once, when the first body comes, for the
+//! gap links that end there in any step.
 
 use crate::lattice::aa_pattern::Blocked;
 use crate::lattice::cell_list::BoundaryId;
 
-/// Where one link meets a solid. 8 bytes.
+/// Distance of one solid along one link. 8 bytes.
 #[derive(Clone, Copy, Debug)]
 struct WallDistance {
     /// As a fraction of the link, to 7 digits: a wall is nowhere known better.
@@ -14,7 +14,7 @@ struct WallDistance {
     dir: u8,
 }
 
-/// Where the links of all cells meet solids that stand still.
+/// Distances of solids at rest along the links of all cells.
 #[derive(Clone, Debug, Default)]
 pub struct WallDistances {
     cells: Vec<u32>,
@@ -38,12 +38,12 @@ impl WallDistances {
         own
     }
 
-    /// Whether they were never found.
+    /// True if they were never found.
     pub fn is_empty(&self) -> bool {
         self.first.is_empty()
     }
 
-    /// What stands still that the link `i` of a cell meets first, and where.
+    /// Solid at rest that the link `i` of a cell meets first, and its distance as part of the link.
     pub fn meet(&self, cell: u32, i: usize) -> Option<(BoundaryId, f64)> {
         let place = self.cells.binary_search(&cell).ok()?;
         let [first, end] = [self.first[place] as usize, self.first[place + 1] as usize];

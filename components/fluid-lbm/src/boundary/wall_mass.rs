@@ -51,7 +51,7 @@ pub const WEIGHT: [f64; Q] = {
     weight
 };
 
-/// What a patch belongs to.
+/// Holder of a patch's mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Holder {
     /// An account, by number.
@@ -64,11 +64,11 @@ enum Holder {
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
     holder: Holder,
-    /// What a link pays for each unit of `6 w_i`.
+    /// Mass that a link pays for each unit of `6 w_i`.
     pub pay: f64,
-    /// What links to solid walls gave to the fluid in this step.
+    /// Mass that links to solid walls gave to the fluid in this step.
     pub gained: f64,
-    /// What links to faces of the domain gave.
+    /// Mass that links to faces of the domain gave.
     pub of_faces: f64,
     /// Sum of the weights of links to solid walls.
     pub weight: f64,
@@ -112,7 +112,7 @@ fn cube(grid: &Grid, at: [i32; 3], fixture: BoundaryId, reference: [f64; 3]) -> 
     (fixture.0, place)
 }
 
-/// What a patch of wall owes [cells at density 1].
+/// Mass that a patch of wall owes [cells at density 1].
 #[derive(Clone, Copy, Debug, Default)]
 struct PatchAccount {
     owed: f64,
@@ -171,7 +171,8 @@ impl Patches {
         number
     }
 
-    /// What links brought to the cells at each open face in this step, `2 axis + side`.
+    /// Mass that links brought to the cells at each open face in this step, `2 axis + side` [cells
+    /// at density 1].
     pub fn brought(items: &[WallItem]) -> [Brought; 6] {
         let mut all = [Brought::default(); 6];
         for patch in items.iter().flat_map(|item| &item.patches) {

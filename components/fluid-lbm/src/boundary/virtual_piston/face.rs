@@ -67,7 +67,7 @@ pub struct ReservoirFace {
     mean: f64,
 }
 
-/// What a reservoir is like at the end of a step, SI units.
+/// State of a reservoir at the end of a step, SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReservoirState {
     /// Axis of the face, 0, 1, 2 for x, y, z.
@@ -166,12 +166,12 @@ impl ReservoirFace {
         self.cylinder.drain(-mass);
     }
 
-    /// Which axis the face is across.
+    /// Axis that the face is across.
     pub fn axis(&self) -> usize {
         self.axis
     }
 
-    /// What the reservoir is like.
+    /// State of the reservoir, SI units.
     pub fn state(&self, acceleration: [f64; 3], units: &Units) -> ReservoirState {
         let half = 0.5 * acceleration[self.axis] * self.inward();
         ReservoirState {
