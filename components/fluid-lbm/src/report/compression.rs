@@ -1,4 +1,4 @@
-//! How far the pressures that a scene prescribes would compress the lattice's fluid.
+//! Compression of the lattice's fluid by the pressures that a scene prescribes.
 
 use tremie_messages::Finding;
 use tremie_messages::finding::short;

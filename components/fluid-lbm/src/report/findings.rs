@@ -35,7 +35,7 @@ const LOW_MACH: f64 = 0.1;
 /// fluid was measured to give way under the bed.
 const SOFT: [f64; 2] = [0.05, 0.1];
 
-/// What is known of a lattice before it runs, each number with a verdict.
+/// Findings on a lattice before it runs, each number with a verdict.
 pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution) -> Vec<Finding> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
     let lattice = Lattice { parameters, resolution, fluid, scene };
@@ -63,7 +63,7 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
 /// Part of the fluid's mass that links may lose or make before it shows in pressures and rates of flow.
 const LOST: f64 = 1e-3;
 
-/// What signals are judged by once the run is over.
+/// Limits by which signals are judged once the run is over.
 pub fn limits() -> Vec<Limit> {
     vec![Limit {
         signal: "mass_lost_share".into(),
@@ -344,14 +344,14 @@ impl Lattice<'_> {
     }
 }
 
-/// Where a gap is.
+/// Place of a gap, in words.
 fn place_of(gap: &Narrow) -> String {
     let [x, y, z] = gap.place.map(short);
     let [one, other] = &gap.between;
     format!("between {one} and {other} at ({x}, {y}, {z}) m")
 }
 
-/// What mending did to the surface of a part.
+/// Finding on the surface of a part that was mended.
 fn mended(mended: &Mended) -> Finding {
     let Mended { part, changes, triangles, what } = mended;
     let all = format!("of {triangles} triangles: {what}");

@@ -1,4 +1,4 @@
-//! What is known of declared gaps and moving parts before a run.
+//! Findings on declared gaps and moving parts before a run.
 
 use crate::domain::parameters::Parameters;
 use crate::lattice::d3q19::CS2;
@@ -10,7 +10,7 @@ use tremie_messages::scene::{Gap, Motion, Scene};
 /// The thinnest gap that a lattice of small viscosity lets flow [cells]: one layer of cells is held by its
 /// walls.
 const FLOWS: f64 = 1.5;
-/// How far a part may come until its cells are found anew without that being seen in forces [cells].
+/// Largest motion of a part between two searches for its cells that forces do not show [cells].
 const FINE: f64 = 1.0 / 16.0;
 /// Lattice viscosity below which nothing damps sound that a late force feeds.
 const UNDAMPED: f64 = 1e-3;

@@ -21,7 +21,7 @@ pub struct Narrow {
     pub cells: f64,
     /// Its middle [m].
     pub place: [f64; 3],
-    /// What it is between.
+    /// Names of the two things.
     pub between: [String; 2],
 }
 
@@ -219,7 +219,7 @@ fn middle([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
 /// Cells around a gap among which one must be fluid for the fluid to reach the gap.
 const NEAR: i32 = 2;
 
-/// Whether there is fluid at a place, or within two cells of it: a narrow gap holds no cell itself.
+/// True if there is fluid at a place, or within two cells of it: a narrow gap holds no cell itself.
 fn is_reached(ground: &StaticGeometry, place: [f64; 3]) -> bool {
     let Centres { cell, min } = ground.centres();
     let at: [i32; 3] = std::array::from_fn(|a| ((place[a] - min[a]) / cell).floor() as i32);

@@ -1,4 +1,4 @@
-//! Whether grains start in the fluid, and get to where they leave.
+//! Space of grains: they start in the fluid, and get to where they leave.
 
 use crate::domain::leak::narrowest;
 use crate::domain::solids::Centres;
@@ -26,7 +26,7 @@ pub struct DryRegion {
 pub struct Throat {
     /// Its width between what stands still, give or take [`Throat::SLACK`] cells [m].
     pub width: f64,
-    /// Where it is [m].
+    /// Its place [m].
     pub place: [f64; 3],
     /// Diameter of the largest sphere [m].
     pub largest: f64,

@@ -1,4 +1,4 @@
-//! How thick parts are where they stand in the fluid, in cells.
+//! Thickness of parts in the fluid, in cells.
 //!
 //! At points of its surface that the fluid reaches, a part is measured three ways: inward along the normal to where fluid is
 //! again, and, half-way in, the shortest way across that and the way square to both. Sorted, these say what it is there: of
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use tremie_geometry::{Frame, Surface, principal};
 use tremie_messages::scene::{Motion, PartBoundary, Pose, Scene};
 
-/// What is thicker is not looked at [cells].
+/// Largest thickness that is measured [cells].
 const REACH: f64 = 16.0;
 /// Part of a surface in the fluid below which a place is rare.
 const RARE: f64 = 0.05;
@@ -30,15 +30,15 @@ const OPPOSITE: f64 = 0.8;
 /// Part of a surface in the fluid from which on a part stands free, and is no thicker than its own widths.
 const FREE: f64 = 0.95;
 
-/// How thick a part is where it stands in the fluid.
+/// Thickness of a part in the fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartExtent {
     /// Its name.
     pub part: String,
     /// Its thickness where it is thinnest [cells].
     pub through: f64,
-    /// What it is across where it is slimmest, a plate being as wide as it is long [cells]; none where that is more than
-    /// 16.
+    /// Width across it where it is slimmest, a plate being as wide as it is long [cells]; none
+    /// where that is more than 16.
     pub across: Option<f64>,
 }
 
@@ -125,7 +125,8 @@ impl PlacedExtent<'_> {
         std::array::from_fn(|k| sorted[0][k].min(sorted[1][k]))
     }
 
-    /// What points of its surface in the fluid see, and the area of all its surface that was looked at [m²].
+    /// Samples at points of its surface in the fluid, and the area of all its surface that was
+    /// looked at [m²].
     fn samples(
         &self,
         ground: &StaticGeometry,
@@ -212,13 +213,14 @@ impl PlacedExtent<'_> {
         Some(ways)
     }
 
-    /// Where a way from inside leaves the part, at most so far on, and the normal there.
+    /// Distance at which a way from inside leaves the part, within `reach`, and the normal there.
     fn exit(&self, from: [f64; 3], out: [f64; 3], reach: f64) -> Option<(f64, [f64; 3])> {
         let crossing = self.surface.first_crossing(from, along(from, out, reach))?;
         Some((crossing.fraction * reach, self.surface.normal(crossing.triangle).into()))
     }
 
-    /// Whether fluid is beyond a point of the surface, in its frame, half a cell or a whole one away.
+    /// True if fluid is beyond a point of the surface, in its frame, half a cell or a whole one
+    /// away.
     fn is_open(
         &self,
         ground: &StaticGeometry,

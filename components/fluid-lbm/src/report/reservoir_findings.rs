@@ -1,4 +1,4 @@
-//! What a reservoir's numbers mean on the lattice, before it runs.
+//! Findings on a reservoir's numbers on the lattice, before it runs.
 
 use crate::boundary::virtual_piston::cylinder::LEAST;
 use crate::boundary::virtual_piston::face::{FASTEST, reservoirs_of};

@@ -1,4 +1,4 @@
-//! What follows from the user's parameters and the scene: cells, time step, memory, warnings.
+//! Resolution by the user's parameters and the scene: cells, time step, memory, warnings.
 
 use crate::bodies::body_memory;
 use crate::boundary::virtual_piston::face::reservoirs_of;
@@ -19,7 +19,7 @@ use tremie_messages::Problem;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Placement, Scene};
 
-/// What follows from parameters and scene.
+/// Resolution that follows from parameters and scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
     /// Cells along each axis.
@@ -54,9 +54,9 @@ pub struct Resolution {
     pub reservoir_cells: Vec<(usize, usize, usize)>,
     /// Parts whose files had to be mended.
     pub mended: Vec<Mended>,
-    /// What the geometry looks like in cells; sentences.
+    /// Notes on the geometry in cells; sentences.
     pub notes: Vec<String>,
-    /// What a user should know before trusting results; sentences.
+    /// Warnings that a user should read before trusting results; sentences.
     pub warnings: Vec<String>,
 }
 
@@ -69,7 +69,7 @@ pub struct Mended {
     pub changes: usize,
     /// Triangles that it has now.
     pub triangles: usize,
-    /// What was done, in words.
+    /// Changes that were made, in words.
     pub what: String,
 }
 
@@ -188,7 +188,7 @@ impl Parameters {
         }
     }
 
-    /// What makes the time step as short as it is, in words.
+    /// Cause that the time step is as short as it is, in words.
     pub fn step_limit(&self, fluid: &FluidMaterial) -> String {
         let cell = short(self.cell.0);
         let viscosity = short(fluid.viscosity / fluid.density);
@@ -378,7 +378,7 @@ fn thinnest_width(scene: &Scene) -> Option<f64> {
 /// Memory of a triangle of a part, with what is kept to find it [bytes]; measured on x86-64.
 const OF_TRIANGLE: u64 = 340;
 
-/// What a user should know before trusting results; numbers with a verdict are in
+/// Warnings that a user should read before trusting results; numbers with a verdict are in
 /// [`crate::findings`].
 fn warnings(memory_bytes: u64) -> Vec<String> {
     let mut warnings = Vec::new();

@@ -1,4 +1,4 @@
-//! What this fluid cannot honour in a scene.
+//! Demands of a scene that this fluid cannot meet.
 
 use crate::boundary::virtual_piston::face::reservoirs_of;
 use crate::lattice::grid::face_name;
