@@ -1,4 +1,4 @@
-//! What can be seen of the fluid.
+//! Diagnostics of the fluid, and values of its cells.
 
 use crate::lattice::d3q19::{CS2, Q, dot};
 use crate::lattice::error::FluidError;
@@ -43,14 +43,14 @@ pub struct Diagnostics {
     pub entering: usize,
 }
 
-/// What a cell holds, SI units.
+/// Values of a cell, SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SliceNode {
     /// Velocity [m/s]; zero inside a solid.
     pub velocity: [f64; 3],
     /// Pressure over that of the reference density [Pa]; zero inside a solid.
     pub pressure: f64,
-    /// Whether the cell is inside a body (or isolated by bodies).
+    /// True if the cell is inside a body (or isolated by bodies).
     pub solid: bool,
 }
 
@@ -138,7 +138,7 @@ impl<T: Real> LatticeState<T> {
         })
     }
 
-    /// What a cell holds.
+    /// Values of a cell, SI units.
     pub fn node(&self, cell: [usize; 3]) -> SliceNode {
         self.node_at(cell.map(|k| k as i32))
     }

@@ -5,11 +5,11 @@ use std::time::Instant;
 use tremie_messages::Problem;
 use tremie_team::{Choice, Found, Team, Variant};
 
-/// Who does the work of a step. Results do not depend on it.
+/// Threads and vector instructions that do the work of a step. Results do not depend on them.
 pub struct Execution {
     /// The threads.
     pub team: Team,
-    /// Which vector instructions.
+    /// Vector instructions that are used.
     pub variant: Variant,
     /// Room for the links of a body, for each thread.
     pub batches: Vec<Batch>,

@@ -21,7 +21,7 @@ use crate::solver::moving_bodies::MovingBodies;
 use tremie_messages::FacetLoad;
 use tremie_team::Cut;
 
-/// What the loads of a surface's facets depend on besides what they felt.
+/// Data for the loads of a surface's facets, besides the forces on their links.
 struct Finish<'a> {
     grid: &'a Grid,
     average: bool,

@@ -27,7 +27,7 @@ pub struct Seen {
     /// Place of the body among the living.
     body: u32,
     count: u32,
-    /// What is across each, by itself: others search it.
+    /// Other side of each, apart from the gaps: others search these.
     across: [OtherSide; ROOM],
     gaps: [Gap; ROOM],
 }

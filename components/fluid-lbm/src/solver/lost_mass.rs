@@ -9,12 +9,14 @@
 //! space = cells that the fluid gained - volume by which moving walls receded
 //! ```
 //!
-//! Where nothing moves `space` is zero; else it is the volume between the surfaces of bodies and the last cells, by which
-//! the cells that the fluid has come and go (see `mass_correction`). Walls of spheres are closed and recede by nothing, but where bodies
-//! keep accounts: those count it. A part that prescribes velocity or pressure lets fluid through, and what its links brought is no
-//! loss, interpolated or not. A step in which bodies appear or vanish counts nothing: what they displace is no loss.
+//! If nothing moves, `space` is zero; else it is the volume between the surfaces of bodies and the
+//! last cells, by which the cells that the fluid has come and go (see `mass_correction`). Walls of
+//! spheres are closed and recede by nothing, but where bodies keep accounts: those count it. A part
+//! that prescribes velocity or pressure lets fluid through, and what its links brought is no loss,
+//! interpolated or not. A step in which bodies appear or vanish counts nothing: what they displace
+//! is no loss.
 
-/// What is known of it [cells at density 1].
+/// Account of that mass [cells at density 1].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lost {
     took: f64,
@@ -23,7 +25,7 @@ pub struct Lost {
     before: f64,
     /// The fluid's cells at the end of the last step.
     cells: usize,
-    /// Whether bodies come or go in this step.
+    /// True if bodies come or go in this step.
     is_other: bool,
 }
 

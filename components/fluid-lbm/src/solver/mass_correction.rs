@@ -17,12 +17,14 @@
 //! part of what is owed goes to the fluid cells at the body's links, in proportion to weight and
 //! density: the surface breathes, and the momentum that a closed surface gives by that is zero.
 //!
-//! Where a body borders a declared gap that holds no fluid (see `modelled`), its surface has no links, but
-//! the sum over its gap links counts in `space` as well: what such a gap draws in as it widens leaves the
-//! fluid, so that the cells which thaw bring nothing new. It does so in the next step, for it moves with the body, and
-//! paid late it would feed the sound around a shut valve, as a wall would that moves late; and where the gap's pressure
-//! is measured, through *intakes* (see `gap_sinks`). These then owe it and the body does not. What has no intake the body
-//! pays along the rest of its surface. Gap links in contact count nothing: there is no fluid between.
+//! If a body borders a declared gap that holds no fluid (see `modelled`), its surface has no links
+//! there, but the sum over its gap links counts in `space` as well. The fluid that such a gap draws
+//! in as it widens leaves the rest, so that the cells which thaw bring nothing new. It does so in
+//! the next step, for it moves with the body; paid late, it would feed the sound around a shut
+//! valve, as a wall does that moves late. It leaves where the gap's pressure is measured, through
+//! *intakes* (see `gap_sinks`). These then owe it and the body does not. For a gap without intakes
+//! the body pays along the rest of its surface. Gap links in contact count nothing: there is no
+//! fluid between.
 //!
 //! Taking the whole mass of an uncovered cell from its neighbours at once instead would lower their
 //! density by a fifth, and count twice what the links have taken while the wall receded.

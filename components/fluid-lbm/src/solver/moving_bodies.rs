@@ -14,7 +14,7 @@ use tremie_team::Cut;
 
 /// Bodies, their links into the fluid, and rules of their loads.
 pub struct MovingBodies {
-    /// Who lives, and where.
+    /// The bodies, with their places.
     pub list: Bodies,
     /// Deformable surfaces whose vertices have not come yet.
     pub awaited: AwaitedSurfaces,

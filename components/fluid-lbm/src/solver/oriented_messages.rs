@@ -1,4 +1,4 @@
-//! What the fluid is told of bodies, by the lattice's axes, and what it tells, by the world's.
+//! Messages on bodies by the lattice's axes, and results of the fluid by the world's.
 
 use crate::boundary::virtual_piston::face::ReservoirState;
 use crate::domain::lattice_orientation::LatticeOrientation;
@@ -115,7 +115,7 @@ impl LatticeOrientation {
         states.sort_unstable_by_key(|state| (state.axis, state.side));
     }
 
-    /// What a cell holds.
+    /// Values of a cell, by the world's axes.
     pub fn node(self, node: SliceNode) -> SliceNode {
         SliceNode { velocity: self.to_world(&node.velocity), ..node }
     }
@@ -130,7 +130,7 @@ impl LatticeOrientation {
         ledger.with(|v| self.to_world(&v), 1.0)
     }
 
-    /// What went wrong.
+    /// Error of the fluid, by the world's axes.
     pub fn error(self, error: FluidError) -> FluidError {
         use FluidError::*;
         match error {

@@ -1,8 +1,10 @@
 //! Cells that nothing flows through: pinched under a grain, between a grain and a wall, in a nook.
 //!
-//! Where almost all links of a cell end at walls, each step turns its momentum round: `j(t + 1) = -j(t)`. No viscosity acts on that,
-//! for viscosity acts on what passes between cells. The cell then rings for ever at the velocity that it had when the grain came to rest,
-//! and so may two or three such cells together. (Checkerboard and staggered invariants of lattice gases: Zanetti 1989.)
+//! If almost all links of a cell end at walls, each step turns its momentum round:
+//! `j(t + 1) = -j(t)`. No viscosity acts on that, for viscosity acts on what passes between cells.
+//! The cell then rings for ever at the velocity that it had when the grain came to rest, and so may
+//! two or three such cells together. (Checkerboard and staggered invariants of lattice gases:
+//! Zanetti 1989.)
 //!
 //! A cell counts as pinched if fewer of its links lead to fluid than those of a cell along the edge of a box, which has nine. Every
 //! [`EVERY`] steps its momentum becomes the mean of two steps, which a flow that changes slowly does not feel:
@@ -37,7 +39,7 @@ pub struct Pinched {
     cells: Vec<Cell>,
     /// One bit for each cell of the fluid: whether it is listed.
     listed: Vec<u64>,
-    /// How many of the cells, from the first, had their momentum taken in the step before a mean.
+    /// Number of cells, from the first, whose momentum was taken in the step before a mean.
     noted: usize,
     /// Momentum that the last mean gave to the fluid.
     pub impulse: [f64; 3],

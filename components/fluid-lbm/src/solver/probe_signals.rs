@@ -88,7 +88,8 @@ pub fn count(shape: &ProbeShape) -> usize {
     if let ProbeShape::Profile { bins, .. } = shape { *bins } else { rows(shape).len() }
 }
 
-/// Which of the values of a probe of a shape is the first of the three of a velocity, if it has one.
+/// Index of the first of the three values of a velocity among the values of a probe of a shape, if
+/// it has one.
 pub fn first_velocity(shape: &ProbeShape) -> Option<usize> {
     rows(shape).iter().position(|(name, ..)| *name == OF_PLACES[1].0)
 }

@@ -1,4 +1,4 @@
-//! What probes measure: weighted means over the fluid cells where they are.
+//! Probes: weighted means over the fluid cells where they are.
 
 use crate::boundary::refill::{Content, PreCollision};
 use crate::domain::sampling::samples;

@@ -35,7 +35,7 @@ struct CrossingLink {
     weight: f32,
 }
 
-/// Where a link ends.
+/// End of a link that crosses a section.
 #[derive(Clone, Copy, Debug)]
 enum FluxEnd {
     /// In a cell, in which what leaves the layer arrives in a direction, mirrored at some axes.
@@ -44,16 +44,16 @@ enum FluxEnd {
     Face(u8),
 }
 
-/// What the links of a section see.
+/// Surroundings that the links of a section need.
 #[derive(Clone, Copy)]
 pub struct Sight<'a, T: Real> {
     /// The fluid.
     pub before: PreCollision<'a, T>,
-    /// Who owns which cell.
+    /// Owners of the cells.
     pub flags: &'a CellFlags,
     /// The bodies.
     pub bodies: &'a Bodies,
-    /// What fixtures prescribe.
+    /// Values that fixtures prescribe.
     pub now: &'a [BoundaryValue],
 }
 
@@ -95,7 +95,7 @@ impl Crossing {
 }
 
 impl<T: Real> Sight<'_, T> {
-    /// What passed along a link out of its cell.
+    /// Mass that passed along a link out of its cell.
     fn passed(&self, link: &CrossingLink) -> f64 {
         let PreCollision { layout, parity, field, .. } = self.before;
         let i = usize::from(link.dir);
@@ -114,7 +114,7 @@ impl<T: Real> Sight<'_, T> {
         }
     }
 
-    /// What a wall with a velocity takes from a cell along a link.
+    /// Mass that a wall with a velocity takes from a cell along a link.
     fn carried(&self, cell: u32, i: usize, u: [f64; 3]) -> f64 {
         6.0 * W[i] * (1.0 + self.before.content(cell).drho) * dot(C_F64[i], u)
     }
@@ -128,8 +128,9 @@ impl<T: Real> Sight<'_, T> {
     }
 }
 
-/// Which sides of a cell's layer can be read. Cells at open faces have lost what arrived: in place of their layer stands the
-/// next one, by its inner side.
+/// Cell whose layer stands for a cell's, and its sides that can be read. Cells at open faces have
+/// lost the populations that arrived: in place of their layer stands the next one, by its inner
+/// side.
 fn sides(layout: &Layout, axis: usize, mut at: [i32; 3]) -> Option<(u32, [bool; 2])> {
     let grid = &layout.grid;
     if grid.periodic[axis] {
@@ -145,7 +146,8 @@ fn sides(layout: &Layout, axis: usize, mut at: [i32; 3]) -> Option<(u32, [bool; 
     sides.contains(&true).then_some((cell, sides))
 }
 
-/// Where what leaves a cell along `i` ends, if that is neither in a part that stands still nor beyond an open face.
+/// End of the link along `i` from a cell, if that is neither in a part that stands still nor beyond
+/// an open face.
 fn end(layout: &Layout, cell: u32, i: usize) -> Option<FluxEnd> {
     let at = layout.at(cell);
     if let Some(other) = layout.neighbour(cell, i) {
