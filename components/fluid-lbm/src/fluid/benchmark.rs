@@ -19,11 +19,11 @@ const SMAGORINSKY: f64 = 0.1;
 struct Spheres {
     /// Cells along an edge of the box.
     room: usize,
-    /// How many stand along it.
+    /// Number of spheres along it.
     along: usize,
     /// Their diameters in cells.
     diameter: f64,
-    /// How far they move in a step, in cells.
+    /// Motion of a sphere in a step [cells].
     motion: f64,
 }
 
@@ -173,7 +173,7 @@ fn bore(
     Benchmark { name, threads, quantities, make: Box::new(make) }
 }
 
-/// What links of moving spheres cost beside the lattice without them.
+/// Cost of the links of moving spheres beside the lattice without them.
 fn links(
     precise: &str,
     precision: Precision,

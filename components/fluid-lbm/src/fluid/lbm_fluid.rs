@@ -33,7 +33,8 @@ pub struct LbmFluid {
     probes: Vec<ProbeShape>,
 }
 
-/// What bodies of each set displace, of clumps that are unions; nothing for other sets.
+/// Shares of unions that bodies of each set displace, for clumps that are unions; empty for other
+/// sets.
 fn union_shares(scene: &Scene, axes: LatticeOrientation, cell: f64) -> Vec<Vec<UnionShare>> {
     let mut all = vec![Vec::new(); scene.bodies.len()];
     for piece in scene.unions.iter().flat_map(|name| clump(scene, name)) {
@@ -131,7 +132,7 @@ impl LbmFluid {
         solver!(&mut self.solver, s => s.exec.choose_threads());
     }
 
-    /// What was found of threads since this was asked last.
+    /// Finding on the number of threads since this was asked last.
     pub fn take_found(&mut self) -> Option<Found> {
         solver!(&mut self.solver, s => s.exec.take_found())
     }
@@ -242,7 +243,7 @@ impl LbmFluid {
         &self.ports
     }
 
-    /// What the reservoirs beyond the domain's faces are like, in the order of the faces: lower before
+    /// States of the reservoirs beyond the domain's faces, in the order of the faces: lower before
     /// upper, x before y before z. `states` is cleared before.
     pub fn reservoirs(&self, states: &mut Vec<ReservoirState>) {
         states.clear();
@@ -255,12 +256,12 @@ impl LbmFluid {
         solver!(&self.solver, s => s.memory_bytes())
     }
 
-    /// What the flow is like; costs nothing, because the collision measures it in passing.
+    /// Diagnostics of the flow. They cost nothing, because the collision measures them in passing.
     pub fn diagnostics(&self) -> Diagnostics {
         solver!(&self.solver, s => s.diagnostics())
     }
 
-    /// Whether the fluid is finite and slower than the Mach limit. Costs nothing while it is.
+    /// Check that the fluid is finite and slower than the Mach limit. Costs nothing while it is.
     ///
     /// # Errors
     /// The cell where it is not.
@@ -290,7 +291,7 @@ impl LbmFluid {
         self.axes.to_world(&solver!(&self.solver, s => s.lattice.centre(cell)))
     }
 
-    /// What a cell holds.
+    /// Values of a cell, SI units.
     pub fn node(&self, cell: [usize; 3]) -> SliceNode {
         let cell = self.axes.to_lattice(&cell);
         self.axes.node(solver!(&self.solver, s => s.lattice.node(cell)))
