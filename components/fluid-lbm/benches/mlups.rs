@@ -63,7 +63,7 @@ fn seconds_per_step(
     best
 }
 
-/// Whether the command line asks for a case.
+/// True if the command line asks for a case.
 fn wanted(case: &str) -> bool {
     let words = std::env::args().skip(1).filter(|a| a.parse::<usize>().is_err() && a != "--bench");
     words.into_iter().all(|word| case.contains(&word))

@@ -6,7 +6,8 @@ use crate::lattice::d3q19::{C, Q};
 /// Way of a sweep from one line to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Way {
-    /// True if its odd places are those after the places of the line before, at least of most of its cells.
+    /// True if its odd places are those after the places of the line before, at least of most of
+    /// its cells.
     pub follows: bool,
     /// End of a row that the line holds, if its only pieces are those of that end.
     pub row_end: Option<RowEnd>,

@@ -24,9 +24,9 @@ fn tube(refill: Refill) -> LbmFluid {
     case.fluid_of(&scene)
 }
 
-/// What a sphere displaces goes back to the near reservoir, in one step and to rounding; the bodies of
-/// the start displace nothing. Fluid and reservoirs keep their mass but for what interpolated links to bodies
-/// give and take, which the ledger tells.
+/// The fluid that a sphere displaces goes back to the near reservoir, in one step and to rounding;
+/// the bodies of the start displace nothing. Fluid and reservoirs keep their mass but for mass that
+/// interpolated links to bodies give and take, which the ledger tells.
 #[test]
 fn displaced_fluid_goes_back_to_the_near_reservoir() {
     for refill in [Refill::Eqneq, Refill::Mass] {

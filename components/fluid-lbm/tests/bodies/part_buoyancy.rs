@@ -1,5 +1,5 @@
-//! What a part feels in a fluid at rest: the same whether it is fixed or moves, and as much as the fluid that what of it
-//! lies in the domain displaces.
+//! Buoyancy of a part in a fluid at rest. It is the same for a part that is fixed or moves, and
+//! that of the fluid displaced by as much of it as lies in the domain.
 
 use crate::common::*;
 use tremie_geometry::Surface;

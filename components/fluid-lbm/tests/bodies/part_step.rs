@@ -86,7 +86,8 @@ fn the_flow_is_that_of_finding_links_in_each_step() {
     }
 }
 
-/// What is found depends on the pose alone: finding all links anew changes no bit, and threads neither.
+/// The links found depend on the pose alone: finding all of them anew changes no bit, and threads
+/// neither.
 #[test]
 fn the_way_to_a_pose_leaves_no_trace() {
     let bits = |threads: usize, again: bool| {

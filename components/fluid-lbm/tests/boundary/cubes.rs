@@ -13,12 +13,12 @@ struct Held {
     case: Case,
     part: Part,
     part_step: f64,
-    /// How it moves; it is set back each step.
+    /// Velocity and angular velocity; both are set back each step.
     velocity: [f64; 3],
     angular_velocity: [f64; 3],
 }
 
-/// What it is to the fluid.
+/// Kind of the cube in the fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum As {
     Fixed,
@@ -143,7 +143,7 @@ fn a_solid_is_the_same_whatever_it_is() {
     }
 }
 
-/// Whether momentum and force are those expected.
+/// True if momentum and force are those expected.
 fn agree(found: [[f64; 3]; 2], expected: [[f64; 3]; 2], bounds: [f64; 2], part: &Part) {
     for ((found, expected), bound) in found.into_iter().zip(expected).zip(bounds) {
         for a in 0..3 {

@@ -166,7 +166,7 @@ fn a_course_is_followed() {
     closes(&fluid);
 }
 
-/// Where fluid enters through a pressure face, it enters straight, and the cells are counted.
+/// Fluid that enters through a pressure face enters straight, and the cells are counted.
 #[test]
 fn fluid_that_enters_at_a_pressure_enters_straight() {
     for scheme in SCHEMES {

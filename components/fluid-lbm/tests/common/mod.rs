@@ -1,4 +1,4 @@
-//! What the tests share: scenes in lattice units (1 m cells, 1 s steps, density 1 kg/m³), so that
+//! Scenes that the tests share, in lattice units (1 m cells, 1 s steps, density 1 kg/m³), so that
 //! numbers read as in papers.
 #![allow(dead_code)]
 
@@ -86,7 +86,7 @@ impl Case {
         self.fluid_of(&self.scene())
     }
 
-    /// What the tests choose, as parameters.
+    /// Parameters that the tests choose.
     pub fn parameters(&self) -> Parameters {
         Parameters {
             time_step: Some(Time(1.0)),
@@ -177,7 +177,7 @@ pub fn advance(bodies: &mut [BodyState]) {
     }
 }
 
-/// What a body that is held feels in a steady flow.
+/// Load on a body that is held in a steady flow.
 pub struct SteadyDrag {
     /// Force along the acceleration, x.
     pub force: f64,

@@ -232,9 +232,9 @@ fn a_plate_that_trembles_on_the_floor_keeps_the_mass() {
     assert!(pressed_out.abs() < 0.1, "{pressed_out}");
 }
 
-/// What a shut slot draws in leaves the chamber where its pressure is measured, each by its weight: a plate rises by
-/// 0.8 cells between two closed chambers of 480 cells, of which it takes 38.4, within 5 %: links at its
-/// edges push a part of that.
+/// The fluid that a shut slot draws in leaves the chamber where its pressure is measured, each by
+/// its weight: a plate rises by 0.8 cells between two closed chambers of 480 cells, of which it
+/// takes 38.4, within 5 %: links at its edges push a part of that.
 #[test]
 fn a_slot_draws_from_where_its_pressure_is_measured() {
     let left = |weights: [f64; 2]| {
@@ -413,8 +413,9 @@ fn a_gap_around_a_ball_makes_no_mass() {
     assert_eq!(runs[0], runs[1]);
 }
 
-/// What spheres that cross a slipping gap, and mirrors at its ends, leave behind. In a room of its own, where the fluid
-/// hears nothing of the gap, a block stands or moves: then all links are found anew in each step.
+/// Populations after spheres crossed a slipping gap, and mirrors at its ends. In a room of its own,
+/// where the fluid hears nothing of the gap, a block stands or moves: then all links are found anew
+/// in each step.
 fn crossed(threads: usize, block_moves: bool) -> Vec<[f64; 19]> {
     let mut case = Case::new([20, 12, 20], [SYMMETRY, SYMMETRY, WALL], 0.502);
     case.velocity = [0.02, 0.01, 0.0];

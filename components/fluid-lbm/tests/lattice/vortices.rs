@@ -47,8 +47,8 @@ fn a_slow_vortex_decays_by_viscosity() {
     assert!((rate - 1.0).abs() < 0.02, "{rate}");
 }
 
-/// Where viscosity alone cannot hold the small scales, the closure takes energy, and no more than
-/// there is; where `C = 0`, nothing.
+/// The closure takes energy where viscosity alone cannot hold the small scales, and no more than
+/// there is; with `C = 0`, nothing.
 #[test]
 fn the_closure_takes_energy() {
     let (n, speed, viscosity) = (24, 0.04, 2e-4);

@@ -1,4 +1,4 @@
-//! What a user can get wrong, and what he is told.
+//! Mistakes of a user in parameters, and the messages on them.
 
 use crate::common::*;
 use tremie_fluid_lbm::{Collision, FluidError, LbmFluid, Parameters, Precision, findings};

@@ -1,5 +1,5 @@
-//! How a scene lies is no matter: the lattice turns itself so that its rows are long, and tells everything by the
-//! world's axes.
+//! The orientation of a scene does not matter: the lattice turns itself so that its rows are long,
+//! and tells everything by the world's axes.
 
 use crate::common::*;
 use tremie_fluid_lbm::{FluidError, LbmFluid, Ledger, ReservoirState, SliceNode};
@@ -14,7 +14,7 @@ use tremie_messages::{BodyState, FacetLoad, Load, PortState, SurfaceVertex};
 /// The longest edge of the box, the one that lies along x in the first of the three lays.
 const CELLS: [usize; 3] = [34, 14, 12];
 
-/// How a scene lies: its first axis along this one of the world, the others after it.
+/// Orientation of a scene: its first axis along this one of the world, the others after it.
 #[derive(Clone, Copy)]
 struct Lay(usize);
 
@@ -288,7 +288,7 @@ fn what_a_fluid_tells_does_not_depend_on_how_the_scene_lies() {
     }
 }
 
-/// What goes wrong is said by the world's axes.
+/// Errors are told by the world's axes.
 #[test]
 fn a_fault_is_where_the_world_has_it() {
     for lay in [0, 1, 2].map(Lay) {

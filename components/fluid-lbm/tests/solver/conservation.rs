@@ -144,7 +144,7 @@ fn the_balance_closes_in_f32() {
     closes(Precision::F32, 1e-6);
 }
 
-/// How well moving spheres keep the mass: the links' exchange and the cells covered and uncovered
+/// Moving spheres nearly keep the mass: the links' exchange and the cells covered and uncovered
 /// balance each other on average only. One sphere of 10 cells across 20 cells of a closed box:
 /// 1e-4.
 #[test]

@@ -151,8 +151,9 @@ fn loads_under_jolts(velocity_lead: f64, motion: u32, jolt: f64) -> Vec<Load> {
     loads
 }
 
-/// What contacts do to the velocity of a sphere takes its wall nowhere: a heavy one, which the fluid hardly moves, feels
-/// what it feels without a lead. One whose motion is prescribed does so to the bit.
+/// Jolts of contacts in the velocity of a sphere are not taken ahead by its wall: a heavy one,
+/// which the fluid hardly moves, has the loads that it has without a lead. One whose motion is
+/// prescribed has them to the bit.
 #[test]
 fn jolts_are_not_taken_ahead() {
     let given = loads_under_jolts(0.0, BodyEvent::FREE, 1e-3);

@@ -136,8 +136,9 @@ fn tube(case: &Case) -> Scene {
     scene
 }
 
-/// What flows into a tube comes out of it, with interpolated walls as with half-way ones; what these owe meanwhile is told. Patches
-/// of wall pay where they owe: sections between them agree.
+/// The fluid that flows into a tube comes out of it, with interpolated walls as with half-way ones;
+/// the mass that these owe meanwhile is told. Patches of wall pay where they owe: sections between
+/// them agree.
 #[test]
 fn a_tube_loses_nothing() {
     for (walls, bound) in [(Walls::Halfway, 1e-8), (Walls::Bouzidi, 1e-3)] {
@@ -182,7 +183,7 @@ fn a_tube_loses_nothing() {
     }
 }
 
-/// What a part lets through is not lost.
+/// The fluid that a part lets through is not lost.
 #[test]
 fn what_a_part_lets_through_is_not_lost() {
     for inlet in [

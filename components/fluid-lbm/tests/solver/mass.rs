@@ -27,8 +27,9 @@ fn closed_box(refill: Refill) -> (LbmFluid, [BodyState; 2]) {
     (fluid, bodies)
 }
 
-/// What is left of the drift, in cells: over a number of steps, in each 2500 of which the bodies cross 100 and 50 cells and
-/// the bar turns, the mass that a closed box of mean density would miss, as mean over the last 500.
+/// Drift that is left, in cells: over a number of steps, in each 2500 of which the bodies cross 100
+/// and 50 cells and the bar turns, the mass that a closed box of mean density would miss, as mean
+/// over the last 500.
 fn drift(refill: Refill, steps: u32) -> f64 {
     let (mut fluid, mut bodies) = closed_box(refill);
     let mut loads = loads_of(&bodies);

@@ -1,4 +1,4 @@
-//! What probes measure in a flow that is known.
+//! Probes in a flow that is known.
 
 use crate::common::*;
 use tremie_fluid_lbm::{LbmFluid, probe_signals};
@@ -148,7 +148,7 @@ fn a_probe_outside_the_fluid_is_refused() {
     assert!(problems[0].message.contains("nowhere lies on no cell"), "{problems:?}");
 }
 
-/// What crosses a section, mean over the last steps, in cells at density 1.
+/// Flow through a section, mean over the last steps, in cells at density 1.
 fn crossing(fluid: &mut LbmFluid, steps: usize, mut step: impl FnMut(&mut LbmFluid)) -> f64 {
     fluid.restart_means();
     (0..steps).for_each(|_| step(fluid));
