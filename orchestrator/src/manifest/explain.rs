@@ -29,7 +29,7 @@ pub(super) fn explain(at: &str, message: &str) -> (Problem, Option<String>) {
     (problem, None)
 }
 
-/// What to do with a key that users of other programs give here and this one has elsewhere.
+/// Advice on a key that users of other programs give here and this one has elsewhere.
 fn not_here(key: &str, unknown: &str) -> Option<&'static str> {
     let is_mass = ["mass", "density", "inertia"].contains(&unknown);
     let parent = path::parent(key);
@@ -52,7 +52,7 @@ fn not_here(key: &str, unknown: &str) -> Option<&'static str> {
     None
 }
 
-/// How to write a list of tables, where a single table was found.
+/// Advice to write a list of tables, where a single table was found.
 fn as_list(at: &str) -> String {
     let plain = format!("write [[{at}]] in place of [{at}]");
     match at {

@@ -35,11 +35,11 @@ pub const ORCHESTRATOR: &str = "orchestrator";
 /// A manifest that was read and found right, as far as that can be known without its components.
 #[derive(Clone, Debug)]
 pub struct Manifest {
-    /// What it says, in SI units and with all defaults.
+    /// Content of the manifest, in SI units and with all defaults.
     pub spec: Spec,
-    /// Where each key stands, for messages.
+    /// Place of each key, for messages.
     pub source: Source,
-    /// What a reader may want to know, such as settings of programs that take no part.
+    /// Notes for a reader, such as on settings of programs that take no part.
     pub notes: Vec<String>,
     document: Document,
 }
@@ -158,7 +158,8 @@ impl Manifest {
         either.into_iter().find(|either| self.source.knows(either)).unwrap_or(key)
     }
 
-    /// Where a key that the manifest does not hold would be written: in the component's settings.
+    /// Key under which a key that the manifest does not hold would be written: in the component's
+    /// settings.
     fn settings_key(&self, component: &ComponentSpec, key: &str) -> String {
         let own = path::join(&component.key(), "settings");
         let table =

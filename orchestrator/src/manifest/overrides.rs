@@ -87,7 +87,8 @@ fn descend<'a>(tree: &'a mut Value, steps: &[Step]) -> Result<&'a mut Value, Str
     Ok(slot)
 }
 
-/// How to write the key of an entry of a list, for one that was named as keys of tables are: by number or by name.
+/// Message that tells the key of an entry of a list, which was named as keys of tables are: by
+/// number or by name.
 fn by_number(entries: &[Value], at: &str, key: &str, rest: &[Step]) -> String {
     let named = |entry: &Value| entry.get("name").and_then(Value::as_str) == Some(key);
     let count = entries.len();

@@ -28,7 +28,7 @@ impl Findings {
         self.unreadable.push(key);
     }
 
-    /// Whether something at, above or below `key` could not be read.
+    /// True if something at, above or below `key` could not be read.
     pub fn is_unreadable(&self, key: &str) -> bool {
         let touches = |other: &String| path::is_within(other, key) || path::is_within(key, other);
         self.unreadable.iter().any(touches)

@@ -257,7 +257,7 @@ fn fill_component(name: &str, entry: &mut ComponentEntry) {
     *entry = ComponentEntry::Table(table);
 }
 
-/// What a component of that name stands for, where the name says it.
+/// Role of a component, where its name says it.
 fn role_by_name(name: &str) -> Option<Role> {
     match name {
         "fluid" => Some(Role::Fluid),

@@ -13,7 +13,7 @@ pub struct Source {
     places: BTreeMap<String, KeyPlace>,
 }
 
-/// Where a key stands.
+/// Place of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum KeyPlace {
     /// In the file, in bytes.

@@ -10,33 +10,33 @@ use tremie_messages::schedule::Schedule;
 /// Most substeps that a component may make in a coupling window.
 pub const MOST_SUBSTEPS: u32 = 1000;
 
-/// How long components may take to describe themselves, or to get ready, unless the manifest says
+/// Longest time for components to describe themselves, or to get ready, unless the manifest says
 /// otherwise [s].
 pub const START_WITHIN: f64 = 60.0;
 
-/// What a run shall be.
+/// Specification of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
-    /// How long and in which order.
+    /// Length of the run, and order of its components.
     pub run: RunOptions,
-    /// What is simulated.
+    /// Scene that is simulated.
     pub scene: Scene,
-    /// Who takes part, sorted by name.
+    /// Components that take part, sorted by name.
     pub components: Vec<ComponentSpec>,
     /// Settings by program (file name without extension), also of programs that take no part.
     pub settings: BTreeMap<String, Map<String, Value>>,
-    /// What is kept of the run.
+    /// Outputs that are kept of the run.
     pub outputs: Outputs,
     /// Conditions that end the run early.
     pub stop_when: Vec<StopCondition>,
 }
 
-/// How long and in which order.
+/// Length of a run, order of its components, waits and seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunOptions {
     /// Simulated time at which the run ends [s].
     pub until: f64,
-    /// How fluid and grains take turns.
+    /// Schedule by which fluid and grains take turns.
     pub schedule: Schedule,
     /// Longest wait for a peer [s].
     pub deadline: f64,
@@ -51,7 +51,7 @@ pub struct RunOptions {
 pub struct ComponentSpec {
     /// Name, unique in the run: letters, digits, `-` and `_`.
     pub name: String,
-    /// What it stands for.
+    /// Role that it has.
     pub role: Role,
     /// A built-in component or the path of a program.
     pub program: String,
@@ -65,7 +65,7 @@ pub struct ComponentSpec {
     pub settings: Map<String, Value>,
 }
 
-/// What is kept of a run.
+/// Outputs that are kept of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outputs {
     /// Simulated time between frames to observers [s].
@@ -74,7 +74,7 @@ pub struct Outputs {
     pub fields: Option<f64>,
     /// Simulated time between rows of the signals' table [s]; `None`: every window, within reason.
     pub signals: Option<f64>,
-    /// Whether the built-in recorder takes part.
+    /// True if the built-in recorder takes part.
     pub record: bool,
 }
 
@@ -103,7 +103,7 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// Whether `value` meets it.
+    /// True if `value` meets it.
     pub fn is_met_by(self, value: f64) -> bool {
         match self {
             Self::Below(bound) => value < bound,

@@ -111,7 +111,7 @@ fn sync_iter(table: &ComponentTable, at: &str, findings: &mut Findings) -> Optio
     }
 }
 
-/// Whether there are grains where parts move: they announce the parts and say where they are.
+/// True if there are grains where parts move: they announce the parts and say where they are.
 fn moved(document: &Document, grains: bool, findings: &mut Findings) -> bool {
     if grains || findings.is_unreadable("components") {
         return true;
@@ -129,7 +129,8 @@ fn moved(document: &Document, grains: bool, findings: &mut Findings) -> bool {
     first.is_none()
 }
 
-/// Whether surfaces and a rubber to shape them are both there, or neither; and grains to carry them.
+/// True if surfaces and a rubber to shape them are both there, or neither; and grains to carry
+/// them.
 fn shaped(
     document: &Document,
     rubber: Option<&ComponentSpec>,
@@ -159,7 +160,7 @@ fn shaped(
     false
 }
 
-/// What only all components together can have wrong.
+/// Checks of all components together; true if they are right.
 fn together(components: &[ComponentSpec], document: &Document, findings: &mut Findings) -> bool {
     let of = |role| components.iter().filter(move |component| component.role == role);
     let mut right = true;

@@ -11,7 +11,7 @@ use tremie_messages::scene::{
 };
 use tremie_messages::units::Dashpot;
 
-/// What contacts depend on.
+/// Surroundings that contacts depend on.
 pub(super) struct Surroundings<'a> {
     pub domain: &'a Domain,
     pub planes: &'a [Plane],

@@ -97,7 +97,7 @@ fn ascending(points: &[(Time, f64)], at: &str, findings: &mut Findings) -> Optio
     in_order(points.iter().map(|point| point[0]), at, findings).then_some(points)
 }
 
-/// Whether times [s] ascend; a problem at the first that does not.
+/// True if times [s] ascend; a problem at the first that does not.
 fn in_order(times: impl Iterator<Item = f64>, at: &str, findings: &mut Findings) -> bool {
     let mut last = f64::NEG_INFINITY;
     for (i, time) in times.enumerate() {

@@ -110,7 +110,8 @@ fn log_normal(table: &LogNormalTable, at: &str, findings: &mut Findings) -> Opti
 /// Most standard deviations by which all of a cut distribution may lie off its centre.
 const FARTHEST: f64 = 6.0;
 
-/// Whether anything of a distribution is left between bounds, in standard deviations from its centre.
+/// True if anything of a distribution is left between bounds, in standard deviations from its
+/// centre.
 fn is_drawn([low, high]: [f64; 2], centre: &str, at: &str, findings: &mut Findings) -> bool {
     let right = low < FARTHEST && high > -FARTHEST;
     if !right {

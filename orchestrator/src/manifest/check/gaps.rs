@@ -144,7 +144,7 @@ fn pressure(
     Some(GapRule::Probes(weighted.collect()))
 }
 
-/// Where the gap is; `None` only if that is wrong.
+/// Region of the gap; `None` only if that is wrong.
 fn region(
     gap: &GapTable,
     domain: &Domain,

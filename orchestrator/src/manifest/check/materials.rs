@@ -63,7 +63,7 @@ pub(super) fn known(scene: &SceneTable) -> BTreeSet<&str> {
     declared.chain(own).chain(fed).chain([Domain::MATERIAL]).collect()
 }
 
-/// Whether `name` is a material; a problem of `key` if not.
+/// True if `name` is a material; a problem of `key` if not.
 pub(super) fn is_known(
     name: &str,
     key: &str,

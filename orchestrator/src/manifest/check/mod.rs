@@ -52,7 +52,7 @@ pub(super) fn check(document: &Document, findings: &mut Findings) -> Option<Spec
     })
 }
 
-/// What is right but may not be meant.
+/// Notes on keys that are right but may not be meant.
 pub(super) fn notes(spec: &Spec) -> Vec<String> {
     let built_in_observers = ["viewer", "recorder", "fields"];
     let is_used = |program: &str| spec.components.iter().any(|c| c.stem() == program);
@@ -221,7 +221,7 @@ impl Findings {
         self.above_zero(value, &path::join(at, key)).then(|| value.si())
     }
 
-    /// Whether `value` of `key` is above zero; a problem if not.
+    /// True if `value` of `key` is above zero; a problem if not.
     fn above_zero(&mut self, value: impl Quantity, key: &str) -> bool {
         let right = value.si() > 0.0;
         if !right {
@@ -230,7 +230,7 @@ impl Findings {
         right
     }
 
-    /// Whether `value` of `key` is zero or above; a problem if not.
+    /// True if `value` of `key` is zero or above; a problem if not.
     fn not_negative(&mut self, value: impl Quantity, key: &str) -> bool {
         let right = value.si() >= 0.0;
         if !right {

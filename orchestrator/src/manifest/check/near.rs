@@ -23,7 +23,7 @@ struct BoxGrid {
     min: [f64; 3],
     size: [f64; 3],
     count: [usize; 3],
-    /// Where the bodies of each box begin in `sorted`, and where the last ones end.
+    /// Index in `sorted` at which the bodies of each box begin, and at which the last ones end.
     start: Vec<usize>,
     sorted: Vec<usize>,
 }
@@ -95,7 +95,7 @@ impl<'a> Boxes<'a> {
         level
     }
 
-    /// Where a body lies along an axis, in lengths of a level's box.
+    /// Position of a body along an axis, in lengths of a level's box.
     fn along(&self, level: &BoxGrid, body: usize, axis: usize) -> f64 {
         let size = level.size[axis].max(f64::MIN_POSITIVE);
         let along = (self.points[body][axis] - level.min[axis]) / size;

@@ -213,7 +213,7 @@ fn sliding(
         .map(|slider| Motion::Slider(Box::new(slider)))
 }
 
-/// Where a part is at the start: a slider away from lift 0 is further along its axis.
+/// Position of a part at the start: a slider away from lift 0 is further along its axis.
 fn start(position: [f64; 3], motion: &Motion) -> [f64; 3] {
     let Motion::Slider(slider) = motion else { return position };
     let length = slider.axis.iter().map(|a| a * a).sum::<f64>().sqrt();

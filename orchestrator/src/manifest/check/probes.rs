@@ -167,7 +167,7 @@ pub(super) fn region(
     holds(&min, &max, None, domain, at, findings).then_some(ProbeShape::Region { min, max })
 }
 
-/// Whether a box has an extent along every axis but `across`, and lies in the domain there.
+/// True if a box has an extent along every axis but `across`, and lies in the domain there.
 fn holds(
     min: &[f64; 3],
     max: &[f64; 3],

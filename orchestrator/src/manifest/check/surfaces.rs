@@ -37,7 +37,8 @@ pub(super) fn check(domain: &Domain, parts: &[Option<Part>], findings: &mut Find
     }
 }
 
-/// What the manifest's reader must know besides: where a file is looked for, whose places are told.
+/// Adds the folder that a path is relative to, or the frame of places, to a problem with a part's
+/// file.
 fn explain(mut problem: Problem, error: &GeometryError) -> Problem {
     match error {
         GeometryError::Read { .. } => {
@@ -51,7 +52,7 @@ fn explain(mut problem: Problem, error: &GeometryError) -> Problem {
     }
 }
 
-/// Whether a part has a size that goes with the domain's.
+/// True if a part has a size that goes with the domain's.
 fn fits(bounds: &Bounds, domain: &Domain, at: &str, findings: &mut Findings) -> bool {
     let longest = |size: [f64; 3]| size.into_iter().fold(0.0, f64::max);
     let (part, whole) = (longest(bounds.size().into()), longest(domain.size()));

@@ -1,4 +1,4 @@
-//! Where grains come from and go to.
+//! Inlets and outlets of grains.
 
 use super::*;
 use tremie_messages::scene::{Inlet, InletVelocity, Outlet};
