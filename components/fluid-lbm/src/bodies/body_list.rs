@@ -147,6 +147,7 @@ impl Bodies {
         layout: &Layout,
     ) -> Result<(), FluidError> {
         let mut ids: Vec<u64> = self.living.iter().map(|b| b.id).collect();
+        // All are checked before any is applied: an error leaves the bodies as they were.
         for event in events {
             check(event, &mut ids, units, &layout.grid, &self.catalogue)?;
         }

@@ -111,6 +111,7 @@ impl NearCells {
         let (windows, side) = (self.windows.len(), self.side);
         self.covered.clear();
         for w in 0..windows {
+            // A row more on either side: `around` looks at the rows beside each.
             for k in -1..=side {
                 for j in -1..=side {
                     let [y, z] = self.coordinates([j, k]);
@@ -129,6 +130,7 @@ impl NearCells {
                 }
                 for (w, &window) in self.windows.iter().enumerate() {
                     let Stored { cells, at_sheets, number, .. } = self.at(w, y, z);
+                    // Shifted, because the first bit is that of the neighbour before the window.
                     let free = !(ends_in(grid, window, sphere.at(y, z)) >> 1);
                     let free = free & (u64::MAX >> (64 - window.count));
                     let window = w as u32;

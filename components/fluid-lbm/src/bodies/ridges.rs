@@ -150,6 +150,8 @@ fn links_at_ridge(
     visit: &mut impl FnMut([i32; 3], usize),
 ) {
     let along: [f64; 3] = std::array::from_fn(|k| b[k] - a[k]);
+    // Along the axis in which the edge is longest, its other coordinates change by at most 1 a
+    // layer: the ranges below stay small.
     let axis = (1..3).fold(0, |m, k| if along[k].abs() > along[m].abs() { k } else { m });
     if along[axis] == 0.0 {
         return;

@@ -29,7 +29,7 @@ use tremie_messages::scene::{Face, Scene};
 pub struct Boundaries {
     ground: StaticGeometry,
     halfway: bool,
-    /// Bound on the wall distance of curved walls, see [`nearest_wall`].
+    /// Least wall distance of curved walls [links], see [`nearest_wall`].
     nearest: f64,
     /// The scene's faces, `2 axis + side`, and the scheme of those that prescribe velocity or pressure.
     faces: Vec<Face>,
@@ -163,6 +163,7 @@ impl Boundaries {
             (met, if self.halfway { 0.5 } else { q.max(self.nearest) })
         });
         let met: Vec<_> = met.collect();
+        // Sheets and open areas need all links at solids, so they come before `met` is split.
         let (sheets, sheet_items) =
             SheetLinks::new(&layout, &met, |fixture| self.laws[usize::from(fixture.0)].clone());
         let areas = self.open_areas(&layout, &open, &met);

@@ -101,6 +101,7 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
     fn apply(&mut self, next: &PostStreaming<T>, team: &mut Team) -> Result<(), FluidError> {
         let Self { face, relaxation, offset, cells, items } = self;
         let inward = Inward::of(*face);
+        // Two loops, because `U` and the mean densities are those of the whole face.
         team.for_each(items, |_, item| {
             item.sums = OutflowSums::default();
             for (open, before) in cells[item.cells.clone()].iter().zip(&item.before) {
@@ -112,6 +113,7 @@ impl<T: Real> FaceScheme<T> for ConvectiveOutflow {
         let mut all = OutflowSums::default();
         items.iter().for_each(|item| all.join(&item.sums));
         let count = all.cells.max(1.0);
+        // Where fluid enters as a whole, `U` is 0: nothing is carried in from beyond.
         let speed = (all.outward / count).max(0.0);
         let (own, inner) = (all.own / count, all.inner / count);
         let carried = (own + speed * inner) / (1.0 + speed);

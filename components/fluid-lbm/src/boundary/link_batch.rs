@@ -200,8 +200,11 @@ impl Batch {
         if after.keeps_mass || body.is_part() {
             self.pay(after, body, known);
         }
+        // All places are asked for before the first is read, so that memory fetches them side by
+        // side.
         self.ask(after, known);
         self.reflect(after, known);
+        // `reflect` leaves the lanes beyond the last link as an earlier batch left them.
         for k in links..full * LANES {
             let (eight, lane) = (&mut self.eights[k / LANES], k % LANES);
             (eight.sum[lane], eight.gain[lane]) = (0.0, 0.0);

@@ -169,6 +169,8 @@ impl Work for InterpolateBouzidi<'_> {
                     v[1] + (w[2] * wall[0] - w[0] * wall[2]),
                     v[2] + (w[0] * wall[1] - w[1] * wall[0]),
                 ];
+                // The bound is for the interpolation alone: torque and velocity are those of the
+                // true place.
                 let q = q.max(body.nearest);
                 let later = late(q) * (c[0] * change[0] + c[1] * change[1] + c[2] * change[2]);
                 let push = eight.weight[k] * (c[0] * u[0] + c[1] * u[1] + c[2] * u[2] + later);

@@ -123,6 +123,7 @@ impl PartLinks {
         else {
             return false;
         };
+        // A part that trembles about the border of two poses comes back to the search before.
         std::mem::swap(&mut self.now, &mut self.before);
         if self.now.search == part.search() {
             return true;
@@ -138,6 +139,7 @@ impl PartLinks {
         let layer = |z: i32| body.shell_row(0, z)[1];
         let own = layer(layers.start)..=layer(layers.end - 1);
         self.now.cuts.find(site.layout, part, own, &mut self.facets);
+        // Gap links at walls belong to no layer of the shell: the first item has them all.
         if let Some(walls) = site.walls.filter(|_| layers.start == 0) {
             site.gaps_at_walls(body, walls, &mut self.facets, &mut self.now.gaps);
         }
@@ -234,6 +236,7 @@ impl PartLinks {
                 continue;
             }
             let number = site.layout.cells.number(base + grid.wrap(0, x) as usize);
+            // A cell that is not stored has no populations: only gap links can begin there.
             if number == NONE {
                 self.find_gaps(site, part, [x, y, z], &found[..count]);
             } else {
@@ -254,6 +257,7 @@ impl PartLinks {
         for &(i, mirrors) in found {
             let Some(end) = site.layout.neighbour(cell, i) else { continue };
             let (at, seen) = as_seen(&site.layout.grid, at, i, mirrors);
+            // Links of a cell follow each other: the facets near it are looked up once.
             if near != Some(at) {
                 part.facets_near(at, &mut self.facets);
                 near = Some(at);
@@ -404,6 +408,7 @@ impl<T: Real> PostCollision<'_, T> {
                         batch.gaps.draw(gap, receded);
                         self.press_frozen(gap, &link, hit(k).facet, &mut batch.gaps);
                     }
+                    // A frozen cell of no declared gap is in a pocket.
                     None => batch.draw(receded),
                 }
             }

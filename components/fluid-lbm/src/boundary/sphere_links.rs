@@ -138,6 +138,7 @@ impl<T: Real> PostCollision<'_, T> {
         let all = || shell.near(beyond.clone());
         let fluid = |near: &Near| near.free & self.flags.fluid_among(near.cells, near.number);
         let before = std::mem::replace(&mut links.seen, self.bricks.step());
+        // Few numbers are compared first; rows of bits only where a cell in the bricks changed.
         let holds = links.fit == shell.fits()
             && !links.shares
             && !body.shares

@@ -184,6 +184,7 @@ impl StaticWallLinks {
                     items.push(WallItem { cells: start..start, ..WallItem::default() });
                 }
                 let item = items.last_mut().expect("an item was begun");
+                // A cell belongs to the patch of the fixture that its first link meets.
                 let met = (fixture, references[usize::from(fixture.0)]);
                 let patch = patches.place(&layout.grid, layout.at(cell), met, &mut item.patches);
                 own.patches.push(patch);
@@ -264,6 +265,7 @@ impl<T: Real> PostCollision<'_, T> {
                 are_walls: &item.are_walls,
                 patch: &mut item.patches[usize::from(links.patches[k])],
             };
+            // Walls at rest need no density, so that not all populations of the cell are read.
             if all_still {
                 self.reflect_still(cell, at, links.of(k), reference, met);
             } else {

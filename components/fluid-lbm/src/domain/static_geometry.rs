@@ -82,6 +82,7 @@ impl StaticGeometry {
         };
         let (inside, outside) =
             (points("inside", &fluid.inside), points("outside", &fluid.outside));
+        // A point outside the domain has no cell that could be asked below.
         if !problems.is_empty() {
             return Err(problems);
         }

@@ -102,6 +102,7 @@ impl LbmFluid {
             Precision::F64 => f64::LINE,
             Precision::F32 => f32::LINE,
         };
+        // The solver works by the lattice's axes: `own` is the scene turned to them.
         let (axes, own, ground) = turned(scene, &resolution, ground, line);
         let mut solver = match parameters.precision {
             Precision::F64 => Either::F64(Box::new(LbmSolver::on(

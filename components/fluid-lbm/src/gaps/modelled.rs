@@ -161,6 +161,7 @@ impl ModelledGaps {
         };
         for cell in 0..count as u32 {
             let point = centres.of(layout.at(cell));
+            // Of several gaps near a cell, the first of the scene has it.
             let candidate = (0..own.gaps.len()).find_map(|k| {
                 let (still, way) = own.gaps[k].still(point, layout, surroundings, &centres)?;
                 Some(Candidate {
@@ -394,6 +395,7 @@ fn declared(gap: &Gap, scene: &Scene, surroundings: &Boundaries, layout: &Layout
     let side = |side: &GapSide| match side {
         GapSide::Face { axis, side } => Wall::Face { axis: *axis, side: *side },
         GapSide::Part(name) => {
+            // Surfaces are numbered after all parts, see `MeshBody::index`.
             let parts = scene.parts.iter().map(|part| &part.name);
             let mut names = parts.chain(scene.surfaces.iter().map(|surface| &surface.name));
             let index = names.position(|known| known == name).unwrap_or_default();

@@ -155,6 +155,8 @@ impl SpecularWalls {
             }
             std::mem::swap(&mut item.links, &mut item.before);
             item.links.clear();
+            // Both lists are in the order of numbers: links of cells that are not stale are taken
+            // over in one pass.
             let mut known = item.before.iter().filter(|_| !is_new).peekable();
             for (k, cell) in gaps.cells_of(number).enumerate() {
                 let (first, end) = ((k * 2 * Q) as u32, ((k + 1) * 2 * Q) as u32);
@@ -167,6 +169,8 @@ impl SpecularWalls {
                     let site = SlipSite { gaps, bodies, flags, layout, inside: cell, first };
                     let begin = item.links.len();
                     site.find(axis, &mut item.links);
+                    // A surface may have moved since its cells were found: a link that was there
+                    // keeps its place on it.
                     for link in &mut item.links[begin..] {
                         while known.next_if(|before| before.number < link.number).is_some() {}
                         link.hit = known
@@ -233,6 +237,8 @@ impl SpecularWalls {
             for (link, motion) in item.links.iter().zip(&item.motions) {
                 let place = link.taken[after.parity as usize] as usize;
                 let old = after.field.get(place);
+                // `set` returns the number as stored, so that the balance counts what the field
+                // holds.
                 let gain = after.field.set(place, link.value) - old;
                 let known = item.exchanges.iter().position(|(whose, _)| *whose == link.whose);
                 let known = known.unwrap_or_else(|| {
@@ -368,6 +374,7 @@ impl SlipSite<'_> {
     fn link(&self, cell: u32, i: usize, axis: usize) -> Option<SlipLink> {
         let whose = self.whose(cell, i)?;
         let at = self.layout.at(cell);
+        // Specular reflection keeps the motion along the wall: the population comes from there.
         let mut along = C[i];
         along[axis] = 0;
         if along == [0; 3] && self.gaps.is_one_cell(self.inside) {

@@ -213,6 +213,7 @@ pub fn surface_loads(
         };
         let (reference, facets) = (part.reference(), shape.facets());
         let own = loads.split_off_mut(..shape.loads.len()).unwrap_or_default();
+        // Facets are numbered through, over all surfaces of the scene.
         let (first, count) = (number, own.len());
         number += count;
         exec.team.for_pieces(Cut::every(own, FACETS_PER_PIECE), |piece, loads: &mut [_]| {

@@ -117,6 +117,7 @@ impl Probes {
             .filter(|item| matches!(own.shapes[item.probe], ProbeShape::Section { .. }));
         let looked_at: usize = sections.map(|item| item.samples.len()).sum();
         if looked_at > 0 {
+            // The more cells sections have, the more seldom they are looked at.
             let share = looked_at as f64 / layout.cells.len().max(1) as f64;
             own.every = Some((share / SHARE_OF_SECTIONS).ceil().max(1.0) as u64);
         }

@@ -44,6 +44,7 @@ impl Declared {
                     solid.way_within(point, reach * centres.cell)?.map(|x| x / centres.cell)
                 }
             };
+            // Zero until a first side was measured.
             if still == 0.0 {
                 first = way;
             } else if !are_opposite(first, way) {

@@ -60,6 +60,7 @@ impl AaPattern {
                 for i in 1..Q {
                     ends[lane][i] = cells.end(grid, obstacles, at, i);
                 }
+                // Sheets are sorted by cell, as the cells are: one pass goes through both.
                 while let Some((sheet, rest)) = sheets.split_first() {
                     if sheet.cell as usize > index {
                         break;
@@ -73,6 +74,7 @@ impl AaPattern {
             }
             places.add_line(first, &ends[..lanes], &special, &mut survey);
         }
+        // A sweep looks ahead beyond the last line.
         places.ways.resize(count + Way::AHEAD, Way::default());
         places.pieces.shrink_to_fit();
         survey.blocked.sort_unstable_by_key(|b| (b.cell, b.dir));
@@ -102,6 +104,7 @@ impl AaPattern {
                     LinkEnd::BoundaryId(_) => (i, first + lane),
                 };
                 let place = (plane * self.stride + cell - lane) as u32;
+                // Lanes with the same `place` lie side by side in memory.
                 let piece = self.pieces[begin..].iter_mut().find(|p| p.place == place);
                 match piece {
                     Some(piece) => piece.lanes |= 1 << lane,
@@ -140,6 +143,8 @@ impl AaPattern {
                 }
                 _ => {
                     self.pieces.last_mut().expect("a line has a cell").last = true;
+                    // Direction 0 never moves, so its entry has room for the bits of directions in
+                    // pieces.
                     entry[0] |= 1 << i;
                 }
             }

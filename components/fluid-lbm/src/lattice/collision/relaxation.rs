@@ -224,6 +224,7 @@ unsafe fn relax_each<
                 }
                 (forth, back) = (rates.even.mul_add(more, forth), rates.even.mul_add(less, back));
             } else {
+                // Opposite directions share the even part and differ by the sign of the odd one.
                 let mut more = k.two.mul_sub(even, forth + back);
                 let mut less = k.two.mul_sub(odd, forth - back);
                 if FORCED {
