@@ -111,6 +111,7 @@ impl Document {
     fn fill_scene(&mut self, folder: &Path) {
         let scene = &mut self.scene;
         scene.gravity.get_or_insert([Acceleration(0.0); 3]);
+        // First, because planes, parts and surfaces take over the domain's material.
         fill_domain(&mut scene.domain);
         if let Some(fluid) = &mut scene.fluid {
             fluid.acceleration.get_or_insert([Acceleration(0.0); 3]);

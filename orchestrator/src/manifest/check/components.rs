@@ -42,6 +42,7 @@ fn component(
         let message = "a rubber makes the substeps of the grains, expected no number of its own";
         findings.problem_with_help(&path::join(&at, "sync_iter"), message, "give it to the grains");
     }
+    // Only now, so that a missing program hides no other problem.
     let program = program?;
     let mut own = settings.get(stem(&program)).cloned().unwrap_or_default();
     own.extend(table.settings.clone().unwrap_or_default());

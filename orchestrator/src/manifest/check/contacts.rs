@@ -84,6 +84,7 @@ pub(super) fn contacts(
             None => {}
         }
     }
+    // Laws of pairs that never touch are checked alike, and taken over.
     for (pair, written) in named {
         laws.push(pair_law(scene, pair, written?, &mut told, findings));
     }

@@ -30,6 +30,7 @@ pub(super) fn scene(table: &SceneTable, findings: &mut Findings) -> Option<Scene
     }
     let parts: Option<Vec<Part>> = parts.into_iter().collect();
     let bodies: Option<Vec<BodySet>> = bodies.into_iter().collect();
+    // Pairs that lack a law can be told only where everything that may touch is right.
     let around = match (&domain, &planes, &parts, &seals, &bodies) {
         (Some(domain), Some(planes), Some(parts), Some(surfaces), Some(bodies)) => {
             Some(Surroundings { domain, planes, parts, surfaces, bodies })
