@@ -322,6 +322,7 @@ impl Lattice<'_> {
         let pressure = weight / floor;
         let softness = pressure / self.stiffness();
         let [doubtful, wrong] = SOFT;
+        // The softness goes with the square of the step: this one brings it to 0.4 of the limit.
         let step = self.resolution.time_step * (0.4 * doubtful / softness).sqrt();
         let why = format!(
             "the grains' excess weight is {} Pa on the floor, the lattice's stiffness {} Pa; above {doubtful} \

@@ -168,6 +168,7 @@ fn check_probes(scene: &Scene, problems: &mut Vec<Problem>) {
     }
     for (index, plane) in scene.planes.iter().enumerate() {
         let length = plane.normal.iter().map(|x| x * x).sum::<f64>();
+        // Asked this way round, numbers that are not finite fail, too.
         if !((length - 1.0).abs() < 1e-6 && plane.point.iter().all(|x| x.is_finite())) {
             problems.push(Problem::new(
                 format!("scene.planes[{index}].normal"),

@@ -151,6 +151,7 @@ impl LatticeOrientation {
             ReservoirFlow { axis, side, speed, limit, pressure } => {
                 ReservoirFlow { axis: self.axis_to_world(axis), side, speed, limit, pressure }
             }
+            // Each by its name, so that a new error with an axis is not forgotten.
             other @ (Bodies { .. }
             | Room { .. }
             | NonFiniteBody { .. }

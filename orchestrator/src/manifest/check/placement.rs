@@ -70,6 +70,7 @@ pub(super) fn check(
             }
         }
     }
+    // Only now, because overlaps are looked for among the spheres of all sets.
     for body in &placed {
         if !cut_by_mirrors(body, domain, findings) {
             inside(body, domain, findings);
@@ -109,6 +110,7 @@ fn cut_by_mirrors(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) -
             continue;
         }
         let depth = [position[a] - domain.min[a], domain.max[a] - position[a]][side];
+        // A sphere before the plane, or wholly beyond it, is not cut by it.
         if depth >= (0.5 - TOLERANCE) * diameter || depth <= -0.5 * diameter {
             continue;
         }

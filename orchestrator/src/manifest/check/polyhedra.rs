@@ -79,6 +79,7 @@ fn convex(table: &ShapeTable, at: &str, findings: &mut Findings) -> Option<Conve
             ("vertices", Convex::hull(vertices).map_err(|error| error.to_string()))
         }
         (None, Some(file)) => {
+            // The unit does not matter: bodies of the shape have sizes of their own.
             let geometry = Geometry::File { path: file.clone(), unit: 1.0 };
             let mesh = Mesh::of(&geometry).map_err(|error| error.to_string());
             let convex =
@@ -150,6 +151,8 @@ fn polyhedron(
     let position = findings.required(&table.position, at, "position");
     let diameter = match (table.edge, table.diameter) {
         (Some(_), None) => findings.positive(&table.edge, at, "edge").map(|edge| {
+            // Diameter of the sphere of equal volume. By `libm`, with the same bits on every
+            // machine.
             let volume = convex.moments().volume;
             edge / convex.longest_edge() * libm::cbrt(6.0 / PI * volume)
         }),
