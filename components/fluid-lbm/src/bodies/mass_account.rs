@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(step(0.25, 4.0), (-0.5, -0.25));
         assert_eq!(step(0.5, 0.0), (0.0, -0.75), "no links");
         step(0.0, 4.0);
-        // What was due when there were none is like any other debt.
+        // Mass that was due when there were none is like any other debt.
         let (paid, owed) = step(0.0, 4.0);
         assert!((paid + 0.5).abs() < 1e-3 && (owed + 0.25).abs() < 1e-3, "{paid} {owed}");
     }

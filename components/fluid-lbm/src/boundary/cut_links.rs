@@ -1,9 +1,10 @@
 //! Links between two cells of the fluid that pass through a body: sharp edges and thin walls cut them.
 //!
-//! Neither end is in the body, so no search for links into it finds them (see `ridges` for those that may be). A wall
-//! stands at both ends, each with a distance of its own, and both are reflected as `post_collision` says. What comes back to one
-//! end belongs in the place from which the other reads (see `aa_pattern`): so all such links are read before any link is
-//! reflected, and written after all. Where two bodies cut the same link, the first has it.
+//! Neither end is in the body, so no search for links into it finds them (see `ridges` for those
+//! that may be). A wall stands at both ends, each with a distance of its own, and both are
+//! reflected as `post_collision` says. The population that comes back to one end belongs in the
+//! place from which the other reads (see `aa_pattern`): so all such links are read before any link
+//! is reflected, and written after all. Where two bodies cut the same link, the first has it.
 //!
 //! A rigid body displaces nothing along such a link: its velocity along the link is the same at both ends, and what one side
 //! of it leaves the other takes. But interpolation makes or takes mass at each end, by `(2q - 1) w_i` times what the
@@ -151,7 +152,7 @@ impl CutLinks {
                 continue;
             }
             let Some(there) = meet(at, at, i) else { continue };
-            // What is near the one end is near the whole link, but not behind a mirror.
+            // Facets near the one end are near the whole link, but not behind a mirror.
             let by = if mirrors == 0 { at } else { to };
             let Some(here) = meet(by, to, back) else { continue };
             if there.0 + here.0 >= 1.0 {

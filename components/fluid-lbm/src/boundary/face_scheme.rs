@@ -170,7 +170,7 @@ impl<T: Real> PostStreaming<'_, T> {
 pub fn gained(mut gain: [f64; Q], old: &[f64; Q], unknown: u32) -> (f64, [f64; 3]) {
     let (mass, _) = moments(&gain);
     for i in 0..Q {
-        // What was there had left through the face in the opposite direction.
+        // The population that was there had left through the face in the opposite direction.
         let left = gain[i] + 2.0 * old[i];
         gain[i] = if unknown >> i & 1 == 1 { left } else { gain[i] };
     }

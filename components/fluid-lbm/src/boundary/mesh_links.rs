@@ -2,11 +2,11 @@
 //!
 //! The lists depend on the part's rounded pose (see `mesh_body`) and on static solids: every link
 //! from a stored cell outside the part to one that it covers, and every gap link (see
-//! `unresolved_gaps`) from a static solid or a wall. What changes from step to step is looked up
-//! when the list is used: which of those cells are fluid, whether another body holds a link's end
-//! and is met before, how far the surface has come since. A link beside a wall that the part moves
-//! along pushes for those that the wall takes: a piston displaces what it should. A flat wall that
-//! has moved by `d` is met at `q + d.n / (c.n)`.
+//! `unresolved_gaps`) from a static solid or a wall. Data that change from step to step are looked
+//! up when the list is used: which of those cells are fluid, whether another body holds a link's
+//! end and is met before, how far the surface has come since. A link beside a wall that the part
+//! moves along pushes for those that the wall takes: a piston displaces what it should. A flat wall
+//! that has moved by `d` is met at `q + d.n / (c.n)`.
 
 use crate::bodies::body::Body;
 use crate::bodies::body_list::Bodies;

@@ -1,8 +1,9 @@
 //! Open area of each cell of a face, where walls of parts cross the face.
 //!
-//! A cell that a wall crosses has what lies outside of the solid, found at points in the plane of the cells' centres. What is
-//! open of a cell whose own centre is solid goes to its neighbours in the face that are fluid, in equal parts: so the areas of all
-//! cells add up to the open area of the face.
+//! The open area of a cell that a wall crosses is the part outside of the solid, found at points in
+//! the plane of the cells' centres. The open area of a cell whose own centre is solid goes to its
+//! neighbours in the face that are fluid, in equal parts: so the areas of all cells add up to the
+//! open area of the face.
 
 use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern::Blocked;

@@ -7,10 +7,11 @@
 //! NEE   f_i(x_B) = feq_i(rho, u) + f_i(x_I) - feq_i(rho(x_I), u(x_I))                for all i
 //! ```
 //!
-//! with `rho` given and `u = u(x_I)` at a pressure face, `u` given and `rho = rho(x_I)` at a velocity
-//! face (non-equilibrium extrapolation, Guo, Zheng & Shi 2002); or by
-//! non-equilibrium bounce-back (see `zou_he`), `u_t` being that of `x_I` at a pressure face. What is prescribed holds at the centre of `x_B`, half a cell inside the face. At a
-//! pressure face through which the fluid enters, `u_t = 0`; such cells are counted.
+//! with `rho` given and `u = u(x_I)` at a pressure face, `u` given and `rho = rho(x_I)` at a
+//! velocity face (non-equilibrium extrapolation, Guo, Zheng & Shi 2002); or by non-equilibrium
+//! bounce-back (see `zou_he`), `u_t` being that of `x_I` at a pressure face. The prescribed values
+//! hold at the centre of `x_B`, half a cell inside the face. At a pressure face through which the
+//! fluid enters, `u_t = 0`; such cells are counted.
 //!
 //! An *absorbing* pressure face lets sound out. Of the two waves that meet there, the one that comes in
 //! is held to what the given pressure and the mean flow say, instead of the pressure itself:

@@ -372,7 +372,8 @@ impl<T: Real> PostCollision<'_, T> {
                 met.gain(link.fixture, f - g);
             }
             let (fixture, exchange) = &mut met.exchanges[link.fixture as usize];
-            // The arm to the surface is that to the cell but for a part along the force. What is at rest sweeps nothing.
+            // The arm to the surface is that to the cell but for a part along the force. A wall at
+            // rest sweeps nothing.
             let arm = self.layout.grid.arm(reference[fixture.0 as usize], at);
             exchange.add_link(c, [g + f, f - g], [0.0; 3], arm);
             exchange.links += 1;

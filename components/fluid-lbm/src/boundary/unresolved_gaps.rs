@@ -10,10 +10,11 @@
 //!
 //! All gap links between the same two make one gap with one pressure: the mean over the fluid cells
 //! next to the covered cells where its links begin, counted once for each link that sees them; both
-//! bodies' cells in a gap between two. A closed gap that parts two chambers so has the mean of the two,
-//! weighted by the cells that see it. A gap that sees no fluid takes the mean over the body's others;
-//! one without these is at gauge pressure zero. What stands in a mirror counts as another. A part that stands still feels the opposite of what the
-//! body feels; between two parts that stand still there are no gap links.
+//! bodies' cells in a gap between two. A closed gap that parts two chambers so has the mean of the
+//! two, weighted by the cells that see it. A gap that sees no fluid takes the mean over the body's
+//! others; one without these is at gauge pressure zero. A body in a mirror counts as another. A
+//! part that stands still feels the opposite of what the body feels; between two parts that stand
+//! still there are no gap links.
 //!
 //! Gaps that the scene declares have a pressure of their own, by rule, and their cells may be frozen: see
 //! `modelled`. A link into such a cell is a gap link as wide as a cell.

@@ -1,10 +1,11 @@
 //! The mass that curved walls at rest owe the fluid, and how it is paid.
 //!
-//! A link that meets a wall at `q` other than 1/2 reflects half-way what is not there: interpolation (see `static_wall_links`) makes
-//! or takes some mass in each step. Most of it comes and goes with the pressure at the wall, as the volume between the
-//! wall and the half-way plane fills and empties: about `(2q - 1) w_i` for each unit of density. What is left runs one
-//! way for as long as the fluid flows, and would empty a closed box or make the flow differ from one section of a pipe to the
-//! next.
+//! A link that meets a wall at `q` other than 1/2 reflects half-way what is not there:
+//! interpolation (see `static_wall_links`) makes or takes some mass in each step. Most of it comes
+//! and goes with the pressure at the wall, as the volume between the wall and the half-way plane
+//! fills and empties: about `(2q - 1) w_i` for each unit of density. The rest runs one way for as
+//! long as the fluid flows, and would empty a closed box or make the flow differ from one section
+//! of a pipe to the next.
 //!
 //! So each patch of wall, the cells at a solid in a cube of 8, keeps an account:
 //!
@@ -22,8 +23,8 @@
 //!
 //! A patch pays through its links as a wall does that breathes: on a closed surface the momentum of that is zero.
 //!
-//! Cells at open faces belong to no patch: the face replaces all that they hold (see `open_boundary`, `face`). What links
-//! brought them counts as come through the face.
+//! Cells at open faces belong to no patch: the face replaces all that they hold (see
+//! `open_boundary`, `face`). The mass that links brought them counts as come through the face.
 //!
 //! Cubes are counted from the reference of the solid that a cell meets first: a part has the same patches wherever it stands, and half
 //! of one at a symmetry plane those of the whole.
@@ -199,7 +200,7 @@ impl Patches {
         }
         let mut owed = 0.0;
         for account in &mut self.accounts {
-            // What it pays takes the place of what it gained.
+            // From here on `gained` holds the mass that a link pays for each unit of weight.
             account.gained = account.settle();
             owed += account.owed;
         }
@@ -250,7 +251,7 @@ mod tests {
             in_phase += if step >= 10_000 { pay * angle.sin() / 5000.0 } else { 0.0 };
             pay = account.settle();
         }
-        // What it owes is that sine, as large as 1 / turn.
+        // The mass owed is that sine, as large as 1 / turn.
         assert!((in_phase * turn).abs() < 1e-4, "{in_phase}");
     }
 }

@@ -168,7 +168,7 @@ fn along(
             let [x, y, z] = at;
             volume.add(area * (x - lower), [0.5 * (x + lower), y, z]);
         });
-        // What lies in the plane itself is within.
+        // A triangle in the plane itself is within.
         if polygon.corners().iter().any(|corner| corner[0] > upper) {
             polygon.below(0, upper, -1.0).each(|area, [_, y, z]| {
                 volume.add(area * (upper - lower), [0.5 * (upper + lower), y, z]);

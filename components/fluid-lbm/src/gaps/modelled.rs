@@ -11,11 +11,11 @@
 //! [`POCKET`] others: such pockets are frozen too, until a neighbour becomes fluid. (One that hangs
 //! on by a diagonal link fills and empties through that alone, and its pressure runs away.)
 //!
-//! The sides feel the pressure of the gap on their links into frozen cells, and on gap links between
-//! them (see `unresolved_gaps`). Freezing takes a cell's mass and momentum from the fluid as covering does, and
-//! the moving side's account has it (see `mass_correction`); a cell that thaws gets the mean density of the fluid
-//! around, or that of the gap. What a gap draws in as it widens leaves the fluid where its pressure is measured
-//! (see `intake`).
+//! The sides feel the pressure of the gap on their links into frozen cells, and on gap links
+//! between them (see `unresolved_gaps`). Freezing takes a cell's mass and momentum from the fluid
+//! as covering does, and the moving side's account has it (see `mass_correction`); a cell that
+//! thaws gets the mean density of the fluid around, or that of the gap. The fluid that a gap draws
+//! in as it widens leaves the rest where its pressure is measured (see `intake`).
 
 mod mouths;
 mod slipping;
@@ -42,9 +42,10 @@ pub const POCKET: usize = 64;
 /// Candidates that are one item of work.
 const CELLS_PER_ITEM: usize = 256;
 
-/// Steps by which the pressure of probes is extrapolated: it is as old as the beginning of its step, half a one; forces
-/// are averaged with those of the step before, half a one; and what the gap draws in is paid half a step after the
-/// side has moved. What comes late feeds the sound around, as a late wall does (see [`late`](crate::bodies::body::late)).
+/// Steps by which the pressure of probes is extrapolated: it is as old as the beginning of its
+/// step, half a one; forces are averaged with those of the step before, half a one; and the mass
+/// that the gap draws in is paid half a step after the side has moved. A late pressure feeds the
+/// sound around, as a late wall does (see [`late`](crate::bodies::body::late)).
 const LEAD: f64 = 1.5;
 
 /// One side of a gap.

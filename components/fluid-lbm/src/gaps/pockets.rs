@@ -25,7 +25,8 @@ struct Fill {
 impl ModelledGaps {
     /// Freezes pockets and thaws those that got a way out, after [`CellFlags::settle`].
     pub fn close_pockets(&mut self, flags: &mut CellFlags, layout: &Layout, team: &mut Team) {
-        // Which cells may have lost their way: neighbours of those that are fluid no more, and new ones.
+        // Cells that may have lost their way out: neighbours of cells that are fluid no more, and
+        // new fluid cells.
         self.seeds.clear();
         let mut next = 0;
         self.pockets.retain(|&cell| flags.of(cell) == FROZEN);
@@ -63,8 +64,8 @@ impl ModelledGaps {
         self.pockets.binary_search(&cell).is_ok()
     }
 
-    /// Finds which of the seeds are in pockets. What one freezes has no way to the others, so that they may be
-    /// asked at the same time.
+    /// Finds the seeds that are in pockets. No way leads from the pocket of one to others, so that
+    /// they may be tested at the same time.
     fn find_closed(&mut self, flags: &CellFlags, layout: &Layout, team: &mut Team) {
         self.closed.clear();
         self.closed.resize(self.seeds.len(), false);

@@ -9,10 +9,11 @@
 /// would therefore show as a gap between `momentum_change` and the sum of the terms, one step
 /// later.
 ///
-/// The form of the force follows Wen et al. 2014: a body feels `g_i (c_i - u_w) - f_i' (c_i' -
-/// u_w)` on each link, so that a sphere that moves with the fluid feels nothing. What the links
-/// moved besides, `(f_i' - g_i) u_w`, is momentum of the mass that the wall pushed aside; it is
-/// `swept`, and balances `covered` and `uncovered` over the time in which a body crosses a cell.
+/// The form of the force follows Wen et al. 2014: a body feels
+/// `g_i (c_i - u_w) - f_i' (c_i' - u_w)` on each link, so that a sphere that moves with the fluid
+/// feels nothing. The momentum that the links moved besides, `(f_i' - g_i) u_w`, is that of the
+/// mass that the wall pushed aside; it is `swept`, and balances `covered` and `uncovered` over the
+/// time in which a body crosses a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// Momentum of the fluid at the end of the step [kg m/s].

@@ -84,7 +84,7 @@ pub fn prefetch_early<T>(place: *const T) {
 /// the processor look up over and over.
 const LARGE_PAGE: usize = 2 << 20;
 
-/// The populations of a list of cells. Which is where: see `aa_pattern`.
+/// The populations of a list of cells. For their places see `aa_pattern`.
 pub struct Field<T: Real> {
     first: NonNull<T::Atomic>,
     layout: Layout,

@@ -186,7 +186,7 @@ impl Lattice<'_> {
             let said = ["where the fluid goes around it", ""];
             self.across(&format!("cells across {}", part.part), cells, said)
         });
-        // What is unseen is told already.
+        // A part that the lattice does not see is told already.
         let is_seen = part.across.is_none_or(|cells| cells >= UNSEEN);
         let through = (is_seen && part.through < SHUT).then(|| {
             let remedy = format!("a cell of {} m makes it {SHUT}", short(part.through * cell / SHUT));

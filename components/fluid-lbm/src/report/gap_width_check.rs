@@ -67,7 +67,7 @@ impl Search {
 }
 
 /// The narrowest gap between parts and walls of the domain, and that between listed bodies and
-/// anything, if there are any within 8 cells. What touches or overlaps has no gap.
+/// anything, if there are any within 8 cells. Surfaces that touch or overlap have no gap.
 pub fn narrowest(scene: &Scene, ground: &StaticGeometry) -> [Option<Narrow>; 2] {
     let Centres { cell, .. } = ground.centres();
     let (parts, walls) = (placed(scene, ground), walls(scene));

@@ -1,11 +1,13 @@
 //! Thickness of parts in the fluid, in cells.
 //!
-//! At points of its surface that the fluid reaches, a part is measured three ways: inward along the normal to where fluid is
-//! again, and, half-way in, the shortest way across that and the way square to both. Sorted, these say what it is there: of
-//! a plate the first is small, of a rod the first two, of a ball all three. A flow around it is that of its outline if
-//! the second is resolved, as the diameter of a sphere has to be; a plate need only be seen. So an edge of a plate, or a
-//! part that others stand flush to, is not mistaken for a thin one. What is rare on a surface, a tip or a bevel, is not
-//! counted. A part that stands free has its own widths besides: the faces of a tetrahedron are not opposite anywhere.
+//! At points of its surface that the fluid reaches, a part is measured three ways: inward along the
+//! normal to where fluid is again, and, half-way in, the shortest way across that and the way
+//! square to both. Sorted, these say what it is there: of a plate the first is small, of a rod the
+//! first two, of a ball all three. A flow around it is that of its outline if the second is
+//! resolved, as the diameter of a sphere has to be; a plate need only be seen. So an edge of a
+//! plate, or a part that others stand flush to, is not mistaken for a thin one. Rare places of a
+//! surface, a tip or a bevel, are not counted. A part that stands free has its own widths besides:
+//! the faces of a tetrahedron are not opposite anywhere.
 
 use crate::bodies::ridges::width_along;
 use crate::domain::static_geometry::StaticGeometry;

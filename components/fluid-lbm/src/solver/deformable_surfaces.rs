@@ -1,5 +1,5 @@
-//! Deformable surfaces of the scene in the fluid: their vertices come in. What such a surface is to the lattice, see
-//! `deformable_shape`; the loads on its facets, see `facet_loads`.
+//! Deformable surfaces of the scene in the fluid: their vertices come in. For such a surface on the
+//! lattice see `deformable_shape`; for the loads on its facets, see `facet_loads`.
 
 use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_surface::SoftSurface;

@@ -218,7 +218,8 @@ impl<T: CollisionKernel> LbmSolver<T> {
         self.budget.begin(&self.bodies.list.leaving);
         // Cells change between fluid and solid; what bodies uncover is refilled before it collides.
         self.update_cover(states);
-        // What a body displaces as it appears goes back to the reservoir: a piston's way stays the volume that enters.
+        // The fluid that a body displaces as it appears goes back to the reservoir: a piston's way
+        // stays the volume that enters.
         return_displaced(&mut self.faces, &mut self.bodies.list, &self.gaps, &self.lattice);
         // f_i(x + c_i, t + 1) = g_i(x, t), in one array (AA pattern, Bailey et al. 2009): half-way walls and mirrors are
         // in the addresses.

@@ -80,7 +80,7 @@ pub fn settle_bodies(bodies: &mut MovingBodies, gaps: &mut GapModel, mean: f64) 
             all.join(&exchanges[number]);
             // Grains draw nothing in, and give nothing.
             let Some(item) = body.is_part().then(|| &links[number]) else { continue };
-            // What links gave to intakes the body does not owe.
+            // The body does not owe the mass that links gave to intakes.
             all.mass += item.gaps.given.iter().map(|given| given.mass).sum::<f64>();
             for (gap, drawn) in (0..).zip(&item.gaps.drawn) {
                 all.drawn += drawn;
@@ -88,7 +88,7 @@ pub fn settle_bodies(bodies: &mut MovingBodies, gaps: &mut GapModel, mean: f64) 
             }
         }
         if body.is_part() {
-            // What intakes cannot give any more, a body has to.
+            // A body has to give the mass that intakes cannot give any more.
             taken -= std::mem::take(&mut left);
             all.mass += gaps.slip_on_body(body.handle).map_or(0.0, |slip| slip.mass);
         }

@@ -56,8 +56,9 @@ fn a_face_between_walls_delivers_what_it_is_told() {
     }
 }
 
-/// Walls of parts that stand where they like between the centres of cells: the area counts up to them, or up to half-way
-/// where walls are taken so. What passes the middle is what was asked for within 1 %, or 0.05 % half-way.
+/// Walls of parts that stand where they like between the centres of cells: the area counts up to
+/// them, or up to half-way where walls are taken so. The flow through the middle is the prescribed
+/// one within 1 %, or 0.05 % half-way.
 #[test]
 fn walls_of_parts_in_the_face_bound_its_area() {
     for (walls, scheme) in [

@@ -122,7 +122,7 @@ fn a_region_limits_a_gap() {
     let region = GapRegion::Ring { axis: 1, through: [16.0, 0.0, 0.0], radii: [3.1, 20.0] };
     let (fluid, ..) = locked(Some(Gap { region: Some(region), ..gap() }), 1.2, 1);
     let shut: Vec<_> = (0..32).filter(|&x| fluid.node([x, 2, 0]).solid).collect();
-    // What is between the two shut ends is a pocket.
+    // The cells between the two shut ends are a pocket.
     assert_eq!(shut, (10..22).collect::<Vec<_>>());
 }
 
@@ -175,7 +175,7 @@ fn a_pocket_is_frozen() {
         }
     }
     assert!(seen[0] > 50 && seen[1] > 100, "{seen:?}");
-    // What was frozen came back: the mean density is what it was, but for what is owed.
+    // The frozen mass came back: the mean density is as before, but for the mass owed.
     println!("{drift} cells are missing besides what is owed");
     assert!(drift.abs() < 0.1, "{drift}");
 }

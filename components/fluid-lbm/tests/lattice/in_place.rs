@@ -103,11 +103,11 @@ impl Plain {
         for k in 0..n[0] * n[1] * n[2] {
             let at = [k % n[0], k / n[0] % n[1], k / (n[0] * n[1])];
             if self.fluid(at) {
-                // What the lid pushes in and takes out beyond what it does at the mean density.
+                // Mass that the lid pushes in and takes out beyond that at the mean density.
                 let mut beyond = 0.0;
                 for i in 0..Q {
-                    // What arrives against direction i comes from the neighbour along i, or is
-                    // reflected there.
+                    // The population that arrives against direction i comes from the neighbour
+                    // along i, or is reflected there.
                     let f = match self.step(at, C[i], 1) {
                         Ok((to, mirrors)) if self.fluid(to) => {
                             self.g[self.index(to)][mirrored(OPPOSITE[i], mirrors)]
@@ -242,7 +242,7 @@ fn compare(faces: [tremie_messages::scene::Face; 3], cells: [usize; 3], seed: u6
             }
         }
         for (s, load) in loads.iter().enumerate() {
-            // What the mean pressure gradient adds.
+            // Load that the mean pressure gradient adds.
             let volume = 4.0 / 3.0 * std::f64::consts::PI * plain.spheres[s].radius.powi(3);
             let (mut expected, mut torque) = (plain.force[s], plain.torque[s]);
             for axis in (0..3).filter(|&axis| plain.case.faces[axis] == SYMMETRY) {

@@ -62,7 +62,7 @@ fn scene(lay: Lay) -> Scene {
         profile: Profile::Parabolic,
         course: Course::default(),
     };
-    // Which wall counts at an edge of two is the world's to say; here none meet.
+    // At an edge of two walls the order of the world's axes decides; here none meet.
     let lid = Face::moving(lay.out([0.01, 0.004, 0.0]));
     for (axis, faces) in [
         (0, [Face::Reservoir(reservoir), Face::Velocity(outflow)]),

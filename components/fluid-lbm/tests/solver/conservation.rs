@@ -101,7 +101,7 @@ fn closes(precision: Precision, tolerance: f64) {
             );
             let gap = ledger.momentum_change[a] - ledger.momentum_terms()[a];
             assert!(gap.abs() < tolerance * scale, "step {step}, axis {a}: {gap}");
-            // What the bodies got is what the links gave, one half of it a step later.
+            // The bodies got the momentum that the links gave, one half of it a step later.
             let given = ledger.delivered[a] + ledger.carried[a] - carried[a] + ledger.dropped[a];
             assert!((given + ledger.bodies[a] - ledger.gaps[a]).abs() < 1e-14 * scale);
             let sum: f64 = loads.iter().map(|l| l.force[a]).sum();

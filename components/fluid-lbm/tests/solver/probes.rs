@@ -89,7 +89,7 @@ fn rates_are_means_and_profiles_are_strips() {
         }
         let mut found = Vec::new();
         fluid.probes(&mut found);
-        // What crosses in a step has the velocity in its middle.
+        // The flow in a step has the velocity in the step's middle.
         let mean = 1e-6 * (steps + 0.5 * f64::from(count));
         steps += f64::from(count);
         assert!((found[2] / (32.0 * mean) - 1.0).abs() < 1e-6, "{found:?} {mean}");

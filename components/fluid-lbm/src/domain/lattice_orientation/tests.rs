@@ -43,7 +43,7 @@ fn poses_turn_as_vectors_do() {
             let found = turned.to_world(point);
             assert!((0..3).all(|a| (found[a] - expected[a]).abs() < 1e-14), "{axes:?} {found:?}");
         }
-        // What is not turned keeps its bits.
+        // A pose that is not turned keeps its bits.
         let point = [0.1, -0.2, 1e-17];
         let upright = pose(axes.turn([0.0, 0.0, 0.0, 1.0]));
         assert_eq!(<[f64; 3]>::from(upright.to_world(point)), axes.to_lattice(&point));

@@ -77,7 +77,7 @@ proptest! {
                 }
             }
         }
-        // What the pieces of a line cover besides its own lanes is never written: each lane once.
+        // Places in pieces beside the line's own lanes are never written: each lane once.
         let mut first = 0;
         for (number, entries) in places.lines().iter().enumerate() {
             let kind = places.kind(number);
