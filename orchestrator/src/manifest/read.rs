@@ -39,7 +39,7 @@ impl Findings {
     }
 }
 
-/// Reads `tree`. What cannot be read is noted, taken out, and the rest read again.
+/// Reads `tree`. A key that cannot be read is noted and taken out, and the rest is read again.
 pub(super) fn read(mut tree: Value) -> (Document, Findings) {
     let mut findings = Findings::default();
     loop {

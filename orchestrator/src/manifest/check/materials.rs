@@ -79,7 +79,7 @@ pub(super) fn is_known(
         None => format!("add [scene.materials.{name}]; known are {}", names.join(", ")),
     };
     findings.problem_with_help(key, format!("there is no material \"{name}\""), help);
-    // What else a material would have given is not missed besides.
+    // Nothing else that the material would have given counts as missing.
     findings.spoil(path::join("scene.materials", name));
     false
 }

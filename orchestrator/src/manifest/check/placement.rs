@@ -83,7 +83,7 @@ pub(super) fn check(
 fn inside(body: &Placed<'_>, domain: &Domain, findings: &mut Findings) {
     let Sphere { position, diameter, .. } = body.sphere;
     let outside = (0..3).any(|a| {
-        // How far inside its centre must lie.
+        // Least distance of its centre from the face, inwards.
         let inset = match (domain.is_periodic(a), body.free) {
             (true, _) => 0.0,
             (false, true) => (0.5 - TOLERANCE) * diameter,

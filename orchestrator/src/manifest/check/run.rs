@@ -73,7 +73,7 @@ fn stop(
     Some(StopCondition { component, signal, limit: limit?, after: after?.0, hold: hold?.0 })
 }
 
-/// Splits `component.signal`. Which signals there are is known only when components have spoken.
+/// Splits `component.signal`. The signals are known only when components have described themselves.
 fn signal(
     text: &str,
     at: &str,
