@@ -113,6 +113,7 @@ impl<T: CollisionKernel> LbmSolver<T> {
         let faces = OpenBoundaries::new(&mut built);
         let relaxation = relaxation_of(parameters, fluid, &units, tau);
         let mut lattice = LatticeState::new(built.layout, units, relaxation, tau);
+        // Links that slip and mouths of gaps are searched anew only around cells that changed.
         if !gaps.modelled.is_empty() {
             lattice.flags.list_changes();
         }
