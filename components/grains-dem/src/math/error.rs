@@ -1,4 +1,4 @@
-//! What can go wrong while the grains advance.
+//! Errors of a run of the grains, as they advance.
 
 use thiserror::Error;
 
@@ -66,7 +66,7 @@ pub enum GrainsError {
     NoSurface {
         /// Index asked for.
         surface: usize,
-        /// How many there are.
+        /// Number of surfaces.
         surfaces: usize,
     },
     /// A shape has another number of vertices than its surface.
@@ -94,9 +94,9 @@ pub enum GrainsError {
     /// Calls of a window come in another order than they must.
     #[error("{call} was called, but {first} comes first")]
     OutOfOrder {
-        /// What was called.
+        /// Name of the call that came too early.
         call: &'static str,
-        /// What must come before.
+        /// Name of the call that must come before it.
         first: &'static str,
     },
     /// More spheres live than there is room for.

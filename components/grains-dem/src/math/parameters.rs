@@ -1,4 +1,4 @@
-//! What a user may set about the solver itself.
+//! Numerical parameters of the solver, as a user may set them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -10,7 +10,7 @@ pub(crate) struct PeriodicBox {
     pub min: Vec3,
     /// Edge lengths [m].
     pub size: Vec3,
-    /// Which axes wrap around.
+    /// True for each axis that wraps around.
     pub periodic: [bool; 3],
     /// Displacement of each image [m], see [`image`].
     pub shifts: [Vec3; 27],
@@ -119,8 +119,8 @@ impl PeriodicBox {
         step(2).flat_map(offsets).map(image).map(|image| (image, self.shifts[image as usize]))
     }
 
-    /// Whether `x` lies in the box, or beyond a face that is a way out; not so for numbers that are not
-    /// finite.
+    /// True if `x` lies in the box, or beyond a face that is a way out. False for numbers that are
+    /// not finite.
     pub fn contains_but_for(&self, ways_out: [[bool; 2]; 3], x: Vec3) -> bool {
         (0..3).all(|a| {
             let [low, high] = ways_out[a];
@@ -129,7 +129,7 @@ impl PeriodicBox {
         })
     }
 
-    /// Whether `x` lies in the closed box; not so for numbers that are not finite.
+    /// True if `x` lies in the closed box. False for numbers that are not finite.
     pub fn contains(&self, x: Vec3) -> bool {
         (0..3).all(|a| x[a] >= self.min[a] && x[a] <= self.min[a] + self.size[a])
     }

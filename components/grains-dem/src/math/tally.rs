@@ -1,4 +1,4 @@
-//! What one evaluation of the forces saw.
+//! Tally of the contacts of one evaluation of the forces.
 
 /// Overlap over the smaller radius beyond which a contact is counted as too soft.
 pub(crate) const DEEP: f64 = 0.05;
@@ -21,7 +21,7 @@ pub(crate) struct Deepest {
     pub ratio: f64,
     /// Index of the body.
     pub body: u32,
-    /// What it overlaps.
+    /// The other side of the contact.
     pub other: Other,
 }
 
@@ -49,7 +49,7 @@ impl Tally {
         self.deepen(ratio, body, other);
     }
 
-    /// Adds so many contacts, of which so many are deep.
+    /// Adds numbers of contacts and of deep contacts.
     #[inline(always)]
     pub fn count(&mut self, contacts: u32, deep: u32) {
         self.contacts += u64::from(contacts);

@@ -26,8 +26,8 @@ pub(crate) trait SimdLane:
     /// `yes` where this is no more than `other`, else `no`.
     fn at_most(self, other: Self, yes: Self, no: Self) -> Self;
 
-    /// Whether a formula may leave out what only numbers above `other` need. Many side by side
-    /// never ask.
+    /// True if a formula may skip the terms that only numbers above `other` need. Always false for
+    /// several lanes side by side, which do not test.
     #[inline(always)]
     fn none_above(self, _: Self) -> bool {
         false
@@ -347,7 +347,7 @@ impl<L> Lane3<L> {
 
 #[cfg(target_arch = "x86_64")]
 impl<L> Lane3<Both<L>> {
-    /// Those of either half.
+    /// Vectors of either half.
     #[inline(always)]
     pub fn halves(self) -> [Lane3<L>; 2] {
         let Self { x, y, z } = self;
