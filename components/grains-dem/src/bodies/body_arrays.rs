@@ -1,4 +1,4 @@
-//! The state of all bodies, as arrays grouped by who reads them together.
+//! The state of all bodies, as arrays grouped by the passes that read them together.
 //!
 //! Arrays are in the order of places in space, which changes as bodies move: what is near in space is
 //! near in memory. Ids never change, and no result depends on the order in memory.
@@ -10,7 +10,7 @@ use crate::Vec3;
 use tremie_geometry::Share;
 use tremie_messages::scene::{BodySet, Motion, Scene};
 
-/// Where a body stood that was not there yet.
+/// Previous place in memory of a body that is new.
 pub(crate) const NEW: u32 = u32::MAX;
 
 /// Marks a body that is in no clump.
@@ -57,7 +57,7 @@ impl Wrench {
     }
 }
 
-/// What resists acceleration; both 0 for a body whose motion is given.
+/// Inverse mass and inverse inertia; both 0 for a body whose motion is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mobility {
     /// `1/m` [1/kg]; of a body in a clump that of the clump.
@@ -69,7 +69,7 @@ pub(crate) struct Mobility {
 }
 
 impl Mobility {
-    /// That of a wall, or of a body whose motion is given.
+    /// Mobility of a wall, or of a body whose motion is given.
     pub const NONE: Self = Self { inverse_mass: 0.0, inverse_inertia: 0.0, clump: ALONE };
 
     /// `sqrt(m*)` of a pair, where a body of given motion counts as infinitely heavy [kg^(1/2)].
@@ -77,17 +77,17 @@ impl Mobility {
         (1.0 / (self.inverse_mass + other.inverse_mass)).sqrt()
     }
 
-    /// Whether forces move the body.
+    /// True if forces move the body.
     pub fn is_free(self) -> bool {
         self.inverse_mass > 0.0
     }
 
-    /// Whether the body goes with others.
+    /// True if the body is part of a clump.
     pub fn is_joined(self) -> bool {
         self.clump != ALONE
     }
 
-    /// Whether two bodies can touch: not if forces move neither, nor within a clump.
+    /// True if two bodies can touch: forces move at least one, and they are not of the same clump.
     #[inline(always)]
     pub fn meets(self, other: Self) -> bool {
         (self.is_free() || other.is_free()) && (self.clump != other.clump || !self.is_joined())
@@ -112,7 +112,7 @@ pub(crate) struct PlacedSolid {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlacedSphere {
     pub ball: BoundingSphere,
-    /// What it is, if it is a polyhedron.
+    /// Shape and orientation, if the body is a polyhedron.
     pub solid: Option<PlacedSolid>,
     pub twist: Twist,
     /// Mass [kg].
@@ -122,7 +122,7 @@ pub(crate) struct PlacedSphere {
     pub motion: Motion,
     /// Index of its set in the scene.
     pub set: usize,
-    /// What it is joined to.
+    /// The clump that the body is part of, if any.
     pub clump: Option<Joined>,
 }
 
@@ -163,19 +163,19 @@ impl PlacedSphere {
     }
 }
 
-/// What the spheres of a set are made of.
+/// Properties that the spheres of a set share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SphereSet {
     /// Density [kg/m³].
     pub density: f64,
     /// Number of the material.
     pub material: u16,
-    /// Whether forces move them, each by itself.
+    /// True if forces move the spheres, each by itself.
     pub free: bool,
 }
 
 impl SphereSet {
-    /// Those of a scene, in its order, with the numbers of materials.
+    /// Sets of a scene, in its order, with the numbers of materials.
     pub fn of_scene(scene: &Scene, number_of: impl Fn(&str) -> u16) -> Vec<Self> {
         let of = |set: &BodySet| Self {
             density: set.density,
@@ -196,9 +196,9 @@ pub(crate) struct Bodies {
     pub rank: Vec<u32>,
     /// Ids by rank, ascending.
     pub ids: Vec<u64>,
-    /// Where the body of each rank stands in the other arrays.
+    /// Slot, the place in the other arrays, of the body of each rank.
     pub slot: Vec<u32>,
-    /// Where they are, always inside the periodic faces.
+    /// Bounding spheres of the bodies; centres are always inside the periodic faces.
     pub balls: Vec<BoundingSphere>,
     /// Velocities: of the full step between substeps, of the half step within one.
     pub twists: Vec<Twist>,
@@ -225,7 +225,7 @@ pub(crate) struct Bodies {
     spare: Spare,
 }
 
-/// Where arrays are written in another order; then they change places with the old ones.
+/// Second set of arrays: the sort writes into them in the new order, then both sets are swapped.
 #[derive(Clone, Debug, Default)]
 struct Spare {
     rank: Vec<u32>,

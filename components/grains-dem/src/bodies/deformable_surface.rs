@@ -42,10 +42,11 @@ pub struct FacetLoad {
     pub facet: u32,
     /// Force [N]; of spheres at a carrier that symmetry planes cut, that of their images besides.
     pub force: [f64; 3],
-    /// Where it acts [m].
+    /// Point of action of the force [m].
     pub point: [f64; 3],
-    /// How fast the normal force falls as the facet retreats through the substep [N/m], by the spring and by the dashpot
-    /// over the substep's length; of spheres at a carrier that symmetry planes cut, that of their images besides.
+    /// Stiffness [N/m]: fall of the normal force as the facet retreats through the substep, by the
+    /// spring and by the dashpot over the substep's length. For spheres at a carrier that symmetry
+    /// planes cut, that of their images is included.
     pub stiffness: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Bodies as they are announced to the other components: those at the start, and who comes and goes.
+//! Bodies as they are announced to the other components: bodies at the start, and bodies that come
+//! and go.
 
 use crate::bodies::body_arrays::PlacedSphere;
 use crate::bodies::placed_parts::PlacedPart;

@@ -8,8 +8,8 @@ use crate::math::error::GrainsError;
 use tremie_messages::body::Load;
 use tremie_team::{Cut, Team};
 
-/// What one block of loads came to: the sum of the forces on free bodies, or the first load that
-/// cannot be taken.
+/// Result of one block of loads: the sum of the forces on free bodies [N], or the error of the
+/// first load that is not valid.
 type LoadSum = Result<Vec3, GrainsError>;
 
 /// Takes the loads of a window, one for each body of `roll`, and gives the sum of the forces on free spheres
@@ -39,10 +39,12 @@ pub(crate) fn take(
             Ok(if free { sum + Vec3::from(loads[k].force) } else { sum })
         });
     });
+    // In the order of blocks: equal bits on any number of threads.
     let mut force = Vec3::zeros();
     for sum in sums.drain(..) {
         force += sum?;
     }
+    // Loads come in the order of ids, and are stored in that of memory.
     let rank = &bodies.rank;
     team.for_pieces(Cut::every(&mut bodies.load, BLOCK), |b, own: &mut [Wrench]| {
         for (own, &rank) in own.iter_mut().zip(&rank[b * BLOCK..]) {

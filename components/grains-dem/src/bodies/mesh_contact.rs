@@ -1,12 +1,12 @@
-//! Where a sphere touches walls: surfaces of triangles, one or many, and planes.
+//! Contact points of a sphere with walls: surfaces of triangles, one or many, and planes.
 //!
 //! Contacts with faces come first, the deepest before the others, then those with edges, then those
 //! with vertices (Hu et al., *Powder Technol.* 2013). A contact counts only if its point stands out
 //! of the tangent planes of all before: edges and vertices of a face that the sphere touches
 //! already do not, nor do those that do not stick out. That is asked of points in space, and not of
 //! what triangles share, so that it holds across seams of parts and planes that stand flush as
-//! well. So a sphere rolls over a flat floor of triangles as over a plane. How much of those counts
-//! that remain [`crate::shares`] says.
+//! well. So a sphere rolls over a flat floor of triangles as over a plane. The shares of the
+//! remaining contacts follow from [`crate::contact::region_shares`].
 //!
 //! A contact with an edge or a vertex belongs to the first of the triangles that share it, whatever
 //! round-off says of their distances; a point that several owners share to the one of the lowest
@@ -30,9 +30,10 @@ pub(crate) struct WallPoint {
     pub feature: u8,
     /// The point, from the same origin for all that are compared.
     pub point: Vec3,
-    /// Which of the triangles given it belongs to.
+    /// Index of its triangle, among the triangles given.
     pub triangle: u32,
-    /// Whose triangles these are, and who comes first of owners that share a point.
+    /// Owner of the triangles, and its rank: the lowest rank comes first among owners that share a
+    /// point.
     pub owner: u32,
     pub rank: u32,
 }
@@ -43,8 +44,8 @@ pub(crate) const MOST: usize = 8;
 /// A contact that turned by less is the same one: cosine of 10 degrees.
 pub(crate) const SAME: f64 = 0.984_807_753;
 
-/// How far a point must stand out of another contact's tangent plane, over the radius: more than
-/// corners of triangles are off by when a file rounds them.
+/// Least distance by which a point must stand out of another contact's tangent plane, over the
+/// radius. It exceeds the error of triangle corners that a file rounds.
 const OUT: f64 = 1e-5;
 
 /// Points that are nearer to each other than this, over the radius, are one.
@@ -60,7 +61,7 @@ pub(crate) struct WallPoints {
 impl WallPoints {
     pub const NONE: Self = Self { list: [WallPoint::NONE; MOST], count: 0 };
 
-    /// The same with points from an origin that had the coordinates `x`.
+    /// The contact point with points from an origin that had the coordinates `x`.
     pub fn moved_by(mut self, x: Vec3) -> Self {
         self.list[..self.count].iter_mut().for_each(|near| near.point += x);
         self
@@ -71,7 +72,7 @@ impl WallPoints {
     }
 }
 
-/// A sphere that looks for what it touches.
+/// A sphere in search of its contact points.
 #[derive(Clone, Copy)]
 pub(crate) struct Seeker {
     pub centre: Vec3,
@@ -80,16 +81,16 @@ pub(crate) struct Seeker {
     pub reach: f64,
 }
 
-/// Where a sphere was when it looked at all triangles near it.
+/// State of a sphere at its last full search of the triangles near it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LookedFrom {
     centre: Vec3,
-    /// How far the surface had come until then.
+    /// Travel of the surface until then [m].
     travel: f64,
 }
 
 impl LookedFrom {
-    /// It has not.
+    /// State before the first search.
     pub const NEVER: Self = Self { centre: Vec3::new(0.0, 0.0, 0.0), travel: f64::NEG_INFINITY };
 }
 
@@ -170,7 +171,7 @@ impl ReachedPoints {
         self.list[place] = near;
     }
 
-    /// Those that are contacts of a sphere.
+    /// Candidates that are contacts of a sphere.
     pub fn contacts(&self, radius: f64) -> WallPoints {
         let mut found = WallPoints::NONE;
         for near in &self.list[..self.count] {
@@ -217,7 +218,7 @@ impl WallPoint {
     }
 }
 
-/// Whether one candidate is looked at before another.
+/// True if candidate `a` comes before `b` in the order of evaluation.
 fn before(a: &WallPoint, b: &WallPoint) -> bool {
     // Down to the point, so that where two are as deep the order of triangles in a file does not
     // matter.
@@ -267,7 +268,7 @@ mod tests {
         found.contacts().to_vec()
     }
 
-    /// A sphere wanders over bumps that heave; what it remembers of distances must hide nothing.
+    /// A sphere moves over bumps that heave; the distances that it remembers must hide no contact.
     #[test]
     fn what_was_noted_of_distances_hides_no_contact() {
         let height = |x: i32, y: i32, t: f64| {

@@ -1,15 +1,15 @@
-//! The order in which bodies stand in messages: by ids, which parts have between the spheres of the start
-//! and those that came later.
+//! The order in which bodies stand in messages: by ids, which parts have between the spheres of the
+//! start and spheres that came later.
 
 use crate::bodies::body_arrays::Bodies;
 use core::ops::Range;
 
-/// Where parts that move stand among the bodies.
+/// Place of moving parts in the order of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MessageOrder {
     /// Id of the first of them: the number of spheres at the start.
     pub first_part: u64,
-    /// How many they are.
+    /// Number of moving parts.
     pub parts: usize,
     /// Living spheres with smaller ids.
     pub before: usize,

@@ -8,7 +8,7 @@ use crate::Vec3;
 use crate::bodies::body_arrays::Wrench;
 use tremie_messages::scene::{Domain, Face};
 
-/// How far from a plane an origin lies on it, over the size of the domain.
+/// Distance from a plane, over the size of the domain, within which an origin lies on it.
 const ON: f64 = 1e-9;
 
 /// Axes across which symmetry planes cut a part, by the origin of its frame.
@@ -22,7 +22,8 @@ pub(crate) fn of_part(domain: &Domain, origin: [f64; 3]) -> [bool; 3] {
     })
 }
 
-/// How many times the whole is what is simulated.
+/// Ratio of a whole part to its simulated part: 2 for each axis across which a symmetry plane cuts
+/// it.
 pub(crate) fn whole(mirrors: [bool; 3]) -> f64 {
     mirrors.iter().fold(1.0, |whole, &cut| if cut { 2.0 * whole } else { whole })
 }

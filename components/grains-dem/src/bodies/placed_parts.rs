@@ -16,7 +16,7 @@ use tremie_messages::{
     scene::{Motion, Part, Pose, Scene},
 };
 
-/// How a part moves.
+/// Motion of a part: fixed, prescribed or a slider.
 enum Drive {
     Fixed,
     Path(Path),
@@ -30,16 +30,16 @@ pub(crate) struct PlacedPart {
     /// By triangle.
     grooves: Vec<Grooves>,
     drive: Drive,
-    /// How it goes on through periodic faces.
+    /// Continuation of the part through periodic faces.
     endless: Endless,
     /// Axes across which symmetry planes cut it.
     mirrors: [bool; 3],
     pub pose: Pose,
-    /// Where its surface is: at the pose, but along an axis on which it is endless.
+    /// Frame of the surface: that of the pose, except along an axis on which the part is endless.
     frame: Frame,
     /// Velocities of its reference point, the origin of its frame.
     pub twist: Twist,
-    /// How far any of its points can have gone since neighbours were listed [m].
+    /// Upper bound of the displacement of its points since neighbours were listed [m].
     pub moved: f64,
     /// Its place among all parts in space, by its box at the start: of parts that share a point of
     /// contact the first has it, in whatever order they are given.
@@ -83,7 +83,7 @@ pub(crate) fn load(scene: &Scene) -> Result<Vec<PlacedPart>, Vec<Problem>> {
     if problems.is_empty() { Ok(parts) } else { Err(problems) }
 }
 
-/// Which edges and corners of its triangles stick out nowhere, seen from where grains are.
+/// Grooves of each triangle: the edges and corners that nowhere stick out towards the grains.
 fn grooves_of(surface: &Surface, cavity: bool) -> Vec<Grooves> {
     let mesh = surface.mesh();
     let out = if cavity { EdgeKind::Concave } else { EdgeKind::Convex };
@@ -165,7 +165,7 @@ impl PlacedPart {
         }
     }
 
-    /// What is wrong with how a slider lies to the mirrors.
+    /// Problem of a slider's placement relative to the symmetry planes, if any.
     fn mirror_problem(&self, key: &str, part: &Part, scene: &Scene) -> Option<Problem> {
         let Motion::Slider(slider) = &part.motion else { return None };
         let bounds = self.surface.mesh().placed(&self.pose).bounds();
@@ -177,7 +177,7 @@ impl PlacedPart {
         across_mirrors(key, slider, domain, self.mirrors, across)
     }
 
-    /// Whether it is a body of the run.
+    /// True if the part moves, and so is a body of the run.
     pub fn moves(&self) -> bool {
         !matches!(self.drive, Drive::Fixed)
     }
@@ -190,7 +190,7 @@ impl PlacedPart {
         }
     }
 
-    /// The same, to be changed.
+    /// The slider, to be changed, if the part is one.
     pub fn slider_mut(&mut self) -> Option<&mut Slider> {
         match &mut self.drive {
             Drive::Slider(slider) => Some(slider),
@@ -198,7 +198,8 @@ impl PlacedPart {
         }
     }
 
-    /// What resists a push along its axis; mirrored grains push at the same time.
+    /// Mobility of a slider along its axis; zero for other parts. Mirrored grains push at the same
+    /// time: hence the factor `whole`.
     pub fn mobility(&self) -> Mobility {
         self.slider().map_or(Mobility::NONE, |slider| Mobility {
             inverse_mass: slider.whole / slider.mass,
@@ -219,7 +220,7 @@ impl PlacedPart {
         }
     }
 
-    /// Whether the space inside its surface is free and that outside solid.
+    /// True if the space inside the surface is free and the space outside is solid.
     pub fn is_cavity(&self) -> bool {
         self.cavity
     }
@@ -264,7 +265,8 @@ impl PlacedPart {
         (0..3).any(|a| wrapped[a] != position[a] && !self.endless.straight[a])
     }
 
-    /// Whether it is seen through an image that much away: an endless one is there itself.
+    /// True if bodies see the part through an image displaced by `shift`. An endless part needs no
+    /// image along its endless axes.
     #[inline]
     pub fn is_seen(&self, shift: Vec3) -> bool {
         (0..3).all(|a| shift[a] == 0.0 || !self.endless.axes[a])
@@ -334,7 +336,7 @@ impl PlacedPart {
         Triangle { corners: corners.map(place), normal, grooves: Grooves::NONE }
     }
 
-    /// Whether a point of the world can be closer to the solid than `gap`.
+    /// True if a point of the world may be closer to the solid than `gap` [m].
     pub fn is_near(&self, x: Vec3, gap: f64) -> bool {
         self.cavity || self.surface.bounds().grown(gap).contains(self.to_part(x))
     }

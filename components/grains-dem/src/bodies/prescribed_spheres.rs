@@ -4,7 +4,7 @@ use crate::bodies::body_arrays::{Bodies, PlacedSphere, Twist};
 use crate::bodies::prescribed_motion::Path;
 use tremie_messages::scene::{Motion, Scene};
 
-/// Paths, and who follows them.
+/// Paths, and the spheres that follow them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Driven {
     paths: Vec<Path>,

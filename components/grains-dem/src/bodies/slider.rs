@@ -43,7 +43,7 @@ pub(crate) struct Pushes {
     pub stops: f64,
     pub contacts: f64,
     pub fluid: f64,
-    /// Of contacts on surfaces that it carries, and what else they bring.
+    /// Force of contacts on surfaces that it carries, and other forces from them.
     pub surface: f64,
     pub carried: f64,
 }
@@ -58,9 +58,9 @@ pub(crate) struct Slider {
     stops: StopLaw,
     /// Weight and constant force along the axis [N].
     constant: f64,
-    /// How many times the whole is what is simulated, see [`crate::mirrors`].
+    /// Ratio of the whole part to its simulated part, see [`whole`](crate::bodies::mirrors::whole).
     pub whole: f64,
-    /// Where the part is at lift 0 [m].
+    /// Position of the part's origin at lift 0 [m].
     home: Vec3,
     /// Lift [m].
     pub lift: f64,
@@ -136,7 +136,7 @@ impl Slider {
         self.pushes.fluid = load.map_or(0.0, |load| Vec3::from(load.force).dot(&self.axis));
     }
 
-    /// Where the part's origin is, before wrapping around [m].
+    /// Position of the part's origin, before wrapping around [m].
     pub fn position(&self) -> Vec3 {
         self.home + self.axis * self.lift
     }
@@ -151,7 +151,7 @@ impl Slider {
         Twist { v: self.axis * self.predicted, w: Vec3::zeros() }
     }
 
-    /// How far it has moved since neighbours were listed [m].
+    /// Displacement since neighbours were listed [m].
     pub fn moved(&self) -> f64 {
         (self.lift - self.listed).abs()
     }
@@ -212,7 +212,7 @@ pub struct SliderState {
     pub fluid_force: f64,
     /// Force of contacts on the surfaces that it carries [N].
     pub surface_force: f64,
-    /// What else was given for these surfaces [N].
+    /// Other forces given for these surfaces [N].
     pub carrier_force: f64,
 }
 
@@ -242,7 +242,7 @@ pub(crate) fn unit(direction: [f64; 3]) -> Vec3 {
 /// Component of an axis across a mirror that counts as along it.
 const ACROSS: f64 = 1e-9;
 
-/// How far a surface reaches beyond a plane at least, over its size, to be cut by it.
+/// Least length by which a surface must reach beyond a plane to be cut by it, over its size.
 pub(crate) const ROOM: f64 = 1e-6;
 
 /// Checks how a slider lies to the mirrors of the domain: `mirrors` are the axes across which they

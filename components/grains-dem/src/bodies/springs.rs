@@ -133,7 +133,7 @@ impl StopLaw {
         })
     }
 
-    /// How far a mass at a lift is in the lower stop, and in the upper [m]; negative outside.
+    /// Depths of a mass at a lift in the lower and in the upper stop [m]; negative outside.
     fn depths(&self, lift: f64) -> [f64; 2] {
         [self.lower - lift, lift - self.upper]
     }

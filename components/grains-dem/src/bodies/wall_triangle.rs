@@ -13,8 +13,8 @@ pub(crate) struct Triangle {
     pub corners: [Vec3; 3],
     /// Unit normal, to the side where bodies are.
     pub normal: Vec3,
-    /// Which of its edges, from the corner of the same number on, and of its corners stick out
-    /// nowhere.
+    /// Edges and corners that nowhere stick out; the edge of a number starts at the corner of that
+    /// number.
     pub grooves: Grooves,
 }
 
@@ -27,7 +27,7 @@ pub(crate) struct Grooves(pub u8);
 impl Grooves {
     pub const NONE: Self = Self(0);
 
-    /// Whether the border's place, an edge (1) or a corner (2) of a number, is one.
+    /// True if a feature, an edge (1) or a corner (2) of a number, is a groove.
     #[inline(always)]
     pub fn has(self, feature: u8, number: u8) -> bool {
         (self.0 >> (3 * (feature - 1) + number)) & 1 != 0
