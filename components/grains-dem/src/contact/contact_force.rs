@@ -45,7 +45,7 @@ pub(crate) struct Contact {
     pub rolling: Vec3,
 }
 
-/// What a contact remembers from step to step.
+/// History of a contact: its state from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ContactHistory {
     /// Tangential displacement [m], advanced by half a step beyond the last evaluation: the next
@@ -60,7 +60,7 @@ pub(crate) struct ContactHistory {
 }
 
 impl ContactHistory {
-    /// The same as the other body sees it.
+    /// The contact as the other body sees it.
     pub fn of_other_side(&self) -> Self {
         Self { xi: -self.xi, rolling: -self.rolling, normal: -self.normal, ..*self }
     }
@@ -85,8 +85,8 @@ pub(crate) struct Steps {
     pub after: f64,
 }
 
-/// Force of `contact`, leaving in `memory` what the next step needs. What `memory` held counts only
-/// if the pair was `touching` before.
+/// Force of `contact`, which leaves in `memory` the history for the next step. What `memory` held
+/// counts only if the pair was `touching` before.
 #[inline(always)]
 pub(crate) fn force(
     law: &Law,

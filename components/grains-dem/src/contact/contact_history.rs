@@ -1,4 +1,4 @@
-//! What a body's contacts with walls remember.
+//! History of a body's contacts with walls.
 
 use crate::Vec3;
 use crate::bodies::mesh_contact::MOST;
@@ -11,7 +11,7 @@ use crate::contact::springs::Reduced;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Remembered {
     pub memory: ContactHistory,
-    /// How much of it counts.
+    /// Share of the contact that counts, see [`crate::contact::region_shares`].
     pub share: f64,
     pub law: u16,
     pub reduced: Reduced,
@@ -56,8 +56,8 @@ impl WallContactHistory {
         }
     }
 
-    /// What a contact with the normal `n` goes on with: the memory of the contact that turned
-    /// least, if it is of one region with it. Of several faces of a region each goes on with the
+    /// History that a contact with the normal `n` continues: that of the contact whose normal
+    /// turned least, if both are of one region. Each of several faces of a region continues the
     /// history of all.
     pub fn heir(&self, n: Vec3) -> Option<ContactHistory> {
         let along = |held: &&Remembered| held.memory.normal.dot(&n);

@@ -17,7 +17,7 @@ pub(crate) struct Law {
     pub mu: f64,
     /// Coefficient of rolling friction.
     pub mu_rolling: f64,
-    /// Whether the dashpot may pull.
+    /// True if the dashpot may pull before two bodies separate.
     pub tension: bool,
     /// The dashpots.
     pub dashpots: Dashpots,
@@ -56,7 +56,7 @@ impl Law {
         })
     }
 
-    /// The same without friction of any kind.
+    /// The law without friction of any kind.
     pub fn without_friction(&self) -> Self {
         Self { mu: 0.0, mu_rolling: 0.0, ..*self }
     }
@@ -91,13 +91,14 @@ impl Law {
         ask!(&self.spring, law => law.normal_root(overlap, pair))
     }
 
-    /// Whether there is a contact at an overlap, where bodies were `touching` before or not.
+    /// True if two bodies are in contact at an overlap [m]; `touching` tells if they were before. A
+    /// contact that exists ends only beyond the neck.
     #[inline(always)]
     pub fn holds(&self, overlap: f64, pair: Reduced, touching: bool) -> bool {
         overlap > 0.0 || (touching && overlap > -ask!(&self.spring, law => law.neck(pair)))
     }
 
-    /// Energy that a contact's springs hold [J], by what it remembers.
+    /// Energy that a contact's springs hold [J], by its history.
     pub fn remembered_energy(&self, memory: &ContactHistory, pair: Reduced) -> f64 {
         let k_t = self.at(memory.overlap, memory.overlap, pair).k_t;
         let across = memory.xi.norm_squared() + memory.rolling.norm_squared();

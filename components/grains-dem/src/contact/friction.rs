@@ -46,7 +46,7 @@ impl<L: SimdLane> FrameMotion<L> {
         xi - n * xi.dot(n)
     }
 
-    /// What to remember of a displacement.
+    /// Displacement advanced by half of the next step, to be stored in the history.
     #[inline(always)]
     pub fn ahead(&self, xi: Lane3<L>, v: Lane3<L>) -> Lane3<L> {
         xi + v * self.touching.all(0.5 * self.steps.after)
@@ -88,7 +88,7 @@ impl<L: SimdLane> TangentialSpring<L> {
         (force, motion.ahead(Lane3::at_most(square, capacity, xi, pulled), v))
     }
 
-    /// The same where spring and dashpot give way alike, so that a soft contact that begins does
+    /// Resistance where spring and dashpot give way alike, so that a soft contact that begins does
     /// not find its spring stretched against the dashpot: the force, and the displacement at this
     /// evaluation.
     #[inline(always)]
@@ -111,7 +111,7 @@ impl<L: SimdLane> TangentialSpring<L> {
     }
 }
 
-/// How long ago two bodies met that overlap by `overlap` and approach at `v_n`; at most `dt`.
+/// Time since two bodies met that overlap by `overlap` and approach at `v_n` [s]; at most `dt`.
 #[inline(always)]
 pub(crate) fn time_since_touch<L: SimdLane>(overlap: L, v_n: L, dt: f64) -> L {
     overlap.less(v_n * v_n.all(dt), overlap.over(v_n), v_n.all(dt))

@@ -12,10 +12,10 @@ use tremie_team::Variant;
 #[cfg(target_arch = "x86_64")]
 use crate::math::simd::lanes::Both;
 
-/// What the formula takes of contacts side by side.
+/// Input of the formula for contacts side by side.
 #[derive(Clone, Copy)]
 pub(crate) struct Batch<L> {
-    /// From centre to centre [m].
+    /// Vector from centre to centre [m].
     pub d: Lane3<L>,
     /// Radii [m].
     pub radius_i: L,
@@ -32,7 +32,7 @@ pub(crate) struct Batch<L> {
     pub root_mass: L,
 }
 
-/// What it gives.
+/// Output of the formula: forces and torques of these contacts.
 #[derive(Clone, Copy)]
 pub(crate) struct Outcome<L> {
     pub normal: Lane3<L>,
@@ -152,7 +152,7 @@ impl<L> Batch<L> {
 
 #[cfg(target_arch = "x86_64")]
 impl<L> Outcome<Both<L>> {
-    /// Those of either half.
+    /// Outcomes of either half.
     #[inline(always)]
     pub fn halves(self) -> [Outcome<L>; 2] {
         let [normal, later_normal] = self.normal.halves();

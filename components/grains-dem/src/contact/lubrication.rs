@@ -7,11 +7,11 @@
 //! ```
 //!
 //! while they approach at `v_n`, and hold each other back while they separate: the leading term of
-//! lubrication theory (Jeffrey & Onishi, *J. Fluid Mech.* 139, 1984), cut off where the fluid solver
-//! resolves the gap itself (Nguyen & Ladd, *Phys. Rev. E* 66, 2002), and bounded where asperities
-//! meet. Bodies in contact feel the contact alone (Biegert, Vowinckel & Meiburg, *J. Comput. Phys.* 340,
-//! 2017): a collision of the soft bodies of a simulation lasts much longer than a real one, and a film
-//! between them would take the energy of the rebound.
+//! lubrication theory (Jeffrey & Onishi, *J. Fluid Mech.* 139, 1984), cut off where the fluid
+//! solver resolves the gap itself (Nguyen & Ladd, *Phys. Rev. E* 66, 2002), and bounded where
+//! asperities meet. On bodies in contact the contact alone acts (Biegert, Vowinckel & Meiburg, *J.
+//! Comput. Phys.* 340, 2017): a collision of the soft bodies of a simulation lasts much longer than
+//! a real one, and a film between them would take the energy of the rebound.
 //!
 //! Each way through the gap costs `ln(h_c/h_r)` of the Stokes number `m* v/(6 pi eta R*^2)`.
 
@@ -30,7 +30,7 @@ pub(crate) struct Squeeze {
 }
 
 impl Squeeze {
-    /// That of a scene with a fluid, where the parameters ask for it.
+    /// Lubrication of a scene with a fluid, where the parameters ask for it.
     pub fn of(scene: &Scene, parameters: &Parameters) -> Option<Self> {
         let (lubrication, fluid) = (parameters.lubrication?, scene.fluid.as_ref()?);
         Some(Self {

@@ -17,16 +17,16 @@ pub(crate) struct Laws {
     of_pair: Vec<u16>,
 }
 
-/// What a body may meet besides bodies: a wall or a part.
+/// Wall or part that a body may touch.
 pub(crate) struct Surface<'a> {
-    /// What a user calls it.
+    /// Name for the user.
     pub name: String,
     /// Its material.
     pub material: &'a str,
-    /// Whether it is a mirror, without friction.
+    /// True for a symmetry plane, which has no friction.
     pub mirror: bool,
-    /// What a push finds [kg]: infinite but for sliders, whose mirrored half takes its part of the
-    /// mass.
+    /// Effective mass against a push [kg]: infinite, except for sliders, whose mirrored half takes
+    /// its part of the mass.
     pub mass: f64,
 }
 
@@ -98,7 +98,7 @@ impl Laws {
         (self.laws.len() - 1) as u16
     }
 
-    /// Whether any law resists rolling.
+    /// True if any law has rolling friction.
     pub fn resist_rolling(&self) -> bool {
         self.laws.iter().any(|law| law.mu_rolling > 0.0)
     }

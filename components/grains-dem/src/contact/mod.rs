@@ -1,5 +1,5 @@
-//! The law of one contact: spring, dashpot, friction, rolling, lubrication, and what a contact
-//! remembers.
+//! The law of one contact: spring, dashpot, friction, rolling, lubrication, and the history of a
+//! contact.
 
 pub mod contact_force;
 pub mod contact_history;

@@ -15,7 +15,7 @@ pub(crate) struct Wall {
     pub offset: f64,
     /// Velocity along itself [m/s].
     pub velocity: Vec3,
-    /// Whether it stands for what is mirrored beyond it.
+    /// True for a symmetry plane, which stands for its mirrored side.
     pub mirror: bool,
 }
 
@@ -25,7 +25,7 @@ impl Wall {
         Self { normal, offset: point.dot(&normal), velocity: Vec3::zeros(), mirror: false }
     }
 
-    /// How far `ball` reaches into the wall [m]; negative while it does not touch.
+    /// Overlap of `ball` with the wall [m]; negative while they do not touch.
     #[inline(always)]
     pub fn overlap(&self, ball: &BoundingSphere) -> f64 {
         ball.radius - (ball.x.dot(&self.normal) - self.offset)
@@ -35,7 +35,7 @@ impl Wall {
 /// Number of each wall's law with each material: `of[wall][material]`.
 pub(crate) type WallLaws = Vec<Vec<u16>>;
 
-/// Whether a face of the domain holds grains: all do but periodic ones and those through which spheres leave.
+/// True if a face of the domain is a wall or symmetry plane: neither periodic nor an outlet.
 fn holds(scene: &Scene, axis: usize, side: usize) -> bool {
     scene.domain.faces[axis][side] != Face::Periodic && !scene.is_way_out(axis, side)
 }
@@ -79,7 +79,7 @@ impl Sliding {
         }
     }
 
-    /// Whether its velocity changes with time.
+    /// True if the velocity of the wall changes with time.
     pub fn changes(&self) -> bool {
         self.course != Course::CONSTANT
     }
@@ -103,13 +103,13 @@ pub(crate) fn sliding(scene: &Scene) -> Vec<Sliding> {
     all
 }
 
-/// The same walls, mirrors not among them.
+/// Walls of a scene without its symmetry planes.
 pub(crate) fn without_mirrors(scene: &Scene) -> Vec<Wall> {
     of_scene(scene).into_iter().filter(|wall| !wall.mirror).collect()
 }
 
-/// Whether a body that touches two of the walls may touch one region: whether any two lean on each other less
-/// than as in a corner.
+/// True if a body may touch two of the walls as one region: the angle between their normals is less
+/// than in a corner.
 pub(crate) fn any_lean(walls: &[Wall]) -> bool {
     let walls = || walls.iter().filter(|wall| !wall.mirror).enumerate();
     walls().any(|(i, a)| walls().take(i).any(|(_, b)| in_common(a.normal, b.normal) > 0.0))

@@ -1,4 +1,4 @@
-//! How much counts of contacts of one sphere that lie close to each other.
+//! Shares of contacts of one sphere that lie close to each other.
 //!
 //! A wall is one wall, however it is cut: where a sphere reaches into several faces of it at once, as in a bore
 //! or a shallow valley, it finds one region that resists, not a spring for each face. Contacts that are near to each other
@@ -31,10 +31,10 @@ const FAR: f64 = 1.482_361_909_794_958_5;
 /// Contacts whose directions share more than this are of one region.
 const ONE_REGION: f64 = 0.5;
 
-/// What is smaller, over the largest, is rounding.
+/// Threshold of rounding, relative to the largest value.
 const ROUNDING: f64 = 1e-13;
 
-/// What two contacts with these unit normals have in common.
+/// Overlap `s` of two contacts with these unit normals, from 0 to 1.
 #[inline(always)]
 pub(crate) fn in_common(a: Vec3, b: Vec3) -> f64 {
     let square = (a - b).norm_squared();
@@ -46,7 +46,7 @@ pub(crate) fn in_common(a: Vec3, b: Vec3) -> f64 {
     rest * rest * (1.0 + r * (4.0 + r * (3.0 + r * 0.75)))
 }
 
-/// Whether a contact is of the same region as one with another normal.
+/// True if two contacts with these normals are of one region.
 pub(crate) fn of_one_region(a: Vec3, b: Vec3) -> bool {
     in_common(a, b) > ONE_REGION
 }
@@ -73,6 +73,8 @@ pub(crate) fn shares(contacts: &[WallPoint], root: impl Fn(&WallPoint) -> f64) -
     }
     let roots = &roots[..contacts.len()];
     let first = &contacts[largest].normal;
+    // Where the deepest spring outweighs each other one in that one's direction, U is largest with
+    // it alone, and no system need be solved.
     let covered =
         |(near, &root): (&WallPoint, &f64)| root <= roots[largest] * in_common(*first, near.normal);
     if contacts.iter().zip(roots).all(covered) {
@@ -90,7 +92,7 @@ pub(crate) fn shares(contacts: &[WallPoint], root: impl Fn(&WallPoint) -> f64) -
 struct ContactRegion<'a> {
     roots: &'a [f64],
     common: [[f64; MOST]; MOST],
-    /// Those that act.
+    /// Contacts that act.
     acting: [usize; MOST],
     count: usize,
     forces: [f64; MOST],
@@ -140,7 +142,7 @@ impl<'a> ContactRegion<'a> {
         most.0
     }
 
-    /// Forces of those that act, once one was added; some may cease to.
+    /// Forces of the acting contacts, once one was added; some may cease to.
     fn settle(&mut self, added: usize) {
         for _ in 0..MOST {
             let Some(wanted) = self.solve() else {
@@ -181,7 +183,7 @@ impl<'a> ContactRegion<'a> {
         self.count = kept;
     }
 
-    /// The same of two, which are treated alike to the last bit.
+    /// Forces of two, which are treated alike to the last bit.
     fn solve_two(&self, a: usize, b: usize) -> Option<[f64; MOST]> {
         let common = self.common[a][b];
         let rest = 1.0 - common * common;
@@ -194,7 +196,8 @@ impl<'a> ContactRegion<'a> {
         Some(forces)
     }
 
-    /// Forces of those that act, if all of them acted (Cholesky); none where two are in one direction.
+    /// Forces of the acting contacts, if all of them acted (Cholesky); none where two are in one
+    /// direction.
     fn solve(&self) -> Option<[f64; MOST]> {
         let n = self.count;
         if let [a, b] = self.acting[..n] {
@@ -202,6 +205,7 @@ impl<'a> ContactRegion<'a> {
         }
         let mut lower = [[0.0; MOST]; MOST];
         let mut x = [0.0; MOST];
+        // Factor and forward substitution in one pass, row by row.
         for i in 0..n {
             let row = self.acting[i];
             let mut value = self.roots[row];
@@ -221,6 +225,7 @@ impl<'a> ContactRegion<'a> {
             }
             x[i] = value / lower[i][i];
         }
+        // Back substitution.
         for i in (0..n).rev() {
             for j in i + 1..n {
                 x[i] -= lower[j][i] * x[j];

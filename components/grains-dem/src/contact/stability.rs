@@ -1,4 +1,5 @@
-//! How fast bodies in contact can oscillate and decay, and which time step follows them.
+//! Frequency and decay of the oscillations of bodies in contact, and the time step that resolves
+//! them.
 
 use crate::contact::contact_law::Law;
 use crate::contact::springs::Reduced;

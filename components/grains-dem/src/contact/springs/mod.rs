@@ -71,9 +71,10 @@ pub(crate) enum Bound {
     NotNegative,
 }
 
-/// Normal and tangential springs of a contact: what a contact law has to say.
+/// Normal and tangential springs of a contact law.
 ///
-/// What comes before [`as_linear`](Self::as_linear) is asked in every step, the rest before a run.
+/// The methods before [`as_linear`](Self::as_linear) are called in every step, the others before a
+/// run.
 pub(crate) trait ContactSpring {
     /// Springs and dashpots at an overlap, after `before` at the last evaluation [m].
     fn at(&self, overlap: f64, before: f64, pair: Reduced, dashpots: &Dashpots) -> Stiffness;
@@ -84,7 +85,8 @@ pub(crate) trait ContactSpring {
     /// Slope of the elastic normal force over the overlap [N/m].
     fn normal_slope(&self, overlap: f64, pair: Reduced) -> f64;
 
-    /// How far bodies that touched may be apart before their contact ends [m]; it grows with `R*`.
+    /// Length of the neck: largest gap of bodies that touched before their contact ends [m]. It
+    /// grows with `R*`.
     #[inline(always)]
     fn neck(&self, _: Reduced) -> f64 {
         0.0
@@ -110,7 +112,7 @@ pub(crate) trait ContactSpring {
     /// Normal dashpot of damping ratio 1 at an overlap of 1 m [kg/s].
     fn critical_dashpot(&self, pair: Reduced) -> f64;
 
-    /// Whether dashpots may be given by fixed coefficients.
+    /// True if dashpots may be given by fixed coefficients.
     fn takes_coefficients(&self) -> bool {
         self.as_linear().is_some()
     }
@@ -136,8 +138,8 @@ pub(crate) trait ContactSpring {
     /// The stiffness, in words, with its value and unit.
     fn stiffness_in_words(&self) -> String;
 
-    /// What makes overlaps small when the law's stiffness has to be larger by a factor: a sentence
-    /// up to "makes it".
+    /// Advice that makes overlaps small, where the law's stiffness has to be larger by a factor:
+    /// the beginning of a sentence, up to "makes it".
     fn remedy(&self, factor: f64) -> String;
 }
 
@@ -162,7 +164,7 @@ macro_rules! ask {
 pub(crate) use ask;
 
 impl RegisteredSpring {
-    /// That of a scene.
+    /// Spring of a scene.
     pub fn of(spring: &Spring) -> Self {
         match *spring {
             Spring::Linear { normal_stiffness, tangential_stiffness } => {
