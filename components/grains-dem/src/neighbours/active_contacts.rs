@@ -1,4 +1,4 @@
-//! Which contacts of each body act: few begin or end in a step, so that it is noted rather than looked up.
+//! Contacts of each body that act. Few begin or end in a step, so they are noted and not searched.
 
 use crate::bodies::body_arrays::BLOCK;
 use crate::neighbours::neighbour_list::ACTING;
@@ -11,9 +11,9 @@ pub(crate) struct Acting {
     /// From where a body's places begin in [`Pairs::places`](crate::neighbours::neighbour_list::NeighbourList::places): those that act, and
     /// after them what means nothing.
     places: Vec<u32>,
-    /// How many act.
+    /// Number of contacts of each body that act.
     counts: Vec<u32>,
-    /// Where the places of each block of bodies begin, and where the last ones end.
+    /// Bounds of the places of each block of bodies, with the end of the last block.
     bounds: Vec<u32>,
     /// Bodies that a contact of began or ended since. Both sides of a contact are noted, by whichever
     /// thread sees it; all write the same.
@@ -34,7 +34,7 @@ impl Changed {
 }
 
 impl Acting {
-    /// Those of all bodies, from their places and the entries' states.
+    /// Makes the lists of all bodies, from their places and the entries' states.
     pub fn make(&mut self, team: &mut Team, (collected, places): (&[u32], &[u32]), state: &[u8]) {
         let bodies = collected.len() - 1;
         self.places.resize(places.len(), 0);
@@ -47,12 +47,12 @@ impl Acting {
         self.follow(team, (collected, places), state);
     }
 
-    /// Who is to be told of contacts that begin or end.
+    /// Flags of the bodies with contacts that begin or end.
     pub fn changed(&self) -> &Changed {
         &self.changed
     }
 
-    /// Takes in what has changed since.
+    /// Updates the lists of bodies with contacts that began or ended.
     pub fn follow(&mut self, team: &mut Team, (collected, places): (&[u32], &[u32]), state: &[u8]) {
         let pieces = (
             Cut::every(&mut self.counts, BLOCK),
@@ -79,7 +79,7 @@ impl Acting {
         });
     }
 
-    /// Those of body i, whose places begin at `begin`.
+    /// Acting contacts of body i, whose places begin at `begin`.
     #[inline(always)]
     pub fn of(&self, i: usize, begin: u32) -> &[u32] {
         let begin = begin as usize;

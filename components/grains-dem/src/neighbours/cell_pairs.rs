@@ -1,4 +1,4 @@
-//! Which bodies are near each other.
+//! Pairs of bodies near each other.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Mobility};
@@ -189,7 +189,8 @@ mod tests {
         }
     }
 
-    /// How many bodies are looked at for each body of a mix in a box of edge 1, at random places in a part of it.
+    /// Number of candidates for each body of a mix in a box of edge 1, at random places in a part
+    /// of it.
     fn looked_at(radii: impl Iterator<Item = f64>, part: f64) -> f64 {
         let face = || if part < 1.0 { Face::WALL } else { Face::Periodic };
         let faces = [(); 3].map(|()| [face(), face()]);

@@ -1,6 +1,6 @@
-//! How far bodies have gone since neighbours were listed.
+//! Displacement of bodies since neighbours were listed.
 
-/// How far the bodies of each block have gone at most since neighbours were listed.
+/// Upper bound of the displacement of the bodies of each block since neighbours were listed [m].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MaxDisplacement {
     blocks: Vec<f64>,
@@ -8,7 +8,7 @@ pub(crate) struct MaxDisplacement {
 }
 
 impl MaxDisplacement {
-    /// Of `blocks` blocks, none of which has moved.
+    /// Zero displacement of `blocks` blocks.
     pub fn none(blocks: usize) -> Self {
         Self { blocks: vec![0.0; blocks], all: 0.0 }
     }
@@ -20,7 +20,8 @@ impl MaxDisplacement {
         self.all = 0.0;
     }
 
-    /// Takes in how far the bodies of each block are away at most from where they were.
+    /// Updates the maximum with the largest distance of each block's bodies from their reference
+    /// positions.
     pub fn extend(&mut self, farthest: impl Iterator<Item = f64>) {
         for (block, far) in self.blocks.iter_mut().zip(farthest) {
             *block = block.max(far);

@@ -15,7 +15,7 @@ use crate::neighbours::size_classes::Skins;
 pub(crate) struct LinkedCells {
     bounds: PeriodicBox,
     skins: Skins,
-    /// Whether cells fill the box of the bodies where the whole domain would take too many.
+    /// True if cells fill the box of the bodies where the whole domain would take too many.
     tight: bool,
     /// Class of each body; empty where there is but one.
     class: Vec<u8>,
@@ -123,7 +123,8 @@ impl LinkedCells {
         }
     }
 
-    /// The same for the bodies of a class above body i's, all within `reach` [m] of its centre at `x`.
+    /// Calls `visit(j, image)` for the bodies of a class above body i's, all within `reach` [m] of
+    /// its centre at `x`.
     #[inline(always)]
     pub fn above(&self, class: usize, x: Vec3, reach: f64, mut visit: impl FnMut(u32, u32)) {
         self.levels[class].around(self.bounds.periodic, x, reach, &mut visit);

@@ -1,4 +1,4 @@
-//! Pairs of bodies that may touch, with what each contact remembers and what force it last gave.
+//! Pairs of bodies that may touch, with the history and the last force of each contact.
 //!
 //! Each pair stands once, in the block of one of its bodies; which of the two does not matter,
 //! because the formulae of a contact give exactly opposite numbers to the other side. A body
@@ -59,7 +59,7 @@ impl ListedPair {
     }
 }
 
-/// What a contact gave at the last evaluation: 64 bytes, read as a whole.
+/// Result of a contact at the last evaluation: 64 bytes, read as a whole.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct ContactState {
@@ -69,7 +69,7 @@ pub(crate) struct ContactState {
     pub tangential: Vec3,
     /// Normal force, positive when pushing [N].
     pub force: f64,
-    /// Overlap [m]; negative where bodies feel each other at a distance.
+    /// Overlap [m]; negative where forces act at a distance.
     pub overlap: f64,
 }
 
@@ -81,19 +81,19 @@ impl ContactState {
         overlap: 0.0,
     };
 
-    /// Of bodies that do not touch: a normal force alone.
+    /// State of bodies that do not touch: a normal force alone.
     #[inline(always)]
     pub fn at_a_distance(contact: &Contact, force: f64) -> Self {
         Self { normal: contact.normal, force, overlap: contact.overlap, ..Self::NONE }
     }
 
-    /// The same from the side of the other body, where `sign` is -1.
+    /// The state from the side of the other body, where `sign` is -1.
     #[inline(always)]
     pub fn seen(&self, sign: f64) -> Self {
         Self { normal: self.normal * sign, tangential: self.tangential * sign, ..*self }
     }
 
-    /// What it does to a body of `radius`, whose entry it is or not (then `sign` is -1).
+    /// Wrench on a body of `radius`; `sign` is 1 for the body of the entry and -1 for the other.
     #[inline(always)]
     pub fn on(&self, sign: f64, radius: f64) -> Wrench {
         Wrench {
@@ -131,14 +131,14 @@ pub(crate) struct NeighbourList {
     pub rolling_bounds: Vec<u32>,
     /// The possible contacts.
     pub entries: Vec<ListedPair>,
-    /// How far each pair was from feeling each other when the list was made [m]: ascending in a
+    /// Gap of each pair, less the reach of forces, when the list was made [m]: ascending in a
     /// block.
     pub gaps: Vec<f32>,
-    /// How many entries of each block may have met since.
+    /// Number of entries of each block that may have met since.
     pub near: Vec<u32>,
     /// Mass and radius of each pair.
     pub reduced: Vec<Reduced>,
-    /// Which act, and which touch.
+    /// State bits of each entry: acts, touches.
     pub state: Vec<u8>,
     /// Tangential displacement; see [`ContactHistory::xi`].
     pub xi: Vec<Vec3>,
@@ -151,7 +151,7 @@ pub(crate) struct NeighbourList {
     /// Contacts of each body by the other's id: twice the entry, and one more where the body is the
     /// other of that entry.
     pub places: Vec<u32>,
-    /// Those of them that act.
+    /// Contacts that act.
     pub acting: Acting,
     /// Across which periodic faces each body went since the list was made, as far as entries know;
     /// see [`Bodies::crossed`](crate::bodies::body_arrays::Bodies::crossed).
@@ -159,13 +159,13 @@ pub(crate) struct NeighbourList {
 }
 
 impl NeighbourList {
-    /// Where body i finds its contacts; see [`NeighbourList::places`].
+    /// Places of the contacts of body i; see [`NeighbourList::places`].
     #[inline(always)]
     pub fn places_of(&self, i: usize) -> &[u32] {
         &self.places[self.collected[i] as usize..self.collected[i + 1] as usize]
     }
 
-    /// Those of body i's contacts that act.
+    /// Contacts of body i that act.
     #[inline(always)]
     pub fn acting_on(&self, i: usize) -> &[u32] {
         self.acting.of(i, self.collected[i])
@@ -197,7 +197,7 @@ impl NeighbourList {
         self.entries[k].body(block * BLOCK)
     }
 
-    /// What entry k remembers.
+    /// History of the contact of entry k.
     #[inline(always)]
     pub fn memory(&self, k: usize) -> ContactHistory {
         ContactHistory {

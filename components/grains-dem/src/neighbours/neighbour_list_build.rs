@@ -11,29 +11,30 @@ use crate::neighbours::linked_cells::LinkedCells;
 use crate::neighbours::neighbour_list::{ContactState, ListedPair, NeighbourList, Rolling};
 use tremie_team::{Cut, Team};
 
-/// Pairs of bodies of which one is a polyhedron, as a block finds them: places in memory, and the
-/// image through which the first sees the second.
+/// Pairs with at least one polyhedron, as a block finds them: places in memory, and the image
+/// through which the first sees the second.
 pub(crate) type SolidPair = (u32, u32, u32);
 
-/// What it takes to make a list: buffers that are kept.
+/// Builder of a neighbour list, with buffers that are kept from list to list.
 #[derive(Debug, Default)]
 pub(crate) struct NeighbourListBuilder {
     before: NeighbourList,
     blocks: Vec<Found>,
     keys: Vec<u64>,
-    /// Where the next place of each body goes.
+    /// Index at which the next place of each body is written.
     cursors: Vec<u32>,
     place_bounds: Vec<u32>,
 }
 
-/// What one block of bodies found.
+/// Pairs found by one block of bodies.
 #[derive(Debug, Default)]
 struct Found {
-    /// Pairs that touch, and then those that do not by their gap.
+    /// Pairs that touch, and then separate pairs by their gap.
     entries: Vec<ListedPair>,
-    /// How many touch.
+    /// Number of pairs that touch.
     touching: usize,
-    /// Those that do not, with their gaps; its bits sort as the number does, which is not negative.
+    /// Pairs that do not touch, with the bits of their gaps. A gap is not negative, so its bits
+    /// sort as the number does.
     apart: Vec<(u32, ListedPair)>,
     /// Entries whose other body belongs to another block.
     outside: Vec<(u32, u32)>,
@@ -41,7 +42,7 @@ struct Found {
     solids: Vec<SolidPair>,
 }
 
-/// What the list is made from.
+/// Input of the search, besides the bodies.
 pub(crate) struct PairSearch<'a> {
     /// The bodies sorted by cell.
     pub cells: &'a LinkedCells,
@@ -49,7 +50,7 @@ pub(crate) struct PairSearch<'a> {
     pub shifts: &'a [Vec3; 27],
     /// Laws of materials.
     pub laws: &'a Laws,
-    /// Where in memory each body stood when the list before was made, or
+    /// Place of each body in memory when the list before was made, or
     /// [`NEW`](crate::bodies::body_arrays::NEW).
     pub previous: &'a [u32],
 }
@@ -75,7 +76,7 @@ impl NeighbourListBuilder {
         self.collect(pairs, team, bodies);
     }
 
-    /// Pairs of which one is a polyhedron, as the list was last made.
+    /// Pairs with at least one polyhedron, of the last list.
     pub fn solids(&self) -> impl Iterator<Item = SolidPair> + '_ {
         self.blocks.iter().flat_map(|block| block.solids.iter().copied())
     }
@@ -178,6 +179,7 @@ impl NeighbourListBuilder {
             let own = bounds[b] as usize..bounds[b + 1] as usize;
             block[0].count(b * BLOCK, &entries[own.clone()], own.start, count);
         });
+        // By one thread: these bodies belong to other blocks.
         for block in &self.blocks {
             block.outside.iter().for_each(|&(j, _)| self.cursors[j as usize] += 1);
         }
@@ -185,6 +187,7 @@ impl NeighbourListBuilder {
         let mut end = 0;
         for count in &mut self.cursors {
             pairs.collected.push(end);
+            // From here on the counts are cursors: the first free place of each body.
             end += std::mem::replace(count, end);
         }
         pairs.collected.push(end);
@@ -213,6 +216,7 @@ impl NeighbourListBuilder {
                 }
             }
         });
+        // Again by one thread. The order of writing does not matter, as keys are sorted next.
         for (b, block) in self.blocks.iter().enumerate() {
             for &(j, k) in &block.outside {
                 let cursor = &mut self.cursors[j as usize];
@@ -231,6 +235,7 @@ impl NeighbourListBuilder {
                 keys[own].sort_unstable();
             }
             for (place, key) in places.iter_mut().zip(keys) {
+                // The lower half of a key holds entry and side; the other's rank is needed no more.
                 *place = *key as u32;
             }
         });

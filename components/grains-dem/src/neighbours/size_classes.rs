@@ -8,14 +8,15 @@
 /// So many classes hold diameters over seven orders of magnitude; the last one takes whatever is smaller still.
 const MOST: usize = 24;
 
-/// The classes of a set of bodies, and how far beyond feeling each other their pairs are listed.
+/// The classes of a set of bodies, and the skins beyond the reach of forces within which pairs are
+/// listed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Skins {
     /// Largest diameter of each class [m], descending; there is at least one class.
     largest: Vec<f64>,
     /// Skin of each class [m].
     skins: Vec<f64>,
-    /// Gap up to which surfaces feel each other [m].
+    /// Reach of forces: largest gap of surfaces at which they act [m].
     pub reach: f64,
 }
 
@@ -61,13 +62,13 @@ impl Skins {
         self.largest[class]
     }
 
-    /// How far apart bodies of two classes may be to be listed [m].
+    /// Largest gap of two bodies of these classes that is listed [m].
     #[inline(always)]
     pub fn between(&self, a: usize, b: usize) -> f64 {
         self.reach + 0.5 * (self.skins[a] + self.skins[b])
     }
 
-    /// How far from a wall or a part a body may be to be listed [m].
+    /// Largest gap between a body and a wall or a part that is listed [m].
     #[inline(always)]
     pub fn gap(&self, radius: f64) -> f64 {
         self.reach + self.skins[self.class(radius)]
@@ -78,18 +79,18 @@ impl Skins {
         self.skins[self.class(radius)]
     }
 
-    /// How far a body of a class may go until lists are due [m]: half of its skin.
+    /// Largest displacement of a body of a class until lists are due [m]: half of its skin.
     pub fn slack(&self, class: usize) -> f64 {
         0.5 * self.skins[class]
     }
 
-    /// How far anything may go [m].
+    /// Largest displacement of any body, wall or part until lists are due [m].
     pub fn least_slack(&self) -> f64 {
         self.skins.iter().fold(f64::INFINITY, |least, skin| least.min(0.5 * skin))
     }
 }
 
-/// How far bodies may go until lists are due.
+/// Limit of the displacements of bodies until lists are due.
 #[derive(Clone, Copy)]
 pub(crate) struct Leash<'a> {
     skins: &'a Skins,
@@ -99,13 +100,14 @@ pub(crate) struct Leash<'a> {
 }
 
 impl<'a> Leash<'a> {
-    /// That of bodies of these classes.
+    /// Leash of bodies of these classes.
     pub fn new(skins: &'a Skins, classes: &'a [u8]) -> Self {
         Self { skins, classes, least: skins.least_slack() }
     }
 
-    /// Whether one of the bodies from `first` on has gone as far as its class may, of those that are the squares of these
-    /// distances away from where they were [m²]; `farthest` is the largest of them. What is no number counts as far.
+    /// True if lists are due. `squares` are squared displacements of the bodies from `first` on
+    /// [m²], and `farthest` is the largest of them. A body is due at half of the skin of its class;
+    /// NaN is due.
     #[inline(always)]
     pub fn is_due(
         &self,
