@@ -20,7 +20,7 @@ use crate::neighbours::neighbour_list::{
 use core::ops::Range;
 use tremie_team::{Cut, Team, Variant};
 
-/// What the forces between bodies are made from, besides the list.
+/// Input of the forces between bodies, besides the list.
 #[derive(Clone, Copy)]
 pub(crate) struct ContactContext<'a> {
     /// Laws by number.
@@ -29,7 +29,7 @@ pub(crate) struct ContactContext<'a> {
     pub shifts: &'a [Vec3; 27],
     /// The bodies.
     pub bodies: &'a Bodies,
-    /// Whether any body crossed a periodic face since neighbours were listed.
+    /// True if any body crossed a periodic face since neighbours were listed.
     pub crossed: bool,
     /// Lengths of steps.
     pub steps: Steps,
@@ -37,7 +37,7 @@ pub(crate) struct ContactContext<'a> {
     pub one_law: Option<LinearLaw>,
     /// Lubrication, if there is any.
     pub squeeze: Option<Squeeze>,
-    /// Gap up to which surfaces feel each other [m].
+    /// Reach of forces: largest gap of surfaces at which they act [m].
     pub reach: f64,
 }
 
@@ -49,14 +49,15 @@ impl ContactContext<'_> {
         squeeze.resistance(-contact.overlap, pair.radius) * contact.velocity.dot(&contact.normal)
     }
 
-    /// From centre to centre of a pair, seen through an image.
+    /// Vector from centre to centre of a pair, seen through an image.
     #[inline(always)]
     pub fn through(&self, i: usize, j: usize, image: usize) -> Vec3 {
         // The difference first: the other way round it is then exactly the opposite.
         (self.bodies.balls[j].x - self.bodies.balls[i].x) + self.shifts[image]
     }
 
-    /// The same where the image is that of the time when neighbours were listed.
+    /// Vector from centre to centre where the image is that of the time when neighbours were
+    /// listed.
     #[inline(always)]
     pub fn between(&self, i: usize, j: usize, image: u32) -> Vec3 {
         let crossed = &self.bodies.crossed;
@@ -65,8 +66,8 @@ impl ContactContext<'_> {
     }
 }
 
-/// Evaluates the contacts between bodies; what they give stands in the records of `pairs`. Adds
-/// what each block saw to `tallies`; `wandered` tells how far the bodies of each have gone since
+/// Evaluates the contacts between bodies; the results stand in the records of `pairs`. Adds what
+/// each block saw to `tallies`; `wandered` tells how far the bodies of each have gone since
 /// neighbours were listed.
 pub(crate) fn between_bodies(
     team: &mut Team,
@@ -122,15 +123,15 @@ pub(crate) struct Block<'a> {
     pub xi: &'a mut [Vec3],
     pub records: &'a mut [ContactState],
     rolling: &'a mut [Rolling],
-    /// Who is to be told of contacts that begin or end.
+    /// Flags of the bodies with contacts that begin or end.
     pub changed: &'a Changed,
     pub tally: &'a mut Tally,
 }
 
-/// So many entries are looked at before those that act are evaluated: few enough to stay close.
+/// Number of entries scanned before the acting ones are evaluated: few enough to stay in the cache.
 const TOGETHER: usize = 256;
 
-/// So many entries ahead bodies are fetched.
+/// Number of entries by which bodies are fetched ahead.
 const AHEAD: usize = 16;
 
 impl Block<'_> {
@@ -161,8 +162,8 @@ impl Block<'_> {
         }
     }
 
-    /// Writes to `hits` the entries whose bodies feel each other, and says how many they are; the
-    /// others forget that they touched.
+    /// Writes to `hits` the entries within reach of forces, and returns their number; the others
+    /// forget that they touched.
     #[inline(always)]
     fn find(&mut self, range: Range<usize>, hits: &mut [u32]) -> usize {
         let scenery = self.scenery;
@@ -209,10 +210,12 @@ impl Block<'_> {
         let contact = touch_of_balls(d, a.radius, b.radius, &predicted[i], &predicted[j]);
         let (record, pair) = (&mut self.records[k], self.reduced[k]);
         let squeezed = scenery.lubrication(&contact, pair);
+        // A listed pair within reach acts, in contact or not; contact adds its bit below.
         let touching = std::mem::replace(&mut self.state[k], ACTING) & TOUCHING != 0;
         let law = &scenery.laws[self.entries[k].law()];
         if !law.holds(contact.overlap, pair, touching) {
             *record = ContactState::at_a_distance(&contact, squeezed);
+            // Else the torque of the contact that ended would be summed on.
             if let Some(rolling) = self.rolling.get_mut(k) {
                 *rolling = Rolling::NONE;
             }

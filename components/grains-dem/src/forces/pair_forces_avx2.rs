@@ -37,14 +37,14 @@ const SPREAD: [u32; 1 << QUAD] = {
     spread
 };
 
-/// Entries whose bodies feel each other, one beside the other. The entries and their bodies exist:
-/// who writes them looks, also of what stands behind the last.
+/// Entries within reach of forces, one beside the other. The entries and their bodies exist: who
+/// writes them looks, also of what stands behind the last.
 struct HitsAvx2 {
     count: usize,
     k: [u32; ROOM],
     /// 1 where they touched before.
     touched: [u8; ROOM],
-    /// From centre to centre, and the radius of the body of the entry.
+    /// Vectors from centre to centre, and the radius of the body of the entry.
     rows: [[f64; QUAD]; ROOM],
 }
 
@@ -84,8 +84,8 @@ impl HitsAvx2 {
     }
 }
 
-/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each
-/// other; the others forget that they touched.
+/// Adds the entries within reach of forces, of as many from `k` on as a register holds; the others
+/// forget that they touched.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx2) {
@@ -142,8 +142,8 @@ fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx2) {
     hits.count = at;
 }
 
-/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to; 1
-/// for each that touched before.
+/// Keeps the states of `count` entries from `k` on, within reach of forces or not, and notes
+/// changes. Returns 1 for each that touched before.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn follow_state(
@@ -172,8 +172,8 @@ fn follow_state(
     (before >> 1 & BIT_OF_EACH).to_le_bytes()
 }
 
-/// Whether the bodies of entries of a block that begins at body `first` are among the `count`
-/// bodies.
+/// True if all bodies of these entries, of a block that begins at body `first`, are among the
+/// `count` bodies.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn exist(entries: &[ListedPair; QUAD], first: usize, count: usize) -> bool {
@@ -222,7 +222,7 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &HitsAvx2, at: usize, cou
     }
 }
 
-/// What the formula takes of the entries `of_k`, which are the hits from `at` on.
+/// Input of the formula for the entries `of_k`, the hits from `at` on.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn read(block: &Block<'_>, hits: &HitsAvx2, at: usize, of_k: &[u32; QUAD]) -> Batch<Quad> {
@@ -276,7 +276,7 @@ fn read(block: &Block<'_>, hits: &HitsAvx2, at: usize, of_k: &[u32; QUAD]) -> Ba
     }
 }
 
-/// Keeps what the formula gave for the first `count` of the entries `of_k`.
+/// Keeps the results of the formula for the first `count` of the entries `of_k`.
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn write(block: &mut Block<'_>, out: &Outcome<Quad>, of_k: &[u32; QUAD], count: usize) {

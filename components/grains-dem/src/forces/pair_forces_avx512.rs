@@ -17,14 +17,14 @@ use crate::math::tally::{DEEP, Other};
 use crate::neighbours::neighbour_list::{ACTING, ContactState, TOUCHING};
 use core::arch::x86_64::*;
 
-/// Entries whose bodies feel each other, one beside the other. The bodies exist: who writes them
-/// looks, also of what stands behind the last.
+/// Entries within reach of forces, one beside the other. The bodies exist: who writes them looks,
+/// also of what stands behind the last.
 struct HitsAvx512 {
     count: usize,
     k: [u32; ROOM],
     i: [u32; ROOM],
     j: [u32; ROOM],
-    /// From centre to centre, radii, 1 where they touched before, `sqrt(m*)`.
+    /// Vectors from centre to centre, radii, 1 where they touched before, `sqrt(m*)`.
     numbers: [[f64; ROOM]; 7],
 }
 
@@ -99,8 +99,8 @@ fn to_front<T: Copy + Default>(numbers: &mut [T; ROOM], at: usize) {
     numbers[..LANES].copy_from_slice(&some);
 }
 
-/// Adds those of the entries from `k` on, as many as a register holds, whose bodies feel each
-/// other; the others forget that they touched.
+/// Adds the entries within reach of forces, of as many from `k` on as a register holds; the others
+/// forget that they touched.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn find(block: &mut Block<'_>, k: usize, hits: &mut HitsAvx512) {
@@ -162,8 +162,8 @@ fn spheres(balls: &[BoundingSphere], of_i: &[u32; LANES], of_j: &[u32; LANES]) -
     transposed(rows)
 }
 
-/// Keeps which of `count` entries from `k` on feel each other, and notes who began or ceased to;
-/// which touched before.
+/// Keeps the states of `count` entries from `k` on, within reach of forces or not, and notes
+/// changes. Returns the entries that touched before.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn follow_state(
@@ -244,7 +244,7 @@ fn batch(block: &mut Block<'_>, law: &LinearLaw, hits: &HitsAvx512, at: usize, c
     write(block, &out, &input.xi, (hits, at, count));
 }
 
-/// What the formula takes of the hits from `at` on.
+/// Input of the formula for the hits from `at` on.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]
 fn read(block: &Block<'_>, hits: &HitsAvx512, at: usize) -> Batch<Wide> {
@@ -293,7 +293,7 @@ fn read(block: &Block<'_>, hits: &HitsAvx512, at: usize) -> Batch<Wide> {
     }
 }
 
-/// Keeps what the formula gave for the first `count` of the hits from `at` on, which had the
+/// Keeps the results of the formula for the first `count` of the hits from `at` on, which had the
 /// displacements `xi`.
 #[target_feature(enable = "avx512f,avx512vl,avx512bw")]
 #[inline]

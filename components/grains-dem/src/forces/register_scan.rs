@@ -7,16 +7,17 @@ use crate::forces::pair_forces::Block;
 use crate::math::simd::lanes::LANES;
 use crate::math::simd::prefetch::fetch_lines;
 
-/// So many entries are looked at before those that act are evaluated: few enough to stay close.
+/// Number of entries scanned before the acting ones are evaluated: few enough to stay in the cache.
 pub(crate) const TOGETHER: usize = 128;
 
-/// So many entries ahead bodies are fetched.
+/// Number of entries by which bodies are fetched ahead.
 pub(crate) const AHEAD: usize = 32;
 
-/// So many entries ahead what is read one after the other is fetched.
+/// Number of entries by which arrays that are read in order are fetched ahead.
 const STREAM: usize = 96;
 
-/// Room for the entries that act, those that wait for company, and a whole register at the end.
+/// Room for the acting entries, for entries that wait until a batch is full, and a whole register
+/// at the end.
 pub(crate) const ROOM: usize = TOGETHER + 2 * LANES;
 
 /// Looks through the entries of a block: `find` adds those of a register that act to `hits`,
