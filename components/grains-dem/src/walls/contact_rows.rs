@@ -10,7 +10,7 @@ pub(crate) struct LoadedBodies {
     pub bodies: Vec<u32>,
     /// Sum of the forces on each.
     pub wrench: Vec<Wrench>,
-    /// Which of `bodies` belong to each block of bodies.
+    /// Bounds of each block of bodies in `bodies`.
     pub bounds: Vec<u32>,
 }
 
@@ -49,7 +49,7 @@ pub(crate) struct ContactRows<E> {
     pub start: Vec<u32>,
     /// The entries.
     pub entries: Vec<E>,
-    /// Which entries belong to each block of bodies.
+    /// Bounds of each block of bodies in the entries.
     pub entry_bounds: Vec<u32>,
 }
 
@@ -78,7 +78,7 @@ impl<E: Copy> ContactRows<E> {
         self.entry_bounds.push(self.entries.len() as u32);
     }
 
-    /// Adds what a block of bodies found, and ends the block.
+    /// Adds the entries of a block of bodies, and ends the block.
     pub fn append(&mut self, found: &FoundRows<E>) {
         let first = self.entries.len() as u32;
         self.on.bodies.extend(&found.bodies);
@@ -87,7 +87,7 @@ impl<E: Copy> ContactRows<E> {
         self.end_block();
     }
 
-    /// Where the entries of a body are, by its place in this list.
+    /// Range of the entries of a body, by its place in this list.
     #[inline(always)]
     pub fn range(&self, p: usize) -> core::ops::Range<usize> {
         self.start[p] as usize..self.start[p + 1] as usize

@@ -20,10 +20,10 @@ pub(crate) struct Surfaces {
     pub held: Vec<SurfaceContacts>,
     /// The bodies near any.
     pub on: LoadedBodies,
-    /// What each of them reaches of rigid walls, and of surfaces.
+    /// Reach of each body into rigid walls, and into surfaces.
     rigid: Vec<Reached>,
     soft: Vec<Reached>,
-    /// Whether bodies moved, or others are near, since rigid walls were looked at.
+    /// True if bodies moved, or others came near, since rigid walls were searched.
     moved: bool,
 }
 
@@ -61,7 +61,7 @@ impl Surfaces {
         self.moved = true;
     }
 
-    /// What a body, by its place in memory, reaches of the shapes that were looked at last.
+    /// Reach of a body, by its place in memory, into the shapes of the last search.
     pub fn reached_by(&self, body: u32) -> Option<&Reached> {
         if self.on.bodies.is_empty() {
             return None;
@@ -74,8 +74,8 @@ impl Surfaces {
         self.held.iter_mut().for_each(SurfaceContacts::spoil);
     }
 
-    /// Bodies came and went: `previous` tells where in memory each stood, `ids` who they are.
-    /// Forces stay as they are until the next shape.
+    /// Follows bodies that came and went: `previous` holds the place in memory of each, `ids` their
+    /// ids. Forces stay as they are until the next shape.
     pub fn follow(&mut self, previous: &[u32], ids: &[u64]) {
         self.held.iter_mut().for_each(|held| held.forget(ids));
         let (old, wrench) =
@@ -113,7 +113,7 @@ impl Surfaces {
         Ok(())
     }
 
-    /// Finds what bodies reach of the shapes of all surfaces, and of rigid walls beside them.
+    /// Finds the reach of bodies into the shapes of all surfaces, and of rigid walls beside them.
     ///
     /// # Errors
     /// Shapes that do not fit the surfaces.
@@ -153,7 +153,8 @@ impl Surfaces {
         }
     }
 
-    /// What bodies reach of surfaces where they were looked at last, and of rigid walls.
+    /// Finds the reach of bodies into surfaces at the shapes of the last search, and into rigid
+    /// walls.
     fn reach(&mut self, walls: RigidWalls<'_>, scenery: &ContactContext<'_>) {
         self.soft.iter_mut().for_each(Reached::clear);
         for (number, held) in self.held.iter().enumerate() {
@@ -167,7 +168,7 @@ impl Surfaces {
         }
     }
 
-    /// Lists what is near a surface, where the lists at hand do not do.
+    /// Lists bodies and seats near a surface, if the present lists do not hold.
     fn prepare(
         &mut self,
         surface: usize,
@@ -200,7 +201,7 @@ impl Surfaces {
         self.give_room();
     }
 
-    /// Room for what each body reaches.
+    /// Room for the reach of each body.
     fn give_room(&mut self) {
         self.rigid.resize(self.on.bodies.len(), Reached::NONE);
         self.soft.resize(self.on.bodies.len(), Reached::NONE);

@@ -1,4 +1,4 @@
-//! Contacts with what bounds: planes, parts, and surfaces that deform.
+//! Contacts with boundaries: planes, parts, and surfaces that deform.
 
 pub mod contact_rows;
 pub mod deformable_surfaces;

@@ -1,4 +1,4 @@
-//! Bodies near parts, and near walls beside these, with what each contact remembers and the sum of
+//! Bodies near parts, and near walls beside these, with the history of each contact and the sum of
 //! the parts' forces.
 //!
 //! All that a body meets here is looked at together, so that walls that are cut into several parts,
@@ -26,7 +26,7 @@ use crate::walls::reached_walls::Reached;
 use crate::walls::wall_contacts::WallContacts;
 use tremie_team::{Cut, Team};
 
-/// What a body is near to, by number.
+/// Part or wall near a body, by number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum WallId {
     Part(u32),
@@ -40,7 +40,7 @@ pub(crate) struct ListedWall {
     pub law: u16,
     /// Reduced mass, that of a head-on collision along the axis of a slider; the body's radius.
     pub reduced: Reduced,
-    /// Where the body was, as the part sees it, when it looked at all triangles near it.
+    /// State of the body, in the frame of the part, at its last search of all triangles near it.
     pub looked: LookedFrom,
     /// Force on a wall at the last evaluation [N].
     pub on_wall: Vec3,
@@ -54,7 +54,7 @@ pub(crate) struct PartContacts {
     /// `near[e]..near[e + 1]` are the triangles of entry e, with the images that see them.
     near: Vec<u32>,
     triangles: Vec<(u32, u32)>,
-    /// How far each was when the body looked at all.
+    /// Distance of each triangle at the body's last full search [m].
     distances: Vec<f32>,
     triangle_bounds: Vec<u32>,
     /// Forces on the parts and torques about their reference points, at the last evaluation.
@@ -109,6 +109,7 @@ impl PartContacts {
         }
         self.distances.clear();
         self.distances.resize(self.triangles.len(), 0.0);
+        // A body may have been in the list of parts before, in that of walls, or in both.
         self.rows.on.set_forces(|&body| {
             let place = at.previous[body as usize];
             let (parts, walls) = (before.rows.on.force_on(place), walls.rows.on.force_on(place));
@@ -134,7 +135,7 @@ impl PartContacts {
         self.triangle_bounds.push(0);
     }
 
-    /// Whether a body is here, by its place in memory.
+    /// True if a body, by its place in memory, is in this list.
     pub fn has(&self, body: u32) -> bool {
         self.rows.on.place(body).is_some()
     }
@@ -144,13 +145,14 @@ impl PartContacts {
         self.rows.on.place(body).map(|p| &self.histories[p])
     }
 
-    /// What the contact of a body, by its place in memory, with a wall remembers, if it touched.
+    /// History of the contact of a body, by its place in memory, with a wall; `None` if they did
+    /// not touch.
     pub fn of_wall(&self, body: u32, wall: &Wall) -> Option<ContactHistory> {
         let memory = self.history(body)?.heir(-wall.normal)?;
         (memory.normal.dot(&-wall.normal) > SAME).then_some(memory)
     }
 
-    /// Finds what a body, by its place in memory, reaches of parts and walls.
+    /// Finds the reach of a body, by its place in memory, into parts and walls.
     pub fn reach(
         &mut self,
         body: u32,
@@ -173,7 +175,7 @@ impl PartContacts {
     }
 
     /// Evaluates the contacts, each body's together with what `surfaces` found that it reaches of
-    /// them; adds what each block saw to `tallies`, and sums the forces on the parts.
+    /// them; adds the contacts of each block to `tallies`, and sums the forces on the parts.
     pub fn evaluate(
         &mut self,
         team: &mut Team,

@@ -1,4 +1,4 @@
-//! Which bodies are near which triangles of parts, and near walls that they may touch together with
+//! Search for bodies near triangles of parts, and near walls that they may touch together with
 //! these.
 
 use crate::Vec3;
@@ -22,7 +22,7 @@ use crate::walls::wall_contacts::{WallContacts, WallEntry};
 /// Room for so many of what a block finds is there from the beginning.
 pub(crate) const SOME: usize = 128;
 
-/// What one block of bodies found.
+/// Entries found by one block of bodies.
 #[derive(Debug, Default)]
 pub(crate) struct FoundParts {
     pub rows: FoundRows<ListedWall>,
@@ -33,12 +33,12 @@ pub(crate) struct FoundParts {
     room: Vec<u32>,
 }
 
-/// What bodies may meet, as a list is made from it.
+/// Input of the search for parts and walls near bodies.
 pub(crate) struct PartSearch<'a> {
     pub parts: &'a [PlacedPart],
     pub walls: &'a [Wall],
     pub wall_laws: &'a WallLaws,
-    /// Whether bodies that are near several walls are listed also without a part.
+    /// True if bodies near several walls are listed without a part too.
     pub walls_lean: bool,
     /// Surfaces that deform: bodies near them and near walls are listed also without a part.
     pub surfaces: &'a Surfaces,
@@ -46,19 +46,19 @@ pub(crate) struct PartSearch<'a> {
     /// Numbers of the parts' materials.
     pub materials: &'a [u16],
     pub bounds: &'a PeriodicBox,
-    /// How far beyond touching contacts are listed.
+    /// Skins of the classes of sizes: contacts are listed within these gaps.
     pub skins: &'a Skins,
-    /// Where in memory each body stood when the list before was made.
+    /// Place of each body in memory when the list before was made.
     pub previous: &'a [u32],
 }
 
 impl PartSearch<'_> {
-    /// Whether any body may be listed.
+    /// True if any body may be listed.
     pub fn is_any(&self) -> bool {
         !self.parts.is_empty() || self.walls_lean || !self.surfaces.held.is_empty()
     }
 
-    /// Whether a body is near a surface that deforms, or may come near before the next list.
+    /// True if a body is near a surface that deforms, or may come near before the next list.
     fn is_near_surface(&self, body: usize, bodies: &Bodies) -> bool {
         let ball = &bodies.balls[body];
         // Surfaces have lists of their own, which may be newer.
@@ -68,7 +68,7 @@ impl PartSearch<'_> {
 }
 
 impl FoundParts {
-    /// Finds what is near the bodies of block `b`.
+    /// Finds parts and walls near the bodies of block `b`.
     pub fn find(
         &mut self,
         b: usize,
@@ -160,7 +160,7 @@ impl FoundParts {
     }
 }
 
-/// What the contacts of a body, by its place in memory, remember of their last evaluation.
+/// History of the contacts of a body, by its place in memory, at their last evaluation.
 fn history(
     (parts, walls): (&PartContacts, &WallContacts),
     body: u32,

@@ -23,19 +23,19 @@ pub(crate) struct SphereAtWalls<'a> {
     pub scenery: &'a ContactContext<'a>,
 }
 
-/// What it is near to.
+/// Parts, walls and triangles near the body.
 pub(crate) struct NearWalls<'a> {
     pub entries: &'a mut [ListedWall],
     /// `ends[e]..ends[e + 1]`, less `ends[0]`, are the triangles of entry e.
     pub ends: &'a [u32],
-    /// How far each was when the body looked at all.
+    /// Distance of each triangle at the body's last full search [m].
     pub distances: &'a mut [f32],
     /// The triangles, with the images that see them.
     pub triangles: &'a [(u32, u32)],
 }
 
 impl NearWalls<'_> {
-    /// Which triangles are those of an entry.
+    /// Range of an entry's triangles in `triangles`.
     fn own(&self, e: usize) -> core::ops::Range<usize> {
         let place = |e: usize| (self.ends[e] - self.ends[0]) as usize;
         place(e)..place(e + 1)
@@ -43,7 +43,7 @@ impl NearWalls<'_> {
 }
 
 impl SphereAtWalls<'_> {
-    /// Finds what the body reaches.
+    /// Finds the reach of the body.
     pub fn reach(&self, near: &mut NearWalls<'_>, reached: &mut Reached) {
         for contact in self.find(near).contacts() {
             let entry = &near.entries[contact.owner as usize];
@@ -60,8 +60,8 @@ impl SphereAtWalls<'_> {
         candidates.contacts(self.scenery.bodies.balls[self.body].radius)
     }
 
-    /// The contacts, and how much the spring of each counts; with those of `soft` surfaces, where
-    /// there are any.
+    /// The contacts, and the share of each spring; with those of `soft` surfaces, where there are
+    /// any.
     fn find_with(
         &self,
         near: &mut NearWalls<'_>,
@@ -138,7 +138,7 @@ impl SphereAtWalls<'_> {
         on_body
     }
 
-    /// From the body to the image of it that an entry's part sees.
+    /// Vector from the body to the image of it that an entry's part sees.
     fn shift(&self, near: &NearWalls<'_>, e: usize) -> Vec3 {
         let first = near.triangles[near.own(e)].first();
         first.map_or(Vec3::zeros(), |&(_, image)| self.scenery.shifts[self.image(image)])
@@ -195,7 +195,7 @@ impl SphereAtWalls<'_> {
         });
     }
 
-    /// How much the spring of each contact counts.
+    /// Shares of the springs of the contacts.
     fn springs(&self, found: &[WallPoint], entries: &[ListedWall]) -> [f64; MOST] {
         let radius = self.scenery.bodies.balls[self.body].radius;
         shares(found, |contact| {
@@ -205,8 +205,8 @@ impl SphereAtWalls<'_> {
         })
     }
 
-    /// How much of each contact counts, of which springs count so much. No film is known of
-    /// surfaces.
+    /// Shares of the contacts: those of the springs as given, and those of the fluid films.
+    /// Surfaces that deform have no film.
     fn shares(&self, found: &[WallPoint], springs: [f64; MOST]) -> [WallShare; MOST] {
         let radius = self.scenery.bodies.balls[self.body].radius;
         let mut all = springs.map(|spring| WallShare { spring, film: 0.0 });
@@ -281,15 +281,14 @@ impl SphereAtWalls<'_> {
     }
 }
 
-/// How much of a contact counts: of its springs, and of the fluid in its gap.
+/// Share of a contact that counts: of its spring, and of the fluid film in its gap.
 #[derive(Clone, Copy, Debug)]
 struct WallShare {
     spring: f64,
     film: f64,
 }
 
-/// What the body's contacts remember: with parts and walls, and with surfaces that it touches as
-/// well.
+/// Histories of the body's contacts: with parts and walls, and with surfaces that it touches.
 struct Memories<'a> {
     own: &'a WallContactHistory,
     of_surfaces: Option<&'a WallContactHistory>,
@@ -301,7 +300,7 @@ impl Memories<'_> {
     }
 }
 
-/// A contact with what is met there.
+/// A contact with its wall or part.
 struct Meeting<'a> {
     entry: &'a ListedWall,
     contact: &'a WallPoint,

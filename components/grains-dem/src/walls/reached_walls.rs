@@ -1,10 +1,10 @@
-//! What a sphere reaches of rigid walls, and of surfaces that deform, for the other of both.
+//! Reach of a sphere into rigid walls and into surfaces that deform, each for the use of the other.
 //!
-//! Contacts with rigid walls are evaluated with [`crate::part_contacts`], those with surfaces that
-//! deform with [`crate::surface_contacts`], at shapes that are only tried as well. A wall is one
-//! wall also where rubber stands flush with metal: so where a sphere reaches both, either side
-//! looks at the points of both together, finds which of these are contacts and how much each
-//! counts, and evaluates its own.
+//! Contacts with rigid walls are evaluated with [`crate::walls::part_contacts`], those with
+//! surfaces that deform with [`crate::walls::surface_contacts`], at shapes that are only tried as
+//! well. A wall is one wall also where rubber stands flush with metal: so where a sphere reaches
+//! both, either side looks at the points of both together, finds which of these are contacts and
+//! how much each counts, and evaluates its own.
 
 use crate::bodies::mesh_contact::{MOST, ReachedPoints, WallPoint, WallPoints};
 use crate::contact::contact_history::WallContactHistory;
@@ -37,7 +37,7 @@ pub(crate) fn of_surface(near: WallPoint, surface: usize) -> WallPoint {
     WallPoint { owner: SOFT + surface as u32, rank: SOFT, ..near }
 }
 
-/// Whether a point is one of any surface that deforms.
+/// True if a point belongs to a surface that deforms.
 pub(crate) fn is_soft(near: &WallPoint) -> bool {
     near.owner >= SOFT
 }
@@ -77,8 +77,7 @@ impl Reached {
     }
 }
 
-/// Contacts of a sphere with rigid walls and surfaces that deform, and how much the spring of each
-/// counts.
+/// Contacts of a sphere with rigid walls and surfaces that deform, and the share of each spring.
 pub(crate) fn together(
     rigid: &Reached,
     soft: &Reached,

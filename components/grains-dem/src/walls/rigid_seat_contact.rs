@@ -1,6 +1,7 @@
-//! What pushes the vertices of a surface that deforms: walls, and parts that stand still.
+//! Forces of seats on the vertices of a surface that deforms. Seats are walls, and parts that stand
+//! still.
 //!
-//! A vertex at the depth `d` feels the force `k d sum_f max(0, -a_f.n) n`: k is the stiffness for
+//! The force on a vertex at the depth `d` is `k d sum_f max(0, -a_f.n) n`: k is the stiffness for
 //! each area, `a_f` a third of the area of a facet at the vertex times its normal, n the normal of
 //! the seat. Over a patch that lies flat on a seat these areas add up to the patch's.
 
@@ -48,7 +49,7 @@ struct Patch {
     plane: u32,
     /// Places of its vertices among the depths; that of the zero where one is not near.
     vertices: [u32; 3],
-    /// Of each of its vertices [N/m].
+    /// Stiffness of each of its vertices [N/m].
     stiffness: f64,
 }
 
@@ -72,7 +73,7 @@ pub(crate) struct Seats<'a> {
 }
 
 impl Seat {
-    /// Of a surface that is right.
+    /// Seat contacts of a valid surface.
     pub fn new(surface: &DeformableSurface) -> Self {
         let mut count = vec![0u32; surface.vertices.len() + 1];
         for v in surface.triangles.iter().flatten() {
@@ -121,11 +122,13 @@ impl Seat {
                     continue;
                 }
                 let first = self.triangles.len() as u32;
+                // Inside the solid the closest triangle may be as far away as the depth.
                 let reach = gap + (-clearance).max(0.0);
                 part.triangles_near(part.to_part(x), reach, &mut self.room);
                 let placed = self.room.iter().map(|&triangle| part.placed_triangle(triangle));
                 let near = |triangle: &Triangle| distance(x, triangle.corners) < reach;
                 self.triangles.extend(placed.filter(near));
+                // One plane stands for triangles that all lie on it.
                 if let Some(plane) = plane_of(&self.triangles[first as usize..]) {
                     self.triangles.truncate(first as usize);
                     self.list_flat(vertex, plane);
@@ -154,6 +157,7 @@ impl Seat {
     fn list_patches(&mut self) {
         let none = self.flat.len() as u32;
         self.depths.clear();
+        // One entry more, which stays 0: the depth of corners that are not near the plane.
         self.depths.resize(self.flat.len() + 1, 0.0);
         self.patches.clear();
         for (number, plane) in (0..).zip(&self.planes) {
@@ -183,6 +187,7 @@ impl Seat {
                     }
                 }
             }
+            // A facet may have one patch with each plane.
             for patch in &self.patches[first..] {
                 self.patch_of[patch.facet as usize] = NONE;
             }
@@ -194,7 +199,7 @@ impl Seat {
         self.push_flat(vertices, out) + self.push_others(vertices, out)
     }
 
-    /// Those of planes: one for each facet and plane.
+    /// Forces of planes: one for each facet and plane.
     fn push_flat(&mut self, vertices: &[[f64; 3]], out: &mut Vec<FacetLoad>) -> f64 {
         let mut energy = 0.0;
         for (depth, &(vertex, plane)) in self.depths.iter_mut().zip(&self.flat) {
@@ -227,7 +232,7 @@ impl Seat {
         energy
     }
 
-    /// Those of what is not flat: one for each vertex of a facet.
+    /// Forces of seats that are not flat: one for each vertex of a facet.
     fn push_others(&self, vertices: &[[f64; 3]], out: &mut Vec<FacetLoad>) -> f64 {
         let mut energy = 0.0;
         for entry in &self.entries {
@@ -266,8 +271,8 @@ fn plane_of(triangles: &[Triangle]) -> Option<SeatPlane> {
 /// that differ by less are one.
 const FLAT: f64 = 1e-12;
 
-/// How deep a point lies behind a surface of which the closest triangles are given, and the normal
-/// there, out of the solid; none in front of it.
+/// Depth of a point behind the surface of the closest `triangles` [m], with the normal there, out
+/// of the solid; `None` in front of the surface.
 fn depth(x: Vec3, triangles: &[Triangle]) -> Option<(f64, Vec3)> {
     let (mut closest, mut square, mut outward) = (Vec3::zeros(), f64::INFINITY, Vec3::zeros());
     for triangle in triangles {

@@ -1,4 +1,4 @@
-//! Spheres on surfaces that deform, and the seats of these: trials and what contacts remember.
+//! Spheres on surfaces that deform, and the seats of these: trials and histories of contacts.
 
 mod facet_lists;
 
@@ -26,7 +26,7 @@ pub(crate) struct SphereAtSurface {
     /// Id of the body, and where it stands in memory.
     id: u64,
     pub body: u32,
-    /// Where its force is added up.
+    /// Place of its force in the sum.
     pub place: u32,
     law: u16,
     reduced: Reduced,
@@ -43,7 +43,7 @@ pub(crate) struct SurfaceContacts {
     pub carrier: usize,
     whole: f64,
     material: u16,
-    /// How far vertices may go before bodies and seats near them are listed anew [m].
+    /// Largest displacement of vertices until bodies and seats near them are listed anew [m].
     skin: f64,
     /// Vertices when they were, and whether that was in vain.
     listed: Vec<[f64; 3]>,
@@ -61,7 +61,7 @@ pub(crate) struct SurfaceContacts {
     looked: Vec<LookedFrom>,
     distances: Vec<f32>,
     spare: Vec<SphereAtSurface>,
-    /// Where each entry's body touches the shape that was taken last.
+    /// Contact points of each entry's body at the shape that was taken last.
     found: Vec<WallPoints>,
     /// A box around the surface when facets were listed.
     bounds: Box3,
@@ -73,7 +73,7 @@ pub(crate) struct SurfaceContacts {
     pub on_carrier: Vec3,
 }
 
-/// Takes over coordinates, none of which is no number, and finds the largest change of any.
+/// Takes over coordinates, all of them numbers, and finds the largest change of any.
 struct Take<'a> {
     now: &'a [f64],
     before: &'a mut [f64],
@@ -96,26 +96,26 @@ impl Work for Take<'_> {
     }
 }
 
-/// Where one sphere touches a surface, among other contacts that do not count here, and how much
-/// each counts.
+/// Contact points of one sphere with a surface and the share of each. Other contacts of the sphere
+/// lower these shares.
 struct ActingContacts<'a> {
     found: WallPoints,
     shares: [f64; MOST],
-    /// What contacts with rigid walls beside remember.
+    /// History of the contacts with rigid walls beside the surface.
     of_rigid: Option<&'a WallContactHistory>,
 }
 
-/// What bodies reach, by their places, of rigid walls and of all surfaces, of which this one has a
-/// number.
+/// Reach of bodies, by their places, into rigid walls and into all surfaces; `number` is the index
+/// of this surface.
 pub(crate) struct WallsBeside<'a> {
     pub number: usize,
     pub rigid: &'a [Reached],
     pub soft: &'a [Reached],
 }
 
-/// How fast the normal force of a contact falls as the surface retreats through a substep [N/m]:
-/// the spring's slope, and the dashpot over the substep; not at all where the contact pushes no
-/// more.
+/// Stiffness of a contact against retreat [N/m]: the fall of its normal force as the surface
+/// retreats through a substep. It is the spring's slope and the dashpot over the substep; 0 where
+/// the contact does not push.
 fn retreat(law: &Law, pair: Reduced, overlap: f64, normal: f64, steps: Steps) -> f64 {
     if normal == 0.0 {
         return 0.0;
@@ -128,7 +128,7 @@ fn retreat(law: &Law, pair: Reduced, overlap: f64, normal: f64, steps: Steps) ->
 const SKIN: f64 = 0.1;
 
 impl SurfaceContacts {
-    /// Of a surface that is right.
+    /// Contacts of a valid surface.
     pub fn new(surface: &DeformableSurface, material: u16, whole: f64) -> Self {
         Self {
             triangles: surface.triangles.clone(),
@@ -275,7 +275,7 @@ impl SurfaceContacts {
         found
     }
 
-    /// The contacts of one sphere where it was found to touch, and how much each counts.
+    /// The contacts of one sphere where it was found to touch, and the share of each.
     fn contacts<'a>(
         &self,
         e: usize,
@@ -335,6 +335,7 @@ impl SurfaceContacts {
                 twist: 0.5 * twist.w.dot(&n),
                 rolling: twist.w,
             };
+            // A sphere may come from a rigid wall beside: its friction goes on.
             let heir = entry.history.heir(n).or_else(|| of_rigid.as_ref()?.heir(n));
             let mut memory = heir.unwrap_or_default();
             let f =

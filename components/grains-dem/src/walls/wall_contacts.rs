@@ -1,4 +1,4 @@
-//! Bodies near walls, with what each contact remembers and the sum of the walls' forces. Bodies
+//! Bodies near walls, with the history of each contact and the sum of the walls' forces. Bodies
 //! near parts as well meet walls there, see [`PartContacts`], and here nothing but mirrors.
 
 use crate::Vec3;
@@ -20,7 +20,7 @@ pub(crate) struct WallEntry {
     pub wall: u32,
     /// Number of the law.
     pub law: u16,
-    /// Whether it touched at the last evaluation.
+    /// True if the body touched at the last evaluation.
     pub touching: bool,
     /// Mass and radius: the body's.
     pub reduced: Reduced,
@@ -36,16 +36,16 @@ pub(crate) struct WallContacts {
     pub rows: ContactRows<WallEntry>,
 }
 
-/// What one block of bodies found.
+/// Walls found by one block of bodies.
 pub(crate) type FoundWalls = FoundRows<WallEntry>;
 
-/// What bodies may meet, as a list is made from it.
+/// Input of the search for walls near bodies.
 pub(crate) struct WallSearch<'a> {
     pub walls: &'a [Wall],
     pub laws: &'a WallLaws,
-    /// How far beyond touching contacts are listed.
+    /// Skins of the classes of sizes: contacts are listed within these gaps.
     pub skins: &'a Skins,
-    /// Where in memory each body stood when the list before was made.
+    /// Place of each body in memory when the list before was made.
     pub previous: &'a [u32],
 }
 
@@ -85,7 +85,8 @@ impl WallContacts {
         }
     }
 
-    /// What the contact of a body, by its place in memory, with a wall remembers, if it touched.
+    /// History of the contact of a body, by its place in memory, with a wall; `None` if they did
+    /// not touch.
     fn remembered(&self, body: u32, wall: u32) -> Option<ContactHistory> {
         self.rows
             .of(body)
@@ -111,12 +112,14 @@ fn find(
         }
         let (known, place) = (found.entries.len(), at.previous[i]);
         let gap = at.skins.gap(ball.radius);
+        // A body near a part meets its walls in the list of parts. Mirrors are never in that list.
         let elsewhere = parts.has(i as u32);
         for (wall, plane) in at.walls.iter().enumerate() {
             if plane.overlap(ball) <= -gap || (elsewhere && !plane.mirror) {
                 continue;
             }
             let remembered = before.remembered(place, wall as u32);
+            // The body may have been in the list of parts before.
             let of_parts = || parts_before.of_wall(place, plane).filter(|_| !plane.mirror);
             let remembered = remembered.or_else(of_parts);
             found.entries.push(WallEntry {

@@ -24,7 +24,7 @@ pub(crate) fn touch_of_wall(ball: &BoundingSphere, twist: &Twist, wall: &Wall) -
     (contact, arm)
 }
 
-/// Evaluates the contacts with walls, and adds what each block saw to `tallies`.
+/// Evaluates the contacts with walls, and adds the contacts of each block to `tallies`.
 pub(crate) fn evaluate(
     team: &mut Team,
     list: &mut WallContacts,

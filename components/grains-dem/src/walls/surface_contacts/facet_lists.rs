@@ -13,17 +13,17 @@ use crate::math::error::GrainsError;
 use crate::neighbours::size_classes::Skins;
 use crate::walls::rigid_seat_contact::Seats;
 
-/// What is listed near a surface.
+/// Input of the lists of a surface: bodies, laws and seats near it.
 #[derive(Clone, Copy)]
 pub(crate) struct SurfaceSurroundings<'a> {
     pub bodies: &'a Bodies,
     pub laws: &'a Laws,
     pub seats: Seats<'a>,
-    /// How much bodies may have closed in while their lists are used.
+    /// Skins of the bodies' classes: displacements that the lists allow.
     pub skins: &'a Skins,
 }
 
-/// So many facets, which lie together in most meshes, are looked at by one box.
+/// Number of facets in one box; they lie together in most meshes.
 const GROUP: usize = 32;
 
 /// An upright box.
@@ -45,7 +45,7 @@ impl Box3 {
 }
 
 impl SurfaceContacts {
-    /// Whether a place was near when facets were listed.
+    /// True if a place is within `reach` [m] of the surface's box when facets were listed.
     pub fn is_near(&self, x: Vec3, reach: f64) -> bool {
         self.bounds.is_near(x, reach)
     }
@@ -60,7 +60,7 @@ impl SurfaceContacts {
         self.entries.retain(|entry| ids.binary_search(&entry.id).is_ok());
     }
 
-    /// Whether a shape needs other lists than those at hand.
+    /// True if the present lists do not hold for a shape.
     ///
     /// # Errors
     /// Arrays of another length than the surface has vertices, or numbers that are no points.
@@ -89,7 +89,7 @@ impl SurfaceContacts {
         }
     }
 
-    /// Lists what is near; contacts keep their history.
+    /// Lists bodies and seats near the surface; contacts keep their history.
     pub fn list(&mut self, vertices: &[[f64; 3]], around: &SurfaceSurroundings<'_>) {
         self.listed.copy_from_slice(vertices);
         self.shape.copy_from_slice(vertices);
