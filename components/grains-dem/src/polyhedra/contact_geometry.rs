@@ -1,4 +1,4 @@
-//! What presses on polyhedra: other polyhedra, walls, triangles of parts.
+//! Pressure integrals of a polyhedron against other polyhedra, walls and triangles of parts.
 
 use super::{
     overlap_integrals::{OverlapRoom, OverlapSum, Planes, Press},
@@ -7,7 +7,7 @@ use super::{
 use crate::Vec3;
 use crate::bodies::wall_triangle::{Grooves, Triangle, closest_point};
 
-/// What b, `way` from a, presses on a: all vectors from a's centroid.
+/// Pressure of body b, displaced by `way` from a, on a: all vectors from a's centroid.
 pub(crate) fn of_solids(a: Solid<'_>, b: Solid<'_>, way: Vec3, room: &mut OverlapRoom) -> Press {
     let mut press = Press::NONE;
     if apart(a, b, way) || apart(b, a, -way) {
@@ -37,7 +37,7 @@ fn faces_within(
     }
 }
 
-/// Whether a face of a has all of b, `way` from it, before it.
+/// True if a face of a separates it from b, displaced by `way` from a.
 fn apart(a: Solid<'_>, b: Solid<'_>, way: Vec3) -> bool {
     (0..a.shape.faces()).any(|face| {
         let n = a.normals[face];
@@ -46,8 +46,8 @@ fn apart(a: Solid<'_>, b: Solid<'_>, way: Vec3) -> bool {
     })
 }
 
-/// What a plane presses on a body: `normal` to the side of bodies, `height` of the centroid over
-/// it.
+/// Pressure of a plane on a body: `normal` points to the bodies, `height` is that of the centroid
+/// over the plane [m].
 pub(crate) fn of_plane(a: Solid<'_>, normal: Vec3, height: f64, room: &mut OverlapRoom) -> Press {
     let mut press = Press::NONE;
     if a.support(-normal) <= height {
@@ -72,7 +72,7 @@ pub(super) fn square(normal: Vec3, height: f64, radius: f64, out: &mut Vec<Vec3>
     out.extend([foot - u - v, foot + u - v, foot + u + v, foot - u + v]);
 }
 
-/// Adds what a triangle presses on a body, its corners from the body's centroid.
+/// Adds the pressure of a triangle on a body, its corners from the body's centroid.
 pub(crate) fn of_triangle(
     a: Solid<'_>,
     triangle: &Triangle,
@@ -89,7 +89,7 @@ pub(crate) fn of_triangle(
     room.visit(&planes, &mut OverlapSum { press, normal: triangle.normal, sign: 1.0 });
 }
 
-/// What a convex polygon presses on a body, its corners from the body's centroid.
+/// Pressure of a convex polygon on a body; corners are given from the body's centroid.
 pub(crate) fn of_polygon(
     a: Solid<'_>,
     polygon: &[Vec3],
@@ -104,9 +104,9 @@ pub(crate) fn of_polygon(
     press
 }
 
-/// Where a sphere touches a body: the distance of its centre from the body [m], and the unit vector
-/// from the closest point to the centre; with the centre inside, the negative depth under the
-/// closest face, and that face's normal.
+/// Closest point of a body to a sphere: the distance of the sphere's centre from the body [m], and
+/// the unit vector from that point to the centre. With the centre inside: the negative depth under
+/// the closest face, and that face's normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Closest {
     pub normal: Vec3,

@@ -1,4 +1,4 @@
-//! What polyhedra may touch: the list, what contacts remember, and the loads that they gave.
+//! List of the possible contacts of polyhedra, with their histories and loads.
 //!
 //! Entries stand in the order of ids, so that sums do not depend on where bodies stand in memory,
 //! on when the list was made, or on threads.
@@ -30,8 +30,8 @@ use tremie_team::{Cut, Team};
 /// Entries that are one item of work.
 const TOGETHER: usize = 8;
 
-/// OverlapHistory of a pair of which one is a polyhedron, in the list before and in that which is
-/// used [bytes].
+/// Memory of a pair with at least one polyhedron, in the list before and in that which is used
+/// [bytes].
 pub(crate) const OF_PAIR: usize = 2 * (size_of::<SolidPairEntry>() + size_of::<OverlapHistory>())
     + 2 * size_of::<SolidPair>()
     + 4 * size_of::<u32>();
@@ -41,7 +41,7 @@ pub(crate) const OF_PAIR: usize = 2 * (size_of::<SolidPairEntry>() + size_of::<O
 pub(crate) struct PolyContacts {
     entries: Vec<SolidPairEntry>,
     memories: Vec<OverlapHistory>,
-    /// Where the memories of each item of work begin.
+    /// Bounds of each item of work in the histories.
     memory_bounds: Vec<u32>,
     /// Walls and parts near polyhedra, in the order of entries, and where those of each item of
     /// work begin.
@@ -59,7 +59,7 @@ pub(crate) struct PolyContacts {
     near: Vec<u32>,
 }
 
-/// What a list is made from.
+/// Input of the search for contacts of polyhedra.
 pub(crate) struct SolidSearch<'a> {
     pub walls: &'a [Wall],
     pub wall_laws: &'a WallLaws,
@@ -67,7 +67,7 @@ pub(crate) struct SolidSearch<'a> {
     pub part_materials: &'a [u16],
     pub laws: &'a Laws,
     pub bounds: &'a PeriodicBox,
-    /// How far beyond touching contacts are listed.
+    /// Skins of the classes of sizes: contacts are listed within these gaps.
     pub skins: &'a Skins,
 }
 
@@ -172,7 +172,7 @@ impl PolyContacts {
         }
     }
 
-    /// Gives entries what those before them remember.
+    /// Gives entries the histories of the list before.
     fn inherit(&mut self) {
         self.memories.clear();
         self.memory_bounds.clear();
@@ -270,6 +270,7 @@ impl PolyContacts {
             return Tally::default();
         }
         self.benches.resize_with(team.threads(), Bench::default);
+        // Room for the largest entry, so that no thread allocates in a step.
         self.benches.iter_mut().for_each(|bench| bench.reserve(self.most.0, self.most.1));
         self.tallies.clear();
         self.tallies.resize(self.entries.len().div_ceil(TOGETHER), Tally::default());
@@ -292,6 +293,7 @@ impl PolyContacts {
             }
         };
         team.for_pieces_with(pieces, &mut self.benches, work);
+        // In the order of entries: equal bits on any number of threads.
         for owner in &self.owners {
             let (WallId::Part(part), load) = (owner.met, &owner.load) else { continue };
             let part = part as usize;

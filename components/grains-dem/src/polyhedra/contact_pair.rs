@@ -20,7 +20,7 @@ use crate::math::tally::{Other, Tally};
 /// Most contacts with walls and parts: directions in which they press.
 pub(super) const MOST: usize = 8;
 
-/// What a polyhedron may touch, in the order in which loads are added up.
+/// Partner of a polyhedron in a pair, in the order in which loads are added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum SolidPairKind {
     Body,
@@ -34,7 +34,7 @@ pub(super) enum SolidPairKind {
 pub(super) struct SolidPairEntry {
     /// Id of the body, kind and id of the other: in this order they stand in the list.
     pub key: (u64, SolidPairKind, u64),
-    /// Where both stand in memory.
+    /// Places of both in memory.
     pub places: [u32; 2],
     /// Image through which the other body is seen.
     pub image: u32,
@@ -44,13 +44,13 @@ pub(super) struct SolidPairEntry {
     pub area: f64,
     /// Walls and parts near it.
     pub owners: u32,
-    /// How many contacts there were at the last evaluation.
+    /// Number of contacts at the last evaluation.
     pub touching: u8,
     /// Loads on both at the last evaluation, about their reference points.
     pub loads: [Wrench; 2],
 }
 
-/// What contacts are evaluated from.
+/// Input of the evaluation of contacts.
 #[derive(Clone, Copy)]
 pub(super) struct Around<'a> {
     pub scenery: ContactContext<'a>,
@@ -94,6 +94,8 @@ impl SolidPairEntry {
                         self.loads = loads;
                     }
                     [_, b] => {
+                        // `ball` takes the polyhedron first, so both are swapped, and the loads
+                        // back.
                         let [on_b, on_a] =
                             self.ball(around, (b, j, i), -way, &mut memories[0], tally);
                         self.loads = [on_a, on_b];
@@ -182,6 +184,7 @@ impl SolidPairEntry {
             overlap,
             energy: {
                 let across = contact.velocity - n * contact.velocity.dot(&n);
+                // `xi` is half a step ahead; the energy is that of the evaluation.
                 let now = plain.xi - across * (0.5 * steps.after);
                 0.5 * law.at(overlap, overlap, reduced).k_t * now.norm_squared()
             },

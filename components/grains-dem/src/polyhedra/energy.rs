@@ -1,6 +1,6 @@
-//! Energy of contacts of polyhedra: `int d dV` over what overlaps.
+//! Energy of contacts of polyhedra: `int d dV` over the overlap.
 //!
-//! Where the points of a body A are closest to its face i, `d` is the depth `h` under that face and
+//! In the region of a body A where face i is the closest, `d` is the depth `h` under that face and
 //! the gradient of d is `m`, the unit normal inward. That region is convex, and by the divergence
 //! theorem
 //!
@@ -60,7 +60,7 @@ struct Solids<'a> {
 }
 
 impl Solids<'_> {
-    /// How deep a point lies under a plane.
+    /// Depth of a point under a plane [m].
     fn depth(&self, plane: usize, x: Vec3) -> f64 {
         let (normal, offset) = self.planes[plane];
         offset - normal.dot(&x)
@@ -93,7 +93,7 @@ fn depth_within(
     sum
 }
 
-/// What the plane between the regions of two faces adds.
+/// Contribution of the plane between the regions of two faces.
 fn between(
     a: Solid<'_>,
     own: &Planes<'_>,
@@ -168,6 +168,7 @@ impl SolidPairEntry {
                         };
                         let both =
                             of(solid(a), solid(b), way, room) + of(solid(b), solid(a), -way, room);
+                        // Two bodies press on each other, each with half of the stiffness.
                         0.5 * kappa * both
                     }
                 }
@@ -207,7 +208,7 @@ fn below(a: Solid<'_>, polygon: &[Vec3], n: Vec3, room: &mut OverlapRoom) -> f64
     depth_within(a, &planes, face, room) + sides(a, polygon, n, room)
 }
 
-/// What the sides of the prism below a polygon add.
+/// Contribution of the sides of the prism below a polygon.
 fn sides(a: Solid<'_>, corners: &[Vec3], n: Vec3, room: &mut OverlapRoom) -> f64 {
     let deep = n * (-4.0 * a.shape.circumradius * a.size);
     let own = Planes::of(a, Vec3::zeros());

@@ -1,5 +1,5 @@
-//! What of walls and parts lies hidden in others, so that where several make up one wall no place
-//! counts twice.
+//! Hidden surface of walls and parts: pieces that lie in others are cut off. So no place counts
+//! twice where several make up one wall.
 //!
 //! A part has solid straight below each of its triangles, as far as grains ever reach; a wall has
 //! it everywhere below. What of another's surface lies there is not surface of both together. Where
@@ -15,8 +15,8 @@ use crate::bodies::wall_triangle::Triangle;
 /// more than corners of triangles are off by when a file rounds them.
 const TIE: f64 = 1e-5;
 
-/// How far below a triangle a part is taken as solid, over the largest sphere in the body: more
-/// than it ever overlaps.
+/// Depth below a triangle to which a part is taken as solid, over the largest sphere in the body:
+/// more than it ever overlaps.
 const DEEP: f64 = 0.25;
 
 /// Pieces whose area is smaller than this, over the square of the same, are rounding.
@@ -25,7 +25,7 @@ const NOTHING: f64 = 1e-12;
 /// Surfaces whose normals have a larger product face one way.
 const ONE_WAY: f64 = 0.5;
 
-/// Whose a surface is: place of the owner in the list, its rank among all, and whether it is a
+/// Owner of a surface: place of the owner in the list, its rank among all, and whether it is a
 /// wall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Whose {
@@ -93,11 +93,11 @@ pub(super) struct HiddenSearch {
     pub inradius: f64,
 }
 
-/// What is below walls and parts near a body, and room to cut polygons.
+/// Solid regions of walls and parts near a body, and room to cut polygons.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Covers {
     pub list: Vec<Cover>,
-    /// Those that may hide any of the polygon that is cut.
+    /// Covers that may hide any of the polygon that is cut.
     near: Vec<u32>,
     /// Corners of the pieces that are left of the last polygon, and where each ends.
     corners: Vec<Vec3>,
@@ -129,7 +129,7 @@ impl Covers {
         begins.zip(&self.ends).map(|(begin, &end)| &self.corners[begin as usize..end as usize])
     }
 
-    /// Cuts away from a polygon what lies hidden; false if nothing does.
+    /// Cuts the hidden pieces away from a polygon; false if none is hidden.
     pub fn cut(&mut self, polygon: &[Vec3], looked: &HiddenSearch) -> bool {
         self.corners.clear();
         self.ends.clear();
@@ -142,6 +142,8 @@ impl Covers {
         self.begins.clear();
         self.begins.push((0, 0));
         let mut any = false;
+        // A stack: the piece on top meets the covers from `next` on. Those before did not hide any
+        // of it.
         while let Some((begin, next)) = self.begins.pop() {
             let begin = begin as usize;
             let hider = (next as usize..self.near.len()).find(|&k| self.hides(k, begin, looked));
@@ -156,6 +158,8 @@ impl Covers {
             self.rest.clear();
             self.rest.extend(&self.waiting[begin..]);
             self.waiting.truncate(begin);
+            // The piece beyond a plane stays, the rest goes on to the next plane. The last rest is
+            // hidden.
             for plane in cover.planes() {
                 let within = looked.within(cover, plane);
                 clip(&self.rest, |x| -within(x), &mut self.spare);
@@ -182,7 +186,7 @@ impl Covers {
         self.near.extend(near.map(|(k, _)| k));
     }
 
-    /// Whether a cover near the polygon hides any of the piece that waits last.
+    /// True if cover `k` of those near the polygon hides any of the piece that waits last.
     fn hides(&mut self, k: usize, begin: usize, looked: &HiddenSearch) -> bool {
         let cover = &self.list[self.near[k] as usize];
         self.rest.clear();
@@ -212,8 +216,8 @@ impl HiddenSearch {
         elsewhere && !both_walls
     }
 
-    /// How far a point lies behind a plane of a cover; what just coincides is decided by the side
-    /// that is outside.
+    /// Depth of a point behind a plane of a cover [m]. A tolerance decides for surfaces that just
+    /// coincide: one side counts as outside.
     fn within(
         &self,
         cover: &Cover,

@@ -29,7 +29,8 @@ use shape::Solid;
 use tremie_messages::scene::Scene;
 use tremie_team::{Cut, Team};
 
-/// OverlapHistory of a polyhedron besides that of a body, with the corners and faces of a dodecahedron [bytes].
+/// Memory of a polyhedron besides that of a body, with the corners and faces of a dodecahedron
+/// [bytes].
 pub(crate) const OF_BODY: usize =
     size_of::<Grain>() + size_of::<PlacedSolid>() + 32 * size_of::<Vec3>();
 
@@ -40,7 +41,7 @@ const TOGETHER: usize = 16;
 #[derive(Clone, Debug)]
 pub(crate) struct Grain {
     pub id: u64,
-    /// Where the body stands in memory.
+    /// Place of the body in memory.
     pub slot: u32,
     shape: u32,
     size: f64,
@@ -49,7 +50,7 @@ pub(crate) struct Grain {
     orientation: [f64; 4],
     /// Angular momentum: of the full step between substeps, of the half step within one [kg·m²/s].
     momentum: Vec3,
-    /// Of contacts, at the last evaluation [N·m].
+    /// Torque of contacts at the last evaluation [N·m].
     torque: Vec3,
     spin: Vec3,
     predicted: Vec3,
@@ -65,13 +66,13 @@ pub(crate) struct Polyhedra {
     /// Corners and face normals of all, from the centroids.
     vertices: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// Where those of each item of work begin.
+    /// Bounds of each item of work in the vertices and in the normals.
     vertex_bounds: Vec<u32>,
     normal_bounds: Vec<u32>,
 }
 
 impl Polyhedra {
-    /// Those of a scene, whose shapes are valid; `placed` by ids, which are their places too.
+    /// Polyhedra of a scene, whose shapes are valid; `placed` by ids, which are their places too.
     pub fn new(scene: &Scene, placed: &[PlacedSphere], team: &mut Team) -> Self {
         let shapes: Vec<Shape> = scene.shapes.iter().filter_map(|s| Shape::of(s).ok()).collect();
         let mut own = Self { shapes, ..Self::default() };
@@ -79,6 +80,7 @@ impl Polyhedra {
             let Some(solid) = body.solid else { continue };
             let shape = &own.shapes[solid.shape as usize];
             let mobility = body.mobility();
+            // A body of given motion or of a clump does not turn by itself.
             let inertia = (mobility.is_free() && !mobility.is_joined())
                 .then(|| shape.inertia_of(body.mass, solid.size));
             let q = solid.orientation;
@@ -115,7 +117,7 @@ impl Polyhedra {
         self.grains.is_empty()
     }
 
-    /// How many they are.
+    /// Number of polyhedra.
     pub fn len(&self) -> usize {
         self.grains.len()
     }
@@ -176,6 +178,7 @@ impl Polyhedra {
             if loaded {
                 torque += load[slot].torque;
             }
+            // Two half kicks and not one whole: the same bits as where a window ends between them.
             if finish {
                 grain.momentum += torque * (0.5 * dt);
             }
@@ -185,6 +188,7 @@ impl Polyhedra {
             let predicted = grain.momentum + torque * (0.5 * dt);
             grain.predicted = inertia.spin(grain.orientation, predicted);
         });
+        // By one thread: the slots of neighbouring grains lie anywhere in memory.
         for grain in self.grains.iter().filter(|grain| grain.inertia.is_some()) {
             let slot = grain.slot as usize;
             bodies.orientation[slot] = grain.orientation;

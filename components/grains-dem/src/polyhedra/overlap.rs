@@ -1,4 +1,4 @@
-//! How deep bodies overlap of which one is a polyhedron, at the start.
+//! Overlap depth at the start of pairs with a polyhedron.
 
 use super::{
     Polyhedra, contact_geometry,
@@ -35,7 +35,7 @@ pub(crate) fn of_bodies(
     }
 }
 
-/// How deep a polyhedron at `x` reaches into a part [m].
+/// Overlap depth of a polyhedron at `x` in a part [m].
 pub(crate) fn with_part(
     solid: Solid<'_>,
     x: Vec3,

@@ -1,4 +1,4 @@
-//! How polyhedra press: integrals of the depth over the surfaces inside them.
+//! Pressure of polyhedra: integrals of the depth over the surfaces inside them.
 //!
 //! Let `d(x)` be how deep a point lies in a convex body, the least of its depths under the faces. Of
 //! two bodies A and B that overlap,
@@ -30,7 +30,7 @@ use tremie_geometry::Convex;
 /// Room for the corners of a polygon: those of a face, and one more for each cut.
 const MOST: usize = Convex::MOST_CORNERS + 2 * Convex::MOST_FACES + 4;
 
-/// What is left of a convex polygon where a linear function is not negative, in `out`.
+/// Clips a convex polygon to the half space where a linear function is not negative, into `out`.
 pub(super) fn clip(polygon: &[Vec3], value: impl Fn(Vec3) -> f64, out: &mut Vec<Vec3>) {
     out.clear();
     let Some(&last) = polygon.last() else { return };
@@ -52,16 +52,16 @@ pub(super) fn clip(polygon: &[Vec3], value: impl Fn(Vec3) -> f64, out: &mut Vec<
     }
 }
 
-/// Planes that bound a convex region: unit normals outward, and how far the origin lies inside.
+/// Planes that bound a convex region: unit normals outward, and depths of the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Planes<'a> {
     solid: Solid<'a>,
-    /// Where the body is.
+    /// Position of the body [m].
     at: Vec3,
 }
 
 impl<'a> Planes<'a> {
-    /// Those of a body whose centroid is at a place.
+    /// Planes of a body whose centroid is at a place.
     pub fn of(solid: Solid<'a>, at: Vec3) -> Self {
         Self { solid, at }
     }
@@ -70,14 +70,14 @@ impl<'a> Planes<'a> {
         self.solid.normals.len()
     }
 
-    /// How deep a point lies under a face [m].
+    /// Depth of a point under a face [m].
     #[inline(always)]
     pub(super) fn depth(&self, face: usize, x: Vec3) -> f64 {
         self.solid.depth(face, x - self.at)
     }
 }
 
-/// What presses on a body, over the stiffness: `kappa` times the integrals is the load.
+/// Pressure on a body, over the stiffness: `kappa` times the integrals is the load.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Press {
     /// `int d n dS` [m³].
@@ -110,7 +110,7 @@ impl Press {
         deepest: 0.0,
     };
 
-    /// Whether anything presses.
+    /// True if the pressure is not zero.
     pub fn acts(&self) -> bool {
         self.weight > 0.0
     }
@@ -146,7 +146,7 @@ impl Press {
         (trace - direction.dot(&self.spread(about, direction))).max(0.0)
     }
 
-    /// Adds what presses elsewhere.
+    /// Adds pressure at another place.
     pub fn merge(&mut self, other: &Self) {
         self.force += other.force;
         self.torque += other.torque;
@@ -201,7 +201,7 @@ impl Default for OverlapRoom {
     }
 }
 
-/// What integrals are taken over the pieces of a polygon, each under one face of the body.
+/// Integrand over the pieces of a polygon, each under one face of the body.
 pub(crate) trait Pieces {
     /// A piece of a polygon, with the depths of points under the face, and the face.
     fn piece(&mut self, points: &[Vec3], depth: impl Fn(Vec3) -> f64, face: usize);
@@ -271,7 +271,7 @@ impl OverlapRoom {
     }
 }
 
-/// Adds up what presses along a direction.
+/// Adds up pressure along a direction.
 pub(crate) struct OverlapSum<'a> {
     pub press: &'a mut Press,
     /// Outward normal of the polygon.

@@ -1,4 +1,4 @@
-//! The force in a contact of a polyhedron, from what presses on it.
+//! The force in a contact of a polyhedron, from the pressure on it.
 //!
 //! The elastic load `F, T` comes from [`super::press`]; n is its direction, seen from the body, x_c
 //! its middle, `k_n` the stiffness of the law, reached where faces touch over the area of the
@@ -15,10 +15,10 @@
 //! T_n   the same for spinning about n, with s k_t <r^2>; at most 0.94 mu f_n sqrt(<r^2>), exact for a disc
 //! ```
 //!
-//! Where friction slips, spring and dashpot give way alike: a soft contact that begins must not
-//! find its spring stretched against the dashpot. Where a loaded surface grows, springs keep their
-//! forces, where it shrinks their displacements: either way no energy is made (see [`Law::at`]).
-//! For a face that stays whole this is a linear spring.
+//! In slip, spring and dashpot give way alike: the spring of a soft contact that begins must not be
+//! stretched against the dashpot. If a loaded surface grows, springs keep their forces; if it
+//! shrinks, their displacements: either way no energy is made (see [`Law::at`]). For a face that
+//! stays whole this is a linear spring.
 
 use super::overlap_integrals::Press;
 use crate::Vec3;
@@ -29,7 +29,7 @@ use crate::contact::friction::{FrameMotion, TangentialSpring, time_since_touch};
 use crate::contact::springs::Dashpot;
 use crate::math::simd::lanes::Lane3;
 
-/// What a contact of a polyhedron remembers.
+/// History of a contact of a polyhedron.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OverlapHistory {
     /// Tangential displacement [m]; see
@@ -78,7 +78,7 @@ pub(crate) struct Pair {
     pub region: Option<f64>,
 }
 
-/// What a contact answers.
+/// Response of a contact: its load, and the parts to share it among owners.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Response {
     /// Force on the body and torque about its centroid.
@@ -98,8 +98,8 @@ impl Response {
         turning: Vec3::new(0.0, 0.0, 0.0),
     };
 
-    /// What of the load is due to a share of what presses: normal forces where they act, the rest
-    /// by its weight. The middle of the whole is that of the middles of shares.
+    /// Load of one share of the pressure: its normal forces at their places, the rest of the load
+    /// by its weight. The middle of the whole is the mean of the middles of the shares, by weight.
     pub fn of_share(&self, share: &Press, whole: &Press, kappa: f64) -> Wrench {
         let weight = share.weight() / whole.weight();
         let (normal, sliding) = (kappa * self.scale, self.sliding * weight);
@@ -122,7 +122,7 @@ pub(crate) struct Relative {
     pub both: Vec3,
 }
 
-/// What acts on the body; what `memory` held counts only if it was `touching`.
+/// Load on the body. The history in `memory` counts only if the contact was `touching`.
 pub(crate) fn load(
     law: &Law,
     pair: Pair,
@@ -139,6 +139,7 @@ pub(crate) fn load(
     let n = elastic / -strength;
     let centre = press.centre();
     let spring = law.over_faces();
+    // Loaded part of the reference area. Springs grow with it, dashpots with its root.
     let part = pair.kappa * press.area.norm_squared().sqrt() / spring.normal_stiffness;
     let root = pair.region.map_or(part.sqrt(), |region| part / region.sqrt());
     let gamma = |dashpot: Dashpot| root * dashpot.at(pair.root_mass);
@@ -227,12 +228,12 @@ impl FaceFriction {
 /// the mean square radius: `2/3 R` over `R/sqrt 2`.
 const OF_DISC: f64 = 0.942_809_041_582_063_4;
 
-/// What remains of a displacement when a spring goes from one stiffness to another.
+/// Factor of a displacement as a spring goes from one stiffness to another.
 fn kept(before: f64, now: f64) -> f64 {
     if before < now { before / now } else { 1.0 }
 }
 
-/// Torque of dashpots over the loaded surface that rocking feels, no more than pressure can bear.
+/// Torque of dashpots over the loaded surface against rocking, no more than pressure can bear.
 fn rocking(press: &Press, centre: Vec3, n: Vec3, w: Vec3, gamma: f64, most: f64) -> Vec3 {
     let lever = n.cross(&w);
     let torque = press.spread(centre, lever).cross(&n) * gamma;

@@ -77,8 +77,8 @@ impl Shape {
         Inertia { moments: self.inertia.map(|i| i * (mass * size * size)), axes: self.axes }
     }
 
-    /// How much more a push beyond the centroid moves it than one through it, at most: `1 + R^2 m/I` with
-    /// the circumradius and the smallest moment of inertia. Of a sphere 3.5.
+    /// Largest ratio of the motion by a push beside the centroid to that by a push through it: `1 +
+    /// R^2 m/I` with the circumradius and the smallest moment of inertia. For a sphere 3.5.
     pub fn lever(&self) -> f64 {
         let least = self.inertia.iter().fold(f64::INFINITY, |a, &b| a.min(b));
         1.0 + self.circumradius * self.circumradius / least
@@ -98,7 +98,7 @@ pub(crate) struct Solid<'a> {
 }
 
 impl Solid<'_> {
-    /// How far a point lies inside a face [m]; negative beyond.
+    /// Depth of a point under a face [m]; negative beyond.
     #[inline(always)]
     pub fn depth(&self, face: usize, x: Vec3) -> f64 {
         self.shape.offsets[face] * self.size - self.normals[face].dot(&x)

@@ -1,4 +1,4 @@
-//! What walls and parts press on a polyhedron, all of them together.
+//! Pressure of walls and parts on a polyhedron, all of them together.
 //!
 //! Pieces of surfaces that press in nearly one direction are one region, with one contact: one
 //! dashpot, one spring of friction. If its owners differ in law, mass or motion, each kind of them
@@ -35,7 +35,7 @@ pub(super) struct Owner {
     pub load: Wrench,
 }
 
-/// What an owner presses in a contact.
+/// Pressure of one owner in a contact.
 #[derive(Clone, Copy, Debug)]
 struct SurfaceShare {
     contact: u8,
@@ -63,7 +63,7 @@ impl Bench {
     }
 }
 
-/// A contact: what presses in one direction, of owners that are alike.
+/// A contact: the pressure in one direction, of owners that are alike.
 #[derive(Clone, Copy, Debug)]
 struct Touch {
     press: Press,
@@ -86,15 +86,15 @@ impl<'a> SurfacesBeside<'a> {
         Self { around: *around, i, solid }
     }
 
-    /// Where the body is, as an image sees it that neighbours were listed by.
+    /// Position of the body, seen from the image by which neighbours were listed [m].
     fn home(&self, image: u32) -> Vec3 {
         let (scenery, i) = (&self.around.scenery, self.i);
         let crossed = if scenery.crossed { scenery.bodies.crossed[i] } else { 0 };
         scenery.bodies.balls[i].x + scenery.shifts[(image as i32 + crossed) as usize]
     }
 
-    /// The same as an owner is met: of all images where that is closest. Velocities are the same
-    /// for all but parts that turn, which do not reach across periodic faces.
+    /// Position of the body as an owner is met: of all images where that is closest. Velocities are
+    /// the same for all but parts that turn, which do not reach across periodic faces.
     fn home_of(&self, owner: &Owner) -> Vec3 {
         let first = self.around.triangles[owner.near[0] as usize..owner.near[1] as usize].first();
         self.home(first.map_or(13, |&(_, image)| image))
@@ -125,7 +125,7 @@ impl<'a> SurfacesBeside<'a> {
         Some((wall.normal, x.dot(&wall.normal) - wall.offset))
     }
 
-    /// Whether it stands for what is mirrored beyond it: it has nothing to do with others.
+    /// True for a symmetry plane: it shares no contact with other owners.
     fn is_mirror(&self, owner: &Owner) -> bool {
         matches!(owner.met, WallId::Wall(number) if self.around.walls[number as usize].mirror)
     }
@@ -264,6 +264,7 @@ impl SolidPairEntry {
     ) {
         let beside = SurfacesBeside::new(around, self.places[0] as usize);
         let touches = beside.touches(owners, bench);
+        // A copy: new histories overwrite old ones that later contacts may still continue.
         let mut before = [OverlapHistory::NONE; MOST];
         before.copy_from_slice(memories);
         let known = self.touching as usize;
@@ -295,6 +296,7 @@ impl SolidPairEntry {
             let alone = shares().count() == 1;
             for share in shares() {
                 let of_share = |r: &Response| r.of_share(&share.press, &touch.press, kappa);
+                // The load of a single owner is taken as it is: a share of one would round it.
                 let load = if alone { response.load } else { of_share(&response) };
                 beside.give(&mut owners[share.owner as usize], load);
             }
@@ -307,6 +309,7 @@ impl SurfacesBeside<'_> {
     /// Finds the contacts, and the owners' shares in them.
     fn touches(&self, owners: &[Owner], bench: &mut Bench) -> Touches {
         self.cover(owners, &mut bench.covers);
+        // Taken out, as the bench is borrowed while polygons are visited.
         let mut shares = std::mem::take(&mut bench.shares);
         shares.clear();
         let none = Touch { press: Press::NONE, kind: 0, region: 0 };
@@ -377,7 +380,7 @@ impl SurfacesBeside<'_> {
     }
 }
 
-/// Whether two press in nearly one direction.
+/// True if two press in nearly one direction.
 fn alike(a: &Press, b: &Press) -> bool {
     let along = a.force.dot(&b.force);
     let squares = a.force.norm_squared() * b.force.norm_squared();
