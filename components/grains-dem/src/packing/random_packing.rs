@@ -18,11 +18,11 @@ use crate::neighbours::linked_cells::LinkedCells;
 use core::f64::consts::PI;
 use tremie_messages::scene::{BodySet, BodySizes, Domain, Face, Packing};
 
-/// Up to this solid fraction spheres are inserted one after the other; above, insertion slows
+/// Largest solid fraction at which spheres are inserted one after the other; above, insertion slows
 /// down (it ends for good at 0.38) and a crowded start is relaxed instead.
 const DENSEST_INSERTION: f64 = 0.25;
 
-/// What a packing must keep clear of.
+/// Obstacles of a packing.
 pub(crate) struct PackingSurroundings<'a> {
     /// Parts, in whose solid no sphere may be.
     pub parts: &'a [PlacedPart],
@@ -42,7 +42,7 @@ pub(crate) struct TooDense {
     reached: f64,
 }
 
-/// A part, and how far a point of the region moves to where the part is [m].
+/// A part, and the shift of a point of the region to the part's image [m].
 struct Obstacle<'a> {
     part: &'a PlacedPart,
     shift: Vec3,
@@ -137,8 +137,8 @@ impl<'a> PackingRegion<'a> {
         Self { parts, bounds, walls, obstacles }
     }
 
-    /// How far a sphere must go to be clear of parts [m], and in which direction; where it is clear,
-    /// how far it may go before it can touch one, as a negative number.
+    /// Depth of a sphere in parts [m], and the direction out of them. For a sphere clear of parts
+    /// it is negative: the distance that the sphere may move before it can touch one.
     fn depth_in_parts(&self, ball: &BoundingSphere) -> (f64, Vec3) {
         let of = |obstacle: &Obstacle<'_>| {
             let (distance, direction) = obstacle.part.clearance(ball.x + obstacle.shift);

@@ -15,19 +15,19 @@ pub(crate) struct Upstream {
     pub axis: usize,
     /// 0 for the lower side, 1 for the upper.
     pub side: usize,
-    /// How far from there centres lie that are tried first [m].
+    /// Depth of the layer from there in which centres are tried first [m].
     pub depth: f64,
 }
 
 impl Upstream {
-    /// How far from there the centre of a sphere lies in the mean, of those that are tried first, in a region of
-    /// this `length` [m].
+    /// Mean distance from there of the centres tried first, for a sphere of this `radius` in a
+    /// region of this `length` [m].
     pub fn mean_distance(&self, radius: f64, length: f64) -> f64 {
         radius + 0.5 * self.depth.min((length - 2.0 * radius).max(0.0))
     }
 }
 
-/// A region with what is in it.
+/// A region with its spheres and parts.
 pub(crate) struct Feeding<'a> {
     region: PackingRegion<'a>,
     grid: Grid,

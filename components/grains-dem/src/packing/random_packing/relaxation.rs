@@ -26,10 +26,10 @@ const SHRINK: f64 = 0.995;
 const SWEEPS_EACH: usize = 100;
 const SMALLEST_FACTOR: f64 = 0.1;
 
-/// How much too large spheres are taken.
+/// Excess of the radii of the relaxed spheres, over the true ones.
 const SLACK: f64 = 1e-3;
 
-/// How far beyond touching neighbours are listed, in largest diameters of their class.
+/// Skin of the neighbour lists, in largest diameters of their class.
 const SKIN: f64 = 0.15;
 
 /// Overlap over the reach of its pair that passes as none: rounding.
@@ -63,7 +63,8 @@ pub(super) fn relax(
     Err(0.0)
 }
 
-/// Where the spheres fit as long as they are small; if they never do, at random places.
+/// Start positions: those of the spheres while they are small enough to fit, or random places if
+/// they never fit.
 fn starts(region: &PackingRegion<'_>, radii: &[f64], seed: u64) -> Vec<BoundingSphere> {
     let small = SPARSE.iter().find_map(|&fraction| grown(region, radii, fraction, seed));
     small.unwrap_or_else(|| {
@@ -119,7 +120,7 @@ struct OverlappingSpheres<'a> {
     cells: LinkedCells,
     list: CellPairs,
     reference: Vec<Vec3>,
-    /// Where each sphere was last seen, and by how much it was clear of parts.
+    /// Position of each sphere at its last search of parts, and its clearance from parts there [m].
     clear: Vec<(Vec3, f64)>,
 }
 
@@ -179,7 +180,8 @@ impl<'a> OverlappingSpheres<'a> {
         }
     }
 
-    /// Takes spheres out of parts. Who was clear by some length is looked at again after moving it.
+    /// Takes spheres out of parts. A sphere with some clearance is searched again after it has
+    /// moved by that.
     fn leave_parts(&mut self) {
         if self.region.parts.is_empty() {
             return;
@@ -195,7 +197,7 @@ impl<'a> OverlappingSpheres<'a> {
         }
     }
 
-    /// From body i to a neighbour of it.
+    /// Vector from body i to a neighbour of it.
     fn way(&self, i: usize, to: Neighbour) -> Vec3 {
         let shift = self.region.bounds.shifts[to.image as usize];
         self.balls[to.other as usize].x - self.balls[i].x + shift

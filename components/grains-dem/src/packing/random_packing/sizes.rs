@@ -17,7 +17,7 @@ pub(crate) enum Sizes {
     Listed(Vec<f64>),
 }
 
-/// What lies between two bounds of a normal distribution.
+/// Normal distribution cut at two bounds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CutNormal {
     mean: f64,
@@ -87,7 +87,7 @@ impl Sizes {
         (0..PARTS).map(volume).sum::<f64>() / f64::from(PARTS)
     }
 
-    /// Which part of the uncut distribution lies between its bounds.
+    /// Part of the uncut distribution that lies between its bounds.
     pub fn part_between_bounds(&self) -> f64 {
         match self {
             Self::Normal(normal) | Self::LogNormal(normal) => {
