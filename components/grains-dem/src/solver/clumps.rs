@@ -39,7 +39,7 @@ pub(crate) struct Clump {
     momentum: Vec3,
     /// Velocities predicted for the end of the substep.
     predicted: Twist,
-    /// Of the contacts of all its bodies, about the centroid, at the last evaluation.
+    /// Wrench of the contacts of all its bodies, about the centroid, at the last evaluation.
     contact: Wrench,
 }
 
@@ -47,11 +47,11 @@ pub(crate) struct Clump {
 #[derive(Clone, Copy, Debug)]
 struct Member {
     rank: u32,
-    /// From the centroid, in the frame of the clump [m].
+    /// Vector from the centroid, in the frame of the clump [m].
     arm: Vec3,
     /// Unit quaternion from the body's frame to the clump's.
     orientation: [f64; 4],
-    /// Where it is, as the clump's centroid counts.
+    /// Position, as an image beside the clump's centroid [m].
     x: Vec3,
 }
 
@@ -61,7 +61,7 @@ impl Clumps {
         &self.all
     }
 
-    /// Sums up what contacts do, after these were evaluated.
+    /// Sums up the contact forces, after these were evaluated.
     pub fn evaluate(&mut self, bodies: &Bodies, forces: AppliedForces<'_>) {
         for clump in &mut self.all {
             let mut sum = Wrench::zero();
@@ -162,7 +162,7 @@ impl Clump {
         }
     }
 
-    /// What a fluid does to it, about its centroid.
+    /// Fluid load on the clump, about its centroid.
     #[cfg(feature = "component")]
     pub fn load(&self, bodies: &Bodies) -> Wrench {
         let mut sum = Wrench::zero();
@@ -182,7 +182,7 @@ impl Clump {
         Twist { v: self.v, w: self.spin() }
     }
 
-    /// What a body of it does, where it moves so.
+    /// Velocities of one of its bodies, where the clump moves so.
     fn at(&self, member: &Member, Twist { v, w }: Twist) -> Twist {
         Twist { v: v + w.cross(&(member.x - self.x)), w }
     }

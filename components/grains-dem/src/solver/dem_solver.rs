@@ -38,51 +38,51 @@ use tremie_team::{Choice, Found, Team};
 /// Overlap over the smaller radius that ends a run.
 const TOO_DEEP: f64 = 0.5;
 
-/// Bodies that live, and what is known of those that may come.
+/// Bodies that live, and properties of bodies that may come.
 pub(crate) struct Population {
     pub bodies: Bodies,
     pub polyhedra: Polyhedra,
     pub clumps: Clumps,
     pub driven: Driven,
-    /// What spheres of each set of the scene are.
+    /// Properties of the spheres of each set of the scene.
     pub sets: Vec<SphereSet>,
     pub roll: MessageOrder,
     /// The id of the next body that comes.
     pub next_id: u64,
     /// Diameter of the largest sphere that lists are made for [m].
     pub largest: f64,
-    /// Who came and went at the end of the last window.
+    /// Bodies that came or went at the end of the last window.
     pub events: Vec<BodyEvent>,
 }
 
 /// Threads that share the work.
 pub(crate) struct Threads {
     pub team: Team,
-    /// Whether a substep is faster on one thread, where that is to be found, and what was found.
+    /// Trial of a substep on one thread against all, if the solver is to choose; with its result.
     pub choice: Option<Choice>,
     pub found: Option<Found>,
 }
 
-/// How far the run has come.
+/// Progress of the run.
 pub(crate) struct Stepping {
     /// Length of a substep [s].
     pub dt: f64,
     /// Substeps since the start.
     pub steps: u64,
-    /// How far the window has come.
+    /// Progress of the window.
     pub progress: Progress,
 }
 
-/// What was seen at evaluations of forces, and how far bodies went.
+/// Records of evaluations of forces, and displacements of bodies.
 pub(crate) struct StepRecord {
-    /// What each block of bodies saw at the last evaluation, and how far it went.
+    /// Tally of each block of bodies at the last evaluation, and its displacement.
     pub tallies: Vec<Tally>,
     pub reaches: Vec<StepDisplacement>,
-    /// How far blocks went since neighbours were listed, and whether any body crossed a periodic
-    /// face.
+    /// Displacements of blocks since neighbours were listed, and true if any body crossed a
+    /// periodic face.
     wandered: MaxDisplacement,
     pub crossed: bool,
-    /// Sum of what was seen at the last evaluation.
+    /// Sum of the tallies of the last evaluation.
     tally: Tally,
     max_overlap_ratio: f64,
     deep_overlaps: u64,
@@ -90,7 +90,7 @@ pub(crate) struct StepRecord {
 
 /// Loads of a fluid.
 pub(crate) struct FluidLoads {
-    /// Whether there are any in this window.
+    /// True if there are any in this window.
     pub loaded: bool,
     /// Their impulse since the start [N·s].
     fluid_impulse: Vec3,
@@ -111,12 +111,12 @@ pub struct GrainsDem {
     pub(crate) fluid: FluidLoads,
     survey: Survey,
     pub(crate) probes: Probes,
-    /// Where spheres come from and go to.
+    /// Inlets and outlets.
     pub(crate) ports: Ports,
 }
 
 impl GrainsDem {
-    /// Of bodies that were placed and checked.
+    /// Solver of bodies that were placed and checked.
     pub(crate) fn of_bodies(
         scene: &Scene,
         parameters: &Parameters,
@@ -134,6 +134,7 @@ impl GrainsDem {
         }
         let skins = skins_of(scene, parameters, spheres);
         let clumps = Clumps::of_placed(scene, spheres);
+        // Bodies of clumps begin with the velocities of the rigid motion.
         clumps.end(&mut bodies);
         let ports = Ports::of_scene(scene, &around, parameters, dt, spheres.len());
         bodies.reserve(ports.capacity);
@@ -184,8 +185,8 @@ impl GrainsDem {
         }
     }
 
-    /// Who came and went at the end of the last window, those that went first, by ascending id;
-    /// before the first window all bodies.
+    /// Bodies that came or went at the end of the last window: those that went first, by ascending
+    /// id. Before the first window all bodies.
     pub fn events(&self) -> &[BodyEvent] {
         &self.population.events
     }
@@ -242,7 +243,7 @@ impl GrainsDem {
         self.threads.choice = Some(Choice::new(self.threads.team.threads()));
     }
 
-    /// What was found of threads since this was asked last.
+    /// Result of the trial of threads, if one ended since the last call.
     pub fn take_found(&mut self) -> Option<Found> {
         self.threads.found.take()
     }
@@ -390,6 +391,7 @@ impl GrainsDem {
         if reach.crossed {
             self.record.crossed = true;
             let blocks = (0..).zip(&self.record.reaches).filter(|(_, reach)| reach.crossed);
+            // Entries name the image of the other body, and a crossing changes it.
             self.search.pairs.follow(&self.population.bodies.crossed, blocks.map(|(b, _)| b));
         }
         self.record.wandered.extend(self.record.reaches.iter().map(|reach| reach.farthest.sqrt()));
@@ -439,6 +441,7 @@ impl GrainsDem {
         let parts = &self.around.parts;
         let near = self.around.near_surfaces(&self.population.bodies, search.cells.skins());
         let rigid = RigidWalls { contacts: &mut search.parts, parts, walls };
+        // Before the rigid walls, which share contacts with what spheres reach of the surfaces.
         search.surfaces.look(surfaces, (&scenery, &near), rigid)?;
         let (rigid, soft) = (&mut search.parts, &search.surfaces);
         rigid.evaluate(team, (parts, walls), soft, scenery, &mut self.record.tallies);

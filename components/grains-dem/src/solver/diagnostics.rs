@@ -1,4 +1,4 @@
-//! What the grains as a whole are doing.
+//! Diagnostics of the grains as a whole.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -54,7 +54,7 @@ pub struct Diagnostics {
     pub fluid_impulse: [f64; 3],
 }
 
-/// What is looked at.
+/// Input of the diagnostics.
 pub(crate) struct Seen<'a> {
     /// Bodies and laws.
     pub scenery: ContactContext<'a>,
@@ -113,6 +113,7 @@ impl Survey {
         let springs = &self.springs;
         team.for_each(&mut self.blocks, |b, sums| {
             *sums = Sums::default();
+            // By rank, the order of ids: the same bits wherever bodies stand in memory.
             for &slot in &bodies.slot[b * BLOCK..bodies.len().min((b + 1) * BLOCK)] {
                 let slot = slot as usize;
                 sums.elastic += springs[slot];

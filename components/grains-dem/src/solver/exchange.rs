@@ -29,11 +29,12 @@ pub struct AddedSphere {
 impl GrainsDem {
     /// Takes out the bodies of the ids `removed`, which ascend, and lets `added` in, which get the
     /// next ids; [`events`](Self::events) then tell of them. Contacts between those that stay go on
-    /// as if nothing had happened. A sphere that overlaps another feels it from the next substep
+    /// as if nothing had happened. A sphere that overlaps another is pushed from the next substep
     /// on.
     ///
-    /// # Errors Ids of no sphere, spheres that the run is not made for; nothing has happened then.
-    /// Calls within a window.
+    /// # Errors
+    /// Ids of no sphere, spheres that the run is not made for; nothing has happened then. Calls
+    /// within a window.
     pub fn exchange(&mut self, removed: &[u64], added: &[AddedSphere]) -> Result<(), GrainsError> {
         self.stepping.progress.expect("exchange", false, false)?;
         self.check_exchange(removed, added)?;
@@ -41,7 +42,7 @@ impl GrainsDem {
         Ok(())
     }
 
-    /// The same for what is known to be right.
+    /// Exchanges spheres that are known to be valid.
     pub(crate) fn swap(&mut self, removed: &[u64], added: &[AddedSphere]) {
         self.population.events.clear();
         let rank =
@@ -51,6 +52,7 @@ impl GrainsDem {
         if gone.is_empty() && placed.is_empty() {
             return;
         }
+        // Before the removal: ranks and slots change with it.
         for &rank in &gone {
             let slot = self.population.bodies.slot[rank as usize] as usize;
             let set = self.population.bodies.set[slot];

@@ -10,16 +10,16 @@ use crate::solver::neighbour_search::Contacts;
 use crate::walls::contact_rows::LoadedBodies;
 use tremie_team::Variant;
 
-/// So many bodies ahead records are fetched: few enough to stay close.
+/// Number of bodies by which records are fetched ahead: few enough to stay in the cache.
 const AHEAD: usize = 8;
 
-/// Where the bodies of one block collect their forces, one body after the other.
+/// Sum of the forces on the bodies of one block, one body after the other.
 pub(crate) struct ForceSum<'a> {
     pairs: &'a NeighbourList,
     surfaces: [Few<'a>; 4],
-    /// Whether surfaces push any of its bodies.
+    /// True if surfaces push any of its bodies.
     any: bool,
-    /// Whether registers of AVX2 may be used.
+    /// True if registers of AVX2 may be used.
     wide: bool,
     /// Index of the block's last body, and one more.
     end: usize,
@@ -70,7 +70,7 @@ impl<'a> ForceSum<'a> {
         Self { pairs: contacts.pairs, surfaces, any, wide: false, end: range.end }
     }
 
-    /// The same in the instructions of a variant, if the processor has them; fast where the caller
+    /// The sum in the instructions of a variant, if the processor has them; fast where the caller
     /// is compiled for them.
     #[inline(always)]
     pub fn with(self, variant: Variant) -> Self {
@@ -113,7 +113,7 @@ impl<'a> ForceSum<'a> {
         sum
     }
 
-    /// Of bodies, without rolling friction:
+    /// Wrench on body i without rolling friction:
     /// [`ContactState::on`](crate::neighbours::neighbour_list::Record::on), in registers.
     #[inline(always)]
     fn plain(&self, i: usize, radius: f64) -> Wrench {
@@ -173,7 +173,7 @@ impl<'a> ForceSum<'a> {
         self.plain(i, radius)
     }
 
-    /// Of bodies, with rolling friction.
+    /// Wrench on body i with rolling friction.
     #[inline(never)]
     fn rolling(&self, i: usize, radius: f64) -> Wrench {
         let mut sum = Wrench::zero();

@@ -19,24 +19,24 @@ use crate::solver::force_sum::ForceSum;
 use crate::solver::neighbour_search::Contacts;
 use tremie_team::{Cut, Team, Variant, instructions::Work};
 
-/// What moves bodies.
+/// Forces that move bodies.
 #[derive(Clone, Copy)]
 pub(crate) struct AppliedForces<'a> {
     pub contacts: Contacts<'a>,
-    /// Whether the fluid loads of the bodies are anything but zero.
+    /// True if the fluid load of any body is not zero.
     pub loaded: bool,
     /// Acceleration of weight [m/s²].
     pub gravity: Vec3,
 }
 
-/// How far bodies went.
+/// Displacement of bodies in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StepDisplacement {
     /// Square of the largest distance of a body from its reference position [m²]; NaN if any is.
     pub farthest: f64,
-    /// Whether any body crossed a periodic face.
+    /// True if any body crossed a periodic face.
     pub crossed: bool,
-    /// Whether any body went as far as it may until neighbours are listed anew.
+    /// True if any body went as far as it may until neighbours are listed anew.
     pub due: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What bodies may touch, and how.
+//! Interaction partners of bodies: walls, parts, laws and lubrication.
 
 use crate::bodies::body_arrays::Bodies;
 use crate::bodies::deformable_surface::DeformableSurface;
@@ -29,9 +29,9 @@ pub(crate) struct InteractionContext {
     pub walls: Vec<Wall>,
     /// Axis and side of the faces of the domain that the first of them are.
     pub faces: Vec<(usize, usize)>,
-    /// Whether one may touch two of them as one region.
+    /// True if a body may touch two of the walls as one region.
     pub walls_lean: bool,
-    /// Those that are no mirrors.
+    /// Walls that are no symmetry planes.
     pub seat_walls: Vec<Wall>,
     /// Walls whose velocities change with time.
     sliding: Vec<Sliding>,
@@ -45,15 +45,15 @@ pub(crate) struct InteractionContext {
     pub one_law: Option<LinearLaw>,
     /// Lubrication, if there is any.
     pub squeeze: Option<Squeeze>,
-    /// Gap up to which surfaces feel each other [m].
+    /// Reach of forces: largest gap of surfaces at which they act [m].
     reach: f64,
-    /// What a user calls the walls, and after them the parts.
+    /// Names of the walls for the user, and after them those of the parts.
     names: Vec<String>,
 }
 
 impl InteractionContext {
-    /// Those of a scene with its parts placed, and with surfaces; `largest` is the diameter of the
-    /// largest body [m].
+    /// Context of a scene with its parts placed, and with surfaces; `largest` is the diameter of
+    /// the largest body [m].
     pub fn of_scene(
         scene: &Scene,
         parameters: &Parameters,
@@ -98,8 +98,8 @@ impl InteractionContext {
         }
     }
 
-    /// What a user calls the other side of a contact of two bodies by their ids, and the id that
-    /// the contact goes by.
+    /// Name for the user of the other side of a contact of two bodies, by their ids, and the id by
+    /// which the contact is reported.
     pub fn name(&self, body: u64, other: Other, id: impl Fn(u32) -> u64) -> (u64, String) {
         match other {
             Other::Wall(wall) => (body, self.names[wall as usize].clone()),
@@ -115,7 +115,7 @@ impl InteractionContext {
         }
     }
 
-    /// What surfaces that deform find near them; `skins` are those of the bodies' lists.
+    /// Surroundings of surfaces that deform; `skins` are those of the bodies' lists.
     pub fn near_surfaces<'a>(
         &'a self,
         bodies: &'a Bodies,
@@ -125,8 +125,8 @@ impl InteractionContext {
         SurfaceSurroundings { bodies, laws: &self.laws, seats, skins }
     }
 
-    /// What forces between bodies are made from; `crossed` tells whether any body crossed a
-    /// periodic face since neighbours were listed.
+    /// Input of the forces between bodies; `crossed` is true if any body crossed a periodic face
+    /// since neighbours were listed.
     pub fn scenery<'a>(
         &'a self,
         bodies: &'a Bodies,

@@ -21,7 +21,7 @@ use tremie_team::{Cut, Team};
 /// two.
 const LISTS_PER_ORDER: u64 = 16;
 
-/// Neighbour lists and what it takes to make them.
+/// Neighbour lists and the buffers to make them.
 pub(crate) struct Search {
     /// Bodies by size and place.
     pub cells: LinkedCells,
@@ -35,11 +35,11 @@ pub(crate) struct Search {
     pub surfaces: Surfaces,
     /// Contacts of polyhedra.
     pub solids: PolyContacts,
-    /// How often lists were made.
+    /// Number of lists made.
     pub rebuilds: u64,
     /// Forces on the walls at the last evaluation before the lists were made [N].
     on_walls: Vec<Vec3>,
-    /// Whether contacts were evaluated since then.
+    /// True if contacts were evaluated since then.
     pub evaluated: bool,
     maker: NeighbourListBuilder,
     spare_walls: WallContacts,
@@ -48,7 +48,7 @@ pub(crate) struct Search {
     found_parts: Vec<part_finder::FoundParts>,
     order: Vec<u32>,
     keys: Vec<(u64, u32)>,
-    /// Where bodies stood in memory when lists were made, if any came or went since.
+    /// Places of bodies in memory when lists were made, if any body came or went since.
     pub moved: Option<Vec<u32>>,
 }
 
@@ -91,7 +91,7 @@ impl Search {
         self.cells.skins()
     }
 
-    /// How far bodies may go until lists are due.
+    /// Limit of the displacements of bodies until lists are due.
     pub fn leash(&self) -> Leash<'_> {
         Leash::new(self.cells.skins(), self.cells.classes())
     }
@@ -142,6 +142,7 @@ impl Search {
         around: &mut InteractionContext,
     ) {
         let mut on_walls = std::mem::take(&mut self.on_walls);
+        // New lists hold no forces on walls: those of the last evaluation are kept.
         if self.evaluated {
             self.wall_forces(around.walls.len(), &mut on_walls);
         }
@@ -171,6 +172,7 @@ impl Search {
             skins,
             previous: &self.order,
         };
+        // Parts before walls: a body near a part has its walls in the list of parts.
         let before = (&self.spare_parts, &self.spare_walls);
         self.parts.make(before, &mut self.found_parts, team, bodies, &near);
         let near = wall_contacts::WallSearch { walls, laws, skins, previous: &self.order };

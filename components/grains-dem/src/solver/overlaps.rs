@@ -94,7 +94,7 @@ fn check_parts(
 /// More bodies in parts are not listed one by one.
 const MOST_PROBLEMS: usize = 20;
 
-/// The pair with the deepest overlap beyond touching, its overlap, and how many there are.
+/// The pair with the deepest overlap beyond touching, its overlap, and the number of such pairs.
 fn deepest_overlap(
     domain: &Domain,
     spheres: &[PlacedSphere],

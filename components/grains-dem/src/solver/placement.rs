@@ -27,19 +27,20 @@ pub(crate) fn around(scene: &Scene, set: &BodySet) -> f64 {
     shape_of(scene, set).map_or(1.0, |(_, around)| around)
 }
 
-/// How much more than a sphere a body of the scene moves under a push beside its centroid, at most.
+/// Largest ratio of the motion of a body of the scene to that of a sphere, under a push beside the
+/// centroid; at least 1.
 pub(crate) fn lever(scene: &Scene) -> f64 {
     let used = scene.bodies.iter().filter_map(|set| shape_of(scene, set));
     let shapes = used.filter_map(|(shape, _)| Shape::of(&scene.shapes[shape as usize]).ok());
     shapes.map(|shape| shape.lever() / OF_SPHERE).fold(1.0, f64::max)
 }
 
-/// That of a sphere over one through the centre: `1 + 5/2`.
+/// Lever of a sphere, a push at its surface over one through its centre: `1 + 5/2`.
 pub(crate) const OF_SPHERE: f64 = 3.5;
 
-/// How deep a corner at a right angle sinks into a wall at a speed [m/s], over the radius of the
-/// sphere inside, at most of all polyhedra: its force is `k h^3/(2 A)`, with the area of the
-/// largest face, so that `h = (4 m v^2 A/k)^(1/4)`. 0 without polyhedra.
+/// Depth of a right-angled corner in a wall at a speed [m/s], over the radius of the sphere inside:
+/// the largest of all polyhedra. Its force is `k h^3/(2 A)`, with the area of the largest face, so
+/// that `h = (4 m v^2 A/k)^(1/4)`. 0 without polyhedra.
 pub(crate) fn corner_depth(scene: &Scene, speed: f64) -> f64 {
     let of = |(set, whole): (&BodySet, Option<Whole>)| {
         let (shape, _) = shape_of(scene, set)?;
@@ -136,6 +137,7 @@ pub(crate) fn place(
                 ..
             }) => {
                 let Some((shape, around)) = shape_of(scene, set) else { continue };
+                // The spheres around polyhedra are packed, so that any orientation fits.
                 match random_packing::pack(packing, around, &surroundings) {
                     Ok(balls) => {
                         let solid = |(k, ball): (usize, &BoundingSphere)| {

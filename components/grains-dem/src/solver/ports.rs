@@ -1,4 +1,4 @@
-//! Inlets and outlets: who comes and who goes at the end of a window.
+//! Inlets and outlets: spheres that come and go at the end of a window.
 
 mod filled;
 mod inlet;
@@ -20,7 +20,7 @@ pub(crate) use inlet::region;
 use serde::Serialize;
 use tremie_messages::scene::{Diameters, Domain, InletVelocity, Outlet, Packing, Scene};
 
-/// What an inlet has done.
+/// Totals of an inlet since the start, and its deficit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InletState {
     /// Spheres that came since the start.
@@ -32,7 +32,7 @@ pub struct InletState {
     pub mass_inserted: f64,
 }
 
-/// What an outlet has done.
+/// Totals of an outlet since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutletState {
     /// Spheres that went since the start.
@@ -47,7 +47,7 @@ pub(crate) struct Ports {
     outlets: Vec<(Outlet, OutletState)>,
     /// Most spheres that may live at once.
     pub capacity: usize,
-    /// Ids of those that go.
+    /// Ids of spheres that leave.
     gone: Vec<u64>,
 }
 
@@ -61,7 +61,7 @@ const SPARE: f64 = 0.05;
 /// memory.
 const MOST: f64 = 5e5;
 
-/// How many spheres the domain can hold, and how many there is room for.
+/// Room for spheres: the most that may live at once, and the number that fits into the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Room {
     /// Most spheres that may live at once.
@@ -105,7 +105,7 @@ fn densest(scene: &Scene) -> f64 {
     1.0 - libm::pow(1.0 - DENSEST, 1.0 + ratio)
 }
 
-/// What parts and planes leave of the domain [m³], from points between them.
+/// Volume of the domain outside parts and planes [m³], from points between them.
 fn free_volume(scene: &Scene, parts: &[PlacedPart]) -> f64 {
     let (Domain { min, max, .. }, size) = (&scene.domain, scene.domain.size());
     let whole: f64 = size.into_iter().product();
@@ -135,7 +135,7 @@ fn free_volume(scene: &Scene, parts: &[PlacedPart]) -> f64 {
 }
 
 impl Ports {
-    /// Those of a scene that is right, for steps of `dt` [s].
+    /// Inlets and outlets of a valid scene, for steps of `dt` [s].
     pub fn of_scene(
         scene: &Scene,
         around: &InteractionContext,
@@ -157,12 +157,12 @@ impl Ports {
 }
 
 impl GrainsDem {
-    /// What each inlet has done, in the order of the scene.
+    /// State of each inlet, in the order of the scene.
     pub fn inlets(&self) -> impl ExactSizeIterator<Item = InletState> + '_ {
         self.ports.feeders.iter().map(|feeder| feeder.state)
     }
 
-    /// What each outlet has done, in the order of the scene.
+    /// State of each outlet, in the order of the scene.
     pub fn outlets(&self) -> impl ExactSizeIterator<Item = OutletState> + '_ {
         self.ports.outlets.iter().map(|(_, state)| *state)
     }
@@ -203,7 +203,7 @@ impl GrainsDem {
         Ok(())
     }
 
-    /// Notes who lies in an outlet, by ascending ids; the first outlet counts.
+    /// Notes the spheres in an outlet, by ascending ids; the first outlet counts.
     fn find_gone(&mut self) {
         let Ports { outlets, gone, .. } = &mut self.ports;
         gone.clear();
@@ -259,6 +259,7 @@ impl GrainsDem {
                     velocity: feeder.velocity,
                 });
             }
+            // Later inlets keep clear of these.
             around.balls.extend(came);
         }
         Ok(added)

@@ -1,4 +1,4 @@
-//! What the scene's probes see of the spheres.
+//! Probes of the scene, with sums over the spheres.
 //!
 //! Sums are taken over blocks of ids, and these in their order: the same bits on any number of
 //! threads.
@@ -89,7 +89,7 @@ pub(crate) struct Probes {
     hidden: Vec<rings::RingSum>,
 }
 
-/// Which of the lists the next probe stands in.
+/// Kind of the next probe: the list that it stands in.
 #[derive(Clone, Copy, Debug)]
 enum ProbeKind {
     Section,
@@ -98,7 +98,7 @@ enum ProbeKind {
 }
 
 impl Probes {
-    /// Of a scene with these bodies, by id.
+    /// Probes of a scene with these bodies, by id.
     pub fn new(
         probes: &[Probe],
         domain: &Domain,

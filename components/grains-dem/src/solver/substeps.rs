@@ -18,11 +18,11 @@ use std::time::Instant;
 use tremie_messages::body::{BodyState, Load};
 use tremie_team::Choice;
 
-/// How far a window has come.
+/// Progress of a window.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Progress {
     open: bool,
-    /// Whether a substep was begun and not finished.
+    /// True if a substep was begun and not finished.
     inside: bool,
     /// Substeps that are finished.
     done: u32,
@@ -170,6 +170,7 @@ impl GrainsDem {
             self.around.parts.iter_mut().for_each(|part| part.finish(self.stepping.dt));
         }
         let duration = f64::from(substeps) * self.stepping.dt;
+        // Before spheres come and go: the probes know positions by the ranks of this window.
         self.probes.pass(
             &mut self.threads.team,
             &self.population.bodies,

@@ -1,5 +1,5 @@
-//! How clumps are made of the bodies that a scene joins, and what bounds of time steps and checks
-//! ask of them.
+//! Assembly of clumps from the bodies that a scene joins, with their numbers for bounds of time
+//! steps and for checks.
 
 use super::{Clump, Clumps, Member, UNTURNED};
 use crate::Vec3;
@@ -23,7 +23,7 @@ pub(crate) fn numbers(scene: &Scene) -> (Vec<Option<u32>>, usize) {
     (numbers, known.len())
 }
 
-/// A clump, as those see it who bound time steps.
+/// A clump as it bounds time steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Whole {
     /// Its number.
@@ -52,7 +52,7 @@ pub(crate) fn wholes(scene: &Scene) -> Vec<Option<Whole>> {
     numbers.into_iter().map(of).collect()
 }
 
-/// How a body of a clump begins, beside the rigid motion that has the momenta of all.
+/// Deviation of a body of a clump, at the start, from the rigid motion with the momenta of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Misfit {
     /// Rank of the body.
@@ -66,8 +66,8 @@ pub(crate) struct Misfit {
 }
 
 impl Clumps {
-    /// Those that bodies were placed in; masses and moments of inertia are sums over the bodies, or
-    /// over their shares of the union. They begin with the momentum and the angular momentum of
+    /// Clumps that bodies were placed in; masses and moments of inertia are sums over the bodies,
+    /// or over their shares of the union. They begin with the momentum and the angular momentum of
     /// their bodies.
     pub fn of_placed(scene: &Scene, placed: &[PlacedSphere]) -> Self {
         let shapes = shapes(scene);
@@ -83,7 +83,7 @@ impl Clumps {
 }
 
 impl Clump {
-    /// Of bodies with their ranks; `None` without any.
+    /// Clump of bodies with their ranks; `None` without any.
     fn of(placed: &[(u32, &PlacedSphere)], shapes: &[Shape]) -> Option<Self> {
         let mass: f64 = placed.iter().map(|(_, body)| body.mass).sum();
         let sum = |of: &dyn Fn(&PlacedSphere) -> Vec3| {
@@ -99,6 +99,7 @@ impl Clump {
             for (a, row) in tensor.iter_mut().enumerate() {
                 let unit = Vec3::from_fn(|b, _| f64::from(a == b));
                 let arm = middle(body) - x;
+                // Parallel-axis theorem.
                 let around = (unit * arm.norm_squared() - arm * arm[a]) * body.mass;
                 let own = own_inertia(body, shapes, unit) + around;
                 row.iter_mut().zip(own.iter()).for_each(|(sum, more)| *sum += more);
@@ -157,7 +158,7 @@ impl Clump {
         self.mass / (normal + at_once).max(any / OF_SPHERE)
     }
 
-    /// Which of its bodies begins least like a part of a rigid motion, and how far from it.
+    /// Body whose start deviates most from the rigid motion, with that deviation.
     pub fn misfit(&self, placed: &[PlacedSphere]) -> Misfit {
         let of = |member: &Member| {
             let (expected, body) =
@@ -179,7 +180,7 @@ impl Clump {
         self.members[1..].iter().map(of).fold(of(&self.members[0]), worst)
     }
 
-    /// How far its bodies reach along an axis, from centre to centre [m].
+    /// Extent of its bodies along an axis, from centre to centre [m].
     pub fn extent(&self, axis: usize) -> f64 {
         let ends =
             self.members.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], member| {

@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::packing::random_packing::{Sizes, Upstream};
 use tremie_messages::scene::Packing;
 
-/// Where spheres come in a region, and the volume from there on.
+/// Entry of spheres into a region, and the region's volume from there on.
 ///
 /// A stream of spheres that come at a mean distance x from where it enters and leave at the region's end L, at one
 /// speed, holds the volume A (L - x) f in the mean over time, f its solid fraction: a sphere counts whole as soon as it
@@ -21,11 +21,12 @@ pub(super) struct Filled {
     came: [f64; 2],
 }
 
-/// So many spheres the guess counts as.
+/// Number of spheres that the guess counts as.
 const GUESS: f64 = 10.0;
 
 impl Filled {
-    /// Of a region with these free `slices` along the stream; without a stream all of it is filled.
+    /// Filled part of a region with these free `slices` along the stream; without a stream all of
+    /// it is filled.
     pub fn new(
         region: &Packing,
         upstream: Option<Upstream>,

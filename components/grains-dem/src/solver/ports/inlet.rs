@@ -1,4 +1,4 @@
-//! An inlet: how much is lacking, and where the next spheres come.
+//! An inlet: the lacking volume, and the places of the next spheres.
 //!
 //! Spheres come while at least half of the next one's volume is lacking, so that the volume swings about
 //! the wanted one. What leaves between two insertions is lacking in the mean until then; the error of the
@@ -26,7 +26,7 @@ const STEPS: u64 = 50;
 /// leaves, less is held, and the mean of their product is not that of the means.
 const RECENT: f64 = 0.05;
 
-/// An inlet with what it remembers.
+/// An inlet with its state.
 pub(super) struct Feeder {
     pub name: String,
     /// Index of its set in the scene.
@@ -34,11 +34,11 @@ pub(super) struct Feeder {
     region: Packing,
     sizes: Sizes,
     largest: f64,
-    /// Where they fill the region, and the volume of one of them in the mean [m³].
+    /// Part of the region that spheres fill, and their mean volume [m³].
     filled: Filled,
     mean_volume: f64,
     pub from: InletVelocity,
-    /// That of the spheres that come [m/s].
+    /// Velocity of the spheres that come [m/s].
     pub velocity: [f64; 3],
     /// Steps between insertions, and those since the start at the last one.
     every: u64,
@@ -80,6 +80,7 @@ impl Feeder {
         let slices = upstream.map_or((2, 0), |upstream| (upstream.axis, upstream.side));
         let slices = Feeding::new(&region, &empty, largest).free_slices(slices.0, slices.1);
         let filled = Filled::new(&region, upstream, slices, &sizes);
+        // A whole number of steps must not become one more by rounding.
         let every = inlet.every.map_or(STEPS, |time| (time / dt - 1e-9).ceil().max(1.0) as u64);
         Some(Self {
             name: inlet.name.clone(),
@@ -95,6 +96,7 @@ impl Feeder {
             every,
             last: 0,
             until: inlet.until.unwrap_or(f64::INFINITY),
+            // Multiples of 2^64 over the golden ratio: inlets of one seed get keys far apart.
             key: inlet.seed.wrapping_add((index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)),
             tries: inlet.tries,
             failed: 0,
@@ -107,7 +109,7 @@ impl Feeder {
         })
     }
 
-    /// Whether spheres may come now.
+    /// True if spheres may come now.
     pub fn is_due(&self, steps: u64, time: f64) -> bool {
         steps - self.last >= self.every && time <= self.until
     }
@@ -134,6 +136,8 @@ impl Feeder {
             }
             let feeding =
                 feeding.get_or_insert_with(|| Feeding::new(&self.region, around, self.largest));
+            // A sphere that found no place keeps its diameter, but gets other places next time. Bit
+            // 63 separates the random numbers of places from those of diameters.
             let key = self.key.wrapping_add(self.failed.wrapping_mul(0xD134_2543_DE82_EF95));
             let mut random = Random::new(key, 1 << 63 | next);
             let upstream = from_side(self.from, self.largest);

@@ -1,4 +1,4 @@
-//! Boxes: how much of them the spheres fill, and how these move.
+//! Boxes: solid fraction and velocity of the spheres inside.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -13,12 +13,12 @@ pub(super) struct ProbeRegion {
     pub max: Vec3,
 }
 
-/// What a block of ids has in a region.
+/// Sums over a block of ids in a region.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RegionSum {
     /// Volume of spheres in it [m³].
     volume: f64,
-    /// That times their velocities [m⁴/s].
+    /// Volume times velocity of these spheres [m⁴/s].
     flow: Vec3,
     /// Centres in it.
     number: u64,
@@ -60,7 +60,7 @@ impl ProbeRegion {
         super::volume_in_box(radius, x, self.min, self.max)
     }
 
-    /// Whether a centre lies in it; regions side by side never share one.
+    /// True if a centre lies in it; regions side by side never share one.
     fn holds(&self, x: Vec3) -> bool {
         (0..3).all(|a| x[a] >= self.min[a] && x[a] < self.max[a])
     }

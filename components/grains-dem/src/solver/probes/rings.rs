@@ -1,4 +1,4 @@
-//! Rings: how many spheres lie in one, and how much of its cross-section they hide along its axis.
+//! Rings: number of spheres in one, and part of its cross-section that they hide along its axis.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::BLOCK;
@@ -15,7 +15,7 @@ pub(super) struct Annulus {
     pub area: f64,
 }
 
-/// What a block of ids has in a ring.
+/// Sums over a block of ids in a ring.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RingSum {
     /// Centres in it.
@@ -51,7 +51,7 @@ pub(super) fn look(
 }
 
 impl Annulus {
-    /// Of a ring in a domain.
+    /// Probe of a ring in a domain.
     pub fn new(ring: &Ring, domain: &Domain) -> Self {
         let across = ring.across();
         let centre = across.map(|a| ring.through[a]);

@@ -6,7 +6,7 @@ use crate::bodies::body_arrays::Bodies;
 use crate::math::periodic::PeriodicBox;
 use tremie_team::{Cut, Team};
 
-/// A rectangle across an axis, and what has passed it.
+/// A rectangle across an axis, and the spheres that have passed it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Section {
     axis: usize,
@@ -22,7 +22,7 @@ pub(super) struct Section {
     mean_over: f64,
 }
 
-/// Centres that passed along the axis, less those that passed against it.
+/// Centres that passed along the axis, less centres that passed against it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SectionSum {
     number: i64,
@@ -101,6 +101,7 @@ pub(super) fn pass(
             }
         }
     });
+    // Block after block: equal bits on any number of threads.
     let count = sections.len();
     for (k, section) in sections.iter_mut().enumerate() {
         section.last = SectionSum::default();
