@@ -83,6 +83,7 @@ pub(crate) fn scene(scene: &Scene, parameters: &Parameters) -> Vec<Problem> {
         check_law::law(&format!("scene.contacts[{i}].law"), &pair.law, &mut problems);
     }
     if problems.is_empty() {
+        // These checks rely on a scene that is valid so far.
         check_ports::ports(scene, parameters, &mut problems);
     }
     if problems.is_empty() {
@@ -235,7 +236,7 @@ fn inside(key: &str, set: &BodySet, sphere: &Sphere, scene: &Scene, problems: &m
     }
 }
 
-/// What concerns the scene as a whole, once its parts are valid.
+/// Checks the scene as a whole, once its parts are valid.
 fn whole(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     // Bodies that stand still or move as prescribed meet only what is free.
     let [mut free, mut held] = [0.0f64; 2];

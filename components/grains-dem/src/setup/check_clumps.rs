@@ -1,4 +1,4 @@
-//! What can be wrong with clumps.
+//! Checks of clumps.
 
 use crate::setup::check::AXES;
 use crate::solver::clumps::{Clumps, Misfit};
@@ -76,18 +76,18 @@ pub(crate) fn wholes(scene: &Scene, problems: &mut Vec<Problem>) {
     }
 }
 
-/// How much more the pieces of clumps weigh than their unions.
+/// Excess of the pieces of clumps over their unions: overlap that counts more than once.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClumpOverlap {
     /// Name of the clump that it is most of.
     pub clump: String,
     /// Volume of its pieces over that of their union, less one.
     pub excess: f64,
-    /// Whether its mass is that of the union.
+    /// True if its mass is that of the union.
     pub united: bool,
-    /// How many clumps have pieces that overlap.
+    /// Number of clumps with pieces that overlap.
     pub count: usize,
-    /// How many were looked at.
+    /// Number of clumps examined.
     pub of: usize,
 }
 
@@ -97,7 +97,8 @@ const LOOKED_AT: usize = 200;
 /// Pieces that overlap by less than this part of the union touch.
 const TOUCHING: f64 = 1e-3;
 
-/// Of the clump whose pieces overlap most, those whose overlaps count twice before the others.
+/// Overlap of the clump whose pieces overlap most, those whose overlaps count twice before the
+/// others.
 pub(crate) fn overlap(scene: &Scene) -> Option<ClumpOverlap> {
     let mut names: Vec<&str> = Vec::new();
     for name in scene.bodies.iter().filter_map(|set| set.clump.as_deref()) {

@@ -1,4 +1,4 @@
-//! What can be wrong with the law of a contact.
+//! Checks of the law of a contact.
 
 use crate::contact::springs::{Bound, RegisteredSpring};
 use crate::math::numbers::is_positive;

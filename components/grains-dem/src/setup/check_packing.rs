@@ -1,4 +1,4 @@
-//! What can be wrong with a packing.
+//! Checks of a packing.
 
 use crate::Vec3;
 use crate::packing::random_packing::Sizes;

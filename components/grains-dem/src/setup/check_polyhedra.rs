@@ -1,4 +1,4 @@
-//! What can be wrong with polyhedra.
+//! Checks of polyhedra.
 
 use crate::contact::springs::RegisteredSpring;
 use crate::math::numbers::is_positive;
@@ -18,7 +18,7 @@ use tremie_messages::{
 /// more.
 const DENSEST: f64 = 0.6;
 
-/// The shapes of a scene, and what else polyhedra need from it.
+/// Checks the shapes of a scene, and its other settings for polyhedra.
 pub(crate) fn shapes(scene: &Scene, parameters: &Parameters, problems: &mut Vec<Problem>) {
     for (i, shape) in scene.shapes.iter().enumerate() {
         if let Err(error) = Shape::of(shape) {

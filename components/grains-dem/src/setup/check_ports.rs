@@ -1,4 +1,4 @@
-//! What can be wrong with inlets and outlets.
+//! Checks of inlets and outlets.
 
 use crate::Vec3;
 use crate::bodies::placed_parts::PlacedPart;

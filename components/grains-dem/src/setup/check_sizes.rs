@@ -1,4 +1,4 @@
-//! What can be wrong with a distribution of diameters.
+//! Checks of a distribution of diameters.
 
 use crate::math::numbers::is_positive;
 use crate::packing::random_packing::{LEAST_PART, Sizes};

@@ -1,4 +1,4 @@
-//! What can be wrong with a slider.
+//! Checks of a slider.
 
 use crate::math::numbers::is_positive;
 use tremie_messages::{
@@ -77,7 +77,8 @@ fn stops_of(key: &str, stops: &Stops, slider: &Slider, problems: &mut Vec<Proble
     }
 }
 
-/// How deep a stop may hold the slider at rest [m]: twice as deep as spring and constant force press it.
+/// Largest depth at which a stop may hold the slider at rest [m]: twice as deep as spring and
+/// constant force press it.
 fn give(slider: &Slider, stiffness: f64) -> f64 {
     let pressed = match &slider.spring {
         SliderSpring::None => 0.0,

@@ -1,4 +1,4 @@
-//! What can be wrong with surfaces that deform.
+//! Checks of surfaces that deform.
 
 use crate::bodies::deformable_surface::{DeformableSurface, area_vectors};
 use crate::bodies::slider::unit;

@@ -1,4 +1,4 @@
-//! Who may meet whom under which law, and the extreme pairs under each.
+//! Pairs of materials that may meet, with their laws and the extreme pairs under each.
 
 use crate::contact::contact_law::Law;
 use crate::contact::material_laws::{Surface, surfaces};
@@ -30,12 +30,12 @@ impl LightestBody {
         Self { mass, felt: mass, radius, clump: None }
     }
 
-    /// What does not move.
+    /// A body that does not move: of infinite mass.
     fn still(radius: f64) -> Self {
         Self::alone(f64::INFINITY, radius)
     }
 
-    /// Whether two belong to one clump, so that they never touch.
+    /// True if two belong to one clump, so that they never touch.
     fn is_joined_to(&self, other: &Self) -> bool {
         self.clump.is_some() && self.clump == other.clump
     }
@@ -53,25 +53,25 @@ struct BodyKind<'a> {
     densest: [LightestBody; 2],
     /// Smallest and largest radius of all.
     radii: [f64; 2],
-    /// Whether all belong to one clump; `None` without any.
+    /// Common clump of all the bodies, or `Many`; `None` without bodies.
     sole: Option<Sole>,
 }
 
-/// Whether the bodies of a kind are one.
+/// Common clump of the bodies of a kind, if there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Sole {
     /// All belong to this clump.
     Clump(u32),
-    /// They do not.
+    /// They do not all belong to one clump.
     Many,
 }
 
-/// The bodies of a scene by material, with what they may meet.
+/// The bodies of a scene by material, with the surfaces that they may meet.
 pub(crate) struct BodyStatistics<'a> {
     scene: &'a Scene,
     kinds: Vec<BodyKind<'a>>,
     surfaces: Vec<Surface<'a>>,
-    /// How many bodies stand for those that inlets feed.
+    /// Number of bodies that stand for those that inlets feed.
     fed: usize,
     /// Largest speed of anything at the start [m/s].
     pub speed: f64,
@@ -79,7 +79,7 @@ pub(crate) struct BodyStatistics<'a> {
 
 /// Two materials that may meet, under their law.
 pub(crate) struct MaterialPair<'a> {
-    /// Which, as "glass with glass".
+    /// Name of the pair, as "glass with glass".
     pub name: String,
     /// The materials, that of a surface last.
     pub materials: [&'a str; 2],
@@ -93,14 +93,14 @@ pub(crate) struct MaterialPair<'a> {
     pub soft: (Reduced, f64),
     /// Sum of the inverse masses that a contact of the lightest pair has to move [1/kg].
     pub inverse_mass: f64,
-    /// Whether it is with a wall or a part.
+    /// True if the pair is a body with a wall or a part.
     pub with_surface: bool,
     /// Most contacts under this law that a body can have at once.
     pub contacts: f64,
 }
 
 /// Bodies of two materials that may meet: the lightest, the heaviest, those that are heaviest for
-/// their size, and how many contacts one of them may have at once.
+/// their size, and the most contacts of one of them at once.
 struct Pairs {
     light: [LightestBody; 2],
     heavy: [LightestBody; 2],
@@ -192,7 +192,7 @@ impl<'a> BodyStatistics<'a> {
         problems
     }
 
-    /// What may meet under which law.
+    /// Pairs of materials that may meet, each with its law.
     pub fn encounters(&self) -> Vec<MaterialPair<'a>> {
         let mut found: Vec<MaterialPair<'a>> = Vec::new();
         self.each(|a, b, _, Pairs { light, heavy, dense, contacts }| {
@@ -229,7 +229,7 @@ impl<'a> BodyStatistics<'a> {
         found
     }
 
-    /// Visits the pairs of materials that may meet: their names, the fact, and who meets.
+    /// Visits the pairs of materials that may meet: their names, the fact, and the bodies.
     fn each(&self, mut visit: impl FnMut(&'a str, &'a str, String, Pairs)) {
         for (index, a) in self.kinds.iter().enumerate() {
             for b in &self.kinds[index..] {
@@ -294,7 +294,7 @@ impl<'a> BodyKind<'a> {
         }
     }
 
-    /// Whether bodies of two kinds cannot touch: there is but one, or they all belong to one clump.
+    /// True if bodies of two kinds cannot touch: there is but one, or they all belong to one clump.
     fn never_meets(&self, other: &Self, same: bool) -> bool {
         let one_clump = match (self.sole, other.sole) {
             (Some(Sole::Clump(a)), Some(Sole::Clump(b))) => a == b,

@@ -1,9 +1,9 @@
 //! Memory that a run's bodies take, counted from the arrays that hold them and from the pairs that
 //! will be listed.
 //!
-//! How many pairs there are depends on how close bodies lie: a cloud that falls has few, the bed
-//! that it becomes has many. How many bodies there are depends on what inlets bring. Both ends are
-//! told, and their geometric mean stands for the run.
+//! The number of pairs depends on how close bodies lie: a cloud that falls has few, the bed that it
+//! becomes has many. The number of bodies depends on the inlets. Both ends are told, and their
+//! geometric mean stands for the run.
 
 use crate::Vec3;
 use crate::bodies::body_arrays::{BoundingSphere, Mobility, Twist, Wrench};
@@ -27,19 +27,20 @@ const BED: f64 = 0.6;
 /// Least and most memory that the bodies of a run take [bytes].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Need {
-    /// As they lie at the start, and with the regions of inlets filled.
+    /// Memory as they lie at the start, and with the regions of inlets filled.
     pub start: f64,
     /// Once they lie as close as in a bed, and are as many as there is room for.
     pub dense: f64,
 }
 
 impl Need {
-    /// What stands for the run [bytes]: no further from one end than from the other.
+    /// Geometric mean of both ends [bytes], the estimate for the run: no further from one end than
+    /// from the other.
     pub fn middle(&self) -> f64 {
         (self.start * self.dense).sqrt()
     }
 
-    /// That of a scene that is right, with room for so many bodies.
+    /// Memory of a valid scene, with room for so many bodies.
     pub fn of(scene: &Scene, parameters: &Parameters, capacity: usize) -> Self {
         let few = crowds(scene, |region, _| region);
         let start: usize =
@@ -73,11 +74,11 @@ struct Species {
     count: f64,
     /// Sum of the cubes of the diameters of spheres of equal volume [m³].
     cubes: f64,
-    /// How many times as wide the spheres around them are.
+    /// Diameter of the spheres around them, over that of spheres of equal volume.
     around: f64,
-    /// Whether forces move them.
+    /// True if forces move them.
     free: bool,
-    /// Whether they are polyhedra.
+    /// True if they are polyhedra.
     solid: bool,
 }
 
@@ -87,7 +88,7 @@ impl Species {
         self.around * libm::cbrt(self.cubes / self.count)
     }
 
-    /// What one takes by itself [bytes].
+    /// Memory of one body by itself [bytes].
     fn state(&self) -> f64 {
         (STATE + SEARCH + if self.solid { polyhedra::OF_BODY } else { 0 }) as f64
     }
@@ -148,10 +149,10 @@ fn by_size(diameters: impl Iterator<Item = f64>, one: Species, weight: f64) -> V
     bins.into_values().filter(|own| own.count > 0.0).collect()
 }
 
-/// What pairs take.
+/// Memory of the pairs.
 struct Cost {
     skins: Skins,
-    /// What one of two spheres takes more where there is rolling friction, at a time [bytes].
+    /// Extra memory of one of two spheres where there is rolling friction, at a time [bytes].
     rolling: usize,
 }
 

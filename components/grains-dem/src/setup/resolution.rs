@@ -1,4 +1,4 @@
-//! From a scene and parameters to a time step and what the contacts will be like.
+//! Time step and contact properties that follow from a scene and parameters.
 
 use crate::bodies::placed_parts;
 use crate::contact::contact_law::Law;
@@ -21,7 +21,7 @@ use serde::Serialize;
 use tremie_messages::{Problem, scene::Scene};
 use tremie_team::Team;
 
-/// What scene and parameters lead to, before any body is placed.
+/// Results of scene and parameters, before any body is placed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Resolution {
     /// The largest time step that a run may use [s]: the parameter's, or else what the wanted
@@ -35,17 +35,18 @@ pub struct Resolution {
     pub contact_time: Option<f64>,
     /// Relative speed for which collisions under Hertz's law are resolved [m/s].
     pub expected_speed: f64,
-    /// Whether any collision is under Hertz's law.
+    /// True if any collision is under Hertz's law.
     pub hertz: bool,
     /// Most bodies that may live at once: spheres and parts that move.
     pub bodies: usize,
     /// Number of spheres at the start.
     pub spheres: usize,
-    /// How many spheres there is room for, where inlets feed any.
+    /// Room for spheres, where inlets feed any.
     pub room: Option<Room>,
     /// Memory that the bodies take [bytes]: the geometric mean of the next two.
     pub memory: u64,
-    /// As they lie at the start, and once all that may come lie as close as in a bed [bytes].
+    /// Memory as they lie at the start, and once all that may come lie as close as in a bed
+    /// [bytes].
     pub memory_from_to: [u64; 2],
     /// Number of spheres that move under forces.
     pub free_bodies: usize,
@@ -55,18 +56,18 @@ pub struct Resolution {
     pub largest_diameter: f64,
     /// The lightest and the heaviest pair under each contact law.
     pub pairs: Vec<PairDamping>,
-    /// How deep a corner of the heaviest polyhedron sinks into a wall at the expected speed, over
-    /// the radius of the sphere inside; 0 without polyhedra.
+    /// Depth of a corner of the heaviest polyhedron in a wall at the expected speed, over the
+    /// radius of the sphere inside; 0 without polyhedra.
     pub corner_depth: f64,
-    /// How much bodies of a clump overlap each other, where any do.
+    /// Excess volume of the bodies of clumps where they overlap each other; `None` where none do.
     pub clump_overlap: Option<ClumpOverlap>,
-    /// How far spheres are to be expected to overlap.
+    /// Expected overlaps of spheres.
     pub softness: Softness,
-    /// What keeps the time step from being longer, in words.
+    /// Limit of the time step, in words.
     pub step_limit: String,
     /// Parts that move along an axis under forces.
     pub sliders: Vec<SliderTimes>,
-    /// What a user should know; sentences.
+    /// Warnings to the user; sentences.
     pub warnings: Vec<String>,
     limits: Limits,
 }
@@ -74,7 +75,7 @@ pub struct Resolution {
 /// Damping of one pair of bodies, or of a body and a wall.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PairDamping {
-    /// Which pair, as "lightest glass with steel".
+    /// Name of the pair, as "lightest glass with steel".
     pub pair: String,
     /// Reduced mass [kg].
     pub reduced_mass: f64,
@@ -100,7 +101,7 @@ struct Limits {
 /// Steps per contact below which accuracy suffers visibly.
 const ACCURATE_STEPS: f64 = 15.0;
 
-/// Memory of a triangle of a part, with what is kept to find it [bytes]; measured on x86-64.
+/// Memory of a triangle of a part, with the structures to find it [bytes]; measured on x86-64.
 const OF_TRIANGLE: u64 = 360;
 
 impl Parameters {

@@ -1,4 +1,4 @@
-//! How fast sliders oscillate, and which time step follows them.
+//! Periods of sliders, and the time step that resolves them.
 
 use crate::bodies::placed_parts::PlacedPart;
 use crate::bodies::slider::Slider;
@@ -7,7 +7,7 @@ use core::f64::consts::{FRAC_PI_4, PI};
 use serde::Serialize;
 use tremie_messages::scene::{Motion, Scene, Stops};
 
-/// What a slider is like, as it bears on the time step.
+/// Times of a slider that bear on the time step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SliderTimes {
     /// Name of the part.
@@ -16,7 +16,7 @@ pub struct SliderTimes {
     pub stop_time: Option<f64>,
     /// Half a period of the mass on its spring where that is stiffest [s], if it has one.
     pub spring_time: Option<f64>,
-    /// How far spring, weight and constant force press it into a stop at rest, over the stroke; 0 without
+    /// Depth in a stop at rest, from spring, weight and constant force, over the stroke; 0 without
     /// two stops.
     pub rest_depth: f64,
 }
@@ -24,7 +24,7 @@ pub struct SliderTimes {
 /// Grains on sliders as they bear on stability.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grains {
-    /// How many there are that move.
+    /// Number of grains that move.
     pub free: usize,
     /// Smallest diameter [m].
     pub diameter: f64,
@@ -51,7 +51,7 @@ pub(crate) fn of(scene: &Scene, parts: &[PlacedPart]) -> Vec<SliderTimes> {
         .collect()
 }
 
-/// How deep the forces that are always there press a slider into a stop, over the stroke.
+/// Depth to which the constant forces press a slider into a stop, over the stroke.
 fn rest_depth(slider: &Slider, stops: &Stops) -> f64 {
     let (Some(lower), Some(upper)) = (stops.lower, stops.upper) else { return 0.0 };
     let pressed = (-slider.constant_at(lower)).max(slider.constant_at(upper)).max(0.0);

@@ -1,4 +1,4 @@
-//! How far bodies are to be expected to overlap: at an impact, and under the weight of a bed.
+//! Expected overlap of bodies: at an impact, and under the weight of a bed.
 //!
 //! A contact law is one of small overlaps. The depth of an impact is that of a pair with its
 //! dashpot,
@@ -50,14 +50,14 @@ pub struct Softness {
 pub struct Overlap {
     /// Over the smaller radius.
     pub ratio: f64,
-    /// Between which, and what it was found from.
+    /// Bodies that overlap, and source of the number, in words.
     pub why: String,
-    /// What makes it small.
+    /// Advice that makes it small.
     pub remedy: String,
 }
 
 impl Softness {
-    /// Of a scene that is right; `speed` is what the user expects [m/s].
+    /// Softness of a valid scene; `speed` is what the user expects [m/s].
     pub(crate) fn of(
         scene: &Scene,
         parts: &[PlacedPart],
@@ -132,7 +132,7 @@ fn stiffer(law: &Law, factor: f64) -> String {
     format!("{remedy} {GOOD}, with a shorter time step; or lower speeds and lighter loads")
 }
 
-/// What a dashpot leaves of the depth of an impact.
+/// Ratio of the depth of an impact with a dashpot to that without.
 fn damped(zeta: f64) -> f64 {
     let square = 1.0 - zeta * zeta;
     let s = square.abs().sqrt();
@@ -148,12 +148,12 @@ struct Impacts {
     /// Differences of given velocities of bodies, and of bodies and surfaces.
     given: [f64; 2],
     fall: Fall,
-    /// What the user expects.
+    /// Relative speed that the user expects [m/s].
     expected: Option<f64>,
 }
 
 impl Impacts {
-    /// Of an encounter, in words too.
+    /// Speed of an encounter, and its source in words.
     fn speed(&self, with_surface: bool) -> (f64, String) {
         if let Some(expected) = self.expected {
             return (expected, "the expected speed".into());
@@ -192,7 +192,7 @@ impl Velocities {
         (self.low, self.high) = (self.low.inf(&Vec3::from(*v)), self.high.sup(&Vec3::from(*v)));
     }
 
-    /// Those of what moves with a factor over time.
+    /// Adds the speeds of a motion with a factor over time.
     fn add_timed(&mut self, v: &[f64; 3], course: &Course) {
         for factor in course.extremes() {
             self.add(&v.map(|v| v * factor));
@@ -245,6 +245,7 @@ fn given_speeds(scene: &Scene, parts: &[PlacedPart]) -> [f64; 2] {
             }
         }
     }
+    // Planes and fixed parts are at rest.
     surfaces.add(&[0.0; 3]);
     scene.parts.iter().for_each(|part| course(&part.motion, &mut surfaces));
     for face in scene.domain.faces.iter().flatten() {
@@ -271,11 +272,11 @@ fn turning(scene: &Scene, parts: &[PlacedPart]) -> f64 {
     scene.parts.iter().zip(parts).map(of).fold(0.0, f64::max)
 }
 
-/// How fast bodies fall to where they come to rest.
+/// Fall of bodies to the place where they come to rest, with its height and speed.
 struct Fall {
     height: f64,
     speed: f64,
-    /// Whether the fluid sets the speed.
+    /// True if the fluid sets the speed.
     terminal: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What keeps the time step short, in words.
+//! Limit of the time step, in words.
 
 use crate::math::parameters::Parameters;
 use crate::packing::random_packing;
@@ -9,7 +9,7 @@ use tremie_messages::{
     scene::{BodySizes, Scene},
 };
 
-/// What bounds steps: the encounters, by index, of the shortest collision and of the least
+/// Encounters, by index, that bound the time step: those of the shortest collision and of the least
 /// stability in a packing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tightest {
