@@ -24,7 +24,7 @@ pub struct SoftSpheres {
     grains: GrainsDem,
     /// Room for the states of all bodies, where spheres are so few that their paths are signals.
     tracked: Vec<BodyState>,
-    /// How many spheres these are.
+    /// Number of these spheres.
     few: usize,
     carried: Carried,
     /// Bodies, clumps and parts whose motion are signals.
@@ -179,7 +179,7 @@ impl Grains for SoftSpheres {
 }
 
 impl SoftSpheres {
-    /// Says in the log how many threads substeps get, when that was found.
+    /// Logs the number of threads of a substep, once it was found.
     fn tell_threads(&mut self) {
         if let Some(found) = self.grains.take_found() {
             tremie_sdk::log_line(format_args!("a substep {found}"));
@@ -187,7 +187,7 @@ impl SoftSpheres {
     }
 }
 
-/// Whether the paths of spheres are signals: they are few, and the same all the time.
+/// True if the paths of spheres are signals: they are few, and none comes or goes.
 fn is_followed(scene: &Scene, spheres: usize) -> bool {
     spheres <= FEW && scene.inlets.is_empty() && scene.outlets.is_empty()
 }

@@ -17,7 +17,7 @@ const ACCURATE_STEPS: f64 = 15.0;
 /// depends strongly on the masses.
 const STRONG: f64 = 0.6;
 
-/// What is known of the contacts before the run, each number with a verdict.
+/// Findings about the contacts before the run: numbers, each with a verdict.
 pub fn findings(scene: &Scene, parameters: &Parameters, resolution: &Resolution) -> Vec<Finding> {
     let mut findings = Vec::new();
     findings.extend(memory_of_sphere(resolution));
@@ -90,7 +90,8 @@ fn overlap_of_clumps(overlap: &ClumpOverlap) -> Finding {
     )
 }
 
-/// Whether inlets can feed more than there is room for. Where spheres leave, a user may know that they are fewer.
+/// Finding about inlets that may feed more spheres than there is room for. Where spheres leave, a
+/// user may know that they are fewer.
 fn room_for_spheres(scene: &Scene, parameters: &Parameters, room: Room) -> Finding {
     let Room { capacity, fits, fraction } = room;
     let (fits, fraction) = (fits.ceil(), short((fraction * 100.0).round() / 100.0));
@@ -108,7 +109,7 @@ fn room_for_spheres(scene: &Scene, parameters: &Parameters, room: Room) -> Findi
     )
 }
 
-/// What signals must keep below.
+/// Limits that signals must keep.
 pub fn limits() -> Vec<Limit> {
     vec![Limit {
         signal: "max_overlap_ratio".into(),
@@ -128,7 +129,7 @@ pub fn limits() -> Vec<Limit> {
 /// Depth of a corner over the radius of the sphere inside beyond which a hit is no small overlap.
 const SUNK_CORNER: f64 = 0.3;
 
-/// Corners are softer than faces: how far they sink in.
+/// Depth of corners, which are softer than faces.
 fn corners(resolution: &Resolution) -> Option<Finding> {
     let (depth, speed) = (resolution.corner_depth, short(resolution.expected_speed));
     (depth > 0.0).then(|| {

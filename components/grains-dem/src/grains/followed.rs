@@ -1,4 +1,4 @@
-//! Bodies, clumps and parts whose motion, and what the fluid does to them, are signals.
+//! Bodies, clumps and parts whose motion and fluid loads are signals.
 //!
 //! Of bodies those are: the body of a set that lists one, and each clump, as long as there are no
 //! more than [`BY_THEMSELVES`] of these in all; and the bodies of sets, and the clumps, that the
@@ -12,10 +12,10 @@ use std::collections::BTreeSet;
 use tremie_messages::scene::{BodySet, Motion, Placement, PolyhedronPlacement, Scene};
 use tremie_messages::{BodyEvent, BodyState, Load};
 
-/// Up to so many single bodies and clumps are followed without being asked for.
+/// Largest number of single bodies and clumps that are followed without being asked for.
 pub(crate) const BY_THEMSELVES: usize = 16;
 
-/// What is followed.
+/// Body or clump that is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Followed {
     /// A body of a set, by the set's index and its place in it.
@@ -24,7 +24,7 @@ pub(crate) enum Followed {
     Clump(usize),
 }
 
-/// Who is followed in a scene, and by which names.
+/// Bodies and clumps that a scene follows, with their names.
 pub(crate) fn of_scene(scene: &Scene) -> Vec<(String, Followed)> {
     let (numbers, _) = clumps::numbers(scene);
     let asked = |name: &str| scene.followed.iter().any(|followed| followed == name);
@@ -90,7 +90,7 @@ fn named(scene: &Scene, mut all: Vec<(String, Followed)>) -> Vec<(String, Follow
     all
 }
 
-/// Those of a run, by id.
+/// Bodies and clumps followed in a run, by id.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Follow {
     all: Vec<Target>,
@@ -105,7 +105,7 @@ enum Target {
 }
 
 impl Follow {
-    /// Of a scene whose bodies came with these events.
+    /// Follows a scene whose bodies came with these events.
     pub fn new(scene: &Scene, events: &[BodyEvent]) -> Self {
         let id_of = |set: usize, place: usize| {
             let own =
@@ -143,7 +143,7 @@ impl Follow {
         }
     }
 
-    /// Whether a part moves, whose motion then follows.
+    /// True if a part moves, so that its motion is a signal.
     pub fn moves(&self, part: usize) -> bool {
         self.parts[part]
     }
@@ -172,8 +172,8 @@ impl GrainsDem {
         Some((state, load))
     }
 
-    /// The same of a clump, by its number: of its centroid, and about it. Its orientation is that
-    /// from the start.
+    /// State and load of a clump, by its number: of its centroid, and about it. Its orientation is
+    /// that from the start.
     pub fn clump(&self, number: usize) -> Option<(BodyState, Load)> {
         let clump = self.population.clumps.all().get(number)?;
         let mut load = Load { id: number as u64, ..Load::default() };

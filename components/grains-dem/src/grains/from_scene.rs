@@ -24,7 +24,8 @@ impl GrainsDem {
         Self::with_surfaces(scene, parameters, time_step, threads, &[])
     }
 
-    /// The same, with surfaces that deform on its sliders. Packings do not keep clear of them.
+    /// Solver of a scene with surfaces that deform on its sliders. Packings do not keep clear of
+    /// them.
     ///
     /// # Errors
     /// As [`new`](Self::new), and surfaces that are none or do not fit the scene.

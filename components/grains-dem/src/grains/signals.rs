@@ -54,7 +54,7 @@ const FLUID_FORCE: &str = "force of the fluid under which it went through the wi
     in gaps, and buoyancy; no contacts";
 const FLUID_TORQUE: &str = "torque of the same about the body's centre or the clump's centroid";
 
-/// Of all bodies together.
+/// Signals of all bodies together.
 pub(crate) const OF_ALL: &[SignalOf<Diagnostics>] = &[
     SignalOf::new("max_speed", "m/s", "largest speed of a free body or a slider", |d| d.max_speed),
     SignalOf::new(
@@ -103,7 +103,7 @@ pub(crate) const OF_ALL: &[SignalOf<Diagnostics>] = &[
     }),
 ];
 
-/// Of each sphere, where they are few.
+/// Signals of each sphere, where they are few.
 pub(crate) const PATH: &[SignalOf<BodyState>] = &[
     SignalOf::new("x", "m", PLACE, |b| b.position[0]),
     SignalOf::new("y", "m", PLACE, |b| b.position[1]),
@@ -113,7 +113,7 @@ pub(crate) const PATH: &[SignalOf<BodyState>] = &[
     SignalOf::new("vz", "m/s", "its velocity", |b| b.velocity[2]),
 ];
 
-/// Of the motion of each followed body, clump and moving part.
+/// Signals of the motion of each followed body, clump and moving part.
 pub(crate) const MOTION: &[SignalOf<BodyState>] = &[
     SignalOf::new("x", "m", PLACE, |b| b.position[0]),
     SignalOf::new("y", "m", PLACE, |b| b.position[1]),
@@ -130,7 +130,7 @@ pub(crate) const MOTION: &[SignalOf<BodyState>] = &[
     SignalOf::new("wz", "rad/s", "its angular velocity", |b| b.angular_velocity[2]),
 ];
 
-/// Of the fluid on each followed body and clump; of parts the fluid itself tells.
+/// Signals of the fluid on each followed body and clump; of parts the fluid itself tells.
 pub(crate) const FLUID: &[SignalOf<Load>] = &[
     SignalOf::new("fluid_force_x", "N", FLUID_FORCE, |l| l.force[0]),
     SignalOf::new("fluid_force_y", "N", FLUID_FORCE, |l| l.force[1]),
@@ -140,14 +140,14 @@ pub(crate) const FLUID: &[SignalOf<Load>] = &[
     SignalOf::new("fluid_torque_z", "N m", FLUID_TORQUE, |l| l.torque[2]),
 ];
 
-/// Of each face of the domain that holds grains, named `x_lower.value`.
+/// Signals of each face of the domain that holds grains, named `x_lower.value`.
 pub(crate) const FACE: &[SignalOf<[f64; 3]>] = &[
     SignalOf::new("wall_force_x", "N", WALL, |f| f[0]),
     SignalOf::new("wall_force_y", "N", WALL, |f| f[1]),
     SignalOf::new("wall_force_z", "N", WALL, |f| f[2]),
 ];
 
-/// Of each part: force of the grains, and torque about its reference point.
+/// Signals of each part: force of the grains, and torque about its reference point.
 pub(crate) const PART: &[SignalOf<PartLoads>] = &[
     SignalOf::new("force_x", "N", FORCE, |l| l.0[0]),
     SignalOf::new("force_y", "N", FORCE, |l| l.0[1]),
@@ -172,8 +172,8 @@ pub(crate) const PART: &[SignalOf<PartLoads>] = &[
     ),
 ];
 
-/// Of each slider: forces are along its axis, on the whole part. Those of the deformable surfaces
-/// that it carries are by themselves: of contacts, and of what else acts on them.
+/// Signals of each slider: forces are along its axis, on the whole part. Those of the deformable
+/// surfaces that it carries are by themselves: of contacts, and of other forces on them.
 pub(crate) const SLIDER: &[SignalOf<SliderState>] = &[
     SignalOf::new("lift", "m", "travel of the part along its axis", |s| s.lift),
     SignalOf::new("velocity", "m/s", "velocity of the part along its axis", |s| s.velocity),
@@ -215,7 +215,7 @@ pub(crate) const SLIDER: &[SignalOf<SliderState>] = &[
     ),
 ];
 
-/// Of each inlet, since the start.
+/// Signals of each inlet, since the start.
 pub(crate) const INLET: &[SignalOf<InletState>] = &[
     SignalOf::new("inserted", "1", "grains that came since the start", |i| i.inserted as f64),
     SignalOf::new(
@@ -229,7 +229,7 @@ pub(crate) const INLET: &[SignalOf<InletState>] = &[
     }),
 ];
 
-/// Of each outlet, since the start.
+/// Signals of each outlet, since the start.
 pub(crate) const OUTLET: &[SignalOf<OutletState>] = &[
     SignalOf::new("removed", "1", "grains that went since the start", |o| o.removed as f64),
     SignalOf::new("mass_removed", "kg", "mass of grains that went since the start", |o| {
@@ -237,6 +237,6 @@ pub(crate) const OUTLET: &[SignalOf<OutletState>] = &[
     }),
 ];
 
-/// Where grains come and go.
+/// Number of the living grains.
 pub(crate) const BODIES: &[SignalOf<usize>] =
     &[SignalOf::new("bodies", "1", "grains that are there", |n| *n as f64)];

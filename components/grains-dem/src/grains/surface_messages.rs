@@ -12,7 +12,7 @@ use tremie_geometry::{Frame, Turned};
 use tremie_sdk::messages::scene::{self, Motion, Scene};
 use tremie_sdk::messages::{self, Load, Problem, SurfaceVertex};
 
-/// The surfaces of a run, with room for what is handed on.
+/// The surfaces of a run, with room for messages.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Carried {
     /// Vertices of each surface among all, and the number of its first facet.
