@@ -1,4 +1,4 @@
-//! The memory that is announced is what bodies take, whatever their sizes and shapes are.
+//! The announced memory is the memory that bodies take, whatever their sizes and shapes are.
 
 mod common;
 use common::solids::*;
@@ -25,8 +25,8 @@ fn within(size: [f64; 3], faces: [[Face; 2]; 3], bodies: Vec<BodySet>) -> Scene 
     scene
 }
 
-/// What is announced for a scene, and what is taken once lists have been made twice [bytes], with the number of
-/// bodies.
+/// Memory announced for a scene, and memory taken after lists were made twice [bytes], with the
+/// number of bodies.
 fn of(scene: &Scene) -> (f64, f64, f64) {
     let parameters = Parameters::default();
     let resolution = parameters.resolve(scene).unwrap();
@@ -112,7 +112,8 @@ fn bodies_take_what_is_announced() {
     }
 }
 
-/// Twice as many bodies in twice the space: what each takes does not grow, however wide one among them is.
+/// Twice as many bodies in twice the space: the memory of each does not grow, however wide one
+/// among them is.
 fn what_each_takes_does_not_grow_with_their_number() {
     let per_body = |height: f64| {
         let small =

@@ -175,8 +175,8 @@ fn sum(loads: &[FacetLoad]) -> [f64; 3] {
     std::array::from_fn(|a| loads.iter().map(|load| load.force[a]).sum())
 }
 
-/// Momentum of spheres between two ends of substeps against what facets gave: one sphere in the
-/// air.
+/// Momentum of spheres between two ends of substeps against the impulse of the facets: one sphere
+/// in the air.
 #[test]
 fn what_facets_get_the_sphere_and_the_carrier_give() {
     let (mut scene, mesh) = pressed();

@@ -39,13 +39,13 @@ fn pair(gap: f64, speed: f64, damping: Damping) -> Scene {
     scene
 }
 
-/// How fast two spheres part, and how far they are.
+/// Relative speed of two spheres [m/s] and the gap between them [m].
 fn apart(dem: &GrainsDem) -> [f64; 2] {
     let s = state(dem);
     [s[1].velocity[0] - s[0].velocity[0], s[1].position[0] - s[0].position[0] - D]
 }
 
-/// Speed up to which two spheres stick (Thornton and Ning 1998): what is lost is `7.09 (w^5
+/// Speed up to which two spheres stick (Thornton and Ning 1998): the loss is `7.09 (w^5
 /// R^4/E^2)^(1/3)`.
 fn sticking_speed() -> f64 {
     let r = 0.25 * D;
@@ -73,7 +73,7 @@ fn elastic_spheres_rebound_less_the_work_of_adhesion_or_stick() {
     }
 }
 
-/// What parting bodies at rest takes does not depend on how fast they are pulled.
+/// The work of parting bodies at rest does not depend on the speed of the pull.
 #[test]
 fn parting_takes_the_same_work_at_any_speed() {
     let r = 0.25 * D;

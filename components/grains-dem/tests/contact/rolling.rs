@@ -46,7 +46,7 @@ fn rolling_friction_brakes() {
     }
 }
 
-/// What is lost on the way to rest is what friction can take, no more: it stops in `v^2/(2 a)`.
+/// The loss on the way to rest is the work of friction, no more: it stops in `v^2/(2 a)`.
 #[test]
 fn a_rolling_sphere_stops_and_stays() {
     let speed = 0.05;

@@ -29,7 +29,7 @@ fn heap(seed: u64) -> Scene {
     scene
 }
 
-/// Where all are after so many steps, and how often lists were made.
+/// States of all bodies after so many steps, and the number of lists made.
 fn run(scene: &Scene, skin: f64, threads: usize, steps: u32) -> (Vec<BodyState>, u64) {
     let parameters = Parameters { skin: Some(skin), ..Parameters::default() };
     let mut dem = GrainsDem::new(scene, &parameters, 5e-7, threads).unwrap();

@@ -1,4 +1,4 @@
-//! Bodies that are large in a periodic box: those that cannot move meet nothing through its faces.
+//! Bodies that are large in a periodic box: bodies that cannot move meet nothing through its faces.
 
 use crate::common::*;
 use tremie_messages::scene::{Damping, Face, Motion};

@@ -43,7 +43,8 @@ fn a_cube_on_a_plane_sinks_in_by_the_law() {
     assert!((elastic / exact - 1.0).abs() < 1e-9, "{elastic} {exact}");
 }
 
-/// One plane, a triangulated plate, or another cube that is fixed: the same motion of what falls on it.
+/// One plane, a triangulated plate, or another cube that is fixed: the same motion of a body that
+/// falls on it.
 #[test]
 fn a_triangulated_floor_is_a_plane() {
     let run = |with_plate: bool| {
@@ -298,7 +299,7 @@ mod symmetry {
         ["cube", "tetrahedron", "octahedron", "dodecahedron", "icosahedron"][number]
     }
 
-    /// What two bodies do to each other, in a world that is turned, with the two in either order.
+    /// Velocities of two bodies after a collision, in a turned world, with the two in either order.
     fn velocities(
         names: [&str; 2],
         turns: [[f64; 4]; 2],

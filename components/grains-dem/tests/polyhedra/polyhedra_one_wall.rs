@@ -22,7 +22,8 @@ fn room(friction: f64) -> Scene {
     scene
 }
 
-/// How a cube comes down: name, orientation, and height of its centre when it touches.
+/// Attitudes of a cube as it comes down: name, orientation, and height of its centre at contact
+/// [m].
 fn attitudes() -> [(&'static str, [f64; 4], f64); 4] {
     let tilt = libm::atan(2.0f64.sqrt());
     [
@@ -237,7 +238,7 @@ fn a_cube_slides_over_seams_as_over_one_wall() {
     }
 }
 
-/// How far a cube reaches along x.
+/// Width of a cube along x [m].
 fn widest(q: [f64; 4]) -> f64 {
     (0..3)
         .map(|a| 0.5 * EDGE * to_world(q, [0, 1, 2].map(|b| f64::from(u8::from(a == b))))[0].abs())
@@ -291,8 +292,8 @@ fn energy_is_kept_on_cut_walls() {
     }
 }
 
-/// What a cube at rest presses on two parts is its weight, with its moment, and of each what stands
-/// on it.
+/// The force of a cube at rest on two parts is its weight, with its moment. Each part bears the
+/// weight that stands on it.
 #[test]
 fn parts_bear_what_stands_on_them() {
     let weight = DENSITY * EDGE.powi(3) * 9.81;

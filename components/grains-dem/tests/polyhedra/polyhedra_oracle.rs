@@ -1,4 +1,4 @@
-//! What polyhedra are, and when they meet, by another library's hulls and searches: parry3d.
+//! Hulls of polyhedra, and times of their collisions, against another library: parry3d.
 
 use crate::common::{solids::*, *};
 use parry3d_f64::{

@@ -1,4 +1,4 @@
-//! Wrong inputs are named with their key, and with what would do.
+//! Errors in inputs name the key, and a remedy.
 
 use crate::common::*;
 use tremie_grains_dem::{GrainsDem, GrainsError, Parameters};

@@ -1,4 +1,4 @@
-//! Overlaps that are foretold, against those that come.
+//! Predicted overlaps against those of a run.
 
 use crate::common::*;
 use tremie_grains_dem::{Parameters, Resolution};

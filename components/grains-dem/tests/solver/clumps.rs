@@ -346,8 +346,8 @@ fn a_clump_of_one_sphere_moves_as_the_sphere_does() {
     assert_eq!(velocities(true), velocities(false));
 }
 
-/// A raft of many spheres, all of which touch at once, and a ball with a light handle that is
-/// struck at its tip: the default time step follows both.
+/// A raft of many spheres that all touch at once, and a ball with a light handle that is struck at
+/// its tip: the default time step follows both.
 #[test]
 fn the_time_step_follows_rafts_and_long_handles() {
     let mut scene = open_space(0.3, Damping::Restitution(0.5));
@@ -446,7 +446,7 @@ fn a_union_is_as_heavy_as_its_lens_says() {
     assert!((twice / (0.3 * 2.0 * mass(D)) - 1.0).abs() < 1e-12, "{twice}");
 }
 
-/// How many bodies a set lists.
+/// Number of bodies that a set lists.
 fn pieces_of(set: &BodySet) -> usize {
     match set.placement.sizes() {
         BodySizes::Listed(list) => list.len(),

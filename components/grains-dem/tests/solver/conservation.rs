@@ -1,4 +1,4 @@
-//! Collisions conserve what they must.
+//! Conservation of energy, momentum and angular momentum in collisions.
 
 use crate::common::*;
 use tremie_grains_dem::GrainsDem;

@@ -59,7 +59,7 @@ fn stream(width: f64, fraction: f64) -> Scene {
     scene
 }
 
-/// Means over time of what the two probes of a stream hold, after the first passage.
+/// Means over time of the contents of the two probes of a stream, after the first passage.
 fn means(scene: &Scene, windows: u32, substeps: u32) -> [f64; 2] {
     let mut dem = make(scene, DT);
     let first = (0.02 / (DT * f64::from(substeps))) as u32;
@@ -77,9 +77,9 @@ fn means(scene: &Scene, windows: u32, substeps: u32) -> [f64; 2] {
     sums.map(|sum| sum / f64::from(windows))
 }
 
-/// Over two hundred passages; the stream of the paper has 29.5 spheres in its zone, this one 13. Spheres come one to
-/// three radii into the zone, 0.8 mm in the mean and somewhat more where others are in the way: the zone holds so much
-/// less, and what flows on has the fraction.
+/// Over two hundred passages; the stream of the paper has 29.5 spheres in its zone, this one 13.
+/// Spheres come one to three radii into the zone, 0.8 mm in the mean and somewhat more where others
+/// are in the way: the zone holds so much less, and the stream beyond has the fraction.
 #[test]
 fn a_stream_flows_on_with_the_fraction_in_the_mean() {
     let scene = stream(4e-3, 0.053);
@@ -244,8 +244,8 @@ fn more_spheres_than_there_is_room_for_name_the_key() {
     assert!(error.to_string().contains("`capacity`"), "{error}");
 }
 
-/// Room for as many as fit: of inlets of several sizes, of wide distributions, beside parts, beside what is there; for no
-/// more than half a million, which is doubted with both numbers.
+/// Room for as many as fit: of inlets of several sizes, of wide distributions, beside parts, beside
+/// spheres that are there; for no more than half a million, which is doubted with both numbers.
 #[test]
 fn there_is_room_for_a_full_box() {
     let ball = |d: f64| std::f64::consts::PI / 6.0 * d * d * d;

@@ -1,4 +1,4 @@
-//! What probes see of spheres, against counts and volumes that are known.
+//! Probes against counts and volumes that are known.
 
 use crate::common::*;
 use std::f64::consts::PI;
@@ -54,8 +54,8 @@ fn a_region_holds_the_volumes_inside_it() {
     assert!((seen("box.velocity_z") - 1.0 / 1.75).abs() < 1e-3);
 }
 
-/// Spheres whose centres lie in half a ring, against what they hide of its area; those above it, within
-/// its inner radius and outside do not count.
+/// Spheres whose centres lie in half a ring, against the part of its area that they hide; those
+/// above it, within its inner radius and outside do not count.
 #[test]
 fn a_ring_knows_how_much_of_it_spheres_hide() {
     let mut faces = WALLS;
@@ -119,7 +119,7 @@ fn a_section_counts_what_passes_and_what_passes_back() {
     assert!((seen("face.mass_passed") / mass(D) - 1.0).abs() < 1e-12);
 }
 
-/// However often rows are kept, rates times the times between them add up to what passed.
+/// Rates times the times between rows add up to the total that passed, however often rows are kept.
 #[test]
 fn rates_add_up_to_what_passed() {
     let fast = |x: f64, v: f64, d: f64| sphere([x, 2e-3, 2e-3], d, [v, 0.0, 0.0]);
@@ -150,7 +150,8 @@ fn rates_add_up_to_what_passed() {
     }
 }
 
-/// What passes a section is what regions on both sides lose and gain, and no thread enters a bit.
+/// A section counts the spheres that regions on both sides lose and gain, and no thread enters a
+/// bit.
 #[test]
 fn sections_agree_with_regions_on_any_number_of_threads() {
     let mut one = scene([SIDE, SIDE, 3.0 * SIDE], WALLS, law(1e3, 0.3, Damping::Restitution(0.6)));

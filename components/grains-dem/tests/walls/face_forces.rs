@@ -1,4 +1,4 @@
-//! What grains put on the faces of the domain.
+//! Forces of grains on the faces of the domain.
 
 use crate::common::solids::*;
 use crate::common::walls::*;
@@ -31,7 +31,7 @@ fn one_cube(x: f64) -> Vec<BodySet> {
     vec![solids("cube", vec![solid([x, 20e-3, 0.5 * D], of_cube(D), [0.0; 3])])]
 }
 
-/// Whatever else is there, what a grain at rest presses on is its weight.
+/// The force of a grain at rest is its weight, whatever else is there.
 #[test]
 fn a_grain_at_rest_on_the_floor_puts_its_weight_on_it() {
     let beside = block([-2.0, -2.0, -5.0], [20.0, 42.0, 0.0]);
@@ -64,7 +64,7 @@ fn a_grain_at_rest_on_the_floor_puts_its_weight_on_it() {
     }
 }
 
-/// What a gas of spheres and cubes loses of its momentum, the faces got.
+/// The faces receive the momentum that a gas of spheres and cubes loses.
 #[test]
 fn faces_get_the_momentum_that_grains_lose() {
     let run = |threads: usize| {
@@ -111,7 +111,7 @@ fn faces_get_the_momentum_that_grains_lose() {
     assert_eq!(run(3).2, expected);
 }
 
-/// Who comes or goes between windows changes nothing of what the last one ended with.
+/// Spheres that come or go between windows change no force of the last window's end.
 #[test]
 fn forces_are_those_of_the_end_of_the_window() {
     let mut dem = at_rest(&room(one_sphere(20e-3)));

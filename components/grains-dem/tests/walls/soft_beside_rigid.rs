@@ -13,7 +13,7 @@ const D: f64 = 4e-3;
 const K: f64 = 500.0;
 const DT: f64 = 2.5e-5;
 
-/// What carries the surfaces, far above; weight does not move it.
+/// Carrier of the surfaces, far above; weight does not move it.
 fn carrier() -> Part {
     let mut part = block([15.0, 15.0, 30.0], [25.0, 25.0, 35.0]);
     part.motion = Motion::Slider(Box::new(Slider {
@@ -63,7 +63,8 @@ fn rubber(low: [f64; 3], high: [f64; 3], cuts: usize) -> DeformableSurface {
     }
 }
 
-/// What a run came to: the sphere, the deepest overlap over the radius, and the impulse on all surfaces [N s].
+/// Result of a run: the sphere, the deepest overlap over the radius, and the impulse on all
+/// surfaces [N s].
 struct Bounced {
     ball: BodyState,
     deepest: f64,
