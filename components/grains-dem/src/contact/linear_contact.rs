@@ -32,7 +32,7 @@ pub(crate) struct Batch<L> {
     pub root_mass: L,
 }
 
-/// Output of the formula: forces and torques of these contacts.
+/// Output of the formula for these contacts.
 #[derive(Clone, Copy)]
 pub(crate) struct Outcome<L> {
     pub normal: Lane3<L>,

@@ -237,6 +237,6 @@ pub(crate) const OUTLET: &[SignalOf<OutletState>] = &[
     }),
 ];
 
-/// Number of the living grains.
+/// Signal of the number of grains, in runs where they come and go.
 pub(crate) const BODIES: &[SignalOf<usize>] =
     &[SignalOf::new("bodies", "1", "grains that are there", |n| *n as f64)];
