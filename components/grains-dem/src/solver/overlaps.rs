@@ -177,6 +177,6 @@ fn inside(scene: &Scene, placed: &[PlacedSphere], polyhedra: &Polyhedra) -> Vec<
             }
         }
     }
-    problems.truncate(20);
+    problems.truncate(MOST_PROBLEMS);
     problems
 }
