@@ -11,10 +11,8 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use tremie_messages::frame::{
-    BodySample, LogHeader, SliceHeader, SliceNode, SurfaceSample, VolumeHeader,
-};
-use tremie_messages::start::{Description, FrameContent, Signal, Watches};
+use tremie_messages::frame::{BodySample, SliceNode, SurfaceSample, VolumeHeader};
+use tremie_messages::start::{Description, FrameContent, Watches};
 use tremie_messages::{INTERFACE_VERSION, Problem, Stamp};
 use tremie_sdk::{Moment, Observer, ObserverError, Setup, own_file};
 
@@ -200,17 +198,6 @@ impl Observer for Fields {
         self.keep(RUBBER, at, document)
     }
 
-    fn slice(
-        &mut self,
-        _from: &str,
-        _name: &str,
-        _at: Moment,
-        _header: &SliceHeader,
-        _nodes: &[SliceNode],
-    ) -> Result<(), ObserverError> {
-        Ok(())
-    }
-
     fn volume(
         &mut self,
         _from: &str,
@@ -221,20 +208,6 @@ impl Observer for Fields {
     ) -> Result<(), ObserverError> {
         let document = tables::lattice(at, header, nodes, self.parameters.compression);
         self.keep(&base(name), at, document)
-    }
-
-    fn signals(
-        &mut self,
-        _from: &str,
-        _at: Moment,
-        _names: &[Signal],
-        _values: &[f64],
-    ) -> Result<(), ObserverError> {
-        Ok(())
-    }
-
-    fn log(&mut self, _at: Moment, _header: &LogHeader, _text: &str) -> Result<(), ObserverError> {
-        Ok(())
     }
 
     fn close(&mut self, last_common_window: u64) -> Result<String, ObserverError> {

@@ -4,7 +4,7 @@
 /// Debris if all stuck grains break [cubes of a grain's diameter] (Eq. 34). Its volume is the
 /// projected area of the grains, `normalised_area` of the `seat` [m²], times the `lift` [m]. It is
 /// divided by the cube of the `diameter` [m].
-pub(super) fn debris(lift: f64, seat: f64, normalised_area: f64, diameter: f64) -> f64 {
+pub fn debris(lift: f64, seat: f64, normalised_area: f64, diameter: f64) -> f64 {
     lift * seat * normalised_area / (diameter * diameter * diameter)
 }
 

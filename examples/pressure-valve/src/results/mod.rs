@@ -4,7 +4,7 @@
 //! out of them.
 
 pub mod characteristics;
-mod debris;
+pub mod debris;
 pub mod valve_signals;
 
 use characteristics::{Characteristics, Moment, Site, Stretch, characteristics, curves};
