@@ -16,7 +16,7 @@
 //! an energy, so that contacts without dashpots keep it to second order in the step. The normal stiffness of
 //! a law is reached where a polyhedron's largest face (of two, the smaller one) is touched all over; smaller
 //! contacts are softer in proportion, and edges and corners sink in deeper. Rolling friction acts on spheres alone.
-//! Bodies of several convex pieces are not there yet, nor do polyhedra come and go.
+//! A body of several convex pieces is a clump. Polyhedra and clumps do not come and go.
 //!
 //! Spheres may come and go between windows ([`GrainsDem::exchange`]): those that stay go on as if nothing
 //! had happened, and ids are never used again.

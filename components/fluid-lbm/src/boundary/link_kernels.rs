@@ -187,7 +187,7 @@ impl Work for InterpolateBouzidi<'_> {
     }
 }
 
-/// As `sphere::wall_distance`, in the same order of operations.
+/// As `sphere_raster::wall_distance`, in the same order of operations.
 #[inline(always)]
 fn meet_sphere(eight: &mut LinkBlock, r2: f64) {
     for k in 0..LANES {

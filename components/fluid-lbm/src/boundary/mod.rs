@@ -1,4 +1,4 @@
-//! Boundary schemes, one a file: bounce-back, momentum exchange, open faces, the virtual piston.
+//! Boundary schemes: bounce-back by links, open faces, the virtual piston.
 
 pub mod boundaries;
 pub mod bouzidi;
