@@ -13,7 +13,6 @@ pub type Corners = [Vec3; 3];
 /// Six times the signed volume of the tetrahedron `a b c d`: positive where `d` is on the inner
 /// side of the triangle, that from which its corners appear clockwise. The sign is exact, the value
 /// rounded.
-#[inline]
 pub fn below(triangle: &Corners, d: Vec3) -> f64 {
     let [a, b, c] = triangle.map(coordinates);
     robust::orient3d(a, b, c, coordinates(d))
