@@ -21,7 +21,11 @@ impl Surface {
     /// solid, there is a crossing; a segment between two triangles misses none. The fraction is
     /// rounded.
     pub fn first_crossing(&self, from: impl Into<Vec3>, to: impl Into<Vec3>) -> Option<Crossing> {
-        let (from, to) = (from.into(), to.into());
+        self.first_met(from.into(), to.into())
+    }
+
+    /// As [`Surface::first_crossing`]. In one piece here, not again in each crate that asks.
+    fn first_met(&self, from: Vec3, to: Vec3) -> Option<Crossing> {
         let best = std::cell::Cell::new(None::<Crossing>);
         let segment = Segment::new(from, to);
         let within = |b: &Bounds| {
@@ -49,7 +53,11 @@ impl Surface {
         from: impl Into<Vec3>,
         to: impl Into<Vec3>,
     ) -> Option<Crossing> {
-        let (from, to) = (from.into(), to.into());
+        self.first_met_among(triangles, from.into(), to.into())
+    }
+
+    /// As [`Surface::first_crossing_among`].
+    fn first_met_among(&self, triangles: &[u32], from: Vec3, to: Vec3) -> Option<Crossing> {
         let mut best = None::<Crossing>;
         for &triangle in triangles {
             if let Some(fraction) = meet(&self.mesh.corners(triangle as usize), from, to)
