@@ -1,0 +1,91 @@
+//! Rows of cells that take part in a computation, in pieces for a team of threads.
+
+use std::ops::Range;
+
+/// Stored cells of a piece, if a row is not longer.
+const CELLS_PER_PIECE: usize = 4096;
+
+/// Cells that take part, row by row: of each row the range from the first to the last of them. Rows
+/// are grouped in pieces that do not depend on the number of threads, so that sums do not either.
+#[derive(Clone, Debug, Default)]
+pub struct CellRows {
+    /// Piece k has the stored cells from entry k to entry k + 1.
+    pub bounds: Vec<u32>,
+    /// Ranges of stored cells, in their order.
+    spans: Vec<Range<u32>>,
+    /// Piece k has the spans from entry k to entry k + 1.
+    first_span: Vec<u32>,
+}
+
+impl CellRows {
+    /// Of stored cells in rows of a length. `takes_part` says which.
+    pub fn new(stored: usize, row: usize, takes_part: impl Fn(usize) -> bool) -> Self {
+        let mut own = Self::default();
+        own.rebuild(stored, row, takes_part);
+        own
+    }
+
+    /// As [`CellRows::new`], in the memory that is there.
+    pub fn rebuild(&mut self, stored: usize, row: usize, takes_part: impl Fn(usize) -> bool) {
+        let piece = row * (CELLS_PER_PIECE / row).max(1);
+        self.bounds.clear();
+        self.spans.clear();
+        self.first_span.clear();
+        for start in (0..stored).step_by(row) {
+            if start % piece == 0 {
+                self.bounds.push(start as u32);
+                self.first_span.push(self.spans.len() as u32);
+            }
+            let end = (start + row).min(stored);
+            let Some(first) = (start..end).find(|&at| takes_part(at)) else { continue };
+            let last = (first..end).rev().find(|&at| takes_part(at)).unwrap_or(first);
+            self.spans.push(first as u32..last as u32 + 1);
+        }
+        self.bounds.push(stored as u32);
+        self.first_span.push(self.spans.len() as u32);
+    }
+
+    /// Number of pieces.
+    pub fn pieces(&self) -> usize {
+        self.bounds.len().saturating_sub(1)
+    }
+
+    /// First stored cell of a piece.
+    #[inline]
+    pub fn start(&self, piece: usize) -> usize {
+        self.bounds[piece] as usize
+    }
+
+    /// Ranges of stored cells of a piece.
+    #[inline]
+    pub fn spans(&self, piece: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        let spans = self.first_span[piece] as usize..self.first_span[piece + 1] as usize;
+        self.spans[spans].iter().map(|span| span.start as usize..span.end as usize)
+    }
+
+    /// Ranges of all stored cells that take part.
+    pub fn all_spans(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        self.spans.iter().map(|span| span.start as usize..span.end as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans_hold_all_that_take_part() {
+        let takes_part = |at: usize| at % 100 > 20 && at % 100 < 30 && at / 100 % 7 != 3;
+        let rows = CellRows::new(100_000, 100, takes_part);
+        let in_spans: usize = rows.all_spans().map(|span| span.len()).sum();
+        assert_eq!(in_spans, (0..100_000).filter(|&at| takes_part(at)).count());
+        let by_piece: usize = (0..rows.pieces())
+            .flat_map(|k| rows.spans(k).collect::<Vec<_>>())
+            .map(|s| s.len())
+            .sum();
+        assert_eq!(by_piece, in_spans);
+        for piece in 0..rows.pieces() {
+            assert!(rows.spans(piece).all(|span| span.start >= rows.start(piece)));
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! The staggered grid: cells, their rows, and how arrays of them lie in memory.
+
+pub mod cell_rows;
+pub mod staggered_grid;

@@ -1,0 +1,119 @@
+//! A box of cells with velocities on their faces (Harlow & Welch, *Phys. Fluids* 8 (1965) 2182).
+
+/// Ghost cells on each side of the box.
+pub const GHOST: usize = 1;
+
+/// Cells of a box in `D` dimensions, stored in rows along the first axis, with a layer of ghost
+/// cells all around. An array of cells has a value for each stored cell. An array of faces across
+/// an axis has one for the *lower* face of each stored cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaggeredGrid<const D: usize> {
+    /// Cells along each axis, without ghosts.
+    pub cells: [usize; D],
+    /// Edge of a cell [m].
+    pub spacing: f64,
+    /// Lower corner of the first cell [m].
+    pub origin: [f64; D],
+    /// Axes along which the last cell's neighbour is the first.
+    pub periodic: [bool; D],
+    /// Steps in memory from a cell to the next along each axis.
+    pub stride: [usize; D],
+    /// Stored cells, ghosts included.
+    pub stored: usize,
+}
+
+impl<const D: usize> StaggeredGrid<D> {
+    /// Of cells of one edge. An axis is stored with an even number of cells, so that pairs of them
+    /// make a coarser one; the odd one out is never part of the fluid.
+    ///
+    /// # Panics
+    /// If there is no cell along an axis.
+    pub fn new(cells: [usize; D], spacing: f64, origin: [f64; D], periodic: [bool; D]) -> Self {
+        assert!(cells.iter().all(|&n| n > 0), "a grid has cells: {cells:?}");
+        let mut stride = [1; D];
+        let mut stored = 1;
+        for a in 0..D {
+            stride[a] = stored;
+            let even = if cells[a] > 1 { cells[a].next_multiple_of(2) } else { 1 };
+            stored *= even + 2 * GHOST;
+        }
+        Self { cells, spacing, origin, periodic, stride, stored }
+    }
+
+    /// Number of cells without ghosts.
+    pub fn count(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// Place in memory of a cell; -1 and the number of cells along an axis are ghosts.
+    #[inline]
+    pub fn place(&self, at: [isize; D]) -> usize {
+        let along = |a: usize| (at[a] + GHOST as isize) as usize * self.stride[a];
+        (0..D).map(along).sum()
+    }
+
+    /// The cell at a place in memory.
+    #[inline]
+    pub fn cell_at(&self, place: usize) -> [isize; D] {
+        let mut rest = place;
+        let mut at = [0; D];
+        for a in (0..D).rev() {
+            at[a] = (rest / self.stride[a]) as isize - GHOST as isize;
+            rest %= self.stride[a];
+        }
+        at
+    }
+
+    /// Centre of a cell [m].
+    #[inline]
+    pub fn centre(&self, at: [isize; D]) -> [f64; D] {
+        std::array::from_fn(|a| self.origin[a] + (at[a] as f64 + 0.5) * self.spacing)
+    }
+
+    /// Centre of the lower face of a cell across an axis [m].
+    #[inline]
+    pub fn face_centre(&self, axis: usize, at: [isize; D]) -> [f64; D] {
+        let mut centre = self.centre(at);
+        centre[axis] -= 0.5 * self.spacing;
+        centre
+    }
+
+    /// Upper corner of the box [m].
+    pub fn end(&self) -> [f64; D] {
+        std::array::from_fn(|a| self.origin[a] + self.cells[a] as f64 * self.spacing)
+    }
+
+    /// Volume of a cell [m³]; in two dimensions its area [m²].
+    pub fn cell_volume(&self) -> f64 {
+        self.spacing.powi(D as i32)
+    }
+
+    /// All cells without ghosts, the first axis fastest.
+    pub fn all(&self) -> impl Iterator<Item = [isize; D]> + use<D> {
+        let cells = self.cells;
+        (0..cells.iter().product::<usize>()).map(move |mut number| {
+            std::array::from_fn(|a| {
+                let at = number % cells[a];
+                number /= cells[a];
+                at as isize
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_cells_are_inverse() {
+        let grid = StaggeredGrid::<3>::new([5, 4, 3], 0.1, [1.0, 2.0, 3.0], [false; 3]);
+        for (number, at) in grid.all().enumerate() {
+            assert_eq!(grid.cell_at(grid.place(at)), at);
+            assert!(number < grid.count());
+        }
+        assert_eq!(grid.stored, 8 * 6 * 6);
+        let centre = grid.face_centre(1, [0, 0, 0]);
+        assert!((centre[0] - 1.05).abs() < 1e-15 && centre[1] == 2.0);
+    }
+}

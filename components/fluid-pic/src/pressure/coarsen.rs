@@ -1,0 +1,205 @@
+//! The coarser equation of pairs of cells.
+//!
+//! Fluxes between coarse cells are sums of the fine ones over twice the distance, so couplings add
+//! up and are divided by the ratio of the edges. What couples a cell to air ends where the surface
+//! is, at distance `1 / coupling` of the fine cell's centre; the coarse cell's centre lies half a
+//! fine cell farther away.
+
+use crate::pressure::stencil::Stencil;
+
+/// Cells of a level of a grid, and the cells of which one of the next level is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelShape<const D: usize> {
+    /// Cells along each axis.
+    pub cells: [usize; D],
+    /// Cells for which there is room, an even number where pairs are made. Those beyond `cells`
+    /// take no part.
+    pub room: [usize; D],
+    /// Steps in memory.
+    pub stride: [usize; D],
+    /// Stored cells, with a layer of ghosts.
+    pub stored: usize,
+    /// Cells along each axis of one of the next level: 1 or 2.
+    pub pair: [usize; D],
+}
+
+impl<const D: usize> LevelShape<D> {
+    /// Of a number of cells along each axis, stored as a grid is.
+    pub fn new(cells: [usize; D]) -> Self {
+        let pair = cells.map(|n| if n > 1 { 2 } else { 1 });
+        let room = std::array::from_fn(|a| cells[a].next_multiple_of(pair[a]));
+        Self { pair, ..Self::stored_as(cells, room) }
+    }
+
+    /// Of a number of cells, with room for as many as said.
+    pub fn stored_as(cells: [usize; D], room: [usize; D]) -> Self {
+        let (mut stride, mut stored) = ([1; D], 1);
+        for a in 0..D {
+            stride[a] = stored;
+            stored *= room[a] + 2;
+        }
+        Self { cells, room, stride, stored, pair: [1; D] }
+    }
+
+    /// The next level's.
+    pub fn coarser(&self) -> Self {
+        Self::new(std::array::from_fn(|a| self.cells[a].div_ceil(self.pair[a])))
+    }
+
+    /// Stored cells of a row.
+    #[inline]
+    pub fn row_length(&self) -> usize {
+        self.room[0] + 2
+    }
+
+    /// Place of the ghost cell at which the row of a cell begins.
+    #[inline]
+    pub fn row_start(&self, at: [isize; D]) -> usize {
+        (1..D).map(|a| (at[a] + 1) as usize * self.stride[a]).sum()
+    }
+
+    /// Place in memory of the coarse cell of which a cell is a child.
+    #[inline]
+    pub fn parent(&self, coarse: &Self, place: usize) -> usize {
+        let mut rest = place;
+        let mut parent = 0;
+        for a in (0..D).rev() {
+            let at = rest / self.stride[a];
+            rest %= self.stride[a];
+            parent += ((at - 1) / self.pair[a] + 1) * coarse.stride[a];
+        }
+        parent
+    }
+
+    /// Place in memory of a coarse cell's first child, in a level whose coarser one is `coarse`.
+    #[inline]
+    pub fn first_child(&self, coarse: &Self, place: usize) -> usize {
+        let mut rest = place;
+        let mut child = 0;
+        for a in (0..D).rev() {
+            let at = rest / coarse.stride[a];
+            rest %= coarse.stride[a];
+            child += ((at - 1) * self.pair[a] + 1) * self.stride[a];
+        }
+        child
+    }
+
+    /// Steps in memory from a coarse cell's first child to all of its children.
+    pub fn children(&self) -> Vec<usize> {
+        let count: usize = self.pair.iter().product();
+        let step = |mut number: usize| {
+            (0..D).fold(0, |sum, a| {
+                let along = number % self.pair[a];
+                number /= self.pair[a];
+                sum + along * self.stride[a]
+            })
+        };
+        (0..count).map(step).collect()
+    }
+}
+
+/// Fills the coefficients of a coarser level.
+pub fn coarsen<const D: usize>(
+    fine_shape: &LevelShape<D>,
+    fine: &Stencil<f32, D>,
+    shape: &LevelShape<D>,
+    coarse: &mut Stencil<f32, D>,
+) {
+    let children = fine_shape.children();
+    coarse.diagonal.fill(0.0);
+    coarse.coupling.iter_mut().for_each(|coupling| coupling.fill(0.0));
+    let all = fine.coupling.iter().flatten().copied();
+    let full = all.fold(f32::MIN_POSITIVE, f32::max);
+    let is_active = |at: usize| fine.diagonal[at] > 0.0;
+    for place in ghostless(shape) {
+        let first = fine_shape.first_child(shape, place);
+        let mut held = 0.0;
+        for &child in &children {
+            let at = first + child;
+            if is_active(at) {
+                held += to_air(fine_shape, fine, full, at, child);
+            }
+        }
+        for a in 0..D {
+            let lowest = children
+                .iter()
+                .filter(|&&child| child / fine_shape.stride[a] % (fine_shape.room[a] + 2) == 0);
+            let sum: f32 = lowest.map(|child| first + child).map(|at| fine.coupling[a][at]).sum();
+            coarse.coupling[a][place] = sum / fine_shape.pair[a] as f32;
+        }
+        coarse.diagonal[place] = held;
+    }
+    for place in ghostless(shape) {
+        let mut sum = 0.0;
+        for a in 0..D {
+            sum += coarse.coupling[a][place] + coarse.coupling[a][place + shape.stride[a]];
+        }
+        coarse.diagonal[place] += sum;
+    }
+    let row = if D > 1 { shape.stride[1] } else { shape.stored };
+    let diagonal = &coarse.diagonal;
+    coarse.rows.rebuild(shape.stored, row, |at| diagonal[at] > 0.0);
+}
+
+/// Coupling of a cell to air, as its coarse cell feels it. Air lies where neighbours take no part: the surface is
+/// nearer to the coarse cell's centre, by half a cell, where that neighbour is of the same coarse
+/// cell, and else as much farther away.
+fn to_air<const D: usize>(
+    shape: &LevelShape<D>,
+    fine: &Stencil<f32, D>,
+    full: f32,
+    at: usize,
+    child: usize,
+) -> f32 {
+    let held = held_by_air(fine, at) / full;
+    if held == 0.0 {
+        return 0.0;
+    }
+    let mut sum = 0.0;
+    for a in 0..D {
+        let is_upper = child / shape.stride[a] % (shape.room[a] + 2) == 1;
+        for (beyond, is_above) in [(at - shape.stride[a], false), (at + shape.stride[a], true)] {
+            if fine.diagonal[beyond] > 0.0 {
+                continue;
+            }
+            let is_inside = shape.pair[a] == 2 && is_above != is_upper;
+            let farther = match (shape.pair[a], is_inside) {
+                (2, true) => -0.5,
+                (2, false) => 0.5,
+                _ => 0.0,
+            };
+            sum += full / (1.0 / held + farther).max(NEAREST);
+        }
+    }
+    sum
+}
+
+/// Least distance of a surface from a coarse cell's centre, in edges of fine cells.
+const NEAREST: f32 = 0.25;
+
+/// What couples a cell to air, over the number of its neighbours that take no part.
+pub fn held_by_air<const D: usize>(stencil: &Stencil<f32, D>, at: usize) -> f32 {
+    let (mut inner, mut outside) = (0.0, 0);
+    for a in 0..D {
+        let stride = stencil.stride[a];
+        inner += stencil.coupling[a][at] + stencil.coupling[a][at + stride];
+        for beyond in [at - stride, at + stride] {
+            outside += usize::from(stencil.diagonal[beyond] <= 0.0);
+        }
+    }
+    let rest = stencil.diagonal[at] - inner;
+    // Less than that is rounding.
+    if rest > 1e-5 * stencil.diagonal[at] { rest / outside.max(1) as f32 } else { 0.0 }
+}
+
+/// Places of all cells but ghosts.
+fn ghostless<const D: usize>(shape: &LevelShape<D>) -> impl Iterator<Item = usize> + use<D> {
+    let shape = *shape;
+    (0..shape.cells.iter().product::<usize>()).map(move |mut number| {
+        (0..D).fold(0, |place, a| {
+            let at = number % shape.cells[a];
+            number /= shape.cells[a];
+            place + (at + 1) * shape.stride[a]
+        })
+    })
+}

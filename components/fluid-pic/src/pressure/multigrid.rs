@@ -1,0 +1,342 @@
+//! A V-cycle of geometric multigrid, as a preconditioner: symmetric, and linear in its right side.
+//!
+//! Cells are smoothed by two steps of Richardson's iteration with Chebyshev's weights,
+//! preconditioned by the diagonal; all cells at once, so that results do not depend on the order of
+//! work. The transpose of the interpolation ([`Transfer`]) sums what is left.
+
+use crate::pressure::body_coupling::{BodyCoupling, dot6};
+use crate::pressure::coarsen::{LevelShape, coarsen, held_by_air};
+use crate::pressure::light_bodies::{LIGHT, LightBodies};
+use crate::pressure::stencil::{Stencil, vectorised};
+use crate::pressure::transfer::Transfer;
+use nalgebra::{Cholesky, DMatrix, Dyn};
+use tremie_team::{Cut, Team, Variant};
+
+/// Cells that take part up to which a level is solved directly.
+const DIRECT: usize = 160;
+/// Regularisation of the directly solved level, relative: without air its solution is free up to a
+/// constant.
+const REGULAR: f32 = 1e-4;
+
+/// One level of the grids.
+struct Level<const D: usize> {
+    shape: LevelShape<D>,
+    transfer: Transfer<D>,
+    stencil: Stencil<f32, D>,
+    coupling: BodyCoupling,
+    light: LightBodies,
+    /// Inverse of the diagonal, with what bodies add to it; 0 where there is no equation.
+    inverse: Vec<f32>,
+    /// What couples a cell to air, over the number of its neighbours that are no fluid.
+    held: Vec<f32>,
+    /// Slopes of the interpolation across the lower face of each cell, along each axis.
+    slope: [Vec<f32>; D],
+    q: Vec<f32>,
+    b: Vec<f32>,
+    rest: Vec<f32>,
+}
+
+/// The hierarchy of grids.
+pub struct Multigrid<const D: usize> {
+    levels: Vec<Level<D>>,
+    /// Levels in use: at the last of them the equation is solved directly.
+    used: usize,
+    direct: Option<Cholesky<f32, Dyn>>,
+    /// Places of the unknowns of the direct solution.
+    unknowns: Vec<u32>,
+    weights: [f32; 2],
+}
+
+/// Weights of two steps that damp the modes between `low` and `high` eigenvalues best.
+fn chebyshev(low: f64, high: f64) -> [f32; 2] {
+    let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
+    let cosine = std::f64::consts::FRAC_1_SQRT_2;
+    [1.0 / (middle + half * cosine), 1.0 / (middle - half * cosine)].map(|w| w as f32)
+}
+
+impl<const D: usize> Multigrid<D> {
+    /// Of a grid of so many cells along each axis.
+    pub fn new(cells: [usize; D]) -> Self {
+        let mut shapes = vec![LevelShape::new(cells)];
+        while let Some(last) = shapes.last()
+            && last.cells.iter().product::<usize>() > 8
+            && shapes.len() < 24
+        {
+            shapes.push(last.coarser());
+        }
+        // Rough modes have eigenvalues of the scaled equation from 2 / D / 2 on, up to 2.
+        let low = 1.0 / D as f64;
+        Self {
+            levels: shapes.into_iter().map(Level::new).collect(),
+            used: 1,
+            direct: None,
+            unknowns: Vec::new(),
+            weights: chebyshev(low, 2.0),
+        }
+    }
+
+    /// Takes over the coefficients of the finest level.
+    pub fn prepare(&mut self, finest: &Stencil<f64, D>, coupling: &BodyCoupling) {
+        let level = &mut self.levels[0];
+        let to_single = |from: &[f64], to: &mut [f32]| {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = *from as f32;
+            }
+        };
+        to_single(&finest.diagonal, &mut level.stencil.diagonal);
+        for a in 0..D {
+            to_single(&finest.coupling[a], &mut level.stencil.coupling[a]);
+        }
+        level.stencil.rows = finest.rows.clone();
+        level.coupling.clone_from(coupling);
+        level.derive();
+        self.used = 1;
+        while self.used < self.levels.len() && self.levels[self.used - 1].active() > DIRECT {
+            let (fine, coarse) = self.levels.split_at_mut(self.used);
+            let (fine, coarse) = (&fine[fine.len() - 1], &mut coarse[0]);
+            coarsen(&fine.shape, &fine.stencil, &coarse.shape, &mut coarse.stencil);
+            let parent = |at| fine.shape.parent(&coarse.shape, at);
+            fine.coupling.coarsen(parent, &mut coarse.coupling);
+            coarse.derive();
+            self.used += 1;
+        }
+        self.factorise();
+    }
+
+    /// Prepares the direct solution of the coarsest level in use.
+    fn factorise(&mut self) {
+        let level = &self.levels[self.used - 1];
+        let spans = level.stencil.rows.all_spans().flatten();
+        self.unknowns = spans.filter(|&at| level.inverse[at] > 0.0).map(|at| at as u32).collect();
+        let n = self.unknowns.len();
+        let mut matrix = DMatrix::zeros(n, n);
+        for (row, &at) in self.unknowns.iter().enumerate() {
+            let at = at as usize;
+            matrix[(row, row)] = level.stencil.diagonal[at] * (1.0 + REGULAR);
+            for a in 0..D {
+                let below = (at - level.shape.stride[a]) as u32;
+                if let Ok(column) = self.unknowns.binary_search(&below) {
+                    matrix[(row, column)] = -level.stencil.coupling[a][at];
+                    matrix[(column, row)] = -level.stencil.coupling[a][at];
+                }
+            }
+        }
+        let coupling = &level.coupling;
+        let row_of = |at: u32| self.unknowns.binary_search(&at).ok();
+        for body in 0..coupling.count() {
+            for one in coupling.entries(body) {
+                for other in coupling.entries(body) {
+                    let (Some(row), Some(column)) =
+                        (row_of(coupling.cells[one]), row_of(coupling.cells[other]))
+                    else {
+                        continue;
+                    };
+                    let moved = coupling.moved(body, &coupling.wrenches[other]);
+                    matrix[(row, column)] += dot6(&coupling.wrenches[one], &moved) as f32;
+                }
+            }
+        }
+        self.direct = Cholesky::new(matrix);
+    }
+
+    /// Approximate solution of the finest level's equation with right side `b`.
+    pub fn precondition(&mut self, team: &mut Team, variant: Variant, b: &[f64], out: &mut [f64]) {
+        let level = &mut self.levels[0];
+        for span in level.stencil.rows.all_spans() {
+            for at in span {
+                level.b[at] = b[at] as f32;
+            }
+        }
+        self.cycle(team, variant);
+        let level = &self.levels[0];
+        for span in level.stencil.rows.all_spans() {
+            for at in span {
+                out[at] = f64::from(level.q[at]);
+            }
+        }
+    }
+
+    fn cycle(&mut self, team: &mut Team, variant: Variant) {
+        for k in 0..self.used - 1 {
+            let (fine, coarse) = self.levels.split_at_mut(k + 1);
+            let (fine, coarse) = (&mut fine[k], &mut coarse[0]);
+            fine.smooth_from_zero(team, variant, self.weights);
+            fine.leave(team, variant);
+            let Level { transfer, rest, .. } = fine;
+            transfer.restrict(team, rest, &coarse.slope, &mut coarse.b);
+        }
+        self.solve_coarsest();
+        for k in (0..self.used - 1).rev() {
+            let (fine, coarse) = self.levels.split_at_mut(k + 1);
+            let (fine, coarse) = (&mut fine[k], &coarse[0]);
+            fine.transfer.prolong(team, &coarse.q, &coarse.slope, &fine.inverse, &mut fine.q);
+            fine.smooth(team, variant, [self.weights[1], self.weights[0]]);
+        }
+    }
+
+    fn solve_coarsest(&mut self) {
+        let level = &mut self.levels[self.used - 1];
+        let Some(direct) = &self.direct else {
+            // A matrix that is not positive definite to rounding: the diagonal will do.
+            for &at in &self.unknowns {
+                level.q[at as usize] = level.inverse[at as usize] * level.b[at as usize];
+            }
+            return;
+        };
+        let b = self.unknowns.iter().map(|&at| level.b[at as usize]);
+        let mut b = nalgebra::DVector::from_iterator(self.unknowns.len(), b);
+        direct.solve_mut(&mut b);
+        for (&at, &q) in self.unknowns.iter().zip(b.iter()) {
+            level.q[at as usize] = q;
+        }
+    }
+}
+
+impl<const D: usize> Level<D> {
+    fn new(shape: LevelShape<D>) -> Self {
+        let zeros = || vec![0.0; shape.stored];
+        Self {
+            transfer: Transfer::new(&shape),
+            shape,
+            stencil: Stencil::empty(shape.stored, shape.stride),
+            coupling: BodyCoupling::default(),
+            light: LightBodies::default(),
+            inverse: zeros(),
+            held: zeros(),
+            slope: std::array::from_fn(|_| zeros()),
+            q: zeros(),
+            b: zeros(),
+            rest: zeros(),
+        }
+    }
+
+    /// Number of cells that take part.
+    fn active(&self) -> usize {
+        self.inverse.iter().filter(|&&x| x > 0.0).count()
+    }
+
+    /// Derives what follows from the coefficients.
+    fn derive(&mut self) {
+        for at in 0..self.shape.stored {
+            let diagonal = self.stencil.diagonal[at];
+            self.inverse[at] = if diagonal > 0.0 { 1.0 / diagonal } else { 0.0 };
+            self.q[at] = 0.0;
+            self.rest[at] = 0.0;
+            self.b[at] = 0.0;
+        }
+        for at in self.stencil.rows.all_spans().flatten() {
+            self.held[at] = held_by_air(&self.stencil, at);
+        }
+        for a in 0..D {
+            self.derive_slopes(a);
+        }
+        self.light.prepare(&self.stencil, &self.coupling);
+        self.bear_bodies();
+    }
+
+    /// Adds to the diagonal what bodies that are not balanced couple a cell to, so that smoothing
+    /// stays stable.
+    fn bear_bodies(&mut self) {
+        let coupling = &self.coupling;
+        for body in (0..coupling.count()).filter(|&body| coupling.stiffness(body) <= LIGHT) {
+            let mut sum = [0.0; 6];
+            for entry in coupling.entries(body) {
+                let wrench = &coupling.wrenches[entry];
+                (0..6).for_each(|k| sum[k] += wrench[k].abs());
+            }
+            for entry in coupling.entries(body) {
+                let at = coupling.cells[entry] as usize;
+                let moved = coupling.moved(body, &coupling.wrenches[entry]);
+                let borne: f64 = (0..6).map(|k| moved[k].abs() * sum[k]).sum();
+                if self.inverse[at] > 0.0 {
+                    self.inverse[at] /= 1.0 + borne as f32 * self.inverse[at];
+                }
+            }
+        }
+    }
+
+    /// Slopes of the interpolation across the faces of one axis.
+    fn derive_slopes(&mut self, axis: usize) {
+        let (stride, stored) = (self.shape.stride[axis], self.shape.stored);
+        let coupling = &self.stencil.coupling[axis];
+        let full = coupling.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+        let is_active = |at: usize| self.inverse[at] > 0.0;
+        let slope = &mut self.slope[axis];
+        slope[..stride].fill(0.0);
+        for at in stride..stored {
+            slope[at] = match (is_active(at - stride), is_active(at)) {
+                (true, true) => 0.25 * coupling[at] / full,
+                (false, true) => 0.25 * (self.held[at] / full).min(4.0),
+                (true, false) => 0.25 * (self.held[at - stride] / full).min(4.0),
+                (false, false) => 0.0,
+            };
+        }
+    }
+
+    /// What is left of the equation: `rest = b - A q`.
+    fn leave(&mut self, team: &mut Team, variant: Variant) {
+        let Self { stencil, coupling, q, b, rest, .. } = self;
+        stencil.residual(team, variant, q, b, rest);
+        coupling.apply(q, rest, |_| -1.0);
+    }
+
+    /// Balances light bodies: exactly, but for other bodies in the same cells.
+    fn balance(&mut self) {
+        if self.light.is_empty() {
+            return;
+        }
+        // Only the cells beside bodies matter.
+        for &cell in &self.coupling.cells {
+            let at = cell as usize;
+            self.rest[at] = self.b[at] - self.stencil.applied_at(&self.q, at);
+        }
+        self.coupling.apply(&self.q, &mut self.rest, |_| -1.0);
+        self.light.add_balance(&self.coupling, &self.rest, &mut self.q);
+    }
+
+    /// Smooths, beginning from 0.
+    fn smooth_from_zero(&mut self, team: &mut Team, variant: Variant, weights: [f32; 2]) {
+        if !self.light.is_empty() {
+            for span in self.stencil.rows.all_spans() {
+                self.q[span].fill(0.0);
+            }
+            return self.smooth(team, variant, weights);
+        }
+        let Self { stencil, coupling, inverse, q, b, rest, .. } = self;
+        let (b, inverse) = (&*b, &*inverse);
+        team.for_pieces(Cut::at(rest, &stencil.rows.bounds), |piece, out: &mut [f32]| {
+            let first = stencil.rows.start(piece);
+            vectorised(variant, || {
+                for span in stencil.rows.spans(piece) {
+                    let (b, inverse) = (&b[span.clone()], &inverse[span.clone()]);
+                    let out = &mut out[span.start - first..span.end - first];
+                    for i in 0..out.len() {
+                        out[i] = weights[0] * inverse[i] * b[i];
+                    }
+                }
+            });
+        });
+        stencil.relax(team, variant, weights[1], inverse, rest, b, q);
+        coupling.apply(rest, q, |at| -f64::from(weights[1] * inverse[at]));
+    }
+
+    /// Smooths. Where there are light bodies, their wrenches stay balanced; in between they keep
+    /// their motion.
+    fn smooth(&mut self, team: &mut Team, variant: Variant, weights: [f32; 2]) {
+        self.balance();
+        self.light.hold(&self.coupling, &self.q);
+        self.relax(team, variant, weights[0]);
+        self.relax(team, variant, weights[1]);
+        self.balance();
+    }
+
+    fn relax(&mut self, team: &mut Team, variant: Variant, weight: f32) {
+        let Self { stencil, coupling, light, inverse, q, b, rest, .. } = self;
+        stencil.relax(team, variant, weight, inverse, q, b, rest);
+        for body in 0..coupling.count() {
+            let motion = light.motion_while_smoothing(coupling, body, q);
+            coupling.add_flux(body, &motion, rest, |at| -f64::from(weight * inverse[at]));
+        }
+        std::mem::swap(q, rest);
+    }
+}

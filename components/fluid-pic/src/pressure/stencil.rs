@@ -1,0 +1,172 @@
+//! The equation of a cell with its neighbours along the axes, row by row.
+
+use crate::grid::cell_rows::CellRows;
+use crate::pressure::scalar::Scalar;
+use std::ops::Range;
+use tremie_team::instructions::Work;
+use tremie_team::{Cut, Team, Variant};
+
+/// Coefficients `diagonal q - sum over neighbours coupling q_beyond`. A cell that takes no part has
+/// none, and its `q` is 0. What couples a cell to air, where `q` is 0, stands in its diagonal alone.
+#[derive(Clone, Debug)]
+pub struct Stencil<T, const D: usize> {
+    /// Of each cell.
+    pub diagonal: Vec<T>,
+    /// Of the lower face of each cell across each axis.
+    pub coupling: [Vec<T>; D],
+    /// Steps in memory along the axes.
+    pub stride: [usize; D],
+    /// Rows of cells that take part.
+    pub rows: CellRows,
+}
+
+/// Work made of a closure, so that one loop is compiled for all instructions.
+struct Loop<F>(F);
+
+impl<F: FnOnce()> Work for Loop<F> {
+    #[inline(always)]
+    fn run(self) {
+        (self.0)();
+    }
+}
+
+/// Does a loop in the widest instructions that are there.
+#[inline(always)]
+pub fn vectorised(variant: Variant, work: impl FnOnce()) {
+    variant.run(Loop(work));
+}
+
+/// Neighbours of a span of cells along all axes, and the couplings to them.
+struct Around<'a, T, const D: usize> {
+    below: [&'a [T]; D],
+    above: [&'a [T]; D],
+    to_below: [&'a [T]; D],
+    to_above: [&'a [T]; D],
+    here: &'a [T],
+    diagonal: &'a [T],
+}
+
+impl<'a, T: Scalar, const D: usize> Around<'a, T, D> {
+    #[inline(always)]
+    fn of(stencil: &'a Stencil<T, D>, q: &'a [T], span: &Range<usize>) -> Self {
+        let n = span.len();
+        let (start, stride) = (span.start, stencil.stride);
+        let of = |array: &'a [T], begin: usize| &array[begin..begin + n];
+        Self {
+            below: std::array::from_fn(|a| of(q, start - stride[a])),
+            above: std::array::from_fn(|a| of(q, start + stride[a])),
+            to_below: std::array::from_fn(|a| of(&stencil.coupling[a], start)),
+            to_above: std::array::from_fn(|a| of(&stencil.coupling[a], start + stride[a])),
+            here: of(q, start),
+            diagonal: of(&stencil.diagonal, start),
+        }
+    }
+
+    /// The left side of the equation of cell `i` of the span.
+    #[inline(always)]
+    fn applied(&self, i: usize) -> T {
+        let mut sum = self.diagonal[i] * self.here[i];
+        for a in 0..D {
+            sum -= self.to_below[a][i] * self.below[a][i];
+            sum -= self.to_above[a][i] * self.above[a][i];
+        }
+        sum
+    }
+}
+
+impl<T: Scalar, const D: usize> Stencil<T, D> {
+    /// Without any coefficients.
+    pub fn empty(stored: usize, stride: [usize; D]) -> Self {
+        Self {
+            diagonal: vec![T::default(); stored],
+            coupling: std::array::from_fn(|_| vec![T::default(); stored]),
+            stride,
+            rows: CellRows::default(),
+        }
+    }
+
+    /// `A q` in one cell.
+    #[inline]
+    pub fn applied_at(&self, q: &[T], at: usize) -> T {
+        let mut sum = self.diagonal[at] * q[at];
+        for (coupling, stride) in self.coupling.iter().zip(self.stride) {
+            sum -= coupling[at] * q[at - stride];
+            sum -= coupling[at + stride] * q[at + stride];
+        }
+        sum
+    }
+
+    /// `A q` in one cell, in double precision.
+    #[inline]
+    pub fn applied_double(&self, q: &[f64], at: usize) -> f64 {
+        let mut sum = self.diagonal[at].double() * q[at];
+        for (coupling, stride) in self.coupling.iter().zip(self.stride) {
+            sum -= coupling[at].double() * q[at - stride];
+            sum -= coupling[at + stride].double() * q[at + stride];
+        }
+        sum
+    }
+
+    /// `out = A q`.
+    pub fn apply(&self, team: &mut Team, variant: Variant, q: &[T], out: &mut [T]) {
+        team.for_pieces(Cut::at(out, &self.rows.bounds), |piece, out: &mut [T]| {
+            let first = self.rows.start(piece);
+            vectorised(variant, || {
+                for span in self.rows.spans(piece) {
+                    let around = Around::of(self, q, &span);
+                    let out = &mut out[span.start - first..span.end - first];
+                    for i in 0..out.len() {
+                        out[i] = around.applied(i);
+                    }
+                }
+            });
+        });
+    }
+
+    /// `out = b - A q`.
+    pub fn residual(&self, team: &mut Team, variant: Variant, q: &[T], b: &[T], out: &mut [T]) {
+        team.for_pieces(Cut::at(out, &self.rows.bounds), |piece, out: &mut [T]| {
+            let first = self.rows.start(piece);
+            vectorised(variant, || {
+                for span in self.rows.spans(piece) {
+                    let around = Around::of(self, q, &span);
+                    let b = &b[span.clone()];
+                    let out = &mut out[span.start - first..span.end - first];
+                    for i in 0..out.len() {
+                        out[i] = b[i] - around.applied(i);
+                    }
+                }
+            });
+        });
+    }
+
+    /// One step of Richardson's iteration, preconditioned by the diagonal: `out = q + weight
+    /// (b - A q) / diagonal`. `inverse` holds the inverse of the diagonal, and 0 where there is no
+    /// equation.
+    #[expect(clippy::too_many_arguments, reason = "a formula of so many arrays")]
+    pub fn relax(
+        &self,
+        team: &mut Team,
+        variant: Variant,
+        weight: T,
+        inverse: &[T],
+        q: &[T],
+        b: &[T],
+        out: &mut [T],
+    ) {
+        team.for_pieces(Cut::at(out, &self.rows.bounds), |piece, out: &mut [T]| {
+            let first = self.rows.start(piece);
+            vectorised(variant, || {
+                for span in self.rows.spans(piece) {
+                    let around = Around::of(self, q, &span);
+                    let (b, inverse) = (&b[span.clone()], &inverse[span.clone()]);
+                    let out = &mut out[span.start - first..span.end - first];
+                    for i in 0..out.len() {
+                        let rest = b[i] - around.applied(i);
+                        out[i] = around.here[i] + weight * inverse[i] * rest;
+                    }
+                }
+            });
+        });
+    }
+}
