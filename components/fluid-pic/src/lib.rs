@@ -3,4 +3,8 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod grid;
+pub mod particles;
 pub mod pressure;
+pub mod solids;
+pub mod solver;
+pub mod surface;

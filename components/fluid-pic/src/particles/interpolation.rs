@@ -1,0 +1,84 @@
+//! Bilinear and trilinear weights of the values around a point: the hat of width `h`, which keeps
+//! mass and momentum.
+
+use crate::grid::staggered_grid::{GHOST, StaggeredGrid};
+
+/// Values around a point: the place of the lowest, and the point's shares along each axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<const D: usize> {
+    /// Place in memory of the lowest of the `2^D` values.
+    pub base: usize,
+    /// Share of the upper value along each axis.
+    pub upper: [f64; D],
+}
+
+impl<const D: usize> Around<D> {
+    /// Of values at cell centres, or on the lower faces across an axis.
+    #[inline(always)]
+    pub fn new(grid: &StaggeredGrid<D>, face: Option<usize>, point: [f64; D]) -> Self {
+        let mut base = 0;
+        let mut upper = [0.0; D];
+        let inverse = 1.0 / grid.spacing;
+        for a in 0..D {
+            let shift = if face == Some(a) { 0.0 } else { 0.5 };
+            let along = (point[a] - grid.origin[a]) * inverse - shift + GHOST as f64;
+            // Points never lie beyond the ghosts; the clamp keeps a wrong one from reading elsewhere.
+            let below = (along as usize).min(grid.cells[a]);
+            base += below * grid.stride[a];
+            upper[a] = (along - below as f64).clamp(0.0, 1.0);
+        }
+        Self { base, upper }
+    }
+
+    /// Place and weight of each of the `2^D` values.
+    #[inline(always)]
+    pub fn each(&self, grid: &StaggeredGrid<D>, mut f: impl FnMut(usize, f64)) {
+        for corner in 0..1 << D {
+            let mut place = self.base;
+            let mut weight = 1.0;
+            for a in 0..D {
+                if corner >> a & 1 == 1 {
+                    place += grid.stride[a];
+                    weight *= self.upper[a];
+                } else {
+                    weight *= 1.0 - self.upper[a];
+                }
+            }
+            f(place, weight);
+        }
+    }
+
+    /// The interpolated value.
+    #[inline(always)]
+    pub fn value(&self, grid: &StaggeredGrid<D>, values: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        self.each(grid, |place, weight| sum += weight * values[place]);
+        sum
+    }
+
+    /// The gradient of the interpolation along each axis.
+    #[inline(always)]
+    pub fn gradient(&self, grid: &StaggeredGrid<D>, values: &[f64]) -> [f64; D] {
+        let mut sum = [0.0; D];
+        for corner in 0..1 << D {
+            let mut place = self.base;
+            for a in 0..D {
+                place += if corner >> a & 1 == 1 { grid.stride[a] } else { 0 };
+            }
+            for k in 0..D {
+                let mut weight = 1.0 / grid.spacing;
+                for a in 0..D {
+                    let is_upper = corner >> a & 1 == 1;
+                    weight *= match (a == k, is_upper) {
+                        (true, true) => 1.0,
+                        (true, false) => -1.0,
+                        (false, true) => self.upper[a],
+                        (false, false) => 1.0 - self.upper[a],
+                    };
+                }
+                sum[k] += weight * values[place];
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,8 @@
+//! Particles of fluid: they carry mass and momentum, are the advection, and mark the surface.
+
+pub mod cell_order;
+pub mod from_grid;
+pub mod interpolation;
+pub mod particle_arrays;
+pub mod seeding;
+pub mod to_grid;

@@ -1,0 +1,65 @@
+//! Particles in memory: an array for each component.
+
+/// How velocities travel between particles and grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transfer {
+    /// Particles gain the grid's change of velocity (FLIP, Brackbill & Ruppel, *J. Comput. Phys.* 65 (1986) 314),
+    /// but for a share, which they take from the grid anew (PIC, Harlow 1964). A share of 0 is pure
+    /// FLIP, of 1 pure PIC.
+    Blend {
+        /// Share of PIC in a step.
+        pic: f64,
+    },
+    /// Particles take the grid's velocity and its gradients (APIC, Jiang et al., *ACM Trans. Graph.* 34 (2015) 51).
+    Affine,
+}
+
+/// Particles of one mass.
+#[derive(Clone, Debug)]
+pub struct ParticleArrays<const D: usize> {
+    /// Positions [m], component by component.
+    pub position: [Vec<f64>; D],
+    /// Velocities [m/s].
+    pub velocity: [Vec<f64>; D],
+    /// Gradients of each component of the velocity along each axis [1/s]; empty without APIC.
+    pub gradient: [[Vec<f64>; D]; D],
+    /// Mass of a particle [kg], in two dimensions [kg/m].
+    pub mass: f64,
+}
+
+impl<const D: usize> ParticleArrays<D> {
+    /// No particles yet.
+    pub fn new(mass: f64) -> Self {
+        let none = || std::array::from_fn(|_| Vec::new());
+        Self { position: none(), velocity: none(), gradient: std::array::from_fn(|_| none()), mass }
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.position[0].len()
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Position of a particle [m].
+    #[inline]
+    pub fn at(&self, particle: usize) -> [f64; D] {
+        std::array::from_fn(|a| self.position[a][particle])
+    }
+
+    /// Adds a particle.
+    pub fn push(&mut self, position: [f64; D], velocity: [f64; D]) {
+        for a in 0..D {
+            self.position[a].push(position[a]);
+            self.velocity[a].push(velocity[a]);
+        }
+    }
+
+    /// Momentum of all particles [kg m/s].
+    pub fn momentum(&self) -> [f64; D] {
+        std::array::from_fn(|a| self.mass * self.velocity[a].iter().sum::<f64>())
+    }
+}

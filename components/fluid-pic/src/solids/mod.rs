@@ -1,0 +1,5 @@
+//! Solids that cut cells: open fractions of faces, and what cells exert on bodies.
+
+pub mod ball_overlap;
+pub mod open_fractions;
+pub mod rigid_body;

@@ -1,0 +1,3 @@
+//! The free surface.
+
+pub mod fill_level;
