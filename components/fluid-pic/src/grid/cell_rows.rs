@@ -18,14 +18,7 @@ pub struct CellRows {
 }
 
 impl CellRows {
-    /// Of stored cells in rows of a length. `takes_part` says which.
-    pub fn new(stored: usize, row: usize, takes_part: impl Fn(usize) -> bool) -> Self {
-        let mut own = Self::default();
-        own.rebuild(stored, row, takes_part);
-        own
-    }
-
-    /// As [`CellRows::new`], in the memory that is there.
+    /// Takes stored cells in rows of a length. `takes_part` says which.
     pub fn rebuild(&mut self, stored: usize, row: usize, takes_part: impl Fn(usize) -> bool) {
         let piece = row * (CELLS_PER_PIECE / row).max(1);
         self.bounds.clear();
@@ -43,11 +36,6 @@ impl CellRows {
         }
         self.bounds.push(stored as u32);
         self.first_span.push(self.spans.len() as u32);
-    }
-
-    /// Number of pieces.
-    pub fn pieces(&self) -> usize {
-        self.bounds.len().saturating_sub(1)
     }
 
     /// First stored cell of a piece.
@@ -76,15 +64,16 @@ mod tests {
     #[test]
     fn spans_hold_all_that_take_part() {
         let takes_part = |at: usize| at % 100 > 20 && at % 100 < 30 && at / 100 % 7 != 3;
-        let rows = CellRows::new(100_000, 100, takes_part);
+        let mut rows = CellRows::default();
+        rows.rebuild(100_000, 100, takes_part);
         let in_spans: usize = rows.all_spans().map(|span| span.len()).sum();
         assert_eq!(in_spans, (0..100_000).filter(|&at| takes_part(at)).count());
-        let by_piece: usize = (0..rows.pieces())
+        let by_piece: usize = (0..rows.bounds.len() - 1)
             .flat_map(|k| rows.spans(k).collect::<Vec<_>>())
             .map(|s| s.len())
             .sum();
         assert_eq!(by_piece, in_spans);
-        for piece in 0..rows.pieces() {
+        for piece in 0..rows.bounds.len() - 1 {
             assert!(rows.spans(piece).all(|span| span.start >= rows.start(piece)));
         }
     }

@@ -25,6 +25,10 @@ pub struct BodyCoupling {
     /// Of each body, `rho h^D` over its mass and moments of inertia: what a wrench of `q` changes
     /// its velocities by. Symmetric.
     pub mobility: Vec<[[f64; 6]; 6]>,
+    /// Volume of each body, in cells of this level.
+    pub volume: Vec<f64>,
+    /// Volume of each body, in cells of the finest level.
+    pub displaced: Vec<f64>,
 }
 
 impl BodyCoupling {
@@ -40,12 +44,16 @@ impl BodyCoupling {
         self.cells.clear();
         self.wrenches.clear();
         self.mobility.clear();
+        self.volume.clear();
+        self.displaced.clear();
     }
 
-    /// Ends the entries of a body.
-    pub fn close_body(&mut self, mobility: [[f64; 6]; 6]) {
+    /// Ends the entries of a body of a volume in cells.
+    pub fn close_body(&mut self, mobility: [[f64; 6]; 6], volume: f64) {
         self.first.push(self.cells.len() as u32);
         self.mobility.push(mobility);
+        self.volume.push(volume);
+        self.displaced.push(volume);
     }
 
     /// Entries of a body.
@@ -103,8 +111,16 @@ impl BodyCoupling {
         }
     }
 
-    /// The entries of coarser cells: sums over their children, which `parent` names.
-    pub fn coarsen(&self, parent: impl Fn(usize) -> usize, coarse: &mut Self) {
+    /// The entries of coarser cells: sums over their children, which `parent` names; a coarse cell
+    /// has `children`. A grid whose cells are larger than a body's volume over `resolved` does not
+    /// show how fluid yields to the body; there the body carries half of the fluid that it displaces.
+    pub fn coarsen(
+        &self,
+        parent: impl Fn(usize) -> usize,
+        children: usize,
+        resolved: f64,
+        coarse: &mut Self,
+    ) {
         coarse.clear();
         let mut sums = BTreeMap::<u32, Wrench>::new();
         for body in 0..self.count() {
@@ -119,7 +135,15 @@ impl BodyCoupling {
                 coarse.wrenches.push(wrench);
             }
             sums.clear();
-            coarse.close_body(self.mobility[body]);
+            let volume = self.volume[body] / children as f64;
+            let mut mobility = self.mobility[body];
+            if self.volume[body] >= resolved && volume < resolved {
+                for k in 0..3 {
+                    mobility[k][k] /= 1.0 + 0.5 * self.displaced[body] * mobility[k][k];
+                }
+            }
+            coarse.close_body(mobility, volume);
+            coarse.displaced[body] = self.displaced[body];
         }
     }
 

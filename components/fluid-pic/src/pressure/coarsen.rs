@@ -121,9 +121,9 @@ pub fn coarsen<const D: usize>(
             }
         }
         for a in 0..D {
-            let lowest = children
-                .iter()
-                .filter(|&&child| child / fine_shape.stride[a] % (fine_shape.room[a] + 2) == 0);
+            let lowest = children.iter().filter(|&&child| {
+                (child / fine_shape.stride[a]).is_multiple_of(fine_shape.room[a] + 2)
+            });
             let sum: f32 = lowest.map(|child| first + child).map(|at| fine.coupling[a][at]).sum();
             coarse.coupling[a][place] = sum / fine_shape.pair[a] as f32;
         }

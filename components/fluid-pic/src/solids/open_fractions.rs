@@ -7,6 +7,7 @@ use crate::grid::staggered_grid::StaggeredGrid;
 use crate::pressure::body_coupling::{BodyCoupling, Wrench};
 use crate::solids::ball_overlap::{disc_in_rectangle, segment_in_ball, sphere_in_box};
 use crate::solids::rigid_body::RigidBody;
+use std::f64::consts::PI;
 
 /// Open parts of faces and cells, and the flux that moving walls push into the fluid.
 #[derive(Clone, Debug)]
@@ -18,6 +19,9 @@ pub struct OpenFractions<const D: usize> {
     /// Flux through the surfaces of bodies with prescribed motion out of each cell, as the sum of
     /// its faces' fractions times velocities [m/s].
     pub pushed: Vec<f64>,
+    /// Of each entry of the coupling, covered part of the cell less the mean of the covered parts of
+    /// its two faces across each axis.
+    pub beyond_faces: Vec<[f64; D]>,
     /// Cells whose fractions differ from those of the empty box.
     touched: Vec<u32>,
     empty: [Vec<f64>; D],
@@ -48,6 +52,7 @@ impl<const D: usize> OpenFractions<D> {
             open,
             volume,
             pushed: vec![0.0; grid.stored],
+            beyond_faces: Vec::new(),
             touched: Vec::new(),
         }
     }
@@ -71,6 +76,7 @@ impl<const D: usize> OpenFractions<D> {
         }
         self.touched.clear();
         coupling.clear();
+        self.beyond_faces.clear();
         for body in bodies {
             self.place_body(grid, body, cell_mass, coupling);
         }
@@ -103,7 +109,11 @@ impl<const D: usize> OpenFractions<D> {
             for a in 0..D {
                 mobility[a][a] = cell_mass / mass;
             }
-            coupling.close_body(mobility);
+            let volume = match D {
+                2 => PI * body.radius.powi(2),
+                _ => 4.0 / 3.0 * PI * body.radius.powi(3),
+            };
+            coupling.close_body(mobility, volume / grid.cell_volume());
         }
     }
 
@@ -120,6 +130,7 @@ impl<const D: usize> OpenFractions<D> {
         self.touched.push(place as u32);
         let is_inside = (0..D).all(|a| at[a] >= 0 && at[a] < grid.cells[a] as isize);
         let mut wrench: Wrench = [0.0; 6];
+        let mut faces = [0.0; D];
         for a in 0..D {
             let lower = closed_face(grid, body, a, at);
             self.open[a][place] = (self.open[a][place] - lower).max(0.0);
@@ -129,17 +140,20 @@ impl<const D: usize> OpenFractions<D> {
             let lower = lower * self.empty[a][place];
             let upper = closed_face(grid, body, a, beyond) * self.empty[a][place + grid.stride[a]];
             wrench[a] = upper - lower;
+            faces[a] = 0.5 * (upper + lower);
         }
         if !is_inside {
             return;
         }
-        self.volume[place] = (self.volume[place] - closed_cell(grid, body, at)).max(0.0);
+        let covered = closed_cell(grid, body, at);
+        self.volume[place] = (self.volume[place] - covered).max(0.0);
         if wrench == [0.0; 6] {
             return;
         }
         if body.mass.is_some() {
             coupling.cells.push(place as u32);
             coupling.wrenches.push(wrench);
+            self.beyond_faces.push(faces.map(|faces| covered - faces));
         } else {
             self.pushed[place] += (0..D).map(|a| wrench[a] * body.velocity[a]).sum::<f64>();
         }
@@ -235,7 +249,7 @@ mod tests {
         let pressure: Vec<f64> =
             (0..grid.stored).map(|place| -grid.centre(grid.cell_at(place))[2] / 0.1).collect();
         let lift = coupling.wrench(0, &pressure)[2] * grid.cell_volume();
-        let volume = 4.0 / 3.0 * std::f64::consts::PI * body.radius.powi(3);
+        let volume = 4.0 / 3.0 * PI * body.radius.powi(3);
         assert!((lift / volume - 1.0).abs() < 0.01, "{}", lift / volume);
         let covered: f64 = fractions.volume.iter().map(|v| v * 1e-3).sum();
         assert!((1.728 - covered - volume).abs() < 1e-4 * volume);

@@ -48,6 +48,20 @@ pub struct PicSettings<const D: usize> {
     pub particles_per_axis: usize,
 }
 
+impl<const D: usize> PicSettings<D> {
+    /// Water, by FLIP with a share of 0.01 of PIC, with a surface of second order.
+    pub fn water(gravity: [f64; D]) -> Self {
+        Self {
+            density: 1000.0,
+            gravity,
+            transfer: Transfer::Blend { pic: 0.01 },
+            surface: SurfaceOrder::Second,
+            tolerance: Tolerance { relative: 1e-8, absolute: 1e-12, iterations: 100 },
+            particles_per_axis: 2,
+        }
+    }
+}
+
 /// A fluid with a free surface, and bodies in it.
 pub struct PicSolver<const D: usize> {
     /// The grid.
@@ -75,6 +89,8 @@ pub struct PicSolver<const D: usize> {
     multigrid: Multigrid<D>,
     iteration: ConjugateGradients,
     has_surface: bool,
+    /// Lift of each free body beyond that of the faces that it covers [N].
+    lift: Vec<[f64; D]>,
 }
 
 impl<const D: usize> PicSolver<D> {
@@ -114,6 +130,7 @@ impl<const D: usize> PicSolver<D> {
             multigrid: Multigrid::new(grid.cells),
             iteration: ConjugateGradients::new(grid.stored),
             has_surface: false,
+            lift: Vec::new(),
             settings,
             grid,
         })
@@ -244,19 +261,34 @@ impl<const D: usize> PicSolver<D> {
     }
 
     /// Free bodies: what of them enters the right side, `- J^T U*`. Cells without an equation press on
-    /// nothing.
+    /// nothing. The pressure of a fluid at rest lifts a body by the faces that it covers; what its volume differs
+    /// from that is added.
     fn add_bodies(&mut self, dt: f64, bodies: &[RigidBody<D>]) {
         for (cell, wrench) in self.coupling.cells.iter().zip(&mut self.coupling.wrenches) {
             if self.stencil.diagonal[*cell as usize] == 0.0 {
                 *wrench = [0.0; 6];
             }
         }
+        self.lift.clear();
+        for body in 0..self.coupling.count() {
+            let mut lift = [0.0; D];
+            for entry in self.coupling.entries(body) {
+                if self.coupling.wrenches[entry] != [0.0; 6] {
+                    for a in 0..D {
+                        lift[a] += self.fractions.beyond_faces[entry][a];
+                    }
+                }
+            }
+            let full = self.full_mass();
+            self.lift.push(std::array::from_fn(|a| -full * self.settings.gravity[a] * lift[a]));
+        }
         let free = bodies.iter().filter_map(|body| body.mass.map(|mass| (body, mass)));
         for (number, (body, mass)) in free.enumerate() {
             let mut velocity: Wrench = [0.0; 6];
             for a in 0..D {
-                velocity[a] =
-                    body.velocity[a] + dt * (self.settings.gravity[a] + body.force[a] / mass);
+                velocity[a] = body.velocity[a]
+                    + dt * (self.settings.gravity[a]
+                        + (body.force[a] + self.lift[number][a]) / mass);
             }
             self.coupling.add_flux(number, &velocity, &mut self.right, |_| -1.0);
         }
@@ -295,6 +327,7 @@ impl<const D: usize> PicSolver<D> {
     fn project(&mut self) {
         for a in 0..D {
             let stride = self.grid.stride[a];
+            self.state[a][..stride].fill(FaceState::Unknown);
             for at in stride..self.grid.stored {
                 let below = at - stride;
                 let open = self.fractions.open[a][at];
@@ -337,7 +370,8 @@ impl<const D: usize> PicSolver<D> {
         for body in bodies {
             if body.mass.is_some() {
                 let wrench = self.coupling.wrench(number, &self.q);
-                forces.push(std::array::from_fn(|a| unit * wrench[a]));
+                let lift = self.lift[number];
+                forces.push(std::array::from_fn(|a| unit * wrench[a] + lift[a]));
                 number += 1;
             } else {
                 forces.push([0.0; D]);
@@ -388,7 +422,7 @@ impl<const D: usize> PicSolver<D> {
         (0..self.particles.len()).map(of).fold(0.0, f64::max).sqrt()
     }
 
-    /// Largest imbalance of a wet cell's volume [m/s], with bodies at their new velocities.
+    /// Gauge pressure in a cell after a step of `dt` [Pa].
     pub fn pressure(&self, cell: [isize; D], dt: f64) -> f64 {
         self.q[self.grid.place(cell)] * self.settings.density * self.grid.spacing / dt
     }
