@@ -1,7 +1,7 @@
 //! From the grid to particles, and the particles' motion.
 
 use crate::grid::staggered_grid::StaggeredGrid;
-use crate::particles::interpolation::Around;
+use crate::particles::hat_weights::HatWeights;
 use crate::particles::particle_arrays::{ParticleArrays, Transfer};
 use tremie_team::{Cut, Team};
 
@@ -18,7 +18,7 @@ pub fn velocity_at<const D: usize>(
     u: &FaceVelocity<D>,
     point: [f64; D],
 ) -> [f64; D] {
-    std::array::from_fn(|a| Around::new(grid, Some(a), point).value(grid, &u[a]))
+    std::array::from_fn(|a| HatWeights::new(grid, Some(a), point).value(grid, &u[a]))
 }
 
 /// Gives particles velocities. `before` is the grid's velocity as it came from them, `after` that
@@ -41,7 +41,7 @@ pub fn take_velocities<const D: usize>(
             Transfer::Blend { pic } => {
                 team.for_pieces(Cut::every(velocity, PIECE), |piece, velocity: &mut [f64]| {
                     for (k, own) in velocity.iter_mut().enumerate() {
-                        let around = Around::new(grid, Some(axis), at(piece * PIECE + k));
+                        let around = HatWeights::new(grid, Some(axis), at(piece * PIECE + k));
                         let (old, new) = (around.value(grid, before), around.value(grid, after));
                         *own = (1.0 - pic) * (*own + new - old) + pic * new;
                     }
@@ -49,11 +49,11 @@ pub fn take_velocities<const D: usize>(
             }
             Transfer::Affine => {
                 for (k, own) in velocity.iter_mut().enumerate() {
-                    *own = Around::new(grid, Some(axis), at(k)).value(grid, after);
+                    *own = HatWeights::new(grid, Some(axis), at(k)).value(grid, after);
                 }
                 gradient[axis].iter_mut().for_each(|gradient| gradient.resize(count, 0.0));
                 for k in 0..count {
-                    let slope = Around::new(grid, Some(axis), at(k)).gradient(grid, after);
+                    let slope = HatWeights::new(grid, Some(axis), at(k)).gradient(grid, after);
                     for a in 0..D {
                         gradient[axis][a][k] = slope[a];
                     }

@@ -2,7 +2,7 @@
 
 pub mod cell_order;
 pub mod from_grid;
-pub mod interpolation;
+pub mod hat_weights;
 pub mod particle_arrays;
 pub mod seeding;
 pub mod to_grid;

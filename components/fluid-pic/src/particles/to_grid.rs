@@ -1,7 +1,7 @@
 //! From particles to the grid: mass and momentum of faces, mass of cells.
 
 use crate::grid::staggered_grid::StaggeredGrid;
-use crate::particles::interpolation::Around;
+use crate::particles::hat_weights::HatWeights;
 use crate::particles::particle_arrays::ParticleArrays;
 
 /// Mass and velocity of the faces across one axis: `m = sum m_p S`, `u = sum m_p u_p S / m`. A face
@@ -18,7 +18,7 @@ pub fn to_faces<const D: usize>(
     velocity.fill(0.0);
     let is_affine = !particles.gradient[axis][0].is_empty();
     for particle in 0..particles.len() {
-        let around = Around::new(grid, Some(axis), particles.at(particle));
+        let around = HatWeights::new(grid, Some(axis), particles.at(particle));
         let own = particles.velocity[axis][particle];
         if is_affine {
             let slope: [f64; D] =
@@ -55,7 +55,7 @@ pub fn to_cells<const D: usize>(
 ) {
     mass.fill(0.0);
     for particle in 0..particles.len() {
-        let around = Around::new(grid, None, particles.at(particle));
+        let around = HatWeights::new(grid, None, particles.at(particle));
         around.each(grid, |place, weight| mass[place] += weight);
     }
     mass.iter_mut().for_each(|mass| *mass *= particles.mass);

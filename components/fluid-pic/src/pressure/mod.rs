@@ -14,8 +14,8 @@
 pub mod body_coupling;
 pub mod coarsen;
 pub mod conjugate_gradients;
+pub mod interpolation;
 pub mod light_bodies;
 pub mod multigrid;
 pub mod scalar;
 pub mod stencil;
-pub mod transfer;

@@ -2,13 +2,13 @@
 //!
 //! Cells are smoothed by two steps of Richardson's iteration with Chebyshev's weights,
 //! preconditioned by the diagonal; all cells at once, so that results do not depend on the order of
-//! work. The transpose of the interpolation ([`Transfer`]) sums what is left.
+//! work. The transpose of the interpolation ([`Interpolation`]) sums what is left.
 
 use crate::pressure::body_coupling::{BodyCoupling, dot6};
 use crate::pressure::coarsen::{LevelShape, coarsen, held_by_air};
+use crate::pressure::interpolation::Interpolation;
 use crate::pressure::light_bodies::{LIGHT, LightBodies};
 use crate::pressure::stencil::{Stencil, vectorised};
-use crate::pressure::transfer::Transfer;
 use nalgebra::{Cholesky, DMatrix, Dyn};
 use tremie_team::{Cut, Team, Variant};
 
@@ -24,7 +24,7 @@ const RESOLVED: [f64; 3] = [1.0, 1.0, 8.0];
 /// One level of the grids.
 struct Level<const D: usize> {
     shape: LevelShape<D>,
-    transfer: Transfer<D>,
+    interpolation: Interpolation<D>,
     stencil: Stencil<f32, D>,
     coupling: BodyCoupling,
     light: LightBodies,
@@ -166,14 +166,14 @@ impl<const D: usize> Multigrid<D> {
             let (fine, coarse) = (&mut fine[k], &mut coarse[0]);
             fine.smooth_from_zero(team, variant, self.weights);
             fine.leave(team, variant);
-            let Level { transfer, rest, .. } = fine;
-            transfer.restrict(team, rest, &coarse.slope, &mut coarse.b);
+            let Level { interpolation, rest, .. } = fine;
+            interpolation.restrict(team, rest, &coarse.slope, &mut coarse.b);
         }
         self.solve_coarsest();
         for k in (0..self.used - 1).rev() {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);
             let (fine, coarse) = (&mut fine[k], &coarse[0]);
-            fine.transfer.prolong(team, &coarse.q, &coarse.slope, &fine.inverse, &mut fine.q);
+            fine.interpolation.prolong(team, &coarse.q, &coarse.slope, &fine.inverse, &mut fine.q);
             fine.smooth(team, variant, [self.weights[1], self.weights[0]]);
         }
     }
@@ -200,7 +200,7 @@ impl<const D: usize> Level<D> {
     fn new(shape: LevelShape<D>) -> Self {
         let zeros = || vec![0.0; shape.stored];
         Self {
-            transfer: Transfer::new(&shape),
+            interpolation: Interpolation::new(&shape),
             shape,
             stencil: Stencil::empty(shape.stored, shape.stride),
             coupling: BodyCoupling::default(),

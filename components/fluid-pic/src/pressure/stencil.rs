@@ -37,7 +37,7 @@ pub fn vectorised(variant: Variant, work: impl FnOnce()) {
 }
 
 /// Neighbours of a span of cells along all axes, and the couplings to them.
-struct Around<'a, T, const D: usize> {
+struct CellNeighbours<'a, T, const D: usize> {
     below: [&'a [T]; D],
     above: [&'a [T]; D],
     to_below: [&'a [T]; D],
@@ -46,7 +46,7 @@ struct Around<'a, T, const D: usize> {
     diagonal: &'a [T],
 }
 
-impl<'a, T: Scalar, const D: usize> Around<'a, T, D> {
+impl<'a, T: Scalar, const D: usize> CellNeighbours<'a, T, D> {
     #[inline(always)]
     fn of(stencil: &'a Stencil<T, D>, q: &'a [T], span: &Range<usize>) -> Self {
         let n = span.len();
@@ -113,7 +113,7 @@ impl<T: Scalar, const D: usize> Stencil<T, D> {
             let first = self.rows.start(piece);
             vectorised(variant, || {
                 for span in self.rows.spans(piece) {
-                    let around = Around::of(self, q, &span);
+                    let around = CellNeighbours::of(self, q, &span);
                     let out = &mut out[span.start - first..span.end - first];
                     for i in 0..out.len() {
                         out[i] = around.applied(i);
@@ -129,7 +129,7 @@ impl<T: Scalar, const D: usize> Stencil<T, D> {
             let first = self.rows.start(piece);
             vectorised(variant, || {
                 for span in self.rows.spans(piece) {
-                    let around = Around::of(self, q, &span);
+                    let around = CellNeighbours::of(self, q, &span);
                     let b = &b[span.clone()];
                     let out = &mut out[span.start - first..span.end - first];
                     for i in 0..out.len() {
@@ -158,7 +158,7 @@ impl<T: Scalar, const D: usize> Stencil<T, D> {
             let first = self.rows.start(piece);
             vectorised(variant, || {
                 for span in self.rows.spans(piece) {
-                    let around = Around::of(self, q, &span);
+                    let around = CellNeighbours::of(self, q, &span);
                     let (b, inverse) = (&b[span.clone()], &inverse[span.clone()]);
                     let out = &mut out[span.start - first..span.end - first];
                     for i in 0..out.len() {

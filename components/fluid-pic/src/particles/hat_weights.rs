@@ -5,14 +5,14 @@ use crate::grid::staggered_grid::{GHOST, StaggeredGrid};
 
 /// Values around a point: the place of the lowest, and the point's shares along each axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Around<const D: usize> {
+pub struct HatWeights<const D: usize> {
     /// Place in memory of the lowest of the `2^D` values.
     pub base: usize,
     /// Share of the upper value along each axis.
     pub upper: [f64; D],
 }
 
-impl<const D: usize> Around<D> {
+impl<const D: usize> HatWeights<D> {
     /// Of values at cell centres, or on the lower faces across an axis.
     #[inline(always)]
     pub fn new(grid: &StaggeredGrid<D>, face: Option<usize>, point: [f64; D]) -> Self {

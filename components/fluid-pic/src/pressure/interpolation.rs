@@ -17,7 +17,7 @@ use tremie_team::{Cut, Team};
 const PIECE: usize = 8192;
 
 /// The shapes and arrays between two levels.
-pub struct Transfer<const D: usize> {
+pub struct Interpolation<const D: usize> {
     /// Shape k has the axes before k coarse and the others fine; k = 0 is the fine level.
     shapes: Vec<LevelShape<D>>,
     /// An array for each shape between the fine level and the coarse one.
@@ -32,7 +32,7 @@ struct Row {
     side: usize,
 }
 
-impl<const D: usize> Transfer<D> {
+impl<const D: usize> Interpolation<D> {
     /// Between a level and the next coarser one.
     pub fn new(fine: &LevelShape<D>) -> Self {
         let coarse = fine.coarser();
@@ -270,7 +270,7 @@ mod tests {
         let mut team = Team::new("test", 2).unwrap();
         let fine = LevelShape::<3>::new([7, 1, 6]);
         let coarse = fine.coarser();
-        let mut transfer = Transfer::new(&fine);
+        let mut interpolation = Interpolation::new(&fine);
         let mut seed = 7_u32;
         let mut random = || {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -298,9 +298,9 @@ mod tests {
             }
         }
         let mut fine_q = vec![0.0; fine.stored];
-        transfer.prolong(&mut team, &q, &slope, &vec![1.0; fine.stored], &mut fine_q);
+        interpolation.prolong(&mut team, &q, &slope, &vec![1.0; fine.stored], &mut fine_q);
         let mut coarse_r = vec![0.0; coarse.stored];
-        transfer.restrict(&mut team, &r, &slope, &mut coarse_r);
+        interpolation.restrict(&mut team, &r, &slope, &mut coarse_r);
         let dot =
             |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| f64::from(a * b)).sum::<f64>();
         let (left, right) = (dot(&r, &fine_q), dot(&coarse_r, &q));
