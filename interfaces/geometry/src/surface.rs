@@ -45,6 +45,15 @@ impl Surface {
         Ok(if part.cavity { solid.inside_out() } else { solid })
     }
 
+    /// Extent along a unit vector.
+    pub fn width_along(&self, direction: [f64; 3]) -> f64 {
+        let [x, y, z] = direction;
+        let heights = self.mesh().vertices.iter().map(|v| v[0] * x + v[1] * y + v[2] * z);
+        let [low, high] =
+            heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)]);
+        high - low
+    }
+
     /// The surface of a geometry, repaired as [`load`] does.
     ///
     /// # Errors

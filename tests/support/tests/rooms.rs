@@ -22,6 +22,8 @@ const GRAINS: [&str; 11] = [
     "grains",
 ];
 
+const KIT: [&str; 6] = ["cells", "window", "probes", "survey", "checks", "observed"];
+
 const PARTICLES: [&str; 6] = ["grid", "pressure", "particles", "solids", "surface", "solver"];
 
 const RUBBER: [&str; 6] = ["mesh", "fem", "table", "runtime", "import", "spec"];
@@ -30,7 +32,8 @@ const ORCHESTRATOR: [&str; 9] =
     ["registry", "terminal", "manifest", "plan", "outputs", "preflight", "run", "tools", "program"];
 
 /// The crates with rooms: their sources, and the rooms.
-const CRATES: [(&str, &[&str]); 5] = [
+const CRATES: [(&str, &[&str]); 6] = [
+    ("components/fluid-kit/src", &KIT),
     ("components/fluid-lbm/src", &FLUID),
     ("components/fluid-pic/src", &PARTICLES),
     ("components/grains-dem/src", &GRAINS),

@@ -5,12 +5,12 @@ use crate::bodies::mass_account::MassAccount;
 use crate::bodies::mesh_body::MeshBody;
 use crate::bodies::near_cells::{Near, NearCells};
 use crate::bodies::sphere_raster::{RowSpans, wall_distance};
-use crate::domain::displaced_volume::Displaced;
 use crate::lattice::d3q19::{C, C_F64, cross};
-use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::units::Units;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::survey::displaced_volume::Displaced;
 use tremie_messages::{BodyState, SurfaceVertex};
 use tremie_team::Team;
 

@@ -6,9 +6,9 @@ use crate::bodies::deformable_surface::SoftSurface;
 use crate::bodies::events::check;
 use crate::bodies::mesh_body::MeshBody;
 use crate::lattice::error::FluidError;
-use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::units::Units;
+use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::{BodyEvent, BodyState, SurfaceVertex};
 
 /// All bodies.

@@ -3,8 +3,8 @@
 //! Lists made from the fluid cells around a body hold until a cell changes in one of the bricks
 //! there. To see that takes a few numbers to compare instead of rows of bits to read.
 
-use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
+use tremie_fluid_kit::cells::grid::Grid;
 
 /// Cells along an edge of a brick: 2 to this power.
 const EDGE_BITS: u32 = 3;

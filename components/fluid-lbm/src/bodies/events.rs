@@ -2,8 +2,8 @@
 
 use crate::bodies::body_shapes::BodyShapes;
 use crate::lattice::error::FluidError;
-use crate::lattice::grid::Grid;
 use crate::lattice::units::Units;
+use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::BodyEvent;
 
 /// Checks one event against the ids that live when it comes, and changes them.

@@ -6,8 +6,8 @@
 
 use crate::bodies::sphere_raster::{RowSpans, Span};
 use crate::lattice::d3q19::C;
-use crate::lattice::grid::{Grid, Side};
 use crate::lattice::layout::Layout;
+use tremie_fluid_kit::cells::grid::{Grid, Side};
 
 /// Cells of a window at most: with one more on either side they fill a word.
 const WINDOW: i32 = 62;
@@ -289,7 +289,7 @@ fn bits(first: i32, last: i32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::cell_list::Obstacles;
+    use tremie_fluid_kit::cells::obstacles::Obstacles;
 
     /// A box with a solid at some of its cells.
     fn layout(sides: [Side; 2], solid: impl Fn([i32; 3]) -> bool) -> Layout {

@@ -62,7 +62,7 @@ impl Ridges {
                 }
             }
         }
-        let wide = |t: u32| width_along(surface, surface.normal(t).into()) > LONGEST * cell;
+        let wide = |t: u32| surface.width_along(surface.normal(t).into()) > LONGEST * cell;
         let is_simple = mesh.triangles.len() <= FEW && is_convex(surface);
         if !is_simple || !(0..mesh.triangles.len() as u32).all(wide) {
             own.find_thin(surface, cell);
@@ -126,14 +126,6 @@ impl Ridges {
             );
         }
     }
-}
-
-/// Extent of a surface along a unit vector.
-pub fn width_along(surface: &Surface, direction: [f64; 3]) -> f64 {
-    let heights = surface.mesh().vertices.iter().map(|&vertex| dot(vertex.into(), direction));
-    let [low, high] =
-        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)]);
-    high - low
 }
 
 fn is_convex(surface: &Surface) -> bool {

@@ -3,7 +3,7 @@
 //! Both answers come from the same comparison, `inside`, so that a link that ends inside the
 //! sphere and begins outside always has its wall at `0 < q <= 1`. Lengths in cells.
 
-use crate::lattice::grid::Grid;
+use tremie_fluid_kit::cells::grid::Grid;
 
 /// True if a point at `d` from the centre belongs to a sphere of squared radius `r2`. Its surface
 /// belongs to it.

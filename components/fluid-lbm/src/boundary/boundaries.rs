@@ -11,17 +11,19 @@ use crate::boundary::virtual_piston::face::ReservoirFace;
 use crate::boundary::wall_distances::WallDistances;
 use crate::boundary::wall_mass::Patches;
 use crate::domain::boundary_condition::BoundaryCondition;
-use crate::domain::displaced_volume::Displaced;
-use crate::domain::mirrors::mirrors_of_part;
+use crate::domain::link_meeting::meet;
 use crate::domain::parameters::{OpenFaces, Parameters, Walls};
-use crate::domain::solids::Centres;
-use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern::{Blocked, Reflection};
-use crate::lattice::cell_list::{BoundaryId, Obstacles};
+use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
 use std::sync::Arc;
+use tremie_fluid_kit::cells::centres::Centres;
+use tremie_fluid_kit::cells::obstacles::Obstacles;
+use tremie_fluid_kit::survey::displaced_volume::Displaced;
+use tremie_fluid_kit::survey::mirrors::mirrors_of_part;
+use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
 use tremie_geometry::Surface;
 use tremie_messages::scene::{Face, Scene};
 
@@ -221,7 +223,7 @@ impl Boundaries {
     fn meet(&self, layout: &Layout, blocked: &Blocked) -> (Blocked, f64) {
         match blocked.fixture.as_solid() {
             None => (*blocked, 0.5),
-            Some(_) => self.ground.meet(layout.at(blocked.cell), blocked),
+            Some(_) => meet(&self.ground, layout.at(blocked.cell), blocked),
         }
     }
 

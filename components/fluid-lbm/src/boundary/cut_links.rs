@@ -30,12 +30,12 @@ use crate::boundary::gap_sinks::NO_GAP;
 use crate::boundary::population_addresses::PopulationAddresses;
 use crate::boundary::post_collision::PostCollision;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, W, dot, mirrored};
-use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::RangeInclusive;
+use tremie_fluid_kit::cells::grid::Grid;
 
 /// One end of a cut link.
 #[derive(Clone, Copy, Debug)]

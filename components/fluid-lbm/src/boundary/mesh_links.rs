@@ -24,9 +24,9 @@ use crate::lattice::cell_flags::{BODY, FROZEN, SHARED};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::cell_list::NONE;
 use crate::lattice::d3q19::{C, C_F64, Q, W, dot, mirrored};
-use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::{Real, prefetch};
+use tremie_fluid_kit::cells::grid::Grid;
 
 /// Number of links ahead of their use at which memory is asked for them.
 const AHEAD: usize = 24;

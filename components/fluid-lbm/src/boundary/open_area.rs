@@ -5,11 +5,11 @@
 //! neighbours in the face that are fluid, in equal parts: so the areas of all cells add up to the
 //! open area of the face.
 
-use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern::Blocked;
-use crate::lattice::grid::{Grid, Reach};
 use crate::lattice::layout::Layout;
 use std::collections::{HashMap, HashSet};
+use tremie_fluid_kit::cells::grid::{Grid, Reach};
+use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
 
 /// Points along an edge of a cell: its area is known to some 1e-3.
 const POINTS: i32 = 32;

@@ -57,11 +57,11 @@ use crate::domain::parameters::OpenFaces;
 use crate::lattice::cell_list::NONE;
 use crate::lattice::d3q19::{CS2, Q};
 use crate::lattice::error::FluidError;
-use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
 use std::ops::Range;
+use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::scene::Profile;
 use tremie_team::Team;
 

@@ -16,11 +16,11 @@ use crate::domain::boundary_condition::BoundaryCondition;
 use crate::lattice::aa_pattern::{Blocked, Parity};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE};
-use crate::lattice::grid::Reach;
 use crate::lattice::layout::Layout;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::Range;
+use tremie_fluid_kit::cells::grid::Reach;
 
 /// Links that are one item of work.
 const LINKS_PER_ITEM: usize = 1024;

@@ -35,12 +35,12 @@ use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::aa_pattern::{Blocked, Parity};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
-use crate::lattice::grid::Grid;
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
 use std::ops::Range;
+use tremie_fluid_kit::cells::grid::Grid;
 
 /// Cells that are one item of work.
 const CELLS_PER_ITEM: usize = 1024;

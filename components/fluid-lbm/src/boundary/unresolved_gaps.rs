@@ -31,14 +31,14 @@ use crate::bodies::sphere_raster::{inside, wall_distance};
 use crate::boundary::gap_sinks::Given;
 use crate::boundary::post_collision::PostCollision;
 use crate::boundary::wall_distances::WallDistances;
-use crate::domain::mirrors::mirrors_of_part;
 use crate::lattice::cell_flags::{BODY, FLUID, FROZEN, ISOLATED, SHARED, VACATED};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, cross, mirrored};
-use crate::lattice::grid::{Grid, Reach, Side};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::populations::Real;
+use tremie_fluid_kit::cells::grid::{Grid, Reach, Side};
+use tremie_fluid_kit::survey::mirrors::mirrors_of_part;
 
 /// Surfaces nearer than this part of a link are in contact.
 pub const CONTACT: f64 = 1e-3;

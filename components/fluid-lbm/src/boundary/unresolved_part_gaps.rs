@@ -14,8 +14,8 @@ use crate::boundary::unresolved_gaps::{
 use crate::boundary::wall_distances::WallDistances;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C, Q, dot};
-use crate::lattice::grid::Side;
 use crate::lattice::populations::Real;
+use tremie_fluid_kit::cells::grid::Side;
 
 /// A gap link between a moving part and what stands still, as it was when it was found.
 #[derive(Clone, Copy, Debug)]

@@ -32,8 +32,8 @@
 use crate::boundary::static_wall_links::WallItem;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{Q, W};
-use crate::lattice::grid::Grid;
 use std::collections::HashMap;
+use tremie_fluid_kit::cells::grid::Grid;
 
 /// Part of what is owed that a step pays, once smoothed.
 const RATE: f64 = 0.002;

@@ -9,9 +9,9 @@
 //! Vectors are put in another order, which changes no bit of them. Frames of parts keep their own axes, so that their poses
 //! are turned by a quaternion.
 
-use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::d3q19::{C, Q};
-use crate::lattice::grid::Grid;
+use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::survey::static_geometry::{GridAxes, StaticGeometry};
 
 mod scene;
 
@@ -70,6 +70,12 @@ impl LatticeOrientation {
     /// The axis of the lattice that one of the world is.
     pub fn axis_to_lattice(self, axis: usize) -> usize {
         (axis + 3 - self.first) % 3
+    }
+
+    /// The same for a box of cells.
+    pub fn grid_axes(self) -> GridAxes {
+        let order = [0, 1, 2].map(|axis| self.axis_to_lattice(axis));
+        GridAxes { order, upright: self.turn([0.0, 0.0, 0.0, 1.0]) }
     }
 
     /// The axis of the world that one of the lattice is.

@@ -4,7 +4,7 @@ use crate::bodies::body::UnionShare;
 use crate::boundary::virtual_piston::face::ReservoirState;
 use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::domain::parameters::{Parameters, Precision};
-use crate::domain::static_geometry::StaticGeometry;
+use crate::lattice::d3q19::LINKS;
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::lattice::populations::Real;
@@ -12,6 +12,7 @@ use crate::report::resolution::Resolution;
 use crate::solver::diagnostics::{Diagnostics, SliceNode};
 use crate::solver::lbm_solver::LbmSolver;
 use std::borrow::Cow;
+use tremie_fluid_kit::survey::static_geometry::StaticGeometry;
 use tremie_geometry::clump;
 use tremie_messages::scene::{ProbeShape, Scene};
 use tremie_messages::{BodyEvent, BodyState, FacetLoad, Load, PortState, Problem, SurfaceVertex};
@@ -349,7 +350,9 @@ fn turned<'a>(
         let turned = axes.scene(scene);
         let cells = axes.to_lattice(&resolution.cells);
         // Where a surface passes through the centres of cells, rounding may have them be others, and then what was found fit may not be.
-        if let Ok(ground) = StaticGeometry::new(&turned, axes, cells, resolution.cell) {
+        let of_turned =
+            StaticGeometry::new(&turned, axes.grid_axes(), LINKS, cells, resolution.cell);
+        if let Ok(ground) = of_turned {
             return (axes, Cow::Owned(turned), ground);
         }
     }

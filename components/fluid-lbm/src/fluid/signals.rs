@@ -1,13 +1,13 @@
 //! Signals of the fluid: name, unit, meaning and value of each, in the order in which they are told.
 
 use crate::boundary::virtual_piston::face::{OF_RESERVOIRS, reservoirs_of};
-use crate::lattice::grid::face_name;
 use crate::lattice::ledger::Ledger;
-use crate::lattice::signal_row::SignalRow;
 use crate::solver::diagnostics::Diagnostics;
-use crate::solver::probe_signals::probe_signals;
-use tremie_sdk::messages::Load;
-use tremie_sdk::messages::scene::{Face, Scene};
+use tremie_fluid_kit::cells::grid::face_name;
+use tremie_fluid_kit::probes::probe_signals::probe_signals;
+use tremie_fluid_kit::window::fluid_signals::{OF_PARTS, OF_WALLS, add, signal, walls};
+use tremie_fluid_kit::window::signal_row::SignalRow;
+use tremie_sdk::messages::scene::Scene;
 use tremie_sdk::messages::start::Signal;
 
 /// Sources of the signals of the whole fluid.
@@ -28,13 +28,6 @@ impl FluidState {
         (0..3).map(|k| (change[k] - terms[k]).abs()).fold(0.0, f64::max)
     }
 }
-
-const FORCE: &str = "force of the fluid on the part, fixed or moving: gauge pressure, shear, the pressure in gaps, and \
-    buoyancy as if fluid stood all around what of it lies in the domain (of a cavity the weight of what fills it; none along a \
-    straight pipe from face to face); no contacts, nor what acts on surfaces that it carries; a mean over the window, of a fixed part in its last step";
-const TORQUE: &str = "torque of the same about the origin of the part's frame";
-const WALL: &str = "force of the fluid on this face of the domain in the last step: gauge pressure without its hydrostatic \
-    part, shear, and the pressure in gaps; no contacts";
 
 const MOMENTUM: &str = "momentum of the fluid";
 const WALL_IMPULSE: &str = "given to the fluid by the domain's walls in the last step";
@@ -107,23 +100,6 @@ pub const OF_FLUID: [SignalRow<FluidState>; 25] = [
     ("mass_lost_share", "1", "its size over the mass of the fluid", |s| s.ledger.lost_share()),
 ];
 
-/// Signals of each wall and symmetry plane of the domain, named `x_lower.value`; of its force [N].
-pub const OF_WALLS: [SignalRow<[f64; 3]>; 3] = [
-    ("wall_force_x", "N", WALL, |force| force[0]),
-    ("wall_force_y", "N", WALL, |force| force[1]),
-    ("wall_force_z", "N", WALL, |force| force[2]),
-];
-
-/// Signals of each part, named `part.value`.
-pub const OF_PARTS: [SignalRow<Load>; 6] = [
-    ("force_x", "N", FORCE, |load| load.force[0]),
-    ("force_y", "N", FORCE, |load| load.force[1]),
-    ("force_z", "N", FORCE, |load| load.force[2]),
-    ("torque_x", "N m", TORQUE, |load| load.torque[0]),
-    ("torque_y", "N m", TORQUE, |load| load.torque[1]),
-    ("torque_z", "N m", TORQUE, |load| load.torque[2]),
-];
-
 /// All signals of a scene, in the order in which they are told.
 pub fn signals(scene: &Scene) -> Vec<Signal> {
     let mut all: Vec<_> = OF_FLUID.iter().map(|row| signal(row.0.into(), row.1, row.2)).collect();
@@ -139,22 +115,4 @@ pub fn signals(scene: &Scene) -> Vec<Signal> {
     let of_probes = probe_signals(scene).into_iter();
     all.extend(of_probes.map(|(name, unit, meaning)| signal(name, unit, &meaning).sampled()));
     all
-}
-
-/// Adds the signals of something that has a name.
-fn add<S>(all: &mut Vec<Signal>, name: &str, rows: &[SignalRow<S>]) {
-    let of = |row: &SignalRow<S>| signal(format!("{name}.{}", row.0), row.1, row.2);
-    all.extend(rows.iter().map(of));
-}
-
-fn signal(name: String, unit: &str, meaning: &str) -> Signal {
-    Signal { name, unit: unit.into(), meaning: meaning.into(), sampled: false }
-}
-
-/// Axis and side of the faces on which the fluid acts: walls and symmetry planes.
-pub fn walls(scene: &Scene) -> impl Iterator<Item = (usize, usize)> {
-    let all = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
-    all.filter(|&(axis, side)| {
-        matches!(scene.domain.faces[axis][side], Face::Wall { .. } | Face::Symmetry)
-    })
 }

@@ -27,12 +27,12 @@ use crate::bodies::body_list::Bodies;
 use crate::boundary::boundaries::Boundaries;
 use crate::boundary::gap_sinks::{GapSinks, NO_GAP, SinkProbe};
 use crate::boundary::post_collision::{PostCollision, density};
-use crate::domain::sampling::samples;
-use crate::domain::solids::Centres;
 use crate::lattice::cell_flags::{CellFlags, FLUID, FROZEN, VACATED, Vacated};
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
+use tremie_fluid_kit::cells::centres::Centres;
+use tremie_fluid_kit::probes::sampling::samples;
 use tremie_messages::scene::{Gap, GapRegion, GapRule, GapSide, Scene};
 use tremie_team::{Cut, Team};
 

@@ -2,9 +2,9 @@
 
 use crate::gaps::modelled::{ModelledGaps, POCKET};
 use crate::lattice::cell_flags::{CellFlags, FLUID, FROZEN, VACATED, Vacated};
-use crate::lattice::grid::Side;
 use crate::lattice::layout::Layout;
 use crate::lattice::layout::faces;
+use tremie_fluid_kit::cells::grid::Side;
 use tremie_team::{Cut, Team};
 
 /// Cells that are asked together whether they are in a pocket.

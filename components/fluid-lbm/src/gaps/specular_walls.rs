@@ -27,11 +27,11 @@ use crate::gaps::modelled::ModelledGaps;
 use crate::lattice::aa_pattern::Parity;
 use crate::lattice::cell_flags::{BODY, CellFlags, Owner, SHARED};
 use crate::lattice::d3q19::{C, C_F64, MIRROR, OPPOSITE, Q, W, mirrored};
-use crate::lattice::grid::{Reach, Side};
 use crate::lattice::layout::Layout;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
+use tremie_fluid_kit::cells::grid::{Reach, Side};
 use tremie_team::Team;
 
 /// Room for links, for each cell: as many as end aslant at one side of a gap and at the other.

@@ -359,7 +359,7 @@ impl CellFlags {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::grid::Grid;
+    use tremie_fluid_kit::cells::grid::Grid;
 
     fn setup() -> (Layout, CellFlags, impl Fn([i32; 3]) -> u32) {
         let layout = Layout::open(Grid::walled([6, 6, 6], [true; 3]));

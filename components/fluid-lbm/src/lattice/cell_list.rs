@@ -4,7 +4,8 @@
 //! running fastest; everything that is kept for cells is an array over these numbers.
 
 use crate::lattice::d3q19::C;
-use crate::lattice::grid::{Grid, Reach};
+use tremie_fluid_kit::cells::grid::{Grid, Reach};
+use tremie_fluid_kit::cells::obstacles::Obstacles;
 
 /// Number of a cell of the box that is not stored.
 pub const NONE: u32 = u32::MAX;
@@ -33,28 +34,6 @@ impl BoundaryId {
     pub fn as_solid(self) -> Option<usize> {
         self.0.checked_sub(Self::FACES).map(usize::from)
     }
-}
-
-/// A thin solid between two cells of the fluid: the link `dir` of the cell `cell` of the box ends at
-/// it. Both cells have such a link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Sheet {
-    /// Index of the cell in the box.
-    pub cell: u32,
-    /// Direction of the link.
-    pub dir: u8,
-    /// Index of the static solid.
-    pub solid: u16,
-}
-
-/// Static solids in a box.
-#[derive(Clone, Debug, Default)]
-pub struct Obstacles {
-    /// For each cell of the box, 0 for fluid, else 1 more than the number of the solid. Empty if
-    /// all is fluid.
-    pub solid: Vec<u16>,
-    /// Thin solids, sorted.
-    pub sheets: Vec<Sheet>,
 }
 
 /// End of a link from a stored cell.

@@ -3,6 +3,9 @@
 //! Everything else about the lattice is derived from the directions [`C`], whose order is that of
 //! Mutabaruka & Kamrin 2018, Table 1: the opposite of direction `i` in `1..=9` is `i + 9`.
 
+use tremie_fluid_kit::cells::links::Links;
+pub use tremie_fluid_kit::cells::vector::{cross, dot};
+
 /// Number of directions.
 pub const Q: usize = 19;
 
@@ -28,6 +31,9 @@ pub const C: [[i32; 3]; Q] = [
     [0, 1, 1],
     [0, 1, -1],
 ];
+
+/// The directions, as ways from a cell to its neighbours.
+pub const LINKS: Links = Links(&C);
 
 /// Directions as floating-point numbers.
 pub const C_F64: [[f64; 3]; Q] = {
@@ -109,18 +115,6 @@ pub fn mirrored(mut i: usize, mirrors: u8) -> usize {
         }
     }
     i
-}
-
-/// `a . b`.
-#[inline(always)]
-pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// `a x b`.
-#[inline(always)]
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// A value for each direction, as `std::array::from_fn` makes it, which is not unrolled for so many.

@@ -1,6 +1,6 @@
 //! Errors of the fluid at run time.
 
-use crate::lattice::grid::face_name;
+use tremie_fluid_kit::cells::grid::face_name;
 use tremie_messages::finding::short;
 
 /// A fault of a running fluid.

@@ -1,10 +1,11 @@
 //! Box, stored cells and places of populations, together.
 
 use crate::lattice::aa_pattern::{AaPattern, BlockedLinks, Parity};
-use crate::lattice::cell_list::{CellList, Obstacles};
+use crate::lattice::cell_list::CellList;
 use crate::lattice::d3q19::{C, OPPOSITE, Q};
-use crate::lattice::grid::{Grid, Reach, Side};
 use crate::lattice::populations::{Field, Real};
+use tremie_fluid_kit::cells::grid::{Grid, Reach, Side};
+use tremie_fluid_kit::cells::obstacles::Obstacles;
 
 /// Box, stored cells and places of populations.
 #[derive(Clone, Debug)]

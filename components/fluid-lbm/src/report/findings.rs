@@ -4,27 +4,15 @@ use crate::domain::parameters::{Parameters, Precision};
 use crate::lattice::d3q19::CS2;
 use crate::report::compression;
 use crate::report::gap_findings as gaps;
-use crate::report::gap_width_check::Narrow;
-use crate::report::grain_space_check::{DryRegion, Throat};
-use crate::report::part_extent::PartExtent;
 use crate::report::reservoir_findings as reservoirs;
-use crate::report::resolution::{Mended, Resolution};
+use crate::report::resolution::Resolution;
+use tremie_fluid_kit::checks::cell_findings::CellFindings;
+use tremie_fluid_kit::checks::grain_space_check::{DryRegion, Throat};
+use tremie_fluid_kit::checks::mended_part::MendedPart;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, FluidMaterial, Motion, PartBoundary, Scene};
 use tremie_messages::{Finding, Limit};
 
-/// Cells across a sphere from which its drag is trusted to a few per cent.
-const RESOLVED: f64 = 8.0;
-/// Cells across a sphere below which it may cover no cell at all.
-const UNSEEN: f64 = 2.0;
-/// Cells in the boundary layer of a sphere, D/√Re thick, below which the layer is not resolved.
-const LAYER: f64 = 1.0;
-/// Cells across a gap from which the flow through it is trusted.
-const WIDE: f64 = 4.0;
-/// Cells across a gap below which it may hold no cell.
-const SHUT: f64 = 1.0;
-/// Part of a surface's triangles whose mending a user should look at.
-const MENDED: f64 = 0.05;
 /// Relaxation time below which rounding and waves are damped too little to be safe.
 const LOW_TAU: f64 = 0.505;
 /// Relaxation time above which the flow lags behind changes.
@@ -41,16 +29,17 @@ pub fn findings(parameters: &Parameters, scene: &Scene, resolution: &Resolution)
     let lattice = Lattice { parameters, resolution, fluid, scene };
     let mut findings = vec![lattice.relaxation_time(), lattice.speed()];
     findings.extend(lattice.mach());
-    findings.extend(resolution.cells_per_smallest_sphere.map(|cells| lattice.sphere(cells)));
-    findings.extend(resolution.cells_per_smallest_sphere.and_then(|d| lattice.layer(d)));
+    let cells = CellFindings { cell: resolution.cell };
+    findings.extend(resolution.cells_per_smallest_sphere.map(|across| cells.sphere(across)));
+    findings.extend(resolution.cells_per_smallest_sphere.and_then(|d| cells.layer(d, fluid)));
     findings
-        .extend(resolution.cells_per_thinnest_polyhedron.map(|cells| lattice.polyhedron(cells)));
-    findings.extend(resolution.thin_parts.iter().flat_map(|part| lattice.part(part)));
+        .extend(resolution.cells_per_thinnest_polyhedron.map(|across| cells.polyhedron(across)));
+    findings.extend(resolution.thin_parts.iter().flat_map(|part| cells.part(part)));
     findings.extend(resolution.dry_regions.iter().map(DryRegion::finding));
     findings.extend(resolution.throat.as_ref().map(Throat::finding));
-    findings.extend(resolution.narrowest_gap.as_ref().map(|gap| lattice.gap(gap)));
-    findings.extend(resolution.narrowest_gap_of_bodies.as_ref().map(|gap| lattice.film(gap)));
-    findings.extend(resolution.mended.iter().map(mended));
+    findings.extend(resolution.narrowest_gap.as_ref().map(|gap| cells.gap(gap)));
+    findings.extend(resolution.narrowest_gap_of_bodies.as_ref().map(|gap| cells.film(gap)));
+    findings.extend(resolution.mended.iter().map(MendedPart::finding));
     findings.extend(lattice.pressure_noise());
     findings.extend(lattice.compression());
     findings.extend(compression::of_flow(scene, lattice.stiffness(), resolution.time_step));
@@ -151,113 +140,6 @@ impl Lattice<'_> {
         ))
     }
 
-    /// Judges the cells across what the fluid goes around. `meaning` says what the number is, `what` begins the reasons.
-    fn across(&self, quantity: &str, cells: f64, [meaning, what]: [&str; 2]) -> Finding {
-        let width = cells * self.resolution.cell;
-        let remedy = format!("a cell of {} m makes it {RESOLVED}", short(width / RESOLVED));
-        Finding::new(quantity, cells, "1")
-            .because(meaning)
-            .wrong_if(
-                cells < UNSEEN,
-                format!("{what}below {UNSEEN} it may cover no cell at all and feel no fluid"),
-                &remedy,
-            )
-            .doubtful_if(
-                cells < RESOLVED,
-                format!("{what}its drag is trusted to a few per cent from {RESOLVED} on"),
-                remedy,
-            )
-    }
-
-    fn sphere(&self, cells: f64) -> Finding {
-        self.across("cells across the smallest sphere", cells, ["", ""])
-    }
-
-    /// A flake has the volume of a sphere that is many cells across, and none itself.
-    fn polyhedron(&self, cells: f64) -> Finding {
-        let said = ["its least width between two planes", "its least width; "];
-        self.across("cells across the thinnest polyhedron", cells, said)
-    }
-
-    /// A part that is slim two ways is judged as a sphere of that diameter; a plate has to be seen at all.
-    fn part(&self, part: &PartExtent) -> Vec<Finding> {
-        let cell = self.resolution.cell;
-        let across = part.across.map(|cells| {
-            let said = ["where the fluid goes around it", ""];
-            self.across(&format!("cells across {}", part.part), cells, said)
-        });
-        // A part that the lattice does not see is told already.
-        let is_seen = part.across.is_none_or(|cells| cells >= UNSEEN);
-        let through = (is_seen && part.through < SHUT).then(|| {
-            let remedy = format!("a cell of {} m makes it {SHUT}", short(part.through * cell / SHUT));
-            Finding::new(format!("cells through {}", part.part), part.through, "1").doubtful_if(
-                true,
-                format!("its thickness; below {SHUT} no cell of it is sure to be covered, and one that moves may let fluid through"),
-                remedy,
-            )
-        });
-        across.into_iter().chain(through).collect()
-    }
-
-    /// A low relaxation time is a large Reynolds number of a cell: with few cells across, the layer in which a
-    /// sphere's drag is made is thinner than one.
-    fn layer(&self, cells: f64) -> Option<Finding> {
-        let speed = self.fluid.expected_speed.filter(|speed| *speed > 0.0)?;
-        let nu = self.fluid.viscosity / self.fluid.density;
-        let diameter = cells * self.resolution.cell;
-        let re = speed * diameter / nu;
-        let layer = cells / re.sqrt();
-        let finding =
-            Finding::new("cells in the boundary layer of the smallest sphere", layer, "1");
-        let at = format!(
-            "D over the root of its Reynolds number, {} if it met the expected speed",
-            short(re)
-        );
-        Some(finding.because(&at).doubtful_if(
-            layer < LAYER,
-            format!("{at}; below {LAYER} the layer that makes its drag is thinner than a cell"),
-            format!("a cell of {} m makes it {LAYER}; where spheres go along with the fluid this matters less", short(diameter / re.sqrt() / LAYER)),
-        ))
-    }
-
-    fn gap(&self, gap: &Narrow) -> Finding {
-        let remedy = format!(
-            "a cell of {} m makes it {WIDE}; or close it in the geometry, if nothing should flow there",
-            short(gap.cells * self.resolution.cell / WIDE)
-        );
-        Finding::new("cells across the narrowest gap", gap.cells, "1")
-            .because(place_of(gap))
-            .doubtful_if(
-                gap.cells < SHUT,
-                format!(
-                    "{}; below {SHUT} it may hold no cell: nothing flows there, and gap_pressure says what presses",
-                    place_of(gap)
-                ),
-                &remedy,
-            )
-            .doubtful_if(
-                gap.cells < WIDE,
-                format!("{}; the flow through it is trusted from {WIDE} on", place_of(gap)),
-                remedy,
-            )
-    }
-
-    fn film(&self, gap: &Narrow) -> Finding {
-        Finding::new("cells across the narrowest gap of a body", gap.cells, "1")
-            .because(format!("at the start, {}", place_of(gap)))
-            .doubtful_if(
-                gap.cells < SHUT,
-                format!(
-                    "at the start, {}; below {SHUT} no cell resolves the film between",
-                    place_of(gap)
-                ),
-                format!(
-                    "a cell of {} m makes it {SHUT}; or give the contact lubrication",
-                    short(gap.cells * self.resolution.cell / SHUT)
-                ),
-            )
-    }
-
     /// Rounding of the pressure: populations hold deviations from rest, of the order of speed and
     /// pressure, so their rounding is a part of that.
     fn pressure_noise(&self) -> Option<Finding> {
@@ -343,24 +225,6 @@ impl Lattice<'_> {
             remedy,
         ))
     }
-}
-
-/// Place of a gap, in words.
-fn place_of(gap: &Narrow) -> String {
-    let [x, y, z] = gap.place.map(short);
-    let [one, other] = &gap.between;
-    format!("between {one} and {other} at ({x}, {y}, {z}) m")
-}
-
-/// Finding on the surface of a part that was mended.
-fn mended(mended: &Mended) -> Finding {
-    let Mended { part, changes, triangles, what } = mended;
-    let all = format!("of {triangles} triangles: {what}");
-    Finding::new(format!("repairs of {part}"), *changes as f64, "1").because(&all).doubtful_if(
-        *changes as f64 > MENDED * *triangles as f64,
-        format!("{all}; so much is rarely an accident of the export"),
-        "look at the part in the viewer, or export it again as one closed solid",
-    )
 }
 
 #[cfg(test)]

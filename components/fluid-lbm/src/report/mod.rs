@@ -3,9 +3,6 @@
 pub mod compression;
 pub mod findings;
 pub mod gap_findings;
-pub mod gap_width_check;
-pub mod grain_space_check;
-pub mod part_extent;
 pub mod reservoir_findings;
 pub mod resolution;
 pub mod scene_check;

@@ -2,8 +2,8 @@
 
 use crate::boundary::virtual_piston::cylinder::LEAST;
 use crate::boundary::virtual_piston::face::{FASTEST, reservoirs_of};
-use crate::lattice::grid::face_name;
 use crate::report::resolution::Resolution;
+use tremie_fluid_kit::cells::grid::face_name;
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, Reservoir, Scene};

@@ -2,22 +2,23 @@
 
 use crate::bodies::body_memory;
 use crate::boundary::virtual_piston::face::reservoirs_of;
-use crate::domain::lattice_orientation::LatticeOrientation;
 use crate::domain::parameters::{Parameters, Precision};
-use crate::domain::static_geometry::StaticGeometry;
 use crate::lattice::aa_pattern;
-use crate::lattice::d3q19::{CS2, Q};
-use crate::lattice::grid::face_name;
+use crate::lattice::d3q19::{CS2, LINKS, Q};
 use crate::lattice::populations::Field;
-use crate::report::gap_width_check::{Narrow, narrowest};
-use crate::report::grain_space_check::{DryRegion, Throat, dry_regions, throat};
-use crate::report::part_extent::{PartExtent, rounded, thin_parts};
 use crate::report::scene_check::check_scene;
 use serde::{Deserialize, Serialize};
-use tremie_geometry::{Convex, Surface};
+use tremie_fluid_kit::cells::grid::face_name;
+use tremie_fluid_kit::cells::whole_cells::whole_cells;
+use tremie_fluid_kit::checks::gap_width_check::{Narrow, narrowest};
+use tremie_fluid_kit::checks::grain_space_check::{DryRegion, Throat, dry_regions, throat};
+use tremie_fluid_kit::checks::mended_part::{MendedPart, mended_parts};
+use tremie_fluid_kit::checks::part_extent::{PartExtent, rounded, thin_parts};
+use tremie_fluid_kit::checks::smallest_body::{smallest_diameter, thinnest_width};
+use tremie_fluid_kit::survey::static_geometry::{GridAxes, StaticGeometry};
 use tremie_messages::Problem;
 use tremie_messages::finding::short;
-use tremie_messages::scene::{BodySet, Domain, FluidMaterial, Placement, Scene};
+use tremie_messages::scene::{FluidMaterial, Scene};
 
 /// Resolution that follows from parameters and scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,24 +54,11 @@ pub struct Resolution {
     /// Cells of the fluid at the faces that have a reservoir: axis, side, number.
     pub reservoir_cells: Vec<(usize, usize, usize)>,
     /// Parts whose files had to be mended.
-    pub mended: Vec<Mended>,
+    pub mended: Vec<MendedPart>,
     /// Notes on the geometry in cells; sentences.
     pub notes: Vec<String>,
     /// Warnings that a user should read before trusting results; sentences.
     pub warnings: Vec<String>,
-}
-
-/// A part whose file had to be mended to make a closed surface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Mended {
-    /// Its name.
-    pub part: String,
-    /// Triangles and vertices that were changed.
-    pub changes: usize,
-    /// Triangles that it has now.
-    pub triangles: usize,
-    /// Changes that were made, in words.
-    pub what: String,
 }
 
 impl Parameters {
@@ -94,7 +82,7 @@ impl Parameters {
             Some(fluid) if problems.is_empty() => fluid,
             _ => return Err(problems),
         };
-        let cells = self.cells(&scene.domain, &mut problems);
+        let cells = whole_cells(&scene.domain, self.cell.0, &mut problems);
         let time_step = self.choose_time_step(fluid);
         let tau = self.tau_of(time_step, fluid.viscosity / fluid.density);
         self.check_step(fluid, time_step, &mut problems);
@@ -106,7 +94,7 @@ impl Parameters {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let ground = StaticGeometry::new(scene, LatticeOrientation::WORLD, cells, self.cell.0)?;
+        let ground = StaticGeometry::new(scene, GridAxes::WORLD, LINKS, cells, self.cell.0)?;
         let fluid_cells = ground.voxels.fluid;
         let of_bodies =
             body_memory::of_bodies(scene, self.cell.0) + ground.triangles() * OF_TRIANGLE;
@@ -134,7 +122,7 @@ impl Parameters {
             dry_regions: dry_regions(scene, &ground),
             throat: throat(scene, &ground),
             reservoir_cells,
-            mended: mended(scene, &ground),
+            mended: mended_parts(scene, &ground),
             notes: ground.notes(),
             warnings: warnings(memory_bytes),
         };
@@ -235,39 +223,6 @@ impl Parameters {
         }
     }
 
-    /// Cells along each axis, with a problem for each edge that is not a whole number of cells.
-    fn cells(&self, domain: &Domain, problems: &mut Vec<Problem>) -> [usize; 3] {
-        let size = domain.size();
-        let common = common_cell(size, self.cell.0);
-        std::array::from_fn(|axis| {
-            let exact = size[axis] / self.cell.0;
-            let whole = exact.round().max(1.0);
-            if (exact - whole).abs() > 1e-6 * whole {
-                let below = size[axis] / exact.ceil().max(1.0);
-                let above = size[axis] / exact.floor().max(1.0);
-                problems.push(
-                    Problem::of_parameter(
-                        "cell",
-                        format!(
-                            "the domain is {} m along {}, {exact:.4} cells of {} m; it must be a whole number",
-                            size[axis],
-                            ["x", "y", "z"][axis],
-                            self.cell.0
-                        ),
-                    )
-                    .help(match common {
-                        Some(cell) => format!("a cell of {cell:.9e} m fits all edges"),
-                        None => format!(
-                            "the nearest cells that fit this edge are {below:.6e} m and {above:.6e} m"
-                        ),
-                    }),
-                );
-            }
-            // A lattice that cannot exist is refused by its memory; the cast saturates.
-            whole as usize
-        })
-    }
-
     /// Memory of the lattice and its maps [bytes], if `stored` of the box's cells are stored; `None`
     /// if there are more than can be numbered.
     fn memory(&self, cells: [usize; 3], stored: u64) -> Option<u64> {
@@ -311,68 +266,9 @@ fn reservoir_cells(
     reservoirs_of(scene).map(of).collect()
 }
 
-/// Parts whose files had to be mended.
-fn mended(scene: &Scene, ground: &StaticGeometry) -> Vec<Mended> {
-    let fixed = ground.solids.iter().filter_map(|solid| Some((solid.part?, solid.surface()?)));
-    let moving = ground.moving.iter().enumerate();
-    let moving = moving.filter_map(|(k, surface)| Some((k, surface.as_deref()?)));
-    let of = |(part, surface): (usize, &Surface)| {
-        let done = surface.repairs();
-        let changes = done.welded_near + done.dropped + done.turned + done.flipped;
-        (changes > 0 || done.offset > 0.0).then(|| Mended {
-            part: scene.parts[part].name.clone(),
-            changes,
-            triangles: surface.mesh().triangles.len(),
-            what: done.to_string(),
-        })
-    };
-    fixed.chain(moving).filter_map(of).collect()
-}
-
-/// The cell nearest to `wanted` of which all edges of a box are whole numbers, within a factor of
-/// two; `None` if there is none.
-fn common_cell(size: [f64; 3], wanted: f64) -> Option<f64> {
-    let shortest = size.into_iter().fold(f64::INFINITY, f64::min);
-    let (fewest, most) = (0.5 * shortest / wanted, 2.0 * shortest / wanted);
-    if most > 1e5 {
-        return None;
-    }
-    let fits = |cell: &f64| {
-        size.iter().all(|edge| {
-            let exact = edge / cell;
-            (exact - exact.round()).abs() <= 1e-9 * exact
-        })
-    };
-    let off = |cell: &f64| (cell / wanted).ln().abs();
-    ((fewest.ceil().max(1.0) as u32)..=(most as u32))
-        .map(|count| shortest / f64::from(count))
-        .filter(fits)
-        .min_by(|a, b| off(a).total_cmp(&off(b)))
-}
-
 fn too_many(cells: [usize; 3]) -> Problem {
     Problem::of_parameter("cell", format!("makes {cells:?} cells, more than fit in memory"))
         .help("choose a larger cell or a smaller domain")
-}
-
-/// Diameter of the smallest sphere that the scene lists or may draw [m]; a polyhedron counts as the sphere
-/// of its volume.
-fn smallest_diameter(scene: &Scene) -> Option<f64> {
-    let sets = scene.bodies.iter().map(|set| set.placement.sizes().extremes()[0]);
-    let inlets = scene.inlets.iter().map(|inlet| inlet.diameters.extremes()[0]);
-    sets.chain(inlets).filter(|d| d.is_finite()).reduce(f64::min)
-}
-
-/// The least width of the thinnest polyhedron that the scene lists or packs [m]: a flake may be as large as a ball, and no
-/// cell across.
-fn thinnest_width(scene: &Scene) -> Option<f64> {
-    let of = |set: &BodySet| {
-        let Placement::Polyhedra(own) = &set.placement else { return None };
-        let shape = scene.shapes.iter().find(|shape| shape.name == own.shape)?;
-        let width = Convex::hull(&shape.vertices).ok()?.unit().least_width();
-        Some(width * set.placement.sizes().extremes()[0])
-    };
-    scene.bodies.iter().filter_map(of).filter(|width| width.is_finite()).reduce(f64::min)
 }
 
 /// Memory of a triangle of a part, with what is kept to find it [bytes]; measured on x86-64.
@@ -389,18 +285,4 @@ fn warnings(memory_bytes: u64) -> Vec<String> {
         ));
     }
     warnings
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cell_for_all_edges_is_the_nearest_that_fits_each() {
-        // 4 mm divides all edges, so do its parts: 4/7 and 4/6 mm are the nearest.
-        let found = common_cell([0.044, 0.028, 0.06], 0.6e-3).unwrap();
-        assert!((found - 4e-3 / 7.0).abs() < 1e-12, "{found}");
-        assert_eq!(common_cell([1.0, std::f64::consts::SQRT_2, 1.0], 0.1), None);
-        assert_eq!(common_cell([1.0, 1.0, 1e9], 1e-12), None);
-    }
 }

@@ -1,7 +1,7 @@
 //! Demands of a scene that this fluid cannot meet.
 
 use crate::boundary::virtual_piston::face::reservoirs_of;
-use crate::lattice::grid::face_name;
+use tremie_fluid_kit::cells::grid::face_name;
 use tremie_messages::Problem;
 use tremie_messages::scene::{
     Course, DeformableSurface, Domain, Face, Gap, GapRegion, GapRule, GapSide, GapWeight, Motion,

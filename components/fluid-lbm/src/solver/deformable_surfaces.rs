@@ -4,8 +4,8 @@
 use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_surface::SoftSurface;
 use crate::lattice::error::FluidError;
-use crate::lattice::grid::Grid;
 use crate::lattice::units::Units;
+use tremie_fluid_kit::cells::grid::Grid;
 use tremie_messages::SurfaceVertex;
 use tremie_messages::scene::Scene;
 

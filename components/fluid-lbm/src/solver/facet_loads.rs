@@ -5,9 +5,7 @@ use crate::bodies::body_list::Bodies;
 use crate::bodies::deformable_shape::DeformableShape;
 use crate::bodies::facet_sums::{FACETS_PER_PIECE, FacetSums, OnFacet};
 use crate::boundary::post_collision::LinkItem;
-use crate::domain::mirrors::mirrors_of_part;
 use crate::lattice::d3q19::{cross, dot};
-use crate::lattice::grid::Grid;
 use crate::lattice::ledger::{Ledger, add_scaled};
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
@@ -18,6 +16,8 @@ use crate::solver::gap_model::GapModel;
 use crate::solver::gap_pressure::each_felt;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::moving_bodies::MovingBodies;
+use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::survey::mirrors::mirrors_of_part;
 use tremie_messages::FacetLoad;
 use tremie_team::Cut;
 

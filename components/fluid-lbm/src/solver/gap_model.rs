@@ -5,7 +5,6 @@ use crate::boundary::boundaries::Boundaries;
 use crate::boundary::gap_sinks::GapTables;
 use crate::boundary::wall_distances::WallDistances;
 use crate::domain::parameters::{GapPressure, Parameters};
-use crate::domain::solids::Centres;
 use crate::gaps::modelled::ModelledGaps;
 use crate::gaps::specular_walls::SpecularWalls;
 use crate::lattice::d3q19::{CS2, Q};
@@ -15,6 +14,7 @@ use crate::lattice::populations::Real;
 use crate::solver::execution::Execution;
 use crate::solver::gap_pressure::{InGaps, Seen, UNKNOWN};
 use crate::solver::lattice_state::LatticeState;
+use tremie_fluid_kit::cells::centres::Centres;
 use tremie_messages::scene::Scene;
 
 /// The gaps of a scene, what fills them, and what they give.

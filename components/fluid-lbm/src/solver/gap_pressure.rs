@@ -4,11 +4,11 @@ use crate::bodies::body_list::Bodies;
 use crate::boundary::post_collision::LinkItem;
 use crate::boundary::unresolved_gaps::{Gap, Gaps, OtherSide, ROOM};
 use crate::lattice::d3q19::cross;
-use crate::lattice::grid::Grid;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::solver::execution::Execution;
 use crate::solver::gap_model::GapModel;
+use tremie_fluid_kit::cells::grid::Grid;
 use tremie_team::Cut;
 
 /// Items whose gaps one thread looks at together.

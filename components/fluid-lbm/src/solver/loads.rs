@@ -1,8 +1,6 @@
 //! Loads on the bodies: what their links exchanged, what gaps press, images in symmetry planes, buoyancy.
 
 use crate::bodies::body::Body;
-use crate::domain::mirrors::{mirrors_of_part, near_mirrors, with_image};
-use crate::lattice::grid::Grid;
 use crate::lattice::ledger::add_scaled;
 use crate::lattice::momentum_exchange::MomentumExchange;
 use crate::lattice::populations::Real;
@@ -10,6 +8,8 @@ use crate::solver::budget::Budget;
 use crate::solver::gap_model::GapModel;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::moving_bodies::MovingBodies;
+use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::survey::mirrors::{mirrors_of_part, near_mirrors, with_image};
 use tremie_messages::Load;
 
 /// Gives the bodies their loads, once gaps press on them and facets have theirs, and balances them.

@@ -20,7 +20,6 @@ pub mod open_boundaries;
 pub mod oriented_messages;
 pub mod pinched_cells;
 pub mod ports;
-pub mod probe_signals;
 pub mod probes;
 pub mod section_flux;
 pub mod static_boundaries;

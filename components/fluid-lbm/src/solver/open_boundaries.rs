@@ -4,11 +4,11 @@ use crate::boundary::boundaries::Built;
 use crate::boundary::face_scheme::{FaceScheme, PostStreaming, StepBegin};
 use crate::boundary::virtual_piston::face::{ReservoirFace, ReservoirState};
 use crate::lattice::error::FluidError;
-use crate::lattice::grid::Grid;
 use crate::lattice::populations::Real;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::static_boundaries::StaticBoundaries;
+use tremie_fluid_kit::cells::grid::Grid;
 
 /// The faces through which fluid enters and leaves.
 pub struct OpenBoundaries<T: Real> {

@@ -6,7 +6,7 @@ use crate::lattice::d3q19::{Q, each};
 use crate::lattice::error::FluidError;
 use crate::lattice::ledger::Ledger;
 use crate::solver::diagnostics::SliceNode;
-use crate::solver::probe_signals::{count, first_velocity};
+use tremie_fluid_kit::probes::probe_signals::{count, first_velocity};
 use tremie_messages::scene::ProbeShape;
 use tremie_messages::{BodyState, FacetLoad, Load, PortState, SurfaceVertex};
 

@@ -1,11 +1,11 @@
 //! Velocities at the open faces on which inlets of grains sit: means over the cells that are fluid in the
 //! layer at the face.
 
-use crate::domain::solids::Centres;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::solver::lattice_state::LatticeState;
 use crate::solver::probes::Probes;
+use tremie_fluid_kit::cells::centres::Centres;
 use tremie_messages::PortState;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
 use tremie_team::Team;

@@ -1,59 +1,21 @@
 //! Probes: weighted means over the fluid cells where they are.
 
-use crate::boundary::refill::{Content, PreCollision};
-use crate::domain::sampling::samples;
-use crate::domain::solids::Centres;
+use crate::boundary::refill::PreCollision;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::CS2;
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
 use crate::lattice::units::Units;
-use crate::solver::probe_signals::{ProbeValues, rows};
 use crate::solver::section_flux::{Crossing, Sight};
+use tremie_fluid_kit::cells::centres::Centres;
+use tremie_fluid_kit::probes::probe_plan::{ProbePlan, ProbeSum, SAMPLES_PER_ITEM};
+use tremie_fluid_kit::probes::probe_signals::{ProbeValues, append};
+use tremie_fluid_kit::probes::sampling::samples;
 use tremie_messages::scene::{Probe, ProbeShape};
 use tremie_team::Team;
 
-/// Samples that are one item of work.
-const SAMPLES_PER_ITEM: usize = 2048;
-
 /// Fewer samples of a line than these are read one by one.
 const FEW: usize = 3;
-
-/// Weighted sums over samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    /// Weight of the fluid cells, and of those that bodies cover.
-    fluid: f64,
-    covered: f64,
-    drho: f64,
-    u: [f64; 3],
-}
-
-impl Sum {
-    fn add(&mut self, weight: f64, content: &Content, acceleration: [f64; 3]) {
-        let u = content.velocity(acceleration).map(|u| weight * u);
-        self.join(&Self { fluid: weight, covered: 0.0, drho: weight * content.drho, u });
-    }
-
-    fn join(&mut self, other: &Self) {
-        self.fluid += other.fluid;
-        self.covered += other.covered;
-        self.drho += other.drho;
-        for a in 0..3 {
-            self.u[a] += other.u[a];
-        }
-    }
-}
-
-/// Samples that are one item of work, and their sums.
-#[derive(Clone, Debug)]
-struct ProbeItem {
-    probe: usize,
-    /// The strip, of a profile; else 0.
-    strip: usize,
-    samples: Vec<(u32, f64)>,
-    sum: Sum,
-}
 
 /// Mass that passes a section.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,8 +28,7 @@ struct Passing {
 /// The probes of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Probes {
-    shapes: Vec<ProbeShape>,
-    items: Vec<ProbeItem>,
+    plan: ProbePlan,
     /// Links that cross sections.
     crossings: Vec<Crossing>,
     /// Of each probe, what passes it if it is a section.
@@ -85,37 +46,20 @@ const SHARE_OF_SECTIONS: f64 = 0.005;
 impl Probes {
     /// Of a scene, in stored cells.
     pub fn new(probes: &[Probe], layout: &Layout, centres: &Centres) -> Self {
-        let mut own = Self::default();
+        let mut own = Self {
+            plan: ProbePlan::new(probes, &layout.grid, centres, |at| layout.cell(at)),
+            passing: vec![Passing::default(); probes.len()],
+            ..Self::default()
+        };
         for (number, probe) in probes.iter().enumerate() {
-            own.shapes.push(probe.shape.clone());
-            let strips =
-                if let ProbeShape::Profile { bins, .. } = &probe.shape { *bins } else { 1 };
-            let mut cells = vec![Vec::new(); strips];
-            let samples = samples(&layout.grid, centres, &probe.shape);
             if let ProbeShape::Section { axis, .. } = &probe.shape {
-                let crossings = samples.chunks(SAMPLES_PER_ITEM);
+                let cells = samples(&layout.grid, centres, &probe.shape);
+                let crossings = cells.chunks(SAMPLES_PER_ITEM);
                 let crossings = crossings.map(|cells| Crossing::of(layout, *axis, number, cells));
                 own.crossings.extend(crossings);
             }
-            for (at, weight) in samples {
-                let strip = strip_of(&probe.shape, centres, at);
-                cells[strip].extend(layout.cell(at).map(|cell| (cell, weight)));
-            }
-            for (strip, cells) in cells.iter().enumerate() {
-                own.items.extend(cells.chunks(SAMPLES_PER_ITEM).map(|samples| ProbeItem {
-                    probe: number,
-                    strip,
-                    samples: samples.to_vec(),
-                    sum: Sum::default(),
-                }));
-            }
         }
-        own.passing = vec![Passing::default(); own.shapes.len()];
-        let sections = own
-            .items
-            .iter()
-            .filter(|item| matches!(own.shapes[item.probe], ProbeShape::Section { .. }));
-        let looked_at: usize = sections.map(|item| item.samples.len()).sum();
+        let looked_at = own.plan.samples_of_sections();
         if looked_at > 0 {
             // The more cells sections have, the more seldom they are looked at.
             let share = looked_at as f64 / layout.cells.len().max(1) as f64;
@@ -154,10 +98,9 @@ impl Probes {
         units: &Units,
         out: &mut Vec<f64>,
     ) {
-        team.for_each(&mut self.items, |_, item| {
-            item.sum = Sum::default();
-            let line = |cell: u32| cell as usize / T::LINE;
-            for samples in item.samples.chunk_by(|a, b| line(a.0) == line(b.0)) {
+        let line = |cell: u32| cell as usize / T::LINE;
+        self.plan.measure(team, |samples, sum| {
+            for samples in samples.chunk_by(|a, b| line(a.0) == line(b.0)) {
                 let number = line(samples[0].0);
                 let first = number * T::LINE;
                 // Where it pays, the cells of a line are read together.
@@ -170,56 +113,34 @@ impl Probes {
                             Some(contents) => contents[cell as usize - first],
                             None => before.content(cell),
                         };
-                        item.sum.add(weight, &content, before.acceleration);
+                        let velocity = content.velocity(before.acceleration);
+                        sum.add(weight, content.drho, velocity);
                     } else {
-                        item.sum.covered += weight;
+                        sum.covered += weight;
                     }
                 }
             }
         });
-        let mut items = self.items.iter().peekable();
-        for (number, shape) in self.shapes.iter().enumerate() {
-            let strips = if let ProbeShape::Profile { bins, .. } = shape { *bins } else { 1 };
+        self.plan.tell(|number, shape, sum| {
             let Passing { last, sum: passed } = self.passing[number];
             // Between looks, the last one.
             let mean = (self.looks > 0).then(|| passed / f64::from(self.looks)).or(last);
-            for strip in 0..strips {
-                let mut sum = Sum::default();
-                while let Some(item) =
-                    items.next_if(|item| (item.probe, item.strip) == (number, strip))
-                {
-                    sum.join(&item.sum);
-                }
-                push(shape, &sum, mean, units, out);
-            }
-        }
+            append(shape, &values(shape, sum, mean, units), out);
+        });
     }
 }
 
-/// The strip of a probe in which a cell lies.
-fn strip_of(shape: &ProbeShape, centres: &Centres, at: [i32; 3]) -> usize {
-    let ProbeShape::Profile { min, max, along, bins, .. } = shape else { return 0 };
-    let part = (centres.of(at)[*along] - min[*along]) / (max[*along] - min[*along]);
-    ((part * *bins as f64) as usize).min(bins - 1)
-}
-
-/// Appends the values of one probe.
-fn push(shape: &ProbeShape, sum: &Sum, passing: Option<f64>, units: &Units, out: &mut Vec<f64>) {
-    let mean = |x: f64| if sum.fluid > 0.0 { x / sum.fluid } else { 0.0 };
-    let velocity = sum.u.map(|u| mean(u) * units.velocity());
-    if let ProbeShape::Profile { axis, .. } = shape {
-        return out.push(velocity[*axis]);
-    }
+/// Values of one probe in SI units. The sum of the pressure is that of the density's deviation.
+fn values(shape: &ProbeShape, sum: &ProbeSum, passing: Option<f64>, units: &Units) -> ProbeValues {
     let across = if let ProbeShape::Section { axis, .. } = shape { *axis } else { 0 };
-    let all = sum.fluid + sum.covered;
+    let drho = sum.mean(sum.pressure);
     // Before the first look, as it is.
-    let now = || sum.u[across] * (1.0 + mean(sum.drho));
-    let measured = ProbeValues {
-        pressure: mean(sum.drho) * CS2 * units.pressure(),
-        velocity,
-        solid_fraction: if all > 0.0 { sum.covered / all } else { 0.0 },
-        flow_rate: sum.u[across] * units.velocity() * (units.cell * units.cell),
+    let now = || sum.velocity[across] * (1.0 + drho);
+    ProbeValues {
+        pressure: drho * CS2 * units.pressure(),
+        velocity: sum.velocity.map(|u| sum.mean(u) * units.velocity()),
+        solid_fraction: sum.solid_fraction(),
+        flow_rate: sum.velocity[across] * units.velocity() * (units.cell * units.cell),
         mass_flow_rate: passing.unwrap_or_else(now) * units.mass() / units.time_step,
-    };
-    out.extend(rows(shape).iter().map(|(_, _, _, value)| value(&measured)));
+    }
 }

@@ -19,9 +19,9 @@ use crate::boundary::refill::PreCollision;
 use crate::domain::boundary_condition::BoundaryValue;
 use crate::lattice::cell_flags::CellFlags;
 use crate::lattice::d3q19::{C, C_F64, OPPOSITE, Q, W, dot, mirrored};
-use crate::lattice::grid::{Reach, Side};
 use crate::lattice::layout::Layout;
 use crate::lattice::populations::Real;
+use tremie_fluid_kit::cells::grid::{Reach, Side};
 
 /// A link across a side of the layer.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,6 @@ use crate::boundary::sheet_links::{SheetItem, SheetLinks};
 use crate::boundary::static_wall_links::{StaticWallLinks, WallItem};
 use crate::boundary::wall_mass::{Brought, Patches};
 use crate::domain::boundary_condition::{BoundaryCondition, BoundaryValue};
-use crate::domain::mirrors::{mirrors_of_part, with_image};
 use crate::gaps::specular_walls::SpecularWalls;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::collision_kernel::CellBlock;
@@ -16,6 +15,7 @@ use crate::lattice::populations::Real;
 use crate::lattice::reflection_impulse::ReflectionImpulse;
 use crate::solver::execution::Execution;
 use crate::solver::lattice_state::LatticeState;
+use tremie_fluid_kit::survey::mirrors::{mirrors_of_part, with_image};
 use tremie_messages::Load;
 
 /// Faces and static solids, and their links that need work.

@@ -28,11 +28,11 @@ use crate::boundary::virtual_piston::cylinder::Cylinder;
 use crate::boundary::zou_he::Inward;
 use crate::lattice::d3q19::{CS2, Q, equilibria};
 use crate::lattice::error::FluidError;
-use crate::lattice::grid::Grid;
 use crate::lattice::populations::Real;
-use crate::lattice::signal_row::SignalRow;
 use crate::lattice::units::Units;
 use std::ops::Range;
+use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::window::signal_row::SignalRow;
 use tremie_messages::scene::{Face, Reservoir, Scene};
 use tremie_team::Team;
 

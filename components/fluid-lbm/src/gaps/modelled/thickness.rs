@@ -3,9 +3,9 @@
 use super::{Candidate, Declared, Wall, body_of};
 use crate::bodies::body_list::Bodies;
 use crate::boundary::boundaries::Boundaries;
-use crate::domain::solids::Centres;
 use crate::lattice::d3q19::dot;
 use crate::lattice::layout::Layout;
+use tremie_fluid_kit::cells::centres::Centres;
 
 /// Cosine of the angle between the ways to both sides at most.
 const OPPOSITE_WAYS: f64 = -0.9;

@@ -2,9 +2,10 @@
 
 use super::{AaPattern, Blocked, BlockedLinks, Kind, Piece, Reflection};
 use crate::lattice::aa_rows::{RowEnd, Way};
-use crate::lattice::cell_list::{BoundaryId, CellList, LinkEnd, Obstacles};
+use crate::lattice::cell_list::{BoundaryId, CellList, LinkEnd};
 use crate::lattice::d3q19::{OPPOSITE, Q, mirrored};
-use crate::lattice::grid::Grid;
+use tremie_fluid_kit::cells::grid::Grid;
+use tremie_fluid_kit::cells::obstacles::Obstacles;
 
 /// Numbers from one plane to the next for `cells` cells in lines of `line`: planes start 3 cache
 /// lines apart modulo 4 KiB, so that the 19 streams of a step use different sets of the first-level

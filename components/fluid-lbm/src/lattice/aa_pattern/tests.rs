@@ -2,11 +2,12 @@
 
 use super::*;
 use crate::lattice::aa_rows::RowEnd;
-use crate::lattice::cell_list::{CellList, LinkEnd, Obstacles, Sheet};
+use crate::lattice::cell_list::{CellList, LinkEnd};
 use crate::lattice::d3q19::C;
-use crate::lattice::grid::{Grid, Side};
 use proptest::prelude::*;
 use std::collections::HashSet;
+use tremie_fluid_kit::cells::grid::{Grid, Side};
+use tremie_fluid_kit::cells::obstacles::{Obstacles, Sheet};
 
 /// Faces, cells and solids of a box.
 fn boxes() -> impl Strategy<Value = (Grid, Obstacles)> {
@@ -50,7 +51,7 @@ fn sheets(grid: &Grid, solid: &[u16], roll: &mut impl FnMut() -> u32) -> Vec<She
     sheets.dedup();
     sheets
 }
-use crate::lattice::grid::Reach;
+use tremie_fluid_kit::cells::grid::Reach;
 
 /// True if a line may be in a run with others.
 fn is_straight(places: &AaPattern, line: usize) -> bool {

@@ -1,6 +1,6 @@
 //! Symmetry planes that cut a body, and loads on the whole of it.
 
-use crate::lattice::grid::{Grid, Side};
+use crate::cells::grid::{Grid, Side};
 
 /// Axes across which a symmetry plane cuts a part: it is its own image if its origin is on the plane;
 /// one whose origin is not just passes near.

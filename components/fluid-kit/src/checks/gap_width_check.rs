@@ -1,8 +1,8 @@
 //! The narrowest gaps of a scene as it starts: between parts, walls, and listed bodies.
 
-use crate::domain::solids::Centres;
-use crate::domain::static_geometry::StaticGeometry;
-use crate::lattice::d3q19::cross;
+use crate::cells::centres::Centres;
+use crate::cells::vector::cross;
+use crate::survey::static_geometry::StaticGeometry;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Bounds, Frame, Surface};
 use tremie_messages::scene::{Face, Motion, Placement, Pose, Scene};
@@ -329,7 +329,6 @@ fn length(v: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::parameters::Parameters;
     use tremie_messages::scene::{
         BodySet, Domain, FluidMaterial, Geometry, Part, PartBoundary, Pose, Sphere,
     };
@@ -366,8 +365,7 @@ mod tests {
             }],
             ..Scene::empty(Domain::new([0.0; 3], [40.0; 3], Face::WALLS))
         };
-        let found = Parameters::with_cell(1.0).resolve(&scene).unwrap();
-        [found.narrowest_gap, found.narrowest_gap_of_bodies]
+        narrowest(&scene, &StaticGeometry::in_unit_cells(&scene))
     }
 
     /// Two crossed bars, edge above edge, 1.7 apart; what touches or is far away counts for nothing.
@@ -417,7 +415,8 @@ mod tests {
                 parts: [&[wall("shelf", 16.0)][..], &pair].concat(),
                 ..Scene::empty(Domain::new([0.0; 3], [40.0; 3], Face::WALLS))
             };
-            Parameters::with_cell(1.0).resolve(&scene).unwrap().narrowest_gap
+            let [gap, _] = narrowest(&scene, &StaticGeometry::in_unit_cells(&scene));
+            gap
         };
         assert!((found([2.0, 2.0, 30.0]).unwrap().cells - 0.5).abs() < 1e-9);
         assert_eq!(found([2.0, 2.0, 5.0]), None);

@@ -15,9 +15,8 @@
 //! and alike for the first moments: pressure counts from the middle between the ends. Triangles are cut at the planes,
 //! and the integrals over the pieces are exact.
 
-use crate::lattice::d3q19::cross;
-use crate::lattice::grid::{Grid, Side};
-use crate::lattice::ledger::add_scaled;
+use crate::cells::grid::{Grid, Side};
+use crate::cells::vector::cross;
 use tremie_geometry::{Bounds, Mesh, Vec3};
 
 /// Fluid that a part displaces, by the axis of the acceleration that is balanced: volume, and the
@@ -100,7 +99,8 @@ impl Displaced {
         for (a, moment) in self.moment.iter().enumerate() {
             let mut along = [0.0; 3];
             along[a] = lift[a];
-            add_scaled(&mut torque, cross(*moment, along), 1.0);
+            let own = cross(*moment, along);
+            (0..3).for_each(|k| torque[k] += own[k]);
         }
         [std::array::from_fn(|a| lift[a] * self.volume[a]), torque]
     }

@@ -1,19 +1,31 @@
 //! The static geometry of a scene in cells, checked.
 
-use crate::domain::lattice_orientation::LatticeOrientation;
-use crate::domain::leak::narrowest;
-use crate::domain::sampling::samples;
-use crate::domain::solids::{Centres, Solid, moving_solids, moving_surfaces, solids};
-use crate::domain::voxels::Voxels;
-use crate::lattice::aa_pattern::Blocked;
-use crate::lattice::cell_list::BoundaryId;
-use crate::lattice::d3q19::{C, mirrored};
-use crate::lattice::grid::{Grid, Reach, Side};
+use crate::cells::centres::Centres;
+use crate::cells::grid::{Grid, Side};
+use crate::cells::links::Links;
+use crate::probes::sampling::samples;
+use crate::survey::leak::narrowest;
+use crate::survey::solids::{Solid, moving_solids, moving_surfaces, solids};
+use crate::survey::voxels::Voxels;
 use std::sync::Arc;
 use tremie_geometry::Surface;
 use tremie_messages::Problem;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Face, Scene};
+
+/// Axes of a box of cells whose scene was turned so that they lie along others than the world's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridAxes {
+    /// The axes in the order of the world's.
+    pub order: [usize; 3],
+    /// Orientation of a frame that is not turned in the world, a unit quaternion `(x, y, z, w)`.
+    pub upright: [f64; 4],
+}
+
+impl GridAxes {
+    /// Along the world's.
+    pub const WORLD: Self = Self { order: [0, 1, 2], upright: [0.0, 0.0, 0.0, 1.0] };
+}
 
 /// The static geometry of a scene in cells.
 pub struct StaticGeometry {
@@ -45,18 +57,19 @@ pub fn sides(scene: &Scene) -> [[Side; 2]; 3] {
 }
 
 impl StaticGeometry {
-    /// Of a scene in a box of `cells` cells with edges of `cell` [m], both by the given axes.
+    /// Of a scene in a box of `cells` cells with edges of `cell` [m], both by the given axes; fluid
+    /// gets from cell to cell by `links`.
     ///
     /// # Errors
     /// Surfaces that cannot be had, points inside that are not in the fluid, leaks.
     pub fn new(
         scene: &Scene,
-        axes: LatticeOrientation,
+        axes: GridAxes,
+        links: Links,
         cells: [usize; 3],
         cell: f64,
     ) -> Result<Self, Vec<Problem>> {
-        let order = [0, 1, 2].map(|axis| axes.axis_to_lattice(axis));
-        let grid = Grid::new(cells, sides(scene)).ordered(order);
+        let grid = Grid::new(cells, sides(scene)).ordered(axes.order);
         let centres = Centres { cell, min: scene.domain.min };
         let (solids, moving) = match (solids(scene, cell), moving_surfaces(scene)) {
             (Ok(solids), Ok(moving)) => (solids, moving),
@@ -86,11 +99,10 @@ impl StaticGeometry {
         if !problems.is_empty() {
             return Err(problems);
         }
-        let voxels = Voxels::new(&grid, &centres, &solids, &inside);
-        let upright = axes.turn([0.0, 0.0, 0.0, 1.0]);
+        let voxels = Voxels::new(&grid, links, &centres, &solids, &inside);
         let of_moving = moving_solids(scene, cell, &moving);
         let cut = cut_links(&grid, &centres, &voxels, [&solids, &of_moving]);
-        let own = Self { grid, solids, voxels, moving, upright, centres, cut };
+        let own = Self { grid, solids, voxels, moving, upright: axes.upright, centres, cut };
         for (k, at) in inside.iter().enumerate() {
             if !own.voxels.is_fluid(&own.grid, *at) {
                 problems.push(own.not_fluid(k, fluid.inside[k], *at));
@@ -138,7 +150,8 @@ impl StaticGeometry {
         if from.is_empty() || self.voxels.obstacles.solid[end] != 0 {
             return None;
         }
-        let found = narrowest(&self.grid, &self.voxels.obstacles, &start, &[end])?;
+        let found =
+            narrowest(&self.grid, self.voxels.links, &self.voxels.obstacles, &start, &[end])?;
         let place = self.centres.of(found.at);
         let mut near: Vec<(f64, &str)> =
             self.solids.iter().map(|solid| (solid.distance(place), solid.name.as_str())).collect();
@@ -165,6 +178,14 @@ impl StaticGeometry {
         )
     }
 
+    /// Of a scene in cells of 1 m that fluid crosses by their faces.
+    #[cfg(test)]
+    pub fn in_unit_cells(scene: &Scene) -> Self {
+        let cells = scene.domain.size().map(|length| length.round() as usize);
+        let made = Self::new(scene, GridAxes::WORLD, Links::FACES, cells, 1.0);
+        made.unwrap_or_else(|problems| panic!("{problems:?}"))
+    }
+
     /// Number of triangles of all parts.
     pub fn triangles(&self) -> u64 {
         let still = self.solids.iter().filter_map(Solid::surface);
@@ -185,32 +206,6 @@ impl StaticGeometry {
             self.grid.wrap(a, k.clamp(-1e9, 1e9) as i32)
         });
         self.grid.contains(at) && self.voxels.is_fluid(&self.grid, at)
-    }
-
-    /// Solid that a blocked link meets first, and `q`, the part of its length up to there; half-way
-    /// if it meets none.
-    pub fn meet(&self, at: [i32; 3], blocked: &Blocked) -> (Blocked, f64) {
-        let (grid, i) = (&self.grid, usize::from(blocked.dir));
-        let to = std::array::from_fn(|a| at[a] + C[i][a]);
-        let (mut ways, mut count) = ([(at, to); 2], 1);
-        if let Reach::Cell { at: end, mirrors } = grid.reach(to)
-            && end != to
-        {
-            // As seen beyond the periodic face or in the mirror.
-            let c = C[mirrored(i, mirrors)];
-            (ways[1], count) = ((std::array::from_fn(|a| end[a] - c[a]), end), 2);
-        }
-        let mut first = (*blocked, f64::INFINITY);
-        for (number, solid) in self.solids.iter().enumerate() {
-            for &(from, to) in &ways[..count] {
-                if let Some(q) = solid.crossing(&self.centres, from, to)
-                    && q < first.1
-                {
-                    first = (Blocked { fixture: BoundaryId::solid(number as u16), ..*blocked }, q);
-                }
-            }
-        }
-        if first.1.is_finite() { first } else { (*blocked, 0.5) }
     }
 
     /// Notes for a user on the geometry; sentences.

@@ -4,14 +4,17 @@
 //! on its way is a wall too: a sheet thinner than a cell. With points `inside` given, only cells
 //! that links lead to from there are fluid.
 
-use crate::domain::solids::{Centres, Solid};
-use crate::lattice::cell_list::{Obstacles, Sheet};
-use crate::lattice::d3q19::{C, OPPOSITE, Q};
-use crate::lattice::grid::{Grid, Reach};
+use crate::cells::centres::Centres;
+use crate::cells::grid::{Grid, Reach};
+use crate::cells::links::Links;
+use crate::cells::obstacles::{Obstacles, Sheet};
+use crate::survey::solids::Solid;
 use tremie_geometry::RowScratch;
 
 /// The box, cell by cell.
 pub struct Voxels {
+    /// Ways from a cell to its neighbours.
+    pub links: Links,
     /// Solid cells and sheets.
     pub obstacles: Obstacles,
     /// Number of fluid cells.
@@ -30,21 +33,27 @@ pub fn unreached(solids: &[Solid]) -> u16 {
 
 impl Voxels {
     /// Of solids in a box; the points are cells.
-    pub fn new(grid: &Grid, centres: &Centres, solids: &[Solid], inside: &[[i32; 3]]) -> Self {
+    pub fn new(
+        grid: &Grid,
+        links: Links,
+        centres: &Centres,
+        solids: &[Solid],
+        inside: &[[i32; 3]],
+    ) -> Self {
         let mut obstacles = Obstacles { solid: vec![0; grid.len()], sheets: Vec::new() };
         for (number, solid) in solids.iter().enumerate() {
             cover(grid, centres, solid, number as u16 + 1, &mut obstacles.solid);
         }
         let solid_at_all = !solids.is_empty();
-        obstacles.sheets = sheets(grid, centres, solids, &obstacles.solid);
-        let mut voxels = Self { obstacles, fluid: 0, unreached: 0, regions: Vec::new() };
+        obstacles.sheets = sheets(grid, links, centres, solids, &obstacles.solid);
+        let mut voxels = Self { links, obstacles, fluid: 0, unreached: 0, regions: Vec::new() };
         if !solid_at_all {
             // Everything is one region.
         } else if inside.is_empty() {
-            voxels.regions = regions(grid, &voxels.obstacles);
+            voxels.regions = regions(grid, links, &voxels.obstacles);
         } else {
             let starts: Vec<usize> = inside.iter().map(|&at| grid.index(at)).collect();
-            let reached = flood(grid, &voxels.obstacles, &starts);
+            let reached = flood(grid, links, &voxels.obstacles, &starts);
             for (solid, reached) in voxels.obstacles.solid.iter_mut().zip(reached) {
                 if *solid == 0 && !reached {
                     *solid = unreached(solids) + 1;
@@ -64,7 +73,7 @@ impl Voxels {
         for solid in more {
             cover(grid, centres, solid, u16::MAX, &mut marks);
         }
-        sheets(grid, centres, more, &marks)
+        sheets(grid, self.links, centres, more, &marks)
     }
 
     /// True if a cell is fluid.
@@ -91,8 +100,16 @@ fn cover(grid: &Grid, centres: &Centres, solid: &Solid, mark: u16, marks: &mut [
 }
 
 /// Links between fluid cells that meet a surface, from both of their ends, sorted.
-fn sheets(grid: &Grid, centres: &Centres, solids: &[Solid], marks: &[u16]) -> Vec<Sheet> {
+fn sheets(
+    grid: &Grid,
+    links: Links,
+    centres: &Centres,
+    solids: &[Solid],
+    marks: &[u16],
+) -> Vec<Sheet> {
     let mut sheets = Vec::new();
+    let with_back = links.each().map(|(i, step)| (i, step, links.opposite(i)));
+    let pairs: Vec<_> = with_back.filter(|(i, _, back)| i < back).collect();
     for (number, solid) in solids.iter().enumerate().filter(|(_, s)| s.bounds().is_some()) {
         let mut near = vec![0_u64; grid.len().div_ceil(64)];
         solid.each_near(grid, centres, |[first, last]| {
@@ -107,15 +124,15 @@ fn sheets(grid: &Grid, centres: &Centres, solids: &[Solid], marks: &[u16]) -> Ve
         let is_near = |index: usize| near[index / 64] >> (index % 64) & 1 == 1;
         for index in (0..grid.len()).filter(|&k| marks[k] == 0 && is_near(k)) {
             let at = grid.at(index);
-            // Of each pair of opposite directions one: the other end has the other.
-            for i in 1..=Q / 2 {
-                let to = std::array::from_fn(|a| at[a] + C[i][a]);
+            // Of each pair of opposite steps one: the other end has the other.
+            for (i, step, back) in pairs.iter().copied() {
+                let to = std::array::from_fn(|a| at[a] + step[a]);
                 let Reach::Cell { at: end, mirrors: 0 } = grid.reach(to) else { continue };
                 let end = grid.index(end);
                 if marks[end] == 0 && solid.crossing(centres, at, to).is_some() {
                     let solid = number as u16;
                     sheets.push(Sheet { cell: index as u32, dir: i as u8, solid });
-                    sheets.push(Sheet { cell: end as u32, dir: OPPOSITE[i] as u8, solid });
+                    sheets.push(Sheet { cell: end as u32, dir: back as u8, solid });
                 }
             }
         }
@@ -127,7 +144,7 @@ fn sheets(grid: &Grid, centres: &Centres, solids: &[Solid], marks: &[u16]) -> Ve
 }
 
 /// True for fluid cells to which links lead from the fluid cells among the starts.
-pub fn flood(grid: &Grid, obstacles: &Obstacles, starts: &[usize]) -> Vec<bool> {
+pub fn flood(grid: &Grid, links: Links, obstacles: &Obstacles, starts: &[usize]) -> Vec<bool> {
     let mut reached = vec![false; grid.len()];
     let mut front = Vec::new();
     for &start in starts {
@@ -136,19 +153,20 @@ pub fn flood(grid: &Grid, obstacles: &Obstacles, starts: &[usize]) -> Vec<bool> 
             front.push(start as u32);
         }
     }
-    spread(grid, obstacles, &mut front, |cell| !std::mem::replace(&mut reached[cell], true));
+    spread(grid, links, obstacles, &mut front, |cell| !std::mem::replace(&mut reached[cell], true));
     reached
 }
 
 /// Follows links from the cells of `front`; `enter` says whether a cell is new.
 fn spread(
     grid: &Grid,
+    links: Links,
     obstacles: &Obstacles,
     front: &mut Vec<u32>,
     mut enter: impl FnMut(usize) -> bool,
 ) {
     while let Some(cell) = front.pop() {
-        each_neighbour(grid, obstacles, cell as usize, |next| {
+        each_neighbour(grid, links, obstacles, cell as usize, |next| {
             if enter(next) {
                 front.push(next as u32);
             }
@@ -159,6 +177,7 @@ fn spread(
 /// Calls `visit` for each fluid cell to which a link leads from a cell.
 pub fn each_neighbour(
     grid: &Grid,
+    links: Links,
     obstacles: &Obstacles,
     cell: usize,
     mut visit: impl FnMut(usize),
@@ -167,8 +186,8 @@ pub fn each_neighbour(
     let first = obstacles.sheets.partition_point(|sheet| (sheet.cell as usize) < cell);
     let own = obstacles.sheets[first..].iter().take_while(|sheet| sheet.cell as usize == cell);
     let blocked = own.fold(0_u32, |bits, sheet| bits | 1 << sheet.dir);
-    for i in (1..Q).filter(|i| blocked >> i & 1 == 0) {
-        if let Reach::Cell { at, .. } = grid.reach(std::array::from_fn(|a| at[a] + C[i][a])) {
+    for (_, step) in links.each().filter(|(i, _)| blocked >> i & 1 == 0) {
+        if let Reach::Cell { at, .. } = grid.reach(std::array::from_fn(|a| at[a] + step[a])) {
             let next = grid.index(at);
             if obstacles.solid[next] == 0 {
                 visit(next);
@@ -178,7 +197,7 @@ pub fn each_neighbour(
 }
 
 /// Sizes of the regions of fluid that no way joins, the largest first.
-fn regions(grid: &Grid, obstacles: &Obstacles) -> Vec<usize> {
+fn regions(grid: &Grid, links: Links, obstacles: &Obstacles) -> Vec<usize> {
     let mut reached = vec![false; grid.len()];
     let mut sizes = Vec::new();
     let mut front = Vec::new();
@@ -187,7 +206,7 @@ fn regions(grid: &Grid, obstacles: &Obstacles) -> Vec<usize> {
             reached[start] = true;
             front.push(start as u32);
             let mut size = 1;
-            spread(grid, obstacles, &mut front, |cell| {
+            spread(grid, links, obstacles, &mut front, |cell| {
                 let new = !std::mem::replace(&mut reached[cell], true);
                 size += usize::from(new);
                 new

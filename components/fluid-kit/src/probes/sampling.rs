@@ -1,7 +1,7 @@
 //! Cells that a probe reads.
 
-use crate::domain::solids::Centres;
-use crate::lattice::grid::Grid;
+use crate::cells::centres::Centres;
+use crate::cells::grid::Grid;
 use std::ops::Range;
 use tremie_messages::scene::ProbeShape;
 

@@ -58,7 +58,6 @@ impl Grid {
     }
 
     /// A box with periodic axes and walls across the others.
-    #[cfg(test)]
     pub fn walled(n: [usize; 3], periodic: [bool; 3]) -> Self {
         Self::new(n, periodic.map(|p| [if p { Side::Periodic } else { Side::Wall }; 2]))
     }
@@ -75,6 +74,7 @@ impl Grid {
     }
 
     /// Number of cells of the box.
+    #[expect(clippy::len_without_is_empty, reason = "a box has cells")]
     pub fn len(&self) -> usize {
         self.n.iter().map(|&n| n as usize).product()
     }

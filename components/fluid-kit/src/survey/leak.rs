@@ -1,8 +1,9 @@
 //! Leak of a fluid: the narrowest place of the widest way from inside to outside.
 
-use crate::domain::voxels::each_neighbour;
-use crate::lattice::cell_list::Obstacles;
-use crate::lattice::grid::Grid;
+use crate::cells::grid::Grid;
+use crate::cells::links::Links;
+use crate::cells::obstacles::Obstacles;
+use crate::survey::voxels::each_neighbour;
 use std::collections::BinaryHeap;
 
 /// The narrowest place of a way.
@@ -20,6 +21,7 @@ pub struct Narrowest {
 /// as narrow.
 pub fn narrowest(
     grid: &Grid,
+    links: Links,
     obstacles: &Obstacles,
     from: &[usize],
     to: &[usize],
@@ -41,7 +43,7 @@ pub fn narrowest(
             let width = 2.0 * f64::from(room[so_far as usize]).sqrt() - 1.0;
             return Some(Narrowest { at: grid.at(so_far as usize), width });
         }
-        each_neighbour(grid, obstacles, cell as usize, |next| {
+        each_neighbour(grid, links, obstacles, cell as usize, |next| {
             if through[next] == u32::MAX {
                 through[next] = narrower(next, so_far);
                 heap.push((room[through[next] as usize], std::cmp::Reverse(next as u32)));
@@ -117,7 +119,7 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::grid::Side;
+    use crate::cells::grid::Side;
 
     /// A box with a wall across x at 6 and holes in it.
     fn walled(holes: &[([i32; 2], [i32; 2])]) -> (Grid, Obstacles) {
@@ -153,9 +155,9 @@ mod tests {
     fn the_way_leads_through_the_widest_hole() {
         let (grid, obstacles) = walled(&[([2, 2], [2, 2]), ([8, 10], [12, 14])]);
         let (from, to) = (grid.index([0, 2, 2]), grid.index([12, 2, 2]));
-        let found = narrowest(&grid, &obstacles, &[from], &[to]).unwrap();
+        let found = narrowest(&grid, Links::FACES, &obstacles, &[from], &[to]).unwrap();
         assert_eq!(found, Narrowest { at: [6, 10, 12], width: 5.0 });
         let (grid, obstacles) = walled(&[]);
-        assert_eq!(narrowest(&grid, &obstacles, &[from], &[to]), None);
+        assert_eq!(narrowest(&grid, Links::FACES, &obstacles, &[from], &[to]), None);
     }
 }

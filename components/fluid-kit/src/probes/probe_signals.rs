@@ -1,10 +1,10 @@
 //! Signals of probes: name, unit, meaning and value of each.
 
-use crate::lattice::signal_row::SignalRow;
+use crate::window::signal_row::SignalRow;
 use tremie_messages::finding::short;
 use tremie_messages::scene::{Probe, ProbeShape, Scene};
 
-/// Values of a probe, SI units.
+/// Values of a probe, SI units; of a profile only the velocity counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ProbeValues {
     /// Mean over the fluid [Pa].
@@ -92,4 +92,12 @@ pub fn count(shape: &ProbeShape) -> usize {
 /// it has one.
 pub fn first_velocity(shape: &ProbeShape) -> Option<usize> {
     rows(shape).iter().position(|(name, ..)| *name == OF_PLACES[1].0)
+}
+
+/// Appends the values of a probe of a shape, or of a strip of a profile, in the order of its signals.
+pub fn append(shape: &ProbeShape, measured: &ProbeValues, out: &mut Vec<f64>) {
+    if let ProbeShape::Profile { axis, .. } = shape {
+        return out.push(measured.velocity[*axis]);
+    }
+    out.extend(rows(shape).iter().map(|(_, _, _, value)| value(measured)));
 }

@@ -1,8 +1,9 @@
 //! Static solids of a scene: fixed parts and planes, in the frame of the box of cells.
 
-use crate::domain::displaced_volume::{Displaced, window};
-use crate::lattice::d3q19::dot;
-use crate::lattice::grid::Grid;
+use crate::cells::centres::Centres;
+use crate::cells::grid::Grid;
+use crate::cells::vector::dot;
+use crate::survey::displaced_volume::{Displaced, window};
 use std::sync::Arc;
 use tremie_geometry::{Bounds, Frame, Row, RowScratch, Surface, Vec3, motion_problem};
 use tremie_messages::Problem;
@@ -68,22 +69,6 @@ fn images(part: &Part, surface: &Surface, domain: &Domain, cell: f64) -> Vec<Ima
         }
     }
     images
-}
-
-/// The centres of the cells.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Centres {
-    /// Edge of a cell [m].
-    pub cell: f64,
-    /// Lower corner of the domain [m].
-    pub min: [f64; 3],
-}
-
-impl Centres {
-    /// Centre of a cell, which may lie outside the box [m].
-    pub fn of(&self, at: [i32; 3]) -> [f64; 3] {
-        std::array::from_fn(|a| self.min[a] + (f64::from(at[a]) + 0.5) * self.cell)
-    }
 }
 
 /// The static solids of a scene: its fixed parts in their order, then its planes; `cell` is the edge of a cell [m].

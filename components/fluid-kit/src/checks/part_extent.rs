@@ -9,9 +9,8 @@
 //! surface, a tip or a bevel, are not counted. A part that stands free has its own widths besides:
 //! the faces of a tetrahedron are not opposite anywhere.
 
-use crate::bodies::ridges::width_along;
-use crate::domain::static_geometry::StaticGeometry;
-use crate::lattice::d3q19::{cross, dot};
+use crate::cells::vector::{cross, dot};
+use crate::survey::static_geometry::StaticGeometry;
 use serde::{Deserialize, Serialize};
 use tremie_geometry::{Frame, Surface, principal};
 use tremie_messages::scene::{Motion, PartBoundary, Pose, Scene};
@@ -120,7 +119,7 @@ impl PlacedExtent<'_> {
         let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let (_, turned) = principal(&self.surface.mesh().moments().inertia);
         let sorted = [own, turned.map(<[f64; 3]>::from)].map(|axes| {
-            let mut widths = axes.map(|axis| width_along(self.surface, axis) / cell);
+            let mut widths = axes.map(|axis| self.surface.width_along(axis) / cell);
             widths.sort_by(f64::total_cmp);
             widths
         });
@@ -269,7 +268,6 @@ fn length(a: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::parameters::Parameters;
     use tremie_messages::scene::{Domain, Face, FluidMaterial, Geometry, Part};
 
     /// A box of 40 cells of 1 m between walls, along z periodic, with parts.
@@ -279,9 +277,7 @@ mod tests {
         let fluid = FluidMaterial::at_rest(1.0, 0.1);
         let domain = Domain::new([0.0; 3], [40.0; 3], faces);
         let scene = Scene { fluid: Some(fluid), parts, ..Scene::empty(domain) };
-        let parameters: Parameters =
-            serde_json::from_value(serde_json::json!({ "cell": "1 m" })).unwrap();
-        parameters.resolve(&scene).unwrap().thin_parts
+        thin_parts(&scene, &StaticGeometry::in_unit_cells(&scene))
     }
 
     fn part(geometry: Geometry, position: [f64; 3]) -> Part {

@@ -1,9 +1,9 @@
 //! Space of grains: they start in the fluid, and get to where they leave.
 
-use crate::domain::leak::narrowest;
-use crate::domain::solids::Centres;
-use crate::domain::static_geometry::StaticGeometry;
-use crate::domain::voxels::unreached;
+use crate::cells::centres::Centres;
+use crate::survey::leak::narrowest;
+use crate::survey::static_geometry::StaticGeometry;
+use crate::survey::voxels::unreached;
 use serde::{Deserialize, Serialize};
 use tremie_messages::Finding;
 use tremie_messages::finding::short;
@@ -85,7 +85,7 @@ pub fn throat(scene: &Scene, ground: &StaticGeometry) -> Option<Throat> {
         solid[*k] == 0 && scene.outlets.iter().any(|o| o.holds(centres.of(ground.grid.at(*k))))
     };
     let to: Vec<usize> = (0..ground.grid.len()).filter(leaves).collect();
-    let found = narrowest(&ground.grid, &ground.voxels.obstacles, &from, &to)?;
+    let found = narrowest(&ground.grid, ground.voxels.links, &ground.voxels.obstacles, &from, &to)?;
     let (width, place) = (found.width * centres.cell, centres.of(found.at));
     Some(Throat { width, place, largest, cell: centres.cell })
 }
@@ -138,7 +138,6 @@ impl Throat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::parameters::Parameters;
     use tremie_messages::Verdict;
     use tremie_messages::scene::{
         Diameters, Domain, Face, FluidMaterial, Geometry, Outlet, Packing, Part, PartBoundary, Pose,
@@ -181,7 +180,7 @@ mod tests {
     }
 
     fn ground(scene: &Scene) -> StaticGeometry {
-        Parameters::with_cell(1.0).survey(scene).unwrap().1
+        StaticGeometry::in_unit_cells(scene)
     }
 
     #[test]

@@ -1,0 +1,8 @@
+//! The box of cells.
+
+pub mod centres;
+pub mod grid;
+pub mod links;
+pub mod obstacles;
+pub mod vector;
+pub mod whole_cells;
