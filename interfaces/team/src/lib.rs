@@ -13,6 +13,7 @@
 mod choice;
 pub mod instructions;
 mod pieces;
+pub mod simd;
 
 pub use choice::{Choice, Found};
 pub use instructions::Variant;

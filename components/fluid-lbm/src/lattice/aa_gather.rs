@@ -4,8 +4,8 @@ use crate::lattice::collision::AHEAD;
 use crate::lattice::collision_kernel::{Sweep, all_lanes};
 use crate::lattice::contiguous_lines::LineRun;
 use crate::lattice::d3q19::Q;
+use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Real, prefetch, prefetch_early};
-use crate::lattice::simd::SimdVector;
 
 /// Lines after a run whose pieces are asked for before it. Whole lines need no such help: the lines before ask
 /// for what follows their own places.
@@ -65,7 +65,7 @@ impl<T: Real> Scratch<T> {
     /// # Safety
     /// As for [`crate::lattice::collision_kernel::Kernel`]; the line is one of the sweep.
     #[inline(always)]
-    pub unsafe fn gather<V: SimdVector<Scalar = T>>(
+    pub unsafe fn gather<V: LatticeVector<Scalar = T>>(
         &mut self,
         sweep: &Sweep<T>,
         line: usize,
@@ -102,7 +102,7 @@ impl<T: Real> Scratch<T> {
     /// # Safety
     /// As for [`Scratch::gather`].
     #[inline(always)]
-    pub unsafe fn scatter<V: SimdVector<Scalar = T>>(&self, sweep: &Sweep<T>, line: usize) {
+    pub unsafe fn scatter<V: LatticeVector<Scalar = T>>(&self, sweep: &Sweep<T>, line: usize) {
         let base = sweep.field.base();
         of_pieces!(sweep, line, |pieces| {
             let i = usize::from(pieces[0].dir);

@@ -6,11 +6,11 @@ use crate::lattice::aa_rows::RowEnd;
 use crate::lattice::collision::{After, Populations};
 use crate::lattice::collision_kernel::{Sweep, all_lanes};
 use crate::lattice::d3q19::C;
+use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Real, prefetch};
-use crate::lattice::simd::SimdVector;
 
 /// The populations of a line at an end of a row, the upper or the lower one.
-pub struct AtEnd<'a, V: SimdVector, const UPPER: bool> {
+pub struct AtEnd<'a, V: LatticeVector, const UPPER: bool> {
     /// Places of the line; not those of the cell at the end, in directions that come from beyond.
     line: After<'a, V::Scalar>,
     /// Places of that cell in these directions, as those of a whole line that holds it in its lane.
@@ -41,7 +41,7 @@ pub fn ask<T: Real>(sweep: &Sweep<T>, line: usize) {
     }
 }
 
-impl<'a, V: SimdVector, const UPPER: bool> AtEnd<'a, V, UPPER> {
+impl<'a, V: LatticeVector, const UPPER: bool> AtEnd<'a, V, UPPER> {
     const END: RowEnd = if UPPER { RowEnd::Upper } else { RowEnd::Lower };
     /// Bits of the other lanes, and that of the cell.
     const LANES: [u32; 2] = {
@@ -75,7 +75,7 @@ const fn is_from_beyond<const UPPER: bool>(i: usize) -> bool {
     C[i][0] == if UPPER { -1 } else { 1 }
 }
 
-impl<V: SimdVector, const UPPER: bool> Populations<V> for AtEnd<'_, V, UPPER> {
+impl<V: LatticeVector, const UPPER: bool> Populations<V> for AtEnd<'_, V, UPPER> {
     #[inline(always)]
     unsafe fn load(&self, i: usize) -> V {
         // SAFETY: by contract.

@@ -22,8 +22,8 @@ pub mod operators;
 mod relaxation;
 
 use crate::lattice::d3q19::{C_F64, OPPOSITE, Q, W, dot};
+use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Real, prefetch_early};
-use crate::lattice::simd::SimdVector;
 use operators::CollisionOperator;
 pub use relaxation::relax;
 
@@ -104,7 +104,7 @@ pub struct Constants<V> {
     magic: V,
 }
 
-impl<V: SimdVector> Constants<V> {
+impl<V: LatticeVector> Constants<V> {
     /// The constants in vectors.
     ///
     /// # Safety
@@ -191,7 +191,7 @@ pub struct Moments<V> {
     pub rates: RelaxationRates<V>,
 }
 
-impl<V: SimdVector> Moments<V> {
+impl<V: LatticeVector> Moments<V> {
     /// The same with zeros in the lanes that `mask` lacks, in all that is summed up.
     #[inline(always)]
     pub fn keep(self, mask: V::Mask) -> Self {
@@ -217,7 +217,7 @@ pub struct Equilibrium<V> {
 }
 
 /// Places of the populations of a vector of cells.
-pub trait Populations<V: SimdVector> {
+pub trait Populations<V: LatticeVector> {
     /// Those of a direction.
     ///
     /// # Safety
@@ -233,7 +233,7 @@ pub trait Populations<V: SimdVector> {
 /// So many numbers after these places.
 pub struct After<'a, T>(pub &'a [*mut T; Q], pub usize);
 
-impl<V: SimdVector> Populations<V> for After<'_, V::Scalar> {
+impl<V: LatticeVector> Populations<V> for After<'_, V::Scalar> {
     #[inline(always)]
     unsafe fn load(&self, i: usize) -> V {
         // SAFETY: by contract.
@@ -267,7 +267,7 @@ pub fn ask_ahead<T: Real>(places: &[*mut T; Q], x: usize) {
 /// # Safety
 /// As for [`Populations::load`].
 #[inline(always)]
-pub unsafe fn measure<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
+pub unsafe fn measure<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     populations: &impl Populations<V>,
     k: &Constants<V>,
 ) -> Moments<V> {
@@ -340,7 +340,7 @@ pub unsafe fn measure<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
 
 /// `a.a`.
 #[inline(always)]
-fn square<V: SimdVector>(a: &[V; 3]) -> V {
+fn square<V: LatticeVector>(a: &[V; 3]) -> V {
     a[2].mul_add(a[2], a[1].mul_add(a[1], a[0] * a[0]))
 }
 
@@ -358,7 +358,7 @@ pub struct RelaxationRates<V> {
 /// `Pi_ab Pi_ab` from `sum_i c_ia c_ib h_i`, in equilibrium `drho/3 + rho u_a u_a` and `rho u_a u_b`; `momentum` is
 /// `2/3 rho u`.
 #[inline(always)]
-fn stress2<V: SimdVector, const FORCED: bool>(
+fn stress2<V: LatticeVector, const FORCED: bool>(
     drho: V,
     normal: [V; 3],
     shear: [V; 3],

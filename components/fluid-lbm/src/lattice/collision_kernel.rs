@@ -11,15 +11,16 @@ use crate::lattice::collision::operators::{CollisionOperator, SingleTime, Smagor
 use crate::lattice::collision::{Constants, Relaxation};
 use crate::lattice::contiguous_lines::{self, LineRun};
 use crate::lattice::halfway_bounce_back::HalfwayLinks;
+use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Field, Real};
 use crate::lattice::reductions::{CellStatistics, StatisticsSums};
 use crate::lattice::reflection_impulse::ReflectionImpulse;
-#[cfg(target_arch = "x86_64")]
-use crate::lattice::simd::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
-use crate::lattice::simd::{Portable, SimdVector};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use tremie_team::Variant;
+use tremie_team::simd::{Portable, SimdVector};
+#[cfg(target_arch = "x86_64")]
+use tremie_team::simd::{Avx2F32, Avx2F64, Avx512F32, Avx512F64};
 
 /// Consecutive lines that are one item of work, and what their collision found.
 #[derive(Clone, Debug)]
@@ -186,7 +187,7 @@ kernels!(f32, Portable<f32, 4>, Avx2F32, Avx512F32);
 
 /// The body of every kernel. See [`Kernel`] for the contract.
 #[inline(always)]
-unsafe fn work<V: SimdVector>(
+unsafe fn work<V: LatticeVector>(
     sweep: &Sweep<V::Scalar>,
     number: usize,
     block: &mut CellBlock,
@@ -201,7 +202,7 @@ unsafe fn work<V: SimdVector>(
 
 /// Collides and streams lines, in runs within which the places of a line follow those of the line before.
 #[inline(always)]
-unsafe fn sweep_lines<V: SimdVector>(
+unsafe fn sweep_lines<V: LatticeVector>(
     sweep: &Sweep<V::Scalar>,
     lines: Range<usize>,
     run: RunKernel<V>,
@@ -245,7 +246,7 @@ unsafe fn sweep_lines<V: SimdVector>(
 }
 
 /// The bits of all lanes of a vector.
-pub const fn all_lanes<V: SimdVector>() -> u32 {
+pub const fn all_lanes<V: LatticeVector>() -> u32 {
     u32::MAX >> (32 - V::N)
 }
 
@@ -254,7 +255,7 @@ pub const fn all_lanes<V: SimdVector>() -> u32 {
 /// # Safety
 /// The line has bits.
 #[inline(always)]
-pub unsafe fn line_bits<V: SimdVector>(fluid: &[u8], line: usize) -> u32 {
+pub unsafe fn line_bits<V: LatticeVector>(fluid: &[u8], line: usize) -> u32 {
     debug_assert!((line + 1) * V::Scalar::LINE <= 8 * fluid.len());
     // SAFETY: by contract.
     unsafe {

@@ -8,9 +8,9 @@ use crate::lattice::collision::{
 };
 use crate::lattice::collision_kernel::{Sweep, all_lanes, line_bits};
 use crate::lattice::d3q19::Q;
+use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::Real;
 use crate::lattice::reductions::{Held, StatisticsSums};
-use crate::lattice::simd::SimdVector;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{Ordering::SeqCst, compiler_fence};
@@ -65,7 +65,7 @@ impl<T: Real> LineRun<T> {
 /// As for [`crate::lattice::collision_kernel::Kernel`]; so many lines of numbers may be read and written from each place on, and in lanes of
 /// cells these belong to the line.
 #[inline(always)]
-pub unsafe fn collide<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
+pub unsafe fn collide<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &LineRun<V::Scalar>,
     k: &Constants<V>,
@@ -132,7 +132,7 @@ pub unsafe fn collide<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
 /// # Safety
 /// As for [`collide`].
 #[inline(always)]
-pub unsafe fn collide_line<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
+pub unsafe fn collide_line<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     (line, lanes): (usize, u32),
     populations: &impl Populations<V>,
@@ -152,7 +152,7 @@ pub unsafe fn collide_line<V: SimdVector, O: CollisionOperator, const FORCED: bo
 
 /// Measures the vector `x` cells from the beginning of a line, with fluid in some lanes.
 #[inline(always)]
-unsafe fn measure_vector<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
+unsafe fn measure_vector<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     (line, x, lanes): (usize, usize, u32),
     populations: &impl Populations<V>,
@@ -176,7 +176,7 @@ unsafe fn measure_vector<V: SimdVector, O: CollisionOperator, const FORCED: bool
 
 /// Relaxes a vector with fluid in some lanes.
 #[inline(always)]
-unsafe fn relax_vector<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
+unsafe fn relax_vector<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     lanes: u32,
     populations: &impl Populations<V>,
     to: (&Equilibrium<V>, &RelaxationRates<V>),
@@ -208,7 +208,7 @@ struct Measured<V> {
     rates: [MaybeUninit<RelaxationRates<V>>; VECTORS],
 }
 
-impl<V: SimdVector> Measured<V> {
+impl<V: LatticeVector> Measured<V> {
     fn new() -> Self {
         const { assert!(LINES_TOGETHER * V::Scalar::LINE <= VECTORS * V::N) };
         Self { targets: [MaybeUninit::uninit(); VECTORS], rates: [MaybeUninit::uninit(); VECTORS] }
@@ -217,7 +217,7 @@ impl<V: SimdVector> Measured<V> {
 
 /// Measures lines of a run, see [`collide`].
 #[inline(always)]
-unsafe fn measure_lines<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
+unsafe fn measure_lines<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &LineRun<V::Scalar>,
     lines: Range<usize>,
@@ -259,7 +259,7 @@ unsafe fn measure_lines<V: SimdVector, O: CollisionOperator, const FORCED: bool>
 
 /// Relaxes lines of a run that were measured, see [`collide`].
 #[inline(always)]
-unsafe fn relax_lines<V: SimdVector, O: CollisionOperator, const FORCED: bool>(
+unsafe fn relax_lines<V: LatticeVector, O: CollisionOperator, const FORCED: bool>(
     sweep: &Sweep<V::Scalar>,
     run: &LineRun<V::Scalar>,
     lines: Range<usize>,

@@ -18,5 +18,4 @@ pub mod momentum_exchange;
 pub mod populations;
 pub mod reductions;
 pub mod reflection_impulse;
-pub mod simd;
 pub mod units;

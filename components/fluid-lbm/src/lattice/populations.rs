@@ -11,6 +11,7 @@ use crate::lattice::d3q19::Q;
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+use tremie_team::simd::SimdVector;
 
 /// A number of storage and collision: `f64` or `f32`.
 pub trait Real: Copy + Send + Sync + PartialOrd + std::fmt::Debug + 'static {
@@ -27,6 +28,11 @@ pub trait Real: Copy + Send + Sync + PartialOrd + std::fmt::Debug + 'static {
     /// Writes without ordering.
     fn store(self, place: &Self::Atomic);
 }
+
+/// A vector of numbers that the lattice stores.
+pub trait LatticeVector: SimdVector<Scalar: Real> {}
+
+impl<V: SimdVector<Scalar: Real>> LatticeVector for V {}
 
 macro_rules! real {
     ($real:ty, $atomic:ty, $line:literal) => {

@@ -1,8 +1,8 @@
 //! Sums and extremes over cells, taken while they collide.
 
 use crate::lattice::collision::Moments;
+use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::Real;
-use crate::lattice::simd::SimdVector;
 
 /// Sums over the fluid cells of a block of lines, before their collision.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +75,7 @@ pub struct Held<V> {
     max_twice_tau: V,
 }
 
-impl<V: SimdVector> Held<V> {
+impl<V: LatticeVector> Held<V> {
     /// The same without what no line has.
     #[inline(always)]
     fn lines(&self) -> Self {
@@ -112,7 +112,7 @@ impl<V: SimdVector> Held<V> {
     }
 }
 
-impl<V: SimdVector> StatisticsSums<V> {
+impl<V: LatticeVector> StatisticsSums<V> {
     /// Of no cells.
     ///
     /// # Safety

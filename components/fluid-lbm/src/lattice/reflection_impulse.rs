@@ -10,8 +10,8 @@ use crate::lattice::aa_pattern::Reflection;
 use crate::lattice::cell_list::BoundaryId;
 use crate::lattice::d3q19::{C_F64, OPPOSITE, mirrored};
 use crate::lattice::ledger::add_scaled;
+use crate::lattice::populations::LatticeVector;
 use crate::lattice::populations::{Field, Real};
-use crate::lattice::simd::SimdVector;
 use std::ops::Range;
 
 /// Reflecting links of a block that share direction and fixture.
@@ -108,7 +108,7 @@ impl ReflectionImpulse {
     /// The processor has the variant's instructions; field and bits are those of the cells that the
     /// tally was made for; no other thread writes to the places.
     #[inline(always)]
-    pub unsafe fn sum<V: SimdVector>(
+    pub unsafe fn sum<V: LatticeVector>(
         &self,
         field: &Field<V::Scalar>,
         fluid: &[u8],

@@ -13,7 +13,8 @@
 //! and choose.
 
 use crate::contact::contact_force::Steps;
-use crate::math::simd::lanes::{Lane3, SimdLane};
+use crate::math::simd::lanes::Lane3;
+use tremie_team::simd::SimdLane;
 
 /// Motion of a contact's frame in the step before an evaluation, and whether the contact was there
 /// before.
@@ -82,7 +83,7 @@ impl<L: SimdLane> TangentialSpring<L> {
         if square.none_above(capacity) {
             return (trial, motion.ahead(xi, v));
         }
-        let slipping = trial * limit.over(square.sqrt());
+        let slipping = trial * (limit / square.sqrt());
         let pulled = (slipping + damping) * -self.inverse_k_t;
         let force = Lane3::at_most(square, capacity, trial, slipping);
         (force, motion.ahead(Lane3::at_most(square, capacity, xi, pulled), v))
@@ -105,7 +106,7 @@ impl<L: SimdLane> TangentialSpring<L> {
         if square.none_above(capacity) {
             return (trial, xi);
         }
-        let slip = limit.over(square.sqrt());
+        let slip = limit / square.sqrt();
         let force = Lane3::at_most(square, capacity, trial, trial * slip);
         (force, Lane3::at_most(square, capacity, xi, xi * slip))
     }
@@ -114,7 +115,7 @@ impl<L: SimdLane> TangentialSpring<L> {
 /// Time since two bodies met that overlap by `overlap` and approach at `v_n` [s]; at most `dt`.
 #[inline(always)]
 pub(crate) fn time_since_touch<L: SimdLane>(overlap: L, v_n: L, dt: f64) -> L {
-    overlap.less(v_n * v_n.all(dt), overlap.over(v_n), v_n.all(dt))
+    overlap.less(v_n * v_n.all(dt), overlap / v_n, v_n.all(dt))
 }
 
 /// The displacement `xi` across `old`, turned with the pair: by the rotation that takes the old
@@ -124,9 +125,9 @@ fn turned<L: SimdLane>(xi: Lane3<L>, old: Lane3<L>, n: Lane3<L>, angle: L) -> La
     let one = angle.all(1.0);
     // Rodrigues' formula between two unit vectors a, b, for xi normal to a:
     // R xi = xi - (xi.b)/(1 + a.b) (a + b)
-    let xi = xi - (old + n) * xi.dot(n).over(one + old.dot(n));
+    let xi = xi - (old + n) * (xi.dot(n) / (one + old.dot(n)));
     // Cayley's form of a rotation keeps lengths exactly and needs no trigonometric function.
     let t = angle.all(0.5) * angle;
     let cross = n.cross(xi);
-    xi + (cross - xi * t) * (angle.all(2.0) * t).over(one + t * t)
+    xi + (cross - xi * t) * (angle.all(2.0) * t / (one + t * t))
 }

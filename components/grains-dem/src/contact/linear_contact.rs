@@ -6,8 +6,9 @@ use crate::contact::contact_force::Steps;
 use crate::contact::contact_law::Law;
 use crate::contact::friction::{FrameMotion, TangentialSpring, time_since_touch};
 use crate::contact::springs::{Dashpot, Dashpots};
-use crate::math::simd::lanes::{Lane3, Plain, SimdLane};
+use crate::math::simd::lanes::{Lane3, Plain};
 use tremie_team::Variant;
+use tremie_team::simd::SimdLane;
 
 #[cfg(target_arch = "x86_64")]
 use crate::math::simd::lanes::Both;
@@ -80,7 +81,7 @@ impl LinearLaw {
         let like = b.root_mass;
         let (zero, half, one) = (like.all(0.0), like.all(0.5), like.all(1.0));
         let distance = b.d.dot(b.d).sqrt();
-        let n = b.d * one.over(distance);
+        let n = b.d * (one / distance);
         let overlap = b.radius_i + b.radius_j - distance;
         let (arm_i, arm_j) = (b.radius_i - half * overlap, b.radius_j - half * overlap);
         let velocity = b.v + (b.w_i * arm_i + b.w_j * arm_j).cross(n);
@@ -98,7 +99,7 @@ impl LinearLaw {
             tangential: Lane3::repeat(zero),
             force: f_n,
             overlap,
-            ratio: overlap.over(smaller),
+            ratio: overlap / smaller,
             xi: b.xi,
         };
         if self.mu > 0.0 {

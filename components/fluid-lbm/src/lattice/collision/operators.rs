@@ -5,7 +5,7 @@
 //! and its constants in [`Constants`].
 
 use super::{Constants, RelaxationRates};
-use crate::lattice::simd::SimdVector;
+use crate::lattice::populations::LatticeVector;
 
 /// A collision operator.
 pub trait CollisionOperator {
@@ -15,7 +15,7 @@ pub trait CollisionOperator {
     const IS_SINGLE: bool;
 
     /// Rates of cells with a stress `Pi_ab Pi_ab` and `3/(2 rho)`; asked where rates differ.
-    fn rates<V: SimdVector>(_stress2: V, _per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
+    fn rates<V: LatticeVector>(_stress2: V, _per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
         k.rates
     }
 }
@@ -51,7 +51,7 @@ impl<const SINGLE: bool> CollisionOperator for Smagorinsky<SINGLE> {
     const IS_SINGLE: bool = SINGLE;
 
     #[inline(always)]
-    fn rates<V: SimdVector>(stress2: V, per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
+    fn rates<V: LatticeVector>(stress2: V, per_rho: V, k: &Constants<V>) -> RelaxationRates<V> {
         let twice_tau =
             k.tau + (k.smagorinsky_rates * per_rho).mul_add(stress2.sqrt(), k.tau2).sqrt();
         let even = k.two / twice_tau;

@@ -5,7 +5,7 @@
 
 use super::operators::CollisionOperator;
 use super::{Constants, Equilibrium, Populations, RelaxationRates};
-use crate::lattice::simd::SimdVector;
+use crate::lattice::populations::LatticeVector;
 
 /// Along an axis and along a diagonal, which has half the weight.
 macro_rules! both {
@@ -47,12 +47,12 @@ macro_rules! each_pair {
 }
 
 /// Some lanes of the populations of a vector of cells.
-struct Vector<'a, V: SimdVector, P, const WHOLE: bool> {
+struct Vector<'a, V: LatticeVector, P, const WHOLE: bool> {
     populations: &'a P,
     mask: V::Mask,
 }
 
-impl<V: SimdVector, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WHOLE> {
+impl<V: LatticeVector, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WHOLE> {
     /// The populations of a direction.
     ///
     /// # Safety
@@ -83,7 +83,12 @@ impl<V: SimdVector, P: Populations<V>, const WHOLE: bool> Vector<'_, V, P, WHOLE
 /// # Safety
 /// As for [`Populations::store`].
 #[inline(always)]
-pub unsafe fn relax<V: SimdVector, O: CollisionOperator, const FORCED: bool, const WHOLE: bool>(
+pub unsafe fn relax<
+    V: LatticeVector,
+    O: CollisionOperator,
+    const FORCED: bool,
+    const WHOLE: bool,
+>(
     populations: &impl Populations<V>,
     mask: V::Mask,
     (target, rates): (&Equilibrium<V>, &RelaxationRates<V>),
@@ -102,7 +107,7 @@ pub unsafe fn relax<V: SimdVector, O: CollisionOperator, const FORCED: bool, con
 
 /// `rho e 2 v.a`, in `S+ = w rho e [6 (c.v)(c.a) - 2 v.a]`; the density where there is no acceleration.
 #[inline(always)]
-fn pull<V: SimdVector, const FORCED: bool>(
+fn pull<V: LatticeVector, const FORCED: bool>(
     &Equilibrium { v, rho, .. }: &Equilibrium<V>,
     k: &Constants<V>,
 ) -> V {
@@ -120,7 +125,7 @@ fn pull<V: SimdVector, const FORCED: bool>(
 /// ```
 #[inline(always)]
 unsafe fn relax_alike<
-    V: SimdVector,
+    V: LatticeVector,
     P: Populations<V>,
     O: CollisionOperator,
     const FORCED: bool,
@@ -175,7 +180,7 @@ unsafe fn relax_alike<
 /// with one time, and so for even and odd parts with two.
 #[inline(always)]
 unsafe fn relax_each<
-    V: SimdVector,
+    V: LatticeVector,
     P: Populations<V>,
     O: CollisionOperator,
     const FORCED: bool,

@@ -3,7 +3,7 @@
 use super::operators::{SingleTime, Smagorinsky, TwoTimes};
 use super::*;
 use crate::lattice::d3q19::equilibrium;
-use crate::lattice::simd::Portable;
+use tremie_team::simd::Portable;
 
 type One = Portable<f64, 1>;
 

@@ -1,10 +1,5 @@
 //! Registers of four numbers, and rows that become columns.
-//!
-//! # Invariant
-//! A [`Quad`] exists only where the processor has AVX2: only functions that demand it make one.
-//! Operations on values rely on that.
 
-use crate::math::simd::lanes::lane_of_register;
 use core::arch::x86_64::*;
 
 /// Numbers in a register.
@@ -25,13 +20,4 @@ pub(crate) fn transposed(r: [__m256d; QUAD]) -> [__m256d; QUAD] {
 }
 
 /// Four numbers in a register.
-#[derive(Clone, Copy)]
-pub(crate) struct Quad(pub __m256d);
-
-lane_of_register!(
-    Quad,
-    _mm256_set1_pd _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd _mm256_max_pd,
-    negated(a) _mm256_xor_pd(a, _mm256_set1_pd(-0.0)),
-    less(a, b, yes, no) _mm256_blendv_pd(no, yes, _mm256_cmp_pd::<_CMP_LT_OQ>(a, b)),
-    at_most(a, b, yes, no) _mm256_blendv_pd(no, yes, _mm256_cmp_pd::<_CMP_LE_OQ>(a, b))
-);
+pub(crate) use tremie_team::simd::Avx2F64 as Quad;

@@ -1,10 +1,6 @@
 //! Registers of eight numbers, and rows that become columns.
-//!
-//! # Invariant
-//! A [`Wide`] exists only where the processor has AVX-512: only functions that demand it make one.
-//! Operations on values rely on that.
 
-use crate::math::simd::lanes::{LANES, lane_of_register};
+use crate::math::simd::lanes::LANES;
 use core::arch::x86_64::*;
 
 /// Rows to columns.
@@ -80,13 +76,4 @@ pub(crate) fn rows([x, y, z]: [__m512d; 3]) -> [__m256d; LANES] {
 }
 
 /// Eight numbers in a register.
-#[derive(Clone, Copy)]
-pub(crate) struct Wide(pub __m512d);
-
-lane_of_register!(
-    Wide,
-    _mm512_set1_pd _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_max_pd,
-    negated(a) _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(a), _mm512_set1_epi64(i64::MIN))),
-    less(a, b, yes, no) _mm512_mask_mov_pd(no, _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b), yes),
-    at_most(a, b, yes, no) _mm512_mask_mov_pd(no, _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b), yes)
-);
+pub(crate) use tremie_team::simd::Avx512F64 as Wide;

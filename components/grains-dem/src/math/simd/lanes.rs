@@ -1,76 +1,17 @@
-//! Numbers of several contacts side by side: what one formula does to all of them at once.
+//! Vectors of several contacts side by side: what one formula does to all of them at once.
 //!
-//! A formula is written once over [`SimdLane`]: plain arrays, and loops over them that compilers
-//! turn into vector instructions where the function around them is compiled with these, or
-//! registers. Every operation is rounded once, as on single numbers, and nothing is summed across
-//! lanes: so contacts side by side give the bits that they give one by one.
+//! A formula is written once over [`SimdLane`]: single numbers, plain arrays, and loops over them that
+//! compilers turn into vector instructions where the function around them is compiled with these, or
+//! registers. So contacts side by side give the bits that they give one by one.
 
 use crate::Vec3;
+#[cfg(target_arch = "x86_64")]
+use core::ops::Div;
 use core::ops::{Add, Mul, Neg, Sub};
+use tremie_team::simd::{Portable, SimdLane};
 
 /// Contacts side by side.
 pub(crate) const LANES: usize = 8;
-
-/// A number of each contact.
-pub(crate) trait SimdLane:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
-{
-    /// `value` of each contact, in the manner of `self`.
-    fn all(self, value: f64) -> Self;
-    fn sqrt(self) -> Self;
-    fn over(self, other: Self) -> Self;
-    /// The number where it is positive, else 0.
-    fn positive(self) -> Self;
-    /// `yes` where this is less than `other`, else `no`.
-    fn less(self, other: Self, yes: Self, no: Self) -> Self;
-    /// `yes` where this is no more than `other`, else `no`.
-    fn at_most(self, other: Self, yes: Self, no: Self) -> Self;
-
-    /// True if a formula may skip the terms that only numbers above `other` need. Always false for
-    /// several lanes side by side, which do not test.
-    #[inline(always)]
-    fn none_above(self, _: Self) -> bool {
-        false
-    }
-}
-
-/// A contact alone.
-impl SimdLane for f64 {
-    #[inline(always)]
-    fn all(self, value: f64) -> Self {
-        value
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        self / other
-    }
-
-    #[inline(always)]
-    fn positive(self) -> Self {
-        if self > 0.0 { self } else { 0.0 }
-    }
-
-    #[inline(always)]
-    fn less(self, other: Self, yes: Self, no: Self) -> Self {
-        if self < other { yes } else { no }
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
-        if self <= other { yes } else { no }
-    }
-
-    #[inline(always)]
-    fn none_above(self, other: Self) -> bool {
-        self <= other
-    }
-}
 
 /// A vector of each contact.
 #[derive(Clone, Copy, Debug)]
@@ -81,90 +22,7 @@ pub(crate) struct Lane3<L> {
 }
 
 /// Numbers in a plain array.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Plain(pub [f64; LANES]);
-
-/// Implements an operation lane by lane, without a closure, which would not inherit the
-/// instructions that the function around it may use.
-macro_rules! by_lane {
-    ($l:ident => $value:expr) => {{
-        let mut out = [0.0; LANES];
-        let mut $l = 0;
-        while $l < LANES {
-            out[$l] = $value;
-            $l += 1;
-        }
-        Plain(out)
-    }};
-}
-
-impl Plain {
-    pub const ZERO: Self = Self([0.0; LANES]);
-}
-
-impl SimdLane for Plain {
-    #[inline(always)]
-    fn all(self, value: f64) -> Self {
-        Self([value; LANES])
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        by_lane!(l => self.0[l].sqrt())
-    }
-
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        by_lane!(l => self.0[l] / other.0[l])
-    }
-
-    #[inline(always)]
-    fn positive(self) -> Self {
-        by_lane!(l => if self.0[l] > 0.0 { self.0[l] } else { 0.0 })
-    }
-
-    #[inline(always)]
-    fn less(self, other: Self, yes: Self, no: Self) -> Self {
-        by_lane!(l => if self.0[l] < other.0[l] { yes.0[l] } else { no.0[l] })
-    }
-
-    #[inline(always)]
-    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
-        by_lane!(l => if self.0[l] <= other.0[l] { yes.0[l] } else { no.0[l] })
-    }
-}
-
-impl Add for Plain {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        by_lane!(l => self.0[l] + other.0[l])
-    }
-}
-
-impl Sub for Plain {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        by_lane!(l => self.0[l] - other.0[l])
-    }
-}
-
-impl Mul for Plain {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        by_lane!(l => self.0[l] * other.0[l])
-    }
-}
-
-impl Neg for Plain {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        by_lane!(l => -self.0[l])
-    }
-}
+pub(crate) type Plain = Portable<f64, LANES>;
 
 /// Numbers of twice as many contacts: where one half waits for a root or a quotient, the other goes
 /// on.
@@ -181,10 +39,6 @@ impl<L: SimdLane> SimdLane for Both<L> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         Self(self.0.sqrt(), self.1.sqrt())
-    }
-    #[inline(always)]
-    fn over(self, other: Self) -> Self {
-        Self(self.0.over(other.0), self.1.over(other.1))
     }
     #[inline(always)]
     fn positive(self) -> Self {
@@ -228,6 +82,15 @@ impl<L: SimdLane> Mul for Both<L> {
 }
 
 #[cfg(target_arch = "x86_64")]
+impl<L: SimdLane> Div for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self(self.0 / other.0, self.1 / other.1)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
 impl<L: SimdLane> Neg for Both<L> {
     type Output = Self;
     #[inline(always)]
@@ -235,77 +98,6 @@ impl<L: SimdLane> Neg for Both<L> {
         Self(-self.0, -self.1)
     }
 }
-
-/// Implements [`SimdLane`] for a wrapped register by one intrinsic for each operation. Values of it
-/// exist only where the processor has the instructions.
-#[cfg(target_arch = "x86_64")]
-macro_rules! lane_of_register {
-    ($name:ident, $all:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $max:ident,
-     negated($a:ident) $negated:expr,
-     less($b:ident, $c:ident, $yes:ident, $no:ident) $less:expr,
-     at_most($d:ident, $e:ident, $yeah:ident, $nay:ident) $at_most:expr
-    ) => {
-        impl $crate::math::simd::lanes::SimdLane for $name {
-            #[inline(always)]
-            fn all(self, value: f64) -> Self {
-                // SAFETY: `self` exists, so the instructions do.
-                Self(unsafe { $all(value) })
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $sqrt(self.0) })
-            }
-            #[inline(always)]
-            fn over(self, other: Self) -> Self {
-                // SAFETY: as above.
-                Self(unsafe { $div(self.0, other.0) })
-            }
-            #[inline(always)]
-            fn positive(self) -> Self {
-                // The second operand where the first is not larger.
-                // SAFETY: as above.
-                Self(unsafe { $max(self.0, $all(0.0)) })
-            }
-            #[inline(always)]
-            fn less(self, other: Self, yes: Self, no: Self) -> Self {
-                let ($b, $c, $yes, $no) = (self.0, other.0, yes.0, no.0);
-                // SAFETY: as above.
-                Self(unsafe { $less })
-            }
-            #[inline(always)]
-            fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
-                let ($d, $e, $yeah, $nay) = (self.0, other.0, yes.0, no.0);
-                // SAFETY: as above.
-                Self(unsafe { $at_most })
-            }
-        }
-        impl core::ops::Neg for $name {
-            type Output = Self;
-            #[inline(always)]
-            fn neg(self) -> Self {
-                let $a = self.0;
-                // SAFETY: as above.
-                Self(unsafe { $negated })
-            }
-        }
-        $crate::math::simd::lanes::lane_of_register!(Add::add, $name, $add);
-        $crate::math::simd::lanes::lane_of_register!(Sub::sub, $name, $sub);
-        $crate::math::simd::lanes::lane_of_register!(Mul::mul, $name, $mul);
-    };
-    ($trait:ident :: $method:ident, $name:ident, $intrinsic:ident) => {
-        impl core::ops::$trait for $name {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                // SAFETY: the values exist, so the instructions do.
-                Self(unsafe { $intrinsic(self.0, other.0) })
-            }
-        }
-    };
-}
-#[cfg(target_arch = "x86_64")]
-pub(crate) use lane_of_register;
 
 impl From<Vec3> for Lane3<f64> {
     #[inline(always)]

@@ -1,25 +1,90 @@
-//! Vectors of numbers: one interface over AVX-512, AVX2 and plain arrays.
+//! Numbers side by side: one interface over AVX-512, AVX2, plain arrays and single numbers.
 //!
-//! A kernel is written once over [`SimdVector`] and compiled for each variant inside a function with
-//! that variant's `#[target_feature]`. Only additions, subtractions, multiplications, divisions, fused
-//! multiply-adds, square roots, minima and maxima exist here, each rounded once as IEEE 754 says, and the
-//! compiler fuses nothing by itself: so every variant yields the same bits. A processor without fused
-//! multiply-adds (x86-64 before 2013) has them done in software: the same bits, slowly.
+//! A formula is written once over [`SimdLane`], which single numbers have too; a kernel, which reads
+//! and writes memory, over [`SimdVector`]. Either is compiled for each variant inside a function
+//! with that variant's `#[target_feature]`. Only additions, subtractions, multiplications,
+//! divisions, fused multiply-adds, square roots, comparisons, minima and maxima exist here, each
+//! rounded once as IEEE 754 says. The compiler fuses nothing by itself, and nothing is summed across
+//! lanes: so every variant yields the same bits. A processor without fused multiply-adds (x86-64
+//! before 2013) has them done in software: the same bits, slowly.
 //!
 //! # Invariant
 //! A value of a vector type exists only where the processor has the instructions: `splat`, `load`
-//! and `mask`, the only ways to make one, are unsafe and demand it. Operations on values rely on
-//! that.
+//! and `mask`, and the registers that one may be made of, are unsafe to make and demand it.
+//! Operations on values rely on that.
 
-use crate::lattice::populations::Real;
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number of a vector: `f32` or `f64`.
+pub trait SimdScalar: Copy + Send + Sync + PartialOrd + std::fmt::Debug + 'static {}
+
+impl SimdScalar for f32 {}
+impl SimdScalar for f64 {}
+
+/// A number, or several side by side, in a formula.
+pub trait SimdLane:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// `value` in each lane, in the manner of `self`.
+    fn all(self, value: f64) -> Self;
+    /// Square root of each lane.
+    fn sqrt(self) -> Self;
+    /// The number where it is positive, else 0.
+    fn positive(self) -> Self;
+    /// `yes` where this is less than `other`, else `no`.
+    fn less(self, other: Self, yes: Self, no: Self) -> Self;
+    /// `yes` where this is no more than `other`, else `no`.
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self;
+
+    /// True if a formula may skip the terms that only numbers above `other` need. Always false for
+    /// several lanes side by side, which do not test.
+    #[inline(always)]
+    fn none_above(self, _: Self) -> bool {
+        false
+    }
+}
+
+impl SimdLane for f64 {
+    #[inline(always)]
+    fn all(self, value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn positive(self) -> Self {
+        if self > 0.0 { self } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self, yes: Self, no: Self) -> Self {
+        if self < other { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+        if self <= other { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn none_above(self, other: Self) -> bool {
+        self <= other
+    }
+}
 
 /// A vector of `N` numbers.
-pub trait SimdVector:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
+pub trait SimdVector: SimdLane {
     /// The number.
-    type Scalar: Real;
+    type Scalar: SimdScalar;
     /// Selection of lanes.
     type Mask: Copy;
     /// Number of lanes.
@@ -56,8 +121,6 @@ pub trait SimdVector:
     fn mul_sub(self, factor: Self, subtrahend: Self) -> Self;
     /// `minuend - self * factor`, rounded once.
     fn mul_from(self, factor: Self, minuend: Self) -> Self;
-    /// Square root of each lane.
-    fn sqrt(self) -> Self;
     /// Mask of the lanes whose bit is set; bit 0 is the first lane.
     ///
     /// # Safety
@@ -119,7 +182,12 @@ macro_rules! operator {
 
 /// An array as a vector, for any processor.
 #[derive(Clone, Copy, Debug)]
-pub struct Portable<T, const N: usize>([T; N]);
+pub struct Portable<T, const N: usize>(pub [T; N]);
+
+impl<const N: usize> Portable<f64, N> {
+    /// All lanes 0.
+    pub const ZERO: Self = Self([0.0; N]);
+}
 
 /// Implements an operation on arrays lane by lane, without a closure (which would not inherit the
 /// features of its surroundings).
@@ -145,6 +213,49 @@ macro_rules! portable {
         operator!([const N: usize] Portable<$real, N>, Sub::sub(a, b) => by_lane!(a, b, x, y => x - y));
         operator!([const N: usize] Portable<$real, N>, Mul::mul(a, b) => by_lane!(a, b, x, y => x * y));
         operator!([const N: usize] Portable<$real, N>, Div::div(a, b) => by_lane!(a, b, x, y => x / y));
+
+        impl<const N: usize> Neg for Portable<$real, N> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                by_lane!(self, self, x, _y => -x)
+            }
+        }
+
+        impl<const N: usize> SimdLane for Portable<$real, N> {
+            #[inline(always)]
+            fn all(self, value: f64) -> Self {
+                Self([value as $real; N])
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                by_lane!(self, self, x, _y => x.sqrt())
+            }
+            #[inline(always)]
+            fn positive(self) -> Self {
+                by_lane!(self, self, x, _y => if x > 0.0 { x } else { 0.0 })
+            }
+            #[inline(always)]
+            fn less(self, other: Self, yes: Self, no: Self) -> Self {
+                let mut out = no;
+                let mut k = 0;
+                while k < N {
+                    out.0[k] = if self.0[k] < other.0[k] { yes.0[k] } else { no.0[k] };
+                    k += 1;
+                }
+                out
+            }
+            #[inline(always)]
+            fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+                let mut out = no;
+                let mut k = 0;
+                while k < N {
+                    out.0[k] = if self.0[k] <= other.0[k] { yes.0[k] } else { no.0[k] };
+                    k += 1;
+                }
+                out
+            }
+        }
 
         impl<const N: usize> SimdVector for Portable<$real, N> {
             type Scalar = $real;
@@ -202,16 +313,6 @@ macro_rules! portable {
                 by_lane!(self, factor, minuend, x, y, z => (-x).mul_add(y, z))
             }
             #[inline(always)]
-            fn sqrt(self) -> Self {
-                let mut out = self;
-                let mut k = 0;
-                while k < N {
-                    out.0[k] = self.0[k].sqrt();
-                    k += 1;
-                }
-                out
-            }
-            #[inline(always)]
             unsafe fn mask(bits: u32) -> u32 {
                 bits
             }
@@ -267,11 +368,13 @@ mod x86 {
          store_lanes($new:ident, $to:ident, $written:ident) $store_lanes:expr,
          mask($bits:ident) $make_mask:expr,
          keep($value:ident, $lanes:ident) $keep:expr,
-         add_to($sum_value:ident, $sums:ident) $add_to:expr
+         add_to($sum_value:ident, $sums:ident) $add_to:expr,
+         negated($negative:ident) $negated:expr,
+         choose($chosen:ident, $over:ident, $yes:ident, $no:ident) less $less:expr, at_most $at_most:expr
         ) => {
             $(#[$doc])*
             #[derive(Clone, Copy, Debug)]
-            pub struct $name($register);
+            pub struct $name(pub $register);
 
             operator!([] $name, Add::add(a, b) => {
                 // SAFETY: the values exist, so the instructions do.
@@ -289,6 +392,47 @@ mod x86 {
                 // SAFETY: the values exist, so the instructions do.
                 Self(unsafe { $div(a.0, b.0) })
             });
+
+            impl Neg for $name {
+                type Output = Self;
+                #[inline(always)]
+                fn neg(self) -> Self {
+                    let $negative = self.0;
+                    // SAFETY: the value exists, so the instructions do.
+                    Self(unsafe { $negated })
+                }
+            }
+
+            impl SimdLane for $name {
+                #[inline(always)]
+                fn all(self, value: f64) -> Self {
+                    // SAFETY: `self` exists, so the instructions do.
+                    Self(unsafe { $splat(value as $real) })
+                }
+                #[inline(always)]
+                fn sqrt(self) -> Self {
+                    // SAFETY: the value exists, so the instructions do.
+                    Self(unsafe { $sqrt(self.0) })
+                }
+                #[inline(always)]
+                fn positive(self) -> Self {
+                    // The second operand where the first is not larger.
+                    // SAFETY: the value exists, so the instructions do.
+                    Self(unsafe { $max(self.0, $splat(0.0)) })
+                }
+                #[inline(always)]
+                fn less(self, other: Self, yes: Self, no: Self) -> Self {
+                    let ($chosen, $over, $yes, $no) = (self.0, other.0, yes.0, no.0);
+                    // SAFETY: the values exist, so the instructions do.
+                    Self(unsafe { $less })
+                }
+                #[inline(always)]
+                fn at_most(self, other: Self, yes: Self, no: Self) -> Self {
+                    let ($chosen, $over, $yes, $no) = (self.0, other.0, yes.0, no.0);
+                    // SAFETY: the values exist, so the instructions do.
+                    Self(unsafe { $at_most })
+                }
+            }
 
             impl SimdVector for $name {
                 type Scalar = $real;
@@ -338,11 +482,6 @@ mod x86 {
                     Self(unsafe { $mul_from(self.0, factor.0, minuend.0) })
                 }
                 #[inline(always)]
-                fn sqrt(self) -> Self {
-                    // SAFETY: the value exists, so the instructions do.
-                    Self(unsafe { $sqrt(self.0) })
-                }
-                #[inline(always)]
                 unsafe fn mask($bits: u32) -> $mask {
                     $make_mask
                 }
@@ -382,7 +521,11 @@ mod x86 {
         store_lanes(v, to, lanes) _mm512_mask_storeu_pd(to, lanes as __mmask8, v),
         mask(bits) bits as __mmask8,
         keep(v, lanes) _mm512_maskz_mov_pd(lanes, v),
-        add_to(v, sums) _mm512_storeu_pd(sums, _mm512_add_pd(_mm512_loadu_pd(sums), v))
+        add_to(v, sums) _mm512_storeu_pd(sums, _mm512_add_pd(_mm512_loadu_pd(sums), v)),
+        negated(a) _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(a), _mm512_set1_epi64(i64::MIN))),
+        choose(a, b, yes, no)
+            less _mm512_mask_mov_pd(no, _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b), yes),
+            at_most _mm512_mask_mov_pd(no, _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b), yes)
     }
 
     register! {
@@ -402,7 +545,11 @@ mod x86 {
             _mm512_storeu_pd(sums, _mm512_add_pd(_mm512_loadu_pd(sums), low));
             let sums = sums.add(8);
             _mm512_storeu_pd(sums, _mm512_add_pd(_mm512_loadu_pd(sums), high))
-        }
+        },
+        negated(a) _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(a), _mm512_set1_epi32(i32::MIN))),
+        choose(a, b, yes, no)
+            less _mm512_mask_mov_ps(no, _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b), yes),
+            at_most _mm512_mask_mov_ps(no, _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b), yes)
     }
 
     register! {
@@ -427,7 +574,11 @@ mod x86 {
             _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, lane))
         },
         keep(v, lanes) _mm256_and_pd(v, lanes),
-        add_to(v, sums) _mm256_storeu_pd(sums, _mm256_add_pd(_mm256_loadu_pd(sums), v))
+        add_to(v, sums) _mm256_storeu_pd(sums, _mm256_add_pd(_mm256_loadu_pd(sums), v)),
+        negated(a) _mm256_xor_pd(a, _mm256_set1_pd(-0.0)),
+        choose(a, b, yes, no)
+            less _mm256_blendv_pd(no, yes, _mm256_cmp_pd::<_CMP_LT_OQ>(a, b)),
+            at_most _mm256_blendv_pd(no, yes, _mm256_cmp_pd::<_CMP_LE_OQ>(a, b))
     }
 
     register! {
@@ -458,6 +609,79 @@ mod x86 {
             _mm256_storeu_pd(sums, _mm256_add_pd(_mm256_loadu_pd(sums), low));
             let sums = sums.add(4);
             _mm256_storeu_pd(sums, _mm256_add_pd(_mm256_loadu_pd(sums), high))
+        },
+        negated(a) _mm256_xor_ps(a, _mm256_set1_ps(-0.0)),
+        choose(a, b, yes, no)
+            less _mm256_blendv_ps(no, yes, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b)),
+            at_most _mm256_blendv_ps(no, yes, _mm256_cmp_ps::<_CMP_LE_OQ>(a, b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of both signs and many sizes, some of them equal.
+    fn numbers(seed: u64) -> [f64; 16] {
+        let mut state = seed;
+        std::array::from_fn(|k| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let value = (state >> 40) as f64 / 65_536.0 - 128.0;
+            if k % 5 == 0 { 1.5 } else { value }
+        })
+    }
+
+    /// What a vector does to all lanes is what single numbers do, to the bit.
+    ///
+    /// # Safety
+    /// The processor has the instructions.
+    unsafe fn agrees_with_single_numbers<V: SimdVector<Scalar = f64>>() {
+        for seed in 0..50 {
+            let (a, b, c) = (numbers(seed), numbers(seed + 1000), numbers(seed + 2000));
+            // SAFETY: by contract; the arrays are longer than any vector.
+            let [x, y, z] = [&a, &b, &c].map(|v| unsafe { V::load(v.as_ptr()) });
+            let same = |found: V, of: &dyn Fn(f64, f64, f64) -> f64| {
+                let mut lanes = [0.0; 16];
+                // SAFETY: as above.
+                unsafe { found.store(lanes.as_mut_ptr()) };
+                for k in 0..V::N {
+                    let wanted = of(a[k], b[k], c[k]);
+                    assert_eq!(lanes[k].to_bits(), wanted.to_bits(), "lane {k}");
+                }
+            };
+            same(x + y, &|x, y, _| x + y);
+            same(x - y, &|x, y, _| x - y);
+            same(x * y, &|x, y, _| x * y);
+            same(x / y, &|x, y, _| x / y);
+            same(-x, &|x, _, _| -x);
+            same((x * x).sqrt(), &|x, _, _| (x * x).sqrt());
+            same(x.positive(), &|x, _, _| SimdLane::positive(x));
+            same(x.less(y, z, x), &|x, y, z| SimdLane::less(x, y, z, x));
+            same(x.at_most(y, z, x), &|x, y, z| SimdLane::at_most(x, y, z, x));
+            same(x.all(0.1), &|_, _, _| 0.1);
+            same(x.mul_add(y, z), &|x, y, z| x.mul_add(y, z));
+            same(x.mul_sub(y, z), &|x, y, z| x.mul_add(y, -z));
+            same(x.mul_from(y, z), &|x, y, z| (-x).mul_add(y, z));
+            same(x.min(y), &|x, y, _| if x < y { x } else { y });
+            same(x.max(y), &|x, y, _| if x > y { x } else { y });
+        }
+    }
+
+    #[test]
+    fn every_variant_gives_the_bits_of_single_numbers() {
+        // SAFETY: arrays are everywhere.
+        unsafe { agrees_with_single_numbers::<Portable<f64, 8>>() };
+        #[cfg(target_arch = "x86_64")]
+        {
+            use crate::Variant;
+            if Variant::Avx2.available() {
+                // SAFETY: the processor has the instructions.
+                unsafe { agrees_with_single_numbers::<Avx2F64>() };
+            }
+            if Variant::Avx512.available() {
+                // SAFETY: the processor has the instructions.
+                unsafe { agrees_with_single_numbers::<Avx512F64>() };
+            }
         }
     }
 }
